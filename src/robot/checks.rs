@@ -1,6 +1,7 @@
 //! Physical checks: the impossible is an error, the unlikely a warning.
 
 use super::armature::Armature;
+use super::body::Body;
 use super::error::RobotError;
 use super::joint::{Friction, Joint, JointKind, JointSpec, Limits, Spring};
 use super::link::LinkInertia;
@@ -32,9 +33,9 @@ pub(super) fn name(kind: &'static str, name: &str) -> Result<(), RobotError> {
     }
 }
 
-/// Mass, centre of mass and inertia of one link; `link` names it in the error.
-pub(super) fn inertia(link: &str, inertia: &LinkInertia) -> Result<(), RobotError> {
-    let not_finite = |what| RobotError::NonFiniteInertia { link: link.into(), what };
+/// Mass, centre of mass and inertia of one body.
+pub(super) fn inertia(body: &Body, inertia: &LinkInertia) -> Result<(), RobotError> {
+    let not_finite = |what| RobotError::NonFiniteInertia { body: body.clone(), what };
     if !inertia.mass.is_finite() {
         return Err(not_finite("the mass"));
     }
@@ -45,7 +46,7 @@ pub(super) fn inertia(link: &str, inertia: &LinkInertia) -> Result<(), RobotErro
         return Err(not_finite("the inertia"));
     }
     if inertia.mass < 0.0 {
-        return Err(RobotError::NegativeMass { link: link.into(), mass: inertia.mass });
+        return Err(RobotError::NegativeMass { body: body.clone(), mass: inertia.mass });
     }
     let about_origin = inertia.inertia_about_origin();
     let sizes = [
@@ -54,19 +55,19 @@ pub(super) fn inertia(link: &str, inertia: &LinkInertia) -> Result<(), RobotErro
         ("the largest entry of the inertia about the joint frame", about_origin.amax()),
     ];
     if let Some((what, value)) = sizes.into_iter().find(|(_, size)| *size != 0.0 && !RANGE.contains(size)) {
-        return Err(RobotError::OutOfRange { link: link.into(), what, value });
+        return Err(RobotError::OutOfRange { body: body.clone(), what, value });
     }
     let moment = negative_moment(inertia);
     if moment < 0.0 && moment < -SLIGHTLY * inertia.principal_moments()[2] {
-        return Err(RobotError::IndefiniteInertia { link: link.into(), moment });
+        return Err(RobotError::IndefiniteInertia { body: body.clone(), moment });
     }
     Ok(())
 }
 
 /// A body whose figures the caller gives: no principal moment is negative by more than rounding.
-pub(super) fn rigid(name: &str, inertia: &LinkInertia) -> Result<(), RobotError> {
+pub(super) fn rigid(body: &Body, inertia: &LinkInertia) -> Result<(), RobotError> {
     let moment = negative_moment(inertia);
-    if moment < 0.0 { Err(RobotError::IndefiniteInertia { link: name.into(), moment }) } else { Ok(()) }
+    if moment < 0.0 { Err(RobotError::IndefiniteInertia { body: body.clone(), moment }) } else { Ok(()) }
 }
 
 /// The smallest principal moment where it is negative by more than rounding, else 0.
@@ -77,15 +78,15 @@ fn negative_moment(inertia: &LinkInertia) -> f64 {
 }
 
 /// Whether the principal moments could be those of a rigid body; the warning if not, before M is tried.
-pub(super) fn principal_moments(link: &str, inertia: &LinkInertia) -> Option<Warning> {
+pub(super) fn principal_moments(body: &Body, inertia: &LinkInertia) -> Option<Warning> {
     let moments @ [a, b, c] = inertia.principal_moments();
     let moment = negative_moment(inertia);
     if moment < 0.0 {
         let positive = Positivity::Untried;
-        return Some(Warning::NegativeMoment { link: link.into(), moment, positive });
+        return Some(Warning::NegativeMoment { body: body.clone(), moment, positive });
     }
     let rounding = (ROUNDING * c).max(TINY_RADIUS_SQUARED * inertia.mass);
-    (a + b < c - rounding).then(|| Warning::TriangleInequality { link: link.into(), moments })
+    (a + b < c - rounding).then(|| Warning::TriangleInequality { body: body.clone(), moments })
 }
 
 /// Gravity (m/s^2).
@@ -103,7 +104,7 @@ pub(super) fn joint(spec: &JointSpec) -> Result<(), RobotError> {
     if !spec.placement.is_rigid() {
         return Err(RobotError::BadPlacement { joint: name() });
     }
-    inertia(spec.link_name(), &spec.inertia)?;
+    inertia(&Body::link(spec.link_name()), &spec.inertia)?;
     figures(&spec.name, spec.armature, &spec.spring, &spec.friction, &spec.limits)
 }
 
@@ -197,7 +198,7 @@ pub(super) fn robot(joints: &[Joint], armature: &Armature, warnings: &mut Vec<Wa
             warnings.push(Warning::MovesNothing { joint: joint.name.clone() });
             continue;
         }
-        warnings.extend(principal_moments(&joint.link, link));
+        warnings.extend(principal_moments(&Body::link(&joint.link), link));
         let about_axis = joint.axis.dot(&(link.inertia_about_origin() * joint.axis));
         if is_last[i]
             && !is_mimicked[i]

@@ -5,6 +5,7 @@
 //! [`Tree`] is the same robot in the frames that the kernels use.
 
 mod armature;
+mod body;
 mod branches;
 mod builder;
 mod checks;
@@ -45,6 +46,7 @@ mod warning;
 mod with_wrench;
 mod wrench;
 
+pub use body::Body;
 pub(crate) use branches::Branches;
 pub use builder::RobotBuilder;
 pub use edit::{LimitChange, RobotEdit};

@@ -214,7 +214,7 @@ fn errors_in_a_file_start_with_path_and_line() {
 fn a_violated_triangle_inequality_is_a_warning_and_strict_makes_it_an_error() {
     let odd = two("", "").replacen("zz = 0.25", "zz = 0.9", 1);
     let robot = parse(&odd, LoadOptions::default()).unwrap();
-    assert!(matches!(robot.warnings(), [Warning::TriangleInequality { link, .. }] if link == "a"));
+    assert!(matches!(robot.warnings(), [Warning::TriangleInequality { body, .. }] if body.name() == "a"));
     let strict = LoadOptions::default().strict(true);
     let error = parse(&odd, strict).unwrap_err();
     assert!(error.to_string().contains("'a'"), "{error}");

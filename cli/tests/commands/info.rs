@@ -95,9 +95,11 @@ fn flags_lock_joints_and_attach_payloads() {
         (&["--joint-limits", "elbow_joint=2,1"], &["elbow_joint", "must not exceed the upper limit"]),
         (&["--joint-limits", "elbow_joint=2"], &["--joint-limits", "2, 3 or 4 entries"]),
         (&["--joint-friction", "elbow_joint=-1"], &["elbow_joint", "viscous friction"]),
-        (&["--payload", "tool0=-1"], &["payload of tool0", "-1 kg"]),
+        (&["--payload", "tool0=-1"], &["the payload of frame 'tool0'", "-1 kg"]),
         (&["--payload", "tool0=1,2"], &["--payload", "1, 4, 7 or 10 numbers"]),
         (&["--reduced-to", "knee"], &["'knee'"]),
+        (&["--reduced-to", "elbow_joint,elbow_joint"], &["'elbow_joint'", "named twice"]),
+        (&["--lock", "elbow_joint=0", "--reduced-to", "elbow_joint"], &["'elbow_joint'", "locked"]),
         (&["--gravity", "0,0"], &["--gravity", "3 numbers"]),
         (&["--strict", "--lock", "elbow_joint=9"], &["elbow_joint", "outside its limits"]),
     ] {

@@ -71,14 +71,17 @@ impl Robot {
     /// positions q (rad, m; n).
     ///
     /// # Errors
-    /// [`RobotError::WrongPositions`] unless q has n entries, and those of [`lock`](Self::lock).
+    /// [`RobotError::WrongPositions`] unless q has n entries, [`RobotError::RepeatedJoint`], and those of
+    /// [`lock`](Self::lock).
     pub fn reduced_to(&self, joints: &[&str], q: &[f64]) -> Result<Self, RobotError> {
         if q.len() != self.dof() {
             return Err(RobotError::WrongPositions { expected: self.dof(), found: q.len() });
         }
         let mut stays = vec![false; self.joints.len()];
         for name in joints {
-            stays[self.independent_index(name)?] = true;
+            if std::mem::replace(&mut stays[self.independent_index(name)?], true) {
+                return Err(RobotError::RepeatedJoint { joint: (*name).to_owned() });
+            }
         }
         let others = self.independent.iter().zip(q).filter(|(joint, _)| !stays[**joint]);
         let others: Vec<(&str, f64)> =

@@ -134,11 +134,11 @@ impl Robot {
         }
     }
 
-    /// Checks what depends on the whole tree; adds the warnings that are new, and omits those of the robot
-    /// before that no longer apply.
-    pub(super) fn checked(mut self, before: &Self, mut caused: Vec<Warning>) -> Self {
-        checks::robot(&self.joints, &self.armature, &mut caused);
-        let mut past = Vec::new();
+    /// Checks what depends on the whole tree; adds the warnings of the edit and those that are new, and omits
+    /// those of the robot before that no longer apply.
+    pub(super) fn checked(mut self, before: &Self, of_edit: Vec<Warning>) -> Self {
+        let [mut found, mut past] = [Vec::new(), Vec::new()];
+        checks::robot(&self.joints, &self.armature, &mut found);
         checks::robot(&before.joints, &before.armature, &mut past);
         let joints = &self.joints;
         let is_joint = |name: &str| joints.iter().any(|joint| joint.name == name);
@@ -146,13 +146,14 @@ impl Robot {
             |link: &str| joints.iter().any(|joint| joint.link == link && joint.inertia.is_massless());
         let applies = |warning: &Warning| match warning {
             Warning::MasslessLink { link } => is_massless(link),
-            warning => caused.contains(warning) || !past.contains(warning),
+            warning => found.contains(warning) || !past.contains(warning),
         };
         self.warnings.iter_mut().filter_map(Warning::positivity_mut).for_each(|p| *p = Positivity::Untried);
         let left = std::mem::take(&mut self.warnings).into_iter().filter(applies);
         self.warnings = left.filter_map(|warning| warning.about(is_joint)).collect();
-        caused.extend(self.idle_wrenches());
-        caused.into_iter().for_each(|warning| self.add_warning(warning));
+        let new = found.into_iter().filter(|warning| !past.contains(warning));
+        let idle = self.idle_wrenches();
+        of_edit.into_iter().chain(new).chain(idle).for_each(|warning| self.add_warning(warning));
         checks::try_mass_matrix(&self.joints, &self.armature, &mut self.warnings);
         self
     }

@@ -12,6 +12,7 @@ impl RobotError {
             | Self::UnknownMimic { joint, .. }
             | Self::UnknownJoint { joint, .. }
             | Self::StillJoint { joint }
+            | Self::RepeatedJoint { joint }
             | Self::DependentJoint { joint, .. }
             | Self::UnsupportedMimic { joint, .. }
             | Self::UnsupportedJoint { joint, .. }
@@ -23,10 +24,10 @@ impl RobotError {
                 joints.first().map(String::as_str)
             }
             Self::SeveralRoots { second, .. } => Some(second),
-            Self::NonFiniteInertia { link, .. }
-            | Self::NegativeMass { link, .. }
-            | Self::OutOfRange { link, .. }
-            | Self::IndefiniteInertia { link, .. } => Some(link),
+            Self::NonFiniteInertia { body, .. }
+            | Self::NegativeMass { body, .. }
+            | Self::OutOfRange { body, .. }
+            | Self::IndefiniteInertia { body, .. } => Some(body.name()),
             Self::DuplicateName { name, .. } | Self::BadName { name, .. } => Some(name),
             Self::UnknownFrame { frame, .. }
             | Self::FixedFrame { frame }

@@ -132,6 +132,9 @@ impl fmt::Display for RobotError {
                 "joint '{}' does not move: it is locked, or fixed in the file; leave it out, or do not lock it",
                 printable(joint)
             ),
+            Self::RepeatedJoint { joint } => {
+                write!(f, "joint '{}' is named twice; name it once", printable(joint))
+            }
             Self::DependentJoint { joint, master } => write!(
                 f,
                 "joint '{}' follows joint '{}', which it mimics; name '{}' instead",
@@ -167,25 +170,21 @@ impl fmt::Display for RobotError {
             Self::BadValue { joint, what, value, rule } => {
                 write!(f, "{what} of joint '{}' is {}; {rule}", printable(joint), printable_number(*value))
             }
-            Self::NonFiniteInertia { link, what } => {
-                write!(f, "{what} of link '{}' is not finite; correct it", printable(link))
-            }
-            Self::NegativeMass { link, mass } => {
+            Self::NonFiniteInertia { body, what } => write!(f, "{what} of {body} is not finite; correct it"),
+            Self::NegativeMass { body, mass } => {
                 let mass = printable_number(*mass);
-                write!(f, "the mass of link '{}' is {mass} kg; a mass is zero or positive", printable(link))
+                write!(f, "the mass of {body} is {mass} kg; a mass is zero or positive")
             }
-            Self::OutOfRange { link, what, value } => write!(
+            Self::OutOfRange { body, what, value } => write!(
                 f,
-                "{what} of link '{}' is {}; what is not zero must lie between 1e-75 and 1e75, for products to stay \
+                "{what} of {body} is {}; what is not zero must lie between 1e-75 and 1e75, for products to stay \
                  finite: check the units",
-                printable(link),
                 printable_number(*value)
             ),
-            Self::IndefiniteInertia { link, moment } => write!(
+            Self::IndefiniteInertia { body, moment } => write!(
                 f,
-                "the inertia of link '{}' about its centre of mass has the negative principal moment {} kg m^2; \
+                "the inertia of {body} about its centre of mass has the negative principal moment {} kg m^2; \
                  check signs and reference point of the matrix",
-                printable(link),
                 printable_number(*moment)
             ),
             Self::BadGravity => f.write_str("gravity is not finite, or larger than 1e75; correct it (m/s^2)"),

@@ -3,6 +3,7 @@
 mod culprit;
 mod message;
 
+use super::body::Body;
 use super::warning::Warning;
 use std::error::Error;
 use std::path::PathBuf;
@@ -163,6 +164,11 @@ pub enum RobotError {
         /// The joint.
         joint: String,
     },
+    /// A joint that is named twice in a list.
+    RepeatedJoint {
+        /// The joint.
+        joint: String,
+    },
     /// A joint that mimics another one, where an independent one is needed.
     DependentJoint {
         /// The joint.
@@ -217,23 +223,23 @@ pub enum RobotError {
     },
     /// Mass, centre of mass or inertia not finite.
     NonFiniteInertia {
-        /// The link.
-        link: String,
+        /// The link or payload.
+        body: Body,
         /// Which figure.
         what: &'static str,
     },
     /// A mass below zero.
     NegativeMass {
-        /// The link.
-        link: String,
+        /// The link or payload.
+        body: Body,
         /// The mass (kg).
         mass: f64,
     },
     /// A mass or inertia so small or large that products of it are zero or infinite: neither zero nor between
     /// 1e-75 and 1e75.
     OutOfRange {
-        /// The link.
-        link: String,
+        /// The link or payload.
+        body: Body,
         /// Which figure.
         what: &'static str,
         /// Its value (kg, kg m^2).
@@ -242,8 +248,8 @@ pub enum RobotError {
     /// An inertia matrix that is not positive semidefinite, by more than a mistake in the figures of a real
     /// link explains.
     IndefiniteInertia {
-        /// The link.
-        link: String,
+        /// The link or payload.
+        body: Body,
         /// Smallest principal moment (kg m^2).
         moment: f64,
     },

@@ -10,10 +10,9 @@ impl fmt::Display for Warning {
             Self::MasslessLink { link } => {
                 write!(f, "link '{}' moves but has neither mass nor inertia", printable(link))
             }
-            Self::NegativeMoment { link, moment, positive } => write!(
+            Self::NegativeMoment { body, moment, positive } => write!(
                 f,
-                "the inertia of link '{}' about its centre of mass has the negative principal moment {} kg m^2; {}",
-                printable(link),
+                "the inertia of {body} about its centre of mass has the negative principal moment {} kg m^2; {}",
                 printable_number(*moment),
                 match positive {
                     Positivity::WhereTried =>
@@ -30,11 +29,10 @@ impl fmt::Display for Warning {
                  the links mass and inertia (<inertial> in a URDF)",
                 printable(joint)
             ),
-            Self::TriangleInequality { link, moments: [a, b, c] } => write!(
+            Self::TriangleInequality { body, moments: [a, b, c] } => write!(
                 f,
-                "no rigid body has the principal moments of link '{}', ({a:.4e}, {b:.4e}, {c:.4e}) kg m^2: \
-                 the largest exceeds the sum of the others",
-                printable(link)
+                "no rigid body has the principal moments of {body}, ({a:.4e}, {b:.4e}, {c:.4e}) kg m^2: \
+                 the largest exceeds the sum of the others"
             ),
             Self::MovesNothing { joint } => write!(
                 f,

@@ -2,6 +2,8 @@
 
 mod message;
 
+use super::body::Body;
+
 /// Something unusual that does not stop the computation.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
@@ -13,16 +15,16 @@ pub enum Warning {
     },
     /// Principal moments that no rigid body has.
     TriangleInequality {
-        /// The link.
-        link: String,
+        /// The link or payload.
+        body: Body,
         /// Principal moments (kg m^2), rising.
         moments: [f64; 3],
     },
     /// A negative principal moment of a link. Kinematics and inverse dynamics are not concerned; what inverts
     /// M fails where it is not positive.
     NegativeMoment {
-        /// The link.
-        link: String,
+        /// The link or payload.
+        body: Body,
         /// The moment (kg m^2).
         moment: f64,
         /// Whether the mass matrix is positive.
@@ -166,6 +168,11 @@ impl Warning {
             Self::NegativeMoment { positive, .. } => Some(positive),
             _ => None,
         }
+    }
+
+    /// Whether it says that the principal moments of this body are impossible.
+    pub(super) fn is_about_moments_of(&self, of: &Body) -> bool {
+        matches!(self, Self::NegativeMoment { body, .. } | Self::TriangleInequality { body, .. } if body == of)
     }
 
     /// Whether it suggests a mistake in the file; strict loading refuses these.

@@ -51,11 +51,11 @@ fn changes_of_the_robot_are_checked() {
         ),
         ("payload = { frame = \"elbo\", mass = 1 }", &["robot.payload: ", near]),
         ("payload = { frame = \"elbow\" }", &["robot.payload.mass: missing"]),
-        ("payload = { frame = \"elbow\", mass = -1 }", &["'payload of elbow' is -1 kg"]),
+        ("payload = { frame = \"elbow\", mass = -1 }", &["the payload of frame 'elbow' is -1 kg"]),
         ("payload = { frame = \"world\", mass = 1 }", &["robot.payload: no joint moves frame 'world'"]),
         (
             "payload = { frame = \"elbow\", mass = 1, inertia = { xx = -1 } }",
-            &["'payload of elbow'", "negative principal moment -1"],
+            &["the payload of frame 'elbow'", "negative principal moment -1"],
         ),
         ("wrench = { frame = \"elbo\", force = [1, 0, 0] }", &["robot.wrench: ", near]),
         ("wrench = { frame = \"elbow\", force = [1, 0, nan] }", &["robot.wrench: ", "'elbow'", "finite"]),
@@ -67,6 +67,9 @@ fn changes_of_the_robot_are_checked() {
     ] {
         missing.check(&changed(line), WRONG, Some(3), parts);
     }
+    let file = format!("file = \"{}\"", robot("two_link.toml"));
+    let nowhere = changed("gravity = [0, 0, -1]").replace(&file, "file = \"nowhere.urdf\"");
+    missing.check(&nowhere, WRONG, Some(2), &["robot.file: ", "nowhere.urdf: does not exist"]);
     for (line, parts) in [
         ("robot = 3", &["robot: give a string, not 3"][..]),
         ("robot = \"nowhere.urdf\"", &["robot: ", "nowhere.urdf: does not exist", "check the path"]),

@@ -33,6 +33,8 @@ const INERTIA: &[&str] = &["xx", "yy", "zz", "xy", "xz", "yz"];
 /// A robot file, and what is changed of the robot.
 pub(super) struct RobotTable {
     pub file: String,
+    /// The key of the file, and its first byte.
+    file_at: (&'static str, Option<usize>),
     changes: Vec<Change>,
 }
 
@@ -48,7 +50,8 @@ struct Change {
 pub(super) fn read(root: &Table<'_>) -> Result<RobotTable, Fault> {
     if !root.has_table("robot") {
         let file = root.need("robot", root.string("robot")?)?;
-        return Ok(RobotTable { file, changes: Vec::new() });
+        let file_at = ("robot", root.start_of("robot"));
+        return Ok(RobotTable { file, file_at, changes: Vec::new() });
     }
     let table = root.need("robot", root.table("robot")?)?;
     table.only(ROBOT)?;
@@ -87,7 +90,8 @@ pub(super) fn read(root: &Table<'_>) -> Result<RobotTable, Fault> {
     if let Some(kept) = kept {
         add("reduced_to", None, RobotEdit::ReducedTo(kept));
     }
-    Ok(RobotTable { file: table.need("file", table.string("file")?)?, changes })
+    let file = table.need("file", table.string("file")?)?;
+    Ok(RobotTable { file, file_at: ("robot.file", table.start_of("file")), changes })
 }
 
 fn friction(table: &Table<'_>) -> Result<Friction, Fault> {
@@ -154,7 +158,12 @@ pub(super) fn triple(table: &Table<'_>, name: &str) -> Result<Option<[f64; 3]>, 
 impl RobotTable {
     /// Loads the robot file and changes the robot.
     pub fn load(&self, root: &Table<'_>, path: &Path, options: LoadOptions) -> Result<Robot, Fault> {
-        let refused = |error| root.fault("robot", ProblemFileCause::Robot(error));
+        let (key, start) = self.file_at;
+        let refused = |error| Fault {
+            line: start.map(|start| root.line_at(start)),
+            key: Some(key.into()),
+            cause: Box::new(ProblemFileCause::Robot(error)),
+        };
         if self.changes.is_empty() {
             return Robot::from_file_with(path, options).map_err(refused);
         }
