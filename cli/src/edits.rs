@@ -14,8 +14,8 @@ pub struct EditArguments {
     /// Set the armature of a joint (kg m^2, kg); may be given several times
     #[arg(long, value_name = "JOINT=VALUE", value_parser = named)]
     armature: Vec<(String, f64)>,
-    /// Set the friction of a joint: viscous (N m s/rad, N s/m), Coulomb (N m, N) and the velocity at which the
-    /// latter is developed (rad/s, m/s); may be given several times
+    /// Set the friction of a joint: viscous (N m s/rad, N s/m), Coulomb (N m, N) and the velocity at which
+    /// the latter is developed (rad/s, m/s); may be given several times
     #[arg(long, value_name = "JOINT=VISCOUS[,COULOMB[,VELOCITY]]", value_parser = friction)]
     joint_friction: Vec<(String, Friction)>,
     /// Set limits of a joint: positions (rad, m), velocity and effort; an empty entry, as in elbow=,,2, keeps

@@ -89,13 +89,12 @@ impl RobotBuilder {
     ///
     /// # Errors
     /// Every [`RobotError`] except those about files: [`RobotError::NoJoints`],
-    /// [`RobotError::DuplicateName`], [`RobotError::BadName`], [`RobotError::UnknownParent`] and [`RobotError::Cycle`] where the
-    /// joints form no tree, [`RobotError::UnknownMimic`] and [`RobotError::MimicCycle`] where mimicry leads
-    /// to no independent joint, [`RobotError::BadAxis`], [`RobotError::BadPlacement`],
-    /// [`RobotError::BadValue`],
-    /// [`RobotError::BadGravity`], [`RobotError::BadArmature`], [`RobotError::NonFiniteInertia`],
-    /// [`RobotError::NegativeMass`] and [`RobotError::IndefiniteInertia`] for numbers,
-    /// [`RobotError::Strict`] where the options refuse warnings.
+    /// [`RobotError::DuplicateName`], [`RobotError::BadName`], [`RobotError::UnknownParent`] and
+    /// [`RobotError::Cycle`] where the joints form no tree, [`RobotError::UnknownMimic`] and
+    /// [`RobotError::MimicCycle`] where mimicry leads to no independent joint, [`RobotError::BadAxis`],
+    /// [`RobotError::BadPlacement`], [`RobotError::BadValue`], [`RobotError::BadGravity`],
+    /// [`RobotError::BadArmature`], [`RobotError::NonFiniteInertia`], [`RobotError::NegativeMass`] and
+    /// [`RobotError::IndefiniteInertia`] for numbers, [`RobotError::Strict`] where the options refuse warnings.
     pub fn build(mut self) -> Result<Robot, RobotError> {
         let order = self.parents_first()?;
         let n = self.joints.len();

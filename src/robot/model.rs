@@ -121,8 +121,8 @@ impl Robot {
 
     /// The frame of this name: of an added frame, else of a link, else of a joint, else the world.
     ///
-    /// A link and a joint can have the same name; `joint:NAME` and `link:NAME` tell them apart. A link or joint of
-    /// a file whose whole name is that text comes first; added frames cannot have such a name.
+    /// A link and a joint can have the same name; `joint:NAME` and `link:NAME` tell them apart. A link or
+    /// joint of a file whose whole name is that text comes first; added frames cannot have such a name.
     ///
     /// # Errors
     /// [`RobotError::UnknownFrame`], with the names that resemble it.

@@ -51,6 +51,11 @@ fn ranked<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Vec<&'a str> 
     let mut ranked: Vec<(Likeness, &str)> =
         lower.iter().zip(&known).filter_map(|(lower, known)| Some((like(lower)?, *known))).collect();
     ranked.sort_unstable();
+    // Parts are a makeshift.
+    let by_parts = |likeness: &Likeness| matches!(likeness, Likeness::Parts(_));
+    if ranked.first().is_some_and(|(best, _)| !by_parts(best)) {
+        ranked.retain(|(likeness, _)| !by_parts(likeness));
+    }
     ranked.into_iter().map(|(_, known)| known).collect()
 }
 
@@ -62,14 +67,16 @@ fn by_letters(name: &str, known: &str) -> Option<Likeness> {
     (distance <= most).then_some(Likeness::Letters(distance))
 }
 
-/// Whether one name is the beginning of the other, or they share parts that tell names apart.
+/// Whether one name is the beginning of the other, or most of it are parts of the other that tell names
+/// apart.
 fn by_parts(name: &str, known: &str, parts: &[&str]) -> Option<Likeness> {
     let [shorter, longer] = if name.len() < known.len() { [name, known] } else { [known, name] };
     if shorter.len() >= SHORTEST_PART && longer.starts_with(shorter) {
         return Some(Likeness::Beginning(longer.len() - shorter.len()));
     }
     let common: usize = known.split('_').filter(|part| parts.contains(part)).map(str::len).sum();
-    (common > 0).then(|| Likeness::Parts(longer.len().saturating_sub(common)))
+    let letters = name.chars().filter(|&c| c != '_').count();
+    (2 * common > letters).then(|| Likeness::Parts(longer.len().saturating_sub(common)))
 }
 
 /// The parts of a name between underscores that few of the known names have; `joint` and `link` are often

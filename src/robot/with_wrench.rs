@@ -31,8 +31,8 @@ impl Robot {
     ///
     /// The generalised force `J'W` of the wrench is added to the actuation in every quantity: `dp/dt`, the
     /// accelerations, and with the opposite sign tau of inverse dynamics, with all their derivatives.
-    /// A wrench is no part of L, V or H. At a frame that no joint moves it has no effect: a warning. The workspaces of `hamiltonian`, `lagrangian`
-    /// and `parameters` change its value by `set_wrench`.
+    /// A wrench is no part of L, V or H. At a frame that no joint moves it has no effect: a warning. The
+    /// workspaces of `hamiltonian`, `lagrangian` and `parameters` change its value by `set_wrench`.
     ///
     /// ```
     /// use costate::lagrangian::Lagrangian;

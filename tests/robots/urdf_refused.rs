@@ -234,7 +234,6 @@ fn names_are_harmless_in_messages() {
         format!("<{long}/>"),
         format!("<robot><{long}></robot>"),
         format!("<robot>&{long};</robot>"),
-        arm("").replace("elbow", &long),
         elbow("fixed", "").replace("bench", &long),
     ] {
         let message = refused(&text).1.to_string();
@@ -250,6 +249,8 @@ fn names_are_harmless_in_messages() {
         "{}",
         notes(&robot)
     );
+    let warned = notes(&load(&arm("").replace("elbow", &long)));
+    assert!(warned.contains("kinematics only") && warned.len() < 2000, "{} bytes", warned.len());
 }
 
 #[test]

@@ -58,7 +58,8 @@ fn the_help_says_by_which_route_frames_are_answered() {
     let words: Vec<&str> = help.split_whitespace().collect();
     assert!(words.join(" ").contains("tensors and jit are about dynamics"), "{help}");
     let line = br#"{"q":[0.3,-1.2,0.8,0.1,0.5,0.2],"frames":[{"name":"tool0","w":[0.2,-1.0,0.7]}]}"#;
-    let frames = |route| json_lines(&costate(&["eval", "robots/ur5.urdf", "--route", route], line))[0].clone();
+    let frames =
+        |route| json_lines(&costate(&["eval", "robots/ur5.urdf", "--route", route], line))[0].clone();
     assert_eq!(frames("tensors"), frames("analytic"));
 }
 
