@@ -94,7 +94,8 @@ impl RobotBuilder {
     /// [`RobotError::MimicCycle`] where mimicry leads to no independent joint, [`RobotError::BadAxis`],
     /// [`RobotError::BadPlacement`], [`RobotError::BadValue`], [`RobotError::BadGravity`],
     /// [`RobotError::BadArmature`], [`RobotError::NonFiniteInertia`], [`RobotError::NegativeMass`] and
-    /// [`RobotError::IndefiniteInertia`] for numbers, [`RobotError::Strict`] where the options refuse warnings.
+    /// [`RobotError::IndefiniteInertia`] for numbers, [`RobotError::Strict`] where the options refuse
+    /// warnings.
     pub fn build(mut self) -> Result<Robot, RobotError> {
         let order = self.parents_first()?;
         let n = self.joints.len();
