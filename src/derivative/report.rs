@@ -194,9 +194,11 @@ mod tests {
         assert_eq!(figure(0.0, 0.5).verdict(1.0), Verdict::NotComparable, "equal by chance");
         let (silent, loud) = (figure(0.4, 0.01), figure(1e-13, 1e-14));
         assert_eq!((silent.or_worse(&loud), loud.or_worse(&silent)), (loud, loud));
+        let zero = figure(0.0, 0.0);
         for silent in [silent, figure(0.0, 0.5), figure(0.4, f64::NAN)] {
-            let (zero, kept) = (figure(0.0, 0.0), [silent.or_worse(&figure(0.0, 0.0)), silent]);
-            assert!(kept.iter().all(|kept| zero.or_worse(kept).verdict(1.0) == Verdict::NotComparable));
+            for kept in [silent.or_worse(&zero), zero.or_worse(&silent)] {
+                assert_eq!(kept.verdict(1.0), Verdict::NotComparable, "zeros hide {silent:?}");
+            }
         }
     }
 }
