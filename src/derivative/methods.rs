@@ -3,10 +3,10 @@
 // `#[inline]` in this file: compiled where it is used, with all instances of the pipeline that it needs, not
 // by everyone who builds the library.
 
+use super::frame_power::FramePower;
 use super::reference::Reference;
 use super::row::{Row, matrix};
 use super::state::State;
-use super::weighted_motion::{QUANTITIES, WeightedMotion};
 use crate::error::EvalError;
 use crate::hamiltonian::{DualPass, FullHessian, Hamiltonian, HamiltonianSecondOrder};
 use crate::kinematics::Kinematics;
@@ -27,7 +27,7 @@ pub(super) struct Methods<S: Scalar> {
     /// Without friction and wrenches.
     pub conservative: Hamiltonian<S>,
     packed: Matrix<S>,
-    motion: WeightedMotion,
+    frames: FramePower,
     kinematics: Kinematics<S>,
 }
 
@@ -49,7 +49,7 @@ impl<S: Scalar> Methods<S> {
             tensors: DualPass::with_route(tree, Christoffel),
             conservative: Hamiltonian::new(&robot.without_friction().without_wrenches()),
             packed: Matrix::zeros(2 * n, 2 * n),
-            motion: WeightedMotion::new(robot),
+            frames: FramePower::new(robot),
             kinematics: Kinematics::new(robot),
         }
     }
@@ -62,7 +62,7 @@ impl<S: Scalar> Methods<S> {
         self.second(state, reference, &mut rows)?;
         self.forward_dynamics(state, reference, &mut rows)?;
         self.conserved(state, reference, &mut rows)?;
-        self.kinematics(state, reference, &mut rows)?;
+        self.frames(state, reference, &mut rows)?;
         Ok(rows)
     }
 
@@ -141,27 +141,20 @@ impl<S: Scalar> Methods<S> {
         Ok(())
     }
 
-    /// Derivatives of weights on frames, centre of mass and momentum.
+    /// Derivatives of the power of weights on frames.
     #[inline]
-    fn kinematics(
+    fn frames(
         &mut self,
         state: &State<S>,
         to: &Reference<S>,
         rows: &mut Vec<Row<S>>,
     ) -> Result<(), EvalError> {
         let State { x, v, .. } = state;
-        let n = v.len();
-        let [first, second] = self.motion.derivatives(&mut self.kinematics, &x[..n], v)?;
-        let [to_first, to_second] = &to.motion;
-        let gradient = |of: &Matrix<S>, k: usize| matrix(1, 2 * n, |_, j| of[(k, j)]);
-        let hessian = |of: &Matrix<S>, k: usize| matrix(2 * n, 2 * n, |i, j| of[(2 * n * k + i, j)]);
+        let [first, second] = self.frames.derivatives(&mut self.kinematics, &x[..v.len()], v)?;
         let scales = &[-1, -1];
-        for (k, [of_z, of_zz]) in QUANTITIES.into_iter().enumerate().take(first.rows()) {
-            let (found, expected) = (gradient(&first, k), gradient(to_first, k));
-            rows.push(Row::new([of_z, "analytic"], found.view(), expected.view(), [&[0], scales]));
-            let (found, expected) = (hessian(&second, k), hessian(to_second, k));
-            rows.push(Row::new([of_zz, "analytic"], found.view(), expected.view(), [scales, scales]));
-        }
+        rows.push(Row::new(["(w.V)_z of frames", "analytic"], first.view(), to.w_v_z.view(), [&[0], scales]));
+        let quantity = ["(w.V)_zz of frames", "analytic"];
+        rows.push(Row::new(quantity, second.view(), to.w_v_zz.view(), [scales, scales]));
         Ok(())
     }
 

@@ -14,6 +14,7 @@ mod called;
 mod directional;
 mod forward_dynamics;
 mod frame_motion;
+mod frame_power;
 mod function;
 mod hessian;
 mod jacobian;
@@ -26,7 +27,6 @@ mod report;
 mod routes;
 mod row;
 mod state;
-mod weighted_motion;
 
 pub use called::{ByCalls, Called};
 pub use directional::{AlongDirection, Directional};

@@ -4,11 +4,11 @@
 // by everyone who builds the library.
 
 use super::called::ByCalls;
+use super::frame_power::FramePower;
 use super::function::{DerivativeError, Function};
 use super::row::matrix;
 use super::state::State;
-use super::weighted_motion::{Derivatives, WeightedMotion};
-use super::{CHUNK, ForwardDynamics, Hessian, Jacobian, NestedHessian, PhaseVelocity, SecondDerivatives};
+use super::{CHUNK, ForwardDynamics, Hessian, Jacobian, NestedHessian, PhaseVelocity};
 use crate::error::EvalError;
 use crate::hamiltonian::Hamiltonian;
 use crate::matrix::Matrix;
@@ -27,8 +27,9 @@ pub(super) struct Reference<S> {
     pub nested_y_f_xx: Matrix<S>,
     pub dual_a_z: Matrix<S>,
     pub nested_y_a_zz: Matrix<S>,
-    /// Derivatives of weights on kinematic quantities in z = (q, v).
-    pub motion: Derivatives<S>,
+    /// Derivatives of the power of weights on frames in z = (q, v), 1 x 2n and 2n x 2n.
+    pub w_v_z: Matrix<S>,
+    pub w_v_zz: Matrix<S>,
     /// H_x without friction, 2n.
     pub energy_gradient: Vec<S>,
 }
@@ -46,7 +47,8 @@ impl Reference<f64> {
             nested_y_f_xx: rounded_once(&self.nested_y_f_xx),
             dual_a_z: rounded_once(&self.dual_a_z),
             nested_y_a_zz: rounded_once(&self.nested_y_a_zz),
-            motion: self.motion.each_ref().map(rounded_once),
+            w_v_z: rounded_once(&self.w_v_z),
+            w_v_zz: rounded_once(&self.w_v_zz),
             energy_gradient: self.energy_gradient.iter().map(|&value| Count::rounded(value)).collect(),
         }
     }
@@ -55,12 +57,6 @@ impl Reference<f64> {
 /// See [`Count::rounded`].
 pub(crate) fn rounded_once(a: &Matrix<f64>) -> Matrix<Count> {
     matrix(a.rows(), a.columns(), |i, j| Count::rounded(a[(i, j)]))
-}
-
-/// The derivatives of all outputs, those of second order one below the other.
-fn stacked<S: Scalar>(found: &SecondDerivatives<'_, S>) -> Derivatives<S> {
-    let (first, n) = (found.jacobian(), found.jacobian().columns());
-    [first.clone(), matrix(n * first.rows(), n, |i, j| found.entry(i / n, i % n, j))]
 }
 
 /// H(q, p) as a function of 2n inputs.
@@ -103,7 +99,7 @@ pub(super) struct Automatic {
     nested_a: NestedHessian<ByCalls<ForwardDynamics>>,
     hyperdual_a: Hessian<ByCalls<ForwardDynamics>>,
     energy: Jacobian<ByCalls<TotalEnergy>>,
-    motion: Hessian<ByCalls<WeightedMotion>>,
+    frames: Hessian<ByCalls<FramePower>>,
 }
 
 impl Automatic {
@@ -118,7 +114,7 @@ impl Automatic {
             nested_a: NestedHessian::new(a()),
             hyperdual_a: Hessian::new(a()),
             energy: Jacobian::new(ByCalls(TotalEnergy(robot.without_friction()))),
-            motion: Hessian::new(ByCalls(WeightedMotion::new(robot))),
+            frames: Hessian::new(ByCalls(FramePower::new(robot))),
         }
     }
 
@@ -139,7 +135,8 @@ impl Automatic {
             nested_y_f_xx: self.nested.contract(x, y)?.clone(),
             dual_a_z: self.dual_a.linearise(z)?.jacobian.clone(),
             nested_y_a_zz: self.nested_a.contract(z, y_p)?.clone(),
-            motion: stacked(&self.motion.hessian_tensor(&z[..x.len()])?),
+            w_v_zz: self.frames.contract(&z[..x.len()], &[1.0])?.clone(),
+            w_v_z: self.frames.last().jacobian().clone(),
             energy_gradient: self.energy.linearise(x)?.gradient().to_vec(),
         })
     }
@@ -150,7 +147,7 @@ pub(super) struct Rounding {
     f: Hessian<ByCalls<PhaseVelocity>, Count>,
     a: Hessian<ByCalls<ForwardDynamics>, Count>,
     energy: Jacobian<ByCalls<TotalEnergy>, CHUNK, Count>,
-    motion: Hessian<ByCalls<WeightedMotion>, Count>,
+    frames: Hessian<ByCalls<FramePower>, Count>,
 }
 
 impl Rounding {
@@ -160,7 +157,7 @@ impl Rounding {
             f: Hessian::over(ByCalls(PhaseVelocity::new(robot))),
             a: Hessian::over(ByCalls(ForwardDynamics::new(robot))),
             energy: Jacobian::over(ByCalls(TotalEnergy(robot.without_friction()))),
-            motion: Hessian::over(ByCalls(WeightedMotion::new(robot))),
+            frames: Hessian::over(ByCalls(FramePower::new(robot))),
         }
     }
 
@@ -181,7 +178,8 @@ impl Rounding {
             nested_y_f_xx: y_f_xx.clone(),
             dual_a_z: a_z.clone(),
             nested_y_a_zz: y_a_zz.clone(),
-            motion: stacked(&self.motion.hessian_tensor(&state.z()[..x.len()])?),
+            w_v_zz: self.frames.contract(&state.z()[..x.len()], &[Count::one()])?.clone(),
+            w_v_z: self.frames.last().jacobian().clone(),
             f_x,
             y_f_xx,
             a_z,

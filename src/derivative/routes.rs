@@ -30,9 +30,8 @@ pub(crate) const CLOSE: f64 = 0.1;
 /// | dual | dual numbers through F | dual numbers in dual numbers through F |
 ///
 /// Also compared: y'F_x and y'F_xx d without a matrix and as products with the matrix, the derivatives of
-/// a(q, v, u), symmetries, the conservation of energy, and the first and second derivatives of twists,
-/// positions and orientation errors, summed with fixed weights over one frame of each link, of the centre of
-/// mass and of the momentum.
+/// a(q, v, u), symmetries, the conservation of energy, and the derivatives of frames: Jacobians and the
+/// second derivatives of twists, summed with fixed weights over one frame of each link.
 ///
 /// # The bound
 ///
