@@ -47,7 +47,8 @@ pub enum EvalError {
     /// The mass matrix is singular in working precision.
     #[error(
         "the mass matrix is singular at joint '{}': with the joints beyond it free, nothing resists its motion; \
-         give the links beyond it a mass or the joint armature, lock it, or avoid this pose if it is special \
+         give the links beyond it a mass or the joint armature, lock it, correct a negative moment of inertia, or \
+         avoid this pose if it is special \
          (a floating joint made of six is singular where its second angle is +-pi/2)",
         printable(joint)
     )]

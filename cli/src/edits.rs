@@ -1,7 +1,9 @@
 //! Flags that change the robot after it is read.
 
 use clap::Args;
-use costate::robot::{FrameSpec, LinkInertia, Placement, RobotEdit, Wrench, WrenchAxes};
+use costate::robot::{
+    FrameSpec, Friction, LimitChange, LinkInertia, Placement, RobotEdit, Wrench, WrenchAxes,
+};
 
 /// Changes of the robot, in this order.
 #[derive(Args)]
@@ -12,6 +14,14 @@ pub struct EditArguments {
     /// Set the armature of a joint (kg m^2, kg); may be given several times
     #[arg(long, value_name = "JOINT=VALUE", value_parser = named)]
     armature: Vec<(String, f64)>,
+    /// Set the friction of a joint: viscous (N m s/rad, N s/m), Coulomb (N m, N) and the velocity at which
+    /// the latter is developed (rad/s, m/s); may be given several times
+    #[arg(long, value_name = "JOINT=VISCOUS[,COULOMB[,VELOCITY]]", value_parser = friction)]
+    joint_friction: Vec<(String, Friction)>,
+    /// Set limits of a joint: positions (rad, m), velocity and effort; an empty entry, as in elbow=,,2, keeps
+    /// the limit that the joint has; may be given several times
+    #[arg(long, value_name = "JOINT=LOWER,UPPER[,VELOCITY[,EFFORT]]", value_parser = limits)]
+    joint_limits: Vec<(String, LimitChange)>,
     /// Add a frame, fixed to a link, a joint or a frame added before, at a position (m) and roll, pitch, yaw
     /// (rad) in it: 3 or 6 numbers; may be given several times
     #[arg(long, value_name = "NAME=FRAME:X,Y,Z[,R,P,Y]", value_parser = frame)]
@@ -38,6 +48,8 @@ impl EditArguments {
     pub fn edits(&self) -> Vec<RobotEdit> {
         let mut edits: Vec<RobotEdit> = self.gravity.map(RobotEdit::Gravity).into_iter().collect();
         edits.extend(self.armature.iter().map(|(joint, value)| RobotEdit::Armature(joint.clone(), *value)));
+        edits.extend(self.joint_friction.iter().map(|(joint, law)| RobotEdit::Friction(joint.clone(), *law)));
+        edits.extend(self.joint_limits.iter().map(|(joint, new)| RobotEdit::Limits(joint.clone(), *new)));
         edits.extend(self.frame.iter().cloned().map(RobotEdit::Frame));
         edits.extend(self.payload.iter().map(|(frame, load)| RobotEdit::Payload(frame.clone(), *load)));
         edits.extend(self.wrench.iter().map(|(frame, wrench)| RobotEdit::Wrench(frame.clone(), *wrench)));
@@ -69,6 +81,33 @@ fn named(text: &str) -> Result<(String, f64), String> {
 fn gravity(text: &str) -> Result<[f64; 3], String> {
     let found = numbers(text)?;
     <[f64; 3]>::try_from(found).map_err(|found| format!("must be 3 numbers, not {}", found.len()))
+}
+
+fn friction(text: &str) -> Result<(String, Friction), String> {
+    let (joint, values) = split(text)?;
+    let mut values = numbers(values)?;
+    let count = values.len();
+    values.extend([0.0, Friction::DEFAULT_COULOMB_VELOCITY].into_iter().skip(count.saturating_sub(1)));
+    match values[..] {
+        [viscous, coulomb, coulomb_velocity] if count <= 3 => {
+            Ok((joint.into(), Friction { viscous, coulomb, coulomb_velocity }))
+        }
+        _ => Err(format!("must have 1, 2 or 3 numbers, not {count}")),
+    }
+}
+
+fn limits(text: &str) -> Result<(String, LimitChange), String> {
+    let (joint, values) = split(text)?;
+    let entry = |text: &str| if text.trim().is_empty() { Ok(None) } else { number(text).map(Some) };
+    let mut values = values.split(',').map(entry).collect::<Result<Vec<_>, _>>()?;
+    let count = values.len();
+    values.resize(4, None);
+    match values[..] {
+        [lower, upper, velocity, effort] if (2..=4).contains(&count) => {
+            Ok((joint.into(), LimitChange { lower, upper, velocity, effort }))
+        }
+        _ => Err(format!("must have 2, 3 or 4 entries, not {count}")),
+    }
 }
 
 fn frame(text: &str) -> Result<FrameSpec, String> {
@@ -142,6 +181,30 @@ mod tests {
         assert_eq!((frame.as_str(), load), ("tool0", expected));
         assert_eq!(payload("tool0=2").unwrap().1, LinkInertia::point(2.0, [0.0; 3]));
         assert!(payload("tool0=1,2").is_err_and(|reason| reason.contains("not 2")));
+    }
+
+    #[test]
+    fn friction_has_up_to_three_numbers() {
+        let (viscous, coulomb, coulomb_velocity) = (0.3, 0.2, 0.05);
+        let law = Friction { viscous, ..Friction::none() };
+        assert_eq!(friction("elbow=0.3"), Ok(("elbow".into(), law)));
+        assert_eq!(friction("elbow=0.3,0.2"), Ok(("elbow".into(), Friction { coulomb, ..law })));
+        let all = Friction { viscous, coulomb, coulomb_velocity };
+        assert_eq!(friction("elbow=0.3,0.2,0.05"), Ok(("elbow".into(), all)));
+        assert!(friction("elbow=1,2,3,4").is_err_and(|reason| reason.contains("not 4")));
+        assert!(friction("elbow=").is_err());
+    }
+
+    #[test]
+    fn limits_that_are_not_given_stay() {
+        let range = LimitChange { lower: Some(-1.0), upper: Some(2.5), ..LimitChange::default() };
+        assert_eq!(limits("elbow=-1,2.5"), Ok(("elbow".into(), range)));
+        let change = LimitChange { velocity: Some(2.0), effort: Some(9.0), ..LimitChange::default() };
+        assert_eq!(limits("elbow=,,2,9"), Ok(("elbow".into(), change)));
+        assert_eq!(limits("elbow=,,2").unwrap().1, LimitChange { effort: None, ..change });
+        for (text, reason) in [("elbow=1", "not 1"), ("elbow=1,2,3,4,5", "not 5"), ("elbow=a,2", "'a'")] {
+            assert!(limits(text).is_err_and(|found| found.contains(reason)), "{text}");
+        }
     }
 
     #[test]

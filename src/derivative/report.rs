@@ -46,8 +46,6 @@ impl Figure {
     pub fn verdict(&self, tolerance: f64) -> Verdict {
         if !self.difference.is_finite() {
             Verdict::Differs
-        } else if self.difference == 0.0 {
-            Verdict::Agrees
         } else if self.bound.is_nan() || self.bound > COMPARABLE {
             Verdict::NotComparable
         } else if self.ratio() <= tolerance {
@@ -57,14 +55,16 @@ impl Figure {
         }
     }
 
-    /// The worse of two: what is not comparable says nothing, and of the others the larger ratio counts.
-    /// Not-a-number is the worst; of equal ones, the larger bound is kept.
+    /// The worse of two: of what is comparable the larger ratio counts, and not-a-number is the worst; of
+    /// equal ones, the larger bound is kept. What is not comparable is passed over, but not for zeros that no
+    /// operation rounds: they would agree though nothing was compared.
     #[must_use]
     pub fn or_worse(self, other: &Self) -> Self {
         let rank = |figure: &Self| {
             let number = |x: f64| if x.is_nan() { f64::INFINITY } else { x };
-            let comparable = figure.verdict(1.0) != Verdict::NotComparable;
-            (comparable, figure.difference.is_nan(), number(figure.ratio()), number(figure.bound))
+            let is_exact = figure.difference == 0.0 && figure.bound == 0.0;
+            let says_something = figure.verdict(1.0) != Verdict::NotComparable && !is_exact;
+            (says_something, figure.difference.is_nan(), number(figure.ratio()), number(figure.bound))
         };
         if rank(other).partial_cmp(&rank(&self)).is_some_and(Ordering::is_gt) { *other } else { self }
     }
@@ -191,7 +191,14 @@ mod tests {
         assert_eq!(figure(0.1, f64::NAN).verdict(1.0), Verdict::NotComparable);
         assert_eq!(figure(0.4, 0.5).verdict(1.0), Verdict::NotComparable);
         assert_eq!(figure(0.4, f64::INFINITY).verdict(1.0), Verdict::NotComparable);
+        assert_eq!(figure(0.0, 0.5).verdict(1.0), Verdict::NotComparable, "equal by chance");
         let (silent, loud) = (figure(0.4, 0.01), figure(1e-13, 1e-14));
         assert_eq!((silent.or_worse(&loud), loud.or_worse(&silent)), (loud, loud));
+        let zero = figure(0.0, 0.0);
+        for silent in [silent, figure(0.0, 0.5), figure(0.4, f64::NAN)] {
+            for kept in [silent.or_worse(&zero), zero.or_worse(&silent)] {
+                assert_eq!(kept.verdict(1.0), Verdict::NotComparable, "zeros hide {silent:?}");
+            }
+        }
     }
 }

@@ -56,11 +56,12 @@ pub(crate) struct Judged {
 }
 
 impl Judged {
-    /// Compares block by block and keeps the worst block.
+    /// Compares block by block and keeps the worst block; a row without blocks agrees.
     pub fn judge(&self, d: &[f64]) -> Figure {
-        let none =
-            Figure { quantity: self.row.name[0], route: self.row.name[1], difference: 0.0, bound: 0.0 };
-        self.blocks(d).fold(none, |worst, block| worst.or_worse(&self.figure(&block)))
+        let [quantity, route] = self.row.name;
+        let none = Figure { quantity, route, difference: 0.0, bound: 0.0 };
+        let figures = self.blocks(d).map(|block| self.figure(&block));
+        figures.reduce(|worst, figure| worst.or_worse(&figure)).unwrap_or(none)
     }
 
     /// Whether a change of the largest entry of each block, by this part of it, exceeds the bound. Blocks

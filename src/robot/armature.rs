@@ -1,6 +1,7 @@
 //! The armature matrix: constant rotor inertia that is added to the mass matrix.
 
 use super::error::RobotError;
+use super::range::is_moderate;
 use nalgebra::{DMatrix, SymmetricEigen};
 
 /// Relative rounding that published figures are allowed.
@@ -87,6 +88,9 @@ fn check(matrix: &DMatrix<f64>) -> Result<(), RobotError> {
         return bad("has an entry that is not finite".into());
     }
     let size = matrix.amax();
+    if !is_moderate(size) {
+        return bad(format!("has an entry of {size:e}, larger than 1e75"));
+    }
     if (matrix - matrix.transpose()).amax() > ROUNDING * size {
         return bad("is not symmetric".into());
     }

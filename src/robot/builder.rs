@@ -89,14 +89,13 @@ impl RobotBuilder {
     ///
     /// # Errors
     /// Every [`RobotError`] except those about files: [`RobotError::NoJoints`],
-    /// [`RobotError::DuplicateName`], [`RobotError::UnknownParent`] and [`RobotError::Cycle`] where the
-    /// joints form no tree, [`RobotError::UnknownMimic`] and [`RobotError::MimicCycle`] where mimicry leads
-    /// to no independent joint, [`RobotError::BadAxis`], [`RobotError::BadPlacement`],
-    /// [`RobotError::BadValue`],
-    /// [`RobotError::BadGravity`], [`RobotError::BadArmature`], [`RobotError::NonFiniteInertia`],
-    /// [`RobotError::NegativeMass`] and [`RobotError::IndefiniteInertia`] for numbers,
-    /// [`RobotError::KinematicsOnly`] where no joint moves any mass, [`RobotError::Strict`] where the options
-    /// refuse warnings.
+    /// [`RobotError::DuplicateName`], [`RobotError::BadName`], [`RobotError::UnknownParent`] and
+    /// [`RobotError::Cycle`] where the joints form no tree, [`RobotError::UnknownMimic`] and
+    /// [`RobotError::MimicCycle`] where mimicry leads to no independent joint, [`RobotError::BadAxis`],
+    /// [`RobotError::BadPlacement`], [`RobotError::BadValue`], [`RobotError::BadGravity`],
+    /// [`RobotError::BadArmature`], [`RobotError::NonFiniteInertia`], [`RobotError::NegativeMass`] and
+    /// [`RobotError::IndefiniteInertia`] for numbers, [`RobotError::Strict`] where the options refuse
+    /// warnings.
     pub fn build(mut self) -> Result<Robot, RobotError> {
         let order = self.parents_first()?;
         let n = self.joints.len();
@@ -121,9 +120,7 @@ impl RobotBuilder {
             });
             index_of.insert(&spec.name, index);
         }
-        if self.gravity.iter().any(|g| !g.is_finite()) {
-            return Err(RobotError::BadGravity);
-        }
+        checks::gravity(&self.gravity.into())?;
         let of_joints = order.iter().map(|&source| self.joints[source].armature);
         let armature = match given {
             Some(matrix) => Armature::from_matrix(
@@ -138,7 +135,8 @@ impl RobotBuilder {
             }
         }
         mimic::narrow_limits(&mut joints, &mut warnings);
-        checks::robot(&joints, &armature, &mut warnings)?;
+        checks::robot(&joints, &armature, &mut warnings);
+        checks::try_mass_matrix(&joints, &armature, &mut warnings);
         self.options.refuse(&warnings)?;
         let frames = frames(&joints, self.frames)?;
         let independent = (0..joints.len()).filter(|&i| joints[i].mimic.is_none()).collect();
@@ -162,6 +160,7 @@ impl RobotBuilder {
         }
         let mut index_of: HashMap<&str, usize> = HashMap::with_capacity(n);
         for (index, spec) in self.joints.iter().enumerate() {
+            checks::name("joint", &spec.name)?;
             if index_of.insert(&spec.name, index).is_some() {
                 return Err(RobotError::DuplicateName { kind: "joint", name: spec.name.clone() });
             }

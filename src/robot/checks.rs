@@ -1,11 +1,13 @@
 //! Physical checks: the impossible is an error, the unlikely a warning.
 
 use super::armature::Armature;
+use super::body::Body;
 use super::error::RobotError;
 use super::joint::{Friction, Joint, JointKind, JointSpec, Limits, Spring};
 use super::link::LinkInertia;
-use super::positive::mass_matrix_is_positive;
-use super::warning::Warning;
+use super::positive::positivity;
+use super::range::{RANGE, is_moderate};
+use super::warning::{Positivity, Warning};
 
 /// Relative rounding that published figures are allowed.
 const ROUNDING: f64 = 1e-9;
@@ -17,19 +19,23 @@ const TINY_RADIUS_SQUARED: f64 = 1e-12;
 /// the figures of a real link; M shows whether it matters.
 const SLIGHTLY: f64 = 0.5;
 
-/// Least and largest size of a mass or inertia (kg, kg m^2) that is not zero: products of two of them with
-/// velocities and lengths neither vanish nor overflow.
-pub(super) const RANGE: std::ops::RangeInclusive<f64> = 1e-75..=1e75;
-
 /// Largest position limit of a revolute joint that passes without a warning (rad): two turns.
 const TWO_TURNS: f64 = 4.0 * std::f64::consts::PI;
 
 /// Larger limits (rad) mean that there is none.
 const UNLIMITED: f64 = 3600.0;
 
-/// Mass, centre of mass and inertia of one link; `link` names it in the error.
-pub(super) fn inertia(link: &str, inertia: &LinkInertia) -> Result<(), RobotError> {
-    let not_finite = |what| RobotError::NonFiniteInertia { link: link.into(), what };
+/// A name that can be written in a file or a flag: not blank.
+pub(super) fn name(kind: &'static str, name: &str) -> Result<(), RobotError> {
+    match name.trim() {
+        "" => Err(RobotError::BadName { kind, name: name.into(), rule: "give it a name that is not blank" }),
+        _ => Ok(()),
+    }
+}
+
+/// Mass, centre of mass and inertia of one body.
+pub(super) fn inertia(body: &Body, inertia: &LinkInertia) -> Result<(), RobotError> {
+    let not_finite = |what| RobotError::NonFiniteInertia { body: body.clone(), what };
     if !inertia.mass.is_finite() {
         return Err(not_finite("the mass"));
     }
@@ -40,7 +46,7 @@ pub(super) fn inertia(link: &str, inertia: &LinkInertia) -> Result<(), RobotErro
         return Err(not_finite("the inertia"));
     }
     if inertia.mass < 0.0 {
-        return Err(RobotError::NegativeMass { link: link.into(), mass: inertia.mass });
+        return Err(RobotError::NegativeMass { body: body.clone(), mass: inertia.mass });
     }
     let about_origin = inertia.inertia_about_origin();
     let sizes = [
@@ -49,19 +55,19 @@ pub(super) fn inertia(link: &str, inertia: &LinkInertia) -> Result<(), RobotErro
         ("the largest entry of the inertia about the joint frame", about_origin.amax()),
     ];
     if let Some((what, value)) = sizes.into_iter().find(|(_, size)| *size != 0.0 && !RANGE.contains(size)) {
-        return Err(RobotError::OutOfRange { link: link.into(), what, value });
+        return Err(RobotError::OutOfRange { body: body.clone(), what, value });
     }
     let moment = negative_moment(inertia);
     if moment < 0.0 && moment < -SLIGHTLY * inertia.principal_moments()[2] {
-        return Err(RobotError::IndefiniteInertia { link: link.into(), moment });
+        return Err(RobotError::IndefiniteInertia { body: body.clone(), moment });
     }
     Ok(())
 }
 
 /// A body whose figures the caller gives: no principal moment is negative by more than rounding.
-pub(super) fn rigid(name: &str, inertia: &LinkInertia) -> Result<(), RobotError> {
+pub(super) fn rigid(body: &Body, inertia: &LinkInertia) -> Result<(), RobotError> {
     let moment = negative_moment(inertia);
-    if moment < 0.0 { Err(RobotError::IndefiniteInertia { link: name.into(), moment }) } else { Ok(()) }
+    if moment < 0.0 { Err(RobotError::IndefiniteInertia { body: body.clone(), moment }) } else { Ok(()) }
 }
 
 /// The smallest principal moment where it is negative by more than rounding, else 0.
@@ -71,15 +77,21 @@ fn negative_moment(inertia: &LinkInertia) -> f64 {
     if smallest < -rounding { smallest } else { 0.0 }
 }
 
-/// Whether the principal moments could be those of a rigid body; the warning if not.
-pub(super) fn principal_moments(link: &str, inertia: &LinkInertia) -> Option<Warning> {
+/// Whether the principal moments could be those of a rigid body; the warning if not, before M is tried.
+pub(super) fn principal_moments(body: &Body, inertia: &LinkInertia) -> Option<Warning> {
     let moments @ [a, b, c] = inertia.principal_moments();
     let moment = negative_moment(inertia);
     if moment < 0.0 {
-        return Some(Warning::NegativeMoment { link: link.into(), moment });
+        let positive = Positivity::Untried;
+        return Some(Warning::NegativeMoment { body: body.clone(), moment, positive });
     }
     let rounding = (ROUNDING * c).max(TINY_RADIUS_SQUARED * inertia.mass);
-    (a + b < c - rounding).then(|| Warning::TriangleInequality { link: link.into(), moments })
+    (a + b < c - rounding).then(|| Warning::TriangleInequality { body: body.clone(), moments })
+}
+
+/// Gravity (m/s^2).
+pub(super) fn gravity(gravity: &[f64; 3]) -> Result<(), RobotError> {
+    if gravity.iter().all(|&g| is_moderate(g)) { Ok(()) } else { Err(RobotError::BadGravity) }
 }
 
 /// What one joint shows by itself.
@@ -92,7 +104,7 @@ pub(super) fn joint(spec: &JointSpec) -> Result<(), RobotError> {
     if !spec.placement.is_rigid() {
         return Err(RobotError::BadPlacement { joint: name() });
     }
-    inertia(spec.link_name(), &spec.inertia)?;
+    inertia(&Body::link(spec.link_name()), &spec.inertia)?;
     figures(&spec.name, spec.armature, &spec.spring, &spec.friction, &spec.limits)
 }
 
@@ -104,21 +116,29 @@ pub(super) fn figures(
     friction: &Friction,
     limits: &Limits,
 ) -> Result<(), RobotError> {
-    let rule = "it must be finite and not negative";
-    let not_negative = |what, value: f64| (what, value, value >= 0.0 && value.is_finite(), rule);
+    let in_range = |value: f64| value == 0.0 || RANGE.contains(&value);
+    let not_negative = |what, value: f64| {
+        (what, value, (0.0..=*RANGE.end()).contains(&value), "it must lie between 0 and 1e75")
+    };
+    let moderate = |what, value: f64| (what, value, is_moderate(value), "its size must be 1e75 at most");
+    let number = |what, value: f64| (what, value, !value.is_nan(), "give a number");
     let transition = friction.coulomb_velocity;
     let checks = [
-        not_negative("the armature", armature),
+        ("the armature", armature, in_range(armature), "it must be 0, or lie between 1e-75 and 1e75"),
         not_negative("the viscous friction", friction.viscous),
         not_negative("the Coulomb friction", friction.coulomb),
         (
             "the Coulomb transition velocity",
             transition,
-            transition > 0.0 && transition.is_finite(),
-            "it must be finite and positive",
+            RANGE.contains(&transition),
+            "it must lie between 1e-75 and 1e75",
         ),
-        ("the spring stiffness", spring.stiffness, spring.stiffness.is_finite(), "it must be finite"),
-        ("the rest position of the spring", spring.rest, spring.rest.is_finite(), "it must be finite"),
+        moderate("the spring stiffness", spring.stiffness),
+        moderate("the rest position of the spring", spring.rest),
+        number("the lower limit", limits.lower),
+        number("the upper limit", limits.upper),
+        number("the velocity limit", limits.velocity),
+        number("the effort limit", limits.effort),
         ("the lower limit", limits.lower, limits.lower <= limits.upper, "it must not exceed the upper limit"),
         ("the lower limit", limits.lower, limits.lower < f64::INFINITY, "it must be below infinity"),
         (
@@ -147,12 +167,9 @@ fn large_limits(joints: &[Joint]) -> Option<Warning> {
     limits.first().map(|&limit| Warning::LargeLimits { joints, limit })
 }
 
-/// What needs the whole tree: joints that move nothing, impossible inertias.
-pub(super) fn robot(
-    joints: &[Joint],
-    armature: &Armature,
-    warnings: &mut Vec<Warning>,
-) -> Result<(), RobotError> {
+/// What needs the whole tree: joints that move nothing, impossible inertias. Kinematics and inverse dynamics
+/// are not concerned, and edits may mend it: these are warnings, and what inverts M fails.
+pub(super) fn robot(joints: &[Joint], armature: &Armature, warnings: &mut Vec<Warning>) {
     let n = joints.len();
     let mut moves_mass: Vec<bool> = joints.iter().map(|j| !j.inertia.is_massless()).collect();
     let mut is_last = vec![true; n];
@@ -172,7 +189,8 @@ pub(super) fn robot(
         (is_mimicked[mimic.joint], is_mimicked[i]) = (true, true);
     }
     if let Some(first) = joints.first().filter(|_| !has_inertia.contains(&true)) {
-        return Err(RobotError::KinematicsOnly { joint: first.name.clone() });
+        warnings.push(Warning::KinematicsOnly { joint: first.name.clone() });
+        return;
     }
     for (i, joint) in joints.iter().enumerate() {
         let link = &joint.inertia;
@@ -180,23 +198,24 @@ pub(super) fn robot(
             warnings.push(Warning::MovesNothing { joint: joint.name.clone() });
             continue;
         }
-        warnings.extend(principal_moments(&joint.link, link));
+        warnings.extend(principal_moments(&Body::link(&joint.link), link));
         let about_axis = joint.axis.dot(&(link.inertia_about_origin() * joint.axis));
         if is_last[i]
             && !is_mimicked[i]
             && joint.kind == JointKind::Revolute
             && armature.entry(i, i) == 0.0
-            && about_axis <= 1e-14 * link.inertia_about_origin().amax()
+            && about_axis.abs() <= 1e-14 * link.inertia_about_origin().amax()
         {
             warnings.push(Warning::OnAxis { joint: joint.name.clone() });
         }
     }
-    let negative = |joint: &&Joint| negative_moment(&joint.inertia) < 0.0;
-    match joints.iter().find(negative) {
-        Some(joint) if !mass_matrix_is_positive(joints, armature) => {
-            let moment = negative_moment(&joint.inertia);
-            Err(RobotError::IndefiniteInertia { link: joint.link.clone(), moment })
-        }
-        _ => Ok(()),
+}
+
+/// Says of M in all warnings about negative moments whether it is positive.
+pub(super) fn try_mass_matrix(joints: &[Joint], armature: &Armature, warnings: &mut [Warning]) {
+    let mut negative = warnings.iter_mut().filter_map(Warning::positivity_mut).peekable();
+    if negative.peek().is_some() {
+        let found = positivity(joints, armature);
+        negative.for_each(|positive| *positive = found);
     }
 }

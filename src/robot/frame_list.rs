@@ -1,5 +1,6 @@
 //! Frames by their names.
 
+use super::checks;
 use super::error::RobotError;
 use super::frame::{Base, Frame, FrameKind, FrameSpec};
 use super::link::Placement;
@@ -29,8 +30,14 @@ impl FrameList {
     /// Adds a frame, whose base must be there already.
     pub(super) fn add(&mut self, spec: FrameSpec) -> Result<(), RobotError> {
         let FrameSpec { name, kind, base, placement } = spec;
+        checks::name(if kind == FrameKind::Link { "link" } else { "frame" }, &name)?;
         if !placement.is_rigid() {
             return Err(RobotError::BadFramePlacement { frame: name });
+        }
+        if kind == FrameKind::Added && PREFIXES.iter().any(|(prefix, _)| name.starts_with(prefix)) {
+            let rule = "what begins with 'joint:' or 'link:' means the frame of a joint or a link: give it \
+                        another name";
+            return Err(RobotError::BadName { kind: "frame", name, rule });
         }
         // One name of a description may be that of a link and of a joint; added frames have names of their
         // own.
@@ -160,9 +167,33 @@ mod tests {
     }
 
     #[test]
+    fn blank_names_are_refused() {
+        for blank in ["", " ", "\t\n"] {
+            let refused = |error| matches!(error, RobotError::BadName { ref name, .. } if name == blank);
+            assert!(refused(robot().with_frame(FrameSpec::new(blank)).unwrap_err()), "{blank:?}");
+            let body = LinkInertia::point(1.0, [0.1, 0.0, 0.0]);
+            let joint = |name: &str| JointSpec::revolute(name).carrying(body);
+            let build = |joint| Robot::builder("arm").joint(joint).build().unwrap_err();
+            assert!(refused(build(joint(blank))) && refused(build(joint("a").link(blank))), "{blank:?}");
+        }
+    }
+
+    #[test]
     fn a_whole_name_comes_before_a_prefix() {
-        let robot = robot().with_frame(FrameSpec::new("joint:b").on("a")).unwrap();
-        assert_eq!(robot.frame("joint:b").unwrap().kind, FrameKind::Added);
+        let body = LinkInertia::point(1.0, [0.1, 0.0, 0.0]);
+        let odd = JointSpec::revolute("b").on("a").link("joint:a").carrying(body);
+        let first = JointSpec::revolute("a").carrying(body);
+        let robot = Robot::builder("arm").joint(first).joint(odd).build().unwrap();
+        assert_eq!(robot.frame("joint:a").unwrap().kind, FrameKind::Link);
+    }
+
+    #[test]
+    fn an_added_frame_does_not_take_the_name_of_another_one() {
+        for name in ["joint:b", "link:b", "joint:"] {
+            let error = robot().with_frame(FrameSpec::new(name).on("a")).unwrap_err();
+            assert!(matches!(error, RobotError::BadName { kind: "frame", .. }), "{error}");
+        }
+        assert!(robot().with_frame(FrameSpec::new("jointed:b").on("a")).is_ok());
     }
 
     #[test]

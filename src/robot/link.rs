@@ -1,5 +1,6 @@
 //! Placements of frames and inertias of rigid links.
 
+use super::range::is_moderate;
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 
 /// Position and orientation of a frame in another one: `x_outer = rotation x_inner + translation` (m).
@@ -45,10 +46,11 @@ impl Placement {
         Self { rotation: nearest.unwrap_or(self.rotation), ..*self }
     }
 
-    /// Whether all entries are finite and the rotation is orthonormal and right-handed to 1e-6.
+    /// Whether the rotation is orthonormal and right-handed to 1e-6, and the translation so small that
+    /// products stay finite.
     pub(crate) fn is_rigid(&self) -> bool {
         let defect = (self.rotation.transpose() * self.rotation - Matrix3::identity()).amax();
-        self.translation.iter().all(|x| x.is_finite()) && defect < 1e-6 && self.rotation.determinant() > 0.0
+        self.translation.iter().all(|&x| is_moderate(x)) && defect < 1e-6 && self.rotation.determinant() > 0.0
     }
 }
 

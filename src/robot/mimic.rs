@@ -1,9 +1,9 @@
 //! Joints that mimic others, resolved to the independent joints.
 
-use super::checks;
 use super::error::RobotError;
 use super::joint::{Joint, JointSpec, Limits, Mimic, MimicSpec};
 use super::nearest::resembling;
+use super::range::{RANGE, is_moderate};
 use super::warning::Warning;
 use std::collections::HashMap;
 
@@ -71,10 +71,13 @@ pub(super) fn resolved(specs: &[JointSpec], order: &[usize]) -> Result<Vec<Optio
 
 /// Products of ratios with masses and velocities neither vanish nor overflow.
 fn check(joint: &str, mimic: &Mimic) -> Result<(), RobotError> {
-    let rule = "its size must be between 1e-75 and 1e75; make a joint that does not move a fixed one";
+    let ratio = match mimic.ratio {
+        0.0 => "a joint that does not move with another one is a fixed one",
+        _ => "its size must lie between 1e-75 and 1e75",
+    };
     let checks = [
-        ("the ratio of mimicry", mimic.ratio, checks::RANGE.contains(&mimic.ratio.abs()), rule),
-        ("the offset of mimicry", mimic.offset, mimic.offset.is_finite(), "it must be finite"),
+        ("the ratio of mimicry", mimic.ratio, RANGE.contains(&mimic.ratio.abs()), ratio),
+        ("the offset of mimicry", mimic.offset, is_moderate(mimic.offset), "its size must be 1e75 at most"),
     ];
     match checks.into_iter().find(|(_, _, ok, _)| !ok) {
         Some((what, value, _, rule)) => Err(RobotError::BadValue { joint: joint.into(), what, value, rule }),

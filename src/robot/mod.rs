@@ -5,6 +5,7 @@
 //! [`Tree`] is the same robot in the frames that the kernels use.
 
 mod armature;
+mod body;
 mod branches;
 mod builder;
 mod checks;
@@ -31,6 +32,7 @@ mod pattern;
 mod poses;
 mod positive;
 mod printable;
+mod range;
 mod read;
 mod regroup;
 mod still_joints;
@@ -44,9 +46,10 @@ mod warning;
 mod with_wrench;
 mod wrench;
 
+pub use body::Body;
 pub(crate) use branches::Branches;
 pub use builder::RobotBuilder;
-pub use edit::RobotEdit;
+pub use edit::{LimitChange, RobotEdit};
 pub use error::RobotError;
 pub use format::RobotFormat;
 pub use frame::{Frame, FrameKind, FrameSpec};
@@ -62,5 +65,5 @@ pub use printable::{Printable, escape_hidden, printable, printable_number};
 pub(crate) use still_joints::{Site, StillJoint, WithStillJoints};
 pub use tree::Tree;
 pub use tree_frame::TreeFrame;
-pub use warning::Warning;
+pub use warning::{Positivity, Warning};
 pub use wrench::{AppliedWrench, Wrench, WrenchAxes};

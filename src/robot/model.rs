@@ -1,6 +1,7 @@
 //! The robot itself.
 
 use super::armature::Armature;
+use super::checks;
 use super::error::RobotError;
 use super::frame::{Frame, FrameSpec};
 use super::frame_list::FrameList;
@@ -120,8 +121,8 @@ impl Robot {
 
     /// The frame of this name: of an added frame, else of a link, else of a joint, else the world.
     ///
-    /// A link and a joint can have the same name; `joint:NAME` and `link:NAME` tell them apart. A frame whose
-    /// whole name is that text comes first.
+    /// A link and a joint can have the same name; `joint:NAME` and `link:NAME` tell them apart. A link or
+    /// joint of a file whose whole name is that text comes first; added frames cannot have such a name.
     ///
     /// # Errors
     /// [`RobotError::UnknownFrame`], with the names that resemble it.
@@ -143,7 +144,7 @@ impl Robot {
     ///
     /// # Errors
     /// [`RobotError::UnknownFrame`] for the frame that it is placed in, [`RobotError::DuplicateName`],
-    /// [`RobotError::BadFramePlacement`].
+    /// [`RobotError::BadName`], [`RobotError::BadFramePlacement`].
     pub fn with_frame(&self, frame: FrameSpec) -> Result<Self, RobotError> {
         self.clone().with_frames(std::iter::once(frame)).map_err(|(_, error)| error)
     }
@@ -168,6 +169,13 @@ impl Robot {
         &self.warnings
     }
 
+    /// Adds a warning, once.
+    pub(super) fn add_warning(&mut self, warning: Warning) {
+        if !self.warnings.contains(&warning) {
+            self.warnings.push(warning);
+        }
+    }
+
     /// The same robot with D = 0.
     pub fn without_friction(&self) -> Self {
         let mut robot = self.clone();
@@ -178,19 +186,16 @@ impl Robot {
     /// The same robot under another gravity (m/s^2).
     ///
     /// # Errors
-    /// [`RobotError::BadGravity`] if it is not finite.
+    /// [`RobotError::BadGravity`] if it is not finite, or larger than 1e75.
     pub fn with_gravity(&self, gravity: [f64; 3]) -> Result<Self, RobotError> {
-        if gravity.iter().any(|g| !g.is_finite()) {
-            return Err(RobotError::BadGravity);
-        }
+        checks::gravity(&gravity)?;
         Ok(Self { gravity: Vector3::from(gravity), ..self.clone() })
     }
 
     /// The same robot with another armature matrix: one row for each of the [`joints`](Self::joints).
     ///
     /// # Errors
-    /// [`RobotError::BadArmature`]; [`RobotError::KinematicsOnly`] if no joint has inertia any more,
-    /// [`RobotError::IndefiniteInertia`] if M is no longer positive.
+    /// [`RobotError::BadArmature`].
     pub fn with_armature(&self, armature: DMatrix<f64>) -> Result<Self, RobotError> {
         let n = self.joints.len();
         if armature.shape() != (n, n) {
@@ -198,6 +203,6 @@ impl Robot {
             return Err(RobotError::BadArmature { problem, n });
         }
         let armature = Armature::from_matrix(&armature)?;
-        Self { armature, ..self.clone() }.checked(self, Vec::new())
+        Ok(Self { armature, ..self.clone() }.checked(self, Vec::new()))
     }
 }

@@ -4,21 +4,28 @@ use super::armature::Armature;
 use super::joint::{Joint, JointKind, Limits};
 use super::joint_map;
 use super::link::Placement;
+use super::warning::Positivity;
 use nalgebra::{DMatrix, Vector3};
 
-/// Positions at which M is computed: q = 0 and these many more.
+/// Positions at which M is computed: the one closest to q = 0, and these many more.
 const POSITIONS: usize = 7;
 
 /// Robots with more joints are not tried: one M takes n^3 operations.
 const MOST_JOINTS: usize = 300;
 
-/// Whether `M = G' (sum_k m_k Jv_k' Jv_k + Jw_k' I_k Jw_k + A) G` has a Cholesky factor at q = 0 and at
-/// positions spread over the limits, without joints that move nothing; a test of some positions, not a proof
-/// for all.
-pub(super) fn mass_matrix_is_positive(joints: &[Joint], armature: &Armature) -> bool {
+/// Whether `M = G' (sum_k m_k Jv_k' Jv_k + Jw_k' I_k Jw_k + A) G` has a Cholesky factor at positions spread
+/// over the limits, without joints that move nothing; a test of some positions, not a proof for all.
+pub(super) fn positivity(joints: &[Joint], armature: &Armature) -> Positivity {
     if joints.len() > MOST_JOINTS {
-        return false;
+        Positivity::Untried
+    } else if is_positive(joints, armature) {
+        Positivity::WhereTried
+    } else {
+        Positivity::Violated
     }
+}
+
+fn is_positive(joints: &[Joint], armature: &Armature) -> bool {
     let rows = joint_map::rows(joints);
     let g = rows.map(|rows| {
         let n = 1 + rows.iter().map(|row| row.coordinate).max().unwrap_or(0);
@@ -45,17 +52,23 @@ pub(super) fn mass_matrix_is_positive(joints: &[Joint], armature: &Armature) -> 
     })
 }
 
-/// A position within the limits, or +-pi rad, +-1 m; 0 for number 0.
+/// A position within the limits, or within +-pi rad, +-1 m where there are none; the one closest to 0 for
+/// number 0.
 fn position(joint: &Joint, number: usize, index: usize) -> f64 {
+    let Limits { lower, upper, .. } = joint.limits;
+    if number == 0 {
+        return 0.0_f64.clamp(lower, upper);
+    }
     // Multiples of the golden ratio are spread evenly over the unit interval.
     let share = ((number * (index + 1)) as f64 * 0.618_033_988_749_895).fract();
     let reach = if joint.kind == JointKind::Revolute { std::f64::consts::PI } else { 1.0 };
-    let Limits { lower, upper, .. } = joint.limits;
-    match (lower.is_finite() && upper.is_finite(), number) {
-        (_, 0) => 0.0,
-        (true, _) => lower + share * (upper - lower),
-        (false, _) => (2.0 * share - 1.0) * reach,
-    }
+    let (lower, upper) = match (lower.is_finite(), upper.is_finite()) {
+        (true, true) => (lower, upper),
+        (true, false) => (lower, lower + 2.0 * reach),
+        (false, true) => (upper - 2.0 * reach, upper),
+        (false, false) => (-reach, reach),
+    };
+    lower + share * (upper - lower)
 }
 
 /// M of all joints, without armature, from the Jacobians of all links.
@@ -96,7 +109,7 @@ fn mass_matrix(joints: &[Joint], q: &[f64]) -> DMatrix<f64> {
 mod tests {
     use super::*;
     use crate::kernels::KernelOne;
-    use crate::robot::{JointSpec, LinkInertia, Robot, Tree};
+    use crate::robot::{JointSpec, LinkInertia, Robot, RobotBuilder, Tree};
     use nalgebra::Matrix3;
 
     #[test]
@@ -117,17 +130,55 @@ mod tests {
         let expected = DMatrix::from_row_slice(4, 4, kernel.mass_matrix().as_slice());
         assert!((mass_matrix(robot.joints(), &q) - expected).amax() < 1e-14);
     }
+
+    /// Slightly negative about z.
+    fn slightly() -> Matrix3<f64> {
+        Matrix3::from_diagonal(&[0.2, 0.3, -0.002].into())
+    }
+
+    fn tried(robot: &Robot) -> Positivity {
+        positivity(robot.joints(), &Armature::diagonal(vec![0.0; robot.joints().len()].into_iter()))
+    }
+
     #[test]
     fn a_joint_that_moves_nothing_does_not_make_m_indefinite() {
-        let slightly = Matrix3::from_diagonal(&[0.2, 0.3, -0.002].into());
-        let heavy = LinkInertia::about_com(2.0, [0.4, 0.3, 0.0], slightly);
+        let heavy = LinkInertia::about_com(2.0, [0.4, 0.3, 0.0], slightly());
         let with = |spec: JointSpec| {
-            Robot::builder("arm").joint(JointSpec::revolute("a").carrying(heavy)).joint(spec.on("a")).build()
+            Robot::builder("arm")
+                .joint(JointSpec::revolute("a").carrying(heavy))
+                .joint(spec.on("a"))
+                .build()
+                .unwrap()
         };
-        let robot = with(JointSpec::revolute("grip")).unwrap();
-        assert!(mass_matrix_is_positive(robot.joints(), &Armature::diagonal([0.0, 0.0].into_iter())));
-        let spinning = JointSpec::revolute("spin").placed(Placement::from_xyz_rpy([0.0; 3], [0.0; 3]));
-        let negative = LinkInertia::about_com(1e-3, [0.0; 3], slightly);
-        assert!(with(spinning.carrying(negative)).is_err(), "an axis through the centre");
+        assert_eq!(tried(&with(JointSpec::revolute("grip"))), Positivity::WhereTried);
+        let negative = LinkInertia::about_com(1e-3, [0.0; 3], slightly());
+        let spinning = with(JointSpec::revolute("spin").carrying(negative));
+        assert_eq!(tried(&spinning), Positivity::Violated, "an axis through the centre");
+    }
+
+    #[test]
+    fn a_long_chain_is_not_tried() {
+        let heavy = LinkInertia::about_com(2.0, [0.4, 0.3, 0.0], slightly());
+        let chain = |n: usize| {
+            let first = Robot::builder("chain").joint(JointSpec::revolute("0").carrying(heavy));
+            let rest = (1..n).map(|i| JointSpec::revolute(i.to_string()).on((i - 1).to_string()));
+            rest.fold(first, RobotBuilder::joint).build().unwrap()
+        };
+        assert_eq!(tried(&chain(MOST_JOINTS + 1)), Positivity::Untried);
+        assert_eq!(tried(&chain(3)), Positivity::WhereTried);
+    }
+
+    /// A slide at 0 brings the mass onto the axis; its limits keep it away.
+    #[test]
+    fn positions_outside_the_limits_are_not_tried() {
+        let thin = LinkInertia::about_com(1.0, [0.0; 3], slightly());
+        let with = |lower: f64| {
+            let slide = JointSpec::prismatic("slide").on("a").axis([1.0, 0.0, 0.0]).carrying(thin);
+            let limits = Limits { lower, ..Limits::default() };
+            let first = JointSpec::revolute("a");
+            Robot::builder("arm").joint(first).joint(slide.limits(limits)).build().unwrap()
+        };
+        assert_eq!(tried(&with(0.1)), Positivity::WhereTried);
+        assert_eq!(tried(&with(-1.0)), Positivity::Violated);
     }
 }

@@ -3,6 +3,8 @@
 use super::error::RobotError;
 use super::frame_list::FrameList;
 use super::model::Robot;
+use super::range::is_moderate;
+use super::warning::Warning;
 use super::wrench::{AppliedWrench, Wrench};
 
 impl Robot {
@@ -13,15 +15,24 @@ impl Robot {
 
     /// The same robot without wrenches.
     pub fn without_wrenches(&self) -> Self {
-        Self { wrenches: Vec::new(), ..self.clone() }
+        let mut robot = Self { wrenches: Vec::new(), ..self.clone() };
+        robot.warnings.retain(|warning| !matches!(warning, Warning::IdleWrench { .. }));
+        robot
+    }
+
+    /// A warning for each frame that no joint moves, and that a wrench acts on.
+    pub(super) fn idle_wrenches(&self) -> Vec<Warning> {
+        let frames = self.wrenches.iter().map(|applied| &self.frames[applied.frame]);
+        let idle = frames.filter(|frame| frame.joint.is_none());
+        idle.map(|frame| Warning::IdleWrench { frame: frame.name.clone() }).collect()
     }
 
     /// The same robot with one more wrench, at a frame that is found as by [`frame`](Self::frame).
     ///
     /// The generalised force `J'W` of the wrench is added to the actuation in every quantity: `dp/dt`, the
     /// accelerations, and with the opposite sign tau of inverse dynamics, with all their derivatives.
-    /// A wrench is no part of L, V or H. The workspaces of `hamiltonian`, `lagrangian`
-    /// and `parameters` change its value by `set_wrench`.
+    /// A wrench is no part of L, V or H. At a frame that no joint moves it has no effect: a warning. The
+    /// workspaces of `hamiltonian`, `lagrangian` and `parameters` change its value by `set_wrench`.
     ///
     /// ```
     /// use costate::lagrangian::Lagrangian;
@@ -40,7 +51,7 @@ impl Robot {
     ///
     /// # Errors
     /// [`RobotError::UnknownFrame`], with the names that resemble it; [`RobotError::BadWrench`] for numbers
-    /// that are not finite.
+    /// that are not finite, or larger than 1e75.
     pub fn with_wrench(&self, frame: &str, wrench: Wrench) -> Result<Self, RobotError> {
         self.clone().with_wrenches(std::iter::once((frame, wrench))).map_err(|(_, error)| error)
     }
@@ -56,11 +67,15 @@ impl Robot {
         let frames = FrameList::from(self.frames);
         for (k, (name, wrench)) in wrenches.enumerate() {
             let frame = frames.position(name).map_err(|error| (k, error))?;
-            if wrench.moment.iter().chain(&wrench.force).any(|entry| !entry.is_finite()) {
+            if wrench.moment.iter().chain(&wrench.force).any(|&entry| !is_moderate(entry)) {
                 return Err((k, RobotError::BadWrench { frame: name.to_owned() }));
             }
             self.wrenches.push(AppliedWrench { frame, wrench });
         }
-        Ok(Self { frames: frames.into_frames(), ..self })
+        let mut robot = Self { frames: frames.into_frames(), ..self };
+        for warning in robot.idle_wrenches() {
+            robot.add_warning(warning);
+        }
+        Ok(robot)
     }
 }

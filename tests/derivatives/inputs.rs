@@ -1,6 +1,6 @@
 //! Bad states and extreme ones: what happens.
 
-use costate::derivative::{DerivativeError, Jacobian, PhaseVelocity, Routes, largest};
+use costate::derivative::{DerivativeError, Jacobian, PhaseVelocity, Routes, Verdict, largest};
 use costate::hamiltonian::{Hamiltonian, HamiltonianSecondOrder};
 use costate::kernels::KernelOne;
 use costate::lagrangian::{Lagrangian, LagrangianSecondOrder, LegendreTransform};
@@ -200,6 +200,32 @@ fn extreme_masses() {
         let report = Routes::new(&robot).compare(&x, &[0.0; 3], &[0.5; 6]).unwrap();
         assert_eq!(report.failures(1.0).collect::<Vec<_>>(), [&report.figures[0]; 0], "{report:?}");
     }
+}
+
+/// Two joints on one axis with almost nothing between them: rounding leaves no digits of y'F_xx, and the
+/// comparison says so instead of showing the zeros among its blocks.
+#[test]
+fn what_has_no_digits_left_is_not_said_to_agree() {
+    let speck = LinkInertia::about_com(0.0, [0.0; 3], Matrix3::identity() * 1e-12);
+    let body = LinkInertia::about_com(1.0, [0.05, 0.02, 0.1], Matrix3::identity() * 0.02);
+    let turned = Placement::from_xyz_rpy([0.1, 0.2, 0.3], [0.3, -0.4, 0.5]);
+    let robot = Robot::builder("wrist")
+        .joint(JointSpec::revolute("a").placed(turned).carrying(speck))
+        .joint(JointSpec::revolute("b").on("a").carrying(body))
+        .joint(JointSpec::revolute("c").on("b").placed(turned).axis([0.0, 1.0, 0.0]).carrying(body))
+        .build()
+        .unwrap();
+    let (q, v) = ([0.3, -0.7, 1.1], [0.5, 0.2, -0.4]);
+    let p = Hamiltonian::<f64>::new(&robot).momentum(&q, &v).unwrap().to_vec();
+    let report = Routes::new(&robot).compare(&[&q[..], &p].concat(), &[0.1; 3], &[0.5; 6]).unwrap();
+    assert!(report.condition > 1e10 && report.is_nearly_singular(), "{report:?}");
+    for route in ["analytic", "dual pass", "packed tensor", "tensors"] {
+        let figure = report.get("y'F_xx", route).unwrap();
+        assert_eq!(figure.verdict(1.0), Verdict::NotComparable, "{figure:?}");
+    }
+    // Frames do not need M.
+    let frames = report.get("(w.V)_zz of frames", "analytic").unwrap();
+    assert_eq!(frames.verdict(1.0), Verdict::Agrees, "{frames:?}");
 }
 
 /// A chain of 100 joints is only a matter of time.

@@ -2,7 +2,7 @@
 
 use costate::robot::{
     Friction, JointSpec, Limits, LinkInertia, LoadOptions, Placement, Robot, RobotEdit, RobotError as E,
-    Warning,
+    Warning, Wrench,
 };
 use nalgebra::Matrix3;
 
@@ -45,9 +45,19 @@ fn what_cannot_be_locked_is_named() {
     says(all, &["'shoulder', 'elbow', 'finger'", "leave at least one"]);
     let q = [0.0; 3];
     says(arm.reduced_to(&["shoulderr"], &q).unwrap_err(), &["'shoulder'"]);
+    says(arm.reduced_to(&["elbow", "elbow"], &q).unwrap_err(), &["'elbow'", "named twice"]);
     says(arm.reduced_to(&["thumb"], &q).unwrap_err(), &["'finger'"]);
     says(arm.reduced_to(&["elbow"], &q[1..]).unwrap_err(), &["2 positions for 3"]);
     assert!(matches!(arm.reduced_to(&[], &q), Err(E::AllLocked { .. })));
+    let locked = arm.lock(&[("elbow", -1.0)]).unwrap();
+    for error in [
+        locked.reduced_to(&["shoulder", "elbow"], &q[1..]).unwrap_err(),
+        locked.lock(&[("elbow", -1.0)]).unwrap_err(),
+        locked.with_joint_armature("elbow", 0.1).unwrap_err(),
+    ] {
+        assert!(matches!(error, E::StillJoint { .. }), "{error}");
+        says(error, &["'elbow'", "locked, or fixed in the file"]);
+    }
 }
 
 #[test]
@@ -84,17 +94,55 @@ fn payloads_that_cannot_be_are_named() {
     let point = |mass| LinkInertia::point(mass, [0.0, 0.0, 0.1]);
     says(refused("fingre", point(1.0)), &["'fingre'", "'finger'"]);
     says(refused("world", point(1.0)), &["'world'", "beyond a joint"]);
-    says(refused("finger", point(-1.0)), &["payload of finger", "-1 kg"]);
-    says(refused("finger", point(f64::NAN)), &["payload of finger", "mass"]);
+    says(refused("finger", point(-1.0)), &["the payload of frame 'finger'", "-1 kg"]);
+    says(refused("finger", point(f64::NAN)), &["the payload of frame 'finger'", "mass"]);
     says(
         refused("finger", LinkInertia::point(1.0, [f64::INFINITY, 0.0, 0.0])),
-        &["payload of finger", "centre"],
+        &["the payload of frame 'finger'", "centre"],
     );
     let turned_over = LinkInertia::about_com(1.0, [0.0; 3], Matrix3::from_diagonal(&[-1.0, 0.5, 0.5].into()));
-    says(refused("finger", turned_over), &["payload of finger", "negative principal moment"]);
+    says(refused("finger", turned_over), &["the payload of frame 'finger'", "negative principal moment"]);
     let flat = LinkInertia::about_com(1.0, [0.0; 3], Matrix3::from_diagonal(&[0.1, 0.1, 0.5].into()));
     let warnings = arm.with_payload("finger", &flat).unwrap().warnings().to_vec();
-    assert!(warnings.iter().any(|warning| warning.to_string().contains("payload of finger")), "{warnings:?}");
+    let [warning] = &warnings[..] else { panic!("{warnings:?}") };
+    assert!(warning.to_string().contains("the payload of frame 'finger'"), "{warning}");
+    // Once, also on a link that has no mass of its own, and after another edit.
+    let bare = JointSpec::revolute("bare").on("finger").armature(0.1);
+    let bare = Robot::builder("bare")
+        .joint(JointSpec::revolute("finger").carrying(point(1.0)).armature(0.1))
+        .joint(bare)
+        .build()
+        .unwrap();
+    let loaded = bare.with_payload("bare", &flat).unwrap();
+    for robot in [loaded.with_joint_armature("finger", 0.2).unwrap(), loaded] {
+        let [warning] = robot.warnings() else { panic!("{:?}", robot.warnings()) };
+        assert!(warning.to_string().contains("the payload of frame 'bare'"), "{warning}");
+    }
+}
+
+/// What has no effect is not silent.
+#[test]
+fn idle_wrenches_and_empty_payloads_are_warnings() {
+    let strict = LoadOptions::default().strict(true);
+    let pull = Wrench { force: [1.0, 0.0, 0.0], ..Wrench::default() };
+    let idle = |frame: &str| Warning::IdleWrench { frame: frame.into() };
+    let pulled = arm().with_wrench("world", pull).unwrap();
+    assert_eq!(pulled.warnings(), [idle("world")]);
+    assert_eq!(pulled.with_wrench("world", pull).unwrap().warnings(), [idle("world")]);
+    assert_eq!(pulled.without_wrenches(), arm());
+    assert!(arm().with_wrench("elbow", pull).unwrap().warnings().is_empty());
+    let edit = [RobotEdit::Wrench("world".into(), pull)];
+    says(arm().edited(&edit, strict).unwrap_err(), &["'world'", "no effect"]);
+    // A joint that is locked no longer moves the frame.
+    let held = arm().with_wrench("shoulder", pull).unwrap().lock(&[("shoulder", -1.0)]).unwrap();
+    assert_eq!(held.warnings(), [idle("shoulder")]);
+    let nothing = LinkInertia::massless();
+    let carrying = arm().with_payload("elbow", &nothing).unwrap();
+    assert_eq!(carrying.warnings(), [Warning::EmptyPayload { frame: "elbow".into() }]);
+    let edit = [RobotEdit::Payload("elbow".into(), nothing)];
+    says(arm().edited(&edit, strict).unwrap_err(), &["'elbow'", "neither mass nor inertia"]);
+    let rod = LinkInertia::about_com(0.0, [0.0; 3], Matrix3::identity());
+    assert!(arm().with_payload("elbow", &rod).unwrap().warnings().is_empty());
 }
 
 #[test]
@@ -116,7 +164,8 @@ fn figures_of_joints_are_replaced_and_checked() {
         says(error.unwrap_err(), &words);
     }
     let massless = Robot::builder("rotor").joint(JointSpec::revolute("a").armature(0.1)).build().unwrap();
-    assert!(matches!(massless.with_joint_armature("a", 0.0), Err(E::KinematicsOnly { .. })));
+    let without = massless.with_joint_armature("a", 0.0).unwrap();
+    assert!(without.warnings().contains(&Warning::KinematicsOnly { joint: "a".into() }));
 }
 
 #[test]

@@ -4,6 +4,7 @@
 
 mod descriptions;
 mod edits;
+mod inertias;
 mod known_kinematics;
 mod known_robots;
 mod mimics;

@@ -54,6 +54,8 @@ refuses! {
     empty_robot: "name = 'nothing'", None, E::NoJoints { .. }, ["nothing", "revolute"];
     unknown_parent: two("", "parent = 'c'"), Some(9), E::UnknownParent { .. }, ["'b'", "'c'", "joint"];
     duplicate: two("", "").replace("'b'", "'a'"), Some(9), E::DuplicateName { kind: "joint", .. }, ["'a'"];
+    blank_joint: two("", "").replace("'b'", "' '"), Some(9), E::BadName { kind: "joint", .. }, ["not blank"];
+    blank_frame: two("", "\n[[frame]]\nname = ''"), Some(15), E::BadName { kind: "frame", .. }, ["not blank"];
     cycle: two("parent = 'b'", "parent = 'a'"), Some(3), E::Cycle { .. }, ["a -> b", "world"];
     its_own_parent: two("parent = 'a'", ""), Some(3), E::Cycle { .. }, ["a"];
     called_world: two("", "").replace("'a'", "'world'"), Some(3), E::Malformed { .. }, ["'world'", "another name"];
@@ -68,6 +70,18 @@ refuses! {
     negative_friction: two("friction = { viscous = -1.0 }", ""), Some(3), E::BadValue { .. }, ["viscous", "'a'", "-1"];
     zero_transition: two("friction = { coulomb = 1.0, coulomb_velocity = 0.0 }", ""), Some(3), E::BadValue { .. }, ["'a'"];
     negative_armature: two("armature = -0.1", ""), Some(3), E::BadValue { .. }, ["armature", "'a'"];
+    huge_armature: two("armature = 1e200", ""), Some(3), E::BadValue { .. }, ["armature", "'a'", "1e200", "1e75"];
+    tiny_armature: two("armature = 1e-200", ""), Some(3), E::BadValue { .. }, ["armature", "'a'", "1e-75"];
+    huge_friction: two("friction = { viscous = 1e200 }", ""), Some(3), E::BadValue { .. }, ["viscous", "'a'", "1e75"];
+    huge_spring: two("spring = { stiffness = -1e200 }", ""), Some(3), E::BadValue { .. }, ["stiffness", "'a'", "1e75"];
+    limit_nan: two("limits = { lower = nan }", ""), Some(3), E::BadValue { .. }, ["lower limit", "'a'", "NaN", "give a number"];
+    huge_placement: two("placement = { xyz = [1e200, 0.0, 0.0] }", ""), Some(3), E::BadPlacement { .. }, ["'a'", "1e75"];
+    huge_gravity: two("", "").replacen("[[", "gravity = [0.0, 0.0, -1e80]\n[[", 1), Some(2), E::BadGravity, ["gravity", "1e75"];
+    huge_coupling: two("", "").replacen("[[", "armature = [[1.0, 1e80], [1e80, 1.0]]\n[[", 1), Some(2), E::BadArmature { .. }, ["1e80"];
+    huge_frame: two("", "\n[[frame]]\nname = 'f'\nplacement = { xyz = [0, -1e80, 0] }"), Some(15), E::BadFramePlacement { .. }, ["'f'", "1e75"];
+    huge_wrench: two("", "\n[[wrench]]\nframe = 'b'\nforce = [0, 1e80, 0]"), Some(15), E::BadWrench { .. }, ["'b'", "1e75"];
+    huge_mimic_offset: two("", "mimic = { joint = 'a', offset = -1e80 }"), Some(9), E::BadValue { .. }, ["'b'", "offset", "1e75"];
+    huge_mimic_ratio: two("", "mimic = { joint = 'a', ratio = 1e80 }"), Some(9), E::BadValue { .. }, ["'b'", "ratio", "1e75"];
     mimic_of_nothing: two("", "mimic = { joint = 'c' }"), Some(9), E::UnknownMimic { .. }, ["'b'", "'c'"];
     mimics_in_a_circle: two("mimic = { joint = 'b' }", "mimic = { joint = 'a' }"), Some(3), E::MimicCycle { .. }, ["a -> b -> a"];
     mimic_by_nothing: two("", "mimic = { joint = 'a', ratio = 0.0 }"), Some(9), E::BadValue { .. }, ["'b'", "ratio", "0"];
@@ -200,11 +214,17 @@ fn errors_in_a_file_start_with_path_and_line() {
 fn a_violated_triangle_inequality_is_a_warning_and_strict_makes_it_an_error() {
     let odd = two("", "").replacen("zz = 0.25", "zz = 0.9", 1);
     let robot = parse(&odd, LoadOptions::default()).unwrap();
-    assert!(matches!(robot.warnings(), [Warning::TriangleInequality { link, .. }] if link == "a"));
+    assert!(matches!(robot.warnings(), [Warning::TriangleInequality { body, .. }] if body.name() == "a"));
     let strict = LoadOptions::default().strict(true);
     let error = parse(&odd, strict).unwrap_err();
     assert!(error.to_string().contains("'a'"), "{error}");
     assert!(parse(&two("", ""), strict).is_ok());
+    let pulled = two("", "\n[[wrench]]\nframe = 'world'\nforce = [0, 1, 0]");
+    assert!(matches!(
+        parse(&pulled, LoadOptions::default()).unwrap().warnings(),
+        [Warning::IdleWrench { frame }] if frame == "world"
+    ));
+    assert!(matches!(parse(&pulled, strict), Err(E::Strict { .. })));
 }
 
 #[test]

@@ -3,9 +3,7 @@
 use crate::texts::*;
 use costate::robot::RobotError as E;
 use costate::robot::urdf::parse;
-use costate::robot::{
-    Friction, Joint, JointKind, LinkInertia, LoadOptions, Placement, Robot, RobotEdit, Warning,
-};
+use costate::robot::{Friction, Joint, JointKind, LinkInertia, LoadOptions, Placement, Robot, Warning};
 use nalgebra::{Matrix3, Vector3};
 
 /// Inertia of `INERTIAL`.
@@ -58,63 +56,6 @@ fn the_frame_of_an_inertial_rotates_its_inertia() {
     assert_close(&load(&arm(&rotated)).joints()[0].inertia, &expected, 1e-16);
 }
 
-/// A link of 2 kg with these moments about axes through its centre of mass, of which x is the joint axis.
-fn with_moments(com: &str, [x, y, z]: [f64; 3]) -> String {
-    let old = ["0.1 0 0.2", "ixx=\"0.3\"", "iyy=\"0.3\"", "izz=\"0.2\""];
-    let new = [com.to_owned(), format!("ixx=\"{x:e}\""), format!("iyy=\"{y:e}\""), format!("izz=\"{z:e}\"")];
-    arm(&old.iter().zip(new).fold(INERTIAL.to_owned(), |text, (old, new)| text.replace(old, &new)))
-}
-
-#[test]
-fn moments_that_are_negative_by_rounding_are_those_of_points() {
-    for moments in [
-        [-2.4e-38, 0.0, 2.4e-38],
-        [-5.4e-20, -5.4e-20, 0.0],
-        [-1e-19; 3],
-        [-2e-13, 0.1, 0.1],
-        [1e-19, 0.0, 0.0],
-    ] {
-        assert_eq!(load(&with_moments("0.1 0 0.2", moments)).warnings(), [], "{moments:?}");
-    }
-}
-
-#[test]
-fn moments_that_are_slightly_negative_are_a_warning_while_m_is_positive() {
-    let strict = LoadOptions::default().strict(true);
-    for moments in [[-0.01, 0.3, 0.3], [0.3, -0.02, 0.3], [0.1, -1e-8, 0.1]] {
-        let text = with_moments("0.1 0 0.2", moments);
-        let robot = load(&text);
-        let [warning] = robot.warnings() else { panic!("{:?}", robot.warnings()) };
-        assert!(matches!(warning, Warning::NegativeMoment { link, .. } if link == "arm"), "{warning:?}");
-        let words = ["'arm'", "negative principal moment", "check the matrix"];
-        assert!(words.iter().all(|word| warning.to_string().contains(word)), "{warning}");
-        let error = parse(&text, strict).unwrap_err();
-        assert!(matches!(error, E::Strict { .. }), "{error}");
-    }
-    // The inertia about the joint axis is negative; or no figures of a body look like this.
-    for (com, moments) in [("0.1 0 0", [-0.01, 0.3, 0.3]), ("0.1 0 0.2", [-0.2, 0.3, 0.3])] {
-        let E::InFile { error, line, .. } =
-            parse(&with_moments(com, moments), LoadOptions::default()).unwrap_err()
-        else {
-            panic!()
-        };
-        assert!(matches!(*error, E::IndefiniteInertia { .. }), "{error}");
-        assert_eq!(line, Some(3));
-    }
-}
-
-#[test]
-fn a_slightly_negative_part_of_a_body_is_named() {
-    let part = "<link name=\"tool\"><inertial><mass value=\"1e-6\"/><inertia ixx=\"-3.5e-8\" ixy=\"0\" ixz=\"0\" iyy=\"9e-8\" iyz=\"0\" izz=\"9e-8\"/></inertial></link>\
-                <joint name=\"weld\" type=\"fixed\"><parent link=\"arm\"/><child link=\"tool\"/></joint>";
-    let robot = load(&more(part));
-    assert!(
-        matches!(robot.warnings(), [Warning::NegativeMoment { link, .. }] if link == "tool"),
-        "{:?}",
-        robot.warnings()
-    );
-}
-
 #[test]
 fn links_without_inertia_and_odd_base_links_are_fine() {
     let odd = INERTIAL.replace("izz=\"0.2\"", "izz=\"9\"").replace("iyz=\"0\"", "iyz=\"7\"");
@@ -129,45 +70,6 @@ fn links_without_inertia_and_odd_base_links_are_fine() {
         &format!("<link name=\"base\">{}</link>", INERTIAL.replace("\"2\"", "\"-1\"")),
     ));
     assert!(line == Some(2) && matches!(error, E::NegativeMass { .. }), "{error}");
-}
-
-#[test]
-fn impossible_inertias_are_named_once() {
-    let odd = INERTIAL.replace("izz=\"0.2\"", "izz=\"0.9\"");
-    let alone = load(&arm(&odd));
-    assert!(
-        matches!(alone.warnings(), [Warning::TriangleInequality { link, .. }] if link == "arm"),
-        "{alone:?}"
-    );
-    let tool = format!(
-        "<link name=\"tool\">{odd}</link><joint name=\"t\" type=\"fixed\"><parent link=\"arm\"/><child link=\"tool\"/></joint>"
-    );
-    let merged = load(&more(&tool));
-    assert!(
-        matches!(merged.warnings(), [Warning::TriangleInequality { link, .. }] if link == "tool"),
-        "{merged:?}"
-    );
-    let strict = LoadOptions::default().strict(true);
-    let error = parse(&more(&tool), strict).unwrap_err();
-    assert!(matches!(&error, E::Strict { warnings } if warnings.len() == 1), "{error}");
-    assert!(error.to_string().contains("'tool'"), "{error}");
-    assert!(parse(&more(""), strict).is_ok());
-}
-
-#[test]
-fn a_joint_that_moves_nothing_is_a_warning_that_locking_it_mends() {
-    let spin = "<joint name=\"spin\" type=\"continuous\"><parent link=\"arm\"/><child link=\"tip\"/></joint>";
-    let text = more(&format!("<link name=\"tip\"/>{spin}"));
-    let robot = load(&text);
-    let warnings: Vec<String> = robot.warnings().iter().map(ToString::to_string).collect();
-    assert!(
-        warnings.iter().any(|one| one.contains("'spin' moves no mass") && one.contains("lock it")),
-        "{warnings:?}"
-    );
-    let strict = LoadOptions::default().strict(true);
-    assert!(matches!(parse(&text, strict), Err(E::Strict { .. })));
-    let edit = [RobotEdit::Lock(vec![("spin".into(), 0.0)])];
-    assert_eq!(robot.edited(&edit, strict).unwrap().warnings(), []);
 }
 
 #[test]

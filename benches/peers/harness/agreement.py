@@ -24,6 +24,16 @@ def check(robot, values, tolerance):
             for (quantity, name, reference), difference in worst.items() if name != reference]
 
 
+def right(figures):
+    """All figures but the times of competitors whose values disagree: these count for nothing."""
+    wrong = {(row["robot"], row["agreement"], row["of"]) for row in figures if row.get("agrees") is False}
+    return [row for row in figures if (row.get("robot"), row.get("quantity"), name_of(row)) not in wrong]
+
+
+def name_of(row):
+    return f"{row['way']} [{row['label']}]" if "way" in row else None
+
+
 def stop_at_disagreement(figures):
     """Exit status 1 where values disagree: then the times say nothing."""
     wrong = [row for row in figures if row.get("agrees") is False]

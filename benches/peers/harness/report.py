@@ -106,12 +106,18 @@ def cell(figures, robot, quantity, rows):
     return f"{rows[0]['ns']:.0f}{ratio}"
 
 
+def differences(figures):
+    return [row for row in figures if "agreement" in row and row["with"].startswith("costate")]
+
+
 def agreement_text(figures):
     lines = ["| quantity | largest difference from generic costate | of |", "|---|---|---|"]
     for quantity, title in TITLES.items():
-        rows = [row for row in figures if row.get("agreement") == quantity and row["with"].startswith("costate")]
+        rows = [row for row in differences(figures) if row["agreement"] == quantity and row["agrees"]]
         if rows:
             worst = max(rows, key=lambda row: row["difference"])
             lines.append(f"| {title} | {worst['difference']:.0e} | {worst['robot']}: {worst['of']} |")
+    lines += [f"\nLeft out of all tables, since its values are wrong: {row['of']}, {TITLES[row['agreement']]} of {row['robot']} "
+              f"({row['difference']:.0e})." for row in differences(figures) if not row["agrees"]]
     spread = max((row["q75"] - row["q25"]) / row["ns"] for row in times(figures))
     return "\n".join(lines) + f"\n\nLargest distance between quartiles, in units of the median: {spread:.2f}.\n"

@@ -40,7 +40,7 @@ pub struct Arguments {
     /// File of states, one JSON object per line, or - for standard input [default: standard input]
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     states: Option<PathBuf>,
-    /// Method for the derivatives
+    /// Method for the derivatives; tensors and jit are about dynamics: frames are then answered by analytic
     #[arg(long, value_enum, default_value = "analytic")]
     route: Route,
     /// State variables

@@ -75,6 +75,14 @@ fn flags_lock_joints_and_attach_payloads() {
     let gained = part["mass"].as_f64().unwrap() - whole["mass"].as_f64().unwrap();
     assert!((gained - 2.0).abs() < 1e-12, "{gained}");
     assert_eq!(part["joints"][2]["armature"], json!(0.25));
+    let figures =
+        ["--joint-limits", "elbow_joint=-1,,2.5", "--joint-friction", "elbow_joint=0.3,0.2", "--json"];
+    let figures: Value = serde_json::from_str(&stdout(&info(&figures))).unwrap();
+    let (elbow, before) = (&figures["joints"][2], &whole["joints"][2]);
+    let (new, old) = (&elbow["limits"], &before["limits"]);
+    assert_eq!((&new["lower"], &new["velocity"]), (&json!(-1.0), &json!(2.5)));
+    assert_eq!((&new["upper"], &new["effort"]), (&old["upper"], &old["effort"]));
+    assert_eq!((&elbow["friction"]["viscous"], &elbow["friction"]["coulomb"]), (&json!(0.3), &json!(0.2)));
     let reduced: Value =
         serde_json::from_str(&stdout(&info(&["--reduced-to", "elbow_joint,wrist_3_joint", "--json"])))
             .unwrap();
@@ -84,9 +92,14 @@ fn flags_lock_joints_and_attach_payloads() {
         (&["--lock", "elbow_joint=nan"], &["elbow_joint", "finite"]),
         (&["--lock", "elbow_joint"], &["--lock", "a name, =, and a value"]),
         (&["--payload", "tol0=1"], &["'tol0'", "'tool0'"]),
-        (&["--payload", "tool0=-1"], &["payload of tool0", "-1 kg"]),
+        (&["--joint-limits", "elbow_joint=2,1"], &["elbow_joint", "must not exceed the upper limit"]),
+        (&["--joint-limits", "elbow_joint=2"], &["--joint-limits", "2, 3 or 4 entries"]),
+        (&["--joint-friction", "elbow_joint=-1"], &["elbow_joint", "viscous friction"]),
+        (&["--payload", "tool0=-1"], &["the payload of frame 'tool0'", "-1 kg"]),
         (&["--payload", "tool0=1,2"], &["--payload", "1, 4, 7 or 10 numbers"]),
         (&["--reduced-to", "knee"], &["'knee'"]),
+        (&["--reduced-to", "elbow_joint,elbow_joint"], &["'elbow_joint'", "named twice"]),
+        (&["--lock", "elbow_joint=0", "--reduced-to", "elbow_joint"], &["'elbow_joint'", "locked"]),
         (&["--gravity", "0,0"], &["--gravity", "3 numbers"]),
         (&["--strict", "--lock", "elbow_joint=9"], &["elbow_joint", "outside its limits"]),
     ] {

@@ -181,7 +181,7 @@ pub const NARROWEST: f64 = 1e-5;
 /// .. nor where jerks and rates of torques would be rounded by this part of the range of their limits.
 pub const ROUNDING_OF_RATES: f64 = 3e-8;
 /// The same of accelerations and torques.
-pub const ROUNDING_OF_TORQUES: f64 = 1e-8;
+pub const ROUNDING_OF_TORQUES: f64 = 3e-9;
 /// New nodes are farther from others than this part of the narrowest width: close pairs enclose a jump
 /// whose place is known roughly..
 pub const CLOSEST: f64 = 0.1;

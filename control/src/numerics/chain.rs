@@ -268,17 +268,20 @@ fn backward<const FUSED: bool>(rows: &[f64], stride: usize, r: &mut [f64]) {
     }
 }
 
-/// x.y over the shorter of the two, in four sums.
+/// x.y over the shorter of the two, in eight sums.
 #[inline(always)]
 pub(crate) fn dot(x: &[f64], y: &[f64]) -> f64 {
     let length = x.len().min(y.len());
-    let (x, y) = (x[..length].chunks_exact(4), y[..length].chunks_exact(4));
-    let rest: f64 = x.remainder().iter().zip(y.remainder()).map(|(x, y)| x * y).sum();
-    let mut sums = [0.0; 4];
-    for (x, y) in x.zip(y) {
-        sums.iter_mut().zip(x.iter().zip(y)).for_each(|(sum, (x, y))| *sum += x * y);
+    let ((x, x_rest), (y, y_rest)) = (x[..length].as_chunks::<8>(), y[..length].as_chunks::<8>());
+    let mut sums = [0.0; 8];
+    for (x, y) in x.iter().zip(y) {
+        for c in 0..8 {
+            sums[c] += x[c] * y[c];
+        }
     }
-    (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest
+    let rest: f64 = x_rest.iter().zip(y_rest).map(|(x, y)| x * y).sum();
+    let [a, b, c, d, e, f, g, h] = sums;
+    ((a + e) + (b + f)) + ((c + g) + (d + h)) + rest
 }
 
 #[cfg(test)]

@@ -4,6 +4,8 @@
 //! and sums are one instruction of the processor (otherwise `f64::mul_add` would be a slow function). The
 //! reciprocals of the diagonal of U stand in its place, so that no solution divides.
 
+use super::padded::multiply_add;
+
 /// A pivot below this part of the diagonal entry that it came from counts as zero.
 const LEAST_PIVOT: f64 = 1e-14;
 
@@ -13,12 +15,6 @@ pub(super) const ROWS: usize = 4;
 /// A pivot was not positive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct BadPivot;
-
-/// `a b + c`.
-#[inline(always)]
-fn multiply_add<const FUSED: bool>(a: f64, b: f64, c: f64) -> f64 {
-    if FUSED { a.mul_add(b, c) } else { a * b + c }
-}
 
 /// `C` entries of a row from the column `j`.
 #[inline(always)]

@@ -85,7 +85,7 @@ fn a_table_of_the_robot_changes_it() {
         ("[0, 0, -1.5]", "[0, 0]", "problem:3: robot.gravity: give a list of 3 numbers, not a list of 2"),
         ("frame = \"elbow\"", "frame = \"tool\"", "problem:8: robot.payload: there is no frame 'tool'"),
         ("mass = 2", "", "problem:8: robot.payload.mass: missing; add it"),
-        ("mass = 2", "mass = -2", "problem:8: robot.payload: the mass of link 'payload of elbow'"),
+        ("mass = 2", "mass = -2", "problem:8: robot.payload: the mass of the payload of frame 'elbow'"),
         ("file = ", "path = ", "problem:2: robot.path: unknown key; the keys here are `file`, `gravity`"),
         ("two_link.toml", "none.toml", "problem:1: robot: "),
     ] {

@@ -17,7 +17,7 @@ impl Robot {
     ) -> Result<Self, RobotError> {
         joints.iter().try_for_each(|joint| checks::joint(&described(joint)))?;
         let armature = Armature::from_matrix(armature)?;
-        Self { joints, armature, ..self.clone() }.checked(self, Vec::new())?.with_gravity(gravity.into())
+        Self { joints, armature, ..self.clone() }.checked(self, Vec::new()).with_gravity(gravity.into())
     }
 }
 

@@ -11,15 +11,13 @@ impl Robot {
     ///
     /// # Errors
     /// [`RobotError::UnknownJoint`], [`RobotError::BadValue`] if it is negative or not finite,
-    /// [`RobotError::BadArmature`] if the matrix is no longer positive semidefinite,
-    /// [`RobotError::KinematicsOnly`] if no joint has inertia any more, [`RobotError::IndefiniteInertia`] if
-    /// M is no longer positive.
+    /// [`RobotError::BadArmature`] if the matrix is no longer positive semidefinite.
     pub fn with_joint_armature(&self, joint: &str, armature: f64) -> Result<Self, RobotError> {
         let index = self.joint_index(joint)?;
         let part = &self.joints[index];
         checks::figures(joint, armature, &part.spring, &part.friction, &part.limits)?;
-        Self { armature: self.armature.with_diagonal(index, armature)?, ..self.clone() }
-            .checked(self, Vec::new())
+        let armature = self.armature.with_diagonal(index, armature)?;
+        Ok(Self { armature, ..self.clone() }.checked(self, Vec::new()))
     }
 
     /// The same robot with other friction of one joint.
@@ -39,8 +37,7 @@ impl Robot {
     /// narrow them.
     ///
     /// # Errors
-    /// [`RobotError::UnknownJoint`], [`RobotError::DependentJoint`], [`RobotError::BadValue`], and
-    /// [`RobotError::IndefiniteInertia`] if M is not positive within them.
+    /// [`RobotError::UnknownJoint`], [`RobotError::DependentJoint`], [`RobotError::BadValue`].
     pub fn with_limits(&self, joint: &str, limits: Limits) -> Result<Self, RobotError> {
         let index = self.independent_index(joint)?;
         let part = &self.joints[index];
@@ -49,6 +46,6 @@ impl Robot {
         robot.joints[index].limits = limits;
         let others = robot.warnings.into_iter().filter_map(|warning| warning.without_limits_of(joint));
         robot.warnings = others.collect();
-        robot.checked(self, Vec::new())
+        Ok(robot.checked(self, Vec::new()))
     }
 }

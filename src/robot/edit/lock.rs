@@ -39,7 +39,7 @@ impl Robot {
     /// # Errors
     /// [`RobotError::UnknownJoint`]; [`RobotError::DependentJoint`] for a joint that mimics another one;
     /// [`RobotError::BadValue`] for a position that is not finite or given twice; [`RobotError::AllLocked`]
-    /// if nothing can move any more, [`RobotError::KinematicsOnly`] if what can move has no mass.
+    /// if nothing can move any more.
     pub fn lock(&self, joints: &[(&str, f64)]) -> Result<Self, RobotError> {
         let mut held: Vec<Option<f64>> = vec![None; self.joints.len()];
         let mut warnings = Vec::new();
@@ -64,21 +64,24 @@ impl Robot {
                 held[i] = held[joint].map(|value| ratio.mul_add(value, offset));
             }
         }
-        self.holding(&held)?.checked(self, warnings)
+        Ok(self.holding(&held)?.checked(self, warnings))
     }
 
     /// The robot of these independent joints, and of those that mimic them; all others are held at the
     /// positions q (rad, m; n).
     ///
     /// # Errors
-    /// [`RobotError::WrongPositions`] unless q has n entries, and those of [`lock`](Self::lock).
+    /// [`RobotError::WrongPositions`] unless q has n entries, [`RobotError::RepeatedJoint`], and those of
+    /// [`lock`](Self::lock).
     pub fn reduced_to(&self, joints: &[&str], q: &[f64]) -> Result<Self, RobotError> {
         if q.len() != self.dof() {
             return Err(RobotError::WrongPositions { expected: self.dof(), found: q.len() });
         }
         let mut stays = vec![false; self.joints.len()];
         for name in joints {
-            stays[self.independent_index(name)?] = true;
+            if std::mem::replace(&mut stays[self.independent_index(name)?], true) {
+                return Err(RobotError::RepeatedJoint { joint: (*name).to_owned() });
+            }
         }
         let others = self.independent.iter().zip(q).filter(|(joint, _)| !stays[**joint]);
         let others: Vec<(&str, f64)> =

@@ -4,18 +4,21 @@
 
 mod constants;
 mod joints;
+mod limit_change;
 mod lock;
 mod payload;
 
+pub use limit_change::LimitChange;
+
 use super::checks;
 use super::error::RobotError;
-use super::frame::FrameSpec;
-use super::joint::{Friction, Limits};
+use super::frame::{FrameKind, FrameSpec};
+use super::joint::Friction;
 use super::link::LinkInertia;
 use super::model::Robot;
 use super::nearest::resembling;
 use super::options::LoadOptions;
-use super::warning::Warning;
+use super::warning::{Positivity, Warning};
 use super::wrench::Wrench;
 
 /// A change of a robot, as problem files and the command line describe it.
@@ -28,8 +31,8 @@ pub enum RobotEdit {
     Armature(String, f64),
     /// [`Robot::with_friction`].
     Friction(String, Friction),
-    /// [`Robot::with_limits`].
-    Limits(String, Limits),
+    /// [`Robot::with_limits`], some of them.
+    Limits(String, LimitChange),
     /// [`Robot::with_frame`].
     Frame(FrameSpec),
     /// [`Robot::with_payload`].
@@ -81,7 +84,10 @@ impl Robot {
             RobotEdit::Gravity(gravity) => self.with_gravity(*gravity),
             RobotEdit::Armature(joint, armature) => self.with_joint_armature(joint, *armature),
             RobotEdit::Friction(joint, friction) => self.with_friction(joint, *friction),
-            RobotEdit::Limits(joint, limits) => self.with_limits(joint, *limits),
+            RobotEdit::Limits(joint, change) => {
+                let index = self.joint_index(joint)?;
+                self.with_limits(joint, change.of(self.joints[index].limits))
+            }
             RobotEdit::Frame(frame) => self.with_frame(frame.clone()),
             RobotEdit::Payload(frame, payload) => self.with_payload(frame, payload),
             RobotEdit::Wrench(frame, wrench) => self.with_wrench(frame, *wrench),
@@ -99,12 +105,21 @@ impl Robot {
     /// Index of the joint of this name in [`joints`](Self::joints).
     ///
     /// # Errors
+    /// [`RobotError::StillJoint`] for a joint that is locked, or fixed in the file;
     /// [`RobotError::UnknownJoint`], with the names that resemble it.
     pub fn joint_index(&self, name: &str) -> Result<usize, RobotError> {
-        self.joints.iter().position(|joint| joint.name == name).ok_or_else(|| RobotError::UnknownJoint {
-            joint: name.to_owned(),
-            nearest: resembling(name, self.joints.iter().map(|joint| joint.name.as_str())),
-        })
+        let found = self.joints.iter().position(|joint| joint.name == name);
+        found.ok_or_else(|| self.not_a_joint(name))
+    }
+
+    /// Why no joint has this name: those that do not move have left their frames.
+    fn not_a_joint(&self, name: &str) -> RobotError {
+        let joint = name.to_owned();
+        if self.frames.iter().any(|frame| frame.kind == FrameKind::Joint && frame.name == name) {
+            return RobotError::StillJoint { joint };
+        }
+        let nearest = resembling(name, self.joints.iter().map(|joint| joint.name.as_str()));
+        RobotError::UnknownJoint { joint, nearest }
     }
 
     /// The same, of an independent joint.
@@ -119,28 +134,27 @@ impl Robot {
         }
     }
 
-    /// Checks what depends on the whole tree; adds the warnings that are new, and omits those of the robot
-    /// before that no longer apply.
-    pub(super) fn checked(mut self, before: &Self, mut caused: Vec<Warning>) -> Result<Self, RobotError> {
-        checks::robot(&self.joints, &self.armature, &mut caused)?;
-        let mut past = Vec::new();
-        // What is wrong with the robot before is not of interest here.
-        let _ = checks::robot(&before.joints, &before.armature, &mut past);
+    /// Checks what depends on the whole tree; adds the warnings of the edit and those that are new, and omits
+    /// those of the robot before that no longer apply.
+    pub(super) fn checked(mut self, before: &Self, of_edit: Vec<Warning>) -> Self {
+        let [mut found, mut past] = [Vec::new(), Vec::new()];
+        checks::robot(&self.joints, &self.armature, &mut found);
+        checks::robot(&before.joints, &before.armature, &mut past);
         let joints = &self.joints;
         let is_joint = |name: &str| joints.iter().any(|joint| joint.name == name);
         let is_massless =
             |link: &str| joints.iter().any(|joint| joint.link == link && joint.inertia.is_massless());
         let applies = |warning: &Warning| match warning {
             Warning::MasslessLink { link } => is_massless(link),
-            warning => caused.contains(warning) || !past.contains(warning),
+            warning => found.contains(warning) || !past.contains(warning),
         };
+        self.warnings.iter_mut().filter_map(Warning::positivity_mut).for_each(|p| *p = Positivity::Untried);
         let left = std::mem::take(&mut self.warnings).into_iter().filter(applies);
         self.warnings = left.filter_map(|warning| warning.about(is_joint)).collect();
-        for warning in caused {
-            if !self.warnings.contains(&warning) {
-                self.warnings.push(warning);
-            }
-        }
-        Ok(self)
+        let new = found.into_iter().filter(|warning| !past.contains(warning));
+        let idle = self.idle_wrenches();
+        of_edit.into_iter().chain(new).chain(idle).for_each(|warning| self.add_warning(warning));
+        checks::try_mass_matrix(&self.joints, &self.armature, &mut self.warnings);
+        self
     }
 }

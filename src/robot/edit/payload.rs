@@ -1,9 +1,11 @@
 //! Payloads.
 
+use crate::robot::body::Body;
 use crate::robot::checks;
 use crate::robot::error::RobotError;
 use crate::robot::link::LinkInertia;
 use crate::robot::model::Robot;
+use crate::robot::warning::Warning;
 
 impl Robot {
     /// The same robot with a rigid body on one of its [`frames`](Self::frames): mass, centre of mass and
@@ -24,20 +26,33 @@ impl Robot {
     /// [`RobotError::UnknownFrame`], [`RobotError::FixedFrame`] for a frame that no joint moves,
     /// [`RobotError::NonFiniteInertia`], [`RobotError::NegativeMass`], [`RobotError::OutOfRange`] and
     /// [`RobotError::IndefiniteInertia`] for a body that cannot be. Principal moments that violate the
-    /// triangle inequality are a warning, as those of links are.
+    /// triangle inequality are a warning, as those of links are, and so is a body without mass and inertia.
     pub fn with_payload(&self, frame: &str, payload: &LinkInertia) -> Result<Self, RobotError> {
         let frame = self.frame(frame)?;
-        let name = format!("payload of {}", frame.name);
-        checks::inertia(&name, payload)?;
-        checks::rigid(&name, payload)?;
+        let body = Body::Payload(frame.name.clone());
+        checks::inertia(&body, payload)?;
+        checks::rigid(&body, payload)?;
         let Some(joint) = frame.joint else {
             return Err(RobotError::FixedFrame { frame: frame.name.clone() });
         };
+        let about_payload = checks::principal_moments(&body, payload);
+        let mut warnings: Vec<Warning> = about_payload.iter().cloned().collect();
+        if payload.is_massless() {
+            warnings.push(Warning::EmptyPayload { frame: frame.name.clone() });
+        }
         let mut robot = self.clone();
         let carrier = &mut robot.joints[joint];
-        let body = payload.placed(&frame.placement);
-        carrier.inertia = if carrier.inertia.is_massless() { body } else { carrier.inertia.merged(&body) };
-        checks::inertia(&carrier.link, &carrier.inertia)?;
-        robot.checked(self, checks::principal_moments(&name, payload).into_iter().collect())
+        let placed = payload.placed(&frame.placement);
+        carrier.inertia =
+            if carrier.inertia.is_massless() { placed } else { carrier.inertia.merged(&placed) };
+        let link = Body::link(&carrier.link);
+        checks::inertia(&link, &carrier.inertia)?;
+        let mut robot = robot.checked(self, warnings);
+        if about_payload.is_some() {
+            // One warning is enough: a link was fine, and is not with this payload.
+            let was_fine = !self.warnings.iter().any(|warning| warning.is_about_moments_of(&link));
+            robot.warnings.retain(|warning| !(was_fine && warning.is_about_moments_of(&link)));
+        }
+        Ok(robot)
     }
 }

@@ -11,23 +11,24 @@ impl RobotError {
             | Self::UnknownChild { joint, .. }
             | Self::UnknownMimic { joint, .. }
             | Self::UnknownJoint { joint, .. }
+            | Self::StillJoint { joint }
+            | Self::RepeatedJoint { joint }
             | Self::DependentJoint { joint, .. }
             | Self::UnsupportedMimic { joint, .. }
             | Self::UnsupportedJoint { joint, .. }
             | Self::BadAxis { joint }
             | Self::BadPlacement { joint }
-            | Self::BadValue { joint, .. }
-            | Self::KinematicsOnly { joint } => Some(joint),
+            | Self::BadValue { joint, .. } => Some(joint),
             Self::TwoParents { second, .. } => Some(second),
             Self::Cycle { joints } | Self::MimicCycle { joints } | Self::AllLocked { joints } => {
                 joints.first().map(String::as_str)
             }
             Self::SeveralRoots { second, .. } => Some(second),
-            Self::NonFiniteInertia { link, .. }
-            | Self::NegativeMass { link, .. }
-            | Self::OutOfRange { link, .. }
-            | Self::IndefiniteInertia { link, .. } => Some(link),
-            Self::DuplicateName { name, .. } => Some(name),
+            Self::NonFiniteInertia { body, .. }
+            | Self::NegativeMass { body, .. }
+            | Self::OutOfRange { body, .. }
+            | Self::IndefiniteInertia { body, .. } => Some(body.name()),
+            Self::DuplicateName { name, .. } | Self::BadName { name, .. } => Some(name),
             Self::UnknownFrame { frame, .. }
             | Self::FixedFrame { frame }
             | Self::BadFramePlacement { frame }

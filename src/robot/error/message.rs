@@ -51,6 +51,9 @@ impl fmt::Display for RobotError {
             Self::DuplicateName { kind, name } => {
                 write!(f, "two {kind}s are called '{}'; give each its own name", printable(name))
             }
+            Self::BadName { kind, name, rule } => {
+                write!(f, "a {kind} is called '{}'; {rule}", printable(name))
+            }
             Self::UnknownParent { joint, parent, kind } => write!(
                 f,
                 "joint '{}' is attached to '{}', which does not exist; correct the name or add the missing {kind}",
@@ -62,12 +65,12 @@ impl fmt::Display for RobotError {
             }
             Self::BadFramePlacement { frame } => write!(
                 f,
-                "the placement of frame '{}' is not a finite right-handed rotation and translation; correct it",
+                "the placement of frame '{}' is not a right-handed rotation and a translation of 1e75 m at most; correct it",
                 printable(frame)
             ),
             Self::BadWrench { frame } => write!(
                 f,
-                "the wrench at frame '{}' has a number that is not finite; give finite moments and forces",
+                "the wrench at frame '{}' has a number that is not finite, or larger than 1e75; give finite moments and forces",
                 printable(frame)
             ),
             Self::UnknownChild { joint, child } => write!(
@@ -122,8 +125,16 @@ impl fmt::Display for RobotError {
                 f,
                 "there is no joint '{}'{}",
                 printable(joint),
-                offer(nearest, "; `costate info` lists the names, without joints that are fixed or locked")
+                offer(nearest, "; `costate info` lists the names")
             ),
+            Self::StillJoint { joint } => write!(
+                f,
+                "joint '{}' does not move: it is locked, or fixed in the file; leave it out, or do not lock it",
+                printable(joint)
+            ),
+            Self::RepeatedJoint { joint } => {
+                write!(f, "joint '{}' is named twice; name it once", printable(joint))
+            }
             Self::DependentJoint { joint, master } => write!(
                 f,
                 "joint '{}' follows joint '{}', which it mimics; name '{}' instead",
@@ -153,40 +164,30 @@ impl fmt::Display for RobotError {
             ),
             Self::BadPlacement { joint } => write!(
                 f,
-                "the placement of joint '{}' is not a finite right-handed rotation and translation; correct it",
+                "the placement of joint '{}' is not a right-handed rotation and a translation of 1e75 m at most; correct it",
                 printable(joint)
             ),
             Self::BadValue { joint, what, value, rule } => {
                 write!(f, "{what} of joint '{}' is {}; {rule}", printable(joint), printable_number(*value))
             }
-            Self::NonFiniteInertia { link, what } => {
-                write!(f, "{what} of link '{}' is not finite; correct it", printable(link))
-            }
-            Self::NegativeMass { link, mass } => {
+            Self::NonFiniteInertia { body, what } => write!(f, "{what} of {body} is not finite; correct it"),
+            Self::NegativeMass { body, mass } => {
                 let mass = printable_number(*mass);
-                write!(f, "the mass of link '{}' is {mass} kg; a mass is zero or positive", printable(link))
+                write!(f, "the mass of {body} is {mass} kg; a mass is zero or positive")
             }
-            Self::OutOfRange { link, what, value } => write!(
+            Self::OutOfRange { body, what, value } => write!(
                 f,
-                "{what} of link '{}' is {}; what is not zero must lie between 1e-75 and 1e75, for products to stay \
+                "{what} of {body} is {}; what is not zero must lie between 1e-75 and 1e75, for products to stay \
                  finite: check the units",
-                printable(link),
                 printable_number(*value)
             ),
-            Self::IndefiniteInertia { link, moment } => write!(
+            Self::IndefiniteInertia { body, moment } => write!(
                 f,
-                "the inertia of link '{}' about its centre of mass has the negative principal moment {} kg m^2; \
+                "the inertia of {body} about its centre of mass has the negative principal moment {} kg m^2; \
                  check signs and reference point of the matrix",
-                printable(link),
                 printable_number(*moment)
             ),
-            Self::KinematicsOnly { joint } => write!(
-                f,
-                "joint '{}' moves no mass, nor does any other joint: this is a robot of kinematics only; give its \
-                 links mass and inertia (<inertial> in a URDF)",
-                printable(joint)
-            ),
-            Self::BadGravity => f.write_str("gravity is not finite; correct it"),
+            Self::BadGravity => f.write_str("gravity is not finite, or larger than 1e75; correct it (m/s^2)"),
             Self::BadArmature { problem, n } => write!(
                 f,
                 "the armature matrix {problem}; it must be {n} x {n}, symmetric and positive semidefinite, \

@@ -3,6 +3,7 @@
 mod culprit;
 mod message;
 
+use super::body::Body;
 use super::warning::Warning;
 use std::error::Error;
 use std::path::PathBuf;
@@ -63,6 +64,15 @@ pub enum RobotError {
         /// The name.
         name: String,
     },
+    /// A name that cannot be used.
+    BadName {
+        /// `"joint"`, `"link"` or `"frame"`.
+        kind: &'static str,
+        /// The name.
+        name: String,
+        /// What is wrong, and what to do.
+        rule: &'static str,
+    },
     /// The parent does not exist.
     UnknownParent {
         /// The joint.
@@ -84,7 +94,7 @@ pub enum RobotError {
         /// The frame.
         frame: String,
     },
-    /// A wrench has a number that is not finite.
+    /// A wrench has a number that is not finite, or larger than 1e75.
     BadWrench {
         /// The frame that it acts on.
         frame: String,
@@ -149,6 +159,16 @@ pub enum RobotError {
         /// Names that resemble it, the most similar first.
         nearest: Vec<String>,
     },
+    /// A joint that does not move: it is locked, or fixed in the file.
+    StillJoint {
+        /// The joint.
+        joint: String,
+    },
+    /// A joint that is named twice in a list.
+    RepeatedJoint {
+        /// The joint.
+        joint: String,
+    },
     /// A joint that mimics another one, where an independent one is needed.
     DependentJoint {
         /// The joint.
@@ -203,42 +223,37 @@ pub enum RobotError {
     },
     /// Mass, centre of mass or inertia not finite.
     NonFiniteInertia {
-        /// The link.
-        link: String,
+        /// The link or payload.
+        body: Body,
         /// Which figure.
         what: &'static str,
     },
     /// A mass below zero.
     NegativeMass {
-        /// The link.
-        link: String,
+        /// The link or payload.
+        body: Body,
         /// The mass (kg).
         mass: f64,
     },
     /// A mass or inertia so small or large that products of it are zero or infinite: neither zero nor between
     /// 1e-75 and 1e75.
     OutOfRange {
-        /// The link.
-        link: String,
+        /// The link or payload.
+        body: Body,
         /// Which figure.
         what: &'static str,
         /// Its value (kg, kg m^2).
         value: f64,
     },
-    /// An inertia matrix that is not positive semidefinite, by so much that M is not positive or cannot be
-    /// trusted.
+    /// An inertia matrix that is not positive semidefinite, by more than a mistake in the figures of a real
+    /// link explains.
     IndefiniteInertia {
-        /// The link.
-        link: String,
+        /// The link or payload.
+        body: Body,
         /// Smallest principal moment (kg m^2).
         moment: f64,
     },
-    /// A robot without any mass that moves.
-    KinematicsOnly {
-        /// First joint.
-        joint: String,
-    },
-    /// Gravity is infinite or undefined.
+    /// Gravity is infinite, undefined or larger than 1e75.
     BadGravity,
     /// An armature matrix that does not fit.
     BadArmature {

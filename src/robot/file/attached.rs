@@ -6,18 +6,28 @@ use crate::robot::error::RobotError;
 use crate::robot::frame::FrameSpec;
 use crate::robot::link::Placement;
 use crate::robot::model::Robot;
+use crate::robot::options::LoadOptions;
 use crate::robot::wrench::{Wrench, WrenchAxes};
 
 /// Adds the frames of a file to its robot, in their order, then the wrenches.
 ///
 /// # Errors
-/// Those of [`Robot::with_frame`] and [`Robot::with_wrench`], with the line of the row.
-pub(super) fn attach(robot: Robot, file: &RobotFile, text: &str) -> Result<Robot, RobotError> {
+/// Those of [`Robot::with_frame`] and [`Robot::with_wrench`], with the line of the row;
+/// [`RobotError::Strict`] for wrenches without effect, if the options refuse warnings.
+pub(super) fn attach(
+    robot: Robot,
+    file: &RobotFile,
+    text: &str,
+    options: LoadOptions,
+) -> Result<Robot, RobotError> {
     let at = |error: RobotError, start: usize| error.at(Some(explain::line(text, start)));
     let specs = file.frames.iter().map(FrameRow::spec);
     let robot = robot.with_frames(specs).map_err(|(k, error)| at(error, file.frames[k].name.span().start))?;
     let wrenches = file.wrenches.iter().map(|row| (row.frame.get_ref().as_str(), row.wrench()));
-    robot.with_wrenches(wrenches).map_err(|(k, error)| at(error, file.wrenches[k].frame.span().start))
+    let robot =
+        robot.with_wrenches(wrenches).map_err(|(k, error)| at(error, file.wrenches[k].frame.span().start))?;
+    options.refuse(robot.warnings())?;
+    Ok(robot)
 }
 
 impl FrameRow {

@@ -117,7 +117,7 @@ pub fn parse(text: &str, options: LoadOptions) -> Result<Robot, RobotError> {
             builder.armature_matrix(armature_matrix(rows.get_ref(), file.joints.len()).map_err(located)?);
     }
     let robot = builder.build().map_err(located)?;
-    attached::attach(robot, &file, text)
+    attached::attach(robot, &file, text, options)
 }
 
 fn armature_matrix(rows: &[Vec<f64>], n: usize) -> Result<DMatrix<f64>, RobotError> {

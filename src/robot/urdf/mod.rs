@@ -22,6 +22,7 @@ mod xml;
 
 use self::source::{JointType, Source, SourceJoint};
 use self::tree::{Attachment, Attachments};
+use super::body::Body;
 use super::checks;
 use super::error::RobotError;
 use super::frame::{FrameKind, FrameSpec};
@@ -97,7 +98,7 @@ fn bodies(
     let mut parts = vec![Vec::new(); bodies.len()];
     for (link, attachment) in source.links.iter().zip(attached) {
         let inertia = link.inertia;
-        match (checks::inertia(&link.name, &inertia), attachment.carrier) {
+        match (checks::inertia(&Body::link(&link.name), &inertia), attachment.carrier) {
             (Ok(()), None) | (Err(RobotError::IndefiniteInertia { .. }), None) => {}
             (Ok(()), Some(_)) if inertia.is_massless() => {}
             (Ok(()), Some(joint)) => {
@@ -109,7 +110,7 @@ fn bodies(
         }
     }
     for (link, inertia) in parts.iter().filter(|parts| parts.len() > 1).flatten() {
-        warnings.extend(checks::principal_moments(link, inertia));
+        warnings.extend(checks::principal_moments(&Body::link(link), inertia));
     }
     Ok(bodies)
 }

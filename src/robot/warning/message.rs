@@ -1,6 +1,6 @@
 //! What warnings say.
 
-use super::Warning;
+use super::{Positivity, Warning};
 use crate::robot::printable::{joints, printable, printable_number, sentence};
 use std::fmt;
 
@@ -10,18 +10,29 @@ impl fmt::Display for Warning {
             Self::MasslessLink { link } => {
                 write!(f, "link '{}' moves but has neither mass nor inertia", printable(link))
             }
-            Self::NegativeMoment { link, moment } => write!(
+            Self::NegativeMoment { body, moment, positive } => write!(
                 f,
-                "the inertia of link '{}' about its centre of mass has the negative principal moment {} kg m^2; \
-                 M is positive where it was tried, and may be singular elsewhere: check the matrix",
-                printable(link),
-                printable_number(*moment)
+                "the inertia of {body} about its centre of mass has the negative principal moment {} kg m^2; {}",
+                printable_number(*moment),
+                match positive {
+                    Positivity::WhereTried =>
+                        "M is positive where it was tried, and may be singular elsewhere: check the matrix",
+                    Positivity::Violated =>
+                        "M is not positive everywhere, and forward dynamics fails there: check signs and \
+                         reference point of the matrix, give the joint armature or lock it",
+                    Positivity::Untried => "M may not be positive: check the matrix",
+                }
             ),
-            Self::TriangleInequality { link, moments: [a, b, c] } => write!(
+            Self::KinematicsOnly { joint } => write!(
                 f,
-                "no rigid body has the principal moments of link '{}', ({a:.4e}, {b:.4e}, {c:.4e}) kg m^2: \
-                 the largest exceeds the sum of the others",
-                printable(link)
+                "joint '{}' moves no mass, nor does any other joint: there is kinematics only; for dynamics, give \
+                 the links mass and inertia (<inertial> in a URDF)",
+                printable(joint)
+            ),
+            Self::TriangleInequality { body, moments: [a, b, c] } => write!(
+                f,
+                "no rigid body has the principal moments of {body}, ({a:.4e}, {b:.4e}, {c:.4e}) kg m^2: \
+                 the largest exceeds the sum of the others"
             ),
             Self::MovesNothing { joint } => write!(
                 f,
@@ -82,6 +93,16 @@ impl fmt::Display for Warning {
                  are not used: correct one of them",
                 printable(master),
                 printable(joint)
+            ),
+            Self::IdleWrench { frame } => write!(
+                f,
+                "no joint moves frame '{}', and a wrench there has no effect: name a frame beyond a joint",
+                printable(frame)
+            ),
+            Self::EmptyPayload { frame } => write!(
+                f,
+                "the payload of frame '{}' has neither mass nor inertia, and no effect: give it a mass",
+                printable(frame)
             ),
             Self::LockedOutside { joint, value, limits: [lower, upper] } => write!(
                 f,

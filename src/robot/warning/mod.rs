@@ -2,6 +2,8 @@
 
 mod message;
 
+use super::body::Body;
+
 /// Something unusual that does not stop the computation.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
@@ -13,17 +15,25 @@ pub enum Warning {
     },
     /// Principal moments that no rigid body has.
     TriangleInequality {
-        /// The link.
-        link: String,
+        /// The link or payload.
+        body: Body,
         /// Principal moments (kg m^2), rising.
         moments: [f64; 3],
     },
-    /// A negative principal moment of a link; the mass matrix was positive wherever it was tried.
+    /// A negative principal moment of a link. Kinematics and inverse dynamics are not concerned; what inverts
+    /// M fails where it is not positive.
     NegativeMoment {
-        /// The link.
-        link: String,
+        /// The link or payload.
+        body: Body,
         /// The moment (kg m^2).
         moment: f64,
+        /// Whether the mass matrix is positive.
+        positive: Positivity,
+    },
+    /// No joint moves any mass, and none has armature: M is zero. There is kinematics only.
+    KinematicsOnly {
+        /// The first joint.
+        joint: String,
     },
     /// A joint that moves no mass and has no armature: M is singular in every pose. Kinematics and inverse
     /// dynamics are not concerned; the other derivatives need the joint locked, or with armature or a
@@ -95,6 +105,16 @@ pub enum Warning {
         /// The independent joint.
         master: String,
     },
+    /// A wrench acts on a frame that no joint moves, and has no effect.
+    IdleWrench {
+        /// The frame.
+        frame: String,
+    },
+    /// A payload has neither mass nor inertia.
+    EmptyPayload {
+        /// The frame that carries it.
+        frame: String,
+    },
     /// A joint is locked outside its limits.
     LockedOutside {
         /// The joint.
@@ -130,7 +150,31 @@ pub enum Warning {
     },
 }
 
+/// Whether the mass matrix of a robot with a negative principal moment is positive.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Positivity {
+    /// At eight positions within the limits.
+    WhereTried,
+    /// Not at one of these positions.
+    Violated,
+    /// Unknown: the robot has too many joints for M to be tried when it is read.
+    Untried,
+}
+
 impl Warning {
+    /// What a warning about a negative moment says of M.
+    pub(super) fn positivity_mut(&mut self) -> Option<&mut Positivity> {
+        match self {
+            Self::NegativeMoment { positive, .. } => Some(positive),
+            _ => None,
+        }
+    }
+
+    /// Whether it says that the principal moments of this body are impossible.
+    pub(super) fn is_about_moments_of(&self, of: &Body) -> bool {
+        matches!(self, Self::NegativeMoment { body, .. } | Self::TriangleInequality { body, .. } if body == of)
+    }
+
     /// Whether it suggests a mistake in the file; strict loading refuses these.
     pub fn is_refused_when_strict(&self) -> bool {
         !matches!(self, Self::FrictionIgnored { .. } | Self::Expanded { .. } | Self::Note { .. })

@@ -39,9 +39,11 @@ properties! {
         let mass_matrix = Hamiltonian::<f64>::new(&robot).mass_matrix(&case.q).unwrap().clone();
         prop_assert!(difference(linear.tau_a.as_slice(), mass_matrix.as_slice()) <= 1e-12);
         let inverse = dense(linear.tau_a.view()).try_inverse().unwrap();
+        // Terms of this size may cancel each other: without gravity a single joint has a_q = 0.
+        let terms = largest(&inverse) * force(&robot, &case);
         let a_q = -inverse * dense(linear.tau_q.view());
         let expected = dense(kernels.f_x.view()).view((n, 0), (n, n)).into_owned();
-        prop_assert!(largest(&(&a_q - &expected)) <= bound * largest(&expected).max(largest(&a_q)));
+        prop_assert!(largest(&(&a_q - &expected)) <= bound * largest(&expected).max(terms));
     }
 
     /// Derivatives of inverse dynamics in one call, by kernels, and by separate calls, which work in the axes

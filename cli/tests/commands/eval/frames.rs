@@ -1,7 +1,7 @@
 //! Frames and wrenches.
 
 use super::ROUTES;
-use crate::child::{costate, empty_folder, flat, json_lines, root, stderr};
+use crate::child::{costate, empty_folder, flat, json_lines, root, stderr, stdout};
 use serde_json::json;
 
 /// Positions, Jacobians and second derivatives of frames by every route, and the line as an input line.
@@ -29,6 +29,38 @@ fn frames_are_answered_by_every_route() {
     }
     let again = costate(&["eval", "robots/ur5.urdf"], answers[0].to_string().as_bytes());
     assert_eq!(json_lines(&again)[0]["frames"], answers[0]["frames"]);
+}
+
+/// A URDF without `<inertial>` has kinematics; edits of the command line give it dynamics.
+#[test]
+fn a_robot_without_mass_has_frames() {
+    let urdf = "<robot name='r'><link name='base'/><link name='l'/><joint name='a' type='continuous'>\
+                <parent link='base'/><child link='l'/><axis xyz='0 0 1'/></joint></robot>";
+    let path = empty_folder("massless").join("massless.urdf");
+    std::fs::write(&path, urdf).unwrap();
+    let path = path.to_str().unwrap();
+    let output = costate(&["eval", path], b"{\"q\":[0.3],\"frames\":[\"l\"]}\n{\"q\":[0.3],\"v\":[0]}\n");
+    assert!(stderr(&output).contains("kinematics only"), "{}", stderr(&output));
+    let answers = json_lines(&output);
+    assert_eq!(answers[0]["frames"][0]["jacobian"][2], json!([1.0]));
+    assert!(answers[1]["error"].as_str().unwrap().contains("'a'"), "{}", answers[1]);
+    let flags = ["--armature", "a=0.1", "--strict"];
+    let refused = costate(&[&["eval", path][..], &flags].concat(), b"");
+    assert!(stderr(&refused).contains("'l' moves but has neither mass"), "{}", stderr(&refused));
+    let mended = costate(&["eval", path, "--payload", "l=1,0.1,0,0", "--strict"], b"{\"q\":[0.3],\"v\":[0]}");
+    assert!(mended.status.success(), "{}", stderr(&mended));
+}
+
+/// Routes about dynamics say what they do about frames.
+#[test]
+fn the_help_says_by_which_route_frames_are_answered() {
+    let help = stdout(&costate(&["eval", "--help"], b""));
+    let words: Vec<&str> = help.split_whitespace().collect();
+    assert!(words.join(" ").contains("tensors and jit are about dynamics"), "{help}");
+    let line = br#"{"q":[0.3,-1.2,0.8,0.1,0.5,0.2],"frames":[{"name":"tool0","w":[0.2,-1.0,0.7]}]}"#;
+    let frames =
+        |route| json_lines(&costate(&["eval", "robots/ur5.urdf", "--route", route], line))[0].clone();
+    assert_eq!(frames("tensors"), frames("analytic"));
 }
 
 /// Where M is singular, too.

@@ -18,6 +18,9 @@ fn changes_of_the_robot_are_checked() {
     for (line, parts) in [
         ("gravity = [0, 0]", &["robot.gravity: give a list of 3 numbers"][..]),
         ("gravity = [0, 0, nan]", &["robot.gravity: ", "not finite"]),
+        ("gravity = [0, 0, 1e80]", &["robot.gravity: ", "1e75"]),
+        ("armature = { elbow = 1e200 }", &["robot.armature: ", "'elbow' is 1e200", "1e75"]),
+        ("limits = { elbow = { lower = nan } }", &["robot.limits: ", "'elbow' is NaN", "give a number"]),
         ("armature = 3", &["robot.armature: give a table, not 3"]),
         ("armature = { elbo = 1 }", &["robot.armature: ", "'elbo'", near]),
         ("armature = { elbow = \"a\" }", &["robot.armature.elbow: give a number"]),
@@ -40,6 +43,7 @@ fn changes_of_the_robot_are_checked() {
         ("reduced_to = []", &["robot.reduced_to: ", "leave at least one"]),
         ("frame = { name = \"a\", parent = \"elbo\" }", &["robot.frame: ", "'elbo'", near]),
         ("frame = { parent = \"elbow\" }", &["robot.frame.name: missing"]),
+        ("frame = { name = \" \" }", &["robot.frame: ", "a frame is called ' '", "not blank"]),
         ("frame = { name = \"elbow\" }", &["robot.frame: two frames are called 'elbow'"]),
         (
             "frame = { name = \"a\", placement = { xyz = [0] } }",
@@ -47,11 +51,11 @@ fn changes_of_the_robot_are_checked() {
         ),
         ("payload = { frame = \"elbo\", mass = 1 }", &["robot.payload: ", near]),
         ("payload = { frame = \"elbow\" }", &["robot.payload.mass: missing"]),
-        ("payload = { frame = \"elbow\", mass = -1 }", &["'payload of elbow' is -1 kg"]),
+        ("payload = { frame = \"elbow\", mass = -1 }", &["the payload of frame 'elbow' is -1 kg"]),
         ("payload = { frame = \"world\", mass = 1 }", &["robot.payload: no joint moves frame 'world'"]),
         (
             "payload = { frame = \"elbow\", mass = 1, inertia = { xx = -1 } }",
-            &["'payload of elbow'", "negative principal moment -1"],
+            &["the payload of frame 'elbow'", "negative principal moment -1"],
         ),
         ("wrench = { frame = \"elbo\", force = [1, 0, 0] }", &["robot.wrench: ", near]),
         ("wrench = { frame = \"elbow\", force = [1, 0, nan] }", &["robot.wrench: ", "'elbow'", "finite"]),
@@ -63,6 +67,9 @@ fn changes_of_the_robot_are_checked() {
     ] {
         missing.check(&changed(line), WRONG, Some(3), parts);
     }
+    let file = format!("file = \"{}\"", robot("two_link.toml"));
+    let nowhere = changed("gravity = [0, 0, -1]").replace(&file, "file = \"nowhere.urdf\"");
+    missing.check(&nowhere, WRONG, Some(2), &["robot.file: ", "nowhere.urdf: does not exist"]);
     for (line, parts) in [
         ("robot = 3", &["robot: give a string, not 3"][..]),
         ("robot = \"nowhere.urdf\"", &["robot: ", "nowhere.urdf: does not exist", "check the path"]),

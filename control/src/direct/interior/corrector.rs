@@ -18,6 +18,7 @@ use crate::direct::newton::point_terms::add_row;
 use crate::direct::newton::system::System;
 use crate::direct::points::values::{PointDynamics, Points};
 use crate::numerics::chain::dot;
+use crate::numerics::widest::widest_fused;
 use crate::result::stage_times::Stage;
 
 impl<D: PointDynamics> Interior<D> {
@@ -99,26 +100,31 @@ impl System {
             let is_limit = barrier.is_limit(at) && corrections[at] != 0.0;
             if is_limit { -sign * corrections[at] / barrier.slack[at] } else { 0.0 }
         };
-        for p in 0..points.count() {
-            if barrier.at_point(p).all(|at| corrections[at] == 0.0) {
-                continue;
-            }
-            let work = &mut self.work;
-            let [z, ..] = &mut work.z;
-            z.fill(0.0);
-            for (at, side) in barrier.at_point(p).zip(barrier.sides()) {
-                let value = of(at, side.sign);
-                if value == 0.0 {
-                    continue;
+        let Self { work, correction, time_correction, .. } = self;
+        widest_fused(
+            #[inline(always)]
+            |_| {
+                for p in 0..points.count() {
+                    if corrections[barrier.at_point(p)].iter().all(|&correction| correction == 0.0) {
+                        continue;
+                    }
+                    let [z, ..] = &mut work.z;
+                    z.fill(0.0);
+                    for (at, side) in barrier.at_point(p).zip(barrier.sides()) {
+                        let value = of(at, side.sign);
+                        if value == 0.0 {
+                            continue;
+                        }
+                        add_row(points, p, side, value, z);
+                    }
+                    let (k, j) = spline.mesh.interval_of(p);
+                    let factors = spline.basis(k, j).in_time(1.0 / spline.clock(k));
+                    work.differentiate_in_time(points.z(p), spline, k, &factors);
+                    time_correction[spline.mesh.phase(k)] += dot(&work.z[0], &work.z_t);
+                    add_gradient(spline, k, &factors, &work.z[0], correction);
                 }
-                add_row(points, p, side, value, z);
-            }
-            let (k, j) = spline.mesh.interval_of(p);
-            let factors = spline.basis(k, j).in_time(1.0 / spline.clock(k));
-            work.differentiate_in_time(points.z(p), spline, k, &factors);
-            self.time_correction[spline.mesh.phase(k)] += dot(&work.z[0], &work.z_t);
-            add_gradient(spline, k, &factors, &work.z[0], &mut self.correction);
-        }
+            },
+        );
         for k in 0..spline.mesh.nodes.len() {
             let node = AtNode::new(spline, k);
             for at in barrier.at_node(k) {

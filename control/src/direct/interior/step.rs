@@ -10,6 +10,7 @@ use crate::direct::motion::spline::TimeDerivative;
 use crate::direct::points::rates::{SLOPES, combine};
 use crate::direct::points::values::PointDynamics;
 use crate::numerics::chain::dot;
+use crate::numerics::widest::widest_fused;
 use crate::result::stage_times::Stage;
 
 impl<D: PointDynamics> Interior<D> {
@@ -72,13 +73,19 @@ impl<D: PointDynamics> Interior<D> {
 
     /// Change of all distances by a part of the step.
     pub(crate) fn change_distances(&mut self, part: usize) {
-        self.change_at_points(part);
-        self.change_at_nodes(part);
+        widest_fused(
+            #[inline(always)]
+            |_| {
+                self.change_at_points(part);
+                self.change_at_nodes(part);
+            },
+        );
         self.change_of_rates(part);
         self.change_at_ends(part);
     }
 
     /// Change of the distances at the points by a part of the step.
+    #[inline(always)]
     fn change_at_points(&mut self, part: usize) {
         let n = self.spline.dof;
         for p in 0..self.points.count() {
@@ -107,6 +114,7 @@ impl<D: PointDynamics> Interior<D> {
     }
 
     /// Change of z at a point by a part of the step, to the trial.
+    #[inline(always)]
     pub(crate) fn change_of_z(&mut self, p: usize, part: usize) {
         let (k, j) = self.spline.mesh.interval_of(p);
         let (n, rate) = (self.spline.dof, 1.0 / self.spline.clock(k));
@@ -130,6 +138,7 @@ impl<D: PointDynamics> Interior<D> {
     }
 
     /// Change of the distances at the nodes by a part of the step.
+    #[inline(always)]
     fn change_at_nodes(&mut self, part: usize) {
         for k in 0..self.spline.mesh.nodes.len() {
             let node = AtNode::new(&self.spline, k);

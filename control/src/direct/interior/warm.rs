@@ -66,11 +66,12 @@ impl<D: PointDynamics> Interior<D> {
         let least = constants::LEAST_SLACK.max(rough.min(1.0));
         let mu = gap.max(least * self.cost_of_ranges(old)) / total;
         self.mu = mu;
+        let mut lookup = old.lookup();
         for at in 0..self.barrier.count() {
             let weight = self.barrier.weight[at];
             let Some(index) = self.barrier.side_index(at).filter(|_| weight > 0.0) else { continue };
             let side = self.barrier.side(at);
-            let density = old.density(self.barrier.place(at, &self.spline), index);
+            let density = lookup.density(self.barrier.place(at, &self.spline), index);
             if side.is_equation {
                 self.barrier.multiplier[at] = weight * density;
                 continue;
@@ -87,9 +88,9 @@ impl<D: PointDynamics> Interior<D> {
 
     /// What it would cost by these multipliers to move all limits by their ranges.
     fn cost_of_ranges(&self, multipliers: &Multipliers) -> f64 {
-        let barrier = &self.barrier;
+        let (barrier, mut lookup) = (&self.barrier, multipliers.lookup());
         let costs = (0..barrier.count()).filter(|&at| barrier.is_limit(at)).filter_map(|at| {
-            let density = multipliers.density(barrier.place(at, &self.spline), barrier.side_index(at)?);
+            let density = lookup.density(barrier.place(at, &self.spline), barrier.side_index(at)?);
             Some(barrier.weight[at] * density.max(0.0) / barrier.unit[at])
         });
         costs.sum()

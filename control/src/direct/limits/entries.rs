@@ -11,7 +11,7 @@ use crate::numerics::widest::widest_fused;
 /// Whether an entry is a limit that counts, by its slack.
 #[inline(always)]
 fn is_limit(slack: f64) -> bool {
-    slack > 0.0 && slack < f64::INFINITY
+    (slack > 0.0) & (slack < f64::INFINITY)
 }
 
 /// Runs `$body` with vectors of the arrays, then with one entry at a time for the rest: `$n` is their length.
@@ -96,34 +96,63 @@ pub(crate) fn steps(
     slack_step: &mut [f64],
     multiplier_step: &mut [f64],
 ) -> [f64; 2] {
-    let (slack, multiplier) = (&barrier.slack[..], &barrier.multiplier[..]);
-    let (distance, weight) = (&barrier.distance[..], &barrier.weight[..]);
-    let [mut primal, mut dual] = [Lanes::zeros(); 2];
-    for_vectors!(at in slack.len(), N => {
-        let (s, eta) = (part::<N>(slack, at), part::<N>(multiplier, at));
-        let (d, w) = (part::<N>(distance, at), part::<N>(weight, at));
-        let (change, more) = (change::<N>(changes, mu, at), part::<N>(corrections, at));
-        let ([mut ds, mut deta], [mut of_s, mut of_eta]) = ([[0.0; N]; 2], [[0.0; N]; 2]);
-        for c in 0..N {
-            let on = is_limit(s[c]);
-            let inverse = 1.0 / if on { s[c] } else { 1.0 };
-            let d = d[c] + change[c];
-            let (step, of) = (d - s[c], mu * w[c] + more[c] - eta[c] * d);
-            ds[c] = if on { step } else { 0.0 };
-            deta[c] = if on { of * inverse } else { 0.0 };
-            of_s[c] = -ds[c] * inverse;
-            of_eta[c] = if on { -deta[c] / eta[c] } else { 0.0 };
-        }
-        slack_step[at..at + N].copy_from_slice(&ds);
-        multiplier_step[at..at + N].copy_from_slice(&deta);
-        primal.keep_largest(of_s);
-        dual.keep_largest(of_eta);
-    });
+    let mut largest = [0.0; 2];
+    widest_fused(
+        #[inline(always)]
+        |_| {
+            steps_of_limits(barrier, mu, changes, corrections, slack_step, multiplier_step);
+            largest = [
+                largest_decrease(slack_step, &barrier.slack),
+                largest_decrease(multiplier_step, &barrier.multiplier),
+            ];
+        },
+    );
     for at in barrier.equations() {
         let d = barrier.distance[at] + change::<1>(changes, mu, at)[0];
         multiplier_step[at] = -barrier.curvature(at) * d;
     }
-    [primal.largest(), dual.largest()]
+    largest
+}
+
+/// The steps of limits; zero for what is none.
+// A loop over single numbers with arrays that are known not to overlap: compilers make vectors of it.
+#[inline(always)]
+fn steps_of_limits(
+    barrier: &Barrier,
+    mu: f64,
+    changes: Changes<'_>,
+    corrections: &[f64],
+    slack_step: &mut [f64],
+    multiplier_step: &mut [f64],
+) {
+    let count = slack_step.len();
+    let (slack, multiplier) = (&barrier.slack[..count], &barrier.multiplier[..count]);
+    let (distance, weight) = (&barrier.distance[..count], &barrier.weight[..count]);
+    let ([zero, of_mu, more], corrections) = (changes.map(|change| &change[..count]), &corrections[..count]);
+    let multiplier_step = &mut multiplier_step[..count];
+    for at in 0..count {
+        let (s, on) = (slack[at], is_limit(slack[at]));
+        let inverse = 1.0 / if on { s } else { 1.0 };
+        let d = distance[at] + (zero[at] + mu * of_mu[at] + more[at]);
+        let of = mu * weight[at] + corrections[at] - multiplier[at] * d;
+        slack_step[at] = if on { d - s } else { 0.0 };
+        multiplier_step[at] = if on { of * inverse } else { 0.0 };
+    }
+}
+
+/// The largest decrease in parts of what it is taken from; what is 0 of 0 does not count.
+#[inline(always)]
+fn largest_decrease(steps: &[f64], from: &[f64]) -> f64 {
+    let mut most = Lanes::zeros();
+    let (steps, last_steps) = steps.as_chunks::<LANES>();
+    let (from, last) = from.as_chunks::<LANES>();
+    for (step, from) in steps.iter().zip(from) {
+        most.keep_largest::<LANES>(std::array::from_fn(|c| -step[c] / from[c]));
+    }
+    for (step, from) in last_steps.iter().zip(last) {
+        most.keep_largest([-step / from]);
+    }
+    most.largest()
 }
 
 /// Sum of slack times multiplier, after these parts of their steps.

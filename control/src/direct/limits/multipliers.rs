@@ -85,18 +85,40 @@ impl Multipliers {
         self.rate_densities[self.rate_sides * p + side]
     }
 
-    /// Linear between the points; sides of jerks and rates of torques come after the others.
-    pub fn density(&self, s: f64, side: usize) -> f64 {
-        let is_rate = side >= self.sides;
-        let places = if is_rate { &self.gauss_places } else { &self.places };
-        let right = places.partition_point(|&place| place < s).clamp(1, places.len() - 1);
-        let (a, b) = (places[right - 1], places[right]);
-        let part = ((s - a) / (b - a)).clamp(0.0, 1.0);
+    /// Looks densities up, one place after the other.
+    pub fn lookup(&self) -> Lookup<'_> {
+        Lookup { multipliers: self, place: f64::NAN, is_rate: false, right: 0, part: 0.0 }
+    }
+}
+
+/// Densities between the points, linear there; remembers where the last one was.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Lookup<'a> {
+    multipliers: &'a Multipliers,
+    place: f64,
+    is_rate: bool,
+    /// The point to the right of the place, and the part of the way to it from the one before.
+    right: usize,
+    part: f64,
+}
+
+impl Lookup<'_> {
+    /// Of a side at a place; sides of jerks and rates of torques come after the others.
+    pub fn density(&mut self, s: f64, side: usize) -> f64 {
+        let Multipliers { sides, places, gauss_places, .. } = self.multipliers;
+        let is_rate = side >= *sides;
+        if s != self.place || is_rate != self.is_rate {
+            let places = if is_rate { gauss_places } else { places };
+            let right = places.partition_point(|&place| place < s).clamp(1, places.len() - 1);
+            let (a, b) = (places[right - 1], places[right]);
+            self.part = ((s - a) / (b - a)).clamp(0.0, 1.0);
+            (self.place, self.is_rate, self.right) = (s, is_rate, right);
+        }
         let of = |p: usize| match is_rate {
-            true => self.at_gauss_point(p, side - self.sides),
-            false => self.at_point(p, side),
+            true => self.multipliers.at_gauss_point(p, side - sides),
+            false => self.multipliers.at_point(p, side),
         };
-        (1.0 - part) * of(right - 1) + part * of(right)
+        (1.0 - self.part) * of(self.right - 1) + self.part * of(self.right)
     }
 }
 
@@ -133,9 +155,10 @@ mod tests {
         let (mut multipliers, sides) = (Multipliers::default(), barrier.sides().len());
         multipliers.fill(&interior.spline, barrier);
         let (mut before, mut after) = (vec![0.0; sides], vec![0.0; sides]);
+        let mut lookup = multipliers.lookup();
         for at in 0..barrier.count() {
             if let Some(side) = barrier.side_index(at) {
-                let density = multipliers.density(barrier.place(at, &interior.spline), side);
+                let density = lookup.density(barrier.place(at, &interior.spline), side);
                 before[side] += barrier.multiplier[at];
                 after[side] += barrier.weight[at] * density;
             }

@@ -68,6 +68,7 @@ impl Basis {
 
     /// q, q', q'', and q''' if `z` has room for it, from the coefficients: inner ones, then those of both
     /// ends.
+    #[inline(always)]
     pub fn combine(&self, n: usize, inner: &[f64], ends: &[f64], z: &mut [f64]) {
         match (inner.len() + ends.len()) / n {
             5 => self.sum::<5>(n, inner, ends, z),

@@ -3,6 +3,7 @@
 use super::basis::Basis;
 use super::mesh::Mesh;
 use super::shape::Shape;
+use crate::numerics::widest::widest_fused;
 use std::sync::Arc;
 
 /// q(s) on [0, K], a polynomial of degree four or five on each interval ([`Shape`]); and the times of the K
@@ -169,12 +170,17 @@ impl Spline {
 
     /// q, v, a at all points, 3n numbers a point.
     pub fn evaluate(&self, z: &mut [f64]) {
-        for (p, z) in z.chunks_exact_mut(3 * self.dof).enumerate() {
-            let (k, j) = self.mesh.interval_of(p);
-            let (inner, ends) = self.of_interval(&self.unknowns, k);
-            self.basis(k, j).combine(self.dof, inner, ends, z);
-            self.scale(k, z);
-        }
+        widest_fused(
+            #[inline(always)]
+            |_| {
+                for (p, z) in z.chunks_exact_mut(3 * self.dof).enumerate() {
+                    let (k, j) = self.mesh.interval_of(p);
+                    let (inner, ends) = self.of_interval(&self.unknowns, k);
+                    self.basis(k, j).combine(self.dof, inner, ends, z);
+                    self.scale(k, z);
+                }
+            },
+        );
     }
 
     /// q, v, a at the part `x` of interval `k`, 3n numbers; with the jerk 4n.

@@ -3,7 +3,7 @@
 use crate::direct::motion::shape::{MOST_COEFFICIENTS, MOST_POINTS, Shape};
 use crate::direct::motion::spline::{Spline, TimeDerivative};
 use crate::numerics::chain::ChainMatrix;
-use crate::numerics::padded::{add_combined, combine, padded};
+use crate::numerics::padded::{LANES, Parts, combine, padded, sum_of_parts};
 
 /// Length of the rows of a Hessian in z: the last n entries may be read as a padded row.
 pub(super) fn row_length(n: usize) -> usize {
@@ -39,7 +39,13 @@ impl IntervalHessian {
 
     /// Takes the Hessian of point `j`: 3n rows of [`row_length`].
     #[inline(always)]
-    pub fn take(&mut self, j: usize, n: usize, factors: [[f64; MOST_COEFFICIENTS]; 3], hessian: &[f64]) {
+    pub fn take<const FUSED: bool>(
+        &mut self,
+        j: usize,
+        n: usize,
+        factors: [[f64; MOST_COEFFICIENTS]; 3],
+        hessian: &[f64],
+    ) {
         self.factors[j] = factors;
         let (count, width) = (self.shape.coefficients(), row_length(n));
         let (of_q, rest) = hessian.split_at(n * width);
@@ -47,24 +53,25 @@ impl IntervalHessian {
         let size = count * n * width;
         let products = self.products[size * j..size * (j + 1)].chunks_exact_mut(n * width);
         for (a, product) in products.enumerate() {
-            combine(product, [0, 1, 2].map(|s| factors[s][a]), [of_q, of_v, of_a]);
+            combine::<FUSED>(product, [0, 1, 2].map(|s| factors[s][a]), [of_q, of_v, of_a]);
         }
     }
 
     /// Adds B'H B of the first points, so many, to the rows of interval `k` and of its ends.
     #[inline(always)]
-    pub fn add_to(&mut self, matrix: &mut ChainMatrix, k: usize, n: usize, points: usize) {
+    pub fn add_to<const FUSED: bool>(&mut self, matrix: &mut ChainMatrix, k: usize, n: usize, points: usize) {
         let (count, width, column) = (self.shape.coefficients(), row_length(n), padded(n));
         let size = count * n * width;
         let pairs = (0..count).flat_map(|a| (a..count).map(move |b| (a, b)));
-        for ((a, b), sum) in pairs.zip(self.sums.chunks_exact_mut(n * column)) {
-            sum.fill(0.0);
-            let of_points = self.factors[..points].iter().zip(self.products.chunks_exact(size));
-            for (factors, products) in of_points {
-                let factors = [0, 1, 2].map(|s| factors[s][b]);
-                let rows = products[n * width * a..n * width * (a + 1)].chunks_exact(width);
-                for (to, row) in sum.chunks_exact_mut(column).zip(rows) {
-                    add_combined(to, factors, [0, n, 2 * n].map(|first| &row[first..first + column]));
+        for ((a, b), sums) in pairs.zip(self.sums.chunks_exact_mut(n * column)) {
+            for (i, sums) in sums.chunks_exact_mut(column).enumerate() {
+                for (v, sum) in sums.as_chunks_mut::<LANES>().0.iter_mut().enumerate() {
+                    let of_points = self.factors[..points].iter().zip(self.products.chunks_exact(size));
+                    let terms = of_points.map(|(factors, products)| Parts {
+                        rows: &products[n * width * a..n * width * (a + 1)],
+                        factors: [0, 1, 2].map(|s| factors[s][b]),
+                    });
+                    *sum = sum_of_parts::<FUSED>(terms, [i, width, n, LANES * v]);
                 }
             }
         }

@@ -46,10 +46,10 @@ impl Metric {
             }
             let (k, j) = spline.mesh.interval_of(p);
             let factors = spline.basis(k, j).in_time(1.0 / spline.clock(k));
-            self.interval.take(j, n, factors, &self.hessian);
+            self.interval.take::<false>(j, n, factors, &self.hessian);
             let points = spline.mesh.own_points(k);
             if j + 1 == points {
-                self.interval.add_to(matrix, k, n, points);
+                self.interval.add_to::<false>(matrix, k, n, points);
             }
         }
     }

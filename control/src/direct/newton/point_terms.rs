@@ -7,7 +7,7 @@ use crate::direct::motion::shape::MOST_COEFFICIENTS;
 use crate::direct::motion::spline::{Spline, TimeDerivative};
 use crate::direct::points::running::{ByClock, Running};
 use crate::direct::points::values::Points;
-use crate::numerics::padded::{add_multiple, add_squares, pad};
+use crate::numerics::padded::{add_rows, add_squares, pad};
 
 /// Weights of the torques and rows in the Lagrangian: those for [`Points::weights`],
 /// [`Points::g_weights`] and [`Points::h_weights`], and of the rows at the ends. Those of the torques are
@@ -98,6 +98,8 @@ pub(crate) struct Work {
     row_z: Vec<f64>,
     /// 3n rows of [`row_length`]: with the limits and the squares of the torques.
     pub hessian: Vec<f64>,
+    /// Its product with dz/dT, a row of it.
+    pub product: Vec<f64>,
     /// dz/dT at constant unknowns, and the second derivative.
     pub z_t: Vec<f64>,
     pub z_tt: Vec<f64>,
@@ -119,6 +121,7 @@ impl Work {
             row_curvature: zeros(rows),
             row_z: zeros(rows * width),
             hessian: zeros(3 * n * width),
+            product: zeros(width),
             z_t: zeros(3 * n),
             z_tt: zeros(3 * n),
             clock: ByClock { mixed: zeros(3 * n), ..ByClock::default() },
@@ -128,7 +131,7 @@ impl Work {
 
     /// Gradients and Hessian of a point in z. Its weight in the integral over s, and its running cost.
     #[inline(always)]
-    pub fn collect(
+    pub fn collect<const FUSED: bool>(
         &mut self,
         p: usize,
         exact: bool,
@@ -169,9 +172,9 @@ impl Work {
             cost += 0.5 * force * tau[i];
             self.rows[0][i] = time * weight * force;
             self.row_curvature[i] = time * weight * running.effort[i];
-            add_multiple(&mut self.z[3], weight * force, row);
+            add_rows::<FUSED>(&mut self.z[3], &[weight * force], row);
         }
-        cost += self.add_energy(p, [weight, time], points, running);
+        cost += self.add_energy::<FUSED>(p, [weight, time], points, running);
         let [gradient, at_zero, ..] = &mut self.z;
         at_zero.copy_from_slice(gradient);
         let [gradient, at_zero, _] = &mut self.rows;
@@ -183,11 +186,9 @@ impl Work {
             }
         }
         for (factors, z) in self.rows.iter().zip(&mut self.z) {
-            for (&factor, row) in factors.iter().zip(self.row_z.chunks_exact(width)) {
-                add_multiple(z, factor, row);
-            }
+            add_rows::<FUSED>(z, factors, &self.row_z);
         }
-        add_squares(&mut self.hessian, width, &self.row_curvature, &self.row_z);
+        add_squares::<FUSED>(&mut self.hessian, width, &self.row_curvature, &self.row_z);
         for i in 0..3 * n {
             self.hessian[width * i + i] += self.curvature[i];
         }
@@ -207,7 +208,13 @@ impl Work {
 
     /// The cost of energy at a point, a function of the first rows h. Its value.
     #[inline(always)]
-    fn add_energy(&mut self, p: usize, [weight, time]: [f64; 2], points: &Points, running: &Running) -> f64 {
+    fn add_energy<const FUSED: bool>(
+        &mut self,
+        p: usize,
+        [weight, time]: [f64; 2],
+        points: &Points,
+        running: &Running,
+    ) -> f64 {
         let (width, first, mut cost) = (row_length(points.dof), points.dof + self.counts[0], 0.0);
         for i in 0..running.energy.weights.len() {
             let term = running.energy.term(i, points.h(p)[i]);
@@ -215,7 +222,7 @@ impl Work {
             self.rows[0][first + i] = time * weight * term.first;
             self.row_curvature[first + i] = time * weight * term.second;
             let row = &self.row_z[width * (first + i)..width * (first + i + 1)];
-            add_multiple(&mut self.z[3], weight * term.first, row);
+            add_rows::<FUSED>(&mut self.z[3], &[weight * term.first], row);
         }
         cost
     }

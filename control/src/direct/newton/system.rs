@@ -3,7 +3,7 @@
 use super::border::Border;
 use super::by_times::ByTimes;
 use super::end_columns::EndColumns;
-use super::interval::{IntervalHessian, add_by_time, add_gradient, row_length};
+use super::interval::{IntervalHessian, add_by_time, add_gradient};
 use super::metric::Metric;
 use super::point_terms::{Work, side_terms};
 use super::rate_rows::RateRows;
@@ -15,6 +15,7 @@ use crate::direct::motion::spline::Spline;
 use crate::direct::points::running::Running;
 use crate::direct::points::values::Points;
 use crate::numerics::chain::{ChainMatrix, NotPositiveDefinite, dot};
+use crate::numerics::padded::add_rows;
 use crate::numerics::widest::widest_fused;
 
 /// The equations `[K B; B' C] (dx, dy) = -(g, g_y)`, g = g_0 + mu g_1, for the unknowns x of a spline and
@@ -85,12 +86,15 @@ impl System {
     ) {
         widest_fused(
             #[inline(always)]
-            |_| self.assemble_all(spline, points, barrier, running, ends),
+            |fused| match fused {
+                true => self.assemble_all::<true>(spline, points, barrier, running, ends),
+                false => self.assemble_all::<false>(spline, points, barrier, running, ends),
+            },
         );
     }
 
     #[inline(always)]
-    fn assemble_all(
+    fn assemble_all<const FUSED: bool>(
         &mut self,
         spline: &Spline,
         points: &Points,
@@ -108,7 +112,7 @@ impl System {
         self.by_times.gradient[0].fill(running.time);
         self.at_ends.reset(spline.unknowns.len(), spline.mesh.intervals());
         for p in 0..points.count() {
-            self.add_point(p, spline, points, barrier, running);
+            self.add_point::<FUSED>(p, spline, points, barrier, running);
         }
         self.add_rates(spline, points);
         for k in 0..spline.mesh.nodes.len() {
@@ -131,7 +135,7 @@ impl System {
     /// Adds a point: its gradients and its Hessian in z become those in the unknowns and in the time of its
     /// phase.
     #[inline(always)]
-    fn add_point(
+    fn add_point<const FUSED: bool>(
         &mut self,
         p: usize,
         spline: &Spline,
@@ -143,23 +147,27 @@ impl System {
         let (n, phase, inverse) = (points.dof, spline.mesh.phase(k), 1.0 / spline.clock(k));
         let factors = spline.basis(k, j).in_time(inverse);
         let work = &mut self.work;
-        let (weight, cost) = work.collect(p, self.exact, spline, points, barrier, running);
+        let (weight, cost) = work.collect::<FUSED>(p, self.exact, spline, points, barrier, running);
         work.differentiate_in_time(points.z(p), spline, k, &factors);
         let [gradient, at_zero, of_mu, slope] = &mut work.z;
         let by_times = &mut self.by_times;
         by_times.gradient[0][phase] += weight * cost + dot(at_zero, &work.z_t);
         by_times.gradient[1][phase] += dot(of_mu, &work.z_t);
         let mut second = dot(gradient, &work.z_tt) + 2.0 * dot(slope, &work.z_t);
-        for (i, row) in work.hessian.chunks_exact(row_length(n)).enumerate() {
-            let product = dot(row, &work.z_t);
-            second += work.z_t[i] * product;
-            slope[i] += product + [0.0, -inverse, -2.0 * inverse][i / n] * gradient[i];
+        // H is symmetric.
+        work.product.fill(0.0);
+        add_rows::<FUSED>(&mut work.product, &work.z_t, &work.hessian);
+        second += dot(&work.z_t, &work.product);
+        slope.iter_mut().zip(&work.product).for_each(|(slope, product)| *slope += product);
+        for (factor, group) in [(-inverse, n..2 * n), (-2.0 * inverse, 2 * n..3 * n)] {
+            let slope = slope[group.clone()].iter_mut().zip(&gradient[group]);
+            slope.for_each(|(slope, gradient)| *slope += factor * gradient);
         }
         by_times.add_second([phase; 2], second);
-        self.interval.take(j, n, factors, &work.hessian);
+        self.interval.take::<FUSED>(j, n, factors, &work.hessian);
         let own = spline.mesh.own_points(k);
         if j + 1 == own {
-            self.interval.add_to(&mut self.matrix, k, n, own);
+            self.interval.add_to::<FUSED>(&mut self.matrix, k, n, own);
         }
         let column = &mut by_times.columns[phase];
         let targets = self.gradient.iter_mut().chain([&mut *column]);

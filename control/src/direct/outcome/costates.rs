@@ -50,7 +50,14 @@ pub(super) fn costates<D: PointDynamics>(interior: &mut Interior<D>) -> Costates
     for k in 0..mesh.intervals() {
         gradient.fill(0.0);
         for (j, p) in (POINTS * k..POINTS * (k + 1)).enumerate() {
-            work.collect(p, false, spline, &interior.points, &interior.barrier, &mut interior.running);
+            work.collect::<false>(
+                p,
+                false,
+                spline,
+                &interior.points,
+                &interior.barrier,
+                &mut interior.running,
+            );
             add_gradient(
                 spline,
                 k,

@@ -31,8 +31,14 @@ pub(super) fn smooth_costates<D: PointDynamics>(interior: &mut Interior<D>) -> C
         let (time, mut by_time) = (spline.clock(k), interior.running.time * mesh.width(k));
         for (j, part) in mesh.shape.weights().iter().enumerate() {
             let p = mesh.first_point(k) + j;
-            let (weight, cost) =
-                work.collect(p, false, spline, &interior.points, &interior.barrier, &mut interior.running);
+            let (weight, cost) = work.collect::<false>(
+                p,
+                false,
+                spline,
+                &interior.points,
+                &interior.barrier,
+                &mut interior.running,
+            );
             // A node belongs to the intervals beside it in proportion to their widths.
             let own = part * mesh.width(k) / weight;
             point.copy_from_slice(interior.points.z(p));

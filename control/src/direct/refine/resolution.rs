@@ -234,14 +234,16 @@ impl Resolution {
     fn add_errors_of_limits<D>(&mut self, interior: &Interior<D>) {
         let multipliers = Multipliers::at_points(&interior.spline, &interior.barrier);
         let (sides, shape) = (interior.barrier.sides(), interior.spline.mesh.shape);
+        let parts = BETWEEN.map(|x| shape.parts(x));
+        let count = shape.places().len();
         for (k, error) in self.errors.iter_mut().enumerate() {
+            let first = interior.spline.mesh.first_point(k);
             let distances = &self.distance[sides.len() * BETWEEN.len() * k..];
             for (i, side) in sides.iter().enumerate() {
                 let (mut signed, mut unsigned, mut densities) = (0.0, 0.0, 0.0);
-                for (at, &x) in BETWEEN.iter().enumerate() {
-                    let parts = shape.parts(x).into_iter().take(shape.places().len()).enumerate();
-                    let density = |j: usize| multipliers.at_point(interior.spline.mesh.first_point(k) + j, i);
-                    let density: f64 = parts.map(|(j, part)| part * density(j)).sum();
+                for (at, parts) in parts.iter().enumerate() {
+                    let parts = parts[..count].iter().enumerate();
+                    let density: f64 = parts.map(|(j, part)| part * multipliers.at_point(first + j, i)).sum();
                     let density = if side.is_equation { density } else { density.max(0.0) };
                     let product = weight(at) * density * distances[sides.len() * at + i];
                     signed += product;

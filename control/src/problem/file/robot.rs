@@ -4,7 +4,8 @@ use super::error::ProblemFileCause;
 use super::fault::Fault;
 use super::table::Table;
 use costate::robot::{
-    FrameSpec, Friction, Limits, LinkInertia, LoadOptions, Placement, Robot, RobotEdit, Wrench, WrenchAxes,
+    FrameSpec, Friction, LimitChange, LinkInertia, LoadOptions, Placement, Robot, RobotEdit, Wrench,
+    WrenchAxes,
 };
 use std::path::Path;
 
@@ -32,6 +33,8 @@ const INERTIA: &[&str] = &["xx", "yy", "zz", "xy", "xz", "yz"];
 /// A robot file, and what is changed of the robot.
 pub(super) struct RobotTable {
     pub file: String,
+    /// The key of the file, and its first byte.
+    file_at: (&'static str, Option<usize>),
     changes: Vec<Change>,
 }
 
@@ -40,88 +43,55 @@ struct Change {
     key: &'static str,
     /// First byte of what asks for it.
     start: Option<usize>,
-    asked: Asked,
-}
-
-/// What is asked for.
-enum Asked {
-    Edit(RobotEdit),
-    /// Lower, upper, velocity and effort of a joint; what is not given stays.
-    Limits(String, [Option<f64>; 4]),
-}
-
-impl From<RobotEdit> for Asked {
-    fn from(edit: RobotEdit) -> Self {
-        Self::Edit(edit)
-    }
-}
-
-impl Asked {
-    /// The change of this robot.
-    fn of(&self, robot: &Robot) -> RobotEdit {
-        match self {
-            Self::Edit(edit) => edit.clone(),
-            Self::Limits(name, given) => {
-                let joint = robot.joints().iter().find(|joint| joint.name == *name);
-                // A joint that is not there is refused by the edit.
-                let old = joint.map_or_else(Limits::default, |joint| joint.limits);
-                let [lower, upper, velocity, effort] = *given;
-                let limits = Limits {
-                    lower: lower.unwrap_or(old.lower),
-                    upper: upper.unwrap_or(old.upper),
-                    velocity: velocity.unwrap_or(old.velocity),
-                    effort: effort.unwrap_or(old.effort),
-                };
-                RobotEdit::Limits(name.clone(), limits)
-            }
-        }
-    }
+    edit: RobotEdit,
 }
 
 /// Reads the key `robot` of the file.
 pub(super) fn read(root: &Table<'_>) -> Result<RobotTable, Fault> {
     if !root.has_table("robot") {
         let file = root.need("robot", root.string("robot")?)?;
-        return Ok(RobotTable { file, changes: Vec::new() });
+        let file_at = ("robot", root.start_of("robot"));
+        return Ok(RobotTable { file, file_at, changes: Vec::new() });
     }
     let table = root.need("robot", root.table("robot")?)?;
     table.only(ROBOT)?;
     let mut changes = Vec::new();
-    let mut add = |key, start: Option<usize>, asked: Asked| {
-        changes.push(Change { key, start: start.or_else(|| table.start_of(key)), asked });
+    let mut add = |key, start: Option<usize>, edit: RobotEdit| {
+        changes.push(Change { key, start: start.or_else(|| table.start_of(key)), edit });
     };
     if let Some(gravity) = triple(&table, "gravity")? {
-        add("gravity", None, RobotEdit::Gravity(gravity).into());
+        add("gravity", None, RobotEdit::Gravity(gravity));
     }
     for (joint, armature) in table.numbers_by_name("armature")? {
-        add("armature", None, RobotEdit::Armature(joint, armature).into());
+        add("armature", None, RobotEdit::Armature(joint, armature));
     }
     for (joint, law) in table.tables_by_name("friction", FRICTION)? {
-        add("friction", None, RobotEdit::Friction(joint, friction(&law)?).into());
+        add("friction", None, RobotEdit::Friction(joint, friction(&law)?));
     }
     for (joint, range) in table.tables_by_name("limits", LIMITS)? {
-        add("limits", None, Asked::Limits(joint, limits(&range)?));
+        add("limits", None, RobotEdit::Limits(joint, limits(&range)?));
     }
     for row in table.tables("frame", FRAME)? {
-        add("frame", row.start, RobotEdit::Frame(frame(&row)?).into());
+        add("frame", row.start, RobotEdit::Frame(frame(&row)?));
     }
     for load in table.tables("payload", PAYLOAD)? {
         let frame = load.need("frame", load.string("frame")?)?;
-        add("payload", load.start, RobotEdit::Payload(frame, payload(&load)?).into());
+        add("payload", load.start, RobotEdit::Payload(frame, payload(&load)?));
     }
     for row in table.tables("wrench", WRENCH)? {
         let frame = row.need("frame", row.string("frame")?)?;
-        add("wrench", row.start, RobotEdit::Wrench(frame, wrench(&row)?).into());
+        add("wrench", row.start, RobotEdit::Wrench(frame, wrench(&row)?));
     }
     let locked = table.numbers_by_name("lock")?;
     if !locked.is_empty() {
-        add("lock", None, RobotEdit::Lock(locked).into());
+        add("lock", None, RobotEdit::Lock(locked));
     }
     let kept = table.list("reduced_to", "a list of names of joints", super::table::string)?;
     if let Some(kept) = kept {
-        add("reduced_to", None, RobotEdit::ReducedTo(kept).into());
+        add("reduced_to", None, RobotEdit::ReducedTo(kept));
     }
-    Ok(RobotTable { file: table.need("file", table.string("file")?)?, changes })
+    let file = table.need("file", table.string("file")?)?;
+    Ok(RobotTable { file, file_at: ("robot.file", table.start_of("file")), changes })
 }
 
 fn friction(table: &Table<'_>) -> Result<Friction, Fault> {
@@ -132,9 +102,13 @@ fn friction(table: &Table<'_>) -> Result<Friction, Fault> {
     })
 }
 
-fn limits(table: &Table<'_>) -> Result<[Option<f64>; 4], Fault> {
-    let number = |name| table.number(name);
-    Ok([number("lower")?, number("upper")?, number("velocity")?, number("effort")?])
+fn limits(table: &Table<'_>) -> Result<LimitChange, Fault> {
+    Ok(LimitChange {
+        lower: table.number("lower")?,
+        upper: table.number("upper")?,
+        velocity: table.number("velocity")?,
+        effort: table.number("effort")?,
+    })
 }
 
 fn frame(table: &Table<'_>) -> Result<FrameSpec, Fault> {
@@ -184,14 +158,19 @@ pub(super) fn triple(table: &Table<'_>, name: &str) -> Result<Option<[f64; 3]>, 
 impl RobotTable {
     /// Loads the robot file and changes the robot.
     pub fn load(&self, root: &Table<'_>, path: &Path, options: LoadOptions) -> Result<Robot, Fault> {
-        let refused = |error| root.fault("robot", ProblemFileCause::Robot(error));
+        let (key, start) = self.file_at;
+        let refused = |error| Fault {
+            line: start.map(|start| root.line_at(start)),
+            key: Some(key.into()),
+            cause: Box::new(ProblemFileCause::Robot(error)),
+        };
         if self.changes.is_empty() {
             return Robot::from_file_with(path, options).map_err(refused);
         }
         // Changes may mend what strict loading would refuse.
         let lenient = options.strict(false);
         let robot = Robot::from_file_with(path, lenient).map_err(refused)?;
-        let edits: Vec<RobotEdit> = self.changes.iter().map(|change| change.asked.of(&robot)).collect();
+        let edits: Vec<RobotEdit> = self.changes.iter().map(|change| change.edit.clone()).collect();
         match robot.edited(&edits, lenient) {
             Ok(robot) => robot.edited(&[], options).map_err(refused),
             Err(error) => {
