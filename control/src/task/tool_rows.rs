@@ -33,14 +33,16 @@ impl Tools {
         finite(at.key("offset"), &tool.offset)?;
         if tool.offset != [0.0; 3] {
             let count = self.robot.frames().len();
-            let mut name = format!("{} with offset {count}", tool.frame);
+            // What begins with the prefix of a joint's frame is that frame.
+            let mut name = format!("offset {count} of {}", tool.frame);
             while self.robot.frame(&name).is_ok() {
                 name.push('\'');
             }
             let placement = Placement::from_xyz_rpy(tool.offset, [0.0; 3]);
             let spec = FrameSpec::new(name).on(tool.frame.clone()).placed(placement);
-            self.robot =
-                self.robot.with_frame(spec).map_err(|_| TaskError::NotFinite.at(at.key("offset")))?;
+            let far = tool.offset.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+            let too_far = TaskError::OutOfRange { value: far, remedy: "must be 1e75 m at most" };
+            self.robot = self.robot.with_frame(spec).map_err(|_| too_far.at(at.key("offset")))?;
             frame = count;
         }
         let carried = Carried::new(&self.robot, frame);

@@ -65,7 +65,7 @@ impl fmt::Display for RobotError {
             }
             Self::BadFramePlacement { frame } => write!(
                 f,
-                "the placement of frame '{}' is not a right-handed rotation and a translation of 1e75 m at most; correct it",
+                "the placement of frame '{}' is not a right-handed rotation and a finite translation of 1e75 m at most; correct it",
                 printable(frame)
             ),
             Self::BadWrench { frame } => write!(
@@ -164,7 +164,7 @@ impl fmt::Display for RobotError {
             ),
             Self::BadPlacement { joint } => write!(
                 f,
-                "the placement of joint '{}' is not a right-handed rotation and a translation of 1e75 m at most; correct it",
+                "the placement of joint '{}' is not a right-handed rotation and a finite translation of 1e75 m at most; correct it",
                 printable(joint)
             ),
             Self::BadValue { joint, what, value, rule } => {
