@@ -1,0 +1,46 @@
+//! The compiled module of the Python package `costate`: robots, dynamics and time steps on NumPy arrays.
+//!
+//! A call passes through these modules: `arrays` reads the arguments and allocates the results, `function`
+//! evaluates all states on lanes and threads, `plan` says where arguments and results lie, `cores` computes
+//! one state. `quantities` lists what is computed of the dynamics, `kinematics` and `step` of frames and time
+//! steps. `robot`, `recipe` and `builder` are the robot, `dynamics`, `frame` and `time_step` the classes that
+//! Python sees.
+
+mod arrays;
+mod builder;
+mod codegen;
+mod cores;
+mod dynamics;
+mod errors;
+mod frame;
+mod function;
+mod kinematics;
+mod plan;
+mod quantities;
+mod recipe;
+mod robot;
+mod table;
+mod time_step;
+
+use pyo3::prelude::*;
+
+#[pymodule]
+mod _costate {
+    #[pymodule_export]
+    use crate::builder::RobotBuilder;
+    #[pymodule_export]
+    use crate::codegen::codegen;
+    #[pymodule_export]
+    use crate::dynamics::Dynamics;
+    #[pymodule_export]
+    use crate::frame::Frame;
+    #[pymodule_export]
+    use crate::recipe::_rebuild;
+    #[pymodule_export]
+    use crate::robot::Robot;
+    #[pymodule_export]
+    use crate::time_step::Step;
+    #[pymodule_export]
+    #[expect(non_upper_case_globals, reason = "its name in Python")]
+    const __version__: &str = env!("CARGO_PKG_VERSION");
+}
