@@ -63,13 +63,8 @@ impl Axes {
     }
 }
 
-/// An argument: a vector of numbers for each state, one after the other in memory.
-pub struct Vectors<'py> {
-    /// Keeps the memory.
-    _array: Bound<'py, PyUntypedArray>,
-    axes: Axes,
-    source: Source,
-}
+/// The arrays of a call, whose memory is read.
+pub type Held<'py, const N: usize> = [Option<Bound<'py, PyUntypedArray>>; N];
 
 /// The numbers of an argument, without its owner.
 #[derive(Clone, Copy)]
@@ -106,38 +101,39 @@ impl Source {
     }
 }
 
-impl<'py> Vectors<'py> {
-    /// Reads an argument without a copy; a sequence of numbers is converted.
-    ///
-    /// # Errors
-    /// `ArgumentError` for another type of numbers, another length of the last axis, and another layout.
-    #[inline]
-    pub fn read(given: &Bound<'py, PyAny>, expected: &Argument) -> PyResult<Self> {
-        let array = match given.cast::<PyUntypedArray>() {
-            Ok(array) => array.clone(),
-            Err(_) => converted(given, expected)?,
-        };
-        if !is_float64(&array) {
-            return Err(wrong_type(&array, expected));
-        }
-        let dimensions = array.ndim();
-        if dimensions == 0 || dimensions > MOST_AXES + 1 || array.shape()[dimensions - 1] != expected.length {
-            return Err(wrong_shape(&array, expected));
-        }
-        let (shape, strides) = (array.shape(), array.strides());
-        if expected.length > 1 && strides[dimensions - 1] != size_of::<f64>() as isize {
-            return Err(wrong_layout(&array, expected));
-        }
-        // SAFETY: it is an array of doubles.
-        let data = unsafe { array.cast_unchecked::<PyArrayDyn<f64>>() }.data();
-        let mut axes = Axes { count: dimensions - 1, lengths: [1; MOST_AXES] };
-        let mut source = Source { data: data.cast(), strides: [0; MOST_AXES] };
-        for k in 0..axes.count {
-            axes.lengths[k] = shape[k];
-            source.strides[k] = strides[k];
-        }
-        Ok(Self { _array: array, axes, source })
+/// Reads an argument without a copy, a vector of numbers for each state; a sequence of numbers is converted.
+///
+/// # Errors
+/// `ArgumentError` for another type of numbers, another length of the last axis, and another layout.
+#[inline]
+fn read<'py>(
+    given: &Bound<'py, PyAny>,
+    expected: &Argument,
+) -> PyResult<(Bound<'py, PyUntypedArray>, Source, Axes)> {
+    let array = match given.cast::<PyUntypedArray>() {
+        Ok(array) => array.clone(),
+        Err(_) => converted(given, expected)?,
+    };
+    if !is_float64(&array) {
+        return Err(wrong_type(&array, expected));
     }
+    let (shape, strides) = (array.shape(), array.strides());
+    let Some((last, leading)) =
+        shape.split_last().filter(|(last, leading)| **last == expected.length && leading.len() <= MOST_AXES)
+    else {
+        return Err(wrong_shape(&array, expected));
+    };
+    let empty = leading.contains(&0);
+    if *last > 1 && !empty && strides[leading.len()] != size_of::<f64>() as isize {
+        return Err(wrong_layout(&array, expected));
+    }
+    // SAFETY: it is an array of doubles.
+    let data = unsafe { array.cast_unchecked::<PyArrayDyn<f64>>() }.data();
+    let mut axes = Axes { count: leading.len(), lengths: [1; MOST_AXES] };
+    axes.lengths[..leading.len()].copy_from_slice(leading);
+    let mut source = Source { data: data.cast(), strides: [0; MOST_AXES] };
+    source.strides[..leading.len()].copy_from_slice(&strides[..leading.len()]);
+    Ok((array, source, axes))
 }
 
 /// Reads all arguments and broadcasts their leading axes.
@@ -149,25 +145,16 @@ pub fn read_all<'py, const N: usize>(
     py: Python<'py>,
     given: [&Bound<'py, PyAny>; N],
     expected: &[Argument],
-) -> PyResult<([Vectors<'py>; N], [Source; N], Axes)> {
+) -> PyResult<(Held<'py, N>, [Source; N], Axes)> {
     let mut axes = Axes { count: 0, lengths: [1; MOST_AXES] };
-    let mut failed = None;
-    let read = std::array::from_fn::<_, N, _>(|k| {
-        if failed.is_some() {
-            return None;
-        }
-        Vectors::read(given[k], &expected[k]).map_err(|error| failed = Some(error)).ok()
-    });
-    if let Some(error) = failed {
-        return Err(error);
-    }
-    let vectors = read.map(|vectors| {
-        // None was left out, since none failed.
-        vectors.unwrap_or_else(|| unreachable!("an argument that was not read is an error"))
-    });
-    for (vector, expected) in vectors.iter().zip(expected) {
-        if vector.axes.count != 0 && !axes.include(&vector.axes) {
-            let (found, others) = (vector.axes.shape(), axes.shape());
+    let mut held = [const { None }; N];
+    let mut sources = [Source { data: std::ptr::null(), strides: [0; MOST_AXES] }; N];
+    let mut own = [axes; N];
+    for (k, expected) in expected.iter().enumerate() {
+        let (array, source, leading) = read(given[k], expected)?;
+        (held[k], sources[k], own[k]) = (Some(array), source, leading);
+        if leading.count != 0 && !axes.include(&leading) {
+            let (found, others) = (leading.shape(), axes.shape());
             let name = expected.name;
             let message = format!(
                 "the leading axes {found:?} of {name} cannot be broadcast to those before it, {others:?}"
@@ -175,19 +162,19 @@ pub fn read_all<'py, const N: usize>(
             return Err(argument(py, name, message));
         }
     }
-    let sources = vectors.each_ref().map(|vector| {
-        let mut source = vector.source;
-        if axes.count != 0 {
-            let missing = axes.count - vector.axes.count;
-            let of = |k: usize| match k.checked_sub(missing) {
-                Some(own) if vector.axes.lengths[own] != 1 => vector.source.strides[own],
-                _ => 0,
-            };
-            source.strides = std::array::from_fn(|k| if k < axes.count { of(k) } else { 0 });
+    if axes.count != 0 {
+        for (source, own) in sources.iter_mut().zip(&own) {
+            let missing = axes.count - own.count;
+            let given = source.strides;
+            for (k, stride) in source.strides[..axes.count].iter_mut().enumerate() {
+                *stride = match k.checked_sub(missing) {
+                    Some(k) if own.lengths[k] != 1 => given[k],
+                    _ => 0,
+                };
+            }
         }
-        source
-    });
-    Ok((vectors, sources, axes))
+    }
+    Ok((held, sources, axes))
 }
 
 /// A sequence as an array of doubles.
@@ -273,18 +260,16 @@ impl Target {
 /// # Errors
 /// `MemoryError`, or `ValueError` where the size is no number of bytes.
 #[inline]
-pub fn allocate<'py>(
-    py: Python<'py>,
-    axes: &Axes,
-    output: &Output,
-) -> PyResult<(Bound<'py, PyAny>, Target)> {
+pub fn allocate<'py>(py: Python<'py>, axes: &Axes, output: &Output) -> PyResult<(Bound<'py, PyAny>, Target)> {
     let mut shape = [0; MOST_AXES + 2];
     let count = axes.count + output.shape.len();
     shape[..axes.count].copy_from_slice(axes.shape());
     shape[axes.count..count].copy_from_slice(&output.shape);
     let array = if axes.states().saturating_mul(output.length) > SURE {
         // This one raises where there is no memory.
-        py.import(intern!(py, "numpy"))?.call_method1(intern!(py, "empty"), (&shape[..count],))?.cast_into()?
+        py.import(intern!(py, "numpy"))?
+            .call_method1(intern!(py, "empty"), (&shape[..count],))?
+            .cast_into()?
     } else {
         // SAFETY: doubles need no initialisation before they are written, and all are written before Python
         // sees the array.

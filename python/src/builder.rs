@@ -3,7 +3,9 @@
 use crate::errors;
 use crate::recipe::{Recipe, named};
 use crate::robot::{Robot, inertia_of, limits_of};
-use costate::robot::{FrameSpec, Friction, JointSpec, LinkInertia, Placement, RobotBuilder as Builder, Spring};
+use costate::robot::{
+    FrameSpec, Friction, JointSpec, LinkInertia, Placement, RobotBuilder as Builder, Spring,
+};
 use pyo3::prelude::*;
 use std::sync::{Mutex, PoisonError};
 

@@ -60,6 +60,7 @@ pub fn codegen(
             _ => Ok(None),
         }
     });
-    let text = text.map_err(|error: costate::codegen::CodegenError| CodegenError::new_err(error.to_string()))?;
+    let text =
+        text.map_err(|error: costate::codegen::CodegenError| CodegenError::new_err(error.to_string()))?;
     text.ok_or_else(|| argument(py, "language", format!("unknown language '{language}'; give 'c' or 'rust'")))
 }

@@ -206,12 +206,24 @@ impl Dynamics {
     }
 
     /// The state equation f = dx/dt (..., 2n): (v, a), or (v, dp/dt) in (q, p). Equations (9) and (17).
-    fn f<'py>(&self, py: Python<'py>, q: Given<'_, 'py>, v: Given<'_, 'py>, tau: Given<'_, 'py>) -> Arrays<'py> {
+    fn f<'py>(
+        &self,
+        py: Python<'py>,
+        q: Given<'_, 'py>,
+        v: Given<'_, 'py>,
+        tau: Given<'_, 'py>,
+    ) -> Arrays<'py> {
         self.call(py, Verb::F, [q, v, tau])
     }
 
     /// The Jacobian df/dz (..., 2n, 3n), z = (q, v, tau). Rows are entries of f.
-    fn jacobian<'py>(&self, py: Python<'py>, q: Given<'_, 'py>, v: Given<'_, 'py>, tau: Given<'_, 'py>) -> Arrays<'py> {
+    fn jacobian<'py>(
+        &self,
+        py: Python<'py>,
+        q: Given<'_, 'py>,
+        v: Given<'_, 'py>,
+        tau: Given<'_, 'py>,
+    ) -> Arrays<'py> {
         self.call(py, Verb::Jacobian, [q, v, tau])
     }
 
@@ -228,7 +240,13 @@ impl Dynamics {
     }
 
     /// f and its Jacobian in one pass: what `f` and `jacobian` return.
-    fn linearise<'py>(&self, py: Python<'py>, q: Given<'_, 'py>, v: Given<'_, 'py>, tau: Given<'_, 'py>) -> Arrays<'py> {
+    fn linearise<'py>(
+        &self,
+        py: Python<'py>,
+        q: Given<'_, 'py>,
+        v: Given<'_, 'py>,
+        tau: Given<'_, 'py>,
+    ) -> Arrays<'py> {
         self.call(py, Verb::Linearise, [q, v, tau])
     }
 
@@ -270,17 +288,35 @@ impl Dynamics {
     }
 
     /// Forward dynamics: the accelerations a (..., n) under tau, for velocities v in either coordinates.
-    fn aba<'py>(&self, py: Python<'py>, q: Given<'_, 'py>, v: Given<'_, 'py>, tau: Given<'_, 'py>) -> Arrays<'py> {
+    fn aba<'py>(
+        &self,
+        py: Python<'py>,
+        q: Given<'_, 'py>,
+        v: Given<'_, 'py>,
+        tau: Given<'_, 'py>,
+    ) -> Arrays<'py> {
         self.call(py, Verb::Aba, [q, v, tau])
     }
 
     /// Inverse dynamics: the torques tau (..., n) for accelerations a, for velocities v in either coordinates.
-    fn rnea<'py>(&self, py: Python<'py>, q: Given<'_, 'py>, v: Given<'_, 'py>, a: Given<'_, 'py>) -> Arrays<'py> {
+    fn rnea<'py>(
+        &self,
+        py: Python<'py>,
+        q: Given<'_, 'py>,
+        v: Given<'_, 'py>,
+        a: Given<'_, 'py>,
+    ) -> Arrays<'py> {
         self.call(py, Verb::Rnea, [q, v, a])
     }
 
     /// The Jacobian of inverse dynamics in (q, v, a): (..., n, 3n).
-    fn rnea_jacobian<'py>(&self, py: Python<'py>, q: Given<'_, 'py>, v: Given<'_, 'py>, a: Given<'_, 'py>) -> Arrays<'py> {
+    fn rnea_jacobian<'py>(
+        &self,
+        py: Python<'py>,
+        q: Given<'_, 'py>,
+        v: Given<'_, 'py>,
+        a: Given<'_, 'py>,
+    ) -> Arrays<'py> {
         self.call(py, Verb::RneaJacobian, [q, v, a])
     }
 
@@ -347,6 +383,10 @@ impl Dynamics {
     fn __eq__(&self, other: &Self) -> bool {
         let same = self.coordinates == other.coordinates && self.settings == other.settings;
         same && self.model() == other.model()
+    }
+
+    fn __hash__(&self) -> u64 {
+        self.robot.__hash__() ^ u64::from(self.coordinates == Coordinates::Lagrangian)
     }
 
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {

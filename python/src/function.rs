@@ -75,11 +75,8 @@ impl Engine {
     #[inline]
     fn with<R>(&self, plan: &Plan, work: impl FnOnce(&mut Workspace) -> R) -> R {
         let free = self.free.lock().unwrap_or_else(PoisonError::into_inner).pop();
-        let mut workspace = free.unwrap_or_else(|| Workspace {
-            core: (self.new_core)(),
-            one: Vec::new(),
-            four: Vec::new(),
-        });
+        let mut workspace =
+            free.unwrap_or_else(|| Workspace { core: (self.new_core)(), one: Vec::new(), four: Vec::new() });
         if workspace.one.len() < plan.size() {
             workspace.one.resize(plan.size(), 0.0);
         }

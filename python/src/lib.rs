@@ -8,6 +8,7 @@
 
 mod arrays;
 mod builder;
+mod check;
 mod codegen;
 mod cores;
 mod dynamics;
@@ -28,6 +29,8 @@ use pyo3::prelude::*;
 mod _costate {
     #[pymodule_export]
     use crate::builder::RobotBuilder;
+    #[pymodule_export]
+    use crate::check::_compare;
     #[pymodule_export]
     use crate::codegen::codegen;
     #[pymodule_export]

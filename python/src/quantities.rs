@@ -3,8 +3,8 @@
 //! z = (q, v, tau) or (q, p, tau); f is dx/dt, 2n numbers; J = df/dz, 2n x 3n; H = d2(y'f)/dz2, 3n x 3n.
 
 use crate::plan::{ONE, Piece, Plan};
-use costate::codegen::Quantity;
 use costate::Coordinates;
+use costate::codegen::Quantity;
 
 /// The methods of `Dynamics` that evaluate a quantity of `costate::codegen`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -83,9 +83,10 @@ impl Verb {
     /// Arguments and results for n joints.
     pub fn plan(self, coordinates: Coordinates, n: usize) -> Plan {
         match (self, coordinates) {
-            (Self::Aba | Self::Rnea | Self::RneaJacobian | Self::RneaHessian | Self::Crba | Self::Energy, _) => {
-                self.in_velocities_alone(n)
-            }
+            (
+                Self::Aba | Self::Rnea | Self::RneaJacobian | Self::RneaHessian | Self::Crba | Self::Energy,
+                _,
+            ) => self.in_velocities_alone(n),
             (_, Coordinates::Lagrangian) => self.in_velocities(n),
             (_, Coordinates::Hamiltonian) => self.in_momenta(n),
         }

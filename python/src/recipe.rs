@@ -2,6 +2,7 @@
 
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList, PyTuple, PyType};
+use std::cell::Cell;
 
 /// The calls that made an object, one after the other: each with its name and its arguments by name.
 ///
@@ -47,9 +48,34 @@ macro_rules! named {
 }
 pub(crate) use named;
 
+thread_local! {
+    static REBUILDING: Cell<bool> = const { Cell::new(false) };
+}
+
+/// While it lives, robots are made again on this thread: their warnings were shown when they were made first.
+struct Quiet(bool);
+
+impl Quiet {
+    fn new() -> Self {
+        Self(REBUILDING.replace(true))
+    }
+}
+
+impl Drop for Quiet {
+    fn drop(&mut self) {
+        REBUILDING.set(self.0);
+    }
+}
+
+/// Whether an object is made again from a pickle.
+pub fn is_rebuilding() -> bool {
+    REBUILDING.get()
+}
+
 /// Makes an object again by the calls that made it; for pickles.
 #[pyfunction]
 pub fn _rebuild<'py>(class: Bound<'py, PyType>, steps: Bound<'py, PyList>) -> PyResult<Bound<'py, PyAny>> {
+    let _quiet = Quiet::new();
     let mut object = class.into_any();
     for step in steps {
         let step = step.cast_into::<PyTuple>()?;

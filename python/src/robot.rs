@@ -2,7 +2,7 @@
 
 use crate::builder::RobotBuilder;
 use crate::errors::{self, RobotWarning, argument};
-use crate::recipe::{Recipe, named};
+use crate::recipe::{Recipe, is_rebuilding, named};
 use crate::table;
 use costate::robot::{self, FrameSpec, Friction, Limits, LinkInertia, LoadOptions, Placement, RobotFormat};
 use numpy::{PyArray1, PyArray2};
@@ -80,7 +80,8 @@ impl Robot {
         recipe: Recipe,
         known: &[robot::Warning],
     ) -> PyResult<Self> {
-        for warning in robot.warnings().iter().filter(|warning| !known.contains(warning)) {
+        let new = |warning: &&robot::Warning| !is_rebuilding() && !known.contains(warning);
+        for warning in robot.warnings().iter().filter(new) {
             let text = format!("robot '{}': {warning}", robot.name());
             let text = CString::new(text.replace('\0', " "))?;
             PyErr::warn(py, &py.get_type::<RobotWarning>(), &text, 1)?;
@@ -101,7 +102,11 @@ impl Robot {
     }
 
     /// One number for each joint of q.
-    fn of_joints<'py>(&self, py: Python<'py>, of: impl Fn(&robot::Joint) -> f64) -> Bound<'py, PyArray1<f64>> {
+    fn of_joints<'py>(
+        &self,
+        py: Python<'py>,
+        of: impl Fn(&robot::Joint) -> f64,
+    ) -> Bound<'py, PyArray1<f64>> {
         PyArray1::from_iter(py, self.inner.independent_joints().map(of))
     }
 }
@@ -266,8 +271,10 @@ impl Robot {
 
     /// The robot that remains when joints are held: positions (rad, m) by their names.
     fn lock(&self, py: Python<'_>, positions: &Bound<'_, PyDict>) -> PyResult<Self> {
-        let positions: Vec<(String, f64)> =
-            positions.iter().map(|(joint, q)| Ok((joint.extract()?, q.extract()?))).collect::<PyResult<_>>()?;
+        let positions: Vec<(String, f64)> = positions
+            .iter()
+            .map(|(joint, q)| Ok((joint.extract()?, q.extract()?)))
+            .collect::<PyResult<_>>()?;
         let copy = PyDict::new(py);
         positions.iter().try_for_each(|(joint, q)| copy.set_item(joint, q))?;
         let named = PyDict::new(py);
@@ -327,17 +334,19 @@ impl Robot {
         self.changed(py, "with_armature", arguments, |robot| robot.with_joint_armature(&joint, armature))
     }
 
-    /// The robot with other friction of a joint: -viscous v - coulomb tanh(v / coulomb_velocity).
-    #[pyo3(signature = (joint, viscous = 0.0, coulomb = 0.0, coulomb_velocity = Friction::DEFAULT_COULOMB_VELOCITY))]
+    /// The robot with other friction of a joint: -viscous v - coulomb tanh(v / coulomb_velocity), the last one
+    /// 0.01 rad/s or m/s unless given.
+    #[pyo3(signature = (joint, viscous = 0.0, coulomb = 0.0, coulomb_velocity = None))]
     fn with_friction(
         &self,
         py: Python<'_>,
         joint: String,
         viscous: f64,
         coulomb: f64,
-        coulomb_velocity: f64,
+        coulomb_velocity: Option<f64>,
     ) -> PyResult<Self> {
         let arguments = named!(py, joint, viscous, coulomb, coulomb_velocity);
+        let coulomb_velocity = coulomb_velocity.unwrap_or(Friction::DEFAULT_COULOMB_VELOCITY);
         let friction = Friction { viscous, coulomb, coulomb_velocity };
         self.changed(py, "with_friction", arguments, |robot| robot.with_friction(&joint, friction))
     }
@@ -375,7 +384,7 @@ impl Robot {
         self.inner == other.inner
     }
 
-    fn __hash__(&self) -> u64 {
+    pub fn __hash__(&self) -> u64 {
         let mut hasher = DefaultHasher::new();
         self.inner.name().hash(&mut hasher);
         self.inner.joints().len().hash(&mut hasher);

@@ -26,9 +26,9 @@ fn number(value: f64) -> String {
 fn row(robot: &Robot, joint: &Joint) -> String {
     let limits = &joint.limits;
     let parent = joint.parent.map_or("world", |parent| robot.joints()[parent].name.as_str());
-    let follows = joint.mimic.map_or(String::new(), |mimic| {
-        format!(" (mimics {})", escaped(&robot.joints()[mimic.joint].name))
-    });
+    let follows = joint
+        .mimic
+        .map_or(String::new(), |mimic| format!(" (mimics {})", escaped(&robot.joints()[mimic.joint].name)));
     let cells = [
         format!("{}{follows}", escaped(&joint.name)),
         joint.kind.name().into(),
@@ -48,8 +48,11 @@ pub fn html(robot: &Robot) -> String {
     let head = ["joint", "type", "on", "link", "mass (kg)", "lower", "upper", "max |v|", "max |tau|"];
     let head = head.map(|title| format!("<th>{title}</th>")).concat();
     let rows: String = robot.joints().iter().map(|joint| row(robot, joint)).collect();
-    let warnings: String =
-        robot.warnings().iter().map(|warning| format!("<li>{}</li>", escaped(&warning.to_string()))).collect();
+    let warnings: String = robot
+        .warnings()
+        .iter()
+        .map(|warning| format!("<li>{}</li>", escaped(&warning.to_string())))
+        .collect();
     let warnings = if warnings.is_empty() { warnings } else { format!("<ul>{warnings}</ul>") };
     format!(
         "<div><b>{}</b>: n = {}<table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>{warnings}</div>",

@@ -169,7 +169,7 @@ fn put_symmetric(whole: &mut [f64], [xx, ux, uu]: [Option<Block<'_, f64>>; 3], n
 /// >>> import costate
 /// >>> robot = costate.Robot.builder("cart").prismatic("rail", axis=[1, 0, 0], mass=2).build()
 /// >>> step = costate.Step(costate.Dynamics(robot), "rk4", 0.5)
-/// >>> step.f([0.0], [1.0], [4.0]).tolist()  # 0.5 s at 2 m/s^2
+/// >>> step.f([0.0], [1.0], [4.0]).round(12).tolist()  # 0.5 s at 2 m/s^2
 /// [0.75, 2.0]
 #[pyclass(frozen, module = "costate")]
 pub struct Step {
@@ -267,12 +267,24 @@ impl Step {
     }
 
     /// The next state Phi (..., 2n).
-    fn f<'py>(&self, py: Python<'py>, q: Given<'_, 'py>, v: Given<'_, 'py>, tau: Given<'_, 'py>) -> Arrays<'py> {
+    fn f<'py>(
+        &self,
+        py: Python<'py>,
+        q: Given<'_, 'py>,
+        v: Given<'_, 'py>,
+        tau: Given<'_, 'py>,
+    ) -> Arrays<'py> {
         self.call(py, Verb::F, [q, v, tau])
     }
 
     /// The Jacobian of Phi in z = (q, v, tau): (..., 2n, 3n).
-    fn jacobian<'py>(&self, py: Python<'py>, q: Given<'_, 'py>, v: Given<'_, 'py>, tau: Given<'_, 'py>) -> Arrays<'py> {
+    fn jacobian<'py>(
+        &self,
+        py: Python<'py>,
+        q: Given<'_, 'py>,
+        v: Given<'_, 'py>,
+        tau: Given<'_, 'py>,
+    ) -> Arrays<'py> {
         self.call(py, Verb::Jacobian, [q, v, tau])
     }
 
@@ -289,7 +301,13 @@ impl Step {
     }
 
     /// What `f` and `jacobian` return, in one pass.
-    fn linearise<'py>(&self, py: Python<'py>, q: Given<'_, 'py>, v: Given<'_, 'py>, tau: Given<'_, 'py>) -> Arrays<'py> {
+    fn linearise<'py>(
+        &self,
+        py: Python<'py>,
+        q: Given<'_, 'py>,
+        v: Given<'_, 'py>,
+        tau: Given<'_, 'py>,
+    ) -> Arrays<'py> {
         self.call(py, Verb::Linearise, [q, v, tau])
     }
 

@@ -12,6 +12,7 @@ Jacobians and contracted Hessians, `Step` one time step of it, on NumPy arrays w
 ((1000, 2), (1000, 2, 3))
 """
 
+from ._check import CheckReport, Comparison, check
 from ._costate import Dynamics, Frame, Robot, RobotBuilder, Step, __version__, codegen
 from ._errors import (
     ArgumentError,
@@ -29,7 +30,9 @@ from ._pinocchio import JointMap
 
 __all__ = [
     "ArgumentError",
+    "CheckReport",
     "CodegenError",
+    "Comparison",
     "CostateError",
     "Dynamics",
     "Frame",
@@ -45,6 +48,7 @@ __all__ = [
     "Step",
     "StepNotSolved",
     "__version__",
+    "check",
     "codegen",
 ]
 
