@@ -53,10 +53,13 @@ pub struct Dynamics {
     robot: Robot,
     coordinates: Coordinates,
     settings: Settings,
-    engines: Mutex<Vec<((Quantity, Coordinates), Arc<Engine>)>>,
+    engines: Mutex<Vec<(Computed, Arc<Engine>)>>,
     functions: [OnceLock<Function>; Verb::ALL.len()],
     bodies: [OnceLock<Function>; BODY_VERBS],
 }
+
+/// A quantity in its coordinates.
+type Computed = (Quantity, Coordinates);
 
 /// The coordinates of these letters.
 pub fn coordinates_of(py: Python<'_>, letters: &str) -> PyResult<Coordinates> {
@@ -87,7 +90,7 @@ impl Dynamics {
     }
 
     /// The engine of a quantity, which all methods that need it share.
-    fn engine(&self, of: (Quantity, Coordinates)) -> Result<Arc<Engine>, NoQuantity> {
+    fn engine(&self, of: Computed) -> Result<Arc<Engine>, NoQuantity> {
         let mut engines = self.engines.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((_, engine)) = engines.iter().find(|(known, _)| *known == of) {
             return Ok(engine.clone());

@@ -55,15 +55,9 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// A plan without arguments; at most `passed` numbers of them are not for the core.
-    pub fn new(passed: usize) -> PlanBuilder {
-        let first = ONE + 1 + passed;
-        PlanBuilder { arguments: Vec::new(), places: Vec::new(), passed: ONE + 1, first, core: first }
-    }
-
     /// The plan of a core whose arguments and results are those of the call, in the same order.
     pub fn whole(arguments: &[(&'static str, usize)], shapes: &[&[usize]]) -> Self {
-        let mut plan = Self::new(0);
+        let mut plan = PlanBuilder::new(0);
         for (name, length) in arguments {
             plan.core(name, *length);
         }
@@ -93,6 +87,12 @@ pub struct PlanBuilder {
 }
 
 impl PlanBuilder {
+    /// A plan without arguments; at most `passed` numbers of them are not for the core.
+    pub fn new(passed: usize) -> Self {
+        let first = ONE + 1 + passed;
+        Self { arguments: Vec::new(), places: Vec::new(), passed: ONE + 1, first, core: first }
+    }
+
     /// An argument that the core reads; returns where it is.
     pub fn core(&mut self, name: &'static str, length: usize) -> usize {
         self.split(name, [(length, true)])[0]

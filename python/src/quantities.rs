@@ -2,7 +2,7 @@
 //!
 //! z = (q, v, tau) or (q, p, tau); f is dx/dt, 2n numbers; J = df/dz, 2n x 3n; H = d2(y'f)/dz2, 3n x 3n.
 
-use crate::plan::{ONE, Piece, Plan};
+use crate::plan::{ONE, Piece, Plan, PlanBuilder};
 use costate::Coordinates;
 use costate::codegen::Quantity;
 
@@ -93,7 +93,7 @@ impl Verb {
     }
 
     fn in_velocities_alone(self, n: usize) -> Plan {
-        let mut plan = Plan::new(0);
+        let mut plan = PlanBuilder::new(0);
         plan.core("q", n);
         if self == Self::Crba {
             let plan = plan.results(n * n);
@@ -125,7 +125,7 @@ impl Verb {
     }
 
     fn in_velocities(self, n: usize) -> Plan {
-        let mut plan = Plan::new(4 * n);
+        let mut plan = PlanBuilder::new(4 * n);
         plan.core("q", n);
         let v = plan.core("v", n);
         plan.core("tau", n);
@@ -174,7 +174,7 @@ impl Verb {
     }
 
     fn in_momenta(self, n: usize) -> Plan {
-        let mut plan = Plan::new(4 * n);
+        let mut plan = PlanBuilder::new(4 * n);
         plan.core("q", n);
         plan.core("p", n);
         if self == Self::Hvp {

@@ -26,15 +26,12 @@ impl Recipe {
     }
 
     /// What `__reduce__` returns for an object of this class.
-    pub fn reduce<'py>(
-        &self,
-        class: Bound<'py, PyType>,
-    ) -> PyResult<(Bound<'py, PyAny>, (Bound<'py, PyType>, Bound<'py, PyList>))> {
+    pub fn reduce<'py>(&self, class: Bound<'py, PyType>) -> PyResult<Bound<'py, PyTuple>> {
         let py = class.py();
         let rebuild = py.import("costate._costate")?.getattr("_rebuild")?;
         let steps = self.steps.iter().map(|(name, of)| (*name, of.clone_ref(py)));
         let steps = PyList::new(py, steps.collect::<Vec<_>>())?;
-        Ok((rebuild, (class, steps)))
+        (rebuild, (class, steps)).into_pyobject(py)
     }
 }
 

@@ -7,7 +7,7 @@ use crate::table;
 use costate::robot::{self, FrameSpec, Friction, Limits, LinkInertia, LoadOptions, Placement, RobotFormat};
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyTuple};
 use std::ffi::CString;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::PathBuf;
@@ -399,8 +399,8 @@ impl Robot {
         self.clone()
     }
 
-    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        Ok(slf.get().recipe.reduce(slf.get_type())?.into_pyobject(slf.py())?.into_any())
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyTuple>> {
+        slf.get().recipe.reduce(slf.get_type())
     }
 
     fn __repr__(&self) -> String {

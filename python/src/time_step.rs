@@ -4,7 +4,7 @@ use crate::cores::{Core, Writer, core_of};
 use crate::dynamics::Dynamics;
 use crate::errors::{CodegenError, argument};
 use crate::function::{Engine, Function};
-use crate::plan::{Piece, Plan};
+use crate::plan::{Piece, Plan, PlanBuilder};
 use costate::matrix::Block;
 use costate::step::{
     ImplicitMidpoint, RungeKutta4, SemiImplicitEuler, Step as Scheme, StepError, StepLinearisation,
@@ -64,7 +64,7 @@ impl Verb {
     /// Arguments and results for n joints; the results of the core are the next state, its derivative by dt, J
     /// and H.
     fn plan(self, rate: &'static str, n: usize) -> Plan {
-        let mut plan = Plan::new(5 * n);
+        let mut plan = PlanBuilder::new(5 * n);
         plan.core("q", n);
         plan.core(rate, n);
         plan.core("tau", n);
