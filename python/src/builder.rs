@@ -1,19 +1,20 @@
 //! The class `RobotBuilder`.
 
+use crate::descriptions::{inertia_of, limits_of};
 use crate::errors;
 use crate::recipe::{Recipe, named};
-use crate::robot::{Robot, inertia_of, limits_of};
+use crate::robot::Robot;
 use costate::robot::{
-    FrameSpec, Friction, JointSpec, LinkInertia, Placement, RobotBuilder as Builder, Spring,
+    FrameSpec, Friction, JointSpec, Limits, LinkInertia, Placement, RobotBuilder as Builder, Spring,
 };
 use pyo3::prelude::*;
 use std::sync::{Mutex, PoisonError};
 
 /// Builds a robot joint by joint; made by `Robot.builder`.
 ///
-/// Each method returns the builder. Joint frames: ``xyz`` (m) and ``rpy`` (rad, fixed axes, as in a URDF) place the
-/// frame of the joint in the frame of the joint ``on`` (in the world without one); ``axis``, ``com`` and ``inertia``
-/// are in the frame of the joint.
+/// Each method returns the builder. Joint frames: ``xyz`` (m) and ``rpy`` (rad, fixed axes, as in a URDF)
+/// place the frame of the joint in the frame of the joint ``on`` (in the world without one); ``axis``,
+/// ``com`` and ``inertia`` are in the frame of the joint.
 ///
 /// Examples
 /// --------
@@ -31,10 +32,6 @@ pub struct RobotBuilder {
 type Shared<'py> = Bound<'py, RobotBuilder>;
 
 impl RobotBuilder {
-    pub fn new(builder: Builder, recipe: Recipe) -> Self {
-        Self { state: Mutex::new((builder, recipe)) }
-    }
-
     /// Adds to the builder, and notes the call.
     fn add<'py>(
         slf: Shared<'py>,
@@ -117,7 +114,7 @@ macro_rules! joint_methods {
                     .armature(armature)
                     .spring(Spring { stiffness, rest })
                     .friction(Friction { viscous, coulomb, ..Friction::none() })
-                    .limits(limits_of(lower, upper, velocity, effort));
+                    .limits(limits_of(Limits::default(), lower, upper, velocity, effort));
                 if let Some(on) = &on {
                     joint = joint.on(on);
                 }
@@ -127,6 +124,13 @@ macro_rules! joint_methods {
                 Ok(Self::add(slf, stringify!($kind), arguments, |builder| builder.joint(joint)))
             }
             )*
+
+            #[new]
+            #[pyo3(signature = (name, *, gravity = [0.0, 0.0, -9.81]))]
+            fn new(py: Python<'_>, name: &str, gravity: [f64; 3]) -> PyResult<Self> {
+                let recipe = Recipe::default().then(py, "builder", named!(py, name, gravity));
+                Ok(Self { state: Mutex::new((costate::robot::Robot::builder(name).gravity(gravity), recipe)) })
+            }
 
             /// Adds a frame that is fixed to the link of a joint, or to another frame.
             #[pyo3(signature = (name, on, *, xyz = [0.0; 3], rpy = [0.0; 3]))]

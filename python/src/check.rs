@@ -14,16 +14,16 @@ use pyo3::prelude::*;
 /// Duration of the steps that are compared (s).
 const STEP: f64 = 1e-3;
 
-/// What machine code may differ by from the generic code, relative to the largest entry, where the condition number
-/// of M is at most `WELL_CONDITIONED`; in proportion above it (`docs/jit.md`).
+/// What machine code may differ by from the generic code, relative to the largest entry, where the condition
+/// number of M is at most `WELL_CONDITIONED`; in proportion above it (`docs/jit.md`).
 const MACHINE_CODE: f64 = 1e-12;
 const WELL_CONDITIONED: f64 = 1e3;
 
 /// One row: quantity, method, difference, bound, and whether it agrees; None: rounding leaves too few digits.
 type Row = (&'static str, &'static str, f64, f64, Option<bool>);
 
-/// The worst figure of each comparison over all states (q, v, tau, y), and how many states were left out because
-/// M is singular there.
+/// The worst figure of each comparison over all states (q, v, tau, y), and how many states were left out
+/// because M is singular there.
 #[pyfunction]
 pub fn _compare(py: Python<'_>, robot: &Robot, states: Vec<[Vec<f64>; 4]>) -> PyResult<(Vec<Row>, usize)> {
     let n = robot.model().dof();

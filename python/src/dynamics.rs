@@ -2,9 +2,9 @@
 
 use crate::cores::Core;
 use crate::errors::{CodegenError, argument};
-use crate::frame::Frame;
 use crate::function::{Engine, Function, Settings};
 use crate::kinematics::{BODY_VERBS, BodyVerb, of_robot};
+use crate::methods::methods;
 use crate::quantities::Verb;
 use crate::robot::Robot;
 use costate::Coordinates;
@@ -23,9 +23,9 @@ const SHORT: usize = 20_000;
 ///
 /// With ``coordinates="qv"`` the state is x = (q, v), with ``"qp"`` it is x = (q, p), p = M v the conjugate
 /// momenta, and ``v`` below stands for p. z = (q, v, tau) has 3n entries, f = dx/dt has 2n. All arguments are
-/// float64 arrays (or sequences of numbers) with any leading batch axes, which are broadcast; they are not copied.
-/// Batches run on machine code for four states at once and on threads, without the interpreter's lock. Do not write
-/// to arguments while another thread computes with them.
+/// float64 arrays (or sequences of numbers) with any leading batch axes, which are broadcast; they are not
+/// copied. Batches run on machine code for four states at once and on threads, without the interpreter's
+/// lock. Do not write to arguments while another thread computes with them.
 ///
 /// Parameters
 /// ----------
@@ -34,15 +34,17 @@ const SHORT: usize = 20_000;
 /// coordinates : {"qv", "qp"}
 ///     The state.
 /// on_error : {"raise", "nan"}
-///     What happens at a state that is not finite or at which the mass matrix is singular: a `StateError` with the
-///     batch index, or results that are not-a-number with a `StateWarning`. All other states are computed.
+///     What happens at a state that is not finite or at which the mass matrix is singular: a `StateError`
+///     with the batch index, or results that are not-a-number with a `StateWarning`. All other states are
+///     computed.
 /// threads : int, optional
 ///     Most threads for a batch; as many as the process may use unless given.
 ///
 /// Examples
 /// --------
 /// >>> import costate, numpy as np
-/// >>> robot = costate.Robot.builder("pendulum").revolute("hinge", axis=[0, 1, 0], mass=1, com=[0, 0, -1]).build()
+/// >>> builder = costate.Robot.builder("pendulum")
+/// >>> robot = builder.revolute("hinge", axis=[0, 1, 0], mass=1, com=[0, 0, -1]).build()
 /// >>> dynamics = costate.Dynamics(robot)
 /// >>> dynamics.f([0.1], [0.0], [0.0]).round(4).tolist()
 /// [0.0, -0.9794]
@@ -139,270 +141,161 @@ impl Dynamics {
     }
 }
 
-/// A NumPy array, or a tuple of arrays.
-type Arrays<'py> = PyResult<Bound<'py, PyAny>>;
-/// An argument: an array or a sequence of numbers.
-type Given<'a, 'py> = &'a Bound<'py, PyAny>;
+methods! {
+    impl Dynamics {
+        #[new]
+        #[pyo3(signature = (robot, coordinates = "qv", *, on_error = "raise", threads = None))]
+        fn new(
+            py: Python<'_>,
+            robot: Robot,
+            coordinates: &str,
+            on_error: &str,
+            threads: Option<usize>,
+        ) -> PyResult<Self> {
+            let nan = match on_error {
+                "raise" => false,
+                "nan" => true,
+                _ => {
+                    let message = format!("unknown on_error '{on_error}'; give 'raise' or 'nan'");
+                    return Err(argument(py, "on_error", message));
+                }
+            };
+            let none = || argument(py, "threads", "threads is 0; at least one thread computes".into());
+            let threads = threads.map(|count| NonZero::new(count).ok_or_else(none)).transpose()?;
+            Ok(Self {
+                coordinates: coordinates_of(py, coordinates)?,
+                robot,
+                settings: Settings { nan, threads },
+                engines: Mutex::default(),
+                functions: Default::default(),
+                bodies: Default::default(),
+            })
+        }
 
-#[pymethods]
-impl Dynamics {
-    #[new]
-    #[pyo3(signature = (robot, coordinates = "qv", *, on_error = "raise", threads = None))]
-    fn new(
-        py: Python<'_>,
-        robot: Robot,
-        coordinates: &str,
-        on_error: &str,
-        threads: Option<usize>,
-    ) -> PyResult<Self> {
-        let nan = match on_error {
-            "raise" => false,
-            "nan" => true,
-            _ => {
-                let message = format!("unknown on_error '{on_error}'; give 'raise' or 'nan'");
-                return Err(argument(py, "on_error", message));
+        /// The robot.
+        #[getter]
+        fn robot(&self) -> Robot {
+            self.robot.clone()
+        }
+
+        /// Number of joints that move by themselves.
+        #[getter]
+        fn n(&self) -> usize {
+            self.model().dof()
+        }
+
+        /// ``"qv"`` or ``"qp"``.
+        #[getter]
+        fn coordinates(&self) -> &str {
+            match self.coordinates {
+                Coordinates::Lagrangian => "qv",
+                Coordinates::Hamiltonian => "qp",
             }
-        };
-        let none = || argument(py, "threads", "threads is 0; at least one thread computes".into());
-        let threads = threads.map(|count| NonZero::new(count).ok_or_else(none)).transpose()?;
-        Ok(Self {
-            coordinates: coordinates_of(py, coordinates)?,
-            robot,
-            settings: Settings { nan, threads },
-            engines: Mutex::default(),
-            functions: Default::default(),
-            bodies: Default::default(),
-        })
-    }
+        }
 
-    /// The robot.
-    #[getter]
-    fn robot(&self) -> Robot {
-        self.robot.clone()
-    }
+        /// ``"raise"`` or ``"nan"``.
+        #[getter]
+        fn on_error(&self) -> &str {
+            if self.settings.nan { "nan" } else { "raise" }
+        }
 
-    /// Number of joints that move by themselves.
-    #[getter]
-    fn n(&self) -> usize {
-        self.model().dof()
-    }
+        /// Most threads for a batch; None: as many as the process may use.
+        #[getter]
+        fn threads(&self) -> Option<usize> {
+            self.settings.threads.map(NonZero::get)
+        }
 
-    /// ``"qv"`` or ``"qp"``.
-    #[getter]
-    fn coordinates(&self) -> &str {
-        match self.coordinates {
-            Coordinates::Lagrangian => "qv",
-            Coordinates::Hamiltonian => "qp",
+        /// A frame by its name, see `Frame`.
+        #[pyo3(signature = (name, axes = "local_world_aligned"))]
+        fn frame<'py>(slf: &Bound<'py, Self>, name: &str, axes: &str) -> PyResult<Bound<'py, PyAny>> {
+            slf.py().import("costate._costate")?.getattr("Frame")?.call1((slf, name, axes))
+        }
+
+        /// How a method computes one state: machine code, or the generic code and why.
+        fn backend(&self, py: Python<'_>, verb: &str) -> PyResult<String> {
+            let found = Verb::ALL.into_iter().find(|known| known.name() == verb).ok_or_else(|| {
+                let names = Verb::ALL.map(Verb::name).join(", ");
+                argument(py, "verb", format!("'{verb}' has no backend; give one of {names}"))
+            })?;
+            let (quantity, coordinates) = found.quantity(self.coordinates);
+            let code = JitQuantity::new(self.model(), quantity, coordinates);
+            Ok(code.map_err(|error| CodegenError::new_err(error.to_string()))?.backend().to_string())
+        }
+
+        fn __eq__(&self, other: &Self) -> bool {
+            let same = self.coordinates == other.coordinates && self.settings == other.settings;
+            same && self.model() == other.model()
+        }
+
+        fn __hash__(&self) -> u64 {
+            self.robot.__hash__() ^ u64::from(self.coordinates == Coordinates::Lagrangian)
+        }
+
+        fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
+            let (py, this) = (slf.py(), slf.get());
+            let keywords = PyDict::new(py);
+            keywords.set_item("on_error", this.on_error())?;
+            keywords.set_item("threads", this.threads())?;
+            let partial = py.import("functools")?.getattr("partial")?;
+            let class = partial.call((slf.get_type(),), Some(&keywords))?;
+            Ok((class, (this.robot.clone(), this.coordinates()).into_pyobject(py)?))
+        }
+
+        fn __repr__(&self) -> String {
+            format!("Dynamics({:?}, coordinates={:?}, n={})", self.model().name(), self.coordinates(), self.n())
         }
     }
 
-    /// ``"raise"`` or ``"nan"``.
-    #[getter]
-    fn on_error(&self) -> &str {
-        if self.settings.nan { "nan" } else { "raise" }
-    }
-
-    /// Most threads for a batch; None: as many as the process may use.
-    #[getter]
-    fn threads(&self) -> Option<usize> {
-        self.settings.threads.map(NonZero::get)
-    }
-
     /// The state equation f = dx/dt (..., 2n): (v, a), or (v, dp/dt) in (q, p). Equations (9) and (17).
-    fn f<'py>(
-        &self,
-        py: Python<'py>,
-        q: Given<'_, 'py>,
-        v: Given<'_, 'py>,
-        tau: Given<'_, 'py>,
-    ) -> Arrays<'py> {
-        self.call(py, Verb::F, [q, v, tau])
-    }
+    f(q, v, tau) = call Verb::F;
 
     /// The Jacobian df/dz (..., 2n, 3n), z = (q, v, tau). Rows are entries of f.
-    fn jacobian<'py>(
-        &self,
-        py: Python<'py>,
-        q: Given<'_, 'py>,
-        v: Given<'_, 'py>,
-        tau: Given<'_, 'py>,
-    ) -> Arrays<'py> {
-        self.call(py, Verb::Jacobian, [q, v, tau])
-    }
+    jacobian(q, v, tau) = call Verb::Jacobian;
 
     /// The contracted Hessian d2(y'f)/dz2 (..., 3n, 3n) for a costate y (..., 2n); symmetric.
-    fn hessian<'py>(
-        &self,
-        py: Python<'py>,
-        q: Given<'_, 'py>,
-        v: Given<'_, 'py>,
-        tau: Given<'_, 'py>,
-        y: Given<'_, 'py>,
-    ) -> Arrays<'py> {
-        self.call(py, Verb::Hessian, [q, v, tau, y])
-    }
+    hessian(q, v, tau, y) = call Verb::Hessian;
 
     /// f and its Jacobian in one pass: what `f` and `jacobian` return.
-    fn linearise<'py>(
-        &self,
-        py: Python<'py>,
-        q: Given<'_, 'py>,
-        v: Given<'_, 'py>,
-        tau: Given<'_, 'py>,
-    ) -> Arrays<'py> {
-        self.call(py, Verb::Linearise, [q, v, tau])
-    }
+    linearise(q, v, tau) = call Verb::Linearise;
 
     /// f, its Jacobian and the contracted Hessian in one pass: what `f`, `jacobian` and `hessian` return.
-    fn contract<'py>(
-        &self,
-        py: Python<'py>,
-        q: Given<'_, 'py>,
-        v: Given<'_, 'py>,
-        tau: Given<'_, 'py>,
-        y: Given<'_, 'py>,
-    ) -> Arrays<'py> {
-        self.call(py, Verb::Contract, [q, v, tau, y])
-    }
+    contract(q, v, tau, y) = call Verb::Contract;
 
     /// The product y' df/dz (..., 3n) of a costate y (..., 2n) and the Jacobian.
-    fn adjoint<'py>(
-        &self,
-        py: Python<'py>,
-        q: Given<'_, 'py>,
-        v: Given<'_, 'py>,
-        tau: Given<'_, 'py>,
-        y: Given<'_, 'py>,
-    ) -> Arrays<'py> {
-        self.call(py, Verb::Adjoint, [q, v, tau, y])
-    }
+    adjoint(q, v, tau, y) = call Verb::Adjoint;
 
     /// The product of the contracted Hessian and a direction d (..., 3n) of z: (..., 3n).
-    fn hvp<'py>(
-        &self,
-        py: Python<'py>,
-        q: Given<'_, 'py>,
-        v: Given<'_, 'py>,
-        tau: Given<'_, 'py>,
-        y: Given<'_, 'py>,
-        d: Given<'_, 'py>,
-    ) -> Arrays<'py> {
-        self.call(py, Verb::Hvp, [q, v, tau, y, d])
-    }
+    hvp(q, v, tau, y, d) = call Verb::Hvp;
 
     /// Forward dynamics: the accelerations a (..., n) under tau, for velocities v in either coordinates.
-    fn aba<'py>(
-        &self,
-        py: Python<'py>,
-        q: Given<'_, 'py>,
-        v: Given<'_, 'py>,
-        tau: Given<'_, 'py>,
-    ) -> Arrays<'py> {
-        self.call(py, Verb::Aba, [q, v, tau])
-    }
+    aba(q, v, tau) = call Verb::Aba;
 
-    /// Inverse dynamics: the torques tau (..., n) for accelerations a, for velocities v in either coordinates.
-    fn rnea<'py>(
-        &self,
-        py: Python<'py>,
-        q: Given<'_, 'py>,
-        v: Given<'_, 'py>,
-        a: Given<'_, 'py>,
-    ) -> Arrays<'py> {
-        self.call(py, Verb::Rnea, [q, v, a])
-    }
+    /// Inverse dynamics: the torques tau (..., n) for accelerations a, for velocities v in either
+    /// coordinates.
+    rnea(q, v, a) = call Verb::Rnea;
 
     /// The Jacobian of inverse dynamics in (q, v, a): (..., n, 3n).
-    fn rnea_jacobian<'py>(
-        &self,
-        py: Python<'py>,
-        q: Given<'_, 'py>,
-        v: Given<'_, 'py>,
-        a: Given<'_, 'py>,
-    ) -> Arrays<'py> {
-        self.call(py, Verb::RneaJacobian, [q, v, a])
-    }
+    rnea_jacobian(q, v, a) = call Verb::RneaJacobian;
 
     /// The second derivatives of w'tau in (q, v, a): (..., 3n, 3n), for weights w (..., n).
-    fn rnea_hessian<'py>(
-        &self,
-        py: Python<'py>,
-        q: Given<'_, 'py>,
-        v: Given<'_, 'py>,
-        a: Given<'_, 'py>,
-        w: Given<'_, 'py>,
-    ) -> Arrays<'py> {
-        self.call(py, Verb::RneaHessian, [q, v, a, w])
-    }
+    rnea_hessian(q, v, a, w) = call Verb::RneaHessian;
 
     /// The mass matrix M (..., n, n) with armature; both triangles.
-    fn crba<'py>(&self, py: Python<'py>, q: Given<'_, 'py>) -> Arrays<'py> {
-        self.call(py, Verb::Crba, [q])
-    }
+    crba(q) = call Verb::Crba;
 
     /// Kinetic and potential energy (...) in J, for velocities v in either coordinates.
-    fn energy<'py>(&self, py: Python<'py>, q: Given<'_, 'py>, v: Given<'_, 'py>) -> Arrays<'py> {
-        self.call(py, Verb::Energy, [q, v])
-    }
+    energy(q, v) = call Verb::Energy;
 
     /// The conjugate momenta p = M v (..., n) in kg m^2/s, kg m/s.
-    fn momentum<'py>(&self, py: Python<'py>, q: Given<'_, 'py>, v: Given<'_, 'py>) -> Arrays<'py> {
-        self.of_robot(py, BodyVerb::Momentum, [q, v])
-    }
+    momentum(q, v) = of_robot BodyVerb::Momentum;
 
     /// The velocities v of conjugate momenta p: M v = p.
-    fn velocity<'py>(&self, py: Python<'py>, q: Given<'_, 'py>, p: Given<'_, 'py>) -> Arrays<'py> {
-        self.of_robot(py, BodyVerb::Velocity, [q, p])
-    }
+    velocity(q, p) = of_robot BodyVerb::Velocity;
 
     /// The centre of mass of all links that move (..., 3), in the world (m).
-    fn centre_of_mass<'py>(&self, py: Python<'py>, q: Given<'_, 'py>) -> Arrays<'py> {
-        self.of_robot(py, BodyVerb::CentreOfMass, [q])
-    }
+    centre_of_mass(q) = of_robot BodyVerb::CentreOfMass;
 
-    /// Angular and linear momentum about the centre of mass (..., 6), and the matrix A (..., 6, n) whose product
-    /// with v it is; axes of the world.
-    fn centroidal_momentum<'py>(&self, py: Python<'py>, q: Given<'_, 'py>, v: Given<'_, 'py>) -> Arrays<'py> {
-        self.of_robot(py, BodyVerb::CentroidalMomentum, [q, v])
-    }
-
-    /// A frame by its name, see `Frame`.
-    #[pyo3(signature = (name, axes = "local_world_aligned"))]
-    fn frame(slf: &Bound<'_, Self>, name: &str, axes: &str) -> PyResult<Frame> {
-        Frame::of(slf, name, axes)
-    }
-
-    /// How a method computes one state: machine code, or the generic code and why.
-    fn backend(&self, py: Python<'_>, verb: &str) -> PyResult<String> {
-        let found = Verb::ALL.into_iter().find(|known| known.name() == verb).ok_or_else(|| {
-            let names = Verb::ALL.map(Verb::name).join(", ");
-            argument(py, "verb", format!("'{verb}' has no backend; give one of {names}"))
-        })?;
-        let (quantity, coordinates) = found.quantity(self.coordinates);
-        let code = JitQuantity::new(self.model(), quantity, coordinates);
-        Ok(code.map_err(|error| CodegenError::new_err(error.to_string()))?.backend().to_string())
-    }
-
-    fn __eq__(&self, other: &Self) -> bool {
-        let same = self.coordinates == other.coordinates && self.settings == other.settings;
-        same && self.model() == other.model()
-    }
-
-    fn __hash__(&self) -> u64 {
-        self.robot.__hash__() ^ u64::from(self.coordinates == Coordinates::Lagrangian)
-    }
-
-    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
-        let (py, this) = (slf.py(), slf.get());
-        let keywords = PyDict::new(py);
-        keywords.set_item("on_error", this.on_error())?;
-        keywords.set_item("threads", this.threads())?;
-        let partial = py.import("functools")?.getattr("partial")?;
-        let class = partial.call((slf.get_type(),), Some(&keywords))?;
-        Ok((class, (this.robot.clone(), this.coordinates()).into_pyobject(py)?))
-    }
-
-    fn __repr__(&self) -> String {
-        format!("Dynamics({:?}, coordinates={:?}, n={})", self.model().name(), self.coordinates(), self.n())
-    }
+    /// Angular and linear momentum about the centre of mass (..., 6), and the matrix A (..., 6, n) whose
+    /// product with v it is; axes of the world.
+    centroidal_momentum(q, v) = of_robot BodyVerb::CentroidalMomentum;
 }

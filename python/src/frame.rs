@@ -4,6 +4,7 @@ use crate::dynamics::Dynamics;
 use crate::errors::argument;
 use crate::function::Function;
 use crate::kinematics::{FRAME_VERBS, FrameVerb, of_frame};
+use crate::methods::methods;
 use costate::kinematics::ReferenceFrame;
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
@@ -16,16 +17,18 @@ const AXES: [(&str, ReferenceFrame); 3] = [
     ("local_world_aligned", ReferenceFrame::LocalWorldAligned),
 ];
 
-/// A frame of a robot: its pose, motion and derivatives. Made by `Dynamics.frame`.
+/// A frame of a robot: its pose, motion and derivatives; `Dynamics.frame` makes it too.
 ///
-/// Six-vectors are (angular, linear), in the axes and for the point that ``axes`` names: ``"local"``: the origin
-/// and the axes of the frame; ``"world"``: the point of the link at the origin of the world, axes of the world;
-/// ``"local_world_aligned"``: the origin of the frame, axes of the world. Pinocchio has the linear part first.
+/// Six-vectors are (angular, linear), in the axes and for the point that ``axes`` names: ``"local"``: the
+/// origin and the axes of the frame; ``"world"``: the point of the link at the origin of the world, axes of
+/// the world; ``"local_world_aligned"``: the origin of the frame, axes of the world. Pinocchio has the linear
+/// part first.
 ///
 /// Examples
 /// --------
 /// >>> import costate, numpy as np
-/// >>> robot = costate.Robot.builder("pendulum").revolute("hinge", axis=[0, 1, 0], mass=1, com=[1, 0, 0]).build()
+/// >>> builder = costate.Robot.builder("pendulum")
+/// >>> robot = builder.revolute("hinge", axis=[0, 1, 0], mass=1, com=[1, 0, 0]).build()
 /// >>> bob = costate.Dynamics(robot.add_frame("bob", "hinge", [1, 0, 0])).frame("bob")
 /// >>> R, x = bob.pose([0.0])
 /// >>> x.tolist()
@@ -42,24 +45,6 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// The frame of this name.
-    pub fn of(dynamics: &Bound<'_, Dynamics>, name: &str, axes: &str) -> PyResult<Self> {
-        let py = dynamics.py();
-        let found = AXES.into_iter().find(|(known, _)| *known == axes).ok_or_else(|| {
-            let names = AXES.map(|(name, _)| format!("'{name}'")).join(", ");
-            argument(py, "axes", format!("unknown axes '{axes}'; give one of {names}"))
-        })?;
-        let robot = dynamics.get().model();
-        let frame = robot.frame_index(name).map_err(|error| crate::errors::robot(py, &error))?;
-        Ok(Self {
-            dynamics: dynamics.clone().unbind(),
-            name: name.to_owned(),
-            frame,
-            axes: found,
-            functions: Default::default(),
-        })
-    }
-
     fn call<'py, const N: usize>(
         &self,
         py: Python<'py>,
@@ -72,79 +57,82 @@ impl Frame {
     }
 }
 
-#[pymethods]
-impl Frame {
-    /// Name of the frame.
-    #[getter]
-    fn name(&self) -> &str {
-        &self.name
+methods! {
+    impl Frame {
+        #[new]
+        #[pyo3(signature = (dynamics, name, axes = "local_world_aligned"))]
+        fn new(dynamics: &Bound<'_, Dynamics>, name: &str, axes: &str) -> PyResult<Self> {
+            let py = dynamics.py();
+            let found = AXES.into_iter().find(|(known, _)| *known == axes).ok_or_else(|| {
+                let names = AXES.map(|(name, _)| format!("'{name}'")).join(", ");
+                argument(py, "axes", format!("unknown axes '{axes}'; give one of {names}"))
+            })?;
+            let robot = dynamics.get().model();
+            let frame = robot.frame_index(name).map_err(|error| crate::errors::robot(py, &error))?;
+            Ok(Self {
+                dynamics: dynamics.clone().unbind(),
+                name: name.to_owned(),
+                frame,
+                axes: found,
+                functions: Default::default(),
+            })
+        }
+
+        /// Name of the frame.
+        #[getter]
+        fn name(&self) -> &str {
+            &self.name
+        }
+
+        /// The axes of six-vectors: ``"local"``, ``"world"`` or ``"local_world_aligned"``.
+        #[getter]
+        fn axes(&self) -> &str {
+            self.axes.0
+        }
+
+        /// The dynamics that made it.
+        #[getter]
+        fn dynamics(&self, py: Python<'_>) -> Py<Dynamics> {
+            self.dynamics.clone_ref(py)
+        }
+
+        fn __eq__(&self, py: Python<'_>, other: &Self) -> PyResult<bool> {
+            let same = self.dynamics.bind(py).eq(&other.dynamics)?;
+            Ok(same && self.frame == other.frame && self.axes.0 == other.axes.0)
+        }
+
+        fn __hash__(&self) -> usize {
+            self.frame
+        }
+
+        fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
+            let (py, this) = (slf.py(), slf.get());
+            let arguments = (this.dynamics.clone_ref(py), &this.name, this.axes.0);
+            Ok((slf.get_type().into_any(), arguments.into_pyobject(py)?))
+        }
+
+        fn __repr__(&self) -> String {
+            let robot = self.dynamics.get().model().name();
+            format!("Frame({:?} of {robot:?}, axes={:?})", self.name, self.axes.0)
+        }
     }
 
-    /// The axes of six-vectors: ``"local"``, ``"world"`` or ``"local_world_aligned"``.
-    #[getter]
-    fn axes(&self) -> &str {
-        self.axes.0
-    }
-
-    /// Orientation R (..., 3, 3), whose columns are the axes of the frame, and position (..., 3) in m, both in
-    /// the world.
-    fn pose<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, FrameVerb::Pose, [q])
-    }
+    /// Orientation R (..., 3, 3), whose columns are the axes of the frame, and position (..., 3) in m, both
+    /// in the world.
+    pose(q) = call FrameVerb::Pose;
 
     /// The Jacobian J (..., 6, n): twist = J v.
-    fn jacobian<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, FrameVerb::Jacobian, [q])
-    }
+    jacobian(q) = call FrameVerb::Jacobian;
 
     /// The derivative of J in time (..., 6, n).
-    fn jacobian_rate<'py>(
-        &self,
-        py: Python<'py>,
-        q: &Bound<'py, PyAny>,
-        v: &Bound<'py, PyAny>,
-    ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, FrameVerb::JacobianRate, [q, v])
-    }
+    jacobian_rate(q, v) = call FrameVerb::JacobianRate;
 
     /// Angular and linear velocity (..., 6) in rad/s and m/s.
-    fn twist<'py>(
-        &self,
-        py: Python<'py>,
-        q: &Bound<'py, PyAny>,
-        v: &Bound<'py, PyAny>,
-    ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, FrameVerb::Twist, [q, v])
-    }
+    twist(q, v) = call FrameVerb::Twist;
 
     /// The derivative of the twist in time (..., 6): J a + dJ/dt v.
-    fn acceleration<'py>(
-        &self,
-        py: Python<'py>,
-        q: &Bound<'py, PyAny>,
-        v: &Bound<'py, PyAny>,
-        a: &Bound<'py, PyAny>,
-    ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, FrameVerb::Acceleration, [q, v, a])
-    }
+    acceleration(q, v, a) = call FrameVerb::Acceleration;
 
     /// The second derivatives of w'x (..., n, n), x the position in the world and w (..., 3) weights.
-    fn position_hessian<'py>(
-        &self,
-        py: Python<'py>,
-        q: &Bound<'py, PyAny>,
-        w: &Bound<'py, PyAny>,
-    ) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, FrameVerb::PositionHessian, [q, w])
-    }
-
-    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
-        let of = self.dynamics.bind(py).getattr("frame")?;
-        Ok((of, (&self.name, self.axes.0).into_pyobject(py)?))
-    }
-
-    fn __repr__(&self) -> String {
-        let robot = self.dynamics.get().model().name();
-        format!("Frame({:?} of {robot:?}, axes={:?})", self.name, self.axes.0)
-    }
+    position_hessian(q, w) = call FrameVerb::PositionHessian;
 }

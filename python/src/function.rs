@@ -2,12 +2,11 @@
 
 use crate::arrays::{Axes, Source, Target, allocate, read_all};
 use crate::cores::Core;
-use crate::errors::{Failure, StateWarning};
+use crate::failures::{Failures, report};
 use crate::plan::{Number, Plan};
 use costate_jit::JitLanes;
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
-use std::ffi::CString;
 use std::num::NonZero;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
@@ -101,30 +100,6 @@ struct Call<'a, const N: usize> {
     axes: Axes,
 }
 
-/// The first state that failed, and how many did.
-#[derive(Default)]
-struct Failures {
-    first: Option<(usize, Failure)>,
-    count: usize,
-}
-
-impl Failures {
-    fn add(&mut self, state: usize, failure: Failure) {
-        self.join(Self { first: Some((state, failure)), count: 1 });
-    }
-
-    fn join(&mut self, other: Self) {
-        self.count += other.count;
-        let earlier = match (&self.first, &other.first) {
-            (Some((ours, _)), Some((theirs, _))) => theirs < ours,
-            (ours, _) => ours.is_none(),
-        };
-        if earlier {
-            self.first = other.first;
-        }
-    }
-}
-
 impl Function {
     pub fn new(plan: Plan, engine: Arc<Engine>) -> Self {
         Self { plan, engine }
@@ -175,12 +150,7 @@ impl Function {
         } else {
             py.detach(|| if states < FEW { one_by_one() } else { self.many(&call, states, settings) })
         };
-        match failures.first {
-            None => Ok(()),
-            Some((state, failure)) => {
-                report(py, &call.axes, states, (state, &failure, failures.count), settings)
-            }
-        }
+        report(py, &call.axes, failures, settings.nan)
     }
 
     /// Evaluates many states on lanes and threads. Which states are evaluated together does not depend on
@@ -298,29 +268,4 @@ impl<const N: usize> Call<'_, N> {
             start = end;
         }
     }
-}
-
-/// Raises the first failure, or warns of all of them.
-#[cold]
-fn report(
-    py: Python<'_>,
-    axes: &Axes,
-    states: usize,
-    (state, failure, count): (usize, &Failure, usize),
-    settings: Settings,
-) -> PyResult<()> {
-    let index = axes.index(state);
-    if !settings.nan {
-        return Err(failure.raise(py, index));
-    }
-    let text = if states == 1 {
-        format!("the state could not be evaluated, and its results are not-a-number: {failure}")
-    } else {
-        format!(
-            "{count} of {states} states could not be evaluated, and their results are not-a-number; the first is \
-             {index:?}: {failure}"
-        )
-    };
-    let text = CString::new(text.replace('\0', " "))?;
-    PyErr::warn(py, &py.get_type::<StateWarning>(), &text, 1)
 }

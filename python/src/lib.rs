@@ -2,24 +2,29 @@
 //!
 //! A call passes through these modules: `arrays` reads the arguments and allocates the results, `function`
 //! evaluates all states on lanes and threads, `plan` says where arguments and results lie, `cores` computes
-//! one state. `quantities` lists what is computed of the dynamics, `kinematics` and `step` of frames and time
-//! steps. `robot`, `recipe` and `builder` are the robot, `dynamics`, `frame` and `time_step` the classes that
-//! Python sees.
+//! one state. `quantities` lists what is computed of the dynamics, `kinematics` of frames, `schemes` of time
+//! steps. `robot` with `edits`, `builder` and its `recipe`, `dynamics`, `frame` and `time_step` are the
+//! classes that Python sees.
 
 mod arrays;
 mod builder;
 mod check;
 mod codegen;
 mod cores;
+mod descriptions;
 mod dynamics;
+mod edits;
 mod errors;
+mod failures;
 mod frame;
 mod function;
 mod kinematics;
+mod methods;
 mod plan;
 mod quantities;
 mod recipe;
 mod robot;
+mod schemes;
 mod table;
 mod time_step;
 

@@ -1,10 +1,9 @@
 //! The class `Robot`.
 
-use crate::builder::RobotBuilder;
 use crate::errors::{self, RobotWarning, argument};
 use crate::recipe::{Recipe, is_rebuilding, named};
 use crate::table;
-use costate::robot::{self, FrameSpec, Friction, Limits, LinkInertia, LoadOptions, Placement, RobotFormat};
+use costate::robot::{self, Limits, LoadOptions, RobotFormat};
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
@@ -15,8 +14,9 @@ use std::sync::Arc;
 
 /// A robot: a tree of revolute and prismatic joints on a base that does not move.
 ///
-/// It never changes: ``lock``, ``with_payload`` and the like return another robot. The entries of q, v and tau belong
-/// to ``joint_names``: the joints that mimic no other one, parents before children, as in Pinocchio.
+/// It never changes: ``lock``, ``with_payload`` and the like return another robot. The entries of q, v and
+/// tau belong to ``joint_names``: the joints that mimic no other one, parents before children, as in
+/// Pinocchio.
 ///
 /// Examples
 /// --------
@@ -31,35 +31,6 @@ use std::sync::Arc;
 pub struct Robot {
     inner: Arc<robot::Robot>,
     recipe: Arc<Recipe>,
-}
-
-/// Entries xx, yy, zz, xy, xz, yz.
-pub fn inertia_of(py: Python<'_>, entries: Option<Vec<f64>>) -> PyResult<[f64; 6]> {
-    let Some(entries) = entries else { return Ok([0.0; 6]) };
-    let full: Result<[f64; 6], _> = entries.as_slice().try_into();
-    full.or_else(|_| match *entries.as_slice() {
-        [xx, yy, zz] => Ok([xx, yy, zz, 0.0, 0.0, 0.0]),
-        _ => {
-            let message = format!("inertia has {} entries; give xx, yy, zz, xy, xz, yz", entries.len());
-            Err(argument(py, "inertia", message))
-        }
-    })
-}
-
-/// Limits; infinite where there is none.
-pub fn limits_of(
-    lower: Option<f64>,
-    upper: Option<f64>,
-    velocity: Option<f64>,
-    effort: Option<f64>,
-) -> Limits {
-    let none = Limits::default();
-    Limits {
-        lower: lower.unwrap_or(none.lower),
-        upper: upper.unwrap_or(none.upper),
-        velocity: velocity.unwrap_or(none.velocity),
-        effort: effort.unwrap_or(none.effort),
-    }
 }
 
 impl Robot {
@@ -89,8 +60,8 @@ impl Robot {
         Ok(Self { inner: Arc::new(robot), recipe: Arc::new(recipe) })
     }
 
-    /// The robot after a change, which is noted.
-    fn changed(
+    /// The robot after a change, which is noted in its recipe.
+    pub fn changed(
         &self,
         py: Python<'_>,
         name: &'static str,
@@ -181,9 +152,9 @@ impl Robot {
     /// Starts a robot without joints, see `RobotBuilder`; gravity in m/s^2.
     #[staticmethod]
     #[pyo3(signature = (name, *, gravity = [0.0, 0.0, -9.81]))]
-    fn builder(py: Python<'_>, name: &str, gravity: [f64; 3]) -> PyResult<RobotBuilder> {
-        let recipe = Recipe::default().then(py, "builder", named!(py, name, gravity));
-        Ok(RobotBuilder::new(robot::Robot::builder(name).gravity(gravity), recipe))
+    fn builder<'py>(py: Python<'py>, name: &str, gravity: [f64; 3]) -> PyResult<Bound<'py, PyAny>> {
+        let keywords = named!(py, gravity);
+        py.import("costate._costate")?.getattr("RobotBuilder")?.call((name,), Some(&keywords))
     }
 
     /// Its name.
@@ -267,112 +238,6 @@ impl Robot {
     #[getter]
     fn warnings(&self) -> Vec<String> {
         self.inner.warnings().iter().map(ToString::to_string).collect()
-    }
-
-    /// The robot that remains when joints are held: positions (rad, m) by their names.
-    fn lock(&self, py: Python<'_>, positions: &Bound<'_, PyDict>) -> PyResult<Self> {
-        let positions: Vec<(String, f64)> = positions
-            .iter()
-            .map(|(joint, q)| Ok((joint.extract()?, q.extract()?)))
-            .collect::<PyResult<_>>()?;
-        let copy = PyDict::new(py);
-        positions.iter().try_for_each(|(joint, q)| copy.set_item(joint, q))?;
-        let named = PyDict::new(py);
-        named.set_item("positions", copy)?;
-        let held: Vec<(&str, f64)> = positions.iter().map(|(joint, q)| (joint.as_str(), *q)).collect();
-        self.changed(py, "lock", named, |robot| robot.lock(&held))
-    }
-
-    /// The robot of these joints; all others are held at q (n; 0 unless given).
-    #[pyo3(signature = (joints, q = None))]
-    fn reduced_to(&self, py: Python<'_>, joints: Vec<String>, q: Option<Vec<f64>>) -> PyResult<Self> {
-        let arguments = named!(py, joints, q);
-        let q = q.unwrap_or_else(|| vec![0.0; self.n()]);
-        let joints: Vec<&str> = joints.iter().map(String::as_str).collect();
-        self.changed(py, "reduced_to", arguments, |robot| robot.reduced_to(&joints, &q))
-    }
-
-    /// The robot with a rigid body on a frame: mass (kg), centre of mass (m) and inertia xx, yy, zz, xy, xz, yz
-    /// about it (kg m^2), in the axes of the frame.
-    #[pyo3(signature = (frame, mass, com = [0.0; 3], inertia = None))]
-    fn with_payload(
-        &self,
-        py: Python<'_>,
-        frame: String,
-        mass: f64,
-        com: [f64; 3],
-        inertia: Option<Vec<f64>>,
-    ) -> PyResult<Self> {
-        let arguments = named!(py, frame, mass, com, inertia);
-        let body = LinkInertia::from_entries(mass, com, inertia_of(py, inertia)?);
-        self.changed(py, "with_payload", arguments, |robot| robot.with_payload(&frame, &body))
-    }
-
-    /// The robot with one more frame, placed by xyz (m) and rpy (rad) in the frame ``on``.
-    #[pyo3(signature = (name, on, xyz = [0.0; 3], rpy = [0.0; 3]))]
-    fn add_frame(
-        &self,
-        py: Python<'_>,
-        name: String,
-        on: String,
-        xyz: [f64; 3],
-        rpy: [f64; 3],
-    ) -> PyResult<Self> {
-        let arguments = named!(py, name, on, xyz, rpy);
-        let frame = FrameSpec::new(&name).on(&on).placed(Placement::from_xyz_rpy(xyz, rpy));
-        self.changed(py, "add_frame", arguments, |robot| robot.with_frame(frame))
-    }
-
-    /// The robot under another gravity (m/s^2), in the world.
-    fn with_gravity(&self, py: Python<'_>, gravity: [f64; 3]) -> PyResult<Self> {
-        self.changed(py, "with_gravity", named!(py, gravity), |robot| robot.with_gravity(gravity))
-    }
-
-    /// The robot with another armature of a joint (kg m^2, kg).
-    fn with_armature(&self, py: Python<'_>, joint: String, armature: f64) -> PyResult<Self> {
-        let arguments = named!(py, joint, armature);
-        self.changed(py, "with_armature", arguments, |robot| robot.with_joint_armature(&joint, armature))
-    }
-
-    /// The robot with other friction of a joint: -viscous v - coulomb tanh(v / coulomb_velocity), the last one
-    /// 0.01 rad/s or m/s unless given.
-    #[pyo3(signature = (joint, viscous = 0.0, coulomb = 0.0, coulomb_velocity = None))]
-    fn with_friction(
-        &self,
-        py: Python<'_>,
-        joint: String,
-        viscous: f64,
-        coulomb: f64,
-        coulomb_velocity: Option<f64>,
-    ) -> PyResult<Self> {
-        let arguments = named!(py, joint, viscous, coulomb, coulomb_velocity);
-        let coulomb_velocity = coulomb_velocity.unwrap_or(Friction::DEFAULT_COULOMB_VELOCITY);
-        let friction = Friction { viscous, coulomb, coulomb_velocity };
-        self.changed(py, "with_friction", arguments, |robot| robot.with_friction(&joint, friction))
-    }
-
-    /// The robot with other limits of a joint; those that are not given stay.
-    #[pyo3(signature = (joint, *, lower = None, upper = None, velocity = None, effort = None))]
-    fn with_limits(
-        &self,
-        py: Python<'_>,
-        joint: String,
-        lower: Option<f64>,
-        upper: Option<f64>,
-        velocity: Option<f64>,
-        effort: Option<f64>,
-    ) -> PyResult<Self> {
-        let arguments = named!(py, joint, lower, upper, velocity, effort);
-        self.changed(py, "with_limits", arguments, |robot| {
-            let old = robot.joints()[robot.joint_index(&joint)?].limits;
-            let limits = Limits {
-                lower: lower.unwrap_or(old.lower),
-                upper: upper.unwrap_or(old.upper),
-                velocity: velocity.unwrap_or(old.velocity),
-                effort: effort.unwrap_or(old.effort),
-            };
-            robot.with_limits(&joint, limits)
-        })
     }
 
     /// Order and sign of the joints of a Pinocchio model, see `JointMap`.
