@@ -6,6 +6,8 @@
 //! steps. `robot` with `edits`, `builder` and its `recipe`, `dynamics`, `frame` and `time_step` are the
 //! classes that Python sees.
 
+#![deny(unsafe_op_in_unsafe_fn, clippy::undocumented_unsafe_blocks)]
+
 mod arrays;
 mod builder;
 mod check;

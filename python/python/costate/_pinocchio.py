@@ -89,7 +89,7 @@ class JointMap:
     def v_to_pinocchio(self, v: ArrayLike) -> NDArray[np.float64]:
         """Velocities, accelerations or torques (..., n) of the robot as those of the model."""
         turned = np.asarray(v, dtype=float) * self._sign
-        out = np.zeros_like(turned)
+        out: NDArray[np.float64] = np.zeros(turned.shape)
         out[..., self._index_v] = turned
         return out
 
@@ -132,7 +132,7 @@ def _axis(model: Any, joint: int) -> NDArray[np.float64]:
     kind = model.joints[joint]
     letter = kind.shortname()[-1]
     if letter in _LETTERS:
-        axis = np.eye(3)[_LETTERS[letter]]
+        axis: NDArray[np.float64] = np.eye(3)[_LETTERS[letter]]
     else:
         inner = kind.extract() if hasattr(kind, "extract") else kind
         axis = np.asarray(inner.axis, dtype=float)
