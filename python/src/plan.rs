@@ -4,7 +4,7 @@
 //! and its results. A result array is described by [`Piece`]s of that buffer, so that the same description
 //! serves one state and four.
 
-use std::ops::{AddAssign, Mul, Range};
+use std::ops::Range;
 
 /// The position of a number 1 in every buffer.
 pub const ONE: usize = 0;
@@ -167,18 +167,15 @@ impl Piece {
 
 /// One number of one state, or of four.
 pub trait Number: Copy {
-    const ZERO: Self;
     const ONE: Self;
     /// States in one number.
     const STATES: usize;
     /// The number of one state.
     fn of(self, state: usize) -> f64;
     fn set(&mut self, state: usize, value: f64);
-    fn add_product(&mut self, a: Self, b: Self);
 }
 
 impl Number for f64 {
-    const ZERO: Self = 0.0;
     const ONE: Self = 1.0;
     const STATES: usize = 1;
     fn of(self, _: usize) -> f64 {
@@ -187,13 +184,9 @@ impl Number for f64 {
     fn set(&mut self, _: usize, value: f64) {
         *self = value;
     }
-    fn add_product(&mut self, a: Self, b: Self) {
-        self.add_assign(a.mul(b));
-    }
 }
 
 impl Number for [f64; 4] {
-    const ZERO: Self = [0.0; 4];
     const ONE: Self = [1.0; 4];
     const STATES: usize = 4;
     fn of(self, state: usize) -> f64 {
@@ -201,9 +194,6 @@ impl Number for [f64; 4] {
     }
     fn set(&mut self, state: usize, value: f64) {
         self[state] = value;
-    }
-    fn add_product(&mut self, a: Self, b: Self) {
-        self.iter_mut().zip(a.into_iter().zip(b)).for_each(|(sum, (a, b))| *sum += a * b);
     }
 }
 
@@ -225,11 +215,8 @@ impl Output {
                     }
                 }
                 Piece::Product { to, a, b, length } => {
-                    let mut sum = T::ZERO;
-                    for k in 0..length {
-                        sum.add_product(buffer[a.0 + k * a.1], buffer[b.0 + k * b.1]);
-                    }
-                    result[to] += sum.of(state);
+                    let term = |k: usize| buffer[a.0 + k * a.1].of(state) * buffer[b.0 + k * b.1].of(state);
+                    result[to] += (0..length).map(term).sum::<f64>();
                 }
             }
         }
