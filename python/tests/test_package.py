@@ -42,6 +42,14 @@ def test_examples_of_docstrings():
     assert found >= 8 and runner.failures == 0
 
 
+def test_the_example_of_the_readme(monkeypatch, capsys):
+    monkeypatch.chdir(ROBOTS.parent)
+    text = (ROBOTS.parent / "python" / "README.md").read_text()
+    names = {}
+    exec(text.split("```python\n")[1].split("```")[0], names)
+    assert names["J"].shape == (1000, 12, 18) and "states compared" in capsys.readouterr().out
+
+
 def test_stubs_are_those_of_the_module():
     pytest.importorskip("mypy")
     command = [sys.executable, "-m", "mypy.stubtest", "costate", "--ignore-disjoint-bases"]
