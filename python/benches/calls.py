@@ -12,7 +12,7 @@ from pathlib import Path
 import costate
 import numpy as np
 
-BATCH = 100_000
+BATCH = 20_000
 
 
 def least(call, repeat: int = 300, seconds: float = 0.5) -> float:
