@@ -8,6 +8,7 @@ use costate::EvalError;
 use costate::codegen::{CodegenError, Coordinates, Quantity, REGULAR, RobotQuantity, Shape, guarded_program};
 use costate::robot::Robot;
 use std::fmt;
+use std::sync::Arc;
 
 /// One quantity of one robot: recorded, compiled, and checked like the generic code.
 ///
@@ -28,8 +29,11 @@ use std::fmt;
 /// # assert!(f_x.len() == 16 && f[0] != 0.0);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+///
+/// A clone is a workspace for another thread; it runs the same machine code.
+#[derive(Clone)]
 pub struct JitQuantity {
-    compiled: Result<Machine, JitError>,
+    compiled: Arc<Result<Machine, JitError>>,
     generic: RobotQuantity<f64>,
 }
 
@@ -93,12 +97,12 @@ impl JitQuantity {
         limit: usize,
     ) -> Result<Self, CodegenError> {
         let generic = RobotQuantity::new(robot, quantity, coordinates)?;
-        Ok(Self { compiled: Machine::new(robot, quantity, coordinates, limit)?, generic })
+        Ok(Self { compiled: Arc::new(Machine::new(robot, quantity, coordinates, limit)?), generic })
     }
 
     /// How it computes.
     pub fn backend(&self) -> Backend<'_> {
-        match &self.compiled {
+        match &*self.compiled {
             Ok(Machine { code }) => Backend::Compiled { steps: code.steps(), bytes: code.code_len() },
             Err(reason) => Backend::Generic { reason },
         }
@@ -134,7 +138,7 @@ impl JitQuantity {
     /// # Errors
     /// [`EvalError::WrongLength`], [`EvalError::NonFinite`], [`EvalError::SingularMassMatrix`].
     pub fn evaluate(&mut self, inputs: &[f64], outputs: &mut [f64]) -> Result<(), EvalError> {
-        if let Ok(Machine { code }) = &self.compiled {
+        if let Ok(Machine { code }) = &*self.compiled {
             let guard = code.call_guarded(inputs, outputs)?;
             if guard < REGULAR && all_finite(inputs) && all_finite(outputs) {
                 return Ok(());
@@ -176,7 +180,7 @@ impl fmt::Debug for JitQuantity {
 }
 
 /// Whether every number is finite: `0 x` is 0 if x is finite, and not a number otherwise.
-fn all_finite(values: &[f64]) -> bool {
+pub(crate) fn all_finite(values: &[f64]) -> bool {
     let mut sums = [0.0; 8];
     let (chunks, rest) = values.as_chunks::<8>();
     for chunk in chunks {

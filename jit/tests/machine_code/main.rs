@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests and their helpers fail by panicking")]
 
 mod contract;
+mod models;
 mod programs;
 mod robots;
 mod sides;

@@ -1,0 +1,81 @@
+//! A quantity of a robot at four states at once.
+
+use crate::code::Code;
+use crate::compiled::Compiled;
+use crate::error::JitError;
+use crate::limit::LANES_LIMIT;
+use costate::EvalError;
+use costate::codegen::{CodegenError, Coordinates, Quantity, REGULAR, guarded_program};
+use costate::robot::Robot;
+
+/// One quantity of one robot as machine code for four states at once, which checks each of them.
+///
+/// Arguments and results are those of [`JitQuantity`](crate::JitQuantity): entry k of a slice holds number k
+/// of all four states. Several threads may use it at once.
+///
+/// ```
+/// use costate::codegen::{Coordinates, Quantity};
+/// use costate::robot::Robot;
+/// use costate_jit::JitLanes;
+/// # std::env::set_current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))?;
+/// let robot = Robot::from_file("robots/two_link.toml")?;
+/// if let Ok(f) = JitLanes::new(&robot, Quantity::F, Coordinates::Hamiltonian)? {
+///     let mut rates = [[0.0; 4]; 4];
+///     let states = [[0.3, 0.1, f64::NAN, 0.2], [-0.8; 4], [1.0; 4], [0.5; 4], [0.0; 4], [0.0; 4]];
+///     assert_eq!(f.evaluate(&states, &mut rates)?, [true, true, false, true]);
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug)]
+pub struct JitLanes {
+    code: Compiled<[f64; 4]>,
+}
+
+impl JitLanes {
+    /// Records and compiles a quantity of at most [`LANES_LIMIT`] steps, or says why there is no machine
+    /// code.
+    ///
+    /// # Errors
+    /// [`CodegenError::Quantity`] where the quantity is not defined in these coordinates.
+    pub fn new(
+        robot: &Robot,
+        quantity: Quantity,
+        coordinates: Coordinates,
+    ) -> Result<Result<Self, JitError>, CodegenError> {
+        if let Err(reason) = Code::supported() {
+            return Ok(Err(reason));
+        }
+        let program = match guarded_program(robot, quantity, coordinates, LANES_LIMIT) {
+            Ok(program) => program,
+            Err(error) => return JitError::of_length(error).map(Err),
+        };
+        let code = Compiled::compile(&program, LANES_LIMIT, quantity.inverts(coordinates));
+        Ok(code.map(|code| Self { code }))
+    }
+
+    /// Number of entries of all arguments.
+    pub fn inputs(&self) -> usize {
+        self.code.inputs()
+    }
+
+    /// Number of entries of all results.
+    pub fn outputs(&self) -> usize {
+        self.code.outputs()
+    }
+
+    /// Evaluates four states; returns which of them are certain. Nothing is allocated.
+    ///
+    /// The others have an argument or a result that is not finite, or a mass matrix that may be singular up
+    /// to rounding: compute them by a [`JitQuantity`](crate::JitQuantity), whose result or error decides.
+    ///
+    /// # Errors
+    /// [`EvalError::WrongLength`].
+    pub fn evaluate(&self, inputs: &[[f64; 4]], outputs: &mut [[f64; 4]]) -> Result<[bool; 4], EvalError> {
+        let guard = self.code.call_guarded(inputs, outputs)?;
+        let mut sums = [0.0; 4];
+        for four in inputs.iter().chain(&*outputs) {
+            sums.iter_mut().zip(four).for_each(|(sum, value)| *sum += 0.0 * value);
+        }
+        Ok(std::array::from_fn(|lane| guard[lane] < REGULAR && sums[lane] == 0.0))
+    }
+}

@@ -1,0 +1,280 @@
+//! NumPy arrays in and out: their checks, their leading axes, and numbers by states.
+
+use crate::errors::argument;
+use crate::plan::{Argument, Output};
+use numpy::npyffi::NPY_TYPES;
+use numpy::{PyArrayDescrMethods, PyArrayDyn, PyArrayMethods, PyUntypedArray, PyUntypedArrayMethods};
+use pyo3::intern;
+use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
+
+/// Most leading axes of an argument.
+const MOST_AXES: usize = 8;
+/// Numbers for which there is memory.
+const SURE: usize = 1 << 24;
+
+/// The leading axes of all arguments together.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Axes {
+    count: usize,
+    lengths: [usize; MOST_AXES],
+}
+
+impl Axes {
+    /// The lengths of the axes.
+    pub fn shape(&self) -> &[usize] {
+        &self.lengths[..self.count]
+    }
+
+    /// Number of states.
+    pub fn states(&self) -> usize {
+        self.shape().iter().fold(1, |product: usize, &length| product.saturating_mul(length))
+    }
+
+    /// The index of a state along each axis.
+    pub fn index(&self, mut state: usize) -> Vec<usize> {
+        let mut index: Vec<usize> = self.shape().to_vec();
+        for part in index.iter_mut().rev() {
+            let length = *part;
+            *part = state % length;
+            state /= length;
+        }
+        index
+    }
+
+    /// Adds the axes of one more argument as NumPy broadcasts them; false where they do not fit.
+    fn include(&mut self, other: &Self) -> bool {
+        let count = self.count.max(other.count);
+        for k in 1..=count {
+            // Aligned at the last axis; an axis that is missing has length 1.
+            let of = |axes: &Self| if k <= axes.count { axes.lengths[axes.count - k] } else { 1 };
+            let (ours, theirs) = (of(self), of(other));
+            if ours != theirs && ours != 1 && theirs != 1 {
+                return false;
+            }
+        }
+        let mut lengths = [1; MOST_AXES];
+        for k in 1..=count {
+            let of = |axes: &Self| if k <= axes.count { axes.lengths[axes.count - k] } else { 1 };
+            lengths[count - k] = if of(self) == 1 { of(other) } else { of(self) };
+        }
+        *self = Self { count, lengths };
+        true
+    }
+}
+
+/// The arrays of a call, whose memory is read.
+pub type Held<'py, const N: usize> = [Option<Bound<'py, PyUntypedArray>>; N];
+
+/// The numbers of an argument, without its owner.
+#[derive(Clone, Copy)]
+pub struct Source {
+    data: *const u8,
+    /// Bytes from one index to the next, for each leading axis of the argument, then of all arguments.
+    strides: [isize; MOST_AXES],
+}
+
+// SAFETY: it is only read, and the call that holds the array outlives all threads that read.
+unsafe impl Send for Source {}
+// SAFETY: as above.
+unsafe impl Sync for Source {}
+
+impl Source {
+    /// Copies numbers `start..start + to.len()` of a state.
+    #[inline]
+    pub fn copy(&self, axes: &Axes, state: usize, start: usize, to: &mut [f64]) {
+        let mut offset = 0;
+        let mut rest = state;
+        for k in (0..axes.count).rev() {
+            let length = axes.lengths[k];
+            offset += (rest % length) as isize * self.strides[k];
+            rest /= length;
+        }
+        // SAFETY: `read` has checked that the array has this many numbers along its last axis, one after the
+        // other, at every index of its leading axes, and `broadcast` that the state is one of them. Bytes are
+        // copied, which need no alignment. As in NumPy, a thread that writes to the array meanwhile decides
+        // what is read.
+        unsafe {
+            let from = self.data.offset(offset).add(start * size_of::<f64>());
+            std::ptr::copy_nonoverlapping(from, to.as_mut_ptr().cast::<u8>(), size_of_val(to));
+        }
+    }
+}
+
+/// Reads an argument without a copy, a vector of numbers for each state; a sequence of numbers is converted.
+///
+/// # Errors
+/// `ArgumentError` for another type of numbers, another length of the last axis, and another layout.
+#[inline]
+fn read<'py>(
+    given: &Bound<'py, PyAny>,
+    expected: &Argument,
+) -> PyResult<(Bound<'py, PyUntypedArray>, Source, Axes)> {
+    let array = match given.cast::<PyUntypedArray>() {
+        Ok(array) => array.clone(),
+        Err(_) => converted(given, expected)?,
+    };
+    if !is_float64(&array) {
+        return Err(wrong_type(&array, expected));
+    }
+    let (shape, strides) = (array.shape(), array.strides());
+    let Some((last, leading)) =
+        shape.split_last().filter(|(last, leading)| **last == expected.length && leading.len() <= MOST_AXES)
+    else {
+        return Err(wrong_shape(&array, expected));
+    };
+    let empty = leading.contains(&0);
+    if *last > 1 && !empty && strides[leading.len()] != size_of::<f64>() as isize {
+        return Err(wrong_layout(&array, expected));
+    }
+    // SAFETY: it is an array of doubles.
+    let data = unsafe { array.cast_unchecked::<PyArrayDyn<f64>>() }.data();
+    let mut axes = Axes { count: leading.len(), lengths: [1; MOST_AXES] };
+    axes.lengths[..leading.len()].copy_from_slice(leading);
+    let mut source = Source { data: data.cast(), strides: [0; MOST_AXES] };
+    source.strides[..leading.len()].copy_from_slice(&strides[..leading.len()]);
+    Ok((array, source, axes))
+}
+
+/// Reads all arguments and broadcasts their leading axes.
+///
+/// # Errors
+/// `ArgumentError` where an argument does not fit.
+#[inline]
+pub fn read_all<'py, const N: usize>(
+    py: Python<'py>,
+    given: [&Bound<'py, PyAny>; N],
+    expected: &[Argument],
+) -> PyResult<(Held<'py, N>, [Source; N], Axes)> {
+    let mut axes = Axes { count: 0, lengths: [1; MOST_AXES] };
+    let mut held = [const { None }; N];
+    let mut sources = [Source { data: std::ptr::null(), strides: [0; MOST_AXES] }; N];
+    let mut own = [axes; N];
+    for (k, expected) in expected.iter().enumerate() {
+        let (array, source, leading) = read(given[k], expected)?;
+        (held[k], sources[k], own[k]) = (Some(array), source, leading);
+        if leading.count != 0 && !axes.include(&leading) {
+            let (found, others) = (leading.shape(), axes.shape());
+            let name = expected.name;
+            let message = format!(
+                "the leading axes {found:?} of {name} cannot be broadcast to those before it, {others:?}"
+            );
+            return Err(argument(py, name, message));
+        }
+    }
+    if axes.count != 0 {
+        for (source, own) in sources.iter_mut().zip(&own) {
+            let missing = axes.count - own.count;
+            let given = source.strides;
+            for (k, stride) in source.strides[..axes.count].iter_mut().enumerate() {
+                *stride = match k.checked_sub(missing) {
+                    Some(k) if own.lengths[k] != 1 => given[k],
+                    _ => 0,
+                };
+            }
+        }
+    }
+    Ok((held, sources, axes))
+}
+
+/// A sequence as an array of doubles.
+#[cold]
+fn converted<'py>(given: &Bound<'py, PyAny>, expected: &Argument) -> PyResult<Bound<'py, PyUntypedArray>> {
+    static CONVERT: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    let py = given.py();
+    let convert = CONVERT.import(py, "numpy", "array")?;
+    let array = convert.call1((given,)).and_then(|array| array.call_method1(intern!(py, "astype"), ("f8",)));
+    let array = array.map_err(|error| {
+        let name = expected.name;
+        let message = format!("{name} is not an array or a sequence of {} numbers: {error}", expected.length);
+        argument(py, name, message)
+    })?;
+    Ok(array.cast_into::<PyUntypedArray>()?)
+}
+
+#[inline]
+fn is_float64(array: &Bound<'_, PyUntypedArray>) -> bool {
+    let kind = array.dtype();
+    kind.num() == NPY_TYPES::NPY_DOUBLE as i32 && kind.is_native_byteorder() != Some(false)
+}
+
+#[cold]
+fn wrong_type(array: &Bound<'_, PyUntypedArray>, expected: &Argument) -> PyErr {
+    let (name, found) = (expected.name, array.dtype());
+    let message = format!("{name} has the type {found}, not float64; pass {name}.astype(float)");
+    argument(array.py(), name, message)
+}
+
+#[cold]
+fn wrong_shape(array: &Bound<'_, PyUntypedArray>, expected: &Argument) -> PyErr {
+    let Argument { name, length } = expected;
+    let message = if array.ndim() > MOST_AXES + 1 {
+        format!("{name} has {} axes; at most {MOST_AXES} may come before that of the joints", array.ndim())
+    } else {
+        format!(
+            "{name} has the shape {:?}, not (..., {length}); the last axis has one entry for each of the joints of \
+             `robot.joint_names`, in their order (y: twice, d: three times as many)",
+            array.shape()
+        )
+    };
+    argument(array.py(), name, message)
+}
+
+#[cold]
+fn wrong_layout(array: &Bound<'_, PyUntypedArray>, expected: &Argument) -> PyErr {
+    let name = expected.name;
+    let message = format!(
+        "the numbers of one state of {name} are not one after the other in memory (Fortran order, or a view with \
+         steps); pass numpy.ascontiguousarray({name})"
+    );
+    argument(array.py(), name, message)
+}
+
+/// The memory of a new result array.
+#[derive(Clone, Copy)]
+pub struct Target {
+    data: *mut f64,
+    length: usize,
+}
+
+// SAFETY: threads write different states, see `of`.
+unsafe impl Send for Target {}
+// SAFETY: as above.
+unsafe impl Sync for Target {}
+
+impl Target {
+    /// The numbers of one state.
+    ///
+    /// # Safety
+    /// The state is one of the array, the array is alive, and nobody else uses this state.
+    #[inline]
+    #[expect(clippy::mut_from_ref, reason = "the caller promises that no other reference is alive")]
+    pub unsafe fn of(&self, state: usize) -> &mut [f64] {
+        // SAFETY: the promise of the caller.
+        unsafe { std::slice::from_raw_parts_mut(self.data.add(state * self.length), self.length) }
+    }
+}
+
+/// A new array for a result at all states. It is not initialised: every state must be written.
+///
+/// # Errors
+/// `MemoryError`, or `ValueError` where the size is no number of bytes.
+#[inline]
+pub fn allocate<'py>(py: Python<'py>, axes: &Axes, output: &Output) -> PyResult<(Bound<'py, PyAny>, Target)> {
+    let mut shape = [0; MOST_AXES + 2];
+    let count = axes.count + output.shape.len();
+    shape[..axes.count].copy_from_slice(axes.shape());
+    shape[axes.count..count].copy_from_slice(&output.shape);
+    let array = if axes.states().saturating_mul(output.length) > SURE {
+        // This one raises where there is no memory.
+        py.import(intern!(py, "numpy"))?
+            .call_method1(intern!(py, "empty"), (&shape[..count],))?
+            .cast_into()?
+    } else {
+        // SAFETY: doubles need no initialisation before they are written, and all are written before Python
+        // sees the array.
+        unsafe { PyArrayDyn::<f64>::new(py, &shape[..count], false) }
+    };
+    let data = array.data();
+    Ok((array.into_any(), Target { data, length: output.length }))
+}

@@ -1,0 +1,102 @@
+//! The comparison of all methods for derivatives, for `costate.check`.
+
+use crate::errors::{Failure, argument};
+use crate::robot::Robot;
+use costate::codegen::{Coordinates, Quantity};
+use costate::derivative::{DerivativeError, Figure, StateReport, Verdict, worse};
+use costate::hamiltonian::Hamiltonian;
+use costate::step::StepError;
+use costate::{EvalError, robot};
+use costate_comparison::{Routes, StepRoutes};
+use costate_jit::JitQuantity;
+use pyo3::prelude::*;
+
+/// Duration of the steps that are compared (s).
+const STEP: f64 = 1e-3;
+
+/// What machine code may differ by from the generic code, relative to the largest entry, where the condition
+/// number of M is at most `WELL_CONDITIONED`; in proportion above it (`docs/jit.md`).
+const MACHINE_CODE: f64 = 1e-12;
+const WELL_CONDITIONED: f64 = 1e3;
+
+/// One row: quantity, method, difference, bound, and whether it agrees; None: rounding leaves too few digits.
+type Row = (&'static str, &'static str, f64, f64, Option<bool>);
+
+/// The worst figure of each comparison over all states (q, v, tau, y), and how many states were left out
+/// because M is singular there.
+#[pyfunction]
+pub fn _compare(py: Python<'_>, robot: &Robot, states: Vec<[Vec<f64>; 4]>) -> PyResult<(Vec<Row>, usize)> {
+    let n = robot.model().dof();
+    for [q, v, tau, y] in &states {
+        if [q.len(), v.len(), tau.len(), y.len()] != [n, n, n, 2 * n] {
+            return Err(argument(py, "states", "a state is q, v, tau (n each) and y (2n)".into()));
+        }
+    }
+    let compared = py.detach(|| compare(robot.model(), &states));
+    let (report, left_out) = compared.map_err(|failure| failure.raise(py, Vec::new()))?;
+    let row = |figure: &Figure| {
+        let agrees = match figure.verdict(1.0) {
+            Verdict::Agrees => Some(true),
+            Verdict::Differs => Some(false),
+            Verdict::NotComparable => None,
+        };
+        (figure.quantity, figure.route, figure.difference, figure.bound, agrees)
+    };
+    let (figures, machine) = report.map_or((Vec::new(), None), |(report, machine)| {
+        let bound = MACHINE_CODE * (report.condition / WELL_CONDITIONED).max(1.0);
+        let agrees = Some(machine <= bound);
+        (report.figures, Some(("F, F_x, y'F_xx", "machine code", machine, bound, agrees)))
+    });
+    Ok((figures.iter().map(row).chain(machine).collect(), left_out))
+}
+
+/// The worst report, with the largest difference of machine code; and how many states were left out.
+type Compared = (Option<(StateReport, f64)>, usize);
+
+fn compare(robot: &robot::Robot, states: &[[Vec<f64>; 4]]) -> Result<Compared, Failure> {
+    let (mut routes, mut steps) = (Routes::new(robot), StepRoutes::new(robot));
+    let mut hamiltonian = Hamiltonian::new(robot);
+    let mut codes = [None, Some(0)].map(|limit| {
+        let of = (Quantity::YFXX, Coordinates::Hamiltonian);
+        match limit {
+            None => JitQuantity::new(robot, of.0, of.1),
+            Some(limit) => JitQuantity::with_limit(robot, of.0, of.1, limit),
+        }
+        .ok()
+    });
+    let (mut worst, mut left_out) = (None::<(StateReport, f64)>, 0);
+    for [q, v, tau, y] in states {
+        let x = [q.as_slice(), hamiltonian.momentum(q, v)?].concat();
+        let mut report = match routes.compare(&x, tau, y) {
+            Ok(report) => report,
+            Err(DerivativeError::Function(EvalError::SingularMassMatrix { .. })) => {
+                left_out += 1;
+                continue;
+            }
+            Err(DerivativeError::Function(error)) => return Err(error.into()),
+            Err(error) => return Err(EvalError::Model { reason: error.to_string() }.into()),
+        };
+        match steps.compare(&x, tau, STEP, y, &mut report.figures) {
+            Ok(()) | Err(StepError::NotConverged { .. } | StepError::Inaccurate { .. }) => {}
+            Err(StepError::Dynamics(EvalError::SingularMassMatrix { .. })) => {}
+            Err(error) => return Err(error.into()),
+        }
+        let machine = difference(&mut codes, &[x.as_slice(), tau, y].concat())?;
+        worst = Some(match worst.take() {
+            None => (report, machine),
+            Some((before, of)) => (before.with_worse_of(&report), worse(of, machine)),
+        });
+    }
+    Ok((worst, left_out))
+}
+
+/// The largest difference of machine code from the generic code, relative to the largest entry.
+fn difference(codes: &mut [Option<JitQuantity>; 2], inputs: &[f64]) -> Result<f64, EvalError> {
+    let [Some(machine), Some(generic)] = codes else { return Ok(0.0) };
+    let (mut ours, mut expected) = (vec![0.0; machine.outputs()], vec![0.0; generic.outputs()]);
+    machine.evaluate(inputs, &mut ours)?;
+    generic.evaluate(inputs, &mut expected)?;
+    let size = expected.iter().fold(0.0, |size, entry| worse(size, entry.abs()));
+    let largest = ours.iter().zip(&expected).fold(0.0, |largest, (a, b)| worse(largest, (a - b).abs()));
+    Ok(if largest == 0.0 { 0.0 } else { largest / size })
+}

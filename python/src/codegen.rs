@@ -1,0 +1,66 @@
+//! Source text of a quantity.
+
+use crate::dynamics::coordinates_of;
+use crate::errors::{CodegenError, argument};
+use crate::robot::Robot;
+use costate::codegen::{COptions, ProgramOptions, Quantity, RustOptions, robot_program};
+use pyo3::prelude::*;
+
+/// Source code of one quantity of a robot: a function without branches that needs no library.
+///
+/// Parameters
+/// ----------
+/// robot : Robot
+///     The robot, whose constants become numbers of the source.
+/// quantity : str
+///     ``"f"``, ``"f_x"``, ``"y_f_x"``, ``"y_f_xx"``, ``"y_f_xx_d"``, ``"mass_matrix"``, ``"energy"``,
+///     ``"inverse_dynamics"``, ``"tau_z"`` or ``"y_tau_zz"``.
+/// coordinates : {"qv", "qp"}
+///     The state.
+/// language : {"c", "rust"}
+///     C99 on ``double``, or Rust generic over the number.
+/// only : bool
+///     Leave out the results that the quantity builds on.
+/// parameters : bool
+///     Masses, lengths and other constants are an argument of the function.
+///
+/// Returns
+/// -------
+/// str
+///     The source.
+///
+/// Examples
+/// --------
+/// >>> import costate
+/// >>> robot = costate.Robot.builder("cart").prismatic("rail", axis=[1, 0, 0], mass=2).build()
+/// >>> "void cart_lagrangian_inverse_dynamics(" in costate.codegen(robot, "inverse_dynamics")
+/// True
+#[pyfunction]
+#[pyo3(signature = (robot, quantity, coordinates = "qv", language = "c", *, only = false, parameters = false))]
+pub fn codegen(
+    py: Python<'_>,
+    robot: &Robot,
+    quantity: &str,
+    coordinates: &str,
+    language: &str,
+    only: bool,
+    parameters: bool,
+) -> PyResult<String> {
+    let coordinates = coordinates_of(py, coordinates)?;
+    let found = Quantity::ALL.into_iter().find(|known| known.name() == quantity).ok_or_else(|| {
+        let names = Quantity::ALL.map(Quantity::name).join(", ");
+        argument(py, "quantity", format!("unknown quantity '{quantity}'; give one of {names}"))
+    })?;
+    let options = ProgramOptions::default().with_only(only).with_parameters(parameters);
+    let text = py.detach(|| {
+        let program = robot_program(robot.model(), found, coordinates, &options)?;
+        match language {
+            "c" => program.to_c(&COptions::default()).map(Some),
+            "rust" => program.to_rust(&RustOptions::default()).map(Some),
+            _ => Ok(None),
+        }
+    });
+    let text =
+        text.map_err(|error: costate::codegen::CodegenError| CodegenError::new_err(error.to_string()))?;
+    text.ok_or_else(|| argument(py, "language", format!("unknown language '{language}'; give 'c' or 'rust'")))
+}

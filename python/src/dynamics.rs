@@ -1,0 +1,301 @@
+//! The class `Dynamics`.
+
+use crate::cores::Core;
+use crate::errors::{CodegenError, argument};
+use crate::function::{Engine, Function, Settings};
+use crate::kinematics::{BODY_VERBS, BodyVerb, of_robot};
+use crate::methods::methods;
+use crate::quantities::Verb;
+use crate::robot::Robot;
+use costate::Coordinates;
+use costate::codegen::{CodegenError as NoQuantity, Quantity};
+use costate::robot;
+use costate_jit::{Backend, JitLanes, JitQuantity};
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyTuple};
+use std::num::NonZero;
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+
+/// Machine code with fewer steps takes a few microseconds at most.
+const SHORT: usize = 20_000;
+
+/// The dynamics of a robot, with exact first and second derivatives.
+///
+/// With ``coordinates="qv"`` the state is x = (q, v), with ``"qp"`` it is x = (q, p), p = M v the conjugate
+/// momenta, and ``v`` below stands for p. z = (q, v, tau) has 3n entries, f = dx/dt has 2n. All arguments are
+/// float64 arrays (or sequences of numbers) with any leading batch axes, which are broadcast; they are not
+/// copied. Batches run on machine code for four states at once and on threads, without the interpreter's
+/// lock. Do not write to arguments while another thread computes with them.
+///
+/// Parameters
+/// ----------
+/// robot : Robot
+///     The robot; the order of q, v, tau is that of ``robot.joint_names``.
+/// coordinates : {"qv", "qp"}
+///     The state.
+/// on_error : {"raise", "nan"}
+///     What happens at a state that is not finite or at which the mass matrix is singular: a `StateError`
+///     with the batch index, or results that are not-a-number with a `StateWarning`. All other states are
+///     computed.
+/// threads : int, optional
+///     Most threads for a batch; as many as the process may use unless given.
+///
+/// Examples
+/// --------
+/// >>> import costate, numpy as np
+/// >>> builder = costate.Robot.builder("pendulum")
+/// >>> robot = builder.revolute("hinge", axis=[0, 1, 0], mass=1, com=[0, 0, -1]).build()
+/// >>> dynamics = costate.Dynamics(robot)
+/// >>> dynamics.f([0.1], [0.0], [0.0]).round(4).tolist()
+/// [0.0, -0.9794]
+/// >>> dynamics.jacobian(np.zeros((5, 1)), np.zeros(1), np.zeros(1)).shape
+/// (5, 2, 3)
+#[pyclass(frozen, module = "costate")]
+pub struct Dynamics {
+    robot: Robot,
+    coordinates: Coordinates,
+    settings: Settings,
+    engines: Mutex<Vec<(Computed, Arc<Engine>)>>,
+    functions: [OnceLock<Function>; Verb::ALL.len()],
+    bodies: [OnceLock<Function>; BODY_VERBS],
+}
+
+/// A quantity in its coordinates.
+type Computed = (Quantity, Coordinates);
+
+/// The coordinates of these letters.
+pub fn coordinates_of(py: Python<'_>, letters: &str) -> PyResult<Coordinates> {
+    match letters {
+        "qv" => Ok(Coordinates::Lagrangian),
+        "qp" => Ok(Coordinates::Hamiltonian),
+        _ => {
+            let message = format!("unknown coordinates '{letters}'; give 'qv' or 'qp'");
+            Err(argument(py, "coordinates", message))
+        }
+    }
+}
+
+impl Dynamics {
+    /// The robot of the library.
+    pub fn model(&self) -> &robot::Robot {
+        self.robot.model()
+    }
+
+    /// How batches are evaluated.
+    pub fn settings(&self) -> Settings {
+        self.settings
+    }
+
+    /// The coordinates of the state.
+    pub fn space(&self) -> Coordinates {
+        self.coordinates
+    }
+
+    /// The engine of a quantity, which all methods that need it share.
+    fn engine(&self, of: Computed) -> Result<Arc<Engine>, NoQuantity> {
+        let mut engines = self.engines.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, engine)) = engines.iter().find(|(known, _)| *known == of) {
+            return Ok(engine.clone());
+        }
+        let (quantity, coordinates) = of;
+        let code = JitQuantity::new(self.model(), quantity, coordinates)?;
+        let short = matches!(code.backend(), Backend::Compiled { steps, .. } if steps < SHORT);
+        let robot = self.robot.shared();
+        let lanes = move || JitLanes::new(&robot, quantity, coordinates).ok().and_then(Result::ok);
+        let core = move || Box::new(code.clone()) as Box<dyn Core>;
+        let engine = Arc::new(Engine::new(core).with_lanes(lanes).short(short));
+        engines.push((of, engine.clone()));
+        Ok(engine)
+    }
+
+    #[inline]
+    fn call<'py, const N: usize>(
+        &self,
+        py: Python<'py>,
+        verb: Verb,
+        arguments: [&Bound<'py, PyAny>; N],
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let function = match self.functions[verb as usize].get() {
+            Some(function) => function,
+            None => self.prepare(verb)?,
+        };
+        function.call(py, arguments, self.settings)
+    }
+
+    #[cold]
+    fn prepare(&self, verb: Verb) -> PyResult<&Function> {
+        let engine = self.engine(verb.quantity(self.coordinates));
+        let engine = engine.map_err(|error| CodegenError::new_err(error.to_string()))?;
+        let plan = verb.plan(self.coordinates, self.model().dof());
+        Ok(self.functions[verb as usize].get_or_init(|| Function::new(plan, engine)))
+    }
+
+    fn of_robot<'py, const N: usize>(
+        &self,
+        py: Python<'py>,
+        verb: BodyVerb,
+        arguments: [&Bound<'py, PyAny>; N],
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let function = self.bodies[verb as usize].get_or_init(|| of_robot(self.model(), verb));
+        function.call(py, arguments, self.settings)
+    }
+}
+
+methods! {
+    impl Dynamics {
+        #[new]
+        #[pyo3(signature = (robot, coordinates = "qv", *, on_error = "raise", threads = None))]
+        fn new(
+            py: Python<'_>,
+            robot: Robot,
+            coordinates: &str,
+            on_error: &str,
+            threads: Option<usize>,
+        ) -> PyResult<Self> {
+            let nan = match on_error {
+                "raise" => false,
+                "nan" => true,
+                _ => {
+                    let message = format!("unknown on_error '{on_error}'; give 'raise' or 'nan'");
+                    return Err(argument(py, "on_error", message));
+                }
+            };
+            let none = || argument(py, "threads", "threads is 0; at least one thread computes".into());
+            let threads = threads.map(|count| NonZero::new(count).ok_or_else(none)).transpose()?;
+            Ok(Self {
+                coordinates: coordinates_of(py, coordinates)?,
+                robot,
+                settings: Settings { nan, threads },
+                engines: Mutex::default(),
+                functions: Default::default(),
+                bodies: Default::default(),
+            })
+        }
+
+        /// The robot.
+        #[getter]
+        fn robot(&self) -> Robot {
+            self.robot.clone()
+        }
+
+        /// Number of joints that move by themselves.
+        #[getter]
+        fn n(&self) -> usize {
+            self.model().dof()
+        }
+
+        /// ``"qv"`` or ``"qp"``.
+        #[getter]
+        fn coordinates(&self) -> &str {
+            match self.coordinates {
+                Coordinates::Lagrangian => "qv",
+                Coordinates::Hamiltonian => "qp",
+            }
+        }
+
+        /// ``"raise"`` or ``"nan"``.
+        #[getter]
+        fn on_error(&self) -> &str {
+            if self.settings.nan { "nan" } else { "raise" }
+        }
+
+        /// Most threads for a batch; None: as many as the process may use.
+        #[getter]
+        fn threads(&self) -> Option<usize> {
+            self.settings.threads.map(NonZero::get)
+        }
+
+        /// A frame by its name, see `Frame`.
+        #[pyo3(signature = (name, axes = "local_world_aligned"))]
+        fn frame<'py>(slf: &Bound<'py, Self>, name: &str, axes: &str) -> PyResult<Bound<'py, PyAny>> {
+            slf.py().import("costate._costate")?.getattr("Frame")?.call1((slf, name, axes))
+        }
+
+        /// How a method computes one state: machine code, or the generic code and why.
+        fn backend(&self, py: Python<'_>, verb: &str) -> PyResult<String> {
+            let found = Verb::ALL.into_iter().find(|known| known.name() == verb).ok_or_else(|| {
+                let names = Verb::ALL.map(Verb::name).join(", ");
+                argument(py, "verb", format!("'{verb}' has no backend; give one of {names}"))
+            })?;
+            let (quantity, coordinates) = found.quantity(self.coordinates);
+            let code = JitQuantity::new(self.model(), quantity, coordinates);
+            Ok(code.map_err(|error| CodegenError::new_err(error.to_string()))?.backend().to_string())
+        }
+
+        fn __eq__(&self, other: &Self) -> bool {
+            let same = self.coordinates == other.coordinates && self.settings == other.settings;
+            same && self.model() == other.model()
+        }
+
+        fn __hash__(&self) -> u64 {
+            self.robot.__hash__() ^ u64::from(self.coordinates == Coordinates::Lagrangian)
+        }
+
+        fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
+            let (py, this) = (slf.py(), slf.get());
+            let keywords = PyDict::new(py);
+            keywords.set_item("on_error", this.on_error())?;
+            keywords.set_item("threads", this.threads())?;
+            let partial = py.import("functools")?.getattr("partial")?;
+            let class = partial.call((slf.get_type(),), Some(&keywords))?;
+            Ok((class, (this.robot.clone(), this.coordinates()).into_pyobject(py)?))
+        }
+
+        fn __repr__(&self) -> String {
+            format!("Dynamics({:?}, coordinates={:?}, n={})", self.model().name(), self.coordinates(), self.n())
+        }
+    }
+
+    /// The state equation f = dx/dt (..., 2n): (v, a), or (v, dp/dt) in (q, p). Equations (9) and (17).
+    f(q, v, tau) = call Verb::F;
+
+    /// The Jacobian df/dz (..., 2n, 3n), z = (q, v, tau). Rows are entries of f.
+    jacobian(q, v, tau) = call Verb::Jacobian;
+
+    /// The contracted Hessian d2(y'f)/dz2 (..., 3n, 3n) for a costate y (..., 2n); symmetric.
+    hessian(q, v, tau, y) = call Verb::Hessian;
+
+    /// f and its Jacobian in one pass: what `f` and `jacobian` return.
+    linearise(q, v, tau) = call Verb::Linearise;
+
+    /// f, its Jacobian and the contracted Hessian in one pass: what `f`, `jacobian` and `hessian` return.
+    contract(q, v, tau, y) = call Verb::Contract;
+
+    /// The product y' df/dz (..., 3n) of a costate y (..., 2n) and the Jacobian.
+    adjoint(q, v, tau, y) = call Verb::Adjoint;
+
+    /// The product of the contracted Hessian and a direction d (..., 3n) of z: (..., 3n).
+    hvp(q, v, tau, y, d) = call Verb::Hvp;
+
+    /// Forward dynamics: the accelerations a (..., n) under tau, for velocities v in either coordinates.
+    aba(q, v, tau) = call Verb::Aba;
+
+    /// Inverse dynamics: the torques tau (..., n) for accelerations a, for velocities v in either
+    /// coordinates.
+    rnea(q, v, a) = call Verb::Rnea;
+
+    /// The Jacobian of inverse dynamics in (q, v, a): (..., n, 3n).
+    rnea_jacobian(q, v, a) = call Verb::RneaJacobian;
+
+    /// The second derivatives of w'tau in (q, v, a): (..., 3n, 3n), for weights w (..., n).
+    rnea_hessian(q, v, a, w) = call Verb::RneaHessian;
+
+    /// The mass matrix M (..., n, n) with armature; both triangles.
+    crba(q) = call Verb::Crba;
+
+    /// Kinetic and potential energy (...) in J, for velocities v in either coordinates.
+    energy(q, v) = call Verb::Energy;
+
+    /// The conjugate momenta p = M v (..., n) in kg m^2/s, kg m/s.
+    momentum(q, v) = of_robot BodyVerb::Momentum;
+
+    /// The velocities v of conjugate momenta p: M v = p.
+    velocity(q, p) = of_robot BodyVerb::Velocity;
+
+    /// The centre of mass of all links that move (..., 3), in the world (m).
+    centre_of_mass(q) = of_robot BodyVerb::CentreOfMass;
+
+    /// Angular and linear momentum about the centre of mass (..., 6), and the matrix A (..., 6, n) whose
+    /// product with v it is; axes of the world.
+    centroidal_momentum(q, v) = of_robot BodyVerb::CentroidalMomentum;
+}

@@ -1,0 +1,114 @@
+//! Errors as Python exceptions, which carry what they are about.
+
+use costate::EvalError;
+use costate::robot::RobotError;
+use costate::step::StepError;
+use pyo3::PyErr;
+use pyo3::prelude::*;
+
+/// The classes of `costate._errors`.
+mod classes {
+    pyo3::import_exception!(costate._errors, ArgumentError);
+    pyo3::import_exception!(costate._errors, CodegenError);
+    pyo3::import_exception!(costate._errors, NonFiniteState);
+    pyo3::import_exception!(costate._errors, RobotError);
+    pyo3::import_exception!(costate._errors, RobotWarning);
+    pyo3::import_exception!(costate._errors, SingularMassMatrix);
+    pyo3::import_exception!(costate._errors, StateError);
+    pyo3::import_exception!(costate._errors, StateWarning);
+    pyo3::import_exception!(costate._errors, StepNotSolved);
+}
+
+pub use classes::{CodegenError, RobotWarning, StateWarning};
+
+/// The same error with one more attribute; if that fails, the error of the failure.
+fn with<'py>(py: Python<'py>, error: PyErr, name: &str, value: impl IntoPyObject<'py>) -> PyErr {
+    error.value(py).setattr(name, value).err().unwrap_or(error)
+}
+
+/// An argument that does not fit.
+#[cold]
+pub fn argument(py: Python<'_>, name: &str, message: String) -> PyErr {
+    with(py, classes::ArgumentError::new_err(message), "argument", name)
+}
+
+/// A robot that cannot be read, built or changed.
+#[cold]
+pub fn robot(py: Python<'_>, error: &RobotError) -> PyErr {
+    if let RobotError::InFile { path, error: inner, .. } = error
+        && let RobotError::Unreadable { source } = &**inner
+        && let Some(code) = source.raw_os_error()
+    {
+        let text = source.to_string();
+        let text = text.split(" (os error").next().unwrap_or_default().to_owned();
+        return pyo3::exceptions::PyOSError::new_err((code, text, path.display().to_string()));
+    }
+    let mut raised = classes::RobotError::new_err(error.to_string());
+    if let RobotError::InFile { path, .. } = error
+        && !path.as_os_str().is_empty()
+    {
+        raised = with(py, raised, "path", path.display().to_string());
+    }
+    raised = with(py, raised, "line", error.line());
+    with(py, raised, "culprit", error.culprit())
+}
+
+/// Why a state could not be evaluated.
+#[derive(Debug)]
+pub enum Failure {
+    Evaluation(EvalError),
+    Step(StepError<EvalError>),
+}
+
+impl From<EvalError> for Failure {
+    fn from(error: EvalError) -> Self {
+        Self::Evaluation(match error {
+            // The library writes u for what Python calls tau.
+            EvalError::NonFinite { what: "u", index, joint } => {
+                EvalError::NonFinite { what: "tau", index, joint }
+            }
+            error => error,
+        })
+    }
+}
+
+impl From<StepError<EvalError>> for Failure {
+    fn from(error: StepError<EvalError>) -> Self {
+        match error {
+            StepError::Dynamics(error) => error.into(),
+            error => Self::Step(error),
+        }
+    }
+}
+
+impl std::fmt::Display for Failure {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Evaluation(error) => error.fmt(f),
+            Self::Step(error) => error.fmt(f),
+        }
+    }
+}
+
+impl Failure {
+    /// The exception for the state with this batch index.
+    #[cold]
+    pub fn raise(&self, py: Python<'_>, index: Vec<usize>) -> PyErr {
+        let message = if index.is_empty() { self.to_string() } else { format!("state {index:?}: {self}") };
+        let raised = match self {
+            Self::Evaluation(EvalError::SingularMassMatrix { joint }) => {
+                with(py, classes::SingularMassMatrix::new_err(message), "joint", joint)
+            }
+            Self::Evaluation(EvalError::NonFinite { what, joint, .. }) => {
+                let raised = with(py, classes::NonFiniteState::new_err(message), "joint", joint);
+                with(py, raised, "argument", *what)
+            }
+            Self::Evaluation(_) => classes::StateError::new_err(message),
+            Self::Step(_) => classes::StepNotSolved::new_err(message),
+        };
+        match pyo3::types::PyTuple::new(py, index) {
+            Ok(index) => with(py, raised, "index", index),
+            Err(error) => error,
+        }
+    }
+}

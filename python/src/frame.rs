@@ -1,0 +1,138 @@
+//! The class `Frame`.
+
+use crate::dynamics::Dynamics;
+use crate::errors::argument;
+use crate::function::Function;
+use crate::kinematics::{FRAME_VERBS, FrameVerb, of_frame};
+use crate::methods::methods;
+use costate::kinematics::ReferenceFrame;
+use pyo3::prelude::*;
+use pyo3::types::PyTuple;
+use std::sync::OnceLock;
+
+/// The names of the conventions, as in Pinocchio.
+const AXES: [(&str, ReferenceFrame); 3] = [
+    ("local", ReferenceFrame::Local),
+    ("world", ReferenceFrame::World),
+    ("local_world_aligned", ReferenceFrame::LocalWorldAligned),
+];
+
+/// A frame of a robot: its pose, motion and derivatives; `Dynamics.frame` makes it too.
+///
+/// Six-vectors are (angular, linear), in the axes and for the point that ``axes`` names: ``"local"``: the
+/// origin and the axes of the frame; ``"world"``: the point of the link at the origin of the world, axes of
+/// the world; ``"local_world_aligned"``: the origin of the frame, axes of the world. Pinocchio has the linear
+/// part first.
+///
+/// Examples
+/// --------
+/// >>> import costate, numpy as np
+/// >>> builder = costate.Robot.builder("pendulum")
+/// >>> robot = builder.revolute("hinge", axis=[0, 1, 0], mass=1, com=[1, 0, 0]).build()
+/// >>> bob = costate.Dynamics(robot.add_frame("bob", "hinge", [1, 0, 0])).frame("bob")
+/// >>> R, x = bob.pose([0.0])
+/// >>> x.tolist()
+/// [1.0, 0.0, 0.0]
+/// >>> bob.jacobian([0.0])[:, 0].tolist()
+/// [0.0, 1.0, 0.0, 0.0, 0.0, -1.0]
+#[pyclass(frozen, module = "costate")]
+pub struct Frame {
+    dynamics: Py<Dynamics>,
+    name: String,
+    frame: usize,
+    axes: (&'static str, ReferenceFrame),
+    functions: [OnceLock<Function>; FRAME_VERBS],
+}
+
+impl Frame {
+    fn call<'py, const N: usize>(
+        &self,
+        py: Python<'py>,
+        verb: FrameVerb,
+        arguments: [&Bound<'py, PyAny>; N],
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let dynamics = self.dynamics.get();
+        let new = || of_frame(dynamics.model(), verb, self.frame, self.axes.1);
+        self.functions[verb as usize].get_or_init(new).call(py, arguments, dynamics.settings())
+    }
+}
+
+methods! {
+    impl Frame {
+        #[new]
+        #[pyo3(signature = (dynamics, name, axes = "local_world_aligned"))]
+        fn new(dynamics: &Bound<'_, Dynamics>, name: &str, axes: &str) -> PyResult<Self> {
+            let py = dynamics.py();
+            let found = AXES.into_iter().find(|(known, _)| *known == axes).ok_or_else(|| {
+                let names = AXES.map(|(name, _)| format!("'{name}'")).join(", ");
+                argument(py, "axes", format!("unknown axes '{axes}'; give one of {names}"))
+            })?;
+            let robot = dynamics.get().model();
+            let frame = robot.frame_index(name).map_err(|error| crate::errors::robot(py, &error))?;
+            Ok(Self {
+                dynamics: dynamics.clone().unbind(),
+                name: name.to_owned(),
+                frame,
+                axes: found,
+                functions: Default::default(),
+            })
+        }
+
+        /// Name of the frame.
+        #[getter]
+        fn name(&self) -> &str {
+            &self.name
+        }
+
+        /// The axes of six-vectors: ``"local"``, ``"world"`` or ``"local_world_aligned"``.
+        #[getter]
+        fn axes(&self) -> &str {
+            self.axes.0
+        }
+
+        /// The dynamics that made it.
+        #[getter]
+        fn dynamics(&self, py: Python<'_>) -> Py<Dynamics> {
+            self.dynamics.clone_ref(py)
+        }
+
+        fn __eq__(&self, py: Python<'_>, other: &Self) -> PyResult<bool> {
+            let same = self.dynamics.bind(py).eq(&other.dynamics)?;
+            Ok(same && self.frame == other.frame && self.axes.0 == other.axes.0)
+        }
+
+        fn __hash__(&self) -> usize {
+            self.frame
+        }
+
+        fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
+            let (py, this) = (slf.py(), slf.get());
+            let arguments = (this.dynamics.clone_ref(py), &this.name, this.axes.0);
+            Ok((slf.get_type().into_any(), arguments.into_pyobject(py)?))
+        }
+
+        fn __repr__(&self) -> String {
+            let robot = self.dynamics.get().model().name();
+            format!("Frame({:?} of {robot:?}, axes={:?})", self.name, self.axes.0)
+        }
+    }
+
+    /// Orientation R (..., 3, 3), whose columns are the axes of the frame, and position (..., 3) in m, both
+    /// in the world.
+    pose(q) = call FrameVerb::Pose;
+
+    /// The Jacobian J (..., 6, n): twist = J v.
+    jacobian(q) = call FrameVerb::Jacobian;
+
+    /// The derivative of J in time (..., 6, n).
+    jacobian_rate(q, v) = call FrameVerb::JacobianRate;
+
+    /// Angular and linear velocity (..., 6) in rad/s and m/s.
+    twist(q, v) = call FrameVerb::Twist;
+
+    /// The derivative of the twist in time (..., 6): J a + dJ/dt v.
+    acceleration(q, v, a) = call FrameVerb::Acceleration;
+
+    /// The second derivatives of w'x (..., n, n), x the position in the world and w (..., 3) weights.
+    position_hessian(q, w) = call FrameVerb::PositionHessian;
+}

@@ -1,0 +1,271 @@
+//! A function of arrays: its arguments are read, all states are evaluated, its results are new arrays.
+
+use crate::arrays::{Axes, Source, Target, allocate, read_all};
+use crate::cores::Core;
+use crate::failures::{Failures, report};
+use crate::plan::{Number, Plan};
+use costate_jit::JitLanes;
+use pyo3::prelude::*;
+use pyo3::types::PyTuple;
+use std::num::NonZero;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+
+/// Fewer states are evaluated one by one, on the calling thread.
+const FEW: usize = 16;
+/// States that a thread takes at a time; a multiple of the states in one number.
+const CHUNK: usize = 64;
+/// Numbers that the arguments and results of a batch have at least to be worth another thread.
+const WORTH_A_THREAD: usize = 1 << 16;
+
+/// How states that cannot be evaluated are reported, and how many threads evaluate batches.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Settings {
+    /// Their results are not-a-number, with a warning; otherwise the first one is raised.
+    pub nan: bool,
+    /// At most so many threads; as many as the process may use where it is not given.
+    pub threads: Option<NonZero<usize>>,
+}
+
+/// What computes a quantity: workspaces for any number of threads, and code for four states at once.
+pub struct Engine {
+    new_core: Box<dyn Fn() -> Box<dyn Core> + Send + Sync>,
+    /// Workspaces that nobody uses.
+    free: Mutex<Vec<Workspace>>,
+    new_lanes: Box<dyn Fn() -> Option<JitLanes> + Send + Sync>,
+    lanes: OnceLock<Option<JitLanes>>,
+    /// Whether one state takes so little time that others need not be let in meanwhile.
+    short: bool,
+}
+
+struct Workspace {
+    core: Box<dyn Core>,
+    one: Vec<f64>,
+    four: Vec<[f64; 4]>,
+}
+
+impl Engine {
+    /// An engine whose workspaces `core` makes.
+    pub fn new(core: impl Fn() -> Box<dyn Core> + Send + Sync + 'static) -> Self {
+        Self {
+            new_core: Box::new(core),
+            free: Mutex::default(),
+            new_lanes: Box::new(|| None),
+            lanes: OnceLock::new(),
+            short: false,
+        }
+    }
+
+    /// The same with machine code for four states, which is made for the first batch.
+    pub fn with_lanes(self, lanes: impl Fn() -> Option<JitLanes> + Send + Sync + 'static) -> Self {
+        Self { new_lanes: Box::new(lanes), ..self }
+    }
+
+    /// The same, saying whether one state takes a few microseconds at most.
+    pub fn short(self, short: bool) -> Self {
+        Self { short, ..self }
+    }
+
+    fn lanes(&self) -> Option<&JitLanes> {
+        self.lanes.get_or_init(|| (self.new_lanes)()).as_ref()
+    }
+
+    /// Runs `work` with a workspace that nobody else uses.
+    #[inline]
+    fn with<R>(&self, plan: &Plan, work: impl FnOnce(&mut Workspace) -> R) -> R {
+        let free = self.free.lock().unwrap_or_else(PoisonError::into_inner).pop();
+        let mut workspace =
+            free.unwrap_or_else(|| Workspace { core: (self.new_core)(), one: Vec::new(), four: Vec::new() });
+        if workspace.one.len() < plan.size() {
+            workspace.one.resize(plan.size(), 0.0);
+        }
+        workspace.one[crate::plan::ONE] = 1.0;
+        let result = work(&mut workspace);
+        self.free.lock().unwrap_or_else(PoisonError::into_inner).push(workspace);
+        result
+    }
+}
+
+/// A function of arrays with N arguments.
+pub struct Function {
+    plan: Plan,
+    engine: Arc<Engine>,
+}
+
+/// The states of one call.
+struct Call<'a, const N: usize> {
+    plan: &'a Plan,
+    sources: [Source; N],
+    targets: &'a [Target],
+    axes: Axes,
+}
+
+impl Function {
+    pub fn new(plan: Plan, engine: Arc<Engine>) -> Self {
+        Self { plan, engine }
+    }
+
+    /// Evaluates the function at all states of its arguments: one array, or a tuple of them.
+    ///
+    /// # Errors
+    /// `ArgumentError`, and `StateError` unless the settings ask for not-a-number.
+    pub fn call<'py, const N: usize>(
+        &self,
+        py: Python<'py>,
+        given: [&Bound<'py, PyAny>; N],
+        settings: Settings,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let plan = &self.plan;
+        let (_arguments, sources, axes) = read_all(py, given, &plan.arguments)?;
+        let states = axes.states();
+        if let [output] = plan.outputs.as_slice() {
+            let (array, target) = allocate(py, &axes, output)?;
+            self.evaluate(py, Call { plan, sources, targets: &[target], axes }, states, settings)?;
+            return Ok(array);
+        }
+        let new: Vec<_> =
+            plan.outputs.iter().map(|output| allocate(py, &axes, output)).collect::<PyResult<_>>()?;
+        let (arrays, targets): (Vec<_>, Vec<_>) = new.into_iter().unzip();
+        self.evaluate(py, Call { plan, sources, targets: &targets, axes }, states, settings)?;
+        Ok(PyTuple::new(py, arrays)?.into_any())
+    }
+
+    #[inline]
+    fn evaluate<const N: usize>(
+        &self,
+        py: Python<'_>,
+        call: Call<'_, N>,
+        states: usize,
+        settings: Settings,
+    ) -> PyResult<()> {
+        let one_by_one = || {
+            self.engine.with(call.plan, |workspace| {
+                let mut failures = Failures::default();
+                (0..states).for_each(|state| call.one(workspace, state, &mut failures));
+                failures
+            })
+        };
+        let failures = if self.engine.short && states < FEW {
+            one_by_one()
+        } else {
+            py.detach(|| if states < FEW { one_by_one() } else { self.many(&call, states, settings) })
+        };
+        report(py, &call.axes, failures, settings.nan)
+    }
+
+    /// Evaluates many states on lanes and threads. Which states are evaluated together does not depend on
+    /// the number of threads.
+    fn many<const N: usize>(&self, call: &Call<'_, N>, states: usize, settings: Settings) -> Failures {
+        let lanes = self.engine.lanes();
+        let next = AtomicUsize::new(0);
+        let work = || {
+            self.engine.with(call.plan, |workspace| {
+                let mut failures = Failures::default();
+                loop {
+                    let start = next.fetch_add(CHUNK, Ordering::Relaxed);
+                    if start >= states {
+                        return failures;
+                    }
+                    let end = states.min(start + CHUNK);
+                    match lanes {
+                        Some(lanes) => call.by_fours(lanes, workspace, start..end, &mut failures),
+                        None => (start..end).for_each(|state| call.one(workspace, state, &mut failures)),
+                    }
+                }
+            })
+        };
+        let numbers: usize = call.plan.outputs.iter().map(|output| output.length).sum::<usize>()
+            + call.plan.arguments.iter().map(|argument| argument.length).sum::<usize>();
+        let worth = (numbers.saturating_mul(states) / WORTH_A_THREAD).min(states / CHUNK);
+        let most = || std::thread::available_parallelism().map_or(1, NonZero::get);
+        let threads = if worth > 1 { settings.threads.map_or_else(most, NonZero::get).min(worth) } else { 1 };
+        if threads <= 1 {
+            return work();
+        }
+        // Threads live as long as the call: none is missing in a process that was forked.
+        std::thread::scope(|scope| {
+            let helpers: Vec<_> = (1..threads)
+                .map_while(|_| std::thread::Builder::new().spawn_scoped(scope, work).ok())
+                .collect();
+            let mut failures = work();
+            for helper in helpers {
+                match helper.join() {
+                    Ok(found) => failures.join(found),
+                    Err(panic) => std::panic::resume_unwind(panic),
+                }
+            }
+            failures
+        })
+    }
+}
+
+impl<const N: usize> Call<'_, N> {
+    /// Evaluates one state; its results are not-a-number where that fails.
+    #[inline]
+    fn one(&self, workspace: &mut Workspace, state: usize, failures: &mut Failures) {
+        let Self { plan, sources, axes, .. } = self;
+        let buffer = &mut workspace.one[..plan.size()];
+        for place in &plan.places {
+            let to = &mut buffer[place.at..place.at + place.length];
+            sources[place.argument].copy(axes, state, place.start, to);
+        }
+        let (inputs, outputs) = buffer.split_at_mut(plan.core_outputs.start);
+        let done = workspace.core.evaluate(&inputs[plan.core_inputs.clone()], outputs);
+        for (output, target) in plan.outputs.iter().zip(self.targets) {
+            // SAFETY: each state of a call is evaluated once, by one thread.
+            let result = unsafe { target.of(state) };
+            match done {
+                Ok(()) => output.write(buffer, 0, result),
+                Err(_) => result.fill(f64::NAN),
+            }
+        }
+        if let Err(failure) = done {
+            failures.add(state, failure);
+        }
+    }
+
+    /// Evaluates these states in fours, the last one repeated where they are not a multiple of four. States
+    /// that are not certain are evaluated one by one.
+    fn by_fours(
+        &self,
+        lanes: &JitLanes,
+        workspace: &mut Workspace,
+        states: std::ops::Range<usize>,
+        failures: &mut Failures,
+    ) {
+        let Self { plan, sources, axes, .. } = self;
+        if workspace.four.len() < plan.size() {
+            workspace.four.resize(plan.size(), [0.0; 4]);
+        }
+        let mut start = states.start;
+        while start < states.end {
+            let buffer = &mut workspace.four[..plan.size()];
+            buffer[crate::plan::ONE] = <[f64; 4]>::ONE;
+            for lane in 0..4 {
+                let state = (start + lane).min(states.end - 1);
+                for place in &plan.places {
+                    let numbers = &mut workspace.one[..place.length];
+                    sources[place.argument].copy(axes, state, place.start, numbers);
+                    let to = &mut buffer[place.at..place.at + place.length];
+                    to.iter_mut().zip(&*numbers).for_each(|(to, from)| to.set(lane, *from));
+                }
+            }
+            workspace.one[crate::plan::ONE] = 1.0;
+            let (inputs, outputs) = buffer.split_at_mut(plan.core_outputs.start);
+            let certain = lanes.evaluate(&inputs[plan.core_inputs.clone()], outputs).unwrap_or([false; 4]);
+            let end = states.end.min(start + <[f64; 4]>::STATES);
+            for state in start..end {
+                if !certain[state - start] {
+                    self.one(workspace, state, failures);
+                    continue;
+                }
+                let buffer = &workspace.four[..plan.size()];
+                for (output, target) in plan.outputs.iter().zip(self.targets) {
+                    // SAFETY: each state of a call is evaluated once, by one thread.
+                    output.write(buffer, state - start, unsafe { target.of(state) });
+                }
+            }
+            start = end;
+        }
+    }
+}

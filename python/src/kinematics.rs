@@ -1,0 +1,141 @@
+//! Frames, the centre of mass and momenta.
+
+use crate::cores::{Writer, core_of};
+use crate::function::{Engine, Function};
+use crate::plan::Plan;
+use costate::hamiltonian::Hamiltonian;
+use costate::kinematics::{Kinematics, ReferenceFrame};
+use costate::robot::Robot;
+use costate::spatial::Motion;
+use std::sync::Arc;
+
+/// The methods of `Frame`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FrameVerb {
+    Pose,
+    Jacobian,
+    JacobianRate,
+    Twist,
+    Acceleration,
+    PositionHessian,
+}
+
+/// Number of methods of `Frame`.
+pub const FRAME_VERBS: usize = 6;
+
+/// The methods of `Dynamics` for the robot as a whole.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BodyVerb {
+    Momentum,
+    Velocity,
+    CentreOfMass,
+    CentroidalMomentum,
+}
+
+/// Number of methods of `Dynamics` for the robot as a whole.
+pub const BODY_VERBS: usize = 4;
+
+/// A function of one frame.
+pub fn of_frame(robot: &Robot, verb: FrameVerb, frame: usize, axes: ReferenceFrame) -> Function {
+    let n = robot.dof();
+    let (q, v, a, w) = (("q", n), ("v", n), ("a", n), ("w", 3));
+    let plan = match verb {
+        FrameVerb::Pose => Plan::whole(&[q], &[&[3, 3], &[3]]),
+        FrameVerb::Jacobian => Plan::whole(&[q], &[&[6, n]]),
+        FrameVerb::JacobianRate => Plan::whole(&[q, v], &[&[6, n]]),
+        FrameVerb::Twist => Plan::whole(&[q, v], &[&[6]]),
+        FrameVerb::Acceleration => Plan::whole(&[q, v, a], &[&[6]]),
+        FrameVerb::PositionHessian => Plan::whole(&[q, w], &[&[n, n]]),
+    };
+    let workspace = Kinematics::<f64>::new(robot);
+    let core = move || {
+        core_of(workspace.clone(), move |of, inputs, outputs| {
+            let (q, rest) = inputs.split_at(n);
+            let mut writer = Writer(outputs);
+            let mut put_motion = |Motion { angular, linear }: Motion<f64>| {
+                writer.put(&angular.to_array()).put(&linear.to_array());
+            };
+            match verb {
+                FrameVerb::Pose => {
+                    of.set_position(q)?;
+                    let pose = of.pose(frame)?;
+                    writer.put(pose.rotation.as_flattened()).put(&pose.position);
+                }
+                FrameVerb::Jacobian => {
+                    of.set_position(q)?;
+                    writer.put(of.jacobian(frame, axes)?.as_slice());
+                }
+                FrameVerb::JacobianRate => {
+                    of.set_state(q, rest)?;
+                    writer.put(of.jacobian_rate(frame, axes)?.as_slice());
+                }
+                FrameVerb::Twist => {
+                    of.set_state(q, rest)?;
+                    put_motion(of.twist(frame, axes)?);
+                }
+                FrameVerb::Acceleration => {
+                    of.set_motion(q, &rest[..n], &rest[n..])?;
+                    put_motion(of.acceleration(frame, axes)?);
+                }
+                FrameVerb::PositionHessian => {
+                    of.set_position(q)?;
+                    writer.put(of.position_hessian(frame, &[rest[0], rest[1], rest[2]])?.as_slice());
+                }
+            }
+            Ok(())
+        })
+    };
+    Function::new(plan, Arc::new(Engine::new(core).short(n < SHORT)))
+}
+
+/// Robots with fewer joints have kinematics within microseconds.
+const SHORT: usize = 20;
+
+/// A function of the whole robot.
+pub fn of_robot(robot: &Robot, verb: BodyVerb) -> Function {
+    let n = robot.dof();
+    let (q, v, p) = (("q", n), ("v", n), ("p", n));
+    let (plan, engine) = match verb {
+        BodyVerb::Momentum | BodyVerb::Velocity => {
+            let workspace = Hamiltonian::<f64>::new(robot);
+            let rate = if verb == BodyVerb::Momentum { v } else { p };
+            let core = move || {
+                core_of(workspace.clone(), move |of, inputs, outputs| {
+                    let (q, rate) = inputs.split_at(n);
+                    let other = match verb {
+                        BodyVerb::Momentum => of.momentum(q, rate)?,
+                        _ => of.velocity(q, rate)?,
+                    };
+                    outputs.copy_from_slice(other);
+                    Ok(())
+                })
+            };
+            (Plan::whole(&[q, rate], &[&[n]]), Engine::new(core))
+        }
+        BodyVerb::CentreOfMass | BodyVerb::CentroidalMomentum => {
+            let workspace = Kinematics::<f64>::new(robot);
+            let core = move || {
+                core_of(workspace.clone(), move |of, inputs, outputs| {
+                    let (q, v) = inputs.split_at(n);
+                    if verb == BodyVerb::CentreOfMass {
+                        of.set_position(q)?;
+                        outputs.copy_from_slice(&of.centre_of_mass()?.position);
+                    } else {
+                        of.set_state(q, v)?;
+                        let momentum = of.momentum()?;
+                        let mut writer = Writer(outputs);
+                        writer.put(&momentum.angular).put(&momentum.linear);
+                        writer.put(momentum.matrix.as_slice());
+                    }
+                    Ok(())
+                })
+            };
+            let plan = match verb {
+                BodyVerb::CentreOfMass => Plan::whole(&[q], &[&[3]]),
+                _ => Plan::whole(&[q, v], &[&[6], &[6, n]]),
+            };
+            (plan, Engine::new(core))
+        }
+    };
+    Function::new(plan, Arc::new(engine.short(n < SHORT)))
+}

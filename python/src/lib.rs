@@ -1,0 +1,56 @@
+//! The compiled module of the Python package `costate`: robots, dynamics and time steps on NumPy arrays.
+//!
+//! A call passes through these modules: `arrays` reads the arguments and allocates the results, `function`
+//! evaluates all states on lanes and threads, `plan` says where arguments and results lie, `cores` computes
+//! one state. `quantities` lists what is computed of the dynamics, `kinematics` of frames, `schemes` of time
+//! steps. `robot` with `edits`, `builder` and its `recipe`, `dynamics`, `frame` and `time_step` are the
+//! classes that Python sees.
+
+#![deny(unsafe_op_in_unsafe_fn, clippy::undocumented_unsafe_blocks)]
+
+mod arrays;
+mod builder;
+mod check;
+mod codegen;
+mod cores;
+mod descriptions;
+mod dynamics;
+mod edits;
+mod errors;
+mod failures;
+mod frame;
+mod function;
+mod kinematics;
+mod methods;
+mod plan;
+mod quantities;
+mod recipe;
+mod robot;
+mod schemes;
+mod table;
+mod time_step;
+
+use pyo3::prelude::*;
+
+#[pymodule]
+mod _costate {
+    #[pymodule_export]
+    use crate::builder::RobotBuilder;
+    #[pymodule_export]
+    use crate::check::_compare;
+    #[pymodule_export]
+    use crate::codegen::codegen;
+    #[pymodule_export]
+    use crate::dynamics::Dynamics;
+    #[pymodule_export]
+    use crate::frame::Frame;
+    #[pymodule_export]
+    use crate::recipe::_rebuild;
+    #[pymodule_export]
+    use crate::robot::Robot;
+    #[pymodule_export]
+    use crate::time_step::Step;
+    #[pymodule_export]
+    #[expect(non_upper_case_globals, reason = "its name in Python")]
+    const __version__: &str = env!("CARGO_PKG_VERSION");
+}

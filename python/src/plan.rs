@@ -1,0 +1,224 @@
+//! Where the arguments of a call go and where its results come from.
+//!
+//! All numbers of one state lie in one buffer: a one, numbers that are passed on, the arguments of the core
+//! and its results. A result array is described by [`Piece`]s of that buffer, so that the same description
+//! serves one state and four.
+
+use std::ops::Range;
+
+/// The position of a number 1 in every buffer.
+pub const ONE: usize = 0;
+
+/// An argument of a call: a vector for each state.
+#[derive(Debug)]
+pub struct Argument {
+    pub name: &'static str,
+    pub length: usize,
+}
+
+/// A part of an argument and its place in the buffer.
+#[derive(Debug)]
+pub struct Place {
+    pub argument: usize,
+    pub start: usize,
+    pub length: usize,
+    pub at: usize,
+}
+
+/// A part of a result; all of it that no piece writes is zero.
+#[derive(Clone, Debug)]
+pub enum Piece {
+    /// `length` numbers, each `from.1` places after the one before, to every `to.1`-th place.
+    Move { to: (usize, usize), from: (usize, usize), length: usize },
+    /// Adds the sum of `length` products to one number.
+    Product { to: usize, a: (usize, usize), b: (usize, usize), length: usize },
+}
+
+/// A result array: its shape for one state.
+#[derive(Debug)]
+pub struct Output {
+    pub shape: Vec<usize>,
+    pub length: usize,
+    pub pieces: Vec<Piece>,
+    /// Whether the pieces do not cover it, or add to it.
+    pub cleared: bool,
+}
+
+/// What a call reads and writes.
+#[derive(Debug)]
+pub struct Plan {
+    pub arguments: Vec<Argument>,
+    pub places: Vec<Place>,
+    pub core_inputs: Range<usize>,
+    pub core_outputs: Range<usize>,
+    pub outputs: Vec<Output>,
+}
+
+impl Plan {
+    /// The plan of a core whose arguments and results are those of the call, in the same order.
+    pub fn whole(arguments: &[(&'static str, usize)], shapes: &[&[usize]]) -> Self {
+        let mut plan = PlanBuilder::new(0);
+        for (name, length) in arguments {
+            plan.core(name, *length);
+        }
+        let length = |shape: &[usize]| shape.iter().product::<usize>();
+        let mut plan = plan.results(shapes.iter().map(|shape| length(shape)).sum());
+        let mut from = plan.core_outputs.start;
+        for shape in shapes {
+            plan = plan.output(shape, vec![Piece::copy(0, from, length(shape))]);
+            from += length(shape);
+        }
+        plan
+    }
+
+    /// Numbers in the buffer of one state.
+    pub fn size(&self) -> usize {
+        self.core_outputs.end
+    }
+}
+
+/// Takes the arguments of a [`Plan`].
+pub struct PlanBuilder {
+    arguments: Vec<Argument>,
+    places: Vec<Place>,
+    passed: usize,
+    first: usize,
+    core: usize,
+}
+
+impl PlanBuilder {
+    /// A plan without arguments; at most `passed` numbers of them are not for the core.
+    pub fn new(passed: usize) -> Self {
+        let first = ONE + 1 + passed;
+        Self { arguments: Vec::new(), places: Vec::new(), passed: ONE + 1, first, core: first }
+    }
+
+    /// An argument that the core reads; returns where it is.
+    pub fn core(&mut self, name: &'static str, length: usize) -> usize {
+        self.split(name, [(length, true)])[0]
+    }
+
+    /// An argument in parts, each with its length and whether the core reads it.
+    pub fn split<const N: usize>(&mut self, name: &'static str, parts: [(usize, bool); N]) -> [usize; N] {
+        let mut start = 0;
+        let places = parts.map(|(length, for_core)| {
+            let next = if for_core { &mut self.core } else { &mut self.passed };
+            let at = *next;
+            *next += length;
+            self.places.push(Place { argument: self.arguments.len(), start, length, at });
+            start += length;
+            at
+        });
+        self.arguments.push(Argument { name, length: start });
+        places
+    }
+
+    /// All arguments are known; the core has so many results.
+    pub fn results(self, count: usize) -> Plan {
+        Plan {
+            arguments: self.arguments,
+            places: self.places,
+            core_inputs: self.first..self.core,
+            core_outputs: self.core..self.core + count,
+            outputs: Vec::new(),
+        }
+    }
+}
+
+impl Plan {
+    /// One more result array.
+    #[must_use]
+    pub fn output(mut self, shape: &[usize], pieces: Vec<Piece>) -> Self {
+        let length = shape.iter().product();
+        let adds = pieces.iter().any(|piece| matches!(piece, Piece::Product { .. }));
+        let covered: usize = pieces.iter().map(Piece::length).sum();
+        let cleared = adds || covered < length;
+        self.outputs.push(Output { shape: shape.to_vec(), length, pieces, cleared });
+        self
+    }
+}
+
+impl Piece {
+    /// Numbers in their order.
+    pub fn copy(to: usize, from: usize, length: usize) -> Self {
+        Self::Move { to: (to, 1), from: (from, 1), length }
+    }
+
+    /// A block of rows of this length from places `from` on, into a matrix with `columns` columns.
+    pub fn rows(to: usize, columns: usize, from: usize, [rows, length]: [usize; 2]) -> Vec<Self> {
+        if length == columns {
+            return vec![Self::copy(to, from, rows * length)];
+        }
+        (0..rows).map(|i| Self::copy(to + i * columns, from + i * length, length)).collect()
+    }
+
+    /// Ones along a diagonal of a matrix with `columns` columns.
+    pub fn diagonal(to: usize, columns: usize, length: usize) -> Self {
+        Self::Move { to: (to, columns + 1), from: (ONE, 0), length }
+    }
+
+    fn length(&self) -> usize {
+        match self {
+            Self::Move { length, .. } => *length,
+            Self::Product { .. } => 1,
+        }
+    }
+}
+
+/// One number of one state, or of four.
+pub trait Number: Copy {
+    const ONE: Self;
+    /// States in one number.
+    const STATES: usize;
+    /// The number of one state.
+    fn of(self, state: usize) -> f64;
+    fn set(&mut self, state: usize, value: f64);
+}
+
+impl Number for f64 {
+    const ONE: Self = 1.0;
+    const STATES: usize = 1;
+    fn of(self, _: usize) -> f64 {
+        self
+    }
+    fn set(&mut self, _: usize, value: f64) {
+        *self = value;
+    }
+}
+
+impl Number for [f64; 4] {
+    const ONE: Self = [1.0; 4];
+    const STATES: usize = 4;
+    fn of(self, state: usize) -> f64 {
+        self[state]
+    }
+    fn set(&mut self, state: usize, value: f64) {
+        self[state] = value;
+    }
+}
+
+impl Output {
+    /// Writes the result of one of the states of a buffer.
+    pub fn write<T: Number>(&self, buffer: &[T], state: usize, result: &mut [f64]) {
+        if self.cleared {
+            result.fill(0.0);
+        }
+        for piece in &self.pieces {
+            match *piece {
+                Piece::Move { to: (to, 1), from: (from, 1), length } => {
+                    let from = &buffer[from..from + length];
+                    result[to..to + length].iter_mut().zip(from).for_each(|(to, from)| *to = from.of(state));
+                }
+                Piece::Move { to, from, length } => {
+                    for k in 0..length {
+                        result[to.0 + k * to.1] = buffer[from.0 + k * from.1].of(state);
+                    }
+                }
+                Piece::Product { to, a, b, length } => {
+                    let term = |k: usize| buffer[a.0 + k * a.1].of(state) * buffer[b.0 + k * b.1].of(state);
+                    result[to] += (0..length).map(term).sum::<f64>();
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,278 @@
+//! The class `Robot`.
+
+use crate::errors::{self, RobotWarning, argument};
+use crate::recipe::{Recipe, is_rebuilding, named};
+use crate::table;
+use costate::robot::{self, Limits, LoadOptions, RobotFormat};
+use numpy::{PyArray1, PyArray2};
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyTuple};
+use std::ffi::CString;
+use std::hash::{DefaultHasher, Hash, Hasher};
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// A robot: a tree of revolute and prismatic joints on a base that does not move.
+///
+/// It never changes: ``lock``, ``with_payload`` and the like return another robot. The entries of q, v and
+/// tau belong to ``joint_names``: the joints that mimic no other one, parents before children, as in
+/// Pinocchio.
+///
+/// Examples
+/// --------
+/// >>> import costate
+/// >>> arm = costate.Robot.from_text("name='arm'\n[[joint]]\nname='hinge'\nmass=1.0\ncom=[0.5, 0.0, 0.0]")
+/// >>> arm
+/// Robot('arm', n=1)
+/// >>> arm.with_payload("hinge", 2.0, [1.0, 0, 0]).mass
+/// 3.0
+#[pyclass(frozen, from_py_object, module = "costate")]
+#[derive(Clone)]
+pub struct Robot {
+    inner: Arc<robot::Robot>,
+    recipe: Arc<Recipe>,
+}
+
+impl Robot {
+    /// The robot of the library.
+    pub fn model(&self) -> &robot::Robot {
+        &self.inner
+    }
+
+    /// The same, to keep.
+    pub fn shared(&self) -> Arc<robot::Robot> {
+        self.inner.clone()
+    }
+
+    /// A robot that was made by these calls; warns of what is unusual about it and was not `known`.
+    pub fn warned(
+        py: Python<'_>,
+        robot: robot::Robot,
+        recipe: Recipe,
+        known: &[robot::Warning],
+    ) -> PyResult<Self> {
+        let new = |warning: &&robot::Warning| !is_rebuilding() && !known.contains(warning);
+        for warning in robot.warnings().iter().filter(new) {
+            let text = format!("robot '{}': {warning}", robot.name());
+            let text = CString::new(text.replace('\0', " "))?;
+            PyErr::warn(py, &py.get_type::<RobotWarning>(), &text, 1)?;
+        }
+        Ok(Self { inner: Arc::new(robot), recipe: Arc::new(recipe) })
+    }
+
+    /// The robot after a change, which is noted in its recipe.
+    pub fn changed(
+        &self,
+        py: Python<'_>,
+        name: &'static str,
+        arguments: Bound<'_, PyDict>,
+        change: impl FnOnce(&robot::Robot) -> Result<robot::Robot, robot::RobotError>,
+    ) -> PyResult<Self> {
+        let robot = change(&self.inner).map_err(|error| errors::robot(py, &error))?;
+        Self::warned(py, robot, self.recipe.then(py, name, arguments), self.inner.warnings())
+    }
+
+    /// One number for each joint of q.
+    fn of_joints<'py>(
+        &self,
+        py: Python<'py>,
+        of: impl Fn(&robot::Joint) -> f64,
+    ) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_iter(py, self.inner.independent_joints().map(of))
+    }
+}
+
+#[pymethods]
+impl Robot {
+    /// Reads a ``.urdf`` or ``.toml`` file.
+    ///
+    /// Parameters
+    /// ----------
+    /// path : str or os.PathLike
+    ///     The file.
+    /// friction : bool
+    ///     Load ``<dynamics damping friction>`` of a URDF.
+    /// strict : bool
+    ///     Warnings that suggest a mistake are errors.
+    ///
+    /// Raises
+    /// ------
+    /// RobotError
+    ///     With ``path``, ``line`` and ``culprit``.
+    /// OSError
+    ///     Where the file cannot be read.
+    #[staticmethod]
+    #[pyo3(signature = (path, *, friction = false, strict = false))]
+    fn from_file(py: Python<'_>, path: PathBuf, friction: bool, strict: bool) -> PyResult<Self> {
+        let options = LoadOptions::default().friction(friction).strict(strict);
+        let raise = |error| errors::robot(py, &error);
+        let read = robot::Robot::from_file_with(&path, options).map_err(raise)?;
+        // A pickle contains the text: the file need not be where it is read.
+        let text = std::fs::read_to_string(&path)?;
+        let format = path.extension().and_then(|end| end.to_str()).unwrap_or_default().to_lowercase();
+        let recipe = Recipe::default().then(py, "from_text", named!(py, text, format, friction, strict));
+        Self::warned(py, read, recipe, &[])
+    }
+
+    /// Reads the text of a URDF or of a robot in TOML.
+    ///
+    /// Parameters
+    /// ----------
+    /// text : str
+    ///     The description.
+    /// format : {"urdf", "toml"}, optional
+    ///     Found by the first character unless given.
+    /// friction, strict : bool
+    ///     As in `from_file`.
+    #[staticmethod]
+    #[pyo3(signature = (text, format = None, *, friction = false, strict = false))]
+    fn from_text(
+        py: Python<'_>,
+        text: String,
+        format: Option<&str>,
+        friction: bool,
+        strict: bool,
+    ) -> PyResult<Self> {
+        let kind = match format {
+            None => RobotFormat::of_text(&text),
+            Some("urdf") => RobotFormat::Urdf,
+            Some("toml") => RobotFormat::Toml,
+            Some(other) => {
+                let message = format!("unknown format '{other}'; give 'urdf' or 'toml'");
+                return Err(argument(py, "format", message));
+            }
+        };
+        let options = LoadOptions::default().friction(friction).strict(strict);
+        let read = robot::Robot::read(text.as_bytes(), kind, options);
+        let read = read.map_err(|error| errors::robot(py, &error))?;
+        let recipe = Recipe::default().then(py, "from_text", named!(py, text, format, friction, strict));
+        Self::warned(py, read, recipe, &[])
+    }
+
+    /// Starts a robot without joints, see `RobotBuilder`; gravity in m/s^2.
+    #[staticmethod]
+    #[pyo3(signature = (name, *, gravity = [0.0, 0.0, -9.81]))]
+    fn builder<'py>(py: Python<'py>, name: &str, gravity: [f64; 3]) -> PyResult<Bound<'py, PyAny>> {
+        let keywords = named!(py, gravity);
+        py.import("costate._costate")?.getattr("RobotBuilder")?.call((name,), Some(&keywords))
+    }
+
+    /// Its name.
+    #[getter]
+    fn name(&self) -> &str {
+        self.inner.name()
+    }
+
+    /// Number of joints that mimic no other one: the length of q, v and tau.
+    #[getter]
+    fn n(&self) -> usize {
+        self.inner.dof()
+    }
+
+    /// The joints of q, v and tau, in their order.
+    #[getter]
+    fn joint_names(&self) -> Vec<&str> {
+        self.inner.independent_joints().map(|joint| joint.name.as_str()).collect()
+    }
+
+    /// All joints, with those that mimic others.
+    #[getter]
+    fn all_joint_names(&self) -> Vec<&str> {
+        self.inner.joints().iter().map(|joint| joint.name.as_str()).collect()
+    }
+
+    /// ``"revolute"`` or ``"prismatic"``, for each of ``joint_names``.
+    #[getter]
+    fn joint_kinds(&self) -> Vec<&str> {
+        self.inner.independent_joints().map(|joint| joint.kind.name()).collect()
+    }
+
+    /// The frames: the world, then those of joints, of links, and added ones.
+    #[getter]
+    fn frame_names(&self) -> Vec<&str> {
+        self.inner.frames().iter().map(|frame| frame.name.as_str()).collect()
+    }
+
+    /// Gravity in the world (3) in m/s^2.
+    #[getter]
+    fn gravity<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, self.inner.gravity().as_slice())
+    }
+
+    /// Mass of all links that move (kg).
+    #[getter]
+    fn mass(&self) -> f64 {
+        self.inner.joints().iter().map(|joint| joint.inertia.mass).sum()
+    }
+
+    /// The armature matrix: a row for each of ``all_joint_names`` (kg m^2, kg).
+    #[getter]
+    fn armature<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let matrix = self.inner.armature_matrix();
+        let rows: Vec<Vec<f64>> = matrix.row_iter().map(|row| row.iter().copied().collect()).collect();
+        Ok(PyArray2::from_vec2(py, &rows)?)
+    }
+
+    /// Smallest and largest q (2, n) in rad, m; infinite where there is no limit.
+    #[getter]
+    fn position_limits<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let of = |side: fn(&Limits) -> f64| -> Vec<f64> {
+            self.inner.independent_joints().map(|joint| side(&joint.limits)).collect()
+        };
+        Ok(PyArray2::from_vec2(py, &[of(|limits| limits.lower), of(|limits| limits.upper)])?)
+    }
+
+    /// Largest speeds (n) in rad/s, m/s.
+    #[getter]
+    fn velocity_limits<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.of_joints(py, |joint| joint.limits.velocity)
+    }
+
+    /// Largest torques (n) in N m, N.
+    #[getter]
+    fn effort_limits<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.of_joints(py, |joint| joint.limits.effort)
+    }
+
+    /// What is unusual about it.
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.inner.warnings().iter().map(ToString::to_string).collect()
+    }
+
+    /// Order and sign of the joints of a Pinocchio model, see `JointMap`.
+    fn map_to<'py>(slf: &Bound<'py, Self>, model: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        slf.py().import("costate._pinocchio")?.getattr("JointMap")?.call1((slf, model))
+    }
+
+    fn __eq__(&self, other: &Self) -> bool {
+        self.inner == other.inner
+    }
+
+    pub fn __hash__(&self) -> u64 {
+        let mut hasher = DefaultHasher::new();
+        self.inner.name().hash(&mut hasher);
+        self.inner.joints().len().hash(&mut hasher);
+        hasher.finish()
+    }
+
+    fn __copy__(&self) -> Self {
+        self.clone()
+    }
+
+    fn __deepcopy__(&self, _memo: &Bound<'_, PyAny>) -> Self {
+        self.clone()
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyTuple>> {
+        slf.get().recipe.reduce(slf.get_type())
+    }
+
+    fn __repr__(&self) -> String {
+        format!("Robot('{}', n={})", robot::printable(self.name()), self.n())
+    }
+
+    fn _repr_html_(&self) -> String {
+        table::html(&self.inner)
+    }
+}

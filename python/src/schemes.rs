@@ -1,0 +1,154 @@
+//! The schemes of time steps: what their cores compute, and the plans of their arrays.
+
+use crate::cores::{Core, Writer, core_of};
+use crate::plan::{Piece, Plan, PlanBuilder};
+use costate::matrix::Block;
+use costate::step::{
+    ImplicitMidpoint, RungeKutta4, SemiImplicitEuler, Step as Scheme, StepError, StepLinearisation,
+    StoermerVerlet,
+};
+use costate::{Coordinates, EvalError};
+use costate_jit::JitModel;
+
+/// A step of any scheme.
+pub type AnyStep = Box<dyn Scheme<f64, Error = StepError<EvalError>> + Send>;
+
+/// The name of a scheme, how it is built, and the coordinates that it needs.
+pub type Known = (&'static str, fn(JitModel) -> AnyStep, Option<Coordinates>);
+
+/// All schemes.
+pub const SCHEMES: [Known; 4] = [
+    ("rk4", |model| Box::new(RungeKutta4::new(model)), None),
+    ("midpoint", |model| Box::new(ImplicitMidpoint::new(model)), None),
+    ("verlet", |model| Box::new(StoermerVerlet::new(model)), Some(Coordinates::Hamiltonian)),
+    ("semi_implicit_euler", |model| Box::new(SemiImplicitEuler::new(model)), Some(Coordinates::Lagrangian)),
+];
+
+/// What a core computes: the next state; its Jacobian and its derivative by dt too; its contracted Hessian
+/// too.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Order {
+    Value,
+    First,
+    Second,
+}
+
+/// The methods of `Step`.
+#[derive(Clone, Copy)]
+pub enum Verb {
+    F,
+    Jacobian,
+    Hessian,
+    Linearise,
+    Contract,
+    Adjoint,
+    Hvp,
+    ByTime,
+}
+
+/// Number of verbs.
+pub const VERBS: usize = 8;
+
+impl Verb {
+    /// What its core computes.
+    pub fn order(self) -> Order {
+        match self {
+            Self::F => Order::Value,
+            Self::Jacobian | Self::Linearise | Self::Adjoint | Self::ByTime => Order::First,
+            Self::Hessian | Self::Contract | Self::Hvp => Order::Second,
+        }
+    }
+
+    /// Arguments and results for n joints; the results of the core are the next state, its derivative by dt,
+    /// J and H.
+    pub fn plan(self, rate: &'static str, n: usize) -> Plan {
+        let mut plan = PlanBuilder::new(5 * n);
+        plan.core("q", n);
+        plan.core(rate, n);
+        plan.core("tau", n);
+        let (jacobian, hessian) = (6 * n * n, 9 * n * n);
+        let mut y = 0;
+        if self.order() == Order::Second {
+            y = plan.core("y", 2 * n);
+        }
+        if let Self::Adjoint = self {
+            [y] = plan.split("y", [(2 * n, false)]);
+        }
+        let d = if let Self::Hvp = self { plan.split("d", [(3 * n, false)])[0] } else { 0 };
+        let plan = plan.results(match self.order() {
+            Order::Value => 2 * n,
+            Order::First => 4 * n + jacobian,
+            Order::Second => 4 * n + jacobian + hessian,
+        });
+        let next = plan.core_outputs.start;
+        let (by_time, j, h) = (next + 2 * n, next + 4 * n, next + 4 * n + jacobian);
+        let value = |plan: Plan| plan.output(&[2 * n], vec![Piece::copy(0, next, 2 * n)]);
+        let first = |plan: Plan| plan.output(&[2 * n, 3 * n], vec![Piece::copy(0, j, jacobian)]);
+        let second = |plan: Plan| plan.output(&[3 * n, 3 * n], vec![Piece::copy(0, h, hessian)]);
+        match self {
+            Self::F => value(plan),
+            Self::Jacobian => first(plan),
+            Self::Hessian => second(plan),
+            Self::Linearise => first(value(plan)),
+            Self::Contract => second(first(value(plan))),
+            Self::ByTime => plan.output(&[2 * n], vec![Piece::copy(0, by_time, 2 * n)]),
+            Self::Adjoint => {
+                let of = |k| Piece::Product { to: k, a: (y, 1), b: (j + k, 3 * n), length: 2 * n };
+                plan.output(&[3 * n], (0..3 * n).map(of).collect())
+            }
+            Self::Hvp => {
+                let of = |k| Piece::Product { to: k, a: (h + 3 * n * k, 1), b: (d, 1), length: 3 * n };
+                plan.output(&[3 * n], (0..3 * n).map(of).collect())
+            }
+        }
+    }
+}
+
+/// A workspace that computes one step.
+pub fn core(
+    build: fn(JitModel) -> AnyStep,
+    model: JitModel,
+    dt: f64,
+    order: Order,
+    n: usize,
+) -> Box<dyn Core> {
+    core_of(build(model), move |step, inputs, outputs| {
+        let (x, rest) = inputs.split_at(2 * n);
+        let (tau, y) = rest.split_at(n);
+        let writer = &mut Writer(outputs);
+        match order {
+            Order::Value => {
+                writer.put(step.evaluate(x, tau, dt)?);
+            }
+            Order::First => put_first(writer, step.linearise(x, tau, dt)?),
+            Order::Second => {
+                let second = step.contract(x, tau, dt, y)?;
+                put_first(writer, second.first);
+                put_symmetric(writer.0, [Some(second.xx), second.ux, second.uu], n);
+            }
+        }
+        Ok(())
+    })
+}
+
+fn put_first(writer: &mut Writer<'_>, first: StepLinearisation<'_, f64>) {
+    writer.put(first.next).put(first.phi_h);
+    for (in_x, in_u) in first.phi_x.iter_rows().zip(first.phi_u.iter_rows()) {
+        writer.put(in_x).put(in_u);
+    }
+}
+
+/// `[ xx  ux' ; ux  uu ]`, 3n x 3n; ux is zero in the states beyond its columns.
+fn put_symmetric(whole: &mut [f64], [xx, ux, uu]: [Option<Block<'_, f64>>; 3], n: usize) {
+    whole.fill(0.0);
+    for (block, [top, left]) in [(xx, [0, 0]), (ux, [2 * n, 0]), (uu, [2 * n, 2 * n])] {
+        for (i, row) in block.iter().flat_map(|block| block.iter_rows()).enumerate() {
+            for (j, &entry) in row.iter().enumerate() {
+                whole[(top + i) * 3 * n + left + j] = entry;
+                if top != left {
+                    whole[(left + j) * 3 * n + top + i] = entry;
+                }
+            }
+        }
+    }
+}

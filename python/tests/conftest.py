@@ -1,0 +1,52 @@
+"""Robots and states that all tests use."""
+
+import warnings
+from pathlib import Path
+
+import costate
+import numpy as np
+import pytest
+
+ROBOTS = Path(__file__).parents[2] / "robots"
+
+
+def load(name: str) -> costate.Robot:
+    """A robot of the repository, without its warnings."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", costate.RobotWarning)
+        return costate.Robot.from_file(ROBOTS / name)
+
+
+@pytest.fixture(scope="session")
+def ur5() -> costate.Robot:
+    return load("ur5.urdf")
+
+
+@pytest.fixture(scope="session")
+def puma() -> costate.Robot:
+    return load("puma560.toml")
+
+
+@pytest.fixture
+def random() -> np.random.Generator:
+    return np.random.default_rng(17)
+
+
+def pendulum(mass: float = 2.0, length: float = 0.7) -> costate.Robot:
+    """A point mass below a hinge about y: every quantity is known."""
+    return costate.Robot.builder("pendulum").revolute("hinge", axis=[0, 1, 0], mass=mass, com=[0, 0, -length]).build()
+
+
+def central_differences(function, z: np.ndarray, step: float = 1e-6) -> np.ndarray:
+    """Finite differences of a function, columns by entries of z; they judge derivatives to about 1e-8."""
+    columns = [(function(z + step * unit) - function(z - step * unit)) / (2 * step) for unit in np.eye(len(z))]
+    return np.stack(columns, axis=-1)
+
+
+def assert_close(found, expected, relative: float = 1e-12) -> None:
+    """Entries differ by at most this part of the largest one."""
+    found, expected = np.asarray(found), np.asarray(expected)
+    assert found.shape == expected.shape
+    assert np.isfinite(found).all()
+    size = max(np.abs(expected).max(initial=0.0), 1e-300)
+    assert np.abs(found - expected).max(initial=0.0) <= relative * size
