@@ -87,7 +87,7 @@ fn a_table_of_the_robot_changes_it() {
         ("mass = 2", "", "problem:8: robot.payload.mass: missing; add it"),
         ("mass = 2", "mass = -2", "problem:8: robot.payload: the mass of the payload of frame 'elbow'"),
         ("file = ", "path = ", "problem:2: robot.path: unknown key; the keys here are `file`, `gravity`"),
-        ("two_link.toml", "none.toml", "problem:1: robot: "),
+        ("two_link.toml", "none.toml", "problem:2: robot.file: "),
     ] {
         let error = read(&format!("{}{rest}", table.replacen(from, to, 1))).unwrap_err();
         assert!(error.starts_with(message), "{error}\n{message}");

@@ -220,11 +220,9 @@ fn goals_of_tools_move() {
         assert!((0..2).all(|i| (reached[i] - to[i]).abs() < 1e-7), "{k}: {reached:?}");
         costs.push(found.cost);
     }
-    // There and back again: the same motions.
-    assert!(
-        (costs[2] / costs[0] - 1.0).abs() < 1e-5 && (costs[3] / first.cost - 1.0).abs() < 1e-5,
-        "{costs:?}"
-    );
+    // There and back again: the same motion, and one that is no dearer than the first.
+    assert!((costs[2] / costs[0] - 1.0).abs() < 1e-5, "{costs:?}");
+    assert!(costs[3] < (1.0 + 1e-5) * first.cost, "{costs:?} {}", first.cost);
     assert!((costs[1] / costs[0] - 1.0).abs() > 1e-3);
     let error = motion.set_start_tool(0, [0.0; 3]).unwrap_err().to_string();
     assert!(error.starts_with("start.tool: there is no entry 0"), "{error}");

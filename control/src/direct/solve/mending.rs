@@ -1,7 +1,6 @@
 //! What is done about limits that are exceeded between points alone.
 
 use crate::constants::direct as constants;
-use crate::direct::refine::resolution::Resolution;
 
 /// How a motion that its points resolve comes to keep its limits between them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,8 +32,9 @@ impl Default for Mended {
 }
 
 impl Mended {
-    /// What is next for a motion whose cost is resolved to `error`, relative to it as the `tolerance` and the
-    /// `loss` by limits that are kept.
+    /// What is next for a motion that exceeds limits between points by the parts `violation` and `overshoot`
+    /// of their ranges, those whose values may jump at nodes by the second one, and whose cost is resolved to
+    /// `error`, relative to it as the `tolerance` and the `loss` by limits that are kept.
     ///
     /// Values that may jump at nodes overshoot on the interval in which the exact motion jumps or a limit
     /// begins to be active. Where it costs too much to keep such a limit, nodes move to the jump, as long as
@@ -42,12 +42,11 @@ impl Mended {
     /// That is decided when the mesh is solved as precisely as it will be.
     pub fn next(
         &mut self,
-        resolution: &Resolution,
+        [violation, overshoot]: [f64; 2],
         [error, loss]: [f64; 2],
         tolerance: f64,
         is_precise: bool,
     ) -> Mending {
-        let (violation, overshoot) = (resolution.violation(), resolution.overshoot());
         let most = violation.max(overshoot);
         let is_beyond = |part: f64| part > constants::VIOLATION_BETWEEN;
         if error > tolerance || !is_beyond(most) {
@@ -78,28 +77,20 @@ impl Mended {
 #[cfg(test)]
 mod tests {
     use super::{Mended, Mending, constants};
-    use crate::direct::refine::resolution::Resolution;
 
     const TOLERANCE: f64 = 1e-4;
-
-    /// Exceeded by these parts.
-    fn beyond(violation: f64, overshoot: f64) -> Resolution {
-        let mut resolution = Resolution::default();
-        (resolution.violations, resolution.overshoots) = (vec![0.0, violation], vec![overshoot, 0.0]);
-        resolution
-    }
 
     #[test]
     fn limits_move_while_that_helps() {
         let mut mended = Mended::default();
-        let mut next = |part: f64, loss: f64| mended.next(&beyond(0.0, part), [0.0, loss], TOLERANCE, true);
+        let mut next = |part: f64, loss: f64| mended.next([0.0, part], [0.0, loss], TOLERANCE, true);
         assert_eq!(next(0.2, 0.5 * TOLERANCE), Mending::Move);
         assert_eq!(next(0.05, 0.5 * TOLERANCE), Mending::Move);
         // Not much less than before: a finer mesh, once.
         assert_eq!(next(0.04, 0.5 * TOLERANCE), Mending::Divide);
         assert_eq!(next(0.04, 0.4 * TOLERANCE), Mending::Done);
         mended.begin_mesh();
-        let next = mended.next(&beyond(0.0, 0.04), [0.0, 0.4 * TOLERANCE], TOLERANCE, true);
+        let next = mended.next([0.0, 0.04], [0.0, 0.4 * TOLERANCE], TOLERANCE, true);
         assert_eq!(next, Mending::Move);
     }
 
@@ -109,8 +100,8 @@ mod tests {
         let mut loss = 100.0 * TOLERANCE;
         let mut divisions = 0;
         // Only precise solutions tell.
-        assert_eq!(mended.next(&beyond(0.0, 0.3), [0.0, loss], TOLERANCE, false), Mending::Done);
-        while mended.next(&beyond(0.0, 0.3), [0.0, loss], TOLERANCE, true) == Mending::Divide {
+        assert_eq!(mended.next([0.0, 0.3], [0.0, loss], TOLERANCE, false), Mending::Done);
+        while mended.next([0.0, 0.3], [0.0, loss], TOLERANCE, true) == Mending::Divide {
             (loss, divisions) = (0.4 * loss, divisions + 1);
             mended.begin_mesh();
         }
@@ -119,13 +110,12 @@ mod tests {
 
     #[test]
     fn what_is_not_resolved_or_kept_is_left() {
-        let next = |resolution: &Resolution, error: f64| {
-            Mended::default().next(resolution, [error, 0.0], TOLERANCE, true)
-        };
-        assert_eq!(next(&beyond(0.0, 0.5 * constants::VIOLATION_BETWEEN), 0.0), Mending::Done);
-        assert_eq!(next(&beyond(1e-3, 0.0), 2.0 * TOLERANCE), Mending::Done);
-        assert_eq!(next(&beyond(1e-3, 0.0), 0.5 * TOLERANCE), Mending::Move);
+        let next =
+            |beyond: [f64; 2], error: f64| Mended::default().next(beyond, [error, 0.0], TOLERANCE, true);
+        assert_eq!(next([0.0, 0.5 * constants::VIOLATION_BETWEEN], 0.0), Mending::Done);
+        assert_eq!(next([1e-3, 0.0], 2.0 * TOLERANCE), Mending::Done);
+        assert_eq!(next([1e-3, 0.0], 0.5 * TOLERANCE), Mending::Move);
         // Positions and rates move by little.
-        assert_eq!(next(&beyond(2.0 * constants::MOST_MOVED, 0.0), 0.5 * TOLERANCE), Mending::Done);
+        assert_eq!(next([2.0 * constants::MOST_MOVED, 0.0], 0.5 * TOLERANCE), Mending::Done);
     }
 }

@@ -132,7 +132,10 @@ pub(super) fn refine(
             // Limits do not move where accelerations are continuous.
             End::Solved if !unresolved && !smooth => {
                 let loss = resolution.loss() / figures.size;
-                mended.next(resolution, [error, loss], tolerance, precision <= least)
+                // A motion that is not verified is one to begin with.
+                let overshoot = if options.verify == Verify::None { 0.0 } else { resolution.overshoot() };
+                let beyond = [resolution.violation(), overshoot];
+                mended.next(beyond, [error, loss], tolerance, precision <= least)
             }
             _ => Mending::Done,
         };
