@@ -71,6 +71,8 @@ pub(crate) mod arcs {
     pub const SLACK: f64 = 2e-7;
     /// A control this far beyond a bound, in half distances between its bounds, violates it.
     pub const BEYOND: f64 = 1e-6;
+    /// An arc at an end that is shorter than this part of the time is none.
+    pub const SHORTEST: f64 = 1e-9;
     /// This many arcs or more are not tried.
     pub const MOST_ARCS: usize = 60;
     /// Fewest intervals on an arc.

@@ -2,7 +2,7 @@
 
 use crate::bvp::mesh::Span;
 use crate::bvp::timed::Switch;
-use crate::constants::arcs::{SAMPLES, SLACK, UNDECIDED};
+use crate::constants::arcs::{SAMPLES, SHORTEST, SLACK, UNDECIDED};
 use crate::extremal::{BoundSide, ControlRange, Extremal, SideChange};
 use crate::solve::Discretisation;
 
@@ -15,7 +15,7 @@ pub(crate) struct Crossing {
 }
 
 impl Discretisation {
-    /// Where the controls of one arc reach or leave their bounds, in the order of time.
+    /// Where the controls of one arc reach or leave their bounds, in the order of time; not at the ends.
     pub fn crossings(&self, extremal: &mut dyn Extremal) -> Vec<Crossing> {
         let (z_len, m, count) = (2 * extremal.states(), self.equations.m, extremal.controls());
         let durations = self.durations(z_len);
@@ -54,6 +54,8 @@ impl Discretisation {
             found.extend(in_interval);
             now += h;
         }
+        // A control that touches its bound at an end may be beyond it by rounding.
+        found.retain(|crossing| (SHORTEST * now..=(1.0 - SHORTEST) * now).contains(&crossing.time));
         found
     }
 
