@@ -143,9 +143,6 @@ pub const MOVED_FROM: f64 = 0.5;
 pub const MOVES: usize = 3;
 /// .. as long as less than this part of what was exceeded before is left.
 pub const LESS_EXCEEDED: f64 = 0.5;
-/// Most meshes on which nodes move to jumps for nothing but limits between points, if each one leaves less
-/// than this part of what it costs to keep these.
-pub const MESHES_FOR_JUMPS: usize = 2;
 /// Intervals in which a jerk or the rate of a torque exceeds its limit by more than this part of its
 /// range are divided with those that have large errors.
 pub const VIOLATION_OF_RATES: f64 = 0.01;
@@ -181,7 +178,7 @@ pub const NARROWEST: f64 = 1e-5;
 /// .. nor where jerks and rates of torques would be rounded by this part of the range of their limits.
 pub const ROUNDING_OF_RATES: f64 = 3e-8;
 /// The same of accelerations and torques.
-pub const ROUNDING_OF_TORQUES: f64 = 3e-9;
+pub const ROUNDING_OF_TORQUES: f64 = 1e-8;
 /// New nodes are farther from others than this part of the narrowest width: close pairs enclose a jump
 /// whose place is known roughly..
 pub const CLOSEST: f64 = 0.1;

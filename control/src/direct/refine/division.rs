@@ -19,13 +19,6 @@ impl Resolution {
         self.divided(spline, &chosen, tolerance)
     }
 
-    /// Nodes of a finer mesh on which it costs less to keep limits between points whose values may jump.
-    pub fn nodes_for_jumps(&mut self, spline: &Spline, tolerance: f64) -> Vec<f64> {
-        let mut chosen = vec![false; self.losses.len()];
-        choose(&mut chosen, &self.losses, tolerance);
-        self.divided(spline, &chosen, tolerance)
-    }
-
     /// Nodes of a finer mesh on which limits cut off less of the torques.
     pub fn nodes_for_torques(&mut self, spline: &Spline, tolerance: f64) -> Vec<f64> {
         let mut chosen = vec![false; self.cut.len()];

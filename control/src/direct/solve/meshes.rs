@@ -1,6 +1,6 @@
 //! One mesh after the other, until the motion is accurate.
 
-use super::mending::{Mended, Mending};
+use super::mending::Mended;
 use super::prepare::Dynamics;
 use super::restore::{Patience, Restored, restore};
 use crate::constants::direct as constants;
@@ -128,16 +128,12 @@ pub(super) fn refine(
         let error = (resolution.error() + figures.gap) / figures.size;
         let violated = figures.violation > constants::VIOLATION_ACCEPTED;
         let accurate = error <= tolerance && resolution.violation() <= constants::VIOLATION_BETWEEN;
-        let mending = match end {
-            // Limits do not move where accelerations are continuous.
-            End::Solved if !unresolved && !smooth => {
-                let loss = resolution.loss() / figures.size;
-                // A motion that is not verified is one to begin with.
-                let overshoot = if options.verify == Verify::None { 0.0 } else { resolution.overshoot() };
-                let beyond = [resolution.violation(), overshoot];
-                mended.next(beyond, [error, loss], tolerance, precision <= least)
-            }
-            _ => Mending::Done,
+        // Limits do not move where accelerations are continuous.
+        let moves = end == End::Solved && !unresolved && !smooth && {
+            let loss = resolution.loss() / figures.size;
+            // A motion that is not verified is one to begin with.
+            let overshoot = if options.verify == Verify::None { 0.0 } else { resolution.overshoot() };
+            mended.moves_limits([resolution.violation(), overshoot], [error, loss], tolerance)
         };
         let mut again = None;
         let status = match end {
@@ -153,13 +149,13 @@ pub(super) fn refine(
             End::NoProgress | End::IterationLimit if violated => Status::LimitsNotKept,
             End::NoProgress => Status::NewtonFailed,
             End::IterationLimit => Status::IterationLimit,
-            End::Solved if accurate && precision <= least && mending == Mending::Done => {
+            End::Solved if accurate && precision <= least && !moves => {
                 verified(problem, options, interior, resolution, &mut again)
             }
             End::Solved => Status::MeshLimit,
         };
         refined = Refined { status, error, again, infeasible: None };
-        let kept = accurate && precision <= least && mending == Mending::Done;
+        let kept = accurate && precision <= least && !moves;
         let unverified = kept && options.verify == Verify::None;
         if refined.status.is_converged()
             || unverified
@@ -167,7 +163,7 @@ pub(super) fn refine(
         {
             break;
         }
-        if mending == Mending::Move && resolution.move_limits_inside(interior) {
+        if moves && resolution.move_limits_inside(interior) {
             precision = least;
             interior.begin_inside();
             continue;
@@ -180,24 +176,12 @@ pub(super) fn refine(
         precision = (constants::PRECISION * error).clamp(least, constants::FIRST_PRECISION.max(least));
         let enough = tolerance * figures.size;
         let narrowest = resolution.narrowest;
-        let mut nodes = match (violated, accurate) {
+        let nodes = match (violated, accurate) {
             (true, _) if !unresolved => interior.spline.mesh.halved(narrowest),
             // What the estimate does not see, the integration may.
-            (false, true) if mending == Mending::Done => {
-                resolution.nodes_for_torques(&interior.spline, enough)
-            }
-            (false, true) => resolution.nodes_for_jumps(&interior.spline, enough),
+            (false, true) => resolution.nodes_for_torques(&interior.spline, enough),
             _ => resolution.nodes(&interior.spline, enough),
         };
-        let jumps = mending == Mending::Divide;
-        if jumps && nodes == interior.spline.mesh.nodes {
-            // There is no room for another node at a jump, and the motion stays as it is if that is enough.
-            refined.status = verified(problem, options, interior, resolution, &mut refined.again);
-            if refined.status.is_converged() || options.verify == Verify::None {
-                break;
-            }
-            nodes = resolution.nodes_for_torques(&interior.spline, enough);
-        }
         let same = nodes == interior.spline.mesh.nodes;
         let nodes = if same { interior.spline.mesh.halved(narrowest) } else { nodes };
         let stride = interior.spline.mesh.shape.stride();
@@ -206,8 +190,6 @@ pub(super) fn refine(
         if stride * (nodes.len() - 1) + 1 > options.max_nodes || is_last {
             if unresolved {
                 refined.error = come_back(interior, resolved, resolution)?;
-            } else if jumps {
-                refined.status = verified(problem, options, interior, resolution, &mut refined.again);
             }
             break;
         }
