@@ -107,10 +107,11 @@ mod tests {
             interior.spline.unknowns[at] *= 1.0 + f64::EPSILON;
             interior.evaluate().unwrap();
             interior.spline.unknowns[at] = kept;
-            for entry in 0..interior.barrier.points() * interior.barrier.sides().len() {
+            let of_points = interior.barrier.points() * interior.barrier.sides().len();
+            for (entry, before) in before[..of_points].iter().enumerate() {
                 let side = interior.barrier.side(entry);
                 if matches!(side.limited, Limited::Torque | Limited::Acceleration) {
-                    most = most.max((interior.barrier.distance[entry] - before[entry]).abs() / side.range);
+                    most = most.max((interior.barrier.distance[entry] - before).abs() / side.range);
                 }
             }
         }
