@@ -8,7 +8,7 @@ use costate::hamiltonian::Hamiltonian;
 use costate::step::StepError;
 use costate::{EvalError, robot};
 use costate_comparison::{Routes, StepRoutes};
-use costate_jit::JitQuantity;
+use costate_jit::{Backend, JitQuantity};
 use pyo3::prelude::*;
 
 /// Duration of the steps that are compared (s).
@@ -43,15 +43,17 @@ pub fn _compare(py: Python<'_>, robot: &Robot, states: Vec<[Vec<f64>; 4]>) -> Py
         (figure.quantity, figure.route, figure.difference, figure.bound, agrees)
     };
     let (figures, machine) = report.map_or((Vec::new(), None), |(report, machine)| {
-        let bound = MACHINE_CODE * (report.condition / WELL_CONDITIONED).max(1.0);
-        let agrees = Some(machine <= bound);
-        (report.figures, Some(("F, F_x, y'F_xx", "machine code", machine, bound, agrees)))
+        let row = |[difference, bound]: [f64; 2]| {
+            ("F, F_x, y'F_xx", "machine code", difference, bound, Some(difference <= bound))
+        };
+        (report.figures, machine.map(row))
     });
     Ok((figures.iter().map(row).chain(machine).collect(), left_out))
 }
 
-/// The worst report, with the largest difference of machine code; and how many states were left out.
-type Compared = (Option<(StateReport, f64)>, usize);
+/// The worst report, with the difference of machine code and its bound where they are closest or farthest
+/// beyond, if there is machine code; and how many states were left out.
+type Compared = (Option<(StateReport, Option<[f64; 2]>)>, usize);
 
 fn compare(robot: &robot::Robot, states: &[[Vec<f64>; 4]]) -> Result<Compared, Failure> {
     let (mut routes, mut steps) = (Routes::new(robot), StepRoutes::new(robot));
@@ -64,7 +66,7 @@ fn compare(robot: &robot::Robot, states: &[[Vec<f64>; 4]]) -> Result<Compared, F
         }
         .ok()
     });
-    let (mut worst, mut left_out) = (None::<(StateReport, f64)>, 0);
+    let (mut worst, mut left_out) = (None::<(StateReport, Option<[f64; 2]>)>, 0);
     for [q, v, tau, y] in states {
         let x = [q.as_slice(), hamiltonian.momentum(q, v)?].concat();
         let mut report = match routes.compare(&x, tau, y) {
@@ -81,22 +83,37 @@ fn compare(robot: &robot::Robot, states: &[[Vec<f64>; 4]]) -> Result<Compared, F
             Err(StepError::Dynamics(EvalError::SingularMassMatrix { .. })) => {}
             Err(error) => return Err(error.into()),
         }
+        let bound = MACHINE_CODE * (report.condition / WELL_CONDITIONED).max(1.0);
         let machine = difference(&mut codes, &[x.as_slice(), tau, y].concat())?;
+        let machine = machine.map(|difference| [difference, bound]);
         worst = Some(match worst.take() {
             None => (report, machine),
-            Some((before, of)) => (before.with_worse_of(&report), worse(of, machine)),
+            Some((before, of)) => (before.with_worse_of(&report), nearer(of, machine)),
         });
     }
     Ok((worst, left_out))
 }
 
-/// The largest difference of machine code from the generic code, relative to the largest entry.
-fn difference(codes: &mut [Option<JitQuantity>; 2], inputs: &[f64]) -> Result<f64, EvalError> {
-    let [Some(machine), Some(generic)] = codes else { return Ok(0.0) };
+/// The one of two differences that is nearer to its bound, or farther beyond.
+fn nearer(a: Option<[f64; 2]>, b: Option<[f64; 2]>) -> Option<[f64; 2]> {
+    let part = |[difference, bound]: [f64; 2]| difference / bound;
+    match (a, b) {
+        (Some(a), Some(b)) => Some(if part(a) >= part(b) || part(a).is_nan() { a } else { b }),
+        (a, b) => a.or(b),
+    }
+}
+
+/// The largest difference of machine code from the generic code, relative to the largest entry; `None` where
+/// there is no machine code.
+fn difference(codes: &mut [Option<JitQuantity>; 2], inputs: &[f64]) -> Result<Option<f64>, EvalError> {
+    let [Some(machine), Some(generic)] = codes else { return Ok(None) };
+    if !matches!(machine.backend(), Backend::Compiled { .. }) {
+        return Ok(None);
+    }
     let (mut ours, mut expected) = (vec![0.0; machine.outputs()], vec![0.0; generic.outputs()]);
     machine.evaluate(inputs, &mut ours)?;
     generic.evaluate(inputs, &mut expected)?;
     let size = expected.iter().fold(0.0, |size, entry| worse(size, entry.abs()));
     let largest = ours.iter().zip(&expected).fold(0.0, |largest, (a, b)| worse(largest, (a - b).abs()));
-    Ok(if largest == 0.0 { 0.0 } else { largest / size })
+    Ok(Some(if largest == 0.0 { 0.0 } else { largest / size }))
 }

@@ -16,7 +16,7 @@ use std::sync::Arc;
 ///
 /// It never changes: ``lock``, ``with_payload`` and the like return another robot. The entries of q, v and
 /// tau belong to ``joint_names``: the joints that mimic no other one, parents before children, as in
-/// Pinocchio.
+/// Pinocchio for most robots.
 ///
 /// Examples
 /// --------

@@ -49,10 +49,9 @@ pub struct LimitReport {
 pub struct LimitUse {
     /// Largest violation at the points of the motion, in the unit of the limit.
     pub at_points: f64,
-    /// Largest violation between them. Where an acceleration, a power, a jerk or the rate of a torque jumps
-    /// inside of an interval it may overshoot there, the shorter the finer the mesh; by more than 1e-4 of the
-    /// range only if keeping the limit would cost more than the tolerance. Torques there are cut to
-    /// their limits in the trajectory; this is how much more the polynomial would need.
+    /// Largest violation between them. Where an acceleration, a torque, a power, a jerk or the rate of a
+    /// torque jumps inside of an interval it may overshoot there, the shorter the finer the mesh. Torques are
+    /// cut to their limits in the trajectory; this is how much more the polynomial would need.
     pub between: f64,
     /// The largest violation at the points, if there is any beyond rounding: 1e-7 of the distance between
     /// lower and upper limit.

@@ -159,8 +159,8 @@ fn every_example_is_solved() {
         // accurately.
         let curved = ["task", "torque_speed", "power"].iter().any(|kind| !solution["limits"][kind].is_null());
         let phases = !solution["via_times"].is_null();
-        // Kinks of a stiff penalty where torques are at their limits are resolved in part: a motion is verified
-        // to 0.3 times the root of the tolerance, of the largest rate, 5.2 rad/s.
+        // Kinks of a stiff penalty where torques are at their limits are resolved in part: a motion is
+        // verified to 0.3 times the root of the tolerance, of the largest rate, 5.2 rad/s.
         let stiff = solution["penalty_cost"].as_f64().unwrap() > 0.0;
         let least = if stiff {
             0.3 * 1e-5_f64.sqrt() * 5.2
