@@ -180,7 +180,7 @@ impl fmt::Debug for JitQuantity {
 }
 
 /// Whether every number is finite: `0 x` is 0 if x is finite, and not a number otherwise.
-pub(crate) fn all_finite(values: &[f64]) -> bool {
+fn all_finite(values: &[f64]) -> bool {
     let mut sums = [0.0; 8];
     let (chunks, rest) = values.as_chunks::<8>();
     for chunk in chunks {

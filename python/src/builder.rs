@@ -1,11 +1,12 @@
 //! The class `RobotBuilder`.
 
-use crate::descriptions::{inertia_of, limits_of};
+use crate::descriptions::inertia_of;
 use crate::errors;
 use crate::recipe::{Recipe, named};
 use crate::robot::Robot;
 use costate::robot::{
-    FrameSpec, Friction, JointSpec, Limits, LinkInertia, Placement, RobotBuilder as Builder, Spring,
+    FrameSpec, Friction, JointSpec, LimitChange, Limits, LinkInertia, Placement, RobotBuilder as Builder,
+    Spring,
 };
 use pyo3::prelude::*;
 use std::sync::{Mutex, PoisonError};
@@ -107,6 +108,7 @@ macro_rules! joint_methods {
                     py, name, on, xyz, rpy, axis, mass, com, inertia, armature, stiffness, rest, viscous,
                     coulomb, lower, upper, velocity, effort, mimic
                 );
+                let limits = LimitChange { lower, upper, velocity, effort }.of(Limits::default());
                 let mut joint = JointSpec::$kind(&name)
                     .placed(Placement::from_xyz_rpy(xyz, rpy))
                     .axis(axis)
@@ -114,7 +116,7 @@ macro_rules! joint_methods {
                     .armature(armature)
                     .spring(Spring { stiffness, rest })
                     .friction(Friction { viscous, coulomb, ..Friction::none() })
-                    .limits(limits_of(Limits::default(), lower, upper, velocity, effort));
+                    .limits(limits);
                 if let Some(on) = &on {
                     joint = joint.on(on);
                 }

@@ -1,7 +1,6 @@
-//! Inertias and limits as arguments describe them.
+//! Inertias as arguments describe them.
 
 use crate::errors::argument;
-use costate::robot::Limits;
 use pyo3::prelude::*;
 
 /// Entries xx, yy, zz, xy, xz, yz.
@@ -15,20 +14,4 @@ pub fn inertia_of(py: Python<'_>, entries: Option<Vec<f64>>) -> PyResult<[f64; 6
             Err(argument(py, "inertia", message))
         }
     })
-}
-
-/// Limits; those of `old` where none is given.
-pub fn limits_of(
-    old: Limits,
-    lower: Option<f64>,
-    upper: Option<f64>,
-    velocity: Option<f64>,
-    effort: Option<f64>,
-) -> Limits {
-    Limits {
-        lower: lower.unwrap_or(old.lower),
-        upper: upper.unwrap_or(old.upper),
-        velocity: velocity.unwrap_or(old.velocity),
-        effort: effort.unwrap_or(old.effort),
-    }
 }

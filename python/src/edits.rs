@@ -1,9 +1,9 @@
 //! Changes of a robot: each returns another one.
 
-use crate::descriptions::{inertia_of, limits_of};
+use crate::descriptions::inertia_of;
 use crate::recipe::named;
 use crate::robot::Robot;
-use costate::robot::{FrameSpec, Friction, LinkInertia, Placement};
+use costate::robot::{FrameSpec, Friction, LimitChange, LinkInertia, Placement};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -105,7 +105,7 @@ impl Robot {
         let arguments = named!(py, joint, lower, upper, velocity, effort);
         self.changed(py, "with_limits", arguments, |robot| {
             let old = robot.joints()[robot.joint_index(&joint)?].limits;
-            robot.with_limits(&joint, limits_of(old, lower, upper, velocity, effort))
+            robot.with_limits(&joint, LimitChange { lower, upper, velocity, effort }.of(old))
         })
     }
 }

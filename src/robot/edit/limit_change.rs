@@ -16,7 +16,8 @@ pub struct LimitChange {
 }
 
 impl LimitChange {
-    pub(super) fn of(self, old: Limits) -> Limits {
+    /// The limits of a joint that has those in `old`.
+    pub fn of(self, old: Limits) -> Limits {
         Limits {
             lower: self.lower.unwrap_or(old.lower),
             upper: self.upper.unwrap_or(old.upper),
