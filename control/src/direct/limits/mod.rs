@@ -12,6 +12,7 @@ pub(super) mod entries;
 pub(super) mod model;
 pub(super) mod multipliers;
 pub(super) mod power;
+mod quartic;
 pub(super) mod settled;
 pub(super) mod side;
 pub(super) mod tasks;
