@@ -137,8 +137,14 @@ fn direct_figures(problem: &Problem, solution: &Solution) -> Vec<(&'static str, 
         figures.push(("error of the cost", format!("{} relative, estimated", scientific(error))));
     }
     figures.extend(limit_figures(problem, solution));
+    if motion.certificate == Certificate::LocalMinimumOnMesh {
+        figures.push(("local minimum", ON_MESH.into()));
+    }
     figures
 }
+
+/// What the second derivatives of the direct method show.
+const ON_MESH: &str = "among the motions of its mesh";
 
 /// Figures of the hard limits.
 fn limit_figures(problem: &Problem, solution: &Solution) -> Vec<(&'static str, String)> {
@@ -195,6 +201,9 @@ fn conjugate(problem: &Problem, motion: &Motion) -> String {
             "none: a local minimum in this time".into()
         }
         (None, Certificate::LocalMinimum) => "none: a local minimum".into(),
+        (None, Certificate::LocalMinimumOnMesh) => {
+            format!("not checked; before the polish a local minimum {ON_MESH}")
+        }
         _ => "not checked".into(),
     }
 }

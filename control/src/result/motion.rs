@@ -22,10 +22,19 @@ pub enum Certificate {
     ///
     /// [`ends_are_fixed`]: crate::BoundaryValueProblem::ends_are_fixed
     LocalMinimum,
+    /// A strict local minimum among the motions of its mesh, up to what the barrier of the limits costs.
+    ///
+    /// Of the direct method: the Newton matrix of the last step, with exact second derivatives and without
+    /// damping, is positive definite. It is the Hessian of cost and barrier plus squares of the equations, so
+    /// the Hessian is positive definite along all changes that keep them. Ends and times may be free, limits
+    /// active. Of a polished motion about which conjugate times say nothing: that of the direct motion it
+    /// began with.
+    LocalMinimumOnMesh,
     /// A conjugate time lies before T: motions nearby cost less.
     NotMinimal,
-    /// Not checked: free ends, controls that reach a bound, a smoothed control, a motion that is not
-    /// converged or not verified, or rounding that hides the answer.
+    /// Not shown: of extremals free ends, controls that reach a bound, a smoothed control, rounding that hides
+    /// the answer; of motions of the direct method second derivatives that are not positive definite; motions
+    /// that are not converged or not verified.
     NotChecked,
 }
 

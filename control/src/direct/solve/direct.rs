@@ -10,7 +10,7 @@ use crate::direct::refine::resolution::Resolution;
 use crate::options::{SolverOptions, Verify};
 use crate::parallel::best_of_starts;
 use crate::problem::check::CheckedProblem;
-use crate::result::motion::Motion;
+use crate::result::motion::{Certificate, Motion};
 use crate::result::solution::{RobotNames, Solution};
 use crate::result::stage_times::{Clock, Stage};
 use crate::result::trajectory::Trajectory;
@@ -92,6 +92,10 @@ impl Direct<'_> {
             verification: match status {
                 Status::Converged | Status::NotVerified => self.options.verify,
                 _ => Verify::None,
+            },
+            certificate: match status.is_converged() && interior.figures.is_minimum {
+                true => Certificate::LocalMinimumOnMesh,
+                false => Certificate::NotChecked,
             },
             errors: vec![error],
             iterations,
