@@ -29,7 +29,7 @@ pub fn advice(problem: &Problem, solution: &Solution) -> Option<String> {
     // Fast motions of what is nearly without inertia are behind the others too.
     let light = without_rotors(problem).filter(|_| jumps || energy || *status != Status::NewtonFailed);
     remedies
-        .extend(light.map(|joints| format!("robot.armature, the inertia of rotors, which {joints} without")));
+        .extend(light.map(|joints| format!("robot.armature (the inertia of rotors: {joints} without)")));
     match status {
         Status::NotVerified => remedies.push("--feedback to replay the motion".into()),
         _ if remedies.is_empty() => return None,
@@ -76,5 +76,56 @@ fn without_rotors(problem: &Problem) -> Option<String> {
             Some(format!("joints {} and {} more are", names.join(", "), count - MOST_JOINTS))
         }
         _ => Some(format!("joints {} are", names.join(", "))),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::advice;
+    use costate::robot::Robot;
+    use costate_control::{FinalTime, Objective, Problem, Solution, Solver, SolverOptions, Status};
+
+    fn arm(robot: Robot, cost: Objective) -> Problem {
+        Problem::rest_to_rest(robot, &[0.0; 2], &[1.0; 2], 1.0).with_cost(cost)
+    }
+
+    /// With another status.
+    fn ended(solution: &Solution, status: Status) -> Solution {
+        let mut solution = solution.clone();
+        solution.motion.status = status;
+        solution
+    }
+
+    #[test]
+    fn what_helps_depends_on_costs_and_rotors() {
+        let light = Robot::from_file("../robots/two_link.toml").unwrap();
+        let heavy = ["shoulder", "elbow"]
+            .iter()
+            .fold(light.clone(), |robot, joint| robot.with_joint_armature(joint, 0.1).unwrap());
+        let effort = || Objective::new(0.0, vec![1.0; 2]);
+        let solved = Solver::new(&arm(light.clone(), effort()), SolverOptions::default()).unwrap().solve();
+        let told = |robot: &Robot, cost: Objective, status: Status| {
+            let problem = arm(robot.clone(), cost).with_time(FinalTime::Free { guess: 1.0 });
+            advice(&problem, &ended(&solved, status))
+        };
+        assert_eq!(told(&light, effort(), Status::Converged), None);
+        assert_eq!(told(&heavy, effort(), Status::IterationLimit), None);
+        let least_time = told(&heavy, Objective::new(1.0, vec![0.0; 2]), Status::MeshLimit).unwrap();
+        assert!(least_time.ends_with("what may help: a little cost.effort beside cost.time"), "{least_time}");
+        let energy = Objective::new(0.0, vec![0.0; 2]).with_energy(vec![1.0; 2]);
+        let energy = told(&light, energy, Status::IterationLimit).unwrap();
+        for part in
+            ["beside cost.energy", "cost.energy_smoothing", "robot.armature", "all joints are without"]
+        {
+            assert!(energy.contains(part), "{energy}");
+        }
+        let one = light.with_joint_armature("shoulder", 0.1).unwrap();
+        let drifts = told(&one, effort(), Status::NotVerified).unwrap();
+        assert!(
+            drifts.contains("joint 'elbow' is without")
+                && drifts.ends_with("--feedback to replay the motion")
+        );
+        let fine = told(&light, effort(), Status::MeshLimit).unwrap();
+        assert!(fine.contains("solver.tolerance") && !fine.contains("cost.effort"), "{fine}");
     }
 }
