@@ -28,8 +28,7 @@ pub fn advice(problem: &Problem, solution: &Solution) -> Option<String> {
     }
     // Fast motions of what is nearly without inertia are behind the others too.
     let light = without_rotors(problem).filter(|_| jumps || energy || *status != Status::NewtonFailed);
-    remedies
-        .extend(light.map(|joints| format!("robot.armature (the inertia of rotors: {joints} without)")));
+    remedies.extend(light.map(|joints| format!("robot.armature (the inertia of rotors: {joints} without)")));
     match status {
         Status::NotVerified => remedies.push("--feedback to replay the motion".into()),
         _ if remedies.is_empty() => return None,

@@ -193,8 +193,8 @@ impl Problem {
     }
 
     /// What has the limits of the robot kept, where nothing is said about limits: the first of a cost of
-    /// energy, rates, accelerations, tools, obstacles, vias and a period, which the direct method alone takes.
-    /// `None` if they are not kept, if they are asked for, or if the robot has none.
+    /// energy, rates, accelerations, tools, obstacles, vias and a period, which the direct method alone
+    /// takes. `None` if they are not kept, if they are asked for, or if the robot has none.
     pub fn keeps_robot_limits_by(&self) -> Option<Key> {
         let limited = |joint: &Joint| {
             let Limits { lower, upper, velocity, effort, .. } = joint.limits;

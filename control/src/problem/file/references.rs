@@ -83,7 +83,8 @@ fn turn(rpy: [f64; 3]) -> Rotation3<f64> {
 }
 
 /// Whether two orientations are given by angles of which one turns by half a turn or more, and that way is
-/// meant: not where all angles are of the range of one turn, which jump at its ends, and the rotation is small.
+/// meant: not where all angles are of the range of one turn, which jump at its ends, and the rotation is
+/// small.
 fn turns_too_far(pair: &[[f64; 3]]) -> bool {
     let [from, to] = [pair[0], pair[1]];
     let most = (0..3).map(|k| (to[k] - from[k]).abs()).fold(0.0, f64::max);

@@ -1,17 +1,9 @@
 //! Clearances that are violated wherever the robot is, while a point of a link has a given place.
 
-use super::{Body, Clearances, Other};
+use super::Clearances;
+use super::pair::{Body, Held, Other};
 use costate::robot::Robot;
 use nalgebra::Vector3;
-
-/// A point that is fixed to a link, and where it is in the world; a coordinate that is infinite is free.
-#[derive(Clone, Copy, Debug)]
-pub(in crate::task) struct Held {
-    pub joint: usize,
-    /// In the axes of the joint.
-    pub own: Vector3<f64>,
-    pub place: Vector3<f64>,
-}
 
 impl Clearances {
     /// The clearance that is violated most, by its row, and by how much at least (m).

@@ -32,8 +32,7 @@ mod sweep;
 mod tests;
 
 pub(in crate::task) use cores::CoreBox;
-pub(in crate::task) use held::Held;
-pub(in crate::task) use pair::{Body, Bounds, Obstacle, Other};
+pub(in crate::task) use pair::{Body, Bounds, Held, Obstacle, Other};
 
 use super::placed::{Hessian, Placed};
 use cores::Core;
