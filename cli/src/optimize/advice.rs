@@ -30,7 +30,7 @@ pub fn advice(problem: &Problem, solution: &Solution) -> Option<String> {
     let light = without_rotors(problem).filter(|_| jumps || energy || *status != Status::NewtonFailed);
     remedies.extend(light.map(|joints| format!("robot.armature (the inertia of rotors: {joints} without)")));
     match status {
-        Status::NotVerified => remedies.push("--feedback to replay the motion".into()),
+        Status::NotVerified => remedies.push("a smaller solver.tolerance".into()),
         _ if remedies.is_empty() => return None,
         Status::MeshLimit if !jumps && !energy => remedies.push("a larger solver.tolerance".into()),
         _ => {}
@@ -121,8 +121,7 @@ mod tests {
         let one = light.with_joint_armature("shoulder", 0.1).unwrap();
         let drifts = told(&one, effort(), Status::NotVerified).unwrap();
         assert!(
-            drifts.contains("joint 'elbow' is without")
-                && drifts.ends_with("--feedback to replay the motion")
+            drifts.contains("joint 'elbow' is without") && drifts.ends_with("a smaller solver.tolerance")
         );
         let fine = told(&light, effort(), Status::MeshLimit).unwrap();
         assert!(fine.contains("solver.tolerance") && !fine.contains("cost.effort"), "{fine}");

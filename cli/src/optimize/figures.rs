@@ -132,6 +132,10 @@ fn direct_figures(problem: &Problem, solution: &Solution) -> Vec<(&'static str, 
     let unit = |unit| units::of_robot(&problem.robot, unit);
     let ends = format!("{}, {}", unit(units::POSITION), unit(units::RATE));
     let mut figures = vec![("end defect", defect(solution.end_defect, motion.verification, &ends))];
+    if motion.shooting_defect.is_finite() {
+        let parts = format!("{} relative, of 20 parts of the motion", scientific(motion.shooting_defect));
+        figures.push(("shooting defect", parts));
+    }
     // A saved motion does not have it.
     if let Some(&error) = motion.errors.first() {
         figures.push(("error of the cost", format!("{} relative, estimated", scientific(error))));
@@ -164,12 +168,9 @@ fn limit_figures(problem: &Problem, solution: &Solution) -> Vec<(&'static str, S
             _ => "beyond torque limits",
         };
         let unit = if kind == "task" { "m, rad or m/s".to_owned() } else { unit(limit_units(kind)) };
-        // Torques are cut to their limits.
-        let between = match kind {
-            "torque" => String::new(),
-            _ => format!(", {} between points", scientific(usage.between)),
-        };
-        figures.push((name, format!("{} {unit}{between}", scientific(usage.at_points))));
+        let (at_points, between) = (scientific(usage.at_points), scientific(usage.between));
+        let cut = if kind == "torque" && usage.between > 0.0 { ", cut off in what is written" } else { "" };
+        figures.push((name, format!("{at_points} {unit}, {between} between points{cut}")));
         let mut sides: Vec<_> = usage.active.iter().map(|span| (&span.name, &span.side)).collect();
         sides.sort();
         sides.dedup();

@@ -71,7 +71,9 @@ pub struct Motion {
     /// NaN unless verified by [`Verify::Factors`].
     pub conditioning: f64,
     /// Largest relative mismatch when segments of the motion, costates included, are integrated again from
-    /// their starts; infinite where the integration stopped, or for a motion that is not converged.
+    /// their starts; infinite where the integration stopped, or for a motion that is not converged. Of the
+    /// direct method 20 parts of the motion without costates, where it misses its end integrated once through;
+    /// infinite where that was not needed.
     pub shooting_defect: f64,
     /// First conjugate time (s), if there is one up to T.
     pub conjugate_time: Option<f64>,

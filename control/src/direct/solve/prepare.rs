@@ -8,8 +8,9 @@ use crate::direct::limits::model::Model;
 use crate::direct::limits::power::Powers;
 use crate::direct::limits::side::{Limited, Side};
 use crate::direct::limits::tasks::Tasks;
-use crate::direct::motion::guess::{guess, with_tools_reached};
+use crate::direct::motion::guess::guess;
 use crate::direct::motion::mesh::Mesh;
+use crate::direct::motion::reached::with_tools_reached;
 use crate::direct::motion::shape::Shape;
 use crate::direct::points::phases::PhaseDynamics;
 #[cfg(feature = "jit")]
