@@ -187,9 +187,9 @@ impl Problem {
         self.limits.from_robot.unwrap_or_else(|| self.needs_direct())
     }
 
-    /// Whether there is anything that only the direct method takes.
+    /// Whether there is anything that only the direct method takes, beside limits of the robot.
     pub(crate) fn needs_direct(&self) -> bool {
-        self.limits.are_asked_for() || self.first_for_direct().is_some()
+        self.limits.any_given() || self.first_for_direct().is_some()
     }
 
     /// What has the limits of the robot kept, where nothing is said about limits: the first of a cost of
