@@ -70,7 +70,11 @@ pub fn figures(problem: &Problem, solution: &Solution) -> Vec<(&'static str, Str
         figures.push(("cost of penalties", short(motion.penalty_cost, 6)));
     }
     if motion.smoothing > 0.0 {
-        figures.push(("smoothing left", scientific(motion.smoothing)));
+        let bound = match motion.smoothing_bound {
+            bound if bound > 0.0 => format!(", which costs at most {} relative", scientific(bound)),
+            _ => String::new(),
+        };
+        figures.push(("smoothing left", format!("{}{bound}", scientific(motion.smoothing))));
     }
     let [position, rate] = [units::POSITION, units::RATE].map(|unit| units::of_robot(&problem.robot, unit));
     figures.push(("final time", format!("{} s", short(motion.final_time, 10))));
@@ -133,7 +137,8 @@ fn direct_figures(problem: &Problem, solution: &Solution) -> Vec<(&'static str, 
     let ends = format!("{}, {}", unit(units::POSITION), unit(units::RATE));
     let mut figures = vec![("end defect", defect(solution.end_defect, motion.verification, &ends))];
     if motion.shooting_defect.is_finite() {
-        let parts = format!("{} relative, of 20 parts of the motion", scientific(motion.shooting_defect));
+        let parts =
+            format!("{} relative, sum over 20 parts of the motion", scientific(motion.shooting_defect));
         figures.push(("shooting defect", parts));
     }
     // A saved motion does not have it.

@@ -50,6 +50,9 @@ pub struct Motion {
     pub penalty_cost: f64,
     /// Weight of the smoothing that is left, relative to one that matters; 0 for the problem itself.
     pub smoothing: f64,
+    /// By how much the cost may be above that of the problem itself because of the smoothing, relative to it;
+    /// of the direct method, 0 without smoothing and of extremals.
+    pub smoothing_bound: f64,
     /// T (s); NaN without a motion.
     pub final_time: f64,
     /// Mean of H* over the nodes and inner points; `dJ/dT = -H*`. With [references](crate::Reference) over
@@ -72,8 +75,8 @@ pub struct Motion {
     pub conditioning: f64,
     /// Largest relative mismatch when segments of the motion, costates included, are integrated again from
     /// their starts; infinite where the integration stopped, or for a motion that is not converged. Of the
-    /// direct method 20 parts of the motion without costates, where it misses its end integrated once through;
-    /// infinite where that was not needed.
+    /// direct method the sum over 20 parts of the motion, without costates, where it misses its end integrated
+    /// once through; infinite where that was not needed.
     pub shooting_defect: f64,
     /// First conjugate time (s), if there is one up to T.
     pub conjugate_time: Option<f64>,
@@ -101,6 +104,7 @@ impl Motion {
             cost: f64::INFINITY,
             penalty_cost: 0.0,
             smoothing: 0.0,
+            smoothing_bound: 0.0,
             final_time,
             hamiltonian: f64::NAN,
             phase_hamiltonians: Vec::new(),

@@ -17,8 +17,8 @@ pub(crate) struct Again {
     pub state: Option<Vec<f64>>,
     /// Largest miss of a given position, rate or pose of a tool there.
     pub defect: f64,
-    /// Largest distance from the motion at the ends of its parts, each integrated from its own start, in parts
-    /// of the largest values along it; infinite if that was not needed.
+    /// Sum of the distances from the motion at the ends of its parts, each integrated from its own start, in
+    /// parts of the largest values along it; infinite if that was not needed.
     pub parts: f64,
     /// Whether the torques lead along the motion: to its end, or at least to the end of each part.
     pub leads: bool,
@@ -36,7 +36,8 @@ impl Again {
 /// Errors of an unstable motion grow like exp(t / tau): a wrist without a rotor forgets its torques in a
 /// hundredth of a second, and no torques, however exact, lead it through seconds. So where the motion
 /// integrated once through misses its end, [`PARTS`](constants::PARTS) of it are looked at one by one, as in
-/// multiple shooting.
+/// multiple shooting. Their misses are added: what limits cut off torques moves a motion that forgets nothing
+/// by that much.
 pub(crate) fn integrate_again<D>(
     problem: &Problem,
     options: &SolverOptions,
@@ -66,8 +67,8 @@ pub(crate) fn integrate_again<D>(
     if !again.leads {
         let mut parts = 0.0_f64;
         let each = spline.duration() / constants::PARTS;
-        let ended = integrate(problem, spline, each, |x, z| parts = parts.max(distance(x, z)));
-        again.parts = ended.map_or(f64::INFINITY, |state| parts.max(distance(&state, &last)));
+        let ended = integrate(problem, spline, each, |x, z| parts += distance(x, z));
+        again.parts = ended.map_or(f64::INFINITY, |state| parts + distance(&state, &last));
         again.leads = again.parts <= bound;
     }
     if let Some(state) = &state {

@@ -189,6 +189,13 @@ impl Resolution {
         }
     }
 
+    /// Measures the cost once more, with other prices than those of the motion, whose errors stay.
+    pub fn measure_cost<D>(&mut self, interior: &mut Interior<D>) {
+        let errors = self.errors.clone();
+        self.compare_costs(interior);
+        self.errors = errors;
+    }
+
     /// Looks for limits that are exceeded between the points.
     fn look_between<D>(&mut self, interior: &Interior<D>) {
         let (sides, shape): (&[Side], _) = (interior.barrier.sides(), interior.spline.mesh.shape);

@@ -3,6 +3,7 @@
 use super::around::around_obstacles;
 use super::meshes::{Refined, refine};
 use super::prepare::{Dynamics, interior};
+use super::with_effort::{Smoothing, WithEffort, with_effort};
 use crate::direct::interior::iterate::Interior;
 use crate::direct::outcome::found::trajectory;
 use crate::direct::outcome::report::report;
@@ -56,10 +57,22 @@ impl Direct<'_> {
             (interior.spline, steps) = (better.unwrap_or(straight), made);
         }
         let mut resolution = Resolution::default();
-        let is_given = self.saved.is_some();
+        let (is_given, guess) = (self.saved.is_some(), interior.spline.clone());
         let refined = refine(problem, self.options, is_given, &mut interior, &mut resolution, recorder)?;
         interior.figures.iterations += steps;
-        self.finish(&mut interior, &resolution, refined, recorder)
+        let is_hard = !(refined.status.is_converged() || refined.status.is_interruption())
+            && refined.infeasible.is_none()
+            && self.options.verify != Verify::None;
+        if is_hard && interior.needs_smoothing() {
+            let steps = interior.figures.iterations;
+            let found = with_effort((problem, self.rows), self.options, &guess, recorder)?;
+            if let Some(WithEffort { interior: mut eased, resolution, refined, smoothing }) = found {
+                eased.figures.iterations += steps;
+                eased.clock = std::mem::take(&mut interior.clock);
+                return self.finish(&mut eased, &resolution, refined, smoothing, recorder);
+            }
+        }
+        self.finish(&mut interior, &resolution, refined, Smoothing::default(), recorder)
     }
 
     /// The solution, verified by integration where it converged.
@@ -68,6 +81,7 @@ impl Direct<'_> {
         interior: &mut Interior<Dynamics>,
         resolution: &Resolution,
         Refined { status, error, again, infeasible }: Refined,
+        smoothing: Smoothing,
         recorder: &mut Recorder<'_>,
     ) -> Result<Solution, EvalError> {
         let problem = self.problem.problem();
@@ -94,13 +108,15 @@ impl Direct<'_> {
         let motion = Motion {
             cost: resolution.cost - penalty_cost,
             penalty_cost,
+            smoothing: smoothing.weight,
+            smoothing_bound: smoothing.bound,
             hamiltonian: mean(&values),
             phase_hamiltonians: of_phases.iter().map(|values| mean(values)).collect(),
             hamiltonian_drift: if size > 0.0 { far / size } else { 0.0 },
             end_state: again.state,
             shooting_defect: again.parts,
             verification: match status {
-                Status::Converged | Status::NotVerified => self.options.verify,
+                Status::Converged | Status::ConvergedSmoothed | Status::NotVerified => self.options.verify,
                 _ => Verify::None,
             },
             certificate: match status.is_converged() && interior.figures.is_minimum {

@@ -11,3 +11,4 @@ mod meshes;
 pub(super) mod prepare;
 pub(super) mod restore;
 pub(super) mod smoothing;
+mod with_effort;

@@ -36,9 +36,13 @@ pub(crate) fn interior(
     number: usize,
     saved: Option<&Trajectory>,
 ) -> Interior<Dynamics> {
-    let (stride, phases) = (Shape::of(problem).stride(), problem.phases());
+    let (shape, phases) = (Shape::of(problem), problem.phases());
+    let stride = shape.stride();
+    // Between the nodes of a file accelerations are not known well enough for the jerks of narrow intervals.
     let fits = |nodes: &Vec<f64>| {
-        nodes[nodes.len() - 1] == phases as f64 && stride * (nodes.len() - 1) < options.max_nodes
+        !shape.is_smooth()
+            && nodes[nodes.len() - 1] == phases as f64
+            && stride * (nodes.len() - 1) < options.max_nodes
     };
     let nodes = saved.and_then(Trajectory::mesh_nodes).filter(fits).unwrap_or_else(|| {
         let least = if phases > 1 { constants::INTERVALS_OF_PHASE } else { 1 };
