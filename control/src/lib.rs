@@ -73,9 +73,9 @@ pub use problem::limits::JointLimits;
 pub use problem::running_cost::{RunningCost, UserTerm};
 pub use problem::warning::ProblemWarning;
 pub use problem::{
-    BodyPairs, BoundaryState, Bounds, Collision, FinalTime, JointReference, Keep, Kept, LinkCapsule,
-    MotionLimits, Objective, Obstacle, Payload, Penalty, Problem, Reference, Shape, Task, TaskError, Tool,
-    ToolCost, ToolOrientation, ToolPose, ToolReference, TorqueSpeedError, Via, ViaError,
+    BodyPairs, BoundaryState, Bounds, Collision, EndError, FinalTime, JointReference, Keep, Kept,
+    LinkCapsule, MotionLimits, Objective, Obstacle, Payload, Penalty, Problem, Reference, Shape, Task,
+    TaskError, Tool, ToolCost, ToolOrientation, ToolPose, ToolReference, TorqueSpeedError, Via, ViaError,
 };
 pub use progress::{Cancel, Iteration, Phase};
 pub use result::infeasibility::{Infeasibility, RelaxedLimit};

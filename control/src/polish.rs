@@ -117,12 +117,11 @@ fn no_extremal(problem: &Problem) -> Option<String> {
     let causes = [
         (problem.cost.has_energy(), "energy has a cost"),
         (accelerations, "accelerations are limited"),
-        (!problem.task.is_empty(), "there are tools, obstacles or what a tool keeps"),
         (kinks, "penalties, and a joint without effort"),
     ];
-    let given = |key: Key| format!("{key} is given");
+    let given = |key: Key| format!("{} is given", key.part());
     let cause = causes.into_iter().find(|(applies, _)| *applies).map(|(_, cause)| cause.into());
-    cause.or_else(|| problem.first_of_rates().map(given))
+    cause.or_else(|| problem.task.first_key().or_else(|| problem.first_of_rates()).map(given))
 }
 
 /// The first limit other than on controls that is active.

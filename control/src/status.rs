@@ -2,7 +2,7 @@
 
 use crate::problem::error::ProblemError;
 use costate::EvalError;
-use costate::robot::escape_hidden;
+use costate::robot::{escape_hidden, printable};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
@@ -11,7 +11,7 @@ use std::fmt;
 #[non_exhaustive]
 pub enum EvaluationFailure {
     /// The dynamics could not be evaluated.
-    #[error(transparent)]
+    #[error("{}", in_words(.0))]
     Dynamics(#[from] EvalError),
     /// A continuation led to a problem that cannot be posed.
     #[error(transparent)]
@@ -22,6 +22,18 @@ pub enum EvaluationFailure {
     /// A failure that was read from a file.
     #[error("{0}")]
     Saved(String),
+}
+
+/// What is not finite along a motion was computed from what a user gave.
+fn in_words(error: &EvalError) -> String {
+    match error {
+        EvalError::NonFinite { joint, .. } => format!(
+            "numbers of joint '{}' become too large to be computed with; check the units and sizes of what is given \
+             (rad, m, s, kg)",
+            printable(joint)
+        ),
+        error => error.to_string(),
+    }
 }
 
 /// Where a motion exceeds the bounds of a control most.

@@ -1,7 +1,8 @@
 //! The gains of the optimal feedback and derivatives by limits: what `--feedback` writes.
 
 use costate_control::{
-    Feedback, MotionDerivative, MotionParameter, Problem, Resolve, ResolveError, ResolveStatus, Solution,
+    Feedback, MotionDerivative, MotionParameter, Problem, Resolve, ResolveError, ResolveStatus, Samples,
+    Solution,
 };
 use serde::Serialize;
 use std::error::Error;
@@ -73,6 +74,7 @@ pub fn feedback(problem: &Problem, solution: &Solution, rate: Option<f64>) -> Re
     let points: Vec<f64> = (0..feedback.points()).map(|p| feedback.time(p)).collect();
     let t = match rate {
         Some(rate) => {
+            Samples::count(time, rate).map_err(|error| fault(&error))?;
             let count = (time * rate * (1.0 - 1e-12)).floor() as usize;
             (0..=count).map(|k| k as f64 / rate).chain([time]).collect()
         }

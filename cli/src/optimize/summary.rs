@@ -1,5 +1,6 @@
 //! A solution as text: heading, why it is none, tables.
 
+use super::advice::advice;
 use super::figures::{Needed, figures, time_is_free};
 use super::report::numbers::short;
 use crate::report::{Table, scientific, title};
@@ -85,7 +86,10 @@ pub fn explanation(problem: &Problem, solution: &Solution) -> Option<String> {
         Status::TimeLimit => {
             format!("the time limit was reached: {best}; raise solver.time_limit or --time-limit")
         }
-        status => format!("the motion is the best iterate, not a solution: {status}"),
+        status => {
+            let reason = advice(problem, solution).unwrap_or_else(|| status.to_string());
+            format!("the motion is the best iterate, not a solution: {reason}")
+        }
     })
 }
 

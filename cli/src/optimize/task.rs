@@ -2,7 +2,7 @@
 
 use crate::terminal;
 use costate::robot::{LoadOptions, Robot, printable};
-use costate_control::{Key, Problem, ProblemFile, SolverOptions, Trajectory, TrajectoryError};
+use costate_control::{Key, Problem, ProblemFile, Resolve, SolverOptions, Trajectory, TrajectoryError};
 use std::error::Error;
 use std::fs::File;
 use std::io::Read;
@@ -20,13 +20,20 @@ pub struct Task {
 }
 
 impl Task {
-    /// Reads a problem file, its robot and its saved motion.
+    /// Reads a problem file, its robot and its saved motion; whether it also `feeds_back`.
     ///
     /// # Errors
     /// [`ProblemFileError`](costate_control::ProblemFileError), with file, line and key; also for a saved
     /// motion that does not fit the robot.
-    pub fn read(path: &Path, load: LoadOptions) -> Result<Self, Box<dyn Error>> {
+    pub fn read(path: &Path, load: LoadOptions, feeds_back: bool) -> Result<Self, Box<dyn Error>> {
         let file = ProblemFile::read(path, load)?;
+        if feeds_back
+            && let Err(error) = Resolve::takes(&file.problem)
+            && let Some(key) = error.key()
+        {
+            let message = "--feedback does not take this; leave one of the two out";
+            return Err(file.refuse(key, message).into());
+        }
         let start = file.start_from.as_ref().map(|saved| read_start(saved, &file.problem.robot));
         let start_from = start.transpose().map_err(|error| file.refuse(Key::START_FROM, error))?;
         let inputs = [Some(path), Some(&file.robot_path), file.start_from.as_deref()];

@@ -25,6 +25,13 @@ pub const OFF: f64 = 1e-6;
 /// The same for an inequality, in parts of its range.
 pub const CLOSE: f64 = 1e-9;
 
+/// A rate at a position limit counts where it would cross this part of the range within the time of the
+/// motion; the same for accelerations at limits of rates. Less is rounding of what was computed.
+pub const AWAY: f64 = 1e-6;
+/// Knots of a reference are at least so far apart, in parts of the largest time, and of a second: closer ones
+/// differ by the rounding of their times.
+pub const CLOSEST_KNOTS: f64 = 1e-9;
+
 /// The search for positions of given poses ([`crate::task::reach`]).
 pub mod reach {
     /// A pose is reached to this (m, rad).

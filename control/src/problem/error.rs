@@ -1,6 +1,7 @@
 //! Errors of a problem.
 
 use crate::problem::continuation_cause::ContinuationCause;
+use crate::problem::end_error::EndError;
 use crate::problem::key::Key;
 use crate::problem::task_error::TaskError;
 use crate::problem::torque_speed_error::TorqueSpeedError;
@@ -136,6 +137,18 @@ pub enum ProblemError {
         /// The limit, that of a motor at this rate.
         limit: f64,
     },
+    /// An end, or a via, that no motion has, or that no optimal motion has.
+    End {
+        /// The field.
+        key: Key,
+        /// What is wrong.
+        cause: EndError,
+    },
+    /// A joint that moves neither mass nor inertia.
+    NoMass {
+        /// The joint.
+        joint: String,
+    },
     /// Hard limits with a method that does not keep them.
     LimitsNeedDirect,
     /// A part of the [`Task`](crate::Task).
@@ -223,6 +236,7 @@ impl ProblemError {
             | Self::EmptyLimits { key, .. }
             | Self::OutsideLimits { key, .. }
             | Self::BeyondLimit { key, .. }
+            | Self::End { key, .. }
             | Self::Task { key, .. }
             | Self::Via { key, .. }
             | Self::PhasesNeedDirect { key }
@@ -230,10 +244,12 @@ impl ProblemError {
             | Self::RatesNeedDirect { key }
             | Self::NotAgain { key }
             | Self::TaskNeedsDirect { key } => key,
+            Self::NoMass { .. } => Key::ROBOT,
             Self::LimitsNeedDirect => Key::solver("method"),
             Self::EnergyNeedsDirect => Key::ENERGY,
             Self::FreeTimeWithoutCost | Self::NoWay => Key::FREE_TIME,
             Self::NoGain { .. } => Key::GAIN,
+            Self::EmptyBounds { u_max: f64::NEG_INFINITY, .. } => Key::U_MAX,
             Self::EmptyBounds { .. } => Key::U_MIN,
             Self::EmptyRange { .. } => Key::Q_MIN,
             Self::UnboundedEffort { .. } | Self::NothingToMinimise => Key::EFFORT,
@@ -248,6 +264,7 @@ impl std::error::Error for ProblemError {
     fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
         match self {
             Self::Continuation { cause: ContinuationCause::Robot(error), .. } => Some(&**error),
+            Self::End { cause, .. } => Some(cause),
             Self::Task { cause, .. } => Some(cause),
             Self::Via { cause, .. } => Some(cause),
             Self::TorqueSpeed { cause, .. } => Some(cause),

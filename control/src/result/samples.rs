@@ -68,6 +68,23 @@ pub enum SampleError {
     Evaluation(#[from] EvalError),
 }
 
+impl Samples {
+    /// Number of samples of a motion of this duration (s) at a rate (Hz).
+    ///
+    /// # Errors
+    /// [`SampleError::Rate`], [`SampleError::TooMany`].
+    pub fn count(duration: f64, rate: f64) -> Result<usize, SampleError> {
+        if !(rate > 0.0 && rate.is_finite()) {
+            return Err(SampleError::Rate { rate });
+        }
+        let count = (duration * rate - ROUNDING).ceil().max(if duration > 0.0 { 1.0 } else { 0.0 });
+        match count < MOST as f64 {
+            true => Ok(count as usize + 1),
+            false => Err(SampleError::TooMany { samples: count + 1.0 }),
+        }
+    }
+}
+
 impl Solution {
     /// The motion at a fixed rate (Hz), with torques; `problem` is the one that was solved.
     ///
@@ -97,11 +114,8 @@ impl Solution {
         if found != expected {
             return Err(SampleError::OtherRobot { found, expected });
         }
-        let count = ((end - start) * rate - ROUNDING).ceil().max(if end > start { 1.0 } else { 0.0 });
-        if count >= MOST as f64 {
-            return Err(SampleError::TooMany { samples: count + 1.0 });
-        }
-        let regular = (0..count as usize).map(|k| start + k as f64 / rate);
+        let count = Samples::count(end - start, rate)? - 1;
+        let regular = (0..count).map(|k| start + k as f64 / rate);
         let mut samples = Samples { rate, t: regular.chain([end]).collect(), ..Samples::default() };
         if !trajectory.via_times.is_empty() {
             samples.phase = samples.t.iter().map(|&t| 1 + trajectory.phase_at(t)).collect();

@@ -26,6 +26,7 @@ mod problem_file;
 mod problems;
 mod rates;
 mod references;
+mod refused;
 mod samples;
 mod second_order;
 mod second_variation;

@@ -110,9 +110,7 @@ impl Resolve {
         let problem = &problem.clone().with_limits(problem.limits.clone().with_from_robot(from_robot));
         let rows = TaskRows::new(problem)?;
         problem.check_for(Method::Direct)?;
-        if let Some(key) = problem.first_of_rates().or(problem.first_of_phases()) {
-            return Err(ProblemError::NotAgain { key });
-        }
+        Self::takes(problem)?;
         options.check()?;
         let n = problem.robot.dof();
         let state = |state: &BoundaryState| [&state.q[..], &state.v].concat();

@@ -6,12 +6,15 @@ mod fault;
 mod given;
 mod joints;
 mod nested;
+mod obstacles;
 mod phases;
+mod references;
 mod robot;
 mod solver;
 mod table;
 mod tables;
 mod task;
+mod tools;
 
 pub use error::{ProblemFileCause, ProblemFileError};
 
