@@ -4,11 +4,9 @@ mod arguments;
 mod continuation;
 mod cpu_time;
 mod feedback;
-mod figures;
-mod kinematics;
+mod models;
 mod outputs;
 mod progress;
-mod report;
 mod samples;
 mod sensitivities;
 mod summary;
@@ -19,6 +17,7 @@ use crate::{Outcome, terminal};
 pub use arguments::Arguments;
 use costate::robot::LoadOptions;
 use costate_control::{BranchEnd, CostDerivative, Method, Samples, Solution, Solver, StageTimes};
+use costate_report::{ReportOptions, text};
 use cpu_time::cpu_time;
 use outputs::Outputs;
 use std::io::Write;
@@ -66,14 +65,19 @@ pub fn run(arguments: &Arguments) -> Outcome {
         _ => problem.limit_warnings(&solution.trajectory),
     };
     warnings.iter().for_each(terminal::warning);
-    let motion = report::Motion { problem, solution: &solution, source: &task.text, warnings: &warnings };
+    let options = ReportOptions::default().with_source(&task.text).with_warnings(warnings);
+    let options = if arguments.output.is_some() {
+        options.with_models(models::read(&task, arguments))
+    } else {
+        options
+    };
     let sampled = |rate| samples::sample(problem, &solution, rate);
     // A motion that cannot be sampled is written all the same; the error comes after it.
     let (samples, unsampled) = match arguments.sample.map(sampled).transpose() {
         Ok(samples) => (samples, None),
         Err(error) => (None, Some(error)),
     };
-    outputs.write(&motion, samples.as_ref())?;
+    outputs.write((problem, &solution), &options, samples.as_ref())?;
     if let Some(error) = unsampled {
         return Err(error.into());
     }
@@ -94,7 +98,7 @@ pub fn run(arguments: &Arguments) -> Outcome {
         terminal::note("interrupted; the best motion so far was kept");
     }
     if arguments.json {
-        let remarks = [summary::explanation(problem, &solution), summary::skipped_starts(&solution)];
+        let remarks = [text::explanation(problem, &solution), text::skipped_starts(&solution)];
         remarks.iter().flatten().for_each(terminal::warning);
         let continuation = branch.as_ref().map(continuation::Points::new);
         let samples = samples.as_ref();

@@ -1,7 +1,7 @@
 //! Paths of curves: cubics between the points, without overshoot.
 
 /// Straight lines.
-pub fn straight(points: &[(f64, f64)]) -> String {
+pub(crate) fn straight(points: &[(f64, f64)]) -> String {
     let point =
         |(k, (x, y)): (usize, &(f64, f64))| format!("{}{x:.2} {y:.2}", if k == 0 { "M" } else { "L" });
     points.iter().enumerate().map(point).collect()
@@ -9,7 +9,7 @@ pub fn straight(points: &[(f64, f64)]) -> String {
 
 /// Bezier curves with the slopes of the parabola through three points, limited so that nothing overshoots;
 /// vertical lines between two points with the same x.
-pub fn through(points: &[(f64, f64)]) -> String {
+pub(crate) fn through(points: &[(f64, f64)]) -> String {
     let runs = points.chunk_by(|a, b| a.0 < b.0);
     let run = |(k, run): (usize, &[(f64, f64)])| match k {
         0 => rising(run),

@@ -1,12 +1,12 @@
 //! The table of limits: which are kept, by how much each kind is exceeded, and when each is active.
 
-use super::limits::{Quantity, Range, kept, only_compared};
-use super::motion::Motion;
-use super::numbers::short;
-use super::svg::escaped;
-use super::units::{self, Units};
-use crate::optimize::figures::limit_units;
-use crate::optimize::summary::spaced;
+use crate::figures::limit_units;
+use crate::limits::{Quantity, Range, kept, only_compared};
+use crate::motion::Motion;
+use crate::numbers::short;
+use crate::svg::markup::escaped;
+use crate::text::spaced;
+use crate::units::{self, Units};
 use costate_control::{ActiveLimit, LimitUse, Method};
 
 /// A part of the distance between two limits within which a motion is at one of them, as in

@@ -1,8 +1,10 @@
 //! Plots of curves as SVG.
 
-use super::numbers::{decades, range, scientific, short, ticks};
+use super::levels::levels;
+use super::markup::{axis_names, cut, escaped, level, upright};
 use super::smooth;
-use super::svg::{axis_names, cut, escaped, level, upright};
+use crate::numbers::{decades, range, short, tick, ticks};
+use crate::plot::{Curve, Look, NEUTRAL, Plot};
 
 /// Size of a plot in its own units.
 const SIZE: (f64, f64) = (640.0, 290.0);
@@ -17,55 +19,6 @@ const LETTER: f64 = 6.7;
 const LETTERS: usize = 18;
 /// Colours in `figure.css`.
 const COLORS: usize = 12;
-/// The colour of what belongs to several joints.
-pub const NEUTRAL: usize = usize::MAX;
-
-/// A curve; its colour is that of the joint.
-pub struct Curve {
-    pub name: String,
-    pub color: usize,
-    pub points: Vec<(f64, f64)>,
-    pub look: Look,
-}
-
-#[derive(Clone, Copy, PartialEq)]
-pub enum Look {
-    /// Straight from point to point.
-    Line,
-    /// A smooth curve through the points.
-    Smooth,
-    /// A line with its points.
-    Dotted,
-    /// A limit that the motion must keep; not in the legend.
-    Kept,
-    /// A limit of the robot that the motion is only compared with; not in the legend.
-    Compared,
-}
-
-impl Look {
-    fn class(self) -> &'static str {
-        match self {
-            Self::Line | Self::Smooth | Self::Dotted => "curve",
-            Self::Kept => "curve kept",
-            Self::Compared => "curve compared",
-        }
-    }
-}
-
-/// Curves in one pair of axes.
-pub struct Plot {
-    pub title: String,
-    pub x_label: &'static str,
-    pub y_label: String,
-    pub curves: Vec<Curve>,
-    /// Whether the y axis is logarithmic.
-    pub logarithmic: bool,
-    /// Whether x is time; the page then adds a cursor.
-    pub over_time: bool,
-    /// Marked values on the x axis.
-    pub marks: Vec<f64>,
-    size: (f64, f64),
-}
 
 /// The mapping of values to the picture.
 struct Frame {
@@ -88,48 +41,52 @@ impl Frame {
     }
 }
 
-impl Plot {
-    /// A plot over the time of the motion.
-    pub fn over_time(title: impl Into<String>, y_label: impl Into<String>) -> Self {
-        Self {
-            title: title.into(),
-            x_label: "t (s)",
-            y_label: y_label.into(),
-            curves: Vec::new(),
-            logarithmic: false,
-            over_time: true,
-            marks: Vec::new(),
-            size: SIZE,
-        }
+fn class_of(look: Look) -> &'static str {
+    match look {
+        Look::Line | Look::Smooth | Look::Dotted => "curve",
+        Look::Kept => "curve kept",
+        Look::Compared => "curve compared",
     }
+}
 
-    /// A smaller plot, to be shown in a grid.
-    pub fn small(self) -> Self {
-        Self { size: SMALL, ..self }
+/// A plot as it is drawn: its curves and the limits near them.
+struct Drawing<'a> {
+    plot: &'a Plot,
+    levels: Vec<Curve>,
+    size: (f64, f64),
+}
+
+/// The plot as one `<svg>` element.
+pub fn svg(plot: &Plot) -> String {
+    let size = if plot.is_small { SMALL } else { SIZE };
+    Drawing { plot, levels: levels(plot), size }.svg()
+}
+
+impl Drawing<'_> {
+    /// The limits, then the curves before which they lie.
+    fn curves(&self) -> impl Iterator<Item = &Curve> {
+        self.levels.iter().chain(&self.plot.curves)
     }
 
     fn shown(&self, y: f64) -> bool {
-        y.is_finite() && (!self.logarithmic || y > 0.0)
+        y.is_finite() && (!self.plot.logarithmic || y > 0.0)
     }
 
     fn frame(&self, right: f64, bottom: f64) -> Frame {
-        let points =
-            || self.curves.iter().flat_map(|curve| &curve.points).filter(|point| self.shown(point.1));
+        let points = || self.curves().flat_map(|curve| &curve.points).filter(|point| self.shown(point.1));
         let x = range(points().map(|point| point.0)).unwrap_or((0.0, 1.0));
         let (low, high) = range(points().map(|point| point.1)).unwrap_or((0.1, 1.0));
-        let y = if self.logarithmic {
+        let y = if self.plot.logarithmic {
             (low.abs() / 1.3, high * 1.3)
         } else {
             let margin = 0.06 * (high - low);
             (low - margin, high + margin)
         };
-        Frame { x, y, right, bottom, logarithmic: self.logarithmic }
+        Frame { x, y, right, bottom, logarithmic: self.plot.logarithmic }
     }
 
-    /// The plot as one `<svg>` element.
-    pub fn svg(&self) -> String {
-        let named: Vec<&Curve> =
-            self.curves.iter().filter(|c| !matches!(c.look, Look::Kept | Look::Compared)).collect();
+    fn svg(&self) -> String {
+        let named = &self.plot.curves;
         let legend = named.len() > 1;
         let letters = named.iter().map(|curve| cut(&curve.name, LETTERS).chars().count()).max().unwrap_or(0);
         let room = if legend { 40.0 + LETTER * letters as f64 } else { 0.0 };
@@ -137,19 +94,13 @@ impl Plot {
         let right = width - RIGHT - room;
         let height = if legend { height.max(TOP + BOTTOM + LINE * named.len() as f64) } else { height };
         let frame = self.frame(right, height - BOTTOM);
-        let cursor = if self.over_time {
-            let Frame { x: (from, to), bottom, .. } = frame;
-            format!(" data-time=\"{from} {to} {LEFT} {right} {TOP} {bottom}\"")
-        } else {
-            String::new()
-        };
-        let title = escaped(&self.title);
+        let title = escaped(&cut(&self.plot.title, 44));
         let mut svg = format!(
-            "<svg class=\"plot\" viewBox=\"0 0 {width} {height}\" role=\"img\" aria-label=\"{title}\"{cursor}>\
+            "<svg class=\"plot\" viewBox=\"0 0 {width} {height}\" role=\"img\" aria-label=\"{title}\">\
              <text class=\"title\" x=\"{LEFT}\" y=\"20\">{title}</text>"
         );
         self.axes(&frame, &mut svg);
-        self.curves.iter().for_each(|curve| svg.push_str(&self.path(curve, &frame)));
+        self.curves().for_each(|curve| svg.push_str(&self.path(curve, &frame)));
         for (k, curve) in named.iter().enumerate().filter(|_| legend) {
             svg.push_str(&entry(curve, right + 14.0, TOP + 10.0 + LINE * k as f64));
         }
@@ -162,17 +113,20 @@ impl Plot {
         for x in ticks(frame.x.0, frame.x.1, (self.size.0 / 100.0) as usize) {
             svg.push_str(&upright(frame.x(x), (TOP, bottom), &short(x, 6)));
         }
-        let rows =
-            if self.logarithmic { decades(frame.y.0, frame.y.1) } else { ticks(frame.y.0, frame.y.1, 6) };
+        let rows = if self.plot.logarithmic {
+            decades(frame.y.0, frame.y.1)
+        } else {
+            ticks(frame.y.0, frame.y.1, 6)
+        };
         for y in rows {
-            let class = if y == 0.0 && !self.logarithmic { "grid zero" } else { "grid" };
-            let number = if self.logarithmic { scientific(y) } else { short(y, 6) };
+            let class = if y == 0.0 && !self.plot.logarithmic { "grid zero" } else { "grid" };
+            let number = if self.plot.logarithmic { tick(y) } else { short(y, 6) };
             svg.push_str(&level(frame.y(y), (LEFT, right), &number, class));
         }
-        for &mark in self.marks.iter().filter(|&&mark| mark >= frame.x.0 && mark <= frame.x.1) {
+        for &mark in self.plot.marks.iter().filter(|&&mark| mark >= frame.x.0 && mark <= frame.x.1) {
             svg.push_str(&format!("<path class=\"mark\" d=\"M{:.1} {TOP}V{bottom}\"/>", frame.x(mark)));
         }
-        svg.push_str(&axis_names((LEFT, right), (TOP, bottom), [self.x_label, &self.y_label]));
+        svg.push_str(&axis_names((LEFT, right), (TOP, bottom), [self.plot.x_label, &self.plot.y_label()]));
     }
 
     fn path(&self, curve: &Curve, frame: &Frame) -> String {
@@ -187,7 +141,7 @@ impl Plot {
             _ => String::new(),
         };
         let name = escaped(&curve.name);
-        let class = curve.look.class();
+        let class = class_of(curve.look);
         format!("<path class=\"{class} {}\" d=\"{d}\"><title>{name}</title></path>{dots}", color(curve.color))
     }
 }

@@ -1,9 +1,9 @@
-//! The motion as a strobe picture, and the empty stage on which the page moves the figure.
+//! The motion as a strobe picture.
 
-use super::numbers::{short, ticks};
-use super::svg::{axis_names, cut, escaped, level, upright};
+use super::markup::{axis_names, cut, escaped, level, upright};
+use super::skeleton::{Part, Point, Skeleton, moved};
 use super::views::{View, dot};
-use crate::optimize::kinematics::{Part, Point, Skeleton, moved};
+use crate::numbers::{short, ticks};
 use costate::robot::{JointKind, Robot};
 
 /// Width of a drawing, its smallest and largest height, and the margins for axes.
@@ -20,9 +20,9 @@ const BETWEEN: usize = 10;
 
 /// The mapping of a view to a picture.
 pub struct Stage<'a> {
-    pub view: &'a View,
+    view: &'a View,
     /// Picture units per metre.
-    pub scale: f64,
+    scale: f64,
     /// The point of the view at the lower left corner of the axes (m).
     low: [f64; 2],
     high: [f64; 2],
@@ -58,11 +58,6 @@ impl<'a> Stage<'a> {
         Self { view, scale, low, high, height }
     }
 
-    /// Place of the origin of the world in the picture.
-    pub fn origin(&self) -> [f64; 2] {
-        self.place([0.0; 3])
-    }
-
     fn place(&self, point: Point) -> [f64; 2] {
         let (x, y) = (dot(self.view.right, point), dot(self.view.up, point));
         [LEFT + self.scale * (x - self.low[0]), self.height - BOTTOM - self.scale * (y - self.low[1])]
@@ -94,12 +89,6 @@ impl<'a> Stage<'a> {
             self.view.labels.each_ref().map(String::as_str),
         ));
         svg
-    }
-
-    /// The stage with the paths of the tips and an empty group for the moving figure.
-    pub fn empty(&self, skeleton: &Skeleton<'_>, film: &[Vec<Point>]) -> String {
-        let svg = self.open("stage", self.view.title);
-        format!("{svg}{}<g class=\"pose moving\"></g></svg>", self.traces(skeleton, film))
     }
 
     /// Poses at equal time steps, darker with time.

@@ -20,8 +20,25 @@ pub fn short(x: f64, digits: usize) -> String {
 }
 
 /// `2.5e-2`, `5e-2`.
-pub fn scientific(x: f64) -> String {
+pub(crate) fn tick(x: f64) -> String {
     format!("{x:.1e}").replace(".0e", "e")
+}
+
+/// A number with a fixed count of decimals, from a million on with an exponent; zero has no sign.
+pub fn fixed(x: f64, decimals: usize) -> String {
+    if x.abs() >= 1e6 && x.is_finite() {
+        return format!("{x:.decimals$e}");
+    }
+    let text = format!("{x:.decimals$}");
+    match text.strip_prefix('-') {
+        Some(digits) if digits.chars().all(|c| matches!(c, '0' | '.')) => digits.into(),
+        _ => text,
+    }
+}
+
+/// Two digits and an exponent, for a number that should be zero; an exact zero as such.
+pub fn scientific(x: f64) -> String {
+    if x == 0.0 { "0".into() } else { format!("{x:.1e}") }
 }
 
 /// Without trailing zeros of the fraction.
@@ -30,7 +47,7 @@ fn trimmed(number: &str) -> &str {
 }
 
 /// Multiples of 1, 2 or 5 times a power of ten within `low..high`, about `count` of them.
-pub fn ticks(low: f64, high: f64, count: usize) -> Vec<f64> {
+pub(crate) fn ticks(low: f64, high: f64, count: usize) -> Vec<f64> {
     let raw = (high - low) / count.max(1) as f64;
     let power = 10_f64.powf(raw.log10().floor());
     let step = [1.0, 2.0, 5.0, 10.0].map(|m| m * power).into_iter().find(|&step| step >= raw * 0.999);
@@ -44,7 +61,7 @@ pub fn ticks(low: f64, high: f64, count: usize) -> Vec<f64> {
 
 /// Powers of ten within `low..high`, at most about eight; if there are few, also 2 and 5 times them; within
 /// less than a decade any round numbers.
-pub fn decades(low: f64, high: f64) -> Vec<f64> {
+pub(crate) fn decades(low: f64, high: f64) -> Vec<f64> {
     let (first, last) = (low.log10().floor() as i32, high.log10().ceil() as i32);
     let every = 1 + (last - first).max(0) / 8;
     let factors: &[f64] = if last - first <= 3 { &[1.0, 2.0, 5.0] } else { &[1.0] };
@@ -55,7 +72,7 @@ pub fn decades(low: f64, high: f64) -> Vec<f64> {
 }
 
 /// A range of positive width that contains all values; `None` without values.
-pub fn range(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
+pub(crate) fn range(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
     let finite = values.filter(|x| x.is_finite());
     let (low, high) = finite.fold((f64::MAX, f64::MIN), |(low, high), x| (low.min(x), high.max(x)));
     if low > high {
@@ -85,7 +102,15 @@ mod tests {
         ] {
             assert_eq!(short(x, digits), text);
         }
-        assert_eq!([0.025, 1e-12].map(scientific), ["2.5e-2", "1e-12"]);
+        assert_eq!([0.025, 1e-12].map(tick), ["2.5e-2", "1e-12"]);
+    }
+
+    #[test]
+    fn fixed_numbers_have_no_negative_zero() {
+        assert_eq!(
+            [fixed(-0.00001, 3), fixed(-0.0, 0), fixed(-0.05, 1), fixed(1e308, 1)],
+            ["0.000", "0", "-0.1", "1.0e308"]
+        );
     }
 
     #[test]

@@ -1,17 +1,16 @@
 //! The figures of a solution as names and values.
 
-use super::report::numbers::short;
-use super::report::units;
-use crate::report::scientific;
+use crate::numbers::{scientific, short};
+use crate::units;
 use costate_control::{Certificate, FinalTime, Method, Motion, Problem, Solution, Verify};
 
 /// Whether the final time is free.
-pub fn time_is_free(problem: &Problem) -> bool {
+pub(crate) fn time_is_free(problem: &Problem) -> bool {
     matches!(problem.time, FinalTime::Free { .. })
 }
 
 /// What the bounds of a problem without a motion would have to be, with units.
-pub struct Needed<'a> {
+pub(crate) struct Needed<'a> {
     pub joint: &'a str,
     pub factor: String,
     pub time: String,
@@ -36,7 +35,7 @@ impl<'a> Needed<'a> {
 }
 
 /// Units of the kinds of limits.
-pub fn limit_units(kind: &str) -> units::Units {
+pub(crate) fn limit_units(kind: &str) -> units::Units {
     match kind {
         "position" => units::POSITION,
         "rate" => units::RATE,

@@ -1,7 +1,7 @@
 //! Projections: normal to the plane of a planar motion; otherwise from the side and from above.
 
-use crate::optimize::kinematics::Point;
-use crate::report::fixed;
+use super::skeleton::Point;
+use crate::numbers::fixed;
 
 /// A projection: two unit vectors of the world.
 #[derive(Clone, Debug, PartialEq)]
