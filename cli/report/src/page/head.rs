@@ -38,7 +38,13 @@ pub fn section(motion: &Motion<'_>) -> String {
         status = escaped(&text::status(status)),
         task = escaped(&text::sentence(&text::criterion(problem, solution))),
         remarks = list(&remarks, "remarks"),
-        warnings = list(&motion.options.warnings, "warnings"),
+        warnings = match motion.options.warnings.len() {
+            0..=2 => list(&motion.options.warnings, "warnings"),
+            count => {
+                let list = list(&motion.options.warnings, "warnings");
+                format!("<details class=\"folded\"><summary>{count} warnings</summary>{list}</details>")
+            }
+        },
     )
 }
 
@@ -99,6 +105,10 @@ fn limits(motion: &Motion<'_>) -> Card {
         .collect();
     if !exceeded.is_empty() {
         return Card { name, value: "exceeded".into(), note: exceeded.join("; "), is_good: Some(false) };
+    }
+    if limits.is_empty() && !motion.problem.limit_warnings(&motion.solution.trajectory).is_empty() {
+        let note = "those of the robot are exceeded".into();
+        return Card { name, value: "not asked for".into(), note, is_good: Some(false) };
     }
     if limits.is_empty() {
         let bounded = motion.problem.bounds.is_some();

@@ -41,7 +41,9 @@ pub fn text(motion: &Motion<'_>) -> String {
 
 /// Where the script puts the plots.
 const PLOTS: &str = "<section aria-labelledby=\"over-time\"><div class=\"heading\"><h2 id=\"over-time\">Over time</h2>\
-    <div class=\"legend\" id=\"joints\" role=\"group\" aria-label=\"joints that are drawn\"></div></div>\
+    <div class=\"legend\" id=\"joints\" role=\"group\" aria-label=\"joints that are drawn\"></div>\
+    <div class=\"downloads\">Download <button type=\"button\" id=\"csv\" title=\"the motion over time\">CSV</button>\
+    <button type=\"button\" id=\"json\" title=\"the solution, for [start_from]\">JSON</button></div></div>\
     <p class=\"note\">Click a plot to move the robot there, drag to zoom in, double-click for the whole motion. \
     Dashed: limits that the motion keeps; dotted: limits of the robot that it is only compared with; shaded red: \
     beyond a limit; vertical lines: a control reaches or leaves a bound, or a new phase begins.</p>\

@@ -48,7 +48,13 @@ impl Page {
         let mut child = Command::new("sh")
             .args(["-c", "exec \"$0\" \"$@\" 3<&0 4>&1 </dev/null >/dev/null 2>&1"])
             .arg(browser)
-            .args(["--headless", "--no-sandbox", "--remote-debugging-pipe", "--no-first-run", "--hide-scrollbars"])
+            .args([
+                "--headless",
+                "--no-sandbox",
+                "--remote-debugging-pipe",
+                "--no-first-run",
+                "--hide-scrollbars",
+            ])
             .args(["--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--mute-audio"])
             .arg(format!("--user-data-dir={}", profile.display()))
             .stdin(Stdio::piped())
@@ -56,7 +62,15 @@ impl Page {
             .spawn()
             .unwrap();
         let (commands, answers) = (child.stdin.take().unwrap(), BufReader::new(child.stdout.take().unwrap()));
-        let mut page = Self { child, commands, answers, session: None, number: 0, complaints: Vec::new(), _alone: alone };
+        let mut page = Self {
+            child,
+            commands,
+            answers,
+            session: None,
+            number: 0,
+            complaints: Vec::new(),
+            _alone: alone,
+        };
         let target = page.send("Target.createTarget", json!({ "url": "about:blank" }));
         let attached =
             page.send("Target.attachToTarget", json!({ "targetId": target["targetId"], "flatten": true }));
@@ -93,8 +107,12 @@ impl Page {
         let message: Value = serde_json::from_slice(&bytes).unwrap();
         let parameters = &message["params"];
         match message["method"].as_str() {
-            Some("Runtime.exceptionThrown") => self.complaints.push(parameters["exceptionDetails"].to_string()),
-            Some("Runtime.consoleAPICalled") if parameters["type"] == "error" || parameters["type"] == "warning" => {
+            Some("Runtime.exceptionThrown") => {
+                self.complaints.push(parameters["exceptionDetails"].to_string())
+            }
+            Some("Runtime.consoleAPICalled")
+                if parameters["type"] == "error" || parameters["type"] == "warning" =>
+            {
                 self.complaints.push(parameters["args"].to_string());
             }
             Some("Log.entryAdded") if parameters["entry"]["level"] == "error" => {
@@ -127,7 +145,11 @@ impl Page {
     pub fn wait(&mut self, expression: &str) {
         let begun = Instant::now();
         while self.value(expression) != true {
-            assert!(begun.elapsed() < Duration::from_secs(60), "never true: {expression}; {:?}", self.complaints);
+            assert!(
+                begun.elapsed() < Duration::from_secs(60),
+                "never true: {expression}; {:?}",
+                self.complaints
+            );
             std::thread::sleep(Duration::from_millis(20));
         }
     }
@@ -146,8 +168,7 @@ impl Page {
     pub fn mouse(&mut self, kind: &str, [x, y]: [f64; 2], clicks: u32) {
         let button = if kind == "mouseMoved" && clicks == 0 { "none" } else { "left" };
         let buttons = u32::from(kind != "mouseReleased" && clicks > 0);
-        let event =
-            json!({ "type": kind, "x": x, "y": y, "button": button, "buttons": buttons, "clickCount": clicks });
+        let event = json!({ "type": kind, "x": x, "y": y, "button": button, "buttons": buttons, "clickCount": clicks });
         self.send("Input.dispatchMouseEvent", event);
     }
 

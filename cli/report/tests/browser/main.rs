@@ -17,10 +17,10 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, OnceLock};
 
 /// A solved problem and its page.
-pub struct Case {
-    pub problem: Problem,
-    pub solution: Solution,
-    pub file: PathBuf,
+struct Case {
+    problem: Problem,
+    solution: Solution,
+    file: PathBuf,
 }
 
 fn root() -> PathBuf {
@@ -29,8 +29,9 @@ fn root() -> PathBuf {
 
 impl Case {
     /// A problem of the examples.
-    pub fn of(name: &str) -> Self {
-        let read = ProblemFile::read(root().join(format!("examples/problems/{name}.toml")), LoadOptions::default());
+    fn of(name: &str) -> Self {
+        let read =
+            ProblemFile::read(root().join(format!("examples/problems/{name}.toml")), LoadOptions::default());
         let ProblemFile { problem, options, text, robot_path, .. } = read.unwrap();
         let solution = Solver::new(&problem, options).unwrap().solve();
         let models = match robot_path.extension() {
@@ -49,7 +50,7 @@ impl Case {
     }
 
     /// A motion in four phases with a payload.
-    pub fn phases() -> &'static Self {
+    fn phases() -> &'static Self {
         static CASE: OnceLock<Case> = OnceLock::new();
         CASE.get_or_init(|| Self::of("ur5_pick_and_place"))
     }
@@ -59,7 +60,7 @@ impl Case {
 static ONE: Mutex<()> = Mutex::new(());
 
 /// Opens the browser for a test; `None` where there is none.
-pub fn browser(test: &str) -> Option<Page> {
+fn browser(test: &str) -> Option<Page> {
     let Some(browser) = chromium::find() else {
         eprintln!("skipped: no Chromium; CHROME=/path/to/chromium names one");
         return None;
@@ -71,6 +72,6 @@ pub fn browser(test: &str) -> Option<Page> {
 }
 
 /// Fails if the page complained.
-pub fn assert_silent(page: &Page) {
+fn assert_silent(page: &Page) {
     assert!(page.complaints.is_empty(), "{:#?}", page.complaints);
 }

@@ -20,8 +20,20 @@ fn plots_show_values_limits_and_follow_the_pointer() {
     let Some(mut page) = browser("plots") else { return };
     page.show(&case.file, (1300, 900), "light");
     for id in [
-        "positions", "rates", "accelerations", "jerks", "controls", "torque_rates", "powers", "total_power", "energy",
-        "tool_speed", "costates_q", "hamiltonian", "mesh", "residuals",
+        "positions",
+        "rates",
+        "accelerations",
+        "jerks",
+        "controls",
+        "torque_rates",
+        "powers",
+        "total_power",
+        "energy",
+        "tool_speed",
+        "costates_q",
+        "hamiltonian",
+        "mesh",
+        "residuals",
     ] {
         let curves = format!("document.querySelectorAll('[data-plot={id}] .curve').length");
         assert!(page.value(&curves).as_u64().unwrap() > 0, "{id}");
@@ -85,8 +97,18 @@ fn the_table_holds_the_motion() {
     let lines: Vec<&str> = table.as_str().unwrap().lines().collect();
     let names: Vec<&str> = lines[0].split(',').collect();
     let column = |name: &str| names.iter().position(|other| *other == name).unwrap();
-    let expected = ["t", "q_elbow_joint", "v_elbow_joint", "a_elbow_joint", "tau_elbow_joint", "u_elbow_joint",
-        "power_elbow_joint", "jerk_elbow_joint", "torque_rate_elbow_joint", "phase"];
+    let expected = [
+        "t",
+        "q_elbow_joint",
+        "v_elbow_joint",
+        "a_elbow_joint",
+        "tau_elbow_joint",
+        "u_elbow_joint",
+        "power_elbow_joint",
+        "jerk_elbow_joint",
+        "torque_rate_elbow_joint",
+        "phase",
+    ];
     let columns = expected.map(column);
     for line in lines[1..].iter().step_by(37) {
         let row: Vec<f64> = line.split(',').map(|x| x.parse().unwrap()).collect();

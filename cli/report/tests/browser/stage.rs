@@ -66,8 +66,10 @@ fn the_motion_plays_and_the_keys_move_it() {
     page.click("#play");
     page.wait("costateReport.isPlaying() && costateReport.time() < 0.5");
     page.key(" ");
-    page.value("document.getElementById('slider').value = 500; \
-                document.getElementById('slider').dispatchEvent(new Event('input'))");
+    page.value(
+        "document.getElementById('slider').value = 500; \
+                document.getElementById('slider').dispatchEvent(new Event('input'))",
+    );
     assert!((time(&mut page) - 0.5 * end).abs() < 1e-6);
     assert!(page.value("document.getElementById('phase').textContent").as_str().unwrap().contains("of 4"));
     assert_silent(&page);
@@ -88,7 +90,9 @@ fn the_camera_and_all_buttons_of_the_stage_work() {
     let wheel = serde_json::json!({ "type": "mouseWheel", "x": x, "y": y, "deltaX": 0, "deltaY": -120 });
     page.send("Input.dispatchMouseEvent", wheel);
     page.wait(&format!("{distance} < {:?}", 0.95 * far));
-    for (preset, elevation) in [("front", "0"), ("side", "0"), ("top", "Math.PI / 2"), ("perspective", "0.42")] {
+    for (preset, elevation) in
+        [("front", "0"), ("side", "0"), ("top", "Math.PI / 2"), ("perspective", "0.42")]
+    {
         page.click(&format!("[data-preset={preset}]"));
         page.wait(&format!("Math.abs(costateReport.view().elevation - {elevation}) < 1e-3"));
     }
@@ -116,7 +120,9 @@ fn pages_fit_wide_and_narrow_windows_in_both_schemes() {
     let Some(mut page) = browser("widths") else { return };
     for name in ["two_link_least_time", "cart_pole"] {
         let case = Case::of(name);
-        for (size, scheme) in [((1400, 900), "light"), ((390, 844), "light"), ((1400, 900), "dark"), ((390, 844), "dark")] {
+        for (size, scheme) in
+            [((1400, 900), "light"), ((390, 844), "light"), ((1400, 900), "dark"), ((390, 844), "dark")]
+        {
             page.show(&case.file, size, scheme);
             assert!(page.value(COLOURS).as_u64().unwrap() > 8, "{name}: the stage is blank");
             let width = page.value("document.documentElement.scrollWidth").as_u64().unwrap();

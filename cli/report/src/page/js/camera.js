@@ -10,17 +10,27 @@ const ANGLE = 0.62;
 
 const makeCamera = (canvas, bounds, changed) => {
   const centre = bounds.centre;
-  const far = (aspect) => 1.08 * bounds.radius / Math.sin(ANGLE / 2) / Math.min(1, aspect);
   const aspect = () => canvas.clientWidth / Math.max(1, canvas.clientHeight);
-  let view = { azimuth: PRESETS.perspective[0], elevation: PRESETS.perspective[1], distance: far(aspect()), target: centre };
-  let moving = null;
-
-  const axes = () => {
-    const [sa, ca] = [Math.sin(view.azimuth), Math.cos(view.azimuth)];
-    const [se, ce] = [Math.sin(view.elevation), Math.cos(view.elevation)];
+  const axesOf = (azimuth, elevation) => {
+    const [sa, ca] = [Math.sin(azimuth), Math.cos(azimuth)];
+    const [se, ce] = [Math.sin(elevation), Math.cos(elevation)];
     const back = [ca * ce, sa * ce, se];
     return { back, right: [-sa, ca, 0], up: [-ca * se, -sa * se, ce] };
   };
+  // The distance from which the box around everything fills the picture, but for a margin.
+  const fitting = ([azimuth, elevation]) => {
+    const { back, right, up } = axesOf(azimuth, elevation);
+    const slope = Math.tan(ANGLE / 2) / 1.04;
+    const needed = bounds.corners.map((corner) => {
+      const x = minus(corner, centre);
+      return dot(x, back) + Math.max(Math.abs(dot(x, right)) / aspect(), Math.abs(dot(x, up))) / slope;
+    });
+    return { azimuth, elevation, distance: Math.max(...needed), target: centre };
+  };
+  let view = fitting(PRESETS.perspective);
+  let moving = null;
+
+  const axes = () => axesOf(view.azimuth, view.elevation);
   const frame = () => {
     const { back, right, up } = axes();
     const eye = add(view.target, times3(back, view.distance));
@@ -54,10 +64,7 @@ const makeCamera = (canvas, bounds, changed) => {
     };
     moving = requestAnimationFrame(step);
   };
-  const preset = (name) => {
-    const [azimuth, elevation] = PRESETS[name];
-    glide({ azimuth, elevation, distance: far(aspect()), target: centre });
-  };
+  const preset = (name) => glide(fitting(PRESETS[name]));
 
   const orbit = (x, y) => set({ azimuth: view.azimuth - 0.008 * x, elevation: view.elevation + 0.008 * y });
   const pan = (x, y) => {

@@ -24,6 +24,12 @@ const short = (x, digits = 4) => {
   return String(Number(x.toPrecision(digits))).replace("-", "−");
 };
 
+// A value on a plot of this height: digits that are too small to be seen there are left out.
+const shortOn = (x, height) => {
+  const step = Math.pow(10, Math.floor(Math.log10(height || 1)) - 4);
+  return short(Math.round(x / step) * step, 4);
+};
+
 // The interval of a rising list that holds x, as the index of its left end.
 const interval = (list, x) => {
   let [low, high] = [0, list.length - 1];

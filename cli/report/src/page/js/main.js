@@ -16,7 +16,7 @@ const main = () => {
     if (waiting === null) waiting = requestAnimationFrame(render);
   };
   const camera = makeCamera(canvas, scene.bounds, changed);
-  const spacing = Math.pow(10, Math.round(Math.log10(scene.bounds.radius / 6)));
+  const [spacing] = ticksOf(0, scene.bounds.radius, 5).slice(1);
 
   const render = () => {
     waiting = null;

@@ -194,7 +194,7 @@ const makePlots = (player) => {
       plot.curves.forEach((curve, k) => {
         const value = valueAt(xs(curve), curve.y, time);
         const scaled = value === null ? null : value * factorOf(plot, curve.color);
-        chips[k].value.textContent = scaled === null ? "" : `${short(scaled, 4)} ${unitOfCurve(plot, curve.color)}`;
+        chips[k].value.textContent = scaled === null ? "" : `${plot.logarithmic ? short(scaled, 3) : shortOn(scaled, scale.high - scale.low)} ${unitOfCurve(plot, curve.color)}`;
         const at = scaled === null || isHidden(curve, k) || time < scale.from || time > scale.to ? NaN : scale.y(scaled);
         const seen = Number.isFinite(at) && at >= MARGIN.top && at <= bottom;
         cursor.dots[k].setAttribute("visibility", seen ? "visible" : "hidden");

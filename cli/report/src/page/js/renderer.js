@@ -99,7 +99,9 @@ const makeRenderer = (canvas) => {
     gl.uniform3fv(body.at.ground, colours.ground);
     if (frame.hasGrid && frame.eye[2] > frame.floor) drawShadows(frame, solid.filter((item) => !item.flat));
     solid.forEach(drawLit);
-    // Only the nearest surface of a ghost is seen.
+    // Only the nearest surface of a ghost is seen, and the robot itself where both are in one place.
+    gl.enable(gl.POLYGON_OFFSET_FILL);
+    gl.polygonOffset(1.5, 6);
     for (const name of new Set(ghosts.map((item) => item.ghost))) {
       const parts = ghosts.filter((item) => item.ghost === name);
       gl.colorMask(false, false, false, false);
@@ -107,6 +109,7 @@ const makeRenderer = (canvas) => {
       gl.colorMask(true, true, true, true);
       parts.forEach(drawLit);
     }
+    gl.disable(gl.POLYGON_OFFSET_FILL);
     gl.depthMask(false);
     const away = (item) => norm(minus(item.model.slice(12, 15), frame.eye));
     glass.sort((a, b) => away(b) - away(a)).forEach(drawLit);

@@ -42,6 +42,7 @@ const makeScene = () => {
   const bounds = {
     centre: times3(add(low, high), 0.5),
     radius: Math.max(1e-6, norm(minus(high, low)) / 2),
+    corners: Array.from({ length: 8 }, (_, k) => [[low, high][k & 1][0], [low, high][k >> 1 & 1][1], [low, high][k >> 2][2]]),
     floor: low[2] > -0.02 * robotSize ? Math.min(0, low[2]) : low[2],
   };
   const size = 0.5 * robotSize;
@@ -80,7 +81,8 @@ const makeScene = () => {
     // A hub at each joint between capsules, in the colour of its curves.
     joints.forEach((joint, j) => {
       if (!capsuleOf[j]) return;
-      const r = 1.22 * capsuleOf[j].shape.radius;
+      const above = joint.parent === null ? null : capsuleOf[joint.parent];
+      const r = 1.18 * Math.max(capsuleOf[j].shape.radius, above ? above.shape.radius : 0);
       const hub = joint.kind === "revolute" ? { kind: "cylinder", radius: r, length: 2.3 * r }
         : { kind: "box", size: [2.2 * r, 2.2 * r, 2.2 * r] };
       const tint = more.ghost ? paint(null) : [...rgb(colour(`--c${joint.q % 12}`)), 1];
@@ -110,7 +112,7 @@ const makeScene = () => {
     // The part of the plane near the robot.
     const normal = unit(obstacle.shape.normal);
     const nearest = minus(bounds.centre, times3(normal, dot(minus(bounds.centre, obstacle.shape.through), normal)));
-    const side = 2.2 * bounds.radius;
+    const side = 1.8 * bounds.radius;
     const shape = { kind: "box", size: [side, side, 0.002 * side] };
     return { geometry: ofShape(shape), model: matrixOf(alongZ(normal, nearest)), colour: [...tint.slice(0, 3), 0.16], shine: 0.1 };
   });
@@ -164,7 +166,9 @@ const makeScene = () => {
   const labels = (time) => {
     const named = [];
     if (shows("path") && paths.length > 0) {
-      named.push(["start", paths[0][0]], ["end", paths[0][paths[0].length - 1]]);
+      const [first, last] = [paths[0][0], paths[0][paths[0].length - 1]];
+      if (norm(minus(last, first)) < 0.01 * size) named.push(["start, end", first]);
+      else named.push(["start", first], ["end", last]);
       data.vias.forEach((via, k) => named.push([`via ${k + 1}`, toolPath(tools[0], [via])[0]]));
     }
     if (shows("obstacles")) statics.forEach((obstacle) => named.push([obstacle.name, middle(obstacle)]));

@@ -43,7 +43,7 @@ void main() {
   gl_Position = seen * vec4(at, square.z, 1.0);
 }`;
 
-// Lines one pixel wide, each tenth of them darker, which fade into the distance.
+// Lines one pixel wide, each fifth of them darker, which fade into the distance.
 const GRID_FRAGMENT = `#version 300 es
 precision highp float;
 in vec2 at;
@@ -57,7 +57,7 @@ float lines(float size) {
   return (1.0 - min(min(near.x, near.y), 1.0)) * (1.0 - smoothstep(0.2, 0.6, dense));
 }
 void main() {
-  float strength = max(0.45 * lines(spacing), lines(10.0 * spacing));
+  float strength = max(0.45 * lines(spacing), lines(5.0 * spacing));
   float away = length(at - square.xy) / square.w;
   shown = vec4(colour.rgb, colour.a * strength * (1.0 - smoothstep(0.25, 0.95, away)));
 }`;
