@@ -1,6 +1,6 @@
 //! What a report is about: a problem, its solution, and the motion at many times.
 
-use crate::ReportOptions;
+use crate::options::ReportOptions;
 use costate::robot::Robot;
 use costate_control::{MotionRates, Problem, Samples, Solution, TrajectoryPoint};
 

@@ -33,7 +33,7 @@ pub struct Limit {
     /// That of the curve that is limited.
     pub color: usize,
     pub is_upper: bool,
-    /// Whether the motion must keep it; otherwise it is a limit of the robot that the motion is compared with.
+    /// Whether the motion must keep it; otherwise it is one of the robot, only compared.
     pub is_kept: bool,
     /// Its values over time: two points of a constant one.
     pub points: Vec<(f64, f64)>,

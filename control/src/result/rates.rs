@@ -21,8 +21,8 @@ impl Solution {
     /// with the jerk j, at given times (s), of a motion of the direct method; `None` for other motions, whose
     /// accelerations are those of forward dynamics. `problem` is the one that was solved.
     ///
-    /// q(t) is a polynomial of degree five between two points of the mesh, and both are its derivatives. Where
-    /// accelerations may jump, their jumps do not count. The solver keeps limits of torque rates with the
+    /// q(t) is a polynomial of degree five between two points of the mesh, and both are its derivatives.
+    /// Where accelerations may jump, their jumps do not count. The solver keeps limits of torque rates with the
     /// derivative of the polynomial through the torques at the points of an interval, which differs from this
     /// one by the error of the discretisation.
     ///

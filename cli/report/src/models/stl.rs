@@ -6,8 +6,8 @@ use super::mesh::Mesh;
 const HEAD: usize = 84;
 const TRIANGLE: usize = 50;
 
-/// Reads either kind. A binary file is one with the length that its number of triangles asks for, as some begin
-/// with the word of a text.
+/// Reads either kind. A binary file is one with the length that its number of triangles asks for, as some
+/// begin with the word of a text.
 pub fn read(bytes: &[u8]) -> Result<Mesh, String> {
     match bytes.get(80..HEAD).and_then(|count| <[u8; 4]>::try_from(count).ok()).map(u32::from_le_bytes) {
         Some(count) if HEAD as u64 + TRIANGLE as u64 * u64::from(count) == bytes.len() as u64 => {

@@ -1,7 +1,6 @@
 //! Bodies on the stage: models of links, capsules in their place, obstacles.
 
-use super::data::shown;
-use super::stage::{length, placement, vector};
+use super::values::{number, placement, shown, vector};
 use crate::models::{LinkModel, Mesh, ModelShape};
 use crate::motion::Motion;
 use crate::tools::ToolFrame;
@@ -69,10 +68,10 @@ pub fn bodies(motion: &Motion<'_>, tools: &[ToolFrame], meshes: &mut Meshes) -> 
 fn shape_of(model: &LinkModel, meshes: &mut Meshes) -> Value {
     match &model.shape {
         ModelShape::Box(size) => json!({ "kind": "box", "size": vector(*size) }),
-        ModelShape::Cylinder { radius, length: along } => {
-            json!({ "kind": "cylinder", "radius": length(*radius), "length": length(*along) })
+        ModelShape::Cylinder { radius, length } => {
+            json!({ "kind": "cylinder", "radius": number(*radius), "length": number(*length) })
         }
-        ModelShape::Sphere(radius) => json!({ "kind": "sphere", "radius": length(*radius) }),
+        ModelShape::Sphere(radius) => json!({ "kind": "sphere", "radius": number(*radius) }),
         ModelShape::Mesh { mesh, scale } => {
             json!({ "kind": "mesh", "mesh": meshes.number(mesh), "scale": scale })
         }
@@ -128,7 +127,7 @@ impl<'a> Capsules<'a> {
         json!({
             "joint": joint,
             "at": placement(&Placement::identity()),
-            "shape": { "kind": "capsule", "from": vector(from), "to": vector(to), "radius": length(radius) },
+            "shape": { "kind": "capsule", "from": vector(from), "to": vector(to), "radius": number(radius) },
             "colour": Value::Null,
             "link": shown(link),
         })
@@ -198,11 +197,11 @@ pub fn obstacles(problem: &Problem) -> Vec<Value> {
         Some(match &each.shape {
             Shape::Sphere { centre, radius } => {
                 let at = Placement::from_xyz_rpy(*centre, [0.0; 3]);
-                obstacle(&each.name, &at, json!({ "kind": "sphere", "radius": length(*radius) }))
+                obstacle(&each.name, &at, json!({ "kind": "sphere", "radius": number(*radius) }))
             }
             Shape::Capsule { from, to, radius } => {
                 let shape = json!({
-                    "kind": "capsule", "from": vector(*from), "to": vector(*to), "radius": length(*radius),
+                    "kind": "capsule", "from": vector(*from), "to": vector(*to), "radius": number(*radius),
                 });
                 obstacle(&each.name, &world, shape)
             }

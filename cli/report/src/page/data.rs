@@ -1,14 +1,11 @@
 //! The data from which the script draws plots and stage.
 
 use super::stage::stage;
+use super::values::{list, number, shown};
 use crate::motion::Motion;
 use crate::panels::{self, Panel};
 use crate::plot::{Curve, Group, Limit, Look, NEUTRAL};
-use costate::robot::escape_hidden;
 use serde_json::{Value, json};
-
-/// Significant digits of numbers that are drawn.
-const DIGITS: usize = 7;
 
 /// All of it: stage, times, joints, plots. Angles in rad, lengths in m, times in s.
 pub fn data(motion: &Motion<'_>) -> Value {
@@ -92,32 +89,4 @@ fn limit(limit: &Limit) -> Value {
 
 fn color(color: usize) -> Value {
     if color == NEUTRAL { Value::Null } else { json!(color) }
-}
-
-/// A name without hidden characters.
-pub fn shown(name: &str) -> String {
-    escape_hidden(name).into_owned()
-}
-
-/// Numbers as they are drawn; null where they are not finite.
-pub fn list(numbers: impl Iterator<Item = f64>) -> Value {
-    Value::Array(numbers.map(number).collect())
-}
-
-/// A number with seven significant digits.
-pub fn number(x: f64) -> Value {
-    let rounded: f64 = format!("{x:.*e}", DIGITS - 1).parse().unwrap_or(f64::NAN);
-    // As an integer where it is one: shorter.
-    if rounded == rounded.trunc() && rounded.abs() < 1e7 { json!(rounded as i64) } else { json!(rounded) }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::number;
-
-    #[test]
-    fn numbers_are_short() {
-        let text = [0.1 + 0.2, -3.0, 1.0 / 3.0, 0.0, f64::NAN, 6.02e23].map(|x| number(x).to_string());
-        assert_eq!(text, ["0.3", "-3", "0.3333333", "0", "null", "6.02e+23"]);
-    }
 }

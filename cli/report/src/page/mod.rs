@@ -8,6 +8,7 @@ mod payloads;
 mod script;
 mod solver;
 mod stage;
+mod values;
 
 use crate::motion::Motion;
 use crate::svg::markup::escaped;

@@ -1,7 +1,6 @@
 //! What the robot carries, and when.
 
-use super::data::{number, shown};
-use super::stage::placement;
+use super::values::{number, placement, shown};
 use crate::motion::Motion;
 use costate::robot::Placement;
 use costate_control::Payload;

@@ -4,11 +4,11 @@
 //! exact and short.
 
 use super::bodies::{Meshes, bodies, obstacles};
-use super::data::{list, number, shown};
 use super::payloads::payloads;
+use super::values::{placement, shown};
 use crate::motion::Motion;
 use crate::tools::tools;
-use costate::robot::{Placement, Robot};
+use costate::robot::Robot;
 use serde_json::{Value, json};
 
 /// The whole stage.
@@ -51,21 +51,4 @@ fn joints(robot: &Robot) -> Vec<Value> {
             })
         })
         .collect()
-}
-
-/// Rotation, column by column, and translation: twelve numbers.
-pub fn placement(placement: &Placement) -> Value {
-    let Placement { rotation, translation } = placement;
-    let rounded = |x: f64| if x.abs() < 1e-15 { 0.0 } else { x };
-    json!(rotation.iter().chain(translation.iter()).map(|&x| rounded(x)).collect::<Vec<_>>())
-}
-
-/// A vector as it is drawn.
-pub fn vector(x: [f64; 3]) -> Value {
-    list(x.into_iter())
-}
-
-/// A length as it is drawn.
-pub fn length(x: f64) -> Value {
-    number(x)
 }

@@ -1,5 +1,5 @@
-//! Chromium without a window, driven by the DevTools protocol over pipes: a command and its answer are JSON objects
-//! that end in a zero byte.
+//! Chromium without a window, driven by the DevTools protocol over pipes: a command and its answer are JSON
+//! objects that end in a zero byte.
 
 use serde_json::{Value, json};
 use std::io::{BufRead, BufReader, Read, Write};
@@ -209,11 +209,33 @@ impl Page {
         self.send("Input.dispatchKeyEvent", json!({ "type": "keyUp", "key": key }));
     }
 
-    /// A picture of the whole page in base 64, which a person may look at.
-    pub fn picture(&mut self) -> String {
+    /// A picture of the whole page (PNG), for people to look at.
+    pub fn picture(&mut self) -> Vec<u8> {
         let parameters = json!({ "format": "png", "captureBeyondViewport": true });
-        self.send("Page.captureScreenshot", parameters)["data"].as_str().unwrap().to_owned()
+        let picture = self.send("Page.captureScreenshot", parameters);
+        bytes(picture["data"].as_str().unwrap())
     }
+}
+
+/// The bytes of a text in base 64 (RFC 4648).
+fn bytes(text: &str) -> Vec<u8> {
+    let digits: Vec<u32> = text
+        .bytes()
+        .filter_map(|letter| match letter {
+            b'A'..=b'Z' => Some(letter - b'A'),
+            b'a'..=b'z' => Some(letter - b'a' + 26),
+            b'0'..=b'9' => Some(letter - b'0' + 52),
+            b'+' => Some(62),
+            b'/' => Some(63),
+            _ => None,
+        })
+        .map(u32::from)
+        .collect();
+    let four = |four: &[u32]| -> Vec<u8> {
+        let bits = four.iter().enumerate().fold(0, |bits, (k, digit)| bits | digit << (18 - 6 * k));
+        [16, 8, 0].iter().take(four.len() - 1).map(|shift| (bits >> shift) as u8).collect()
+    };
+    digits.chunks(4).flat_map(four).collect()
 }
 
 impl Drop for Page {

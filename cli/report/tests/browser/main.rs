@@ -1,4 +1,4 @@
-//! The page in headless Chromium: buttons, keys, plots and pictures work, and nothing is written to the console.
+//! The page in headless Chromium: buttons, keys, plots and pictures work, and the console stays empty.
 //!
 //! Without Chromium these tests are skipped; `CHROME` names one that is not found.
 

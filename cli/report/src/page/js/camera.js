@@ -47,6 +47,7 @@ const makeCamera = (canvas, bounds, changed) => {
     changed();
   };
   const glide = (goal) => {
+    if (moving) cancelAnimationFrame(moving);
     const from = view;
     const turn = Math.atan2(Math.sin(goal.azimuth - from.azimuth), Math.cos(goal.azimuth - from.azimuth));
     let begun = null;
