@@ -22,9 +22,9 @@ impl Solution {
     /// accelerations are those of forward dynamics. `problem` is the one that was solved.
     ///
     /// q(t) is a polynomial of degree five between two points of the mesh, and both are its derivatives.
-    /// Where accelerations may jump, their jumps do not count. The solver keeps limits of torque rates with the
-    /// derivative of the polynomial through the torques at the points of an interval, which differs from this
-    /// one by the error of the discretisation.
+    /// Where accelerations may jump, their jumps do not count. The solver keeps limits of torque rates with
+    /// the derivative of the polynomial through the torques at the points of an interval, which differs from
+    /// this one by the error of the discretisation.
     ///
     /// # Errors
     /// [`SampleError`], for a motion of another robot and where the dynamics cannot be evaluated.

@@ -101,7 +101,10 @@ fn limits(motion: &Motion<'_>) -> Card {
     let name = "limits";
     let exceeded: Vec<String> = limits
         .violations()
-        .map(|(kind, worst)| format!("{} of {}", text::spaced(kind), worst.name))
+        .map(|(kind, worst)| match kind {
+            "task" => worst.name.clone(),
+            kind => format!("{} of {}", text::spaced(kind), worst.name),
+        })
         .collect();
     if !exceeded.is_empty() {
         return Card { name, value: "exceeded".into(), note: exceeded.join("; "), is_good: Some(false) };

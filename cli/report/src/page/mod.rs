@@ -5,6 +5,7 @@ mod data;
 mod head;
 mod limit_table;
 mod payloads;
+mod regions;
 mod script;
 mod solver;
 mod stage;

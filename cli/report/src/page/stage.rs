@@ -5,6 +5,7 @@
 
 use super::bodies::{Meshes, bodies, obstacles};
 use super::payloads::payloads;
+use super::regions::regions;
 use super::values::{placement, shown};
 use crate::motion::Motion;
 use crate::tools::tools;
@@ -21,6 +22,7 @@ pub fn stage(motion: &Motion<'_>) -> Value {
         "joints": joints(robot),
         "bodies": bodies,
         "obstacles": obstacles(motion.problem),
+        "regions": regions(motion.problem),
         "meshes": meshes.json(),
         "payloads": payloads(motion),
         "tools": tools.iter().map(|tool| json!({

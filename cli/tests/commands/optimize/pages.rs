@@ -32,7 +32,8 @@ fn limits_are_drawn_where_they_belong_and_listed() {
         let plot = plot(&page, name);
         let limits = plot["limits"].as_array().unwrap();
         let upper = |limit: &&Value| limit["upper"] == true && limit["color"] == joint;
-        let found: Vec<_> = limits.iter().filter(upper).map(|limit| limit["value"].as_f64().unwrap()).collect();
+        let found: Vec<_> =
+            limits.iter().filter(upper).map(|limit| limit["value"].as_f64().unwrap()).collect();
         assert_eq!(found, [value], "{name}: {limits:?}");
         assert!(limits.iter().all(|limit| limit["kept"] == true), "{name}");
     }
@@ -99,7 +100,8 @@ fn all_kinds_of_limits_are_drawn() {
     // Where the motor drives fast it has less than 40 N m.
     let torques = plot(&page, "controls");
     let curve = torques["limits"].as_array().unwrap().iter().find(|limit| limit["value"].is_array()).unwrap();
-    let values: Vec<f64> = curve["value"].as_array().unwrap().iter().map(|x| x.as_f64().unwrap().abs()).collect();
+    let values: Vec<f64> =
+        curve["value"].as_array().unwrap().iter().map(|x| x.as_f64().unwrap().abs()).collect();
     assert!(values.iter().all(|x| *x <= 40.0) && values.iter().any(|x| *x < 39.0), "{values:?}");
     let work = plot(&page, "energy");
     let end = |k: usize| work["curves"][k]["y"].as_array().unwrap().last().unwrap().as_f64().unwrap();
@@ -139,4 +141,53 @@ fn the_problem_in_the_help_is_solved() {
     let output = optimize("help", &text, &[]);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     assert!(help.contains("cheapest motion") && help.contains("The direct method is the default"), "{help}");
+}
+
+/// Links look as the URDF says; a mesh that is not there is a warning, and its link a capsule.
+#[test]
+fn visual_models_are_shown_and_missing_ones_named() {
+    let folder = folder("page_models");
+    let link = |name: &str, visual: &str| {
+        format!(
+            "<link name=\"{name}\"><inertial><origin xyz=\"0.1 0 0\"/><mass value=\"1\"/>\
+             <inertia ixx=\"0.01\" ixy=\"0\" ixz=\"0\" iyy=\"0.01\" iyz=\"0\" izz=\"0.01\"/></inertial>{visual}</link>\n"
+        )
+    };
+    let mesh = |file: &str| format!("<visual><geometry><mesh filename=\"{file}\"/></geometry></visual>");
+    let joint = |name: &str, parent: &str, child: &str| {
+        format!(
+            "<joint name=\"{name}\" type=\"continuous\"><origin xyz=\"0.3 0 0\"/><axis xyz=\"0 1 0\"/>\
+             <parent link=\"{parent}\"/><child link=\"{child}\"/></joint>\n"
+        )
+    };
+    let urdf = [
+        "<robot name=\"arm\"><link name=\"base\"/>\n".to_owned(),
+        link("upper", &mesh("package://arm/upper.obj")),
+        link("lower", &mesh("package://arm/lower.stl")),
+        joint("a", "base", "upper"),
+        joint("b", "upper", "lower"),
+        "</robot>".to_owned(),
+    ];
+    let package = folder.join("packages/arm");
+    std::fs::create_dir_all(&package).unwrap();
+    std::fs::write(folder.join("arm.urdf"), urdf.concat()).unwrap();
+    std::fs::write(package.join("upper.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\n")
+        .unwrap();
+    let problem = "robot = \"arm.urdf\"\n[start]\nq = [0.0, 0.0]\n[end]\nq = [0.2, 0.2]\n[time]\nfinal = 1.0\n\
+                   [cost]\neffort = [1.0, 1.0]\n";
+    let (page, packages) = (folder.join("report.html"), folder.join("packages"));
+    let more = ["-o", page.to_str().unwrap(), "--package-path", packages.to_str().unwrap()];
+    let output = optimize("page_models", problem, &more);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let warning = stderr(&output);
+    assert!(warning.contains("link 'lower' (line 3): mesh package://arm/lower.stl"), "{warning}");
+    assert!(!warning.contains("upper.obj"), "{warning}");
+    let page = std::fs::read_to_string(page).unwrap();
+    let data: Value = serde_json::from_str(between(&page, "id=\"data\">", "</script>")).unwrap();
+    let bodies = data["stage"]["bodies"].as_array().unwrap();
+    let kinds = |link: &str| -> Vec<&Value> {
+        bodies.iter().filter(|body| body["link"] == link).map(|body| &body["shape"]["kind"]).collect()
+    };
+    assert_eq!((kinds("upper"), kinds("lower")), (vec![&json!("mesh")], vec![&json!("capsule")]));
+    assert_eq!(data["stage"]["meshes"].as_array().unwrap().len(), 1);
 }

@@ -53,6 +53,7 @@ const makeScene = () => {
     path: { label: "Path", on: paths.length > 0, has: paths.length > 0 },
     ghosts: { label: "Start, end", on: true, has: true },
     obstacles: { label: "Obstacles", on: true, has: stageData.obstacles.length > 0 },
+    regions: { label: "Where tools stay", on: true, has: stageData.regions.length > 0 },
     axes: { label: "Joint axes", on: false, has: true },
     frames: { label: "Frames", on: true, has: true },
     payload: { label: "Payload", on: true, has: stageData.payloads.length > 0 },
@@ -106,7 +107,7 @@ const makeScene = () => {
     return then(carriedBy(poses, payload.joint), payload.at);
   };
 
-  const obstacleItems = (tint) => stageData.obstacles.map((obstacle) => {
+  const glassItems = (list, tint) => list.map((obstacle) => {
     if (obstacle.shape.kind !== "plane")
       return { geometry: ofShape(obstacle.shape), model: matrixOf(obstacle.at), colour: tint, shine: 0.4 };
     // The part of the plane near the robot.
@@ -158,7 +159,8 @@ const makeScene = () => {
         all.push({ geometry: ofShape(shape), model: matrixOf(payloadPose(payload, time)), colour: tint });
       });
     }
-    if (shows("obstacles")) all.push(...obstacleItems([...rgb(colour("--obstacle")), 0.55]));
+    if (shows("obstacles")) all.push(...glassItems(stageData.obstacles, [...rgb(colour("--obstacle")), 0.55]));
+    if (shows("regions")) all.push(...glassItems(stageData.regions, [...rgb(colour("--c2")), 0.2]));
     return all;
   };
 
