@@ -2,7 +2,7 @@
 
 use crate::figures::{Needed, time_is_free};
 use crate::numbers::{scientific, short};
-use costate_control::{Iteration, Problem, RelaxedLimit, Solution, StartResult, Status, Verify};
+use costate_control::{Iteration, Method, Problem, RelaxedLimit, Solution, StartResult, Status, Verify};
 
 /// What is minimised: `minimum of T + 1/2 u'Ru, final time free, actuation bounded, limits kept`. Bounds and
 /// limits that the motion does not satisfy are left out.
@@ -84,6 +84,22 @@ pub fn explanation(problem: &Problem, solution: &Solution) -> Option<String> {
         }
         status => format!("the motion is the best iterate, not a solution: {status}"),
     })
+}
+
+/// That the torques of a solution do not lead the robot to its end without a correction.
+pub fn needs_feedback(solution: &Solution) -> Option<String> {
+    let direct = solution.options.method == Method::Direct && !is_polished(solution);
+    let by_parts = direct && solution.motion.shooting_defect.is_finite();
+    (by_parts && solution.motion.status.is_solved()).then(|| {
+        "errors grow along this motion: torques alone, repeated without feedback, lead the robot elsewhere; \
+         track the positions, or use the gains of --feedback; rotors (robot.armature) calm light wrists"
+            .into()
+    })
+}
+
+/// Whether the extremal is shown.
+fn is_polished(solution: &Solution) -> bool {
+    solution.polish.as_ref().is_some_and(|report| report.outcome.is_polished())
 }
 
 /// How the robot gets more time.

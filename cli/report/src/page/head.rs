@@ -25,7 +25,11 @@ pub fn section(motion: &Motion<'_>) -> String {
             format!("<ul class=\"{class}\">{items}</ul>")
         }
     };
-    let remarks = [text::explanation(problem, solution), text::skipped_starts(solution)];
+    let remarks = [
+        text::explanation(problem, solution),
+        text::needs_feedback(solution),
+        text::skipped_starts(solution),
+    ];
     let remarks: Vec<String> =
         remarks.iter().flatten().map(|remark| format!("{}.", text::sentence(remark))).collect();
     let status = &solution.motion.status;

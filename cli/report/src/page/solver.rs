@@ -58,6 +58,7 @@ fn meaning(name: &str) -> &'static str {
         "Newton iterations" => "steps of Newton's method, over all meshes and starts",
         "mesh nodes" => "points at which the motion was computed",
         "conjugate time" => "from this time on motions nearby would cost less; none means a local minimum",
+        "local minimum" => "what the second derivatives of the direct method show",
         "verification" => "how the motion was checked",
         "error of the cost" => "estimated from the mesh, relative",
         "active limits" => "limits that the motion reaches",
