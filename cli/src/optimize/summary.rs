@@ -6,8 +6,8 @@ use costate_control::{Problem, Solution};
 use costate_report::figures::figures;
 use costate_report::numbers::short;
 use costate_report::text::{
-    ITERATION_HEADER, START_HEADER, criterion, explanation, iteration_row, sentence, skipped_starts,
-    start_row, status,
+    ITERATION_HEADER, START_HEADER, criterion, explanation, iteration_row, needs_feedback, sentence,
+    skipped_starts, start_row, status,
 };
 use std::io::Write;
 

@@ -25,23 +25,22 @@ pub fn section(motion: &Motion<'_>) -> String {
             format!("<ul class=\"{class}\">{items}</ul>")
         }
     };
-    let remarks = [
-        text::explanation(problem, solution),
-        text::needs_feedback(solution),
-        text::skipped_starts(solution),
-    ];
-    let remarks: Vec<String> =
-        remarks.iter().flatten().map(|remark| format!("{}.", text::sentence(remark))).collect();
+    let sentences = |remarks: &[Option<String>]| -> Vec<String> {
+        remarks.iter().flatten().map(|remark| format!("{}.", text::sentence(remark))).collect()
+    };
+    let remarks = sentences(&[text::explanation(problem, solution), text::skipped_starts(solution)]);
+    let advice = sentences(&[text::needs_feedback(solution)]);
     let status = &solution.motion.status;
     let cards: String = cards(motion).iter().map(card).collect();
     format!(
         "<header><h1>{name} <span class=\"status {class}\">{status}</span></h1><p class=\"task\">{task}</p>\
-         {remarks}<dl class=\"cards\">{cards}</dl>{warnings}</header>\n",
+         {remarks}{advice}<dl class=\"cards\">{cards}</dl>{warnings}</header>\n",
         name = escaped(motion.robot().name()),
         class = if status.is_solved() { "good" } else { "bad" },
         status = escaped(&text::status(status)),
         task = escaped(&text::sentence(&text::criterion(problem, solution))),
         remarks = list(&remarks, "remarks"),
+        advice = list(&advice, "warnings"),
         warnings = match motion.options.warnings.len() {
             0..=2 => list(&motion.options.warnings, "warnings"),
             count => {

@@ -95,8 +95,7 @@ fn of_kind<'a>(motion: &Motion<'a>, kind: &str, usage: &'a LimitUse) -> Row<'a> 
         .worst
         .as_ref()
         .map_or_else(|| "-".to_owned(), |worst| format!("{}, t = {} s", worst.name, short(worst.time, 4)));
-    // Torques are cut to their limits between the points.
-    let between = if kind == "torque" { "-".into() } else { short(usage.between, 3) };
+    let between = short(usage.between, 3);
     let name = if kind == "task" { "tools, clearances".into() } else { spaced(kind) };
     let excess = format!("{} {unit}", short(usage.at_points, 3));
     let span = |limit: &'a ActiveLimit| {

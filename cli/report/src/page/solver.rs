@@ -85,7 +85,7 @@ fn is_good(motion: &Motion<'_>, name: &str) -> Option<bool> {
             Some(solution.end_defect <= bound * size.max(1.0))
         }
         "shooting defect" if checked || figures.shooting_defect.is_finite() => {
-            Some(figures.shooting_defect < bound.max(SMALL))
+            Some(figures.status.is_solved() || figures.shooting_defect < bound.max(SMALL))
         }
         "conjugate time" if figures.conjugate_time.is_some() => Some(false),
         "verification" => Some(figures.verification != Verify::None),
