@@ -16,9 +16,10 @@ pub fn payloads(motion: &Motion<'_>) -> Vec<Value> {
     let changes: Vec<(f64, &Vec<Payload>)> =
         vias.filter_map(|(via, &time)| Some((time, via.payload.as_ref()?))).collect();
     let until = |k: usize| changes.get(k + 1).map_or(end, |change| change.0);
-    let carried = changes.iter().enumerate().flat_map(|(k, &(from, payload))| {
-        payload.iter().filter_map(move |part| Some((from, until(k), part)))
-    });
+    let carried = changes
+        .iter()
+        .enumerate()
+        .flat_map(|(k, &(from, payload))| payload.iter().map(move |part| (from, until(k), part)));
     carried.filter_map(|(from, to, part)| cube(motion, from, to, part)).collect()
 }
 

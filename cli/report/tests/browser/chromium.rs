@@ -55,7 +55,7 @@ impl Page {
                 "--no-first-run",
                 "--hide-scrollbars",
             ])
-            .args(["--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--mute-audio"])
+            .args(["--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-gpu-rasterization"])
             .arg(format!("--user-data-dir={}", profile.display()))
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())

@@ -179,6 +179,13 @@ const makePlots = (player) => {
       follow();
     };
 
+    // A value, with its unit where that is not the one of the whole plot.
+    const valueText = (curve, value) => {
+      const text = plot.logarithmic ? short(value, 3) : shortOn(value, scale.high - scale.low);
+      const own = unitOfCurve(plot, curve.color);
+      return own === unitOf(plot) ? text : `${text} ${own}`;
+    };
+
     // The cursor, and the values there: at the time under the pointer, or else at that of the robot.
     const follow = () => {
       if (!scale || !cursor) return;
@@ -194,7 +201,7 @@ const makePlots = (player) => {
       plot.curves.forEach((curve, k) => {
         const value = valueAt(xs(curve), curve.y, time);
         const scaled = value === null ? null : value * factorOf(plot, curve.color);
-        chips[k].value.textContent = scaled === null ? "" : `${plot.logarithmic ? short(scaled, 3) : shortOn(scaled, scale.high - scale.low)} ${unitOfCurve(plot, curve.color)}`;
+        chips[k].value.textContent = scaled === null ? "" : valueText(curve, scaled);
         const at = scaled === null || isHidden(curve, k) || time < scale.from || time > scale.to ? NaN : scale.y(scaled);
         const seen = Number.isFinite(at) && at >= MARGIN.top && at <= bottom;
         cursor.dots[k].setAttribute("visibility", seen ? "visible" : "hidden");
