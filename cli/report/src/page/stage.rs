@@ -50,6 +50,7 @@ fn joints(robot: &Robot) -> Vec<Value> {
                 "q": independent.iter().position(|&index| index == of),
                 "ratio": ratio,
                 "offset": offset,
+                "massless": joint.inertia.mass == 0.0,
             })
         })
         .collect()

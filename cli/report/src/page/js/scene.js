@@ -48,7 +48,7 @@ const makeScene = () => {
   const size = 0.5 * robotSize;
 
   // Layers that can be switched off; those without anything are not offered.
-  const isSolid = (body) => body.shape.kind === "capsule";
+  const isCapsule = (body) => body.shape.kind === "capsule";
   const layers = {
     path: { label: "Path", on: paths.length > 0, has: paths.length > 0 },
     ghosts: { label: "Start, end", on: true, has: true },
@@ -71,7 +71,8 @@ const makeScene = () => {
   const ofShape = (shape) => geometry(JSON.stringify(shape), () => shapeFor(shape));
   const reset = (renderer) => { upload = renderer.upload; uploads.clear(); };
 
-  const capsuleOf = joints.map((_, j) => stageData.bodies.find((body) => body.joint === j && isSolid(body) && body.link !== "rail"));
+  const capsuleOf = joints.map((_, j) => stageData.bodies.find((body) => body.joint === j && isCapsule(body) && body.link !== "rail"));
+  const hasModel = joints.map((_, j) => stageData.bodies.some((body) => body.joint === j && !isCapsule(body)));
   const robotItems = (poses, paint, more = {}) => {
     const items = stageData.bodies.map((body) => ({
       geometry: ofShape(body.shape),
@@ -79,13 +80,13 @@ const makeScene = () => {
       colour: paint(body.colour),
       ...more,
     }));
-    // A hub at each joint between capsules, in the colour of its curves.
+    // A hub or a slide at each joint of a link without a model, in the colour of its curves.
     joints.forEach((joint, j) => {
-      if (!capsuleOf[j]) return;
-      const above = joint.parent === null ? null : capsuleOf[joint.parent];
-      const r = 1.18 * Math.max(capsuleOf[j].shape.radius, above ? above.shape.radius : 0);
-      const hub = joint.kind === "revolute" ? { kind: "cylinder", radius: r, length: 2.3 * r }
-        : { kind: "box", size: [2.2 * r, 2.2 * r, 2.2 * r] };
+      if (hasModel[j] || (!capsuleOf[j] && joint.massless)) return;
+      const above = joint.parent === null ? undefined : capsuleOf[joint.parent];
+      const r = 1.18 * Math.max(0.012 * robotSize, ...[capsuleOf[j], above].filter((body) => body).map((body) => body.shape.radius));
+      const hub = joint.kind === "revolute" ? { kind: "cylinder", radius: r, length: (joint.parent !== null && joints[joint.parent].kind === "prismatic" ? 3.8 : 2.3) * r }
+        : { kind: "box", size: [3 * r, 3 * r, 3 * r] };
       const tint = more.ghost ? paint(null) : [...rgb(colour(`--c${joint.q % 12}`)), 1];
       items.push({ geometry: ofShape(hub), model: matrixOf(then(poses[j], alongZ(joint.axis, [0, 0, 0]))), colour: tint, ...more });
     });
@@ -160,7 +161,7 @@ const makeScene = () => {
       });
     }
     if (shows("obstacles")) all.push(...glassItems(stageData.obstacles, [...rgb(colour("--obstacle")), 0.55]));
-    if (shows("regions")) all.push(...glassItems(stageData.regions, [...rgb(colour("--c2")), 0.2]));
+    if (shows("regions")) all.push(...glassItems(stageData.regions, [...rgb(colour("--c2")), 0.12]));
     return all;
   };
 
