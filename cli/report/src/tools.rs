@@ -53,8 +53,8 @@ pub fn of_problem(robot: &Robot, tool: &Tool) -> Option<ToolFrame> {
     })
 }
 
-/// The farthest frames of the links without a child; their centres of mass where no frame is away from the
-/// joint.
+/// The farthest frames of the links without a child, or else other frames than those of joint and link, or
+/// else the centres of mass.
 fn ends(robot: &Robot) -> Vec<ToolFrame> {
     let joints = robot.joints();
     let is_last = |&i: &usize| !joints.iter().any(|joint| joint.parent == Some(i));
@@ -69,11 +69,11 @@ fn ends(robot: &Robot) -> Vec<ToolFrame> {
         let com = joints[i].inertia.com;
         let tool = |name: String, placement| ToolFrame { name, joint: Some(i), placement };
         match on_link().find(|frame| frame.name != joints[i].link && frame.name != joints[i].name) {
+            Some(frame) => tool(frame.name.clone(), frame.placement),
             _ if com.norm() > SHORTEST => {
                 let placement = Placement { translation: com, ..Placement::identity() };
                 tool(format!("centre of mass of {}", joints[i].link), placement)
             }
-            Some(frame) => tool(frame.name.clone(), frame.placement),
             None => tool(joints[i].link.clone(), Placement::identity()),
         }
     };

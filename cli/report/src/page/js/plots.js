@@ -40,7 +40,7 @@ const makePlots = (player) => {
     create(caption, "h3", {}, plot.title);
     const unit = create(caption, "span", { class: "unit" });
     const svg = draw(figure, "svg", { role: "img", "aria-label": plot.title, class: plot.overTime ? "timed" : "" });
-    const legend = create(figure, "div", { class: "legend" });
+    const legend = create(figure, "div", { class: plot.curves.length > 2 ? "legend" : "legend few" });
     const hiddenHere = new Set();
     const isHidden = (curve, k) => (plot.ofJoints ? shared.hidden.has(curve.color) : hiddenHere.has(k));
     const xs = (curve) => curve.x || times;
