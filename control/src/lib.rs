@@ -83,6 +83,7 @@ pub use result::limit_use::{ActiveLimit, LimitReport, LimitUse, LimitViolation};
 pub use result::motion::{Certificate, ExtremalSolution, Motion};
 pub use result::nodes::Nodes;
 pub use result::polish_report::{PolishOutcome, PolishReport};
+pub use result::rates::MotionRates;
 pub use result::samples::{SampleError, Samples};
 pub use result::solution::{CostateStart, RobotNames, Solution, StartResult};
 pub use result::stage_times::StageTimes;

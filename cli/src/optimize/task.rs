@@ -15,6 +15,8 @@ pub struct Task {
     pub start_from: Option<Trajectory>,
     /// The text of the file.
     pub text: String,
+    /// The robot file.
+    pub robot_path: PathBuf,
     /// The problem file and the files that it names.
     pub inputs: Vec<PathBuf>,
 }
@@ -38,8 +40,8 @@ impl Task {
         let start_from = start.transpose().map_err(|error| file.refuse(Key::START_FROM, error))?;
         let inputs = [Some(path), Some(&file.robot_path), file.start_from.as_deref()];
         let inputs = inputs.into_iter().flatten().map(Path::to_path_buf).collect();
-        let ProblemFile { problem, options, text, .. } = file;
-        Ok(Self { problem, options, start_from, text, inputs })
+        let ProblemFile { problem, options, text, robot_path, .. } = file;
+        Ok(Self { problem, options, start_from, text, robot_path, inputs })
     }
 }
 

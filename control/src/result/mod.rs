@@ -12,6 +12,7 @@ pub(crate) mod motion;
 pub(crate) mod nodes;
 pub(crate) mod polish_report;
 pub(crate) mod quintic;
+pub(crate) mod rates;
 pub(crate) mod rows;
 pub(crate) mod samples;
 pub(crate) mod saved;

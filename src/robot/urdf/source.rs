@@ -144,10 +144,7 @@ struct Reader<'a> {
 
 impl<'a> Reader<'a> {
     fn new(root: Node<'a, 'a>, lines: &'a Lines) -> Self {
-        let number = |text: &str| text.parse::<u32>().ok();
-        let version = root.attribute("version").and_then(|text| text.trim().split_once('.'));
-        let version =
-            version.and_then(|(major, minor)| Some((number(major)?, number(minor)?))).unwrap_or((1, 0));
+        let version = version(root);
         Self {
             lines,
             version,
@@ -275,29 +272,41 @@ impl<'a> Reader<'a> {
     /// The placement by the `<origin>` of a joint or of an `<inertial>`.
     fn origin(&mut self, of: &Element<'_>) -> Result<Placement, RobotError> {
         let Some(origin) = of.child("origin")? else { return Ok(Placement::identity()) };
-        let xyz = origin.numbers::<3>("xyz")?.unwrap_or_default();
-        let angles = origin.numbers::<3>("rpy")?;
-        let mut rpy = angles.unwrap_or_default();
-        match origin.attribute("quat_xyzw") {
-            Some(_) if self.version < (1, 1) => self.note(format!(
+        let has_quaternions = self.version >= (1, 1);
+        if !has_quaternions && origin.attribute("quat_xyzw").is_some() {
+            self.note(format!(
                 "quat_xyzw of {} (line {}) was ignored, as by the format before version 1.1; \
                  write <robot version=\"1.1\"> if it is meant",
                 origin.description(),
                 origin.line()
-            )),
-            Some(_) if angles.is_some() => {
-                return Err(origin.refuse("has both rpy and quat_xyzw; keep one of them"));
-            }
-            Some(_) => {
-                let [x, y, z, w] = origin.numbers::<4>("quat_xyzw")?.unwrap_or([0.0, 0.0, 0.0, 1.0]);
-                let norm = (x * x + y * y + z * z + w * w).sqrt();
-                if !(norm.is_finite() && norm > 0.0) {
-                    return Err(origin.refuse("has a quat_xyzw of length zero; give a unit quaternion"));
-                }
-                rpy = roll_pitch_yaw([x, y, z, w].map(|part| part / norm));
-            }
-            None => {}
+            ));
         }
-        Ok(Placement::from_xyz_rpy(xyz, rpy))
+        placement(&origin, has_quaternions)
     }
+}
+
+/// Major and minor version of the format.
+pub(super) fn version(root: Node<'_, '_>) -> (u32, u32) {
+    let number = |text: &str| text.parse::<u32>().ok();
+    let version = root.attribute("version").and_then(|text| text.trim().split_once('.'));
+    version.and_then(|(major, minor)| Some((number(major)?, number(minor)?))).unwrap_or((1, 0))
+}
+
+/// The placement by an `<origin>`, of a format that has quaternions or not.
+pub(super) fn placement(origin: &Element<'_>, has_quaternions: bool) -> Result<Placement, RobotError> {
+    let xyz = origin.numbers::<3>("xyz")?.unwrap_or_default();
+    let angles = origin.numbers::<3>("rpy")?;
+    let mut rpy = angles.unwrap_or_default();
+    if has_quaternions && origin.attribute("quat_xyzw").is_some() {
+        if angles.is_some() {
+            return Err(origin.refuse("has both rpy and quat_xyzw; keep one of them"));
+        }
+        let [x, y, z, w] = origin.numbers::<4>("quat_xyzw")?.unwrap_or([0.0, 0.0, 0.0, 1.0]);
+        let norm = (x * x + y * y + z * z + w * w).sqrt();
+        if !(norm.is_finite() && norm > 0.0) {
+            return Err(origin.refuse("has a quat_xyzw of length zero; give a unit quaternion"));
+        }
+        rpy = roll_pitch_yaw([x, y, z, w].map(|part| part / norm));
+    }
+    Ok(Placement::from_xyz_rpy(xyz, rpy))
 }
