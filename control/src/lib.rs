@@ -28,6 +28,7 @@ mod continuation;
 mod cubics;
 mod direct;
 mod extremal;
+mod gains;
 mod numerics;
 mod options;
 mod parallel;
@@ -61,13 +62,14 @@ pub use extremal::{
     BoundSide, BoundaryValueProblem, BoundedControls, ControlLaw, ControlRange, Extremal, HamiltonianTerms,
     Homotopy, Relaxation, SideChange,
 };
+pub use gains::{GainError, Gains, LimitDerivative, LimitDerivatives};
 pub use numerics::almost_block_diagonal::{AlmostBlockDiagonal, SingularMatrix};
 pub use options::{Coordinates, JacobianRoute, MachineCode, Method, Polish, SolverOptions, Strategy, Verify};
 pub use problem::check::CheckedProblem;
 pub use problem::continuation_cause::ContinuationCause;
 pub use problem::error::{ProblemError, SourceError};
 #[cfg(feature = "toml")]
-pub use problem::file::{ProblemFile, ProblemFileCause, ProblemFileError};
+pub use problem::file::{ProblemFile, ProblemFileCause, ProblemFileError, SavedStart};
 pub use problem::key::Key;
 pub use problem::limits::JointLimits;
 pub use problem::running_cost::{RunningCost, UserTerm};

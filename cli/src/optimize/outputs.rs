@@ -2,7 +2,6 @@
 
 use super::arguments::Arguments;
 use super::report;
-use super::samples::table;
 use crate::output::{Output, OutputFolder, is_standard};
 use costate_control::Samples;
 use std::error::Error;
@@ -98,7 +97,7 @@ impl Outputs {
             saved.write(&serde_json::to_string(motion.solution)?)?;
         }
         if let (Some(file), Some(samples)) = (&self.samples, samples) {
-            file.write(&table(samples, &motion.solution.robot.joints))?;
+            file.write(&samples.to_csv(&motion.solution.robot.joints))?;
         }
         if let Some(page) = &self.report {
             page.write(&report::page(motion))?;

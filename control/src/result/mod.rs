@@ -1,5 +1,6 @@
 //! What a solve gives: figures, values over time, and their JSON form.
 
+pub(crate) mod complete;
 pub(crate) mod conjugate;
 pub(crate) mod defect;
 pub(crate) mod disconjugate;

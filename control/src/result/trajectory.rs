@@ -29,9 +29,9 @@ pub struct Trajectory {
     pub hamiltonian: Vec<f64>,
     /// The times of the vias (s): where one phase ends and the next one begins. Each is that of two nodes.
     pub via_times: Vec<f64>,
-    interpolant: Option<Interpolant>,
+    pub(super) interpolant: Option<Interpolant>,
     /// Accelerations at the nodes of a motion whose q(t) is a quintic between them.
-    accelerations: Option<Vec<Vec<f64>>>,
+    pub(super) accelerations: Option<Vec<Vec<f64>>>,
 }
 
 /// The motion of a robot at one time.
@@ -113,7 +113,6 @@ impl Trajectory {
         Self::from_rows(kept.iter().map(|&k| self.t[k]).collect(), columns)
     }
 
-    /// With H* at the nodes.
     /// The nodes of its mesh in parts of its time, of a motion in one phase: of the direct method every fifth
     /// row, with three points between them, else all times. `None` if it takes no time.
     pub(crate) fn direct_nodes(&self) -> Option<Vec<f64>> {
@@ -132,6 +131,7 @@ impl Trajectory {
         (last > first && nodes.len() > 1).then_some(nodes)
     }
 
+    /// With H* at the nodes.
     pub(crate) fn with_hamiltonian(self, hamiltonian: Vec<f64>) -> Self {
         Self { hamiltonian, ..self }
     }

@@ -95,11 +95,9 @@ pub(super) fn read(root: &Table<'_>) -> Result<Task, Fault> {
         references = costs.tables("reference", REFERENCE)?.iter().map(reference).collect::<Result<_, _>>()?;
     }
     let keep = root.tables("keep", KEEP)?.iter().map(keep).collect::<Result<_, _>>()?;
-    let mut obstacles = Vec::new();
-    for (k, table) in root.tables("obstacle", OBSTACLE)?.iter().enumerate() {
-        let name = table.string("name")?.unwrap_or_else(|| format!("obstacle {}", k + 1));
-        obstacles.push(Obstacle::new(name, shape(table)?));
-    }
+    let obstacles = root.tables("obstacle", OBSTACLE)?;
+    let obstacles = obstacles.iter().enumerate().map(|(k, table)| obstacle(table, k));
+    let obstacles = obstacles.collect::<Result<_, _>>()?;
     let collision = root.table("collision")?.as_ref().map(collision).transpose()?;
     Ok(Task { start_tools, end_tools, keep, tool_costs, references, obstacles, collision })
 }
@@ -207,7 +205,8 @@ fn keep(table: &Table<'_>) -> Result<Keep, Fault> {
 }
 
 /// A reference of a tool if it has a frame, else one of joints.
-fn reference(table: &Table<'_>) -> Result<Reference, Fault> {
+pub(super) fn reference(table: &Table<'_>) -> Result<Reference, Fault> {
+    table.only(REFERENCE)?;
     let times = table.need("times", table.numbers("times")?)?;
     if !table.has("frame") {
         table.only(JOINT_REFERENCE)?;
@@ -241,6 +240,12 @@ fn reference(table: &Table<'_>) -> Result<Reference, Fault> {
 fn numbers(value: &DeValue<'_>) -> Option<Vec<f64>> {
     let DeValue::Array(entries) = value else { return None };
     entries.iter().map(|entry| number(entry.get_ref())).collect()
+}
+
+/// The obstacle of this number, from 0.
+pub(super) fn obstacle(table: &Table<'_>, number: usize) -> Result<Obstacle, Fault> {
+    let name = table.string("name")?.unwrap_or_else(|| format!("obstacle {}", number + 1));
+    Ok(Obstacle::new(name, shape(table)?))
 }
 
 fn shape(table: &Table<'_>) -> Result<Shape, Fault> {
