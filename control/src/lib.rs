@@ -69,7 +69,7 @@ pub use problem::check::CheckedProblem;
 pub use problem::continuation_cause::ContinuationCause;
 pub use problem::error::{ProblemError, SourceError};
 #[cfg(feature = "toml")]
-pub use problem::file::{ProblemFile, ProblemFileCause, ProblemFileError, SavedStart};
+pub use problem::file::{ProblemFile, ProblemFileCause, ProblemFileError};
 pub use problem::key::Key;
 pub use problem::limits::JointLimits;
 pub use problem::running_cost::{RunningCost, UserTerm};
@@ -86,6 +86,7 @@ pub use result::motion::{Certificate, ExtremalSolution, Motion};
 pub use result::nodes::Nodes;
 pub use result::polish_report::{PolishOutcome, PolishReport};
 pub use result::samples::{SampleError, Samples};
+pub use result::saved_start::SavedStart;
 pub use result::solution::{CostateStart, RobotNames, Solution, StartResult};
 pub use result::stage_times::StageTimes;
 pub use result::trajectory::{Trajectory, TrajectoryPoint};

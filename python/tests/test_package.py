@@ -50,6 +50,15 @@ def test_the_example_of_the_readme(monkeypatch, capsys):
     assert names["J"].shape == (1000, 12, 18) and "states compared" in capsys.readouterr().out
 
 
+def test_the_example_of_motions(monkeypatch, capsys, tmp_path):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "robots").symlink_to(ROBOTS)
+    text = (ROBOTS.parent / "python" / "README.md").read_text()
+    exec(text.split("```python\n")[2].split("```")[0], {})
+    assert "converged" in (shown := capsys.readouterr().out) and "(1001, 6)" in shown
+    assert len((tmp_path / "motion.csv").read_text().splitlines()) == 1002
+
+
 def test_stubs_are_those_of_the_module():
     pytest.importorskip("mypy")
     command = [sys.executable, "-m", "mypy.stubtest", "costate", "--ignore-disjoint-bases"]

@@ -61,6 +61,19 @@ impl Solution {
     /// nodes, the iterations and the estimated errors, which its JSON form by serde leaves out. Not for
     /// keeping: another version of this library may not read it.
     ///
+    /// ```
+    /// use costate_control::{Problem, Solution, Solver, SolverOptions};
+    /// use costate::robot::Robot;
+    /// # std::env::set_current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))?;
+    /// let robot = Robot::from_file("robots/pendulum.toml")?;
+    /// let problem = Problem::rest_to_rest(robot, &[0.0], &[3.0], 1.0);
+    /// let solution = Solver::new(&problem, SolverOptions::default())?.solve();
+    /// let there = Solution::from_complete_json(&solution.to_complete_json()?)?;
+    /// assert_eq!(there.trajectory, solution.trajectory);
+    /// assert_eq!(there.motion.iterations, solution.motion.iterations);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
     /// # Errors
     /// Those of the writer.
     pub fn to_complete_json(&self) -> Result<String, serde_json::Error> {

@@ -15,6 +15,7 @@ pub(crate) mod quintic;
 pub(crate) mod rows;
 pub(crate) mod samples;
 pub(crate) mod saved;
+pub(crate) mod saved_start;
 pub(crate) mod solution;
 pub(crate) mod solved;
 pub(crate) mod stage_times;

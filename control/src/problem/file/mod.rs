@@ -9,14 +9,12 @@ mod nested;
 mod parts;
 mod phases;
 mod robot;
-mod saved_start;
 mod solver;
 mod table;
 mod tables;
 mod task;
 
 pub use error::{ProblemFileCause, ProblemFileError};
-pub use saved_start::SavedStart;
 
 use crate::options::SolverOptions;
 use crate::problem::Problem;
@@ -144,17 +142,6 @@ impl ProblemFile {
             text: text.into(),
             path: path.map(Path::to_path_buf),
         })
-    }
-
-    /// The motion of `[start_from]`.
-    ///
-    /// # Errors
-    /// A file that cannot be read, or [is no motion](Trajectory::from_json) of this robot.
-    pub fn saved_motion(&self) -> Result<Option<SavedStart>, ProblemFileError> {
-        let read = |path: &PathBuf| {
-            SavedStart::read(path, &self.problem.robot).map_err(|error| self.refuse(Key::START_FROM, error))
-        };
-        self.start_from.as_ref().map(read).transpose()
     }
 
     /// The error of a key whose value turned out to be wrong after reading, with file and line. For

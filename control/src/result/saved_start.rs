@@ -1,5 +1,9 @@
 //! The saved motion that a problem file begins at.
 
+#[cfg(feature = "toml")]
+use crate::problem::file::{ProblemFile, ProblemFileError};
+#[cfg(feature = "toml")]
+use crate::problem::key::Key;
 use crate::result::trajectory::Trajectory;
 use crate::result::trajectory_error::TrajectoryError;
 use costate::robot::{Robot, printable};
@@ -44,5 +48,18 @@ impl SavedStart {
             )
         });
         Ok(Self { trajectory, warning })
+    }
+}
+
+#[cfg(feature = "toml")]
+impl ProblemFile {
+    /// The motion of `[start_from]`.
+    ///
+    /// # Errors
+    /// A file that cannot be read, or [is no motion](Trajectory::from_json) of this robot.
+    pub fn saved_motion(&self) -> Result<Option<SavedStart>, ProblemFileError> {
+        let Some(path) = &self.start_from else { return Ok(None) };
+        let read = SavedStart::read(path, &self.problem.robot);
+        read.map(Some).map_err(|error| self.refuse(Key::START_FROM, error))
     }
 }
