@@ -38,7 +38,7 @@ def arrives(robot: costate.Robot, solution: costate.Solution, steps: int) -> np.
     tau = solution.sample(times=np.linspace(0.0, solution.final_time, 2 * steps + 1)).tau
     n = robot.n
     x = np.concatenate([solution.q[0], solution.v[0]])
-    f = lambda x, tau: dynamics.f(x[:n], x[n:], tau)  # noqa: E731
+    f = lambda x, tau: dynamics.f(x[:n], x[n:], tau)
     for k in range(steps):
         k1 = f(x, tau[2 * k])
         k2 = f(x + h / 2 * k1, tau[2 * k + 1])
@@ -95,13 +95,13 @@ def test_sampled_torques_lead_to_the_end(ur5):
     solution = problem.solve()
     assert solution.converged and solution.warnings == []
     end = np.concatenate([[1.5, -1.0, 1.2, -1.5, -1.57, 0.5], np.zeros(6)])
-    assert np.abs(arrives(problem.robot, solution, 2000) - end).max() < 3e-3
+    assert np.abs(arrives(problem.robot, solution, 8000) - end).max() < 3e-3
     samples = solution.sample(1000)
     assert samples.t[0] == 0.0 and samples.t[-1] == 1.0 and len(samples) == 1001 and samples.q.shape == (1001, 6)
     # Jumps of accelerations lie in few intervals; elsewhere the rows belong together.
     tau = costate.Dynamics(problem.robot).rnea(samples.q, samples.v, samples.a)
     assert np.median(np.abs(tau - samples.tau)) < 1e-9
-    assert (np.abs(samples.v) <= problem.robot.velocity_limits * (1 + 1e-4)).all()
+    assert (np.abs(samples.v) <= problem.robot.velocity_limits * (1 + 2e-4)).all()  # 1e-4 of both sides together
     assert (np.abs(samples.tau) <= problem.robot.effort_limits).all()
 
 
@@ -219,34 +219,45 @@ def test_sampling_is_checked(solved):
 
 def test_feedback_predicts_motions_nearby(arm):
     problem = costate.Problem(arm, start=[0, 0], end=[QUARTER, QUARTER], time=1.0, cost=[1, 1])
-    solution = problem.solve(polish=False)
+    solution = problem.solve(polish=False, tolerance=1e-9)
     gains = solution.feedback(rate=100)
     assert gains.gain_q.shape == gains.gain_v.shape == (101, 2, 2) and "gain_q" in json.loads(gains.to_json())
     # A central difference of motions from states that are off.
     dq, dv = np.array([0.004, -0.003]), np.array([0.02, 0.03])
-    start = lambda sign: {"q": sign * dq, "v": sign * dv}  # noqa: E731
+    start = lambda sign: {"q": sign * dq, "v": sign * dv}
     above, below = (
         costate.Problem(arm, start=start(sign), end=[QUARTER, QUARTER], time=1.0, cost=[1, 1])
-        .solve(polish=False)
+        .solve(polish=False, tolerance=1e-9)
         .sample(100)
         for sign in (1, -1)
     )
     for k in (0, 30, 55):
         change = {name: (getattr(above, name)[k] - getattr(below, name)[k]) / 2 for name in ("q", "v", "tau")}
         predicted = gains.gain_q[k] @ change["q"] + gains.gain_v[k] @ change["v"]
-        assert np.abs(predicted - change["tau"]).max() < 0.02 * np.abs(change["tau"]).max()
+        assert np.abs(predicted - change["tau"]).max() < 0.01 * np.abs(change["tau"]).max()
     # dJ/dx of the start is minus the costate; by (q, v) at constant v.
     assert_close(gains.cost_by_start[2:], -costate.Dynamics(arm).crba([0, 0]) @ solution.costates[0, 2:], 1e-3)
 
 
 def test_sensitivities(arm):
-    # Values of docs/optimize.md, which agree with solving again.
     found = costate.Problem.from_file(PROBLEMS / "two_link.toml").solve().sensitivities()
-    assert abs(max(row.derivative for name, row in found.items() if name.endswith(".mass")) - 0) >= 0
-    heavier = costate.Problem(arm, {"robot": {"armature": {"elbow": 1e-3}}}, start=[0, 0], end=[QUARTER] * 2, time=1.0, cost=[1, 1])
-    lighter = costate.Problem(arm, start=[0, 0], end=[QUARTER] * 2, time=1.0, cost=[1, 1])
-    difference = (heavier.solve(tolerance=1e-9).cost - lighter.solve(tolerance=1e-9).cost) / 1e-3
-    assert abs(found["elbow.armature"].derivative - difference) < 2e-3 * abs(difference)
+    # Of docs/optimize.md; `cargo test -p costate-control --test real_time` compares it with solving again.
+    assert abs(found["elbow.J_zz"].derivative - 271.71942099) < 1e-4
+    # A central difference of motions with another inertia, by an armature of the elbow: J_zz moves the shoulder too.
+    cost = {}
+    for mass in (-1e-3, 1e-3):
+        heavier = {"payload": [{"frame": "elbow", "mass": 0.0, "inertia": {"zz": 1e-3 + mass}}]}
+        problem = costate.Problem(arm, {"robot": heavier}, start=[0, 0], end=[QUARTER] * 2, time=1.0, cost=[1, 1])
+        cost[mass] = problem.solve(tolerance=1e-9).cost
+    difference = (cost[1e-3] - cost[-1e-3]) / 2e-3
+    assert abs(found["elbow.J_zz"].derivative - difference) < 2e-3 * difference
+    cost = {"effort": [1, 1], "jerk": [1e-4] * 2}
+    smooth = costate.Problem(arm, start=[0, 0], end=[1, 0.5], time=1.0, cost=cost, limits=False).solve()
+    with pytest.raises(costate.MotionError, match=r"cost\.jerk"):
+        smooth.sensitivities()
+    with pytest.raises(costate.ProblemError) as caught:
+        smooth.feedback()
+    assert caught.value.key == "cost.jerk"
 
 
 def test_infeasible_problems_say_what_has_to_give(arm):
@@ -272,7 +283,8 @@ REFUSED = [
     ({"cost": [1, -1]}, {}, "cost.effort"),
     ({"cost": {"efort": [1, 1]}}, {}, "cost.efort"),
     ({"limits": {"v_max": [1.0]}}, {}, "limits.v_max"),
-    ({"limits": {"q_max": [0.5, 0.5]}}, {}, "limits.q_max"),
+    ({"limits": {"v_max": [-1.0, 1.0]}}, {}, "limits.v_max"),
+    ({"limits": {"q_max": [0.9, 0.9]}}, {}, "end.q"),
     ({"bounds": {"u_min": [1, 1], "u_max": [0, 0]}}, {}, "bounds.u_min"),
     ({"keep": [{"kind": "speed", "frame": "hand", "speed": 1.0}]}, {}, "keep.frame"),
     ({"obstacle": [{"kind": "sphere", "xyz": [0, 0]}]}, {}, "obstacle.xyz"),
@@ -331,7 +343,7 @@ def test_progress_and_records(limited, caplog, capsys):
     with caplog.at_level(logging.DEBUG, "costate"):
         solution = limited.solve(progress=seen.append)
     assert seen and all(isinstance(step, costate.Iteration) for step in seen) and seen[0].phase == "direct"
-    assert solution.iterations == seen and solution.newton_iterations == len(seen)
+    assert solution.iterations == seen and solution.newton_iterations >= len(seen)
     levels = [record.levelno for record in caplog.records if record.name == "costate"]
     assert levels.count(logging.DEBUG) == len(seen) and levels.count(logging.INFO) == 1
     limited.solve(progress=True)
@@ -350,7 +362,8 @@ def test_progress_and_records(limited, caplog, capsys):
 def test_starts_do_not_depend_on_threads(arm):
     problem = costate.Problem(arm, start=[0, 0], end=[QUARTER, QUARTER], time=1.0, cost=[1, 1])
     one, two = (problem.solve(starts=3, threads=threads) for threads in (1, 2))
-    assert one == two and len(one.starts) == 3
+    assert one.cost == two.cost and one.starts == two.starts and len(one.starts) == 3
+    assert (one.q == two.q).all() and (one.costates == two.costates).all()
 
 
 def test_a_time_limit_keeps_the_best_motion(ur5):

@@ -79,22 +79,23 @@ def test_an_interrupt_that_nobody_catches_ends_the_process():
     process = start("problem.solve(progress=ready, **options)")
     process.send_signal(signal.SIGINT)
     _, err = ended(process)
-    assert process.returncode in (-signal.SIGINT, 130) and "Interrupted" in err
+    assert process.returncode != 0 and "Interrupted: interrupted: cancelled" in err
 
 
 @posix
 def test_an_interrupt_of_the_main_thread_leaves_a_solve_on_another_one_alone():
     process = start(
         """
+        ended = threading.Event()
         def work():
-            print(problem.solve(progress=ready, time_limit=2.0, **options).status)
-        thread = threading.Thread(target=work)
-        thread.start()
+            print(problem.solve(progress=ready, time_limit=2.0, **options).status, flush=True)
+            ended.set()
+        threading.Thread(target=work).start()
         try:
-            thread.join()
+            ended.wait()
         except KeyboardInterrupt:
-            print("interrupt")
-        thread.join()
+            print("interrupt", flush=True)
+        ended.wait()
         """
     )
     process.send_signal(signal.SIGINT)

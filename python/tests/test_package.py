@@ -28,7 +28,7 @@ def documented():
 def test_everything_public_is_documented():
     missing = [name for name, thing in documented() if name != "__version__" and not inspect.getdoc(thing)]
     inherited = [name for name in missing if not hasattr(getattr(costate, name.split(".")[0]), "__dataclass_fields__")]
-    attributes = {f"{of.__name__}.{part}" for of in (costate.ArgumentError, costate.RobotError, costate.StateError)
+    attributes = {f"{of.__name__}.{part}" for of in (costate.ArgumentError, costate.ProblemError, costate.RobotError, costate.StateError)
                   for part in vars(of) if not part.startswith("_")}  # fmt: skip
     assert set(inherited) <= attributes
 

@@ -98,11 +98,10 @@ class Problem:
         start_from: Mapping[str, Any] | None = None,
         folder: Path = "",
     ) -> None:
-        given = {
-            **{"start": start, "end": end, "time": time, "cost": cost, "limits": limits, "bounds": bounds},
-            **{"penalty": penalty, "actuation": actuation, "via": via, "periodic": periodic, "keep": keep},
-            **{"obstacle": obstacle, "collision": collision, "solver": solver, "start_from": start_from},
-        }
+        given: dict[str, Any] = {"start": start, "end": end, "time": time, "cost": cost, "limits": limits}
+        given |= {"bounds": bounds, "penalty": penalty, "actuation": actuation, "via": via, "periodic": periodic}
+        given |= {"keep": keep, "obstacle": obstacle, "collision": collision, "solver": solver}
+        given |= {"start_from": start_from}
         all_tables = dict(tables or {})
         for name, value in given.items():
             if value is None:
@@ -204,7 +203,7 @@ class Problem:
         coordinates: Literal["hamiltonian", "lagrangian"] | None = None,
         start_from: Solution | Path | None = None,
         progress: _run.Progress = None,
-        on_interrupt: _run.OnInterrupt = "raise",
+        on_interrupt: Literal["raise", "return"] = "raise",
         stage_times: bool = False,
     ) -> Solution:
         """Solve the problem.
@@ -241,11 +240,9 @@ class Problem:
             After Ctrl-C.
         """
         _run.check_on_interrupt(on_interrupt)
-        options = {
-            **{"tolerance": tolerance, "starts": starts, "seed": seed, "threads": threads, "nodes": nodes},
-            **{"time_limit": time_limit, "method": method, "verify": verify, "polish": polish},
-            **{"machine_code": machine_code, "jacobian": jacobian, "coordinates": coordinates},
-        }
+        options: dict[str, Any] = {"tolerance": tolerance, "starts": starts, "seed": seed, "threads": threads}
+        options |= {"nodes": nodes, "time_limit": time_limit, "method": method, "verify": verify, "polish": polish}
+        options |= {"machine_code": machine_code, "jacobian": jacobian, "coordinates": coordinates}
         core = start_from._core if isinstance(start_from, Solution) else start_from and fspath(start_from)
         show = _run.logger.isEnabledFor(10)
         collect = show or progress not in (None, False)

@@ -147,8 +147,9 @@ class Resolve:
     >>> motion.set_start([0.5], [0.0])
     >>> round(motion.solve(steps=5).cost, 6)
     6.0
-    >>> motion.torques(0.5).round(6).tolist()
-    [0.0]
+    >>> q, v, a = motion.state(0.5)
+    >>> q.round(6).tolist()
+    [0.75]
     """
 
     def __init__(self, problem: Problem, *, near: Solution | None = None, **options: Any) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 import sys
 from collections.abc import Callable
-from typing import Any, Literal, NamedTuple
+from typing import Any, NamedTuple
 
 from ._costate import _Run, _Solution
 from ._errors import ArgumentError
@@ -104,7 +104,7 @@ class _Bar:
     def __init__(self) -> None:
         self.bar: Any = None
         try:
-            from tqdm.auto import tqdm
+            from tqdm.auto import tqdm  # type: ignore[import-untyped,import-not-found,unused-ignore]
         except ImportError:
             return
         self.bar = tqdm(unit=" steps", desc="costate")
@@ -122,9 +122,6 @@ class _Bar:
             self.bar.close()
         else:
             print("\r\x1b[K", end="", file=sys.stderr, flush=True)
-
-
-OnInterrupt = Literal["raise", "return"]
 
 
 def check_on_interrupt(on_interrupt: str) -> None:

@@ -83,7 +83,7 @@ class Samples:
 
     def to_dataframe(self) -> Any:
         """The same as a data frame of pandas, which must be installed."""
-        import pandas as pd
+        import pandas as pd  # type: ignore[import-untyped,import-not-found,unused-ignore]
 
         columns: dict[str, Any] = {"t": self.t}
         for name in ("q", "v", "a", "tau", "u"):
@@ -482,7 +482,11 @@ class Solution:
         return self._samples(rate).to_dataframe()
 
     def _samples(self, rate: float | None) -> Samples:
-        return self.sample(rate) if rate is not None else self.sample(times=np.linspace(*self.t[[0, -1]], 201))
+        if rate is not None:
+            return self.sample(rate)
+        if not len(self.t):
+            raise MotionError(f"there is no motion: {self.message}")
+        return self.sample(times=np.linspace(float(self.t[0]), float(self.t[-1]), 201))
 
     def plot(self, rate: float | None = None, axes: Any = None) -> Any:
         """Draw q, v, a and tau over time with matplotlib, with the limits of the robot dotted; the four axes.
@@ -494,7 +498,7 @@ class Solution:
         axes : array of matplotlib axes (4), optional
             Where to draw.
         """
-        import matplotlib.pyplot as plt
+        import matplotlib.pyplot as plt  # type: ignore[import-untyped,import-not-found,unused-ignore]
 
         samples, robot = self._samples(rate), self._problem.robot
         if axes is None:
