@@ -271,6 +271,7 @@ def test_infeasible_problems_say_what_has_to_give(arm):
     assert longer > 1.0 and again.solve().solved
     with pytest.raises(costate.MotionError, match="infeasible"):
         solution.check()
+    assert "torque of elbow (max) by" in str(solution) or "torque of shoulder" in str(solution)
     assert solution.message in str(solution) and solution.message[:20] in solution._repr_html_()
 
 

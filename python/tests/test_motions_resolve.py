@@ -1,7 +1,7 @@
 """Solving again: agreement with solving anew, feedback, memory, threads."""
 
 import math
-import resource
+import mmap
 import sys
 import threading
 
@@ -176,7 +176,7 @@ def test_memory_stays_flat_in_ten_thousand_solves(arm):
     rounds(500)
     before = pages()
     rounds(10_000)
-    assert (pages() - before) * resource.getpagesize() < 2 << 20
+    assert (pages() - before) * mmap.PAGESIZE < 2 << 20
 
 
 def test_threads_wait_for_each_other(arm):

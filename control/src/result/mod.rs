@@ -2,6 +2,7 @@
 
 pub(crate) mod complete;
 pub(crate) mod conjugate;
+mod csv;
 pub(crate) mod defect;
 pub(crate) mod disconjugate;
 pub(crate) mod infeasibility;

@@ -6,7 +6,6 @@ use crate::result::trajectory::{Trajectory, TrajectoryPoint};
 use costate::EvalError;
 use costate::lagrangian::Lagrangian;
 use serde::Serialize;
-use std::fmt::Write;
 
 /// Most samples of a motion.
 const MOST: usize = 1_000_000;
@@ -18,9 +17,9 @@ const ROUNDING: f64 = 1e-6;
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct Samples {
-    /// Samples in a second (Hz); not a number for given times.
+    /// Samples in a second (Hz); NaN where the times were given.
     pub rate: f64,
-    /// Times (s): `k / rate`, and T, the last one.
+    /// Times (s): `k / rate`, and T, the last one; or those that were given.
     pub t: Vec<f64>,
     /// Positions (rad, m).
     pub q: Vec<Vec<f64>>,
@@ -58,16 +57,6 @@ pub enum SampleError {
         /// Joints of the robot.
         expected: usize,
     },
-    /// A time that is not on the motion.
-    #[error("the time {time} s is not on the motion, which takes from {start} s to {end} s")]
-    Outside {
-        /// The time (s).
-        time: f64,
-        /// Start of the motion (s).
-        start: f64,
-        /// Its end (s).
-        end: f64,
-    },
     /// Too many samples.
     #[error("{samples:.0} samples, and at most {MOST} are possible; choose a lower rate")]
     TooMany {
@@ -97,38 +86,54 @@ impl Solution {
         if !(rate > 0.0 && rate.is_finite()) {
             return Err(SampleError::Rate { rate });
         }
-        let [start, end] = self.span()?;
+        let (start, end) = self.span(problem)?;
         let count = ((end - start) * rate - ROUNDING).ceil().max(if end > start { 1.0 } else { 0.0 });
         if count >= MOST as f64 {
             return Err(SampleError::TooMany { samples: count + 1.0 });
         }
         let regular = (0..count as usize).map(|k| start + k as f64 / rate);
-        let times: Vec<f64> = regular.chain([end]).collect();
-        Ok(Samples { rate, ..self.sample_at(problem, &times)? })
+        Ok(Samples { rate, ..self.at_times(problem, regular.chain([end]).collect())? })
     }
 
-    /// The motion at these times (s), as [`sample`](Self::sample); their rate is not a number.
+    /// The motion at given times (s), as [`sample`](Self::sample) gives it at a fixed rate. Times before the
+    /// start or after the end count as start and end.
     ///
     /// # Errors
-    /// [`SampleError`], also for a time before the start or after the end.
+    /// [`SampleError`], but for that of the rate.
     pub fn sample_at(&self, problem: &Problem, times: &[f64]) -> Result<Samples, SampleError> {
-        let (trajectory, [start, end]) = (&self.trajectory, self.span()?);
+        let (start, end) = self.span(problem)?;
+        if times.len() > MOST {
+            return Err(SampleError::TooMany { samples: times.len() as f64 });
+        }
+        let times = times.iter().map(|t| t.max(start).min(end)).collect();
+        Ok(Samples { rate: f64::NAN, ..self.at_times(problem, times)? })
+    }
+
+    /// Start and end of the motion (s).
+    fn span(&self, problem: &Problem) -> Result<(f64, f64), SampleError> {
+        let trajectory = &self.trajectory;
+        let (Some(&start), Some(&last)) = (trajectory.t.first(), trajectory.t.last()) else {
+            return Err(SampleError::NoMotion);
+        };
         let (found, expected) = (trajectory.q[0].len(), problem.robot.dof());
         if found != expected {
             return Err(SampleError::OtherRobot { found, expected });
         }
-        if times.len() > MOST {
-            return Err(SampleError::TooMany { samples: times.len() as f64 });
-        }
-        if let Some(&time) = times.iter().find(|time| !(start..=end).contains(*time)) {
-            return Err(SampleError::Outside { time, start, end });
-        }
-        let mut samples = Samples { rate: f64::NAN, t: times.to_vec(), ..Samples::default() };
+        // Times are sums of widths: the last one is T but for rounding.
+        let exact = start + self.motion.final_time;
+        Ok((start, if (last - exact).abs() <= 1e-12 * exact.abs() { exact } else { last }))
+    }
+
+    /// The motion at times within it.
+    fn at_times(&self, problem: &Problem, times: Vec<f64>) -> Result<Samples, SampleError> {
+        let trajectory = &self.trajectory;
+        let mut samples = Samples { t: times, ..Samples::default() };
         if !trajectory.via_times.is_empty() {
             samples.phase = samples.t.iter().map(|&t| 1 + trajectory.phase_at(t)).collect();
         }
+        let last = trajectory.t.last().copied().ok_or(SampleError::NoMotion)?;
         let mut actuation = Actuation::new(problem);
-        for t in times.iter().map(|t| t.min(trajectory.t[trajectory.t.len() - 1])) {
+        for t in samples.t.iter().map(|t| t.min(last)) {
             let Some(point) = trajectory.at(t) else { return Err(SampleError::NoMotion) };
             let (a, tau) = actuation.at(trajectory, &point)?;
             let mut u: Vec<f64> = match trajectory.acceleration(t) {
@@ -148,7 +153,9 @@ impl Solution {
         }
         Ok(samples)
     }
+}
 
+impl Solution {
     /// Accelerations (rad/s^2, m/s^2) at the nodes: those of the direct method's polynomials, else by forward
     /// dynamics with the controls there.
     ///
@@ -173,49 +180,6 @@ impl Solution {
             }
         }
         Ok(all)
-    }
-
-    /// First and last time. Times of nodes are sums of widths: the last one is T but for rounding.
-    fn span(&self) -> Result<[f64; 2], SampleError> {
-        let times = &self.trajectory.t;
-        let (Some(&start), Some(&last)) = (times.first(), times.last()) else {
-            return Err(SampleError::NoMotion);
-        };
-        let exact = start + self.motion.final_time;
-        Ok([start, if (last - exact).abs() <= 1e-12 * exact.abs() { exact } else { last }])
-    }
-}
-
-impl Samples {
-    /// A table in CSV: one line for each sample after a line of names: t, then q, v, a, tau and u of each of
-    /// these joints; with vias the phase, from 1. Numbers have all their digits.
-    pub fn to_csv(&self, joints: &[String]) -> String {
-        let lists = [("q", &self.q), ("v", &self.v), ("a", &self.a), ("tau", &self.tau), ("u", &self.u)];
-        let mut text = String::from("t");
-        for (name, _) in &lists {
-            joints.iter().for_each(|joint| text += &format!(",{}", field(&format!("{name}_{joint}"))));
-        }
-        text += if self.phase.is_empty() { "\n" } else { ",phase\n" };
-        for (k, t) in self.t.iter().enumerate() {
-            // Writing to a string cannot fail.
-            let _ = write!(text, "{t:?}");
-            for value in lists.iter().flat_map(|(_, rows)| &rows[k]) {
-                let _ = write!(text, ",{value:?}");
-            }
-            if let Some(phase) = self.phase.get(k) {
-                let _ = write!(text, ",{phase}");
-            }
-            text.push('\n');
-        }
-        text
-    }
-}
-
-/// A field of a table, in quotation marks where its characters ask for them (RFC 4180).
-fn field(text: &str) -> String {
-    match text.contains([',', '"', '\n', '\r']) {
-        true => format!("\"{}\"", text.replace('"', "\"\"")),
-        false => text.to_owned(),
     }
 }
 
@@ -250,16 +214,5 @@ impl<'a> Actuation<'a> {
         }
         let tau: Vec<f64> = u.iter().zip(&self.problem.gain).map(|(u, gain)| gain * u).collect();
         Ok((model.forward_dynamics(q, v, &tau)?.to_vec(), tau))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::field;
-
-    #[test]
-    fn names_with_commas_are_quoted() {
-        assert_eq!(field("q_waist"), "q_waist");
-        assert_eq!(field("q_a,\"b\""), "\"q_a,\"\"b\"\"\"");
     }
 }

@@ -545,6 +545,11 @@ class Solution:
             active = len({(span["joint"], span["side"]) for span in use["active"]})
             text = f"exceeded by {use['at_points']:.1e}{where}; {active} active"
             rows.append((kind.replace("_", " ") + " limits", text))
+        for limit in (self.infeasible or {}).get("limits", []):
+            amount = f"{limit['amount']:.4g} {limit['unit']} at {limit['time']:.4g} s"
+            rows.append(("would have to give", f"{limit['kind']} of {limit['joint']} ({limit['side']}) by {amount}"))
+        if self.infeasible and self.infeasible["final_time"]:
+            rows.append(("or in a time of", f"{self.infeasible['final_time']:.4g} s"))
         rows.append(("Newton iterations", str(self.newton_iterations)))
         return rows
 

@@ -57,7 +57,6 @@ pub fn motion(message: impl std::fmt::Display) -> PyErr {
 pub fn sample(py: Python<'_>, error: SampleError) -> PyErr {
     match error {
         SampleError::Rate { .. } => argument(py, "rate", error.to_string()),
-        SampleError::Outside { .. } => argument(py, "times", error.to_string()),
         SampleError::Evaluation(error) => evaluation(py, error),
         error => motion(error),
     }

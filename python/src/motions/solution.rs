@@ -127,6 +127,14 @@ impl SolutionCore {
     /// At times (s).
     fn sample_at(&self, py: Python<'_>, times: &Bound<'_, PyAny>) -> PyResult<SamplesCore> {
         let times = numbers(times, "times", None)?;
+        if let [start, .., end] = self.solution.trajectory.t[..] {
+            let rounding = 1e-9 * (end - start);
+            let on = |t: &f64| (start - rounding..=end + rounding).contains(t);
+            if let Some(t) = times.iter().find(|t| !on(t)) {
+                let message = format!("the time {t} s is not on the motion, from {start} to {end} s");
+                return Err(argument(py, "times", message));
+            }
+        }
         let samples = py.detach(|| self.solution.sample_at(&self.problem, &times));
         let samples = samples.map_err(|error| raise::sample(py, error))?;
         Ok(SamplesCore::new(samples, self.solution.robot.joints.clone()))

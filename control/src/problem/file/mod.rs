@@ -96,9 +96,9 @@ impl ProblemFile {
         Self::parse(text, folder.as_ref(), Given::Options(load), None).map_err(|fault| fault.in_file(None))
     }
 
-    /// Reads a problem of this robot from the text of a problem file. The text need not name a robot file, and
-    /// one that it names is not read; changes in `[robot]` are made to the robot. Other paths are relative to
-    /// `folder`.
+    /// Reads a problem of this robot from the text of a problem file. The text need not name a robot file,
+    /// and one that it names is not read; changes in `[robot]` are made to the robot. Other paths are
+    /// relative to `folder`.
     ///
     /// # Errors
     /// As [`read`](Self::read).

@@ -28,7 +28,8 @@ impl SolverOptions {
     /// steps.
     ///
     /// # Errors
-    /// [`ProblemFileError`]: text that is not TOML, an unknown key, a value of the wrong type or out of range.
+    /// [`ProblemFileError`]: text that is not TOML, an unknown key, a value of the wrong type or out of
+    /// range.
     ///
     /// ```
     /// use costate_control::{Method, SolverOptions};
