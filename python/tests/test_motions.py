@@ -135,7 +135,9 @@ def test_problems_as_keywords_tables_and_text(arm):
     tables |= {"cost": {"effort": [1.0, 1.0]}}
     problem = costate.Problem(arm, tables)
     assert problem == costate.Problem(arm, start=[0, 0], end=[1, 0.5], time=1.0, cost=[1, 1])
-    assert problem == costate.Problem.from_text(problem.text, arm) and hash(problem) == hash(pickle.loads(pickle.dumps(problem)))
+    assert problem == costate.Problem.from_text(problem.text, arm) and hash(problem) == hash(
+        pickle.loads(pickle.dumps(problem))
+    )
     assert problem != costate.Problem(arm, start=[0, 0], end=[1, 0.5], time=1.1, cost=[1, 1]) and problem != 1
     assert repr(problem) == "Problem('two_link', n=2)" and problem.robot == arm
     assert problem.options["tolerance"] == 1e-6
@@ -190,7 +192,13 @@ def test_files_are_those_of_the_command(limited, solved, tmp_path):
     with pytest.raises(costate.ArgumentError, match="missing.json"):
         limited.solve(start_from=tmp_path / "missing.json")
     from_tables = costate.Problem(
-        limited.robot, start=[0, 0], end=[1, 0.5], time=1.0, cost=[1, 1], start_from={"file": "motion.json"}, folder=tmp_path
+        limited.robot,
+        start=[0, 0],
+        end=[1, 0.5],
+        time=1.0,
+        cost=[1, 1],
+        start_from={"file": "motion.json"},
+        folder=tmp_path,
     )
     (tmp_path / "motion.json").unlink()
     again = pickle.loads(pickle.dumps(from_tables))
@@ -258,6 +266,26 @@ def test_sensitivities(arm):
     with pytest.raises(costate.ProblemError) as caught:
         smooth.feedback()
     assert caught.value.key == "cost.jerk"
+
+
+def test_a_branch_of_solutions():
+    problem = costate.Problem.from_file(PROBLEMS / "pendulum_swing_up.toml")
+    branch = problem.follow("gravity", 0.0, 1.0, tolerance=1e-9)
+    # Without gravity 6 (m d)^2/T^3, with it the value of the file.
+    assert branch.reached and branch.parameter[0] == 0.0 and branch.parameter[-1] == 1.0 and len(branch) > 1
+    assert abs(branch.cost[0] - 6 * math.pi**2) < 1e-7 and abs(branch.cost[-1] - 74.06165922) < 1e-7
+    assert branch.solution.converged and branch.turning_points == [] and branch.solution.problem == problem
+    faster = problem.with_parameter("final_time", 0.5)
+    assert faster != problem and faster.solve().final_time == 0.5 and pickle.loads(pickle.dumps(faster)) == faster
+    free = problem.with_parameter("gravity", 0.0)
+    assert (free.robot.gravity == 0).all() and pickle.loads(pickle.dumps(free.robot)) == free.robot
+    for wrong in (("bounds", 1.0), ("final_time", -1.0)):
+        with pytest.raises(costate.ProblemError):
+            problem.with_parameter(*wrong)
+    with pytest.raises(costate.ArgumentError, match="armature"):
+        problem.follow("mass", 0, 1)
+    with pytest.raises(costate.ProblemError):
+        problem.follow("gravity", 1, 1)
 
 
 def test_infeasible_problems_say_what_has_to_give(arm):

@@ -132,7 +132,12 @@ def test_a_tool_follows_its_goal(ur5):
     frame = costate.Dynamics(ur5).frame("tool0")
     xyz = frame.pose(q)[1]
     problem = costate.Problem(
-        ur5, start=q, end={"tool": {"frame": "tool0", "xyz": xyz + [0.1, 0.0, 0.0]}}, time=1.0, cost=[1e-3] * 6, limits=True
+        ur5,
+        start=q,
+        end={"tool": {"frame": "tool0", "xyz": xyz + [0.1, 0.0, 0.0]}},
+        time=1.0,
+        cost=[1e-3] * 6,
+        limits=True,
     )
     motion = problem.resolve(machine_code="at_once", tolerance=1e-4)
     assert motion.solve().status == "solved"

@@ -13,6 +13,7 @@ poses a task, its `Solution` is the cheapest motion that does it within all limi
 ((1000, 2), (1000, 2, 3))
 """
 
+from ._branch import Branch
 from ._check import CheckReport, Comparison, check
 from ._costate import Dynamics, Frame, Robot, RobotBuilder, Step, __version__, codegen
 from ._errors import (
@@ -39,6 +40,7 @@ from ._solution import Gains, Samples, Sensitivity, Solution
 
 __all__ = [
     "ArgumentError",
+    "Branch",
     "CheckReport",
     "CodegenError",
     "Comparison",

@@ -74,7 +74,9 @@ class Interrupted(KeyboardInterrupt):
     """
 
     def __init__(self, solution: Solution) -> None:
-        super().__init__(f"interrupted: {solution.status}, cost {solution.cost:.9g}; .solution is the best motion so far")
+        super().__init__(
+            f"interrupted: {solution.status}, cost {solution.cost:.9g}; .solution is the best motion so far"
+        )
         self.solution = solution
 
     def __reduce__(self) -> tuple[type[Interrupted], tuple[Solution]]:

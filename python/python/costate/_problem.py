@@ -8,6 +8,7 @@ from os import PathLike, fspath
 from typing import TYPE_CHECKING, Any, Literal
 
 from . import _run
+from ._branch import Branch
 from ._costate import Robot, _Problem
 from ._errors import Interrupted, ProblemError
 from ._solution import Solution
@@ -243,10 +244,9 @@ class Problem:
         options: dict[str, Any] = {"tolerance": tolerance, "starts": starts, "seed": seed, "threads": threads}
         options |= {"nodes": nodes, "time_limit": time_limit, "method": method, "verify": verify, "polish": polish}
         options |= {"machine_code": machine_code, "jacobian": jacobian, "coordinates": coordinates}
-        core = start_from._core if isinstance(start_from, Solution) else start_from and fspath(start_from)
         show = _run.logger.isEnabledFor(10)
         collect = show or progress not in (None, False)
-        run = self._core.begin(text_of(options), core, collect=collect, times=stage_times)
+        run = self._core.begin(text_of(options), _start(start_from), collect=collect, times=stage_times)
         found, interrupted = _run.finish(run, progress, show)
         solution = Solution._of(found, self)
         _run.logger.info(
@@ -258,6 +258,60 @@ class Problem:
         if interrupted and on_interrupt == "raise":
             raise Interrupted(solution)
         return solution
+
+    def with_parameter(self, parameter: str, value: float) -> Problem:
+        """The problem with another value of one of its numbers.
+
+        Parameters
+        ----------
+        parameter : {"final_time", "gravity", "armature", "bounds", "penalty_weight"}
+            T (s), the weight of the penalties, or a factor of gravity, of the armature, of the distance of the bounds.
+        value : float
+            The value.
+
+        Raises
+        ------
+        ProblemError
+            Where the problem has no such number, or must not have this value.
+        """
+        return Problem._of(self._core.with_parameter(parameter, value))
+
+    def follow(
+        self,
+        parameter: str,
+        first: float,
+        last: float,
+        *,
+        start_from: Solution | Path | None = None,
+        progress: _run.Progress = None,
+        on_interrupt: Literal["raise", "return"] = "raise",
+        **options: Any,
+    ) -> Branch:
+        """Follow the solution by collocation while a parameter changes, around turning points: `--continue`.
+
+        Parameters
+        ----------
+        parameter : str
+            One of `with_parameter`, or "smoothing".
+        first, last : float
+            Its values.
+        start_from, progress, on_interrupt, **options
+            As in `solve`.
+
+        Returns
+        -------
+        Branch
+            Its ``end`` says whether the last value was reached.
+        """
+        _run.check_on_interrupt(on_interrupt)
+        show = _run.logger.isEnabledFor(10)
+        collect = show or progress not in (None, False)
+        run = self._core.follow(parameter, first, last, text_of(options), _start(start_from), collect=collect)
+        found, interrupted = _run.finish(run, progress, show)
+        branch = Branch._of(run.branch(), found, self, parameter, first)
+        if interrupted and on_interrupt == "raise":
+            raise Interrupted(branch.solution)
+        return branch
 
     def resolve(self, **options: Any) -> Resolve:
         """Prepare the problem for being solved again and again: ``Resolve(self, **options)``."""
@@ -282,6 +336,10 @@ class Problem:
         return f"Problem({robot.name!r}, n={robot.n})"
 
 
+def _start(given: Solution | Path | None) -> Any:
+    return given._core if isinstance(given, Solution) else given and fspath(given)
+
+
 def _table(name: str, value: Any) -> Any:
     """A table, where a number or a list stood for it."""
     if name not in _TABLES:
@@ -295,5 +353,3 @@ def _table(name: str, value: Any) -> Any:
     if name in _SHORT and not isinstance(value, Mapping):
         return {_SHORT[name]: value}
     return value
-
-

@@ -2,14 +2,15 @@
 
 use super::raise;
 use super::resolve::ResolveCore;
-use super::run::Run;
+use super::run::{Range, Run, Work};
 use super::solution::SolutionCore;
 use crate::errors;
 use crate::recipe::{Recipe, is_rebuilding, named};
 use crate::robot::Robot;
 use costate::robot::LoadOptions;
 use costate_control::{
-    Problem, ProblemFile, Resolve, RobotNames, SavedStart, Solution, Solver, SolverOptions, Trajectory,
+    Parameter, Problem, ProblemFile, Resolve, RobotNames, SavedStart, Solution, Solver, SolverOptions,
+    Trajectory, UnknownParameter,
 };
 use pyo3::prelude::*;
 use pyo3::types::{PyTuple, PyType};
@@ -27,6 +28,8 @@ pub struct ProblemCore {
     /// The robot before the changes of the problem.
     robot: Robot,
     text: String,
+    /// What changed since it was read.
+    changes: Vec<(Parameter, f64)>,
 }
 
 /// Where a solve begins: a solution, or a file that holds one.
@@ -55,7 +58,7 @@ impl ProblemCore {
         }
         let start = start.or(saved.map(|saved| saved.trajectory)).map(Arc::new);
         let ProblemFile { problem, options, text, .. } = file;
-        Ok(Self { problem: Arc::new(problem), options, start, robot, text })
+        Ok(Self { problem: Arc::new(problem), options, start, robot, text, changes: Vec::new() })
     }
 
     /// The options, with those of a text.
@@ -78,6 +81,11 @@ impl ProblemCore {
             }
         })
     }
+}
+
+/// A parameter by its name.
+fn parameter(py: Python<'_>, name: &str) -> PyResult<Parameter> {
+    name.parse().map_err(|error: UnknownParameter| errors::argument(py, "parameter", error.to_string()))
 }
 
 /// Warns of what is odd, unless it was said when the problem was made first.
@@ -172,7 +180,41 @@ impl ProblemCore {
             let checked = solver.with_start(start);
             drop(checked.map_err(|error| errors::argument(py, "start_from", error.to_string()))?);
         }
-        Run::begin(self.problem.clone(), options, start, collect, times)
+        Run::begin(self.problem.clone(), options, start, Work::Solve { times }, collect)
+    }
+
+    /// The problem with this value of a parameter.
+    fn with_parameter(&self, py: Python<'_>, name: &str, value: f64) -> PyResult<Self> {
+        let parameter = parameter(py, name)?;
+        let problem = parameter.apply(&self.problem, value).map_err(|error| raise::problem(py, &error))?;
+        let changes = self.changes.iter().copied().chain([(parameter, value)]).collect();
+        let (options, start, text) = (self.options.clone(), self.start.clone(), self.text.clone());
+        Ok(Self { problem: Arc::new(problem), options, start, robot: self.robot.clone(), text, changes })
+    }
+
+    /// Checks the problem and the options, and begins to follow its solutions while a parameter changes.
+    #[pyo3(signature = (name, first, last, options, start_from, *, collect))]
+    #[expect(clippy::too_many_arguments, reason = "called by one function of Python")]
+    fn follow(
+        &self,
+        py: Python<'_>,
+        name: &str,
+        first: f64,
+        last: f64,
+        options: &str,
+        start_from: Option<Start<'_>>,
+        collect: bool,
+    ) -> PyResult<Run> {
+        let options = self.options(py, options)?;
+        let start = self.start(py, start_from)?;
+        let range = Range { parameter: parameter(py, name)?, first, last };
+        let follower = range.continuation(&self.problem, options.clone());
+        let follower = follower.map_err(|error| raise::problem(py, &error))?;
+        if let Some(start) = &start {
+            let checked = follower.with_start(start);
+            drop(checked.map_err(|error| errors::argument(py, "start_from", error.to_string()))?);
+        }
+        Run::begin(self.problem.clone(), options, start, Work::Follow(range), collect)
     }
 
     /// Prepares the problem for being solved again and again, near a solution if there is one.
@@ -207,6 +249,11 @@ impl ProblemCore {
         Ok(SolutionCore::new(self.problem.clone(), Arc::new(solution), seconds))
     }
 
+    /// A solution that is one of this problem.
+    fn adopt(&self, solution: &SolutionCore) -> SolutionCore {
+        solution.of_problem(self.problem.clone())
+    }
+
     fn __eq__(&self, other: &Self) -> bool {
         self.problem == other.problem && self.options == other.options && self.start == other.start
     }
@@ -224,7 +271,12 @@ impl ProblemCore {
         let start = this.start.as_ref().map(|start| start.to_json(&names));
         let start = start.transpose().map_err(raise::motion)?;
         let (robot, text) = (Bound::new(py, this.robot.clone())?, &this.text);
-        Recipe::default().then(py, "of_robot", named!(py, robot, text, start)).reduce(slf.get_type())
+        let mut recipe = Recipe::default().then(py, "of_robot", named!(py, robot, text, start));
+        for (parameter, value) in &this.changes {
+            let name = parameter.name();
+            recipe.push("with_parameter", named!(py, name, value));
+        }
+        recipe.reduce(slf.get_type())
     }
 }
 

@@ -3,7 +3,10 @@
 use super::raise;
 use super::solution::SolutionCore;
 use super::steps::{Step, step};
-use costate_control::{Cancel, Problem, Solution, Solver, SolverOptions, Trajectory};
+use costate_control::{
+    Branch, Cancel, Continuation, Iteration, Parameter, Problem, ProblemError, Solution, Solver,
+    SolverOptions, Trajectory,
+};
 use pyo3::prelude::*;
 use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -15,6 +18,47 @@ use std::time::{Duration, Instant};
 pub struct Run {
     problem: Arc<Problem>,
     shared: Arc<Shared>,
+}
+
+/// What a run does.
+#[derive(Clone, Copy)]
+pub enum Work {
+    /// Solves the problem, with the times of stages.
+    Solve { times: bool },
+    /// Follows its solutions while a parameter changes.
+    Follow(Range),
+}
+
+/// A parameter with its first and its last value.
+#[derive(Clone, Copy)]
+pub struct Range {
+    pub parameter: Parameter,
+    pub first: f64,
+    pub last: f64,
+}
+
+impl Range {
+    /// What follows the solutions.
+    ///
+    /// # Errors
+    /// A problem without this parameter, or an option out of range.
+    pub fn continuation(
+        self,
+        problem: &Problem,
+        options: SolverOptions,
+    ) -> Result<Continuation<'_>, ProblemError> {
+        Continuation::new(problem, self.parameter, self.first, self.last, options)
+    }
+}
+
+/// What a run found.
+#[derive(Clone)]
+struct Found {
+    solution: Arc<Solution>,
+    /// How following a branch ended, its points and its turning points, as JSON.
+    branch: Option<[String; 3]>,
+    /// How long it took (s).
+    seconds: f64,
 }
 
 /// What the threads share.
@@ -29,8 +73,8 @@ struct Shared {
 struct State {
     /// Newton steps that were not fetched yet.
     steps: Vec<Step>,
-    /// The solution and its time (s), or the message of a panic.
-    outcome: Option<Result<(Arc<Solution>, f64), String>>,
+    /// What was found, or the message of a panic.
+    outcome: Option<Result<Found, String>>,
 }
 
 impl Shared {
@@ -40,7 +84,7 @@ impl Shared {
 }
 
 impl Run {
-    /// Begins a solve that was checked.
+    /// Begins what was checked.
     ///
     /// # Errors
     /// `OSError` where there is no thread.
@@ -48,24 +92,33 @@ impl Run {
         problem: Arc<Problem>,
         options: SolverOptions,
         start: Option<Trajectory>,
+        work: Work,
         collect: bool,
-        times: bool,
     ) -> PyResult<Self> {
         let shared = Arc::new(Shared::default());
         let (there, posed) = (shared.clone(), problem.clone());
-        let work = move || {
+        let run = move || {
+            let listener = |iteration: &Iteration| {
+                if collect {
+                    there.lock().steps.push(step(iteration));
+                }
+                ControlFlow::Continue(())
+            };
             let began = Instant::now();
-            let solve = || solve(&posed, options, start.as_ref(), &there, collect, times);
-            let solution = catch_unwind(AssertUnwindSafe(solve)).unwrap_or_else(|panic| {
+            let find = || match work {
+                Work::Solve { times } => solve(&posed, options, start.as_ref(), &there, times, listener),
+                Work::Follow(range) => follow(&posed, options, start.as_ref(), &there, range, listener),
+            };
+            let found = catch_unwind(AssertUnwindSafe(find)).unwrap_or_else(|panic| {
                 let text = panic.downcast_ref::<String>().map(String::as_str);
                 let text = text.or(panic.downcast_ref::<&str>().copied());
                 Err(text.unwrap_or("the solver panicked").to_owned())
             });
             let seconds = began.elapsed().as_secs_f64();
-            there.lock().outcome = Some(solution.map(|solution| (Arc::new(solution), seconds)));
+            there.lock().outcome = Some(found.map(|found| Found { seconds, ..found }));
             there.ended.notify_all();
         };
-        std::thread::Builder::new().name("costate".into()).spawn(work)?;
+        std::thread::Builder::new().name("costate".into()).spawn(run)?;
         Ok(Self { problem, shared })
     }
 }
@@ -75,9 +128,9 @@ fn solve(
     options: SolverOptions,
     start: Option<&Trajectory>,
     shared: &Shared,
-    collect: bool,
     times: bool,
-) -> Result<Solution, String> {
+    listener: impl FnMut(&Iteration) -> ControlFlow<()> + Send,
+) -> Result<Found, String> {
     let mut solver = Solver::new(problem, options).map_err(|error| error.to_string())?;
     if let Some(start) = start {
         solver = solver.with_start(start).map_err(|error| error.to_string())?;
@@ -85,13 +138,33 @@ fn solve(
     if times {
         solver = solver.with_stage_times();
     }
-    if collect {
-        solver = solver.on_iteration(|iteration| {
-            shared.lock().steps.push(step(iteration));
-            ControlFlow::Continue(())
-        });
+    let solution = solver.on_iteration(listener).with_cancel(shared.cancel.clone()).solve();
+    Ok(Found { solution: Arc::new(solution), branch: None, seconds: 0.0 })
+}
+
+fn follow(
+    problem: &Problem,
+    options: SolverOptions,
+    start: Option<&Trajectory>,
+    shared: &Shared,
+    range: Range,
+    listener: impl FnMut(&Iteration) -> ControlFlow<()> + Send,
+) -> Result<Found, String> {
+    let mut follower = range.continuation(problem, options).map_err(|error| error.to_string())?;
+    if let Some(start) = start {
+        follower = follower.with_start(start).map_err(|error| error.to_string())?;
     }
-    Ok(solver.with_cancel(shared.cancel.clone()).solve())
+    let branch = follower.on_iteration(listener).with_cancel(shared.cancel.clone()).follow();
+    let json = || -> serde_json::Result<[String; 3]> {
+        let Branch { end, points, turning_points, .. } = &branch;
+        Ok([
+            serde_json::to_string(end)?,
+            serde_json::to_string(points)?,
+            serde_json::to_string(turning_points)?,
+        ])
+    };
+    let found = json().map_err(|error| error.to_string())?;
+    Ok(Found { solution: Arc::new(branch.solution), branch: Some(found), seconds: 0.0 })
 }
 
 #[pymethods]
@@ -118,12 +191,24 @@ impl Run {
 
     /// The solution; None before the end.
     fn solution(&self) -> PyResult<Option<SolutionCore>> {
-        match &self.shared.lock().outcome {
+        let found = self.found()?;
+        Ok(found.map(|Found { solution, seconds, .. }| {
+            SolutionCore::new(self.problem.clone(), solution, seconds)
+        }))
+    }
+
+    /// Of a branch: how it ended, its points, its turning points, as JSON.
+    fn branch(&self) -> PyResult<Option<[String; 3]>> {
+        Ok(self.found()?.and_then(|found| found.branch))
+    }
+}
+
+impl Run {
+    fn found(&self) -> PyResult<Option<Found>> {
+        match self.shared.lock().outcome.clone() {
             None => Ok(None),
-            Some(Ok((solution, seconds))) => {
-                Ok(Some(SolutionCore::new(self.problem.clone(), solution.clone(), *seconds)))
-            }
-            Some(Err(message)) => Err(raise::failure(message)),
+            Some(Ok(found)) => Ok(Some(found)),
+            Some(Err(message)) => Err(raise::failure(&message)),
         }
     }
 }

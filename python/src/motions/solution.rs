@@ -23,6 +23,11 @@ impl SolutionCore {
         Self { problem, solution, seconds }
     }
 
+    /// The same as one of another problem.
+    pub fn of_problem(&self, problem: Arc<Problem>) -> Self {
+        Self { problem, solution: self.solution.clone(), seconds: self.seconds }
+    }
+
     /// The solution of the library.
     pub fn solution(&self) -> &Solution {
         &self.solution
