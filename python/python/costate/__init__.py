@@ -36,7 +36,8 @@ from ._pinocchio import JointMap
 from ._problem import Problem
 from ._resolve import Feedback, MotionDerivative, Resolve, Resolved
 from ._run import Iteration
-from ._solution import Gains, Samples, Sensitivity, Solution
+from ._samples import Gains, Samples, Sensitivity
+from ._solution import Solution
 
 __all__ = [
     "ArgumentError",

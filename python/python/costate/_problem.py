@@ -249,10 +249,8 @@ class Problem:
         run = self._core.begin(text_of(options), _start(start_from), collect=collect, times=stage_times)
         found, interrupted = _run.finish(run, progress, show)
         solution = Solution._of(found, self)
-        _run.logger.info(
-            "%s: %s, cost %.9g, T %.6g s, solved in %.3g s",
-            *(self._core.robot().name, solution.status, solution.cost, solution.final_time, solution.seconds),
-        )
+        figures = (solution.status, solution.cost, solution.final_time, solution.seconds)
+        _run.logger.info("%s, cost %.9g, T %.6g s, solved in %.3g s", *figures)
         for warning in solution.warnings:
             _run.logger.warning("%s", warning)
         if interrupted and on_interrupt == "raise":

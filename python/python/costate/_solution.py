@@ -5,147 +5,23 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 from functools import cached_property
-from html import escape
 from os import PathLike, fspath
 from pathlib import Path as _Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ._costate import _Samples, _Solution
+from . import _show
+from ._costate import _Solution
 from ._errors import ArgumentError, MotionError
 from ._run import Iteration
+from ._samples import Gains, Samples, Sensitivity
 
 if TYPE_CHECKING:
     from ._problem import Problem
 
 _Array = NDArray[np.float64]
-
-
-class Sensitivity(NamedTuple):
-    """How the least cost changes with a parameter of the robot.
-
-    Attributes
-    ----------
-    name : str
-        The parameter, such as ``"elbow.mass"``.
-    value : float
-        Its value in the model.
-    derivative : float
-        dJ/dtheta.
-    """
-
-    name: str
-    value: float
-    derivative: float
-
-
-class Samples:
-    """A motion at many times: rows are times, columns joints.
-
-    Attributes
-    ----------
-    t : array (N)
-        Times (s).
-    q, v, a : array (N, n)
-        Positions, rates and accelerations.
-    tau : array (N, n)
-        Torques and forces at the joints (N m, N), cut to their limits.
-    u : array (N, n)
-        Controls, before the gain.
-    phase : array of int (N)
-        The phase of each time, from 1; empty without vias.
-    joint_names : list of str
-        The joints.
-    """
-
-    def __init__(self, core: _Samples, joint_names: list[str]) -> None:
-        self._core = core
-        self.joint_names = joint_names
-        self.t: _Array = core.array("t")
-        self.q: _Array = core.array("q")
-        self.v: _Array = core.array("v")
-        self.a: _Array = core.array("a")
-        self.tau: _Array = core.array("tau")
-        self.u: _Array = core.array("u")
-        self.phase: NDArray[np.int64] = core.array("phase")
-
-    def to_csv(self, path: str | PathLike[str] | None = None) -> str:
-        """The table that ``costate optimize --sample-to`` writes; also into a file, where one is given.
-
-        Columns are ``t``, then ``q_JOINT``, ``v_JOINT``, ``a_JOINT``, ``tau_JOINT``, ``u_JOINT`` for all joints.
-        """
-        text = self._core.csv()
-        if path is not None:
-            _Path(path).write_text(text, encoding="utf-8")
-        return text
-
-    def to_dataframe(self) -> Any:
-        """The same as a data frame of pandas, which must be installed."""
-        import pandas as pd  # type: ignore[import-untyped,import-not-found,unused-ignore]
-
-        columns: dict[str, Any] = {"t": self.t}
-        for name in ("q", "v", "a", "tau", "u"):
-            rows = getattr(self, name)
-            columns.update({f"{name}_{joint}": rows[:, k] for k, joint in enumerate(self.joint_names)})
-        if len(self.phase):
-            columns["phase"] = self.phase
-        return pd.DataFrame(columns)
-
-    def __len__(self) -> int:
-        return len(self.t)
-
-    def __repr__(self) -> str:
-        ends = f", {self.t[0]:.6g} to {self.t[-1]:.6g} s" if len(self.t) else ""
-        return f"Samples({len(self.t)} times{ends}, n={len(self.joint_names)})"
-
-
-class Gains:
-    """The optimal feedback of a motion over time, and its derivatives by limits.
-
-    A state that is off by (dq, dv) at the time ``t[k]`` is led to the end at the least cost by
-    ``tau[k] + gain_q[k] @ dq + gain_v[k] @ dv``, as long as the same limits are active.
-
-    Attributes
-    ----------
-    t : array (N)
-        Times (s).
-    q, v, tau : array (N, n)
-        The motion there.
-    gain_q, gain_v : array (N, n, n)
-        dtau/dq and dtau/dv.
-    cost_by_start, final_time_by_start : array (2n)
-        dJ/dx and dT/dx, x = (q, v) at the start.
-    final_time : float
-        T (s).
-    derivatives : dict
-        ``t``, and ``parameters``: for each limit of each joint ``name``, ``joint``, ``cost``, ``final_time``, and
-        ``q``, ``v``, ``tau`` (arrays) at ``t``, at the same part of the time.
-    """
-
-    def __init__(self, text: str) -> None:
-        self._text = text
-        found = json.loads(text)
-        n = len(found["joints"])
-        self.final_time: float = found["final_time"]
-        self.t: _Array = np.array(found["t"])
-        self.q, self.v, self.tau = (np.array(found[name]).reshape(-1, n) for name in ("q", "v", "tau"))
-        self.gain_q, self.gain_v = (np.array(found[name]).reshape(-1, n, n) for name in ("gain_q", "gain_v"))
-        self.cost_by_start, self.final_time_by_start = (
-            np.array(found[name]) for name in ("cost_by_start", "final_time_by_start")
-        )
-        self.derivatives: dict[str, Any] = found["derivatives"]
-        self.derivatives["t"] = np.array(self.derivatives["t"])
-        for parameter in self.derivatives["parameters"]:
-            parameter.update({name: np.array(parameter[name]) for name in ("q", "v", "tau")})
-
-    def to_json(self) -> str:
-        """The JSON object that ``costate optimize --feedback`` writes."""
-        return self._text
-
-    def __repr__(self) -> str:
-        return f"Gains({len(self.t)} times, n={self.q.shape[1]})"
 
 
 class Solution:
@@ -224,7 +100,7 @@ class Solution:
 
     @cached_property
     def _figures(self) -> dict[str, Any]:
-        figures: dict[str, Any] = json.loads(self.to_json())
+        figures: dict[str, Any] = json.loads(self._core.figures_json())
         return figures
 
     def _number(self, key: str) -> float:
@@ -233,8 +109,8 @@ class Solution:
 
     @property
     def cost(self) -> float:
-        """J, without penalties; not a number where there is no motion."""
-        return self._number("cost")
+        """J, without penalties; infinite where there is no motion."""
+        return self._core.cost
 
     @property
     def penalty_cost(self) -> float:
@@ -244,7 +120,7 @@ class Solution:
     @property
     def final_time(self) -> float:
         """T (s)."""
-        return self._number("final_time")
+        return self._core.final_time
 
     @property
     def seconds(self) -> float:
@@ -498,65 +374,16 @@ class Solution:
         axes : array of matplotlib axes (4), optional
             Where to draw.
         """
-        import matplotlib.pyplot as plt  # type: ignore[import-untyped,import-not-found,unused-ignore]
-
-        samples, robot = self._samples(rate), self._problem.robot
-        if axes is None:
-            _, grid = plt.subplots(2, 2, sharex=True, figsize=(10, 6), layout="constrained")
-            axes = grid.ravel()
-        limits = {
-            "q": robot.position_limits,
-            "v": robot.velocity_limits * [[-1], [1]],
-            "tau": robot.effort_limits * [[-1], [1]],
-        }
-        titles = {"q": "q (rad, m)", "v": "v (rad/s, m/s)", "a": "a (rad/s², m/s²)", "tau": "tau (N m, N)"}
-        for ax, (name, title) in zip(axes, titles.items(), strict=True):
-            rows = getattr(samples, name)
-            for k, joint in enumerate(samples.joint_names):
-                (line,) = ax.plot(samples.t, rows[:, k], label=joint)
-                near = np.ptp(rows) if len(rows) else 0.0
-                for limit in limits.get(name, np.empty((0, robot.n)))[:, k]:
-                    if np.isfinite(limit) and np.abs(rows[:, k] - limit).min() < 0.3 * near:
-                        ax.axhline(limit, color=line.get_color(), linestyle=":", linewidth=1)
-            ax.set_title(title, loc="left", fontsize="medium")
-        axes[0].legend(fontsize="small")
-        for ax in axes[2:]:
-            ax.set_xlabel("t (s)")
-        return axes
+        return _show.plot(self._samples(rate), self._problem.robot, axes)
 
     def __repr__(self) -> str:
         return f"Solution({self.status!r}, cost={self.cost:.9g}, T={self.final_time:.6g} s, {len(self.t)} nodes)"
 
     def __str__(self) -> str:
-        lines = [f"{name:<18}{value}" for name, value in self._rows()]
-        return "\n".join(lines if self.solved else [*lines, self.message])
-
-    def _rows(self) -> list[tuple[str, str]]:
-        rows = [("status", self.status.replace("_", " "))]
-        if len(self.t):
-            rows += [("cost", f"{self.cost:.12g}"), ("final time", f"{self.final_time:.10g} s")]
-        if len(self.errors) == 1:
-            rows.append(("error of the cost", f"{self.errors[0]:.1e} relative, estimated"))
-        if np.isfinite(self.end_defect):
-            rows.append(("end defect", f"{self.end_defect:.1e}"))
-        for kind, use in self.limits.items():
-            worst = use.get("worst")
-            where = f", {worst['joint']} at {worst['time']:.4g} s" if worst else ""
-            active = len({(span["joint"], span["side"]) for span in use["active"]})
-            text = f"exceeded by {use['at_points']:.1e}{where}; {active} active"
-            rows.append((kind.replace("_", " ") + " limits", text))
-        for limit in (self.infeasible or {}).get("limits", []):
-            amount = f"{limit['amount']:.4g} {limit['unit']} at {limit['time']:.4g} s"
-            rows.append(("would have to give", f"{limit['kind']} of {limit['joint']} ({limit['side']}) by {amount}"))
-        if self.infeasible and self.infeasible["final_time"]:
-            rows.append(("or in a time of", f"{self.infeasible['final_time']:.4g} s"))
-        rows.append(("Newton iterations", str(self.newton_iterations)))
-        return rows
+        return _show.text(self)
 
     def _repr_html_(self) -> str:
-        rows = "".join(f"<tr><th>{escape(name)}</th><td>{escape(value)}</td></tr>" for name, value in self._rows())
-        note = "" if self.solved else f"<p>{escape(self.message)}</p>"
-        return f"<div><b>{escape(self._problem.robot.name)}</b><table>{rows}</table>{note}</div>"
+        return _show.html(self)
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Solution):

@@ -5,7 +5,7 @@ use super::raise;
 use super::samples::SamplesCore;
 use super::steps::{Step, step};
 use crate::errors::argument;
-use costate_control::{CostDerivative, Gains, Method, Problem, Solution, cost_by_parameters};
+use costate_control::{CostDerivative, Gains, Method, Problem, Solution, Trajectory, cost_by_parameters};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use std::sync::Arc;
@@ -58,6 +58,27 @@ impl SolutionCore {
     #[getter]
     fn solved(&self) -> bool {
         self.solution.motion.status.is_solved()
+    }
+
+    /// J.
+    #[getter]
+    fn cost(&self) -> f64 {
+        self.solution.motion.cost
+    }
+
+    /// T (s).
+    #[getter]
+    fn final_time(&self) -> f64 {
+        self.solution.motion.final_time
+    }
+
+    /// The JSON object without the motion itself.
+    fn figures_json(&self) -> PyResult<String> {
+        let mut figures = (*self.solution).clone();
+        let mut motion = Trajectory::default();
+        motion.via_times = std::mem::take(&mut figures.trajectory.via_times);
+        figures.trajectory = motion;
+        serde_json::to_string(&figures).map_err(raise::motion)
     }
 
     /// The JSON object of the command line, without what it prints only.
