@@ -194,7 +194,6 @@ impl ProblemCore {
 
     /// Checks the problem and the options, and begins to follow its solutions while a parameter changes.
     #[pyo3(signature = (name, first, last, options, start_from, *, collect))]
-    #[expect(clippy::too_many_arguments, reason = "called by one function of Python")]
     fn follow(
         &self,
         py: Python<'_>,

@@ -22,6 +22,9 @@ pub struct ResolveCore {
 /// What solving again gave: status, steps, cost, gap, violation, whether limits are kept, seconds.
 type Resolved = (&'static str, usize, f64, f64, f64, bool, f64);
 
+/// Derivatives of cost, T, states (points, 2n) and torques (points, n).
+type Derivative<'py> = (f64, f64, Bound<'py, PyAny>, Bound<'py, PyAny>);
+
 impl ResolveCore {
     pub fn new(inner: Resolve) -> Self {
         Self { n: inner.dof(), inner: Mutex::new(inner) }
@@ -154,7 +157,7 @@ impl ResolveCore {
         py: Python<'py>,
         limit: &str,
         joint: usize,
-    ) -> PyResult<Option<(f64, f64, Bound<'py, PyAny>, Bound<'py, PyAny>)>> {
+    ) -> PyResult<Option<Derivative<'py>>> {
         let parameter = match limit {
             "q_min" => MotionParameter::PositionMin(joint),
             "q_max" => MotionParameter::PositionMax(joint),
@@ -180,7 +183,7 @@ impl ResolveCore {
         mass: f64,
         com: [f64; 3],
         inertia: [f64; 6],
-    ) -> PyResult<Option<(f64, f64, Bound<'py, PyAny>, Bound<'py, PyAny>)>> {
+    ) -> PyResult<Option<Derivative<'py>>> {
         let payload = Payload::new(frame, LinkInertia::from_entries(mass, com, inertia));
         self.derivative_by(py, &MotionParameter::PayloadMass(payload))
     }
@@ -191,7 +194,7 @@ impl ResolveCore {
         &self,
         py: Python<'py>,
         parameter: &MotionParameter,
-    ) -> PyResult<Option<(f64, f64, Bound<'py, PyAny>, Bound<'py, PyAny>)>> {
+    ) -> PyResult<Option<Derivative<'py>>> {
         let found = self.with(py, |motion| motion.derivative_by(parameter));
         let Some(found) = found.map_err(|error| raise::resolve(py, error))? else { return Ok(None) };
         let rows = |numbers: &[f64], columns: usize| {
