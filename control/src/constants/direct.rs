@@ -166,6 +166,8 @@ pub const REST: f64 = 1e-6;
 pub const INTEGRATION: f64 = 1e-10;
 /// The problem on the first mesh is solved to this part of the cost.
 pub const FIRST_PRECISION: f64 = 1e-3;
+/// The motion without obstacles, from which a way around them is looked for, is solved to this part.
+pub const FREE_TOLERANCE: f64 = 1e-2;
 /// Those on later meshes to this part of the estimated error before.
 pub const PRECISION: f64 = 1e-2;
 /// Intervals are divided until those that are not have this part of the estimated error..

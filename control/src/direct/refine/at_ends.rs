@@ -27,8 +27,10 @@ impl AtEnds {
         evaluate_places(interior, &ENDS, &mut found.points)?;
         found.rates.evaluate(interior, &ENDS, &mut found.points)?;
         let sides = interior.barrier.sides();
-        found.distance.resize(sides.len() * found.points.count(), 0.0);
-        measure(sides, &found.points, &mut found.distance);
+        if !sides.is_empty() {
+            found.distance.resize(sides.len() * found.points.count(), 0.0);
+            measure(sides, &found.points, &mut found.distance);
+        }
         Ok(found)
     }
 

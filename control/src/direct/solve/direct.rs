@@ -1,5 +1,6 @@
 //! From a problem to a motion: starts, meshes, verification.
 
+use super::around::around_obstacles;
 use super::meshes::{Refined, refine};
 use super::prepare::{Dynamics, interior};
 use crate::direct::interior::iterate::Interior;
@@ -48,9 +49,16 @@ impl Direct<'_> {
         let clock = Clock::new(recorder.takes_times);
         let mut interior = interior(problem, self.rows, self.options, number, saved);
         interior.clock = clock;
+        let mut steps = 0;
+        if number == 0 && saved.is_none() && problem.task.collision.is_some() {
+            let straight = interior.spline.clone();
+            let (better, made) = around_obstacles(problem, self.rows, self.options, &straight, recorder)?;
+            (interior.spline, steps) = (better.unwrap_or(straight), made);
+        }
         let mut resolution = Resolution::default();
         let is_given = self.saved.is_some();
         let refined = refine(problem, self.options, is_given, &mut interior, &mut resolution, recorder)?;
+        interior.figures.iterations += steps;
         self.finish(&mut interior, &resolution, refined, recorder)
     }
 

@@ -256,7 +256,7 @@ fn explain(
 }
 
 /// A step for the log; `first` steps were made on other meshes.
-fn iteration(iterate: &Interior<Dynamics>, first: usize, step: f64) -> Iteration {
+pub(super) fn iteration(iterate: &Interior<Dynamics>, first: usize, step: f64) -> Iteration {
     let figures = &iterate.figures;
     Iteration {
         phase: Phase::Direct,
