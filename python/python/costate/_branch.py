@@ -6,15 +6,16 @@ import json
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ._costate import _Solution
 from ._solution import Solution
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from ._problem import Problem
 
-_Array = NDArray[np.float64]
+    _Array = NDArray[np.float64]
 
 
 class Branch:

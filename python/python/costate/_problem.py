@@ -17,7 +17,8 @@ from ._tables import text_of
 if TYPE_CHECKING:
     from ._resolve import Resolve
 
-Path = str | PathLike[str]
+    _Path = str | PathLike[str]
+
 
 # What a number or a list stands for, where a table can be given.
 _SHORT = {"start": "q", "end": "q", "cost": "effort", "time": "final", "periodic": "shift", "actuation": "gain"}
@@ -97,7 +98,7 @@ class Problem:
         collision: Mapping[str, Any] | None = None,
         solver: Mapping[str, Any] | None = None,
         start_from: Mapping[str, Any] | None = None,
-        folder: Path = "",
+        folder: _Path = "",
     ) -> None:
         given: dict[str, Any] = {"start": start, "end": end, "time": time, "cost": cost, "limits": limits}
         given |= {"bounds": bounds, "penalty": penalty, "actuation": actuation, "via": via, "periodic": periodic}
@@ -125,7 +126,7 @@ class Problem:
         return problem
 
     @classmethod
-    def from_file(cls, path: Path, *, friction: bool = False, strict: bool = False) -> Problem:
+    def from_file(cls, path: _Path, *, friction: bool = False, strict: bool = False) -> Problem:
         """Read a problem file with the robot that it names, as ``costate optimize`` does.
 
         Parameters
@@ -150,7 +151,7 @@ class Problem:
         text: str,
         robot: Robot | None = None,
         *,
-        folder: Path = "",
+        folder: _Path = "",
         friction: bool = False,
         strict: bool = False,
     ) -> Problem:
@@ -202,8 +203,8 @@ class Problem:
         machine_code: Literal["later", "at_once", "never"] | None = None,
         jacobian: Literal["exact", "differences", "without_hessian"] | None = None,
         coordinates: Literal["hamiltonian", "lagrangian"] | None = None,
-        start_from: Solution | Path | None = None,
-        progress: _run.Progress = None,
+        start_from: Solution | _Path | None = None,
+        progress: _run._Progress = None,
         on_interrupt: Literal["raise", "return"] = "raise",
         stage_times: bool = False,
     ) -> Solution:
@@ -280,8 +281,8 @@ class Problem:
         first: float,
         last: float,
         *,
-        start_from: Solution | Path | None = None,
-        progress: _run.Progress = None,
+        start_from: Solution | _Path | None = None,
+        progress: _run._Progress = None,
         on_interrupt: Literal["raise", "return"] = "raise",
         **options: Any,
     ) -> Branch:
@@ -334,7 +335,7 @@ class Problem:
         return f"Problem({robot.name!r}, n={robot.n})"
 
 
-def _start(given: Solution | Path | None) -> Any:
+def _start(given: Solution | _Path | None) -> Any:
     return given._core if isinstance(given, Solution) else given and fspath(given)
 
 

@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ._costate import _Feedback, _Resolve
 from ._problem import Problem
 from ._solution import Solution
 from ._tables import text_of
 
-_Array = NDArray[np.float64]
-_Vector = Sequence[float] | _Array
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    _Array = NDArray[np.float64]
+    _Vector = Sequence[float] | _Array
 
 
 class Resolved(NamedTuple):

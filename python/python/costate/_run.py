@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import logging
 import sys
-from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ._costate import _Run, _Solution
 from ._errors import ArgumentError
@@ -48,10 +47,13 @@ class Iteration(NamedTuple):
     cost: float
 
 
-Progress = bool | None | Callable[[Iteration], Any]
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    _Progress = bool | None | Callable[[Iteration], Any]
 
 
-def finish(run: _Run, progress: Progress, show: bool) -> tuple[_Solution, bool]:
+def finish(run: _Run, progress: _Progress, show: bool) -> tuple[_Solution, bool]:
     """Wait for a solve; the solution, and whether Ctrl-C ended it.
 
     Only this function calls Python code during a solve: the solver runs on a thread that knows nothing of Python.

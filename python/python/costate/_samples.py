@@ -5,14 +5,16 @@ from __future__ import annotations
 import json
 from os import PathLike
 from pathlib import Path as _Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ._costate import _Samples
 
-_Array = NDArray[np.float64]
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    _Array = NDArray[np.float64]
 
 
 class Sensitivity(NamedTuple):

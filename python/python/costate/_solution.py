@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
 from functools import cached_property
 from os import PathLike, fspath
 from pathlib import Path as _Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from . import _show
 from ._costate import _Solution
@@ -19,9 +17,11 @@ from ._run import Iteration
 from ._samples import Gains, Samples, Sensitivity
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from ._problem import Problem
 
-_Array = NDArray[np.float64]
+    _Array = NDArray[np.float64]
 
 
 class Solution:
@@ -278,7 +278,7 @@ class Solution:
         """H* at the nodes (N); empty for a motion that was read from a file."""
         return _fixed(self._core.array("hamiltonian"))
 
-    def sample(self, rate: float | None = None, *, times: Sequence[float] | _Array | None = None) -> Samples:
+    def sample(self, rate: float | None = None, *, times: Any = None) -> Samples:
         """The motion at a fixed rate, or at given times.
 
         Motions of the direct method are sampled from their polynomials, with torques of inverse dynamics cut to their
