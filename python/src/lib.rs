@@ -4,7 +4,7 @@
 //! evaluates all states on lanes and threads, `plan` says where arguments and results lie, `cores` computes
 //! one state. `quantities` lists what is computed of the dynamics, `kinematics` of frames, `schemes` of time
 //! steps. `robot` with `edits`, `builder` and its `recipe`, `dynamics`, `frame` and `time_step` are the
-//! classes that Python sees.
+//! classes that Python sees. `motions` is what its classes for optimal motions are made of.
 
 #![deny(unsafe_op_in_unsafe_fn, clippy::undocumented_unsafe_blocks)]
 
@@ -22,6 +22,7 @@ mod frame;
 mod function;
 mod kinematics;
 mod methods;
+mod motions;
 mod plan;
 mod quantities;
 mod recipe;
@@ -44,6 +45,18 @@ mod _costate {
     use crate::dynamics::Dynamics;
     #[pymodule_export]
     use crate::frame::Frame;
+    #[pymodule_export]
+    use crate::motions::feedback::FeedbackCore;
+    #[pymodule_export]
+    use crate::motions::problem::ProblemCore;
+    #[pymodule_export]
+    use crate::motions::resolve::ResolveCore;
+    #[pymodule_export]
+    use crate::motions::run::Run;
+    #[pymodule_export]
+    use crate::motions::samples::SamplesCore;
+    #[pymodule_export]
+    use crate::motions::solution::SolutionCore;
     #[pymodule_export]
     use crate::recipe::_rebuild;
     #[pymodule_export]

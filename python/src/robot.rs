@@ -103,7 +103,7 @@ impl Robot {
     ///     Where the file cannot be read.
     #[staticmethod]
     #[pyo3(signature = (path, *, friction = false, strict = false))]
-    fn from_file(py: Python<'_>, path: PathBuf, friction: bool, strict: bool) -> PyResult<Self> {
+    pub fn from_file(py: Python<'_>, path: PathBuf, friction: bool, strict: bool) -> PyResult<Self> {
         let options = LoadOptions::default().friction(friction).strict(strict);
         let raise = |error| errors::robot(py, &error);
         let read = robot::Robot::from_file_with(&path, options).map_err(raise)?;
@@ -147,6 +147,12 @@ impl Robot {
         let read = read.map_err(|error| errors::robot(py, &error))?;
         let recipe = Recipe::default().then(py, "from_text", named!(py, text, format, friction, strict));
         Self::warned(py, read, recipe, &[])
+    }
+
+    /// The robot of a problem, with the changes that the problem makes; for pickles.
+    #[staticmethod]
+    fn _of_problem(problem: &Bound<'_, PyAny>) -> PyResult<Self> {
+        Ok(problem.call_method0("robot")?.extract()?)
     }
 
     /// Starts a robot without joints, see `RobotBuilder`; gravity in m/s^2.

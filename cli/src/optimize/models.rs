@@ -9,7 +9,7 @@ use std::path::Path;
 
 /// Those of the robot's file, with warnings for what cannot be read; none of a file that is no URDF.
 pub fn read(task: &Task, arguments: &Arguments) -> Vec<LinkModel> {
-    let path = &task.robot_path;
+    let Some(path) = &task.robot_path else { return Vec::new() };
     if RobotFormat::of_path(path).ok() != Some(RobotFormat::Urdf) {
         return Vec::new();
     }

@@ -1,7 +1,6 @@
 //! The files that `costate optimize` writes: report, figures, saved solution, samples, feedback.
 
 use super::arguments::Arguments;
-use super::samples::table;
 use crate::output::{Output, OutputFolder, is_standard};
 use costate_control::{Problem, Samples, Solution};
 use costate_report::ReportOptions;
@@ -99,7 +98,7 @@ impl Outputs {
             saved.write(&serde_json::to_string(solution)?)?;
         }
         if let (Some(file), Some(samples)) = (&self.samples, samples) {
-            file.write(&table(samples, &solution.robot.joints))?;
+            file.write(&samples.to_csv(&solution.robot.joints))?;
         }
         if let Some(page) = &self.report {
             page.write(&costate_report::report(problem, solution, options))?;

@@ -169,6 +169,34 @@ impl Solution {
     }
 }
 
+impl Solution {
+    /// Accelerations (rad/s^2, m/s^2) at the nodes: those of the direct method's polynomials, else by forward
+    /// dynamics with the controls there.
+    ///
+    /// # Errors
+    /// [`SampleError`].
+    pub fn accelerations(&self, problem: &Problem) -> Result<Vec<Vec<f64>>, SampleError> {
+        let trajectory = &self.trajectory;
+        if let Some(accelerations) = trajectory.accelerations() {
+            return Ok(accelerations.to_vec());
+        }
+        let (found, expected) = (trajectory.q.first().map_or(0, Vec::len), problem.robot.dof());
+        if found != expected && !trajectory.q.is_empty() {
+            return Err(SampleError::OtherRobot { found, expected });
+        }
+        let mut all = Vec::with_capacity(trajectory.t.len());
+        for (robot, nodes) in problem.robots().iter().zip(trajectory.phases()) {
+            let mut model = Lagrangian::new(robot);
+            for k in nodes {
+                let tau: Vec<f64> =
+                    trajectory.u[k].iter().zip(&problem.gain).map(|(u, gain)| gain * u).collect();
+                all.push(model.forward_dynamics(&trajectory.q[k], &trajectory.v[k], &tau)?.to_vec());
+            }
+        }
+        Ok(all)
+    }
+}
+
 /// What moves a robot along a motion.
 struct Actuation<'a> {
     problem: &'a Problem,

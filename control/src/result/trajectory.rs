@@ -29,9 +29,9 @@ pub struct Trajectory {
     pub hamiltonian: Vec<f64>,
     /// The times of the vias (s): where one phase ends and the next one begins. Each is that of two nodes.
     pub via_times: Vec<f64>,
-    interpolant: Option<Interpolant>,
+    pub(super) interpolant: Option<Interpolant>,
     /// Accelerations at the nodes of a motion whose q(t) is a quintic between them.
-    accelerations: Option<Vec<Vec<f64>>>,
+    pub(super) accelerations: Option<Vec<Vec<f64>>>,
 }
 
 /// The motion of a robot at one time.
