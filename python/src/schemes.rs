@@ -1,6 +1,7 @@
 //! The schemes of time steps: what their cores compute, and the plans of their arrays.
 
-use crate::cores::{Core, Writer, core_of};
+use crate::cores::{Core, Order, Writer, core_of};
+use crate::errors::argument;
 use crate::plan::{Piece, Plan, PlanBuilder};
 use costate::matrix::Block;
 use costate::step::{
@@ -9,6 +10,7 @@ use costate::step::{
 };
 use costate::{Coordinates, EvalError};
 use costate_jit::JitModel;
+use pyo3::prelude::*;
 
 /// A step of any scheme.
 pub type AnyStep = Box<dyn Scheme<f64, Error = StepError<EvalError>> + Send>;
@@ -24,13 +26,26 @@ pub const SCHEMES: [Known; 4] = [
     ("semi_implicit_euler", |model| Box::new(SemiImplicitEuler::new(model)), Some(Coordinates::Lagrangian)),
 ];
 
-/// What a core computes: the next state; its Jacobian and its derivative by dt too; its contracted Hessian
-/// too.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub enum Order {
-    Value,
-    First,
-    Second,
+/// The number of a scheme in [`SCHEMES`], for steps of this duration in these coordinates.
+///
+/// # Errors
+/// `ArgumentError` for an unknown scheme, one that needs other coordinates, and a duration that is not finite.
+pub fn scheme_of(py: Python<'_>, scheme: &str, dt: f64, coordinates: Coordinates) -> PyResult<usize> {
+    let found = SCHEMES.iter().position(|(name, ..)| *name == scheme).ok_or_else(|| {
+        let names = SCHEMES.map(|(name, ..)| format!("'{name}'")).join(", ");
+        argument(py, "scheme", format!("unknown scheme '{scheme}'; give one of {names}"))
+    })?;
+    if let (name, _, Some(needed)) = SCHEMES[found]
+        && needed != coordinates
+    {
+        let needed = if needed == Coordinates::Lagrangian { "qv" } else { "qp" };
+        let message = format!("the scheme '{name}' needs Dynamics(robot, \"{needed}\")");
+        return Err(argument(py, "scheme", message));
+    }
+    if !dt.is_finite() {
+        return Err(argument(py, "dt", format!("dt is {dt}; it must be finite")));
+    }
+    Ok(found)
 }
 
 /// The methods of `Step`.
@@ -104,7 +119,8 @@ impl Verb {
     }
 }
 
-/// A workspace that computes one step.
+/// A workspace that computes one step: the next state; with its derivative by dt and its Jacobian; with its
+/// contracted Hessian too.
 pub fn core(
     build: fn(JitModel) -> AnyStep,
     model: JitModel,

@@ -26,6 +26,9 @@ __all__ = [
     "RobotBuilder",
     "Step",
     "__version__",
+    "_CasadiSlot",
+    "_casadi_calls",
+    "_casadi_slots",
     "_compare",
     "_rebuild",
     "codegen",
@@ -256,3 +259,10 @@ def codegen(
     only: bool = False,
     parameters: bool = False,
 ) -> str: ...
+def _casadi_calls(name: str) -> list[int]: ...
+def _casadi_slots() -> tuple[int, int]: ...
+@final
+class _CasadiSlot:
+    def __new__(cls, given: tuple[str, Robot, str, str, float], text: str) -> Self: ...
+    @property
+    def name(self) -> str: ...
