@@ -3,7 +3,6 @@
 use crate::cores::{Core, Order, Writer, core_of};
 use crate::errors::argument;
 use crate::plan::{Piece, Plan, PlanBuilder};
-use costate::matrix::Block;
 use costate::step::{
     ImplicitMidpoint, RungeKutta4, SemiImplicitEuler, Step as Scheme, StepError, StepLinearisation,
     StoermerVerlet,
@@ -140,7 +139,7 @@ pub fn core(
             Order::Second => {
                 let second = step.contract(x, tau, dt, y)?;
                 put_first(writer, second.first);
-                put_symmetric(writer.0, [Some(second.xx), second.ux, second.uu], n);
+                second.hessian(writer.0);
             }
         }
         Ok(())
@@ -149,22 +148,8 @@ pub fn core(
 
 fn put_first(writer: &mut Writer<'_>, first: StepLinearisation<'_, f64>) {
     writer.put(first.next).put(first.phi_h);
-    for (in_x, in_u) in first.phi_x.iter_rows().zip(first.phi_u.iter_rows()) {
-        writer.put(in_x).put(in_u);
-    }
-}
-
-/// `[ xx  ux' ; ux  uu ]`, 3n x 3n; ux is zero in the states beyond its columns.
-fn put_symmetric(whole: &mut [f64], [xx, ux, uu]: [Option<Block<'_, f64>>; 3], n: usize) {
-    whole.fill(0.0);
-    for (block, [top, left]) in [(xx, [0, 0]), (ux, [2 * n, 0]), (uu, [2 * n, 2 * n])] {
-        for (i, row) in block.iter().flat_map(|block| block.iter_rows()).enumerate() {
-            for (j, &entry) in row.iter().enumerate() {
-                whole[(top + i) * 3 * n + left + j] = entry;
-                if top != left {
-                    whole[(left + j) * 3 * n + top + i] = entry;
-                }
-            }
-        }
-    }
+    let (jacobian, rest) = std::mem::take(&mut writer.0)
+        .split_at_mut(first.next.len() * (first.phi_x.columns() + first.phi_u.columns()));
+    first.jacobian(jacobian);
+    writer.0 = rest;
 }

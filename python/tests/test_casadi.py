@@ -240,7 +240,9 @@ def test_a_slot_is_not_taken_for_another_robot(ur5):
     with pytest.raises(RuntimeError):
         pickle.loads(stored)
     del taken
-    assert cc.slots()[0] == before
+    # CasADi before 3.8 does not release what it was refused: slots stay in use.
+    if not ca.__version__.startswith(("3.6.", "3.7.")):
+        assert cc.slots()[0] == before
 
 
 def test_wrong_arguments(ur5):
