@@ -43,7 +43,7 @@ mod _costate {
     #[pymodule_export]
     use crate::check::_compare;
     #[pymodule_export]
-    use crate::codegen::codegen;
+    use crate::codegen::{_abi_source, codegen};
     #[pymodule_export]
     use crate::dynamics::Dynamics;
     #[pymodule_export]

@@ -2,6 +2,7 @@
 
 import gc
 import pickle
+import shutil
 import subprocess
 import sys
 
@@ -243,6 +244,34 @@ def test_a_slot_is_not_taken_for_another_robot(ur5):
     # CasADi before 3.8 does not release what it was refused: slots stay in use.
     if not ca.__version__.startswith(("3.6.", "3.7.")):
         assert cc.slots()[0] == before
+
+
+def test_compiled_source_computes_the_same(ur5, random, tmp_path):
+    compiler = shutil.which("cc")
+    if compiler is None:
+        pytest.skip("no C compiler")
+    (tmp_path / "ur5.c").write_text(cc.source(ur5, "rk4", 0.01, limit=100_000))
+    library = tmp_path / "ur5.so"
+    subprocess.run([compiler, "-O1", "-shared", "-fPIC", tmp_path / "ur5.c", "-o", library, "-lm"], check=True)
+    q, v, tau, y = random.normal(size=(4, 6))
+    x, costate_of_x = np.concatenate([q, v]), random.normal(size=12)
+    for name, ours, at, weights in [
+        ("ur5_fd", cc.dynamics(ur5), (q, v, tau), y),
+        ("ur5_id", cc.inverse_dynamics(ur5), (q, v, tau), y),
+        ("ur5_step", cc.step(ur5, "rk4", 0.01), (x, tau), costate_of_x),
+    ]:
+        theirs = ca.external(name, str(library))
+        assert theirs.name_in() == ours.name_in() and theirs.name_out() == ours.name_out()
+        for part in (lambda f: f, lambda f: f.jacobian(), lambda f: f.reverse(1), lambda f: f.reverse(1).jacobian()):
+            a, b = part(theirs), part(ours)
+            assert [a.sparsity_in(k) for k in range(a.n_in())] == [b.sparsity_in(k) for k in range(b.n_in())]
+            assert [a.sparsity_out(k) for k in range(a.n_out())] == [b.sparsity_out(k) for k in range(b.n_out())]
+            assert a.name_in() == b.name_in() and a.name_out() == b.name_out()
+        found = evaluated(everything(theirs, weights), *at)
+        for part, expected in zip(found, evaluated(everything(ours, weights), *at)):
+            assert_close(part, expected, 1e-10)
+    with pytest.raises(costate.CodegenError, match="limit"):
+        cc.source(ur5, limit=100)
 
 
 def test_wrong_arguments(ur5):

@@ -27,6 +27,7 @@ __all__ = [
     "Step",
     "__version__",
     "_CasadiSlot",
+    "_abi_source",
     "_casadi_calls",
     "_casadi_slots",
     "_compare",
@@ -259,6 +260,7 @@ def codegen(
     only: bool = False,
     parameters: bool = False,
 ) -> str: ...
+def _abi_source(robot: Robot, abi: str, scheme: str | None, dt: float, limit: int) -> str: ...
 def _casadi_calls(name: str) -> list[int]: ...
 def _casadi_slots() -> tuple[int, int]: ...
 @final

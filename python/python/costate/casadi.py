@@ -29,9 +29,9 @@ import pickle
 from typing import Any, Literal
 
 from . import _costate
-from ._costate import Dynamics, Robot, _casadi_calls, _casadi_slots, _CasadiSlot
+from ._costate import Dynamics, Robot, _abi_source, _casadi_calls, _casadi_slots, _CasadiSlot
 
-__all__ = ["calls", "dynamics", "frame", "inverse_dynamics", "slots", "step"]
+__all__ = ["calls", "dynamics", "frame", "inverse_dynamics", "slots", "source", "step"]
 
 
 def dynamics(robot: Robot) -> Any:
@@ -144,6 +144,47 @@ def frame(robot: Robot, name: str) -> Any:
     DM([2, 0, 0])
     """
     return _function("frame", robot, "qv", name)
+
+
+def source(
+    robot: Robot,
+    scheme: Literal["rk4", "semi_implicit_euler"] | None = None,
+    dt: float = 0.0,
+    *,
+    limit: int = 25_000,
+) -> str:
+    """C source of the same functions, for ``casadi.external`` where costate is not installed.
+
+    Parameters
+    ----------
+    robot : Robot
+        The robot, whose constants become numbers of the source.
+    scheme : {"rk4", "semi_implicit_euler"}, optional
+        Adds ``ROBOT_step`` of this scheme, for x = (q, v).
+    dt : float
+        Its duration (s).
+    limit : int
+        Most operations of a function.
+
+    Returns
+    -------
+    str
+        ``ROBOT_fd(q, v, tau) -> a`` and ``ROBOT_id(q, v, a) -> tau`` with their derivatives, ROBOT the name of the
+        robot in small letters. Compile it with ``cc -O3 -shared -fPIC FILE.c -o FILE.so -lm``.
+
+    Raises
+    ------
+    CodegenError
+        Where a function is longer than the limit.
+
+    Examples
+    --------
+    >>> import costate, costate.casadi
+    >>> robot = costate.Robot.builder("cart").prismatic("rail", axis=[1, 0, 0], mass=2).build()
+    >>> "int jac_adj1_cart_fd(" in costate.casadi.source(robot)
+    True
+    """
+    return _abi_source(robot, "casadi", scheme, float(dt), limit)
 
 
 def calls(function: Any) -> dict[str, int]:

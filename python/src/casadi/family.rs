@@ -46,7 +46,7 @@ impl Family {
         let Some(engine) = self.engine(*order) else { return false };
         engine.with(plan, |workspace| {
             let buffer = workspace.state(plan);
-            let used = inputs.iter().enumerate().filter(|(_, port)| port.place.is_some());
+            let used = inputs.iter().enumerate().filter(|(_, port)| port.full);
             // Each argument has one place, in their order.
             for ((input, _), place) in used.zip(&plan.places) {
                 let to = &mut buffer[place.at..place.at + place.length];
@@ -64,7 +64,7 @@ impl Family {
                 return false;
             }
             let buffer = workspace.state(plan);
-            let used = outputs.iter().enumerate().filter(|(_, port)| port.place.is_some());
+            let used = outputs.iter().enumerate().filter(|(_, port)| port.full);
             for ((output, _), of) in used.zip(&plan.outputs) {
                 // SAFETY: by the contract of this function; null stands for a result that nobody reads.
                 let to = unsafe { *res.add(output) };

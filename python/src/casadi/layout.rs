@@ -1,37 +1,9 @@
-//! The functions that CasADi derives from a function f, with the names that it looks for:
-//!
-//! | function | arguments | results |
-//! |---|---|---|
-//! | `f` | those of f | those of f |
-//! | `jac_f` | the same, `out_*` | a matrix for each result and argument |
-//! | `adj1_f` | the same, `adj_*` | `adj_*` for each argument: y'f_z |
-//! | `jac_adj1_f` | the same, `out_adj_*` | a matrix for each of these and each argument of `adj1_f` |
-//!
-//! Arguments `out_*` are results that CasADi could pass and that are not needed: they have no entries.
-//! Matrices lie column by column.
+//! How the four functions that CasADi asks for of a function f are made of the results of its cores.
 
 use crate::cores::Order;
 use crate::plan::{Piece, Plan, PlanBuilder};
+use costate::codegen::{ExternalPorts, Interface, Variable};
 use std::ffi::CString;
-
-/// An argument or a result of f: a matrix, column by column.
-#[derive(Clone, Copy, Debug)]
-pub struct Variable {
-    pub name: &'static str,
-    pub rows: usize,
-    pub columns: usize,
-}
-
-impl Variable {
-    /// A vector.
-    pub fn vector(name: &'static str, rows: usize) -> Self {
-        Self { name, rows, columns: 1 }
-    }
-
-    fn entries(self) -> usize {
-        self.rows * self.columns
-    }
-}
 
 /// A matrix among the results of a core: entry (i, j) lies at `at + i * row + j * column`.
 #[derive(Clone, Copy, Debug)]
@@ -43,7 +15,7 @@ pub struct Block {
 
 impl Block {
     /// Moves its entries to a result, column by column.
-    fn pieces(self, rows: usize, columns: usize) -> Vec<Piece> {
+    fn pieces(self, [rows, columns]: [usize; 2]) -> Vec<Piece> {
         let Self { at, row, column } = self;
         (0..columns)
             .map(|j| Piece::Move { to: (j * rows, 1), from: (at + j * column, row), length: rows })
@@ -60,25 +32,23 @@ impl Block {
 /// of f.
 #[derive(Debug)]
 pub struct Description {
-    pub inputs: Vec<Variable>,
-    pub outputs: Vec<Variable>,
+    interface: Interface,
     /// Number of results of the core of each order.
-    pub results: [usize; 3],
+    results: [usize; 3],
     /// Where the Jacobian begins: a row for each entry of the results, a column for each entry of the
     /// arguments.
-    pub jacobian: usize,
+    jacobian: usize,
     /// The blocks of the second derivatives of y'f by pairs of arguments; `None` where they vanish.
-    pub hessian: Vec<Vec<Option<Block>>>,
+    hessian: Vec<Vec<Option<Block>>>,
 }
 
 /// An argument or result of one of the four functions.
 #[derive(Debug)]
 pub struct Port {
     pub name: CString,
-    /// Rows and columns, then a one for a dense matrix, or zeros: the columns of one without entries begin.
     pub sparsity: Vec<i64>,
-    /// Which argument or result of the plan it is, where it has entries.
-    pub place: Option<usize>,
+    /// Whether it has entries; then it is an argument or a result of the plan too.
+    pub full: bool,
 }
 
 /// One of the four functions.
@@ -93,168 +63,113 @@ pub struct Part {
 /// Number of functions: f, its Jacobian, its adjoint, and the Jacobian of that.
 pub const PARTS: usize = 4;
 
-/// Takes the arguments and results of a function.
-struct PartBuilder {
-    inputs: Vec<Port>,
-    outputs: Vec<Port>,
-    used: usize,
+/// Where the results of a core begin in the buffer of a plan, and the weights.
+#[derive(Clone, Copy)]
+struct Places {
+    results: usize,
+    y: usize,
 }
 
-impl PartBuilder {
-    fn input(&mut self, name: String, [rows, columns]: [usize; 2], used: bool) {
-        let place = used.then_some(self.used);
-        self.used += usize::from(used);
-        self.inputs.push(port(name, [rows, columns], place));
-    }
-
-    /// A result; adds its pieces to the plan unless it has no entries.
-    fn output(&mut self, plan: Plan, name: String, shape: [usize; 2], pieces: Option<Vec<Piece>>) -> Plan {
-        self.outputs.push(port(name, shape, pieces.as_ref().map(|_| plan.outputs.len())));
-        match pieces {
-            Some(pieces) => plan.output(&shape, pieces),
-            None => plan,
-        }
-    }
+/// Number of entries before a variable.
+fn before(variables: &[Variable], k: usize) -> usize {
+    variables[..k].iter().map(|of| of.entries()).sum()
 }
 
-fn port(name: String, [rows, columns]: [usize; 2], place: Option<usize>) -> Port {
-    let mut sparsity = vec![rows as i64, columns as i64];
-    match place {
-        Some(_) => sparsity.push(1),
-        None => sparsity.resize(columns + 3, 0),
-    }
-    Port { name: CString::new(name).unwrap_or_default(), sparsity, place }
+fn ports(of: &[costate::codegen::Port]) -> Vec<Port> {
+    let port = |of: &costate::codegen::Port| Port {
+        name: CString::new(of.name.as_str()).unwrap_or_default(),
+        sparsity: of.sparsity().into_iter().map(|number| number as i64).collect(),
+        full: of.full,
+    };
+    of.iter().map(port).collect()
 }
 
 impl Description {
+    pub fn new(
+        inputs: Vec<Variable>,
+        outputs: Vec<Variable>,
+        results: [usize; 3],
+        jacobian: usize,
+        hessian: Vec<Vec<Option<Block>>>,
+    ) -> Self {
+        let curved = hessian.iter().map(|row| row.iter().map(Option::is_some).collect()).collect();
+        Self { interface: Interface { inputs, outputs, curved }, results, jacobian, hessian }
+    }
+
     /// The four functions.
     pub fn parts(&self) -> [Part; PARTS] {
-        [self.value(), self.jacobian(), self.adjoint(), self.jacobian_of_adjoint()]
+        let Interface { inputs, outputs, .. } = &self.interface;
+        let [value, jacobian, adjoint, second] = self.interface.functions();
+        [
+            self.part(value, Order::Value, None, |at, k| {
+                vec![Piece::copy(0, at.results + before(outputs, k), outputs[k].entries())]
+            }),
+            self.part(jacobian, Order::First, None, |at, k| {
+                let (of, by) = (k / inputs.len(), k % inputs.len());
+                self.slope(at, of, by).pieces([outputs[of].entries(), inputs[by].entries()])
+            }),
+            self.part(adjoint, Order::First, Some(false), |at, k| self.products(at, k)),
+            self.part(second, Order::Second, Some(true), |at, k| self.curvature(at, k)),
+        ]
     }
 
-    /// Begins a function: the arguments of f.
-    fn begin(&self) -> (PartBuilder, PlanBuilder) {
-        let passed = self.outputs.iter().map(|of| of.entries()).sum();
-        let mut part = PartBuilder { inputs: Vec::new(), outputs: Vec::new(), used: 0 };
-        let mut plan = PlanBuilder::new(passed);
-        for of in &self.inputs {
+    /// A function of this order whose k-th result is made of these pieces; its weights are for the core, or
+    /// not, or there are none.
+    fn part(
+        &self,
+        of: ExternalPorts,
+        order: Order,
+        weights: Option<bool>,
+        pieces: impl Fn(Places, usize) -> Vec<Piece>,
+    ) -> Part {
+        let Interface { inputs, outputs, .. } = &self.interface;
+        let mut plan = PlanBuilder::new(before(outputs, outputs.len()));
+        for of in inputs {
             plan.core(of.name, of.entries());
-            part.input(of.name.into(), [of.rows, of.columns], true);
         }
-        (part, plan)
-    }
-
-    /// Adds the results of f, without entries, and their weights y; returns where y begins.
-    fn weights(&self, part: &mut PartBuilder, plan: &mut PlanBuilder, for_core: bool) -> usize {
-        self.spare_outputs(part);
-        let mut first = None;
-        for of in &self.outputs {
-            part.input(format!("adj_{}", of.name), [of.rows, of.columns], true);
+        let mut y = None;
+        for (of, for_core) in outputs.iter().flat_map(|of| weights.map(|for_core| (of, for_core))) {
             let [at] = plan.split(of.name, [(of.entries(), for_core)]);
-            first.get_or_insert(at);
+            y.get_or_insert(at);
         }
-        first.unwrap_or_default()
-    }
-
-    fn spare_outputs(&self, part: &mut PartBuilder) {
-        for of in &self.outputs {
-            part.input(format!("out_{}", of.name), [of.rows, of.columns], false);
+        let mut plan = plan.results(self.results[order as usize]);
+        let places = Places { results: plan.core_outputs.start, y: y.unwrap_or_default() };
+        for (k, port) in of.outputs.iter().enumerate().filter(|(_, port)| port.full) {
+            plan = plan.output(&[port.rows, port.columns], pieces(places, k));
         }
-    }
-
-    fn results_of(&self, order: Order) -> usize {
-        self.results[order as usize]
-    }
-
-    /// Variables with the number of entries before them.
-    fn numbered(variables: &[Variable]) -> impl Iterator<Item = (usize, Variable)> {
-        variables.iter().scan(0, |before, &of| {
-            let at = *before;
-            *before += of.entries();
-            Some((at, of))
-        })
+        Part { inputs: ports(&of.inputs), outputs: ports(&of.outputs), plan, order }
     }
 
     /// The part of the Jacobian with the rows of one result and the columns of one argument.
-    fn slope(&self, start: usize, result: usize, argument: usize) -> Block {
-        let width = self.inputs.iter().map(|of| of.entries()).sum::<usize>();
-        Block { at: start + self.jacobian + result * width + argument, row: width, column: 1 }
+    fn slope(&self, at: Places, result: usize, argument: usize) -> Block {
+        let Interface { inputs, outputs, .. } = &self.interface;
+        let width = before(inputs, inputs.len());
+        let place = before(outputs, result) * width + before(inputs, argument);
+        Block { at: at.results + self.jacobian + place, row: width, column: 1 }
     }
 
-    fn value(&self) -> Part {
-        let (mut part, plan) = self.begin();
-        let mut plan = plan.results(self.results_of(Order::Value));
-        let start = plan.core_outputs.start;
-        for (at, of) in Self::numbered(&self.outputs) {
-            let pieces = vec![Piece::copy(0, start + at, of.entries())];
-            plan = part.output(plan, of.name.into(), [of.rows, of.columns], Some(pieces));
-        }
-        part.finish(plan, Order::Value)
+    /// y'f_z for one argument.
+    fn products(&self, at: Places, argument: usize) -> Vec<Piece> {
+        let Interface { inputs, outputs, .. } = &self.interface;
+        let Block { at: first, row, column } = self.slope(at, 0, argument);
+        let length = before(outputs, outputs.len());
+        let product = |j| Piece::Product { to: j, a: (at.y, 1), b: (first + j * column, row), length };
+        (0..inputs[argument].entries()).map(product).collect()
     }
 
-    fn jacobian(&self) -> Part {
-        let (mut part, plan) = self.begin();
-        self.spare_outputs(&mut part);
-        let mut plan = plan.results(self.results_of(Order::First));
-        let start = plan.core_outputs.start;
-        for (result, to) in Self::numbered(&self.outputs) {
-            for (argument, by) in Self::numbered(&self.inputs) {
-                let shape @ [rows, columns] = [to.entries(), by.entries()];
-                let pieces = self.slope(start, result, argument).pieces(rows, columns);
-                plan = part.output(plan, format!("jac_{}_{}", to.name, by.name), shape, Some(pieces));
+    /// A result of the Jacobian of the adjoint: for each argument the second derivatives in each argument,
+    /// then those in `out_*`, which have no entries, then f_z transposed.
+    fn curvature(&self, at: Places, k: usize) -> Vec<Piece> {
+        let Interface { inputs, outputs, .. } = &self.interface;
+        let width = inputs.len() + 2 * outputs.len();
+        let (of, by) = (k / width, k % width);
+        let rows = inputs[of].entries();
+        match by.checked_sub(inputs.len() + outputs.len()) {
+            Some(result) => self.slope(at, result, of).transposed().pieces([rows, outputs[result].entries()]),
+            None => {
+                let block = self.hessian[of][by].map(|block| Block { at: at.results + block.at, ..block });
+                block.map_or(Vec::new(), |block| block.pieces([rows, inputs[by].entries()]))
             }
         }
-        part.finish(plan, Order::First)
-    }
-
-    fn adjoint(&self) -> Part {
-        let (mut part, mut plan) = self.begin();
-        let y = self.weights(&mut part, &mut plan, false);
-        let mut plan = plan.results(self.results_of(Order::First));
-        let (start, length) = (plan.core_outputs.start, self.outputs.iter().map(|of| of.entries()).sum());
-        for (argument, by) in Self::numbered(&self.inputs) {
-            let Block { at, row, column } = self.slope(start, 0, argument);
-            let product = |j| Piece::Product { to: j, a: (y, 1), b: (at + j * column, row), length };
-            let pieces = (0..by.entries()).map(product).collect();
-            plan = part.output(plan, format!("adj_{}", by.name), [by.rows, by.columns], Some(pieces));
-        }
-        part.finish(plan, Order::First)
-    }
-
-    fn jacobian_of_adjoint(&self) -> Part {
-        let (mut part, mut plan) = self.begin();
-        self.weights(&mut part, &mut plan, true);
-        for of in &self.inputs {
-            part.input(format!("out_adj_{}", of.name), [of.rows, of.columns], false);
-        }
-        let mut plan = plan.results(self.results_of(Order::Second));
-        let start = plan.core_outputs.start;
-        for ((argument, of), blocks) in Self::numbered(&self.inputs).zip(&self.hessian) {
-            let rows = of.entries();
-            for (by, block) in self.inputs.iter().zip(blocks) {
-                let columns = by.entries();
-                let block = block.map(|block| Block { at: start + block.at, ..block });
-                let pieces = block.map(|block| block.pieces(rows, columns));
-                let name = format!("jac_adj_{}_{}", of.name, by.name);
-                plan = part.output(plan, name, [rows, columns], pieces);
-            }
-            for by in &self.outputs {
-                let name = format!("jac_adj_{}_out_{}", of.name, by.name);
-                plan = part.output(plan, name, [rows, by.entries()], None);
-            }
-            for (result, by) in Self::numbered(&self.outputs) {
-                let columns = by.entries();
-                let pieces = self.slope(start, result, argument).transposed().pieces(rows, columns);
-                let name = format!("jac_adj_{}_adj_{}", of.name, by.name);
-                plan = part.output(plan, name, [rows, columns], Some(pieces));
-            }
-        }
-        part.finish(plan, Order::Second)
-    }
-}
-
-impl PartBuilder {
-    fn finish(self, plan: Plan, order: Order) -> Part {
-        Part { inputs: self.inputs, outputs: self.outputs, plan, order }
     }
 }

@@ -1,13 +1,13 @@
 //! What CasADi can compute of a robot: dynamics, inverse dynamics, time steps, frames.
 
-use super::layout::{Block, Description, Variable};
+use super::layout::{Block, Description};
 use crate::cores::{Core, Order, Writer, core_of};
 use crate::engines::engine_of;
 use crate::errors::Failure;
 use crate::function::Engine;
 use crate::schemes::{self, Known, SCHEMES};
 use costate::Coordinates;
-use costate::codegen::{CodegenError, Quantity};
+use costate::codegen::{CodegenError, Quantity, Variable};
 use costate::kinematics::{Kinematics, ReferenceFrame};
 use costate::robot::Robot;
 use costate_jit::JitModel;
@@ -43,23 +43,23 @@ impl Spec {
             Kind::Step { .. } => {
                 let jacobian = 4 * n;
                 let first = jacobian + 6 * n * n;
-                Description {
-                    inputs: vec![vector("x", 2 * n), vector("tau", n)],
-                    outputs: vec![vector("x_next", 2 * n)],
-                    results: [2 * n, first, first + 9 * n * n],
+                Description::new(
+                    vec![vector("x", 2 * n), vector("tau", n)],
+                    vec![vector("x_next", 2 * n)],
+                    [2 * n, first, first + 9 * n * n],
                     jacobian,
-                    hessian: dense(first, &[2 * n, n]),
-                }
+                    dense(first, &[2 * n, n]),
+                )
             }
             Kind::Frame(_) => {
                 let first = FRAME + FRAME * n;
-                Description {
-                    inputs: vec![vector("q", n)],
-                    outputs: vec![Variable { name: "R", rows: 3, columns: 3 }, vector("x", 3)],
-                    results: [FRAME, first, first + n * n],
-                    jacobian: FRAME,
-                    hessian: dense(first, &[n]),
-                }
+                Description::new(
+                    vec![vector("q", n)],
+                    vec![Variable { name: "R", rows: 3, columns: 3 }, vector("x", 3)],
+                    [FRAME, first, first + n * n],
+                    FRAME,
+                    dense(first, &[n]),
+                )
             }
         }
     }
@@ -98,17 +98,13 @@ fn torques(n: usize, third: &'static str, result: &'static str) -> Description {
     let xx = |i: usize, j: usize| Some(Block { at: first + i * 2 * n * n + j * n, row: 2 * n, column: 1 });
     let uq_transposed = Some(Block { at: uq, row: 1, column: n });
     let uq = Some(Block { at: uq, row: n, column: 1 });
-    Description {
-        inputs: ["q", "v", third].map(|name| Variable::vector(name, n)).to_vec(),
-        outputs: vec![Variable::vector(result, n)],
-        results: [n, first, first + 5 * n * n],
-        jacobian: n,
-        hessian: vec![
-            vec![xx(0, 0), xx(0, 1), uq_transposed],
-            vec![xx(1, 0), xx(1, 1), None],
-            vec![uq, None, None],
-        ],
-    }
+    Description::new(
+        ["q", "v", third].map(|name| Variable::vector(name, n)).to_vec(),
+        vec![Variable::vector(result, n)],
+        [n, first, first + 5 * n * n],
+        n,
+        vec![vec![xx(0, 0), xx(0, 1), uq_transposed], vec![xx(1, 0), xx(1, 1), None], vec![uq, None, None]],
+    )
 }
 
 /// The blocks of a matrix that begins at `at`, by arguments of these lengths.

@@ -51,7 +51,7 @@ pub fn c_header(programs: &[Program]) -> Result<String, CodegenError> {
     let guard = programs.first().map_or("", Program::name).to_uppercase() + "_H";
     let declared = |program: &Program| {
         let declaration = program.declaration().replace("restrict ", "");
-        format!("{}\n{});\n\n", comment(program), declaration.trim_end_matches("\n)\n{\n").to_owned())
+        format!("{}{};\n\n", comment(program), declaration.trim_end_matches("\n{\n"))
     };
     let declarations: String = programs.iter().map(declared).collect();
     Ok(format!(
