@@ -105,7 +105,8 @@ const NONE: *mut f64 = std::ptr::null_mut();
 /// f and its derivatives, the second ones if there is a y.
 ///
 /// # Safety
-/// `dynamics` is null or a handle; all other pointers are null or point to as many numbers as the header says.
+/// `dynamics` is null or a handle; all other pointers are null or point to as many numbers as the header
+/// says.
 unsafe fn evaluate(
     dynamics: *mut CostateDynamics,
     n: usize,
@@ -255,7 +256,8 @@ pub unsafe extern "C" fn costate_contract(
 /// Evaluates a quantity in (q, v) and writes what `part` takes of its results.
 ///
 /// # Safety
-/// `dynamics` is null or a handle; all other pointers are null or point to as many numbers as the header says.
+/// `dynamics` is null or a handle; all other pointers are null or point to as many numbers as the header
+/// says.
 unsafe fn quantity(
     dynamics: *mut CostateDynamics,
     n: usize,

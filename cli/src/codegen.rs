@@ -20,8 +20,8 @@ pub struct Arguments {
     robot: RobotArguments,
     #[arg(long, value_parser = quantity, value_name = "QUANTITY", help = quantities(), required_unless_present = "abi")]
     quantity: Vec<Computed>,
-    /// C functions that a program loads by name, instead of quantities: ROBOT_fd, ROBOT_id and, with --scheme,
-    /// ROBOT_step for casadi.external; the functions of a model of acados
+    /// C functions that a program loads by name, instead of quantities: ROBOT_fd, ROBOT_id and, with
+    /// --scheme, ROBOT_step for casadi.external; the functions of a model of acados
     #[arg(long, value_enum, conflicts_with_all = ["quantity", "lang", "only", "parameters", "number", "header"])]
     abi: Option<Abi>,
     /// For step, step_z, y_step_zz and --abi: the scheme of a time step

@@ -28,7 +28,8 @@ pub const SCHEMES: [Known; 4] = [
 /// The number of a scheme in [`SCHEMES`], for steps of this duration in these coordinates.
 ///
 /// # Errors
-/// `ArgumentError` for an unknown scheme, one that needs other coordinates, and a duration that is not finite.
+/// `ArgumentError` for an unknown scheme, one that needs other coordinates, and a duration that is not
+/// finite.
 pub fn scheme_of(py: Python<'_>, scheme: &str, dt: f64, coordinates: Coordinates) -> PyResult<usize> {
     let found = SCHEMES.iter().position(|(name, ..)| *name == scheme).ok_or_else(|| {
         let names = SCHEMES.map(|(name, ..)| format!("'{name}'")).join(", ");

@@ -51,8 +51,8 @@ impl<S: Scalar> Kinematics<S> {
     }
 
     /// `sum over k, l of W_kl R_kl,qq` for the orientation R of a frame, n x n, symmetric, W given by rows:
-    /// `w_i . (B w_j - tr(B) w_j)`, `B = R W'`, for i nearer to the base, since then `R_,ij = w_i x (w_j x R)`;
-    /// O(d^2) products for d joints on the path.
+    /// `w_i . (B w_j - tr(B) w_j)`, `B = R W'`, for i nearer to the base, since then
+    /// `R_,ij = w_i x (w_j x R)`; O(d^2) products for d joints on the path.
     ///
     /// # Errors
     /// See [`Kinematics`].

@@ -1,5 +1,5 @@
-//! Functions for CasADi and acados: compiled, asked for their signatures, and called by them as those programs
-//! do; the values against the library.
+//! Functions for CasADi and acados: compiled, asked for their signatures, and called by them as those
+//! programs do; the values against the library.
 
 use crate::text::compiler;
 use costate::Coordinates;
@@ -30,8 +30,8 @@ fn numbers(from: f64, count: usize) -> Vec<f64> {
 /// A result: rows, columns, and its entries column by column; none where it is empty.
 type Result = (usize, usize, Vec<f64>);
 
-/// Compiles a source with a main function that asks each function for its signature and calls it; arguments by
-/// their names, NULL for the others. The results by function and name.
+/// Compiles a source with a main function that asks each function for its signature and calls it; arguments
+/// by their names, NULL for the others. The results by function and name.
 fn run(
     cc: &str,
     stem: &str,

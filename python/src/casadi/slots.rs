@@ -107,9 +107,9 @@ pub fn decref(slot: usize) {
 /// Whether a function may refer to a slot: without a text where the slot is filled; with the text of what it
 /// computes where the slot holds that, or is empty and can be filled with it.
 ///
-/// CasADi 3.8 calls `decref` for a function that is refused, without an `incref` before. Older versions do not:
-/// the next `decref` is taken for it then, and the slot stays in use. The other mistake would free a function
-/// that is evaluated.
+/// CasADi 3.8 calls `decref` for a function that is refused, without an `incref` before. Older versions do
+/// not: the next `decref` is taken for it then, and the slot stays in use. The other mistake would free a
+/// function that is evaluated.
 pub fn config(slot: usize, text: Option<&CStr>, read: impl FnOnce(&CStr) -> Option<Spec>) -> bool {
     let known = |all: &MutexGuard<'_, _>| {
         held(all, slot).map(|family| family.text.as_c_str() == text.unwrap_or(&family.text))

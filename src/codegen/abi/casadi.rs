@@ -13,8 +13,8 @@ use crate::codegen::robot::{Quantity, RobotQuantity};
 use crate::robot::{Robot, Tree};
 use crate::scalar::Scalar;
 
-/// Forward dynamics `ROBOT_fd(q, v, tau) -> a`, inverse dynamics `ROBOT_id(q, v, a) -> tau` and, for a scheme,
-/// `ROBOT_step(x, tau) -> x_next`, each with `jac_`, `adj1_` and `jac_adj1_`, as one C file for
+/// Forward dynamics `ROBOT_fd(q, v, tau) -> a`, inverse dynamics `ROBOT_id(q, v, a) -> tau` and, for a
+/// scheme, `ROBOT_step(x, tau) -> x_next`, each with `jac_`, `adj1_` and `jac_adj1_`, as one C file for
 /// `casadi.external`.
 ///
 /// Entry (i, j) of a matrix lies at `i + j * rows`. ROBOT is the name of the robot in small letters.

@@ -21,9 +21,9 @@ use crate::codegen::error::CodegenError;
 /// | `y_tau_zz` | | q, v, a, y: tau, tau_z, y_tau_xx, y_tau_aq |
 ///
 /// q, p, v, u, a, qdd and tau have n entries, f, y_f_x, d and y 2n (Lagrangian: y has n, those of the
-/// velocities or weights of tau), y_qdd_z 3n. With x = (q, p) or (q, v), f_x, y_f_xx, y_qdd_xx and y_tau_xx are 2n x 2n;
-/// qdd_z is n x 3n with z = (q, v, u), tau_z with z = (q, v, a); m, y_qdd_uq and y_tau_aq are n x n. The
-/// other second derivatives in u and a are zero.
+/// velocities or weights of tau), y_qdd_z 3n. With x = (q, p) or (q, v), f_x, y_f_xx, y_qdd_xx and y_tau_xx
+/// are 2n x 2n; qdd_z is n x 3n with z = (q, v, u), tau_z with z = (q, v, a); m, y_qdd_uq and y_tau_aq are
+/// n x n. The other second derivatives in u and a are zero.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Quantity {
