@@ -156,6 +156,8 @@ pub const PART_OF_TOLERANCE: f64 = 0.1;
 /// cut to their limits, are integrated; relative to the largest values along it. The cost of an
 /// optimal motion is stationary, so its error is about the square of that of the states.
 pub const VERIFIED: f64 = 0.3;
+/// Where it does not, so many parts of it must end so near, each integrated from its own start.
+pub const PARTS: f64 = 20.0;
 /// .. where values of a joint are at least this part of those of all joints..
 pub const LEAST_SCALE: f64 = 0.01;
 /// .. and this (rad, rad/s, m, m/s): what the integration resolves.
@@ -164,6 +166,8 @@ pub const REST: f64 = 1e-6;
 pub const INTEGRATION: f64 = 1e-10;
 /// The problem on the first mesh is solved to this part of the cost.
 pub const FIRST_PRECISION: f64 = 1e-3;
+/// The motion without obstacles, from which a way around them is looked for, is solved to this part.
+pub const FREE_TOLERANCE: f64 = 1e-2;
 /// Those on later meshes to this part of the estimated error before.
 pub const PRECISION: f64 = 1e-2;
 /// Intervals are divided until those that are not have this part of the estimated error..

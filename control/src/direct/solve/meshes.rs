@@ -219,7 +219,7 @@ fn come_back(
     Ok(resolution.error() / interior.figures.size)
 }
 
-/// Whether the motion that is integrated again ends where it should; for the tolerance of the options.
+/// Whether the torques lead along the motion, to the tolerance of the options.
 fn verified(
     problem: &Problem,
     options: &SolverOptions,
@@ -227,10 +227,9 @@ fn verified(
     resolution: &Resolution,
     again: &mut Option<Again>,
 ) -> Status {
-    let found = again.insert(integrate_again(problem, options.verify, interior, resolution));
+    let found = again.insert(integrate_again(problem, options, interior, resolution));
     interior.clock.lap(Stage::Verification);
-    let bound = constants::VERIFIED * options.tolerance.sqrt();
-    if found.relative <= bound { Status::Converged } else { Status::NotVerified }
+    if found.leads { Status::Converged } else { Status::NotVerified }
 }
 
 /// What limits would have to give where it is proven that no motion keeps them.
@@ -257,7 +256,7 @@ fn explain(
 }
 
 /// A step for the log; `first` steps were made on other meshes.
-fn iteration(iterate: &Interior<Dynamics>, first: usize, step: f64) -> Iteration {
+pub(super) fn iteration(iterate: &Interior<Dynamics>, first: usize, step: f64) -> Iteration {
     let figures = &iterate.figures;
     Iteration {
         phase: Phase::Direct,

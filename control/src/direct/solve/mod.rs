@@ -3,6 +3,7 @@
 //!
 //! [`Direct`](direct::Direct) puts it together.
 
+mod around;
 pub(super) mod direct;
 pub(super) mod first_time;
 mod mending;
