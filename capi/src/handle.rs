@@ -4,10 +4,10 @@ use crate::numbers::set;
 use crate::status::Failure;
 use std::sync::{Mutex, PoisonError};
 
-/// A workspace. Calls of several threads on one handle wait for each other.
+/// A workspace, which any thread may use. Calls of several threads on one handle wait for each other.
 pub struct Handle<T>(Mutex<T>);
 
-impl<T> Handle<T> {
+impl<T: Send> Handle<T> {
     /// Gives a new handle to the caller.
     ///
     /// # Safety

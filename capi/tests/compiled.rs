@@ -1,5 +1,7 @@
 //! The examples in C and C++, compiled by the compilers of the system and linked with the library.
 
+#![allow(clippy::unwrap_used, clippy::panic, reason = "tests fail by panicking")]
+
 use std::env;
 use std::path::{Path, PathBuf};
 use std::process::Command;

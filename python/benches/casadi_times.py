@@ -1,9 +1,10 @@
 """Times of ``costate.casadi`` against the same dynamics expanded in CasADi's ``SX``.
 
 ``python python/benches/casadi_times.py [ROBOT.urdf ...] [--write]``; needs CasADi and ``pin``, which reads the URDF for
-the expansion. Both are functions of CasADi and are called in the same way; the least of many repetitions. The expansion
+the expansion. All are functions of CasADi and are called in the same way; the least of many repetitions. The expansion
 is `user_lagrangian` of benches/peers: M and the bias by the recursive Newton-Euler algorithm, a linear solution, and
-CasADi's derivatives of that. Motions are those of `tests/test_casadi.py`: RK4, 30 intervals, IPOPT with the exact
+CasADi's derivatives of that. The expert's is `expert_lagrangian`: derivatives by the implicit function theorem, written
+by hand, which CasADi's solvers do not find by themselves. Motions are those of `tests/test_casadi.py`: RK4, 30 intervals, IPOPT with the exact
 Hessian. ``--write`` puts the tables into docs/casadi.md.
 """
 
@@ -33,6 +34,14 @@ def expanded(file: Path):
     """(q, v, tau) -> a, as a user writes it."""
     (q, v, u, _), a, *_ = symbolic.user_lagrangian(energy.Links(describe.Robot(file)))
     return ca.Function("a", [q, v, u], [ca.densify(a)], {"cse": True})
+
+
+def expert(file: Path):
+    """a, a_z and y'a_zz written by hand, for one order after the other."""
+    (q, v, u, y), *results = symbolic.expert_lagrangian(energy.Links(describe.Robot(file)))
+    weights = y[v.numel() :]
+    results = [ca.densify(result) for result in results]
+    return [ca.Function(f"expert_{k}", [q, v, u, weights], results[: k + 1], {"cse": True}) for k in range(3)]
 
 
 def read(file: Path) -> costate.Robot:
@@ -116,13 +125,16 @@ def tables(files: list[Path]) -> str:
         robot, random = read(file), np.random.default_rng(0)
         states = [random.normal(size=(robot.n, NODES)) for _ in range(4)]
         ours, theirs = derivatives(costate.casadi.dynamics(robot)), derivatives(expanded(file))
-        judged = [np.array(function(*(of[:, 0] for of in states))[-1] if k else function(*(of[:, 0] for of in states)))
-                  for function, k in ((ours[2], 1), (theirs[2], 1))]  # fmt: skip
-        assert np.allclose(judged[0], judged[1], rtol=1e-6, atol=1e-6 * np.abs(judged[1]).max())
-        for what, a, b in zip(("a", "a, a_z", "a, a_z, y'a_zz"), ours, theirs):
-            mine, other = least(a, states), least(b, states)
-            rows.append(f"| {robot.name} | {robot.n} | {what} | {mine:.2f} | {other:.2f} | {other / mine:.1f} |")
-    text = "| robot | n | function | `costate.casadi` (us) | expanded (us) | ratio |\n|---|---|---|---|---|---|\n"
+        by_hand = expert(file)
+        found = [np.array(of[2](*(state[:, 0] for state in states))[2]) for of in (ours, theirs, by_hand)]
+        for other in found[1:]:
+            assert np.allclose(found[0], other, rtol=1e-6, atol=1e-6 * np.abs(other).max())
+        for what, *functions in zip(("a", "a, a_z", "a, a_z, y'a_zz"), ours, theirs, by_hand):
+            mine, other, best = (least(function, states) for function in functions)
+            times = f"{mine:.2f} | {other:.1f} ({other / mine:.0f}) | {best:.1f} ({best / mine:.0f})"
+            rows.append(f"| {robot.name} | {robot.n} | {what} | {times} |")
+    text = "| robot | n | function | `costate.casadi` (us) | expanded (us, ratio) | expert's (us, ratio) |\n"
+    text += "|---|---|---|---|---|---|\n"
     text += "\n".join(rows) + "\n\n"
     text += "| robot | step | built (s) | iterations | solved (s) | values (ms) | Jacobian (ms) | Hessian (ms) |\n"
     text += "|---|---|---|---|---|---|---|---|\n"
