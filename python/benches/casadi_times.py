@@ -27,7 +27,7 @@ import describe  # noqa: E402
 import energy  # noqa: E402
 import symbolic  # noqa: E402
 
-NODES = 200
+NODES = 20
 
 
 def expanded(file: Path):
