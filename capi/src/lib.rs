@@ -6,7 +6,6 @@
 
 #![deny(unsafe_op_in_unsafe_fn, clippy::undocumented_unsafe_blocks)]
 #![allow(missing_docs, reason = "include/costate.h has the documentation of what is exported")]
-#![expect(clippy::too_many_arguments, reason = "functions of C have one argument for each array")]
 #![expect(clippy::missing_safety_doc, reason = "include/costate.h says what pointers must be")]
 
 pub mod dynamics;
