@@ -1,6 +1,6 @@
 //! The class `Dynamics`.
 
-use crate::cores::Core;
+use crate::engines::engine_of;
 use crate::errors::{CodegenError, argument};
 use crate::function::{Engine, Function, Settings};
 use crate::kinematics::{BODY_VERBS, BodyVerb, of_robot};
@@ -10,14 +10,11 @@ use crate::robot::Robot;
 use costate::Coordinates;
 use costate::codegen::{CodegenError as NoQuantity, Quantity};
 use costate::robot;
-use costate_jit::{Backend, JitLanes, JitQuantity};
+use costate_jit::JitQuantity;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use std::num::NonZero;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
-
-/// Machine code with fewer steps takes a few microseconds at most.
-const SHORT: usize = 20_000;
 
 /// The dynamics of a robot, with exact first and second derivatives.
 ///
@@ -97,13 +94,7 @@ impl Dynamics {
         if let Some((_, engine)) = engines.iter().find(|(known, _)| *known == of) {
             return Ok(engine.clone());
         }
-        let (quantity, coordinates) = of;
-        let code = JitQuantity::new(self.model(), quantity, coordinates)?;
-        let short = matches!(code.backend(), Backend::Compiled { steps, .. } if steps < SHORT);
-        let robot = self.robot.shared();
-        let lanes = move || JitLanes::new(&robot, quantity, coordinates).ok().and_then(Result::ok);
-        let core = move || Box::new(code.clone()) as Box<dyn Core>;
-        let engine = Arc::new(Engine::new(core).with_lanes(lanes).short(short));
+        let engine = Arc::new(engine_of(self.robot.shared(), of.0, of.1)?);
         engines.push((of, engine.clone()));
         Ok(engine)
     }

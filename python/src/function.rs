@@ -2,6 +2,7 @@
 
 use crate::arrays::{Axes, Source, Target, allocate, read_all};
 use crate::cores::Core;
+use crate::errors::Failure;
 use crate::failures::{Failures, report};
 use crate::plan::{Number, Plan};
 use costate_jit::JitLanes;
@@ -38,10 +39,29 @@ pub struct Engine {
     short: bool,
 }
 
-struct Workspace {
+/// What one thread computes with: a core, and buffers for one state and for four.
+pub struct Workspace {
     core: Box<dyn Core>,
     one: Vec<f64>,
     four: Vec<[f64; 4]>,
+}
+
+impl Workspace {
+    /// The numbers of one state; its arguments are written here.
+    #[inline]
+    pub fn state(&mut self, plan: &Plan) -> &mut [f64] {
+        &mut self.one[..plan.size()]
+    }
+
+    /// Evaluates that state.
+    ///
+    /// # Errors
+    /// Why it is refused.
+    #[inline]
+    pub fn evaluate(&mut self, plan: &Plan) -> Result<(), Failure> {
+        let (inputs, outputs) = self.one[..plan.size()].split_at_mut(plan.core_outputs.start);
+        self.core.evaluate(&inputs[plan.core_inputs.clone()], outputs)
+    }
 }
 
 impl Engine {
@@ -72,7 +92,7 @@ impl Engine {
 
     /// Runs `work` with a workspace that nobody else uses.
     #[inline]
-    fn with<R>(&self, plan: &Plan, work: impl FnOnce(&mut Workspace) -> R) -> R {
+    pub fn with<R>(&self, plan: &Plan, work: impl FnOnce(&mut Workspace) -> R) -> R {
         let free = self.free.lock().unwrap_or_else(PoisonError::into_inner).pop();
         let mut workspace =
             free.unwrap_or_else(|| Workspace { core: (self.new_core)(), one: Vec::new(), four: Vec::new() });
@@ -204,13 +224,13 @@ impl<const N: usize> Call<'_, N> {
     #[inline]
     fn one(&self, workspace: &mut Workspace, state: usize, failures: &mut Failures) {
         let Self { plan, sources, axes, .. } = self;
-        let buffer = &mut workspace.one[..plan.size()];
+        let buffer = workspace.state(plan);
         for place in &plan.places {
             let to = &mut buffer[place.at..place.at + place.length];
             sources[place.argument].copy(axes, state, place.start, to);
         }
-        let (inputs, outputs) = buffer.split_at_mut(plan.core_outputs.start);
-        let done = workspace.core.evaluate(&inputs[plan.core_inputs.clone()], outputs);
+        let done = workspace.evaluate(plan);
+        let buffer = workspace.state(plan);
         for (output, target) in plan.outputs.iter().zip(self.targets) {
             // SAFETY: each state of a call is evaluated once, by one thread.
             let result = unsafe { target.of(state) };

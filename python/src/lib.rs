@@ -4,18 +4,21 @@
 //! evaluates all states on lanes and threads, `plan` says where arguments and results lie, `cores` computes
 //! one state. `quantities` lists what is computed of the dynamics, `kinematics` of frames, `schemes` of time
 //! steps. `robot` with `edits`, `builder` and its `recipe`, `dynamics`, `frame` and `time_step` are the
-//! classes that Python sees. `motions` is what its classes for optimal motions are made of.
+//! classes that Python sees. `motions` is what its classes for optimal motions are made of, `casadi` exports
+//! functions to CasADi.
 
 #![deny(unsafe_op_in_unsafe_fn, clippy::undocumented_unsafe_blocks)]
 
 mod arrays;
 mod builder;
+mod casadi;
 mod check;
 mod codegen;
 mod cores;
 mod descriptions;
 mod dynamics;
 mod edits;
+mod engines;
 mod errors;
 mod failures;
 mod frame;
@@ -38,9 +41,11 @@ mod _costate {
     #[pymodule_export]
     use crate::builder::RobotBuilder;
     #[pymodule_export]
+    use crate::casadi::{_CasadiSlot, _casadi_calls, _casadi_slots};
+    #[pymodule_export]
     use crate::check::_compare;
     #[pymodule_export]
-    use crate::codegen::codegen;
+    use crate::codegen::{_abi_source, codegen};
     #[pymodule_export]
     use crate::dynamics::Dynamics;
     #[pymodule_export]

@@ -1,14 +1,15 @@
 //! The schemes of time steps: what their cores compute, and the plans of their arrays.
 
-use crate::cores::{Core, Writer, core_of};
+use crate::cores::{Core, Order, Writer, core_of};
+use crate::errors::argument;
 use crate::plan::{Piece, Plan, PlanBuilder};
-use costate::matrix::Block;
 use costate::step::{
     ImplicitMidpoint, RungeKutta4, SemiImplicitEuler, Step as Scheme, StepError, StepLinearisation,
     StoermerVerlet,
 };
 use costate::{Coordinates, EvalError};
 use costate_jit::JitModel;
+use pyo3::prelude::*;
 
 /// A step of any scheme.
 pub type AnyStep = Box<dyn Scheme<f64, Error = StepError<EvalError>> + Send>;
@@ -24,13 +25,27 @@ pub const SCHEMES: [Known; 4] = [
     ("semi_implicit_euler", |model| Box::new(SemiImplicitEuler::new(model)), Some(Coordinates::Lagrangian)),
 ];
 
-/// What a core computes: the next state; its Jacobian and its derivative by dt too; its contracted Hessian
-/// too.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub enum Order {
-    Value,
-    First,
-    Second,
+/// The number of a scheme in [`SCHEMES`], for steps of this duration in these coordinates.
+///
+/// # Errors
+/// `ArgumentError` for an unknown scheme, one that needs other coordinates, and a duration that is not
+/// finite.
+pub fn scheme_of(py: Python<'_>, scheme: &str, dt: f64, coordinates: Coordinates) -> PyResult<usize> {
+    let found = SCHEMES.iter().position(|(name, ..)| *name == scheme).ok_or_else(|| {
+        let names = SCHEMES.map(|(name, ..)| format!("'{name}'")).join(", ");
+        argument(py, "scheme", format!("unknown scheme '{scheme}'; give one of {names}"))
+    })?;
+    if let (name, _, Some(needed)) = SCHEMES[found]
+        && needed != coordinates
+    {
+        let needed = if needed == Coordinates::Lagrangian { "qv" } else { "qp" };
+        let message = format!("the scheme '{name}' needs Dynamics(robot, \"{needed}\")");
+        return Err(argument(py, "scheme", message));
+    }
+    if !dt.is_finite() {
+        return Err(argument(py, "dt", format!("dt is {dt}; it must be finite")));
+    }
+    Ok(found)
 }
 
 /// The methods of `Step`.
@@ -104,7 +119,8 @@ impl Verb {
     }
 }
 
-/// A workspace that computes one step.
+/// A workspace that computes one step: the next state; with its derivative by dt and its Jacobian; with its
+/// contracted Hessian too.
 pub fn core(
     build: fn(JitModel) -> AnyStep,
     model: JitModel,
@@ -124,7 +140,7 @@ pub fn core(
             Order::Second => {
                 let second = step.contract(x, tau, dt, y)?;
                 put_first(writer, second.first);
-                put_symmetric(writer.0, [Some(second.xx), second.ux, second.uu], n);
+                second.hessian(writer.0);
             }
         }
         Ok(())
@@ -133,22 +149,8 @@ pub fn core(
 
 fn put_first(writer: &mut Writer<'_>, first: StepLinearisation<'_, f64>) {
     writer.put(first.next).put(first.phi_h);
-    for (in_x, in_u) in first.phi_x.iter_rows().zip(first.phi_u.iter_rows()) {
-        writer.put(in_x).put(in_u);
-    }
-}
-
-/// `[ xx  ux' ; ux  uu ]`, 3n x 3n; ux is zero in the states beyond its columns.
-fn put_symmetric(whole: &mut [f64], [xx, ux, uu]: [Option<Block<'_, f64>>; 3], n: usize) {
-    whole.fill(0.0);
-    for (block, [top, left]) in [(xx, [0, 0]), (ux, [2 * n, 0]), (uu, [2 * n, 2 * n])] {
-        for (i, row) in block.iter().flat_map(|block| block.iter_rows()).enumerate() {
-            for (j, &entry) in row.iter().enumerate() {
-                whole[(top + i) * 3 * n + left + j] = entry;
-                if top != left {
-                    whole[(left + j) * 3 * n + top + i] = entry;
-                }
-            }
-        }
-    }
+    let (jacobian, rest) = std::mem::take(&mut writer.0)
+        .split_at_mut(first.next.len() * (first.phi_x.columns() + first.phi_u.columns()));
+    first.jacobian(jacobian);
+    writer.0 = rest;
 }

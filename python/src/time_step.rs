@@ -1,10 +1,10 @@
 //! The class `Step`.
 
 use crate::dynamics::Dynamics;
-use crate::errors::{CodegenError, argument};
+use crate::errors::CodegenError;
 use crate::function::{Engine, Function};
 use crate::methods::methods;
-use crate::schemes::{Known, SCHEMES, VERBS, Verb, core};
+use crate::schemes::{Known, SCHEMES, VERBS, Verb, core, scheme_of};
 use costate::Coordinates;
 use costate_jit::JitModel;
 use pyo3::prelude::*;
@@ -80,22 +80,7 @@ methods! {
     impl Step {
         #[new]
         fn new(dynamics: &Bound<'_, Dynamics>, scheme: &str, dt: f64) -> PyResult<Self> {
-            let py = dynamics.py();
-            let known = SCHEMES.into_iter().find(|(name, ..)| *name == scheme).ok_or_else(|| {
-                let names = SCHEMES.map(|(name, ..)| format!("'{name}'")).join(", ");
-                argument(py, "scheme", format!("unknown scheme '{scheme}'; give one of {names}"))
-            })?;
-            let letters = dynamics.get().space();
-            if let (name, _, Some(needed)) = known
-                && needed != letters
-            {
-                let needed = if needed == Coordinates::Lagrangian { "qv" } else { "qp" };
-                let message = format!("the scheme '{name}' needs Dynamics(robot, \"{needed}\")");
-                return Err(argument(py, "scheme", message));
-            }
-            if !dt.is_finite() {
-                return Err(argument(py, "dt", format!("dt is {dt}; it must be finite")));
-            }
+            let known = SCHEMES[scheme_of(dynamics.py(), scheme, dt, dynamics.get().space())?];
             Ok(Self {
                 dynamics: dynamics.clone().unbind(),
                 scheme: known,

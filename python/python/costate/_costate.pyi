@@ -32,6 +32,10 @@ __all__ = [
     "_Samples",
     "_Solution",
     "__version__",
+    "_CasadiSlot",
+    "_abi_source",
+    "_casadi_calls",
+    "_casadi_slots",
     "_compare",
     "_rebuild",
     "codegen",
@@ -361,3 +365,11 @@ def codegen(
     only: bool = False,
     parameters: bool = False,
 ) -> str: ...
+def _abi_source(robot: Robot, abi: str, scheme: str | None, dt: float, limit: int) -> str: ...
+def _casadi_calls(name: str) -> list[int]: ...
+def _casadi_slots() -> tuple[int, int]: ...
+@final
+class _CasadiSlot:
+    def __new__(cls, given: tuple[str, Robot, str, str, float], text: str) -> Self: ...
+    @property
+    def name(self) -> str: ...
