@@ -104,13 +104,13 @@ def _differentiable(names: tuple[str, str, str], n: int, calls: tuple[Any, Any, 
         change = _times(second, jnp.concatenate(along[:3], -1)) + jnp.einsum("...i,...ij->...j", along[3], matrix)
         return jnp.einsum("...i,...ij->...j", y, matrix), change
 
-    if order == "any":
-        function = jax.custom_jvp(value_of)
-        function.defjvp(lambda at, along: (function(*at), _times(jacobian(*at), jnp.concatenate(along, -1))))
-    else:
-        function = jax.custom_vjp(value_of)
+    value = jax.custom_jvp(value_of)
+    value.defjvp(lambda at, along: (value(*at), _times(jacobian(*at), jnp.concatenate(along, -1))))
+    function = value
+    if order == "reverse":
+        function = jax.custom_vjp(value)
         function.defvjp(
-            lambda a, b, c: (value_of(a, b, c), (a, b, c)), lambda at, y: tuple(jnp.split(adjoint(*at, y), 3, -1))
+            lambda a, b, c: (value(a, b, c), (a, b, c)), lambda at, y: tuple(jnp.split(adjoint(*at, y), 3, -1))
         )
 
     def checked(*arguments: Any) -> Any:
