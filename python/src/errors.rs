@@ -63,25 +63,31 @@ pub fn evaluation(py: Python<'_>, error: EvalError) -> PyErr {
 /// Why a state could not be evaluated.
 #[derive(Debug)]
 pub enum Failure {
+    /// A number of an argument is infinite or not a number.
+    NonFinite {
+        argument: &'static str,
+        index: usize,
+        joint: Option<String>,
+    },
+    /// Arguments are finite, and a state between the beginning and the end of a step is not.
+    Overflow {
+        joint: String,
+    },
     Evaluation(EvalError),
     Step(StepError<EvalError>),
 }
 
 impl From<EvalError> for Failure {
     fn from(error: EvalError) -> Self {
-        Self::Evaluation(match error {
-            // The library writes u for what Python calls tau.
-            EvalError::NonFinite { what: "u", index, joint } => {
-                EvalError::NonFinite { what: "tau", index, joint }
-            }
-            error => error,
-        })
+        Self::Evaluation(error)
     }
 }
 
 impl From<StepError<EvalError>> for Failure {
     fn from(error: StepError<EvalError>) -> Self {
         match error {
+            // Arguments have been checked.
+            StepError::Dynamics(EvalError::NonFinite { joint, .. }) => Self::Overflow { joint },
             StepError::Dynamics(error) => error.into(),
             error => Self::Step(error),
         }
@@ -91,6 +97,18 @@ impl From<StepError<EvalError>> for Failure {
 impl std::fmt::Display for Failure {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
+            Self::NonFinite { argument, index, joint } => {
+                write!(f, "{argument}[{index}]")?;
+                if let Some(joint) = joint {
+                    write!(f, " (joint '{}')", costate::robot::printable(joint))?;
+                }
+                f.write_str(" is not finite; check the computation that produced it")
+            }
+            Self::Overflow { joint } => write!(
+                f,
+                "joint '{}' is beyond all numbers within the step; take a shorter step, or smaller arguments",
+                costate::robot::printable(joint)
+            ),
             Self::Evaluation(error) => error.fmt(f),
             Self::Step(error) => error.fmt(f),
         }
@@ -98,18 +116,24 @@ impl std::fmt::Display for Failure {
 }
 
 impl Failure {
+    /// What happened, with the batch index of the state.
+    pub fn at(&self, index: &[usize]) -> String {
+        if index.is_empty() { self.to_string() } else { format!("state {index:?}: {self}") }
+    }
+
     /// The exception for the state with this batch index.
     #[cold]
     pub fn raise(&self, py: Python<'_>, index: Vec<usize>) -> PyErr {
-        let message = if index.is_empty() { self.to_string() } else { format!("state {index:?}: {self}") };
+        let message = self.at(&index);
         let raised = match self {
             Self::Evaluation(EvalError::SingularMassMatrix { joint }) => {
                 with(py, classes::SingularMassMatrix::new_err(message), "joint", joint)
             }
-            Self::Evaluation(EvalError::NonFinite { what, joint, .. }) => {
+            Self::NonFinite { argument, joint, .. } => {
                 let raised = with(py, classes::NonFiniteState::new_err(message), "joint", joint);
-                with(py, raised, "argument", *what)
+                with(py, raised, "argument", *argument)
             }
+            Self::Overflow { joint } => with(py, classes::StepNotSolved::new_err(message), "joint", joint),
             Self::Evaluation(_) => classes::StateError::new_err(message),
             Self::Step(_) => classes::StepNotSolved::new_err(message),
         };

@@ -2,7 +2,7 @@
 //!
 //! A call passes through these modules: `arrays` reads the arguments and allocates the results, `function`
 //! evaluates all states on lanes and threads, `plan` says where arguments and results lie, `cores` computes
-//! one state. `quantities` lists what is computed of the dynamics, `kinematics` of frames, `schemes` of time
+//! one state; `xla` takes the arrays of JAX instead. `quantities` lists what is computed of the dynamics, `kinematics` of frames, `schemes` of time
 //! steps. `robot` with `edits`, `builder` and its `recipe`, `dynamics`, `frame` and `time_step` are the
 //! classes that Python sees. `motions` is what its classes for optimal motions are made of, `casadi` exports
 //! functions to CasADi.
@@ -33,6 +33,7 @@ mod robot;
 mod schemes;
 mod table;
 mod time_step;
+mod xla;
 
 use pyo3::prelude::*;
 
@@ -68,6 +69,8 @@ mod _costate {
     use crate::robot::Robot;
     #[pymodule_export]
     use crate::time_step::Step;
+    #[pymodule_export]
+    use crate::xla::_xla_handler;
     #[pymodule_export]
     #[expect(non_upper_case_globals, reason = "its name in Python")]
     const __version__: &str = env!("CARGO_PKG_VERSION");

@@ -3,7 +3,7 @@
 use crate::errors::{self, RobotWarning, argument};
 use crate::recipe::{Recipe, is_rebuilding, named};
 use crate::table;
-use costate::robot::{self, Limits, LoadOptions, RobotFormat};
+use costate::robot::{self, Limits, LoadOptions, RobotFormat, RobotText};
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
@@ -106,10 +106,10 @@ impl Robot {
     pub fn from_file(py: Python<'_>, path: PathBuf, friction: bool, strict: bool) -> PyResult<Self> {
         let options = LoadOptions::default().friction(friction).strict(strict);
         let raise = |error| errors::robot(py, &error);
-        let read = robot::Robot::from_file_with(&path, options).map_err(raise)?;
+        let file = RobotText::from_file(&path).map_err(raise)?;
+        let read = file.robot(options).map_err(raise)?;
         // A pickle contains the text: the file need not be where it is read.
-        let text = std::fs::read_to_string(&path)?;
-        let format = path.extension().and_then(|end| end.to_str()).unwrap_or_default().to_lowercase();
+        let (text, format) = (file.as_str(), file.format().name());
         let recipe = Recipe::default().then(py, "from_text", named!(py, text, format, friction, strict));
         Self::warned(py, read, recipe, &[])
     }

@@ -3,27 +3,69 @@
 use crate::cores::{Core, Order, Writer, core_of};
 use crate::errors::argument;
 use crate::plan::{Piece, Plan, PlanBuilder};
+use costate::codegen::CodegenError;
+use costate::robot::Robot;
 use costate::step::{
     ImplicitMidpoint, RungeKutta4, SemiImplicitEuler, Step as Scheme, StepError, StepLinearisation,
     StoermerVerlet,
 };
 use costate::{Coordinates, EvalError};
-use costate_jit::JitModel;
+use costate_jit::{JitModel, JitVelocityModel};
 use pyo3::prelude::*;
 
 /// A step of any scheme.
 pub type AnyStep = Box<dyn Scheme<f64, Error = StepError<EvalError>> + Send>;
 
-/// The name of a scheme, how it is built, and the coordinates that it needs.
-pub type Known = (&'static str, fn(JitModel) -> AnyStep, Option<Coordinates>);
+/// How a scheme is built, by the coordinates that it needs.
+#[derive(Clone, Copy)]
+pub enum Build {
+    InAny(fn(JitModel) -> AnyStep),
+    InMomenta(fn(JitModel) -> AnyStep),
+    InVelocities(fn(JitVelocityModel) -> AnyStep),
+}
+
+/// The name of a scheme, and how it is built.
+pub type Known = (&'static str, Build);
 
 /// All schemes.
 pub const SCHEMES: [Known; 4] = [
-    ("rk4", |model| Box::new(RungeKutta4::new(model)), None),
-    ("midpoint", |model| Box::new(ImplicitMidpoint::new(model)), None),
-    ("verlet", |model| Box::new(StoermerVerlet::new(model)), Some(Coordinates::Hamiltonian)),
-    ("semi_implicit_euler", |model| Box::new(SemiImplicitEuler::new(model)), Some(Coordinates::Lagrangian)),
+    ("rk4", Build::InAny(|model| Box::new(RungeKutta4::new(model)))),
+    ("midpoint", Build::InAny(|model| Box::new(ImplicitMidpoint::new(model)))),
+    ("verlet", Build::InMomenta(|model| Box::new(StoermerVerlet::new(model)))),
+    ("semi_implicit_euler", Build::InVelocities(|model| Box::new(SemiImplicitEuler::new(model)))),
 ];
+
+impl Build {
+    /// The coordinates that it needs.
+    pub fn needs(self) -> Option<Coordinates> {
+        match self {
+            Self::InAny(_) => None,
+            Self::InMomenta(_) => Some(Coordinates::Hamiltonian),
+            Self::InVelocities(_) => Some(Coordinates::Lagrangian),
+        }
+    }
+
+    /// Compiles the model; the workspaces that compute steps of it are made by what is returned.
+    ///
+    /// # Errors
+    /// As [`JitModel::new`].
+    pub fn steps(
+        self,
+        robot: &Robot,
+        coordinates: Coordinates,
+    ) -> Result<Box<dyn Fn() -> AnyStep + Send + Sync>, CodegenError> {
+        Ok(match self {
+            Self::InAny(build) | Self::InMomenta(build) => {
+                let model = JitModel::new(robot, coordinates)?;
+                Box::new(move || build(model.clone()))
+            }
+            Self::InVelocities(build) => {
+                let model = JitVelocityModel::new(robot)?;
+                Box::new(move || build(model.clone()))
+            }
+        })
+    }
+}
 
 /// The number of a scheme in [`SCHEMES`], for steps of this duration in these coordinates.
 ///
@@ -35,7 +77,8 @@ pub fn scheme_of(py: Python<'_>, scheme: &str, dt: f64, coordinates: Coordinates
         let names = SCHEMES.map(|(name, ..)| format!("'{name}'")).join(", ");
         argument(py, "scheme", format!("unknown scheme '{scheme}'; give one of {names}"))
     })?;
-    if let (name, _, Some(needed)) = SCHEMES[found]
+    let (name, build) = SCHEMES[found];
+    if let Some(needed) = build.needs()
         && needed != coordinates
     {
         let needed = if needed == Coordinates::Lagrangian { "qv" } else { "qp" };
@@ -61,10 +104,32 @@ pub enum Verb {
     ByTime,
 }
 
-/// Number of verbs.
-pub const VERBS: usize = 8;
-
 impl Verb {
+    pub const ALL: [Self; 8] = [
+        Self::F,
+        Self::Jacobian,
+        Self::Hessian,
+        Self::Linearise,
+        Self::Contract,
+        Self::Adjoint,
+        Self::Hvp,
+        Self::ByTime,
+    ];
+
+    /// The name of the method.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::F => "f",
+            Self::Jacobian => "jacobian",
+            Self::Hessian => "hessian",
+            Self::Linearise => "linearise",
+            Self::Contract => "contract",
+            Self::Adjoint => "adjoint",
+            Self::Hvp => "hvp",
+            Self::ByTime => "dt_derivative",
+        }
+    }
+
     /// What its core computes.
     pub fn order(self) -> Order {
         match self {
@@ -76,10 +141,10 @@ impl Verb {
 
     /// Arguments and results for n joints; the results of the core are the next state, its derivative by dt,
     /// J and H.
-    pub fn plan(self, rate: &'static str, n: usize) -> Plan {
+    pub fn plan(self, n: usize) -> Plan {
         let mut plan = PlanBuilder::new(5 * n);
         plan.core("q", n);
-        plan.core(rate, n);
+        plan.core("v", n);
         plan.core("tau", n);
         let (jacobian, hessian) = (6 * n * n, 9 * n * n);
         let mut y = 0;
@@ -119,16 +184,9 @@ impl Verb {
     }
 }
 
-/// A workspace that computes one step: the next state; with its derivative by dt and its Jacobian; with its
-/// contracted Hessian too.
-pub fn core(
-    build: fn(JitModel) -> AnyStep,
-    model: JitModel,
-    dt: f64,
-    order: Order,
-    n: usize,
-) -> Box<dyn Core> {
-    core_of(build(model), move |step, inputs, outputs| {
+/// A workspace that computes one step.
+pub fn core(step: AnyStep, dt: f64, order: Order, n: usize) -> Box<dyn Core> {
+    core_of(step, move |step, inputs, outputs| {
         let (x, rest) = inputs.split_at(2 * n);
         let (tau, y) = rest.split_at(n);
         let writer = &mut Writer(outputs);

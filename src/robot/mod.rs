@@ -62,6 +62,7 @@ pub(crate) use nearest::resembling;
 pub use options::LoadOptions;
 pub(crate) use printable::list as list_names;
 pub use printable::{Printable, escape_hidden, printable, printable_number};
+pub use read::RobotText;
 pub(crate) use still_joints::{Site, StillJoint, WithStillJoints};
 pub use tree::Tree;
 pub use tree_frame::TreeFrame;

@@ -24,6 +24,13 @@ class ArgumentError(CostateError):
     argument: str | None = None
 
 
+def argument_error(name: str, message: str) -> ArgumentError:
+    """The error about an argument."""
+    error = ArgumentError(message)
+    error.argument = name
+    return error
+
+
 class RobotError(CostateError):
     """A robot that cannot be read, built or changed.
 

@@ -10,7 +10,6 @@ use costate::Coordinates;
 use costate::codegen::{CodegenError, Quantity, Variable};
 use costate::kinematics::{Kinematics, ReferenceFrame};
 use costate::robot::Robot;
-use costate_jit::JitModel;
 use std::sync::Arc;
 
 /// A function of a robot.
@@ -70,17 +69,17 @@ impl Spec {
     /// A quantity that the robot does not have; none of these is.
     pub fn engine(&self, order: Order) -> Result<Engine, CodegenError> {
         let robot = self.robot.clone();
-        let in_velocities = |of: [Quantity; 3]| engine_of(robot, of[order as usize], Coordinates::Lagrangian);
+        let in_velocities =
+            |of: [Quantity; 3]| Ok(engine_of(robot, of[order as usize], Coordinates::Lagrangian)?.0);
         match self.kind {
             Kind::Dynamics => in_velocities([Quantity::F, Quantity::FX, Quantity::YFXX]),
             Kind::InverseDynamics => {
                 in_velocities([Quantity::InverseDynamics, Quantity::TauZ, Quantity::YTauZZ])
             }
             Kind::Step { scheme, dt, coordinates } => {
-                let model = JitModel::new(&self.robot, coordinates)?;
-                let n = self.robot.dof();
-                let (_, build, _): Known = SCHEMES[scheme];
-                Ok(Engine::new(move || schemes::core(build, model.clone(), dt, order, n)))
+                let (n, (_, build)): (usize, Known) = (self.robot.dof(), SCHEMES[scheme]);
+                let steps = build.steps(&self.robot, coordinates)?;
+                Ok(Engine::new(move || schemes::core(steps(), dt, order, n)))
             }
             Kind::Frame(frame) => {
                 let workspace = Kinematics::<f64>::new(&self.robot);
