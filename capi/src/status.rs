@@ -129,7 +129,6 @@ pub extern "C" fn costate_version() -> *const c_char {
 }
 
 #[cfg(test)]
-#[expect(clippy::panic, reason = "the panic is what is tested")]
 mod tests {
     use super::*;
     use std::ffi::CStr;
