@@ -114,7 +114,7 @@ enum Command {
     ///     robot = "two_link.toml"       # a robot file, relative to this file
     ///     start.q = [0.0, 0.0]          # rad or m, one for each joint of `costate info`
     ///     end.q = [1.0, 0.5]
-    ///     time.final = 1.0              # s
+    ///     time.final = 4.0              # s
     ///     cost.effort = [1.0, 1.0]      # weights of the squared torques
     ///     limits.from_robot = true      # the limits of the robot file are kept
     ///

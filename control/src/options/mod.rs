@@ -205,8 +205,8 @@ impl SolverOptions {
     }
 }
 
-/// Most starts: more take days.
-const MOST_STARTS: usize = 100_000;
+/// Most starts: more take longer than anybody waits.
+const MOST_STARTS: usize = 1_000_000;
 
 /// Most threads: systems refuse many more.
 const MOST_THREADS: usize = 1024;
@@ -244,7 +244,7 @@ impl SolverOptions {
             return bad("points", self.points as f64, "must be 3 or 4");
         }
         if !(1..=MOST_STARTS).contains(&self.starts) {
-            return bad("starts", self.starts as f64, "must be between 1 and 100000");
+            return bad("starts", self.starts as f64, "must be between 1 and 1000000");
         }
         if let Some(threads) = self.threads.filter(|threads| !(1..=MOST_THREADS).contains(threads)) {
             return bad("threads", threads as f64, "must be between 1 and 1024");

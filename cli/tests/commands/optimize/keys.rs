@@ -91,7 +91,7 @@ fn options_of_the_solver_are_checked() {
         }
     }
     for (line, parts) in [
-        ("starts = 0", &["solver.starts: must be between 1 and 100000, but is 0"][..]),
+        ("starts = 0", &["solver.starts: must be between 1 and 1000000, but is 0"][..]),
         ("threads = 0", &["solver.threads: must be between 1 and 1024, but is 0"]),
         ("nodes = 2", &["solver.nodes: must be 3 or more, but is 2"]),
         ("nodes = 7000", &["solver.nodes: ", "6001", "7000"]),

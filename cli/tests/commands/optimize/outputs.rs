@@ -10,7 +10,7 @@ fn outputs_are_checked_before_the_problem_is_solved() {
     let (file, arm) = (folder.join("problem.toml"), folder.join("arm.toml"));
     std::fs::copy(robot("two_link.toml"), &arm).unwrap();
     // It would take hours.
-    let text = two_link().replace(&robot("two_link.toml"), "arm.toml") + "[solver]\nstarts = 100000000\n";
+    let text = two_link().replace(&robot("two_link.toml"), "arm.toml") + "[solver]\nstarts = 1000000\n";
     std::fs::write(&file, &text).unwrap();
     let (page, nowhere) = (folder.join("report.html"), folder.join("nowhere/report.html"));
     let [problem, arm, page, nowhere] = [&file, &arm, &page, &nowhere].map(|path| path.to_str().unwrap());

@@ -93,7 +93,7 @@ fn messages_name_the_key_that_is_wrong() {
     let bodies = "[collision]\ncapsules = \"auto\"\nradius = 0.05\n";
     missing.check(&arm(&(many + bodies)), WRONG, None, &["obstacle.kind: the task has 1001 of these"]);
     let starts = and("solver", "starts = 9223372036854775807");
-    missing.check(&starts, WRONG, Some(11), &["solver.starts: must be between 1 and 100000"]);
+    missing.check(&starts, WRONG, Some(11), &["solver.starts: must be between 1 and 1000000"]);
 }
 
 #[test]
