@@ -5,6 +5,7 @@
 
 mod inertia;
 mod motion;
+mod quaternion;
 mod screw;
 mod transform;
 mod turn;
@@ -12,6 +13,7 @@ mod vector;
 
 pub use inertia::{ConstantInertia, Inertia, Symmetric3};
 pub use motion::{Force, Motion};
+pub use quaternion::{Quaternion, Rotation};
 pub use screw::FixedScrew;
 pub use transform::{JointPosition, Transform};
 pub use turn::{FixedTurn, Turn};

@@ -7,6 +7,7 @@
 
 use super::inertia::Inertia;
 use super::motion::{Force, Motion};
+use super::quaternion::Quaternion;
 use super::screw::FixedScrew;
 use super::turn::Turn;
 use super::vector::Vec3;
@@ -19,6 +20,9 @@ pub enum JointPosition<S> {
     Rotated(Turn<S>),
     /// Translated along z by this distance (m).
     Translated(S),
+    /// Turned by any rotation, then about z by an angle that stays zero: the first of the three axes of a joint
+    /// that turns freely. `FixedScrew::rise` is zero.
+    Oriented(Quaternion<S>),
 }
 
 impl<S: Scalar> JointPosition<S> {
@@ -28,6 +32,7 @@ impl<S: Scalar> JointPosition<S> {
         match self {
             Self::Rotated(turn) => JointPosition::Rotated(turn.splat()),
             Self::Translated(distance) => JointPosition::Translated(P::splat(*distance)),
+            Self::Oriented(orientation) => JointPosition::Oriented(orientation.splat()),
         }
     }
 }
@@ -50,8 +55,10 @@ impl<S: Scalar> Transform<'_, S> {
                 [a.x, a.y] = gamma.undo([a.x, a.y]);
             }
             [a.y, a.z] = self.fixed.alpha.undo([a.y, a.z]);
-            if let JointPosition::Rotated(turn) = &self.joint {
-                [a.x, a.y] = turn.undo([a.x, a.y]);
+            match &self.joint {
+                JointPosition::Rotated(turn) => [a.x, a.y] = turn.undo([a.x, a.y]),
+                JointPosition::Translated(_) => {}
+                JointPosition::Oriented(orientation) => a = orientation.rotation().undo(a),
             }
             a
         })
@@ -80,6 +87,7 @@ impl<S: Scalar> Transform<'_, S> {
                     [a.x, a.y] = turn.undo([a.x, a.y]);
                 }
                 &JointPosition::Translated(distance) => arm = a.z.mul_add(distance, arm),
+                JointPosition::Oriented(orientation) => a = orientation.rotation().undo(a),
             }
             (a, arm)
         })
@@ -111,6 +119,10 @@ impl<S: Scalar> Transform<'_, S> {
                     v.x = w.y.mul_add(distance, v.x);
                     v.y = w.x.mul_add(-distance, v.y);
                 }
+                JointPosition::Oriented(orientation) => {
+                    let rotation = orientation.rotation();
+                    (w, v) = (rotation.undo(w), rotation.undo(v));
+                }
             }
             Motion { angular: w, linear: v }
         })
@@ -134,6 +146,10 @@ impl<S: Scalar> Transform<'_, S> {
                 &JointPosition::Translated(distance) => {
                     n.x = f.y.mul_add(-distance, n.x);
                     n.y = f.x.mul_add(distance, n.y);
+                }
+                JointPosition::Oriented(orientation) => {
+                    let rotation = orientation.rotation();
+                    (n, f) = (rotation.apply(n), rotation.apply(f));
                 }
             }
             [n.y, n.z] = fixed.alpha.apply([n.y, n.z]);
@@ -178,6 +194,10 @@ impl<S: Scalar> Transform<'_, S> {
                     j.yz = h.y.mul_add(-distance, j.yz);
                     h.z += moved;
                 }
+                JointPosition::Oriented(orientation) => {
+                    let rotation = orientation.rotation();
+                    (h, j) = (rotation.apply(h), rotation.congruence(&j));
+                }
             }
             [h.y, h.z] = fixed.alpha.apply([h.y, h.z]);
             j = j.rotated_about_x_constant(&fixed.alpha);
@@ -215,14 +235,15 @@ mod tests {
     use super::super::inertia::{ConstantInertia, Symmetric3};
     use super::super::turn::FixedTurn;
     use super::*;
-    use nalgebra::{Matrix3, Vector3};
+    use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
     fn cases() -> Vec<(FixedScrew, JointPosition<f64>)> {
         let unit = |angle: f64| FixedTurn::new([angle.sin(), angle.cos()]);
         let (turned, slid) = (JointPosition::Rotated(Turn::by(0.4)), JointPosition::Translated(-0.8));
+        let free = JointPosition::Oriented(Quaternion::new([0.1, -0.5, 0.7, 0.5]));
         let translation = [0.3, -0.5, 0.7];
         let mut cases = Vec::new();
-        for (joint, rise) in [(turned, 0.0), (turned, 0.35), (slid, 0.0)] {
+        for (joint, rise) in [(turned, 0.0), (turned, 0.35), (slid, 0.0), (free, 0.0)] {
             for gamma in [None, Some(unit(2.2))] {
                 for alpha in [FixedTurn::new([0.0, 1.0]), FixedTurn::new([-1.0, 0.0]), unit(-1.3)] {
                     cases.push((FixedScrew { gamma, alpha, translation, rise }, joint));
@@ -241,6 +262,10 @@ mod tests {
         let (turn, slide) = match t.joint {
             JointPosition::Rotated(turn) => (rz([turn.sin, turn.cos]), t.fixed.rise),
             JointPosition::Translated(distance) => (Matrix3::identity(), distance),
+            JointPosition::Oriented(orientation) => {
+                let of = nalgebra::Quaternion::from_vector(orientation.to_array().into());
+                (*UnitQuaternion::new_unchecked(of).to_rotation_matrix().matrix(), 0.0)
+            }
         };
         let origin = outer * (Vector3::from(t.fixed.translation) + rx * Vector3::new(0.0, 0.0, slide));
         (outer * rx * turn, origin)

@@ -164,7 +164,7 @@ impl<S: Scalar> GlobalTensors<S> {
         let base: f64 = self.origins[d].iter().zip(world_gravity).map(|(r, g)| r * g).sum();
         let here = gravity.dot(self.bodies[d].first_moment).plus(self.masses[d] * base);
         match self.positions[d] {
-            JointPosition::Rotated(_) => here,
+            JointPosition::Rotated(_) | JointPosition::Oriented(_) => here,
             JointPosition::Translated(distance) => here + (distance * gravity.z).times(self.masses[d]),
         }
     }

@@ -8,6 +8,9 @@
 //! original frames.
 
 mod build;
+mod free;
+
+pub(crate) use free::FreeFrame;
 
 use super::branches::Branches;
 use super::joint::Friction;
@@ -33,6 +36,7 @@ pub struct Tree {
     joint_map: Option<JointMap>,
     frames: Vec<TreeFrame>,
     wrenches: Vec<AppliedWrench>,
+    free: Vec<FreeFrame>,
     world: Matrix3<f64>,
 }
 
