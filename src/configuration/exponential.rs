@@ -6,9 +6,9 @@
 //! J\_r = 1 - b [\theta] + c [\theta]^2, \qquad b = \frac{1 - \cos\theta}{\theta^2}, \qquad
 //! c = \frac{\theta - \sin\theta}{\theta^3} $$
 //!
-//! (T. D. Barfoot, State Estimation for Robotics, Cambridge University Press, 2017, section 7.1). All functions
-//! are smooth in the squared angle; below one radian they are power series, so that dual numbers are right at
-//! zero too.
+//! (T. D. Barfoot, State Estimation for Robotics, Cambridge University Press, 2017, section 7.1). All
+//! functions are smooth in the squared angle; below one radian they are power series, so that dual numbers
+//! are right at zero too.
 
 use crate::kinematics::{curvature, rotation_vector};
 use crate::scalar::Scalar;

@@ -24,6 +24,7 @@ mod direction;
 mod dual_pass;
 mod elimination;
 mod free;
+mod free_state;
 mod full;
 mod legendre;
 mod linearisation;

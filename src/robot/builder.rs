@@ -5,7 +5,7 @@ use super::checks;
 use super::error::RobotError;
 use super::frame::{Frame, FrameKind, FrameSpec};
 use super::frame_list::FrameList;
-use super::free;
+use super::free_parts;
 use super::joint::{Joint, JointSpec};
 use super::link::Placement;
 use super::mimic;
@@ -95,9 +95,8 @@ impl RobotBuilder {
     /// [`RobotError::MimicCycle`] where mimicry leads to no independent joint, [`RobotError::BadAxis`],
     /// [`RobotError::BadPlacement`], [`RobotError::BadValue`], [`RobotError::BadGravity`],
     /// [`RobotError::BadArmature`], [`RobotError::NonFiniteInertia`], [`RobotError::NegativeMass`] and
-    /// [`RobotError::IndefiniteInertia`] for numbers, [`RobotError::FreeJoint`] for what a floating or spherical
-    /// joint cannot have, [`RobotError::Strict`] where the options refuse
-    /// warnings.
+    /// [`RobotError::IndefiniteInertia`] for numbers, [`RobotError::FreeJoint`] for what a floating or
+    /// spherical joint cannot have, [`RobotError::Strict`] where the options refuse warnings.
     pub fn build(mut self) -> Result<Robot, RobotError> {
         let order = self.parents_first()?;
         let n = self.joints.len();
@@ -107,7 +106,7 @@ impl RobotBuilder {
         let mimics = mimic::resolved(&self.joints, &order)?;
         for (index, spec) in order.iter().map(|&source| &self.joints[source]).enumerate() {
             checks::joint(spec)?;
-            free::check_part(spec)?;
+            free_parts::check_part(spec)?;
             joints.push(Joint {
                 name: spec.name.clone(),
                 kind: spec.kind,
@@ -132,7 +131,7 @@ impl RobotBuilder {
             )?,
             None => Armature::diagonal(of_joints),
         };
-        free::check_robot(&joints, &armature)?;
+        free_parts::check_robot(&joints, &armature)?;
         let mut warnings = self.warnings;
         for spec in order.iter().map(|&source| &self.joints[source]) {
             if spec.inertia.is_massless() && !spec.virtual_link {
@@ -150,7 +149,7 @@ impl RobotBuilder {
             gravity: self.gravity,
             independent,
             armature,
-            free: free::free_joints(&joints),
+            free: free_parts::free_joints(&joints),
             joints,
             frames,
             wrenches: Vec::new(),

@@ -91,8 +91,8 @@ impl Robot {
     /// `G q + b`: the positions of all joints (rad, m), in the order of [`joints`](Self::joints).
     ///
     /// # Errors
-    /// [`EvalError::WrongLength`] unless q has n entries; [`EvalError::FreeJoint`] where a joint is floating or
-    /// spherical.
+    /// [`EvalError::WrongLength`] unless q has n entries; [`EvalError::FreeJoint`] where a joint is floating
+    /// or spherical.
     pub fn joint_positions(&self, q: &[f64]) -> Result<Vec<f64>, EvalError> {
         if let Some(free) = self.free.first() {
             return Err(EvalError::free_joint(&free.name, free.kind.name()));

@@ -20,8 +20,8 @@ pub struct LoadOptions {
     /// Joints of type `floating` of a URDF are floating joints, their orientation a quaternion; unless set,
     /// they become six joints of one degree of freedom.
     pub quaternions: bool,
-    /// The root link of a URDF is the link of a floating joint `root_joint`, its orientation a quaternion, that
-    /// stands in the world; unless set, it is the base and does not move.
+    /// The root link of a URDF is the link of a floating joint `root_joint`, its orientation a quaternion,
+    /// that stands in the world; unless set, it is the base and does not move.
     pub floating_base: bool,
 }
 

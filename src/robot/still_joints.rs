@@ -1,6 +1,6 @@
 //! A robot with still joints: displacements of its frames as coordinates.
 
-use super::free::free_joints;
+use super::free_parts::free_joints;
 use super::joint::{Friction, Joint, JointKind, Limits, Mimic, Spring};
 use super::link::{LinkInertia, Placement};
 use super::model::Robot;

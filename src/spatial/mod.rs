@@ -8,6 +8,8 @@ mod motion;
 mod quaternion;
 mod screw;
 mod transform;
+#[cfg(test)]
+mod transform_tests;
 mod turn;
 mod vector;
 

@@ -66,6 +66,7 @@ impl<S: Scalar> GlobalTensors<S> {
     /// # Errors
     /// [`EvalError::WrongLength`]. Values are not checked here.
     pub fn set_position(&mut self, tree: &Tree, q: &[S]) -> Result<(), EvalError> {
+        tree.refuse_free()?;
         check_length("q", q, tree.dof())?;
         positions(tree, q, &mut self.q);
         for (d, joint) in tree.joints().iter().enumerate() {

@@ -4,109 +4,52 @@
 //!
 //! $$ \dot \pi = A^{-T} (F^p - (A\_q[v])^T \pi), \qquad \nu = A v, \qquad v = F^q $$
 //!
-//! so that `y'F = alpha . F^q + beta . F^p` with `beta = A^-1 y_pi`,
-//! `alpha_k = (A' y_xi)_k - pi . A_k beta`. F, F_x and y'F_xx are derivatives of this at the centre of the chart
-//! by (xi, pi): those of F^q and F^p come from the chain of joints, those of alpha, beta and A are products
-//! with constants, and touch rows and columns of this joint only.
+//! so that `y'F = alpha . F^q + beta . F^p` with `beta = A^-1 y_pi`, `alpha_k = (A' y_xi)_k - pi . A_k
+//! beta`. F, F_x and y'F_xx are derivatives of this at the centre of the chart by (xi, pi): those of F^q and
+//! F^p come from the chain of joints, those of alpha, beta and A are products with constants, and touch rows
+//! and columns of this joint only.
 
-use super::chart::Chart;
+use crate::configuration::{ChartFrame, MOST};
 use crate::matrix::{Matrix, dot};
-use crate::robot::{FreeFrame, FreeKind};
+use crate::robot::FreeFrame;
 use crate::scalar::Scalar;
-use crate::spatial::{Rotation, Vec3};
-
-/// A joint has at most six degrees of freedom.
-const M: usize = 6;
 
 /// What is kept of one joint between the steps of an evaluation.
 #[derive(Clone, Debug)]
-pub(super) struct Part<S> {
-    free: FreeFrame,
-    chart: Chart,
-    /// From the axes of the moved frame to those of the parent.
-    rotation: Rotation<S>,
+pub(crate) struct Part<S> {
+    pub frame: ChartFrame<S>,
     /// pi, v and F^p in the chart, and the rate of pi without actuation.
-    momentum: [S; M],
-    velocity: [S; M],
-    force: [S; M],
-    rate: [S; M],
+    momentum: [S; MOST],
+    velocity: [S; MOST],
+    force: [S; MOST],
+    rate: [S; MOST],
 }
 
 impl<S: Scalar> Part<S> {
     pub fn new(free: &FreeFrame) -> Self {
-        let zero = Vec3::zero();
-        Self {
-            free: free.clone(),
-            chart: Chart::new(free.kind),
-            rotation: Rotation { rows: [zero; 3] },
-            momentum: [S::zero(); M],
-            velocity: [S::zero(); M],
-            force: [S::zero(); M],
-            rate: [S::zero(); M],
-        }
+        let zero = [S::zero(); MOST];
+        Self { frame: ChartFrame::new(free), momentum: zero, velocity: zero, force: zero, rate: zero }
     }
 
     /// Its first coordinate and how many there are.
     pub fn place(&self) -> (usize, usize) {
-        (self.free.coordinate, self.free.kind.dof())
-    }
-
-    fn slides(&self) -> bool {
-        self.free.kind == FreeKind::Floating
-    }
-
-    pub fn set_configuration(&mut self, q: &[S]) {
-        self.rotation = self.free.quaternion(q).rotation();
+        self.frame.place()
     }
 
     pub fn set_momentum(&mut self, p: &[S]) {
-        let (at, m) = self.place();
-        self.momentum[..m].copy_from_slice(&p[at..at + m]);
-    }
-
-    /// The linear components of a vector of n entries from the axes of the frame to those of the parent.
-    pub fn outward(&self, vector: &mut [S]) {
-        self.turned(vector, |part, linear| part.rotation.apply(linear));
-    }
-
-    /// And back.
-    pub fn inward(&self, vector: &mut [S]) {
-        self.turned(vector, |part, linear| part.rotation.undo(linear));
-    }
-
-    fn turned(&self, vector: &mut [S], turn: impl Fn(&Self, Vec3<S>) -> Vec3<S>) {
-        let (at, _) = self.place();
-        if let (true, [x, y, z]) = (self.slides(), &mut vector[at..at + 3]) {
-            [*x, *y, *z] = turn(self, Vec3::new(*x, *y, *z)).to_array();
-        }
-    }
-
-    /// Rows and columns of an n x n block of a matrix, from the axes of the parent to those of the frame.
-    pub fn turn_block(&self, matrix: &mut Matrix<S>, [top, left]: [usize; 2], n: usize) {
-        if !self.slides() {
-            return;
-        }
-        let (at, _) = self.place();
-        for i in top..top + n {
-            self.inward(&mut matrix.row_mut(i)[left..left + n]);
-        }
-        for j in left..left + n {
-            let column = [0, 1, 2].map(|k| matrix[(top + at + k, j)]);
-            let turned = self.rotation.undo(Vec3::from(column)).to_array();
-            turned.into_iter().enumerate().for_each(|(k, entry)| matrix[(top + at + k, j)] = entry);
-        }
+        self.momentum = self.frame.entries(p);
     }
 
     /// F in the tangent space from F in the chart, both without the actuation of this joint.
     pub fn finish_rate(&mut self, f: &mut [S]) {
         let (f_q, f_p) = f.split_at_mut(f.len() / 2);
-        self.inward(f_q);
-        self.inward(f_p);
+        self.frame.inward(f_q);
+        self.frame.inward(f_p);
         let (at, m) = self.place();
-        self.velocity[..m].copy_from_slice(&f_q[at..at + m]);
-        self.force[..m].copy_from_slice(&f_p[at..at + m]);
+        self.velocity = self.frame.entries(f_q);
+        self.force = self.frame.entries(f_p);
         self.rate = self.force;
-        for e in &self.chart.first {
+        for e in &self.frame.chart.first {
             self.rate[e.column] -= (self.velocity[e.by[0]] * self.momentum[e.row]).times(e.value);
         }
         f_p[at..at + m].copy_from_slice(&self.rate[..m]);
@@ -114,8 +57,8 @@ impl<S: Scalar> Part<S> {
 
     /// `dp_c = dpi + K dxi`: adds the columns of p, times K, to those of q.
     pub fn spread_columns(&self, matrix: &mut Matrix<S>) {
-        let (at, n) = (self.free.coordinate, matrix.columns() / 2);
-        for e in &self.chart.first {
+        let (at, n) = (self.place().0, matrix.columns() / 2);
+        for e in &self.frame.chart.first {
             let factor = self.momentum[e.row].times(e.value);
             let (to, from) = (at + e.by[0], n + at + e.column);
             for i in 0..matrix.rows() {
@@ -127,8 +70,8 @@ impl<S: Scalar> Part<S> {
 
     /// The same for rows.
     pub fn spread_rows(&self, matrix: &mut Matrix<S>) {
-        let (at, n) = (self.free.coordinate, matrix.columns() / 2);
-        for e in &self.chart.first {
+        let (at, n) = (self.place().0, matrix.columns() / 2);
+        for e in &self.frame.chart.first {
             let factor = self.momentum[e.row].times(e.value);
             let (to, from) = (at + e.by[0], n + at + e.column);
             let (row, source) = matrix.row_mut_and_below(to, from);
@@ -138,8 +81,8 @@ impl<S: Scalar> Part<S> {
 
     /// F_x of the tangent space from the derivative of F in the chart by (xi, pi).
     pub fn finish_jacobian(&self, f_x: &mut Matrix<S>) {
-        let (at, n) = (self.free.coordinate, f_x.columns() / 2);
-        let Self { chart, momentum, velocity, rate, .. } = self;
+        let (at, n) = (self.place().0, f_x.columns() / 2);
+        let Self { frame: ChartFrame { chart, .. }, momentum, velocity, rate, .. } = self;
         for e in &chart.first {
             let [i] = e.by;
             let factor = momentum[e.row].times(-e.value);
@@ -159,9 +102,9 @@ impl<S: Scalar> Part<S> {
 
     /// The costate (alpha, beta) of the chart at its centre, from one of the tangent space.
     pub fn costate(&self, y: &mut [S]) {
-        let at = self.free.coordinate;
+        let at = self.place().0;
         let (y_q, y_p) = y.split_at_mut(y.len() / 2);
-        for e in &self.chart.first {
+        for e in &self.frame.chart.first {
             y_q[at + e.by[0]] -= (self.momentum[e.row] * y_p[at + e.column]).times(e.value);
         }
     }
@@ -171,15 +114,15 @@ impl<S: Scalar> Part<S> {
     pub fn curve(&self, [y, y_c]: [&[S]; 2], f_x: &Matrix<S>, y_f_xx: &mut Matrix<S>) {
         let (at, m) = self.place();
         let n = f_x.columns() / 2;
-        let Self { chart, momentum: pi, velocity: v, force, .. } = self;
-        let zero = [S::zero(); M];
+        let Self { frame: ChartFrame { chart, .. }, momentum: pi, velocity: v, force, .. } = self;
+        let zero = [S::zero(); MOST];
         let (mut lg, mut l) = (zero, zero);
         lg[..m].copy_from_slice(&y[at..at + m]);
         l[..m].copy_from_slice(&y[n + at..n + at + m]);
         let product =
             |column: usize| (0..2 * n).fold(S::zero(), |sum, i| y_c[i].mul_add(f_x[(i, column)], sum));
         // Derivatives of beta and alpha by coordinates i and j, and of alpha by pi.
-        let (mut b1, mut b2) = ([zero; M], [[zero; M]; M]);
+        let (mut b1, mut b2) = ([zero; MOST], [[zero; MOST]; MOST]);
         for e in &chart.first {
             b1[e.by[0]][e.row] -= l[e.column].times(e.value);
         }
@@ -195,7 +138,7 @@ impl<S: Scalar> Part<S> {
                 b2[j][along_j][e.row] -= along_i;
             }
         }
-        let (mut a1, mut by_momentum) = ([zero; M], [zero; M]);
+        let (mut a1, mut by_momentum) = ([zero; MOST], [zero; MOST]);
         for e in &chart.first {
             let [k] = e.by;
             a1[k][e.column] += lg[e.row].times(e.value);
@@ -209,7 +152,7 @@ impl<S: Scalar> Part<S> {
             a1[i][k] -= (pi[e.row] * l[e.column]).times(e.value);
         }
         // Second derivatives, contracted with F, and those of p_c and q with y_c'F_c,x.
-        let (mut square, mut mixed) = ([zero; M], [zero; M]);
+        let (mut square, mut mixed) = ([zero; MOST], [zero; MOST]);
         for i in angles.clone() {
             for j in angles.clone() {
                 square[i][j] = dot(&b2[i][j], force);

@@ -197,9 +197,7 @@ fn the_state_equation_is_that_of_a_chain_of_six_joints() {
 #[test]
 fn motions_conserve_energy_and_momentum() {
     let robot = robots().remove(2);
-    for (gravity, robot) in
-        [(true, robot.clone()), (false, robot.with_gravity([0.0; 3]).unwrap())].map(|(g, r)| (g, r))
-    {
+    for (gravity, robot) in [(true, robot.clone()), (false, robot.with_gravity([0.0; 3]).unwrap())] {
         let robot = robot.with_friction("b", Friction::none()).unwrap();
         let [q, p, ..] = state(&ConfigurationSpace::new(&robot));
         let n = p.len();
@@ -229,7 +227,9 @@ fn motions_conserve_energy_and_momentum() {
 fn the_state_equation_is_left_invariant() {
     let robot = robots().remove(2).with_gravity([0.0, 0.0, -9.81]).unwrap();
     let [q, p, u, _] = state(&ConfigurationSpace::new(&robot));
-    let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), 1.1);
+    // Seen from where the joint stands.
+    let up = placed(0.0).rotation.transpose() * Vector3::z();
+    let turn = UnitQuaternion::from_scaled_axis(up * 1.1);
     let of = UnitQuaternion::new_unchecked(nalgebra::Quaternion::new(q[6], q[3], q[4], q[5]));
     let mut moved = q.clone();
     moved[3..7].copy_from_slice((turn * of).coords.as_slice());

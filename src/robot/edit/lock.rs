@@ -2,7 +2,7 @@
 
 use crate::robot::error::RobotError;
 use crate::robot::frame::Frame;
-use crate::robot::free::free_joints;
+use crate::robot::free_parts::free_joints;
 use crate::robot::joint::{Joint, Mimic};
 use crate::robot::link::Placement;
 use crate::robot::model::Robot;

@@ -129,8 +129,8 @@ impl fmt::Display for RobotError {
             ),
             Self::FreeJoint { joint, kind, what } => write!(
                 f,
-                "joint '{}' is {kind} and cannot {what}; leave this out, or describe the joint as a chain of joints \
-                 of one degree of freedom",
+                "joint '{}' is {kind}, its orientation a quaternion, and cannot {what}; leave this out, or describe it as \
+                 a chain of joints of one degree of freedom",
                 printable(joint)
             ),
             Self::StillJoint { joint } => write!(

@@ -1,8 +1,9 @@
 //! The tree of a robot: aligned frames, regrouped inertias.
 
-use super::{FreeFrame, Tree};
+use super::Tree;
 use crate::robot::branches::Branches;
 use crate::robot::frames::AlignedFrames;
+use crate::robot::free_frame::FreeFrame;
 use crate::robot::joint::JointKind;
 use crate::robot::joint_frame::{JointFrame, set_reach};
 use crate::robot::joint_map::JointMap;

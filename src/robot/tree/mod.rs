@@ -10,9 +10,8 @@
 mod build;
 mod free;
 
-pub(crate) use free::FreeFrame;
-
 use super::branches::Branches;
+use super::free_frame::FreeFrame;
 use super::joint::Friction;
 use super::joint_frame::JointFrame;
 use super::joint_map::{JointMap, Row};

@@ -37,12 +37,12 @@ use std::collections::HashMap;
 
 /// Reads the text of a URDF; gravity is (0, 0, -9.81) m/s^2 in the frame of the root link.
 ///
-/// Joint `NAME` of type `floating` becomes a floating joint with [`LoadOptions::quaternions`], else six: prismatic `NAME_x`, `NAME_y`, `NAME_z`, then revolute
-/// `NAME_rz`, `NAME_ry`, `NAME_rx`, along and about the axes of the joint frame. One of type `planar` becomes
-/// three: prismatic `NAME_x` and `NAME_y` in the plane normal to its axis, then revolute `NAME_rz` about the
-/// axis. The first direction in the plane is the x axis of the joint frame projected on it (the y axis where
-/// x is within 30 degrees of the joint's axis), the second completes a right-handed frame: axis z gives
-/// exactly x and y.
+/// With [`LoadOptions::quaternions`] joint `NAME` of type `floating` is a floating joint. Else it becomes
+/// six: prismatic `NAME_x`, `NAME_y`, `NAME_z`, then revolute `NAME_rz`, `NAME_ry`, `NAME_rx`, along and
+/// about the axes of the joint frame. One of type `planar` becomes three: prismatic `NAME_x` and `NAME_y` in
+/// the plane normal to its axis, then revolute `NAME_rz` about the axis. The first direction in the plane is
+/// the x axis of the joint frame projected on it (the y axis where x is within 30 degrees of the joint's
+/// axis), the second completes a right-handed frame: axis z gives exactly x and y.
 ///
 /// # Errors
 /// [`RobotError::InFile`] with the line of the culprit and an empty path; the error itself where no line is

@@ -1,7 +1,7 @@
 //! The chart of a floating or spherical joint: derivatives of its maps at the centre.
 //!
-//! Its coordinates are those of the chain, q = (t, a, b, c): displacement in the axes of the centre and angles
-//! about x, y and z, so that the moved frame is at t with rotation `R = Rx(a) Ry(b) Rz(c)`. With the
+//! Its coordinates are those of the chain, q = (t, a, b, c): displacement in the axes of the centre and
+//! angles about x, y and z, so that the moved frame is at t with rotation `R = Rx(a) Ry(b) Rz(c)`. With the
 //! left-trivialised tangent xi, `exp(xi)` the same place, and the twist nu of the moved frame in its axes,
 //!
 //! $$ q = \xi + \tfrac12 \Phi(\xi, \xi) + \dots, \qquad \nu = A(q)\, \dot q, \qquad
@@ -15,7 +15,7 @@ use crate::robot::FreeKind;
 
 /// Entry (r, c) of the derivative of A by `by`, an ordered list of coordinates.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Entry<const K: usize> {
+pub(crate) struct Entry<const K: usize> {
     pub row: usize,
     pub column: usize,
     pub by: [usize; K],
@@ -24,7 +24,7 @@ pub(super) struct Entry<const K: usize> {
 
 /// The constants of one kind of joint.
 #[derive(Clone, Debug)]
-pub(super) struct Chart {
+pub(crate) struct Chart {
     /// `A_q`, `A_qq` and `A_qqq`.
     pub first: Vec<Entry<1>>,
     pub second: Vec<Entry<2>>,
