@@ -47,9 +47,9 @@ pub enum EvalError {
     },
     /// A robot with a floating or spherical joint, where this computation takes none.
     #[error(
-        "joint '{}' is {kind}, its orientation a quaternion: this computation does not take such joints; \
-         `Hamiltonian` and `HamiltonianSecondOrder` do; describe the joint as a chain of joints of one degree of \
-         freedom for all others",
+        "joint '{}' is {kind}, its orientation a quaternion: this computation does not take such joints, or q has \
+         no entries for the quaternion; `Hamiltonian`, `HamiltonianSecondOrder` and `Lagrangian` take them; for \
+         all else describe the joint as a chain of joints of one degree of freedom",
         printable(joint)
     )]
     FreeJoint {

@@ -1,10 +1,13 @@
 //! The state equation of robots with floating and spherical joints.
 
 use super::free::Free;
-use super::{Energy, Hamiltonian, HamiltonianContraction, HamiltonianLinearisation, HamiltonianSecondOrder};
+use super::{
+    AdjointProduct, Energy, Hamiltonian, HamiltonianContraction, HamiltonianLinearisation,
+    HamiltonianSecondOrder,
+};
 use crate::error::EvalError;
 use crate::kernels::{LagrangianHessian, Route, check_configuration, check_entries};
-use crate::matrix::Matrix;
+use crate::matrix::{Matrix, add_scaled, dot};
 use crate::scalar::Scalar;
 
 impl<S: Scalar, R: Route> Hamiltonian<S, R> {
@@ -75,6 +78,22 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
 
     fn mass_matrix_of_free(&self) -> &Matrix<S> {
         self.free.as_ref().map_or(self.flow.kernel.mass_matrix(), |free| &free.mass_matrix)
+    }
+
+    /// F and y'F_x, by F_x.
+    #[inline(never)]
+    pub(super) fn adjoint_free(
+        &mut self,
+        [q, p, u, y]: [&[S]; 4],
+    ) -> Result<AdjointProduct<'_, S>, EvalError> {
+        self.check_free(q, &[])?;
+        check_entries(&self.tree, "y", y, 2 * self.tree.dof())?;
+        self.linearise_free([q, p, u])?;
+        self.product.fill(S::zero());
+        for (i, &y) in y.iter().enumerate() {
+            add_scaled(&mut self.product, y, self.state.f_x.row(i));
+        }
+        Ok(AdjointProduct { f: &self.state.f, y_f_x: &self.product })
     }
 
     pub(super) fn mass_matrix_free(&mut self, q: &[S]) -> Result<&Matrix<S>, EvalError> {
@@ -172,6 +191,24 @@ impl<S: Scalar> HamiltonianSecondOrder<S> {
         outcome?;
         let linearisation = self.first.state.linearisation(self.first.mass_matrix_of_free());
         Ok(HamiltonianContraction { linearisation, y_f_xx: &self.y_f_xx })
+    }
+
+    /// `y'F_xx d`, by the matrix.
+    #[inline(never)]
+    pub(super) fn hessian_product_free(&mut self, [q, p, y, d]: [&[S]; 4]) -> Result<&[S], EvalError> {
+        let n = self.first.tree.dof();
+        self.first.check_free(q, &[("p", p)])?;
+        check_entries(&self.first.tree, "d", d, 2 * n)?;
+        // The actuation does not enter.
+        let mut none = std::mem::take(&mut self.pull);
+        none.fill(S::zero());
+        let outcome = self.contract_free([q, p, &none, y]).map(drop);
+        self.pull = none;
+        outcome?;
+        for (i, entry) in self.product.iter_mut().enumerate() {
+            *entry = dot(self.y_f_xx.row(i), d);
+        }
+        Ok(&self.product)
     }
 
     fn contract_in_chart(&mut self, free: &mut Free<S>, [q, p, u, y]: [&[S]; 4]) -> Result<(), EvalError> {

@@ -42,8 +42,8 @@ pub struct HamiltonianSecondOrder<S: Scalar> {
     pub(super) y_f_xx: Matrix<S>,
     /// V d, and the factor of V' in a product with d.
     change: Vec<S>,
-    pull: Vec<S>,
-    product: Vec<S>,
+    pub(super) pull: Vec<S>,
+    pub(super) product: Vec<S>,
 }
 
 impl<S: Scalar> HamiltonianSecondOrder<S> {
@@ -116,6 +116,9 @@ impl<S: Scalar> HamiltonianSecondOrder<S> {
     /// See [`Hamiltonian`].
     #[inline(never)]
     pub fn hessian_product(&mut self, q: &[S], p: &[S], y: &[S], d: &[S]) -> Result<&[S], EvalError> {
+        if self.first.free.is_some() {
+            return self.hessian_product_free([q, p, y, d]);
+        }
         let n = self.dof();
         self.first.check(&[("q", q), ("p", p)])?;
         check(&self.first.tree, "y", y, 2 * n)?;

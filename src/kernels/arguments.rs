@@ -16,8 +16,12 @@ pub(crate) fn check<S: Scalar>(
     check_entries(tree, what, values, expected)
 }
 
-/// q has [`Tree::nq`] finite entries, and its quaternions have length 1.
+/// q has [`Tree::nq`] finite entries, and its quaternions have length 1. With n entries it is refused by name.
 pub(crate) fn check_configuration<S: Scalar>(tree: &Tree, q: &[S]) -> Result<(), EvalError> {
+    if q.len() == tree.dof() {
+        // What knows nothing of quaternions passes as many entries as v has.
+        tree.refuse_free()?;
+    }
     check_length("q", q, tree.nq())?;
     if S::CHECKED
         && let Some(index) = q.iter().position(|value| !value.is_finite())

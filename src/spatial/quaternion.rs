@@ -61,6 +61,36 @@ impl<S: Scalar> Quaternion<S> {
         self.vector.dot(self.vector) + self.scalar * self.scalar
     }
 
+    /// `(R a, R b)`.
+    ///
+    /// This and the next three are calls in transforms, which are inlined at many places: only free joints
+    /// are oriented.
+    #[inline(never)]
+    pub(super) fn apply_both(&self, a: Vec3<S>, b: Vec3<S>) -> (Vec3<S>, Vec3<S>) {
+        let rotation = self.rotation();
+        (rotation.apply(a), rotation.apply(b))
+    }
+
+    /// `(R' a, R' b)`.
+    #[inline(never)]
+    pub(super) fn undo_both(&self, a: Vec3<S>, b: Vec3<S>) -> (Vec3<S>, Vec3<S>) {
+        let rotation = self.rotation();
+        (rotation.undo(a), rotation.undo(b))
+    }
+
+    /// `R' a`.
+    #[inline(never)]
+    pub(super) fn undo(&self, a: Vec3<S>) -> Vec3<S> {
+        self.rotation().undo(a)
+    }
+
+    /// `(R a, R A R')` for a symmetric matrix A.
+    #[inline(never)]
+    pub(super) fn turn(&self, a: Vec3<S>, matrix: &Symmetric3<S>) -> (Vec3<S>, Symmetric3<S>) {
+        let rotation = self.rotation();
+        (rotation.apply(a), rotation.congruence(matrix))
+    }
+
     /// The rotation matrix.
     #[inline(always)]
     pub fn rotation(&self) -> Rotation<S> {

@@ -58,7 +58,7 @@ impl<S: Scalar> Transform<'_, S> {
             match &self.joint {
                 JointPosition::Rotated(turn) => [a.x, a.y] = turn.undo([a.x, a.y]),
                 JointPosition::Translated(_) => {}
-                JointPosition::Oriented(orientation) => a = orientation.rotation().undo(a),
+                JointPosition::Oriented(orientation) => a = orientation.undo(a),
             }
             a
         })
@@ -87,7 +87,7 @@ impl<S: Scalar> Transform<'_, S> {
                     [a.x, a.y] = turn.undo([a.x, a.y]);
                 }
                 &JointPosition::Translated(distance) => arm = a.z.mul_add(distance, arm),
-                JointPosition::Oriented(orientation) => a = orientation.rotation().undo(a),
+                JointPosition::Oriented(orientation) => a = orientation.undo(a),
             }
             (a, arm)
         })
@@ -119,10 +119,7 @@ impl<S: Scalar> Transform<'_, S> {
                     v.x = w.y.mul_add(distance, v.x);
                     v.y = w.x.mul_add(-distance, v.y);
                 }
-                JointPosition::Oriented(orientation) => {
-                    let rotation = orientation.rotation();
-                    (w, v) = (rotation.undo(w), rotation.undo(v));
-                }
+                JointPosition::Oriented(orientation) => (w, v) = orientation.undo_both(w, v),
             }
             Motion { angular: w, linear: v }
         })
@@ -147,10 +144,7 @@ impl<S: Scalar> Transform<'_, S> {
                     n.x = f.y.mul_add(-distance, n.x);
                     n.y = f.x.mul_add(distance, n.y);
                 }
-                JointPosition::Oriented(orientation) => {
-                    let rotation = orientation.rotation();
-                    (n, f) = (rotation.apply(n), rotation.apply(f));
-                }
+                JointPosition::Oriented(orientation) => (n, f) = orientation.apply_both(n, f),
             }
             [n.y, n.z] = fixed.alpha.apply([n.y, n.z]);
             [f.y, f.z] = fixed.alpha.apply([f.y, f.z]);
@@ -194,10 +188,7 @@ impl<S: Scalar> Transform<'_, S> {
                     j.yz = h.y.mul_add(-distance, j.yz);
                     h.z += moved;
                 }
-                JointPosition::Oriented(orientation) => {
-                    let rotation = orientation.rotation();
-                    (h, j) = (rotation.apply(h), rotation.congruence(&j));
-                }
+                JointPosition::Oriented(orientation) => (h, j) = orientation.turn(h, &j),
             }
             [h.y, h.z] = fixed.alpha.apply([h.y, h.z]);
             j = j.rotated_about_x_constant(&fixed.alpha);

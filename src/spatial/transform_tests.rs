@@ -90,3 +90,9 @@ fn inertia_moves_by_the_parallel_axis_theorem() {
         assert!((ours - about(r * i_com * r.transpose(), c)).amax() < 1e-14);
     }
 }
+
+#[test]
+fn an_orientation_takes_no_more_room_than_a_turn() {
+    // Four numbers and the kind: the kernels keep one for each joint.
+    assert_eq!(size_of::<JointPosition<f64>>(), size_of::<Turn<f64>>() + size_of::<f64>());
+}

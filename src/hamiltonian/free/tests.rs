@@ -100,6 +100,12 @@ fn derivatives_are_those_of_hyper_dual_numbers_through_the_retraction() {
         let first = second.first().linearise(&q, &p, &u).unwrap();
         assert!((first.matrix().to_nalgebra() - &f_x).amax() < 1e-13 * f_x.amax());
         assert_eq!(first.f(), f);
+        let by_y = DVector::from_column_slice(second.first().adjoint(&q, &p, &u, &y).unwrap().y_f_x);
+        let y = DVector::from_vec(y);
+        assert!((by_y - f_x.transpose() * &y).amax() < 1e-12 * f_x.amax());
+        let d: Vec<f64> = (0..2 * n).map(|i| (0.7 + i as f64).cos()).collect();
+        let by_d = DVector::from_column_slice(second.hessian_product(&q, &p, y.as_slice(), &d).unwrap());
+        assert!((by_d - &y_f_xx * DVector::from_vec(d)).amax() < 1e-12 * y_f_xx.amax());
     }
 }
 
