@@ -12,6 +12,7 @@ use crate::problem::key::Key;
 use crate::problem::limits::JointLimits;
 use crate::problem::{Bounds, MotionLimits, Problem};
 use crate::result::limit_use::{ActiveLimit, LimitReport, LimitUse};
+use crate::result::motion::{Certificate, Motion};
 use crate::result::polish_report::{PolishOutcome, PolishReport};
 use crate::result::solution::Solution;
 use crate::result::trajectory::Trajectory;
@@ -179,8 +180,13 @@ fn with_report(
     }
     let mut shown = match polished.filter(|_| outcome.is_polished()) {
         Some((polished, limits)) => {
-            let Solution { starts, options, stage_times, .. } = direct;
-            Solution { limits, starts, options, stage_times, ..polished }
+            let Solution { starts, options, stage_times, motion: Motion { certificate, .. }, .. } = direct;
+            let mut shown = Solution { limits, starts, options, stage_times, ..polished };
+            // Where conjugate times say nothing, the second derivatives of the direct method may.
+            if shown.motion.certificate == Certificate::NotChecked {
+                shown.motion.certificate = certificate;
+            }
+            shown
         }
         None => direct,
     };

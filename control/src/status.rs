@@ -58,7 +58,7 @@ pub enum Status {
     ConvergedSmoothed,
     /// The collocation equations are solved to the tolerance, but integrating the motion again misses its end
     /// by more than the [verification bound](crate::Motion::verification_bound), or the integration stopped.
-    /// This is typical of unstable motions.
+    /// This is typical of unstable motions. Of the direct method: not even parts of it end where they should.
     NotVerified,
     /// No damped Newton step reduced the correction.
     NewtonFailed,
@@ -150,8 +150,8 @@ impl fmt::Display for Status {
                 "converged, with a smoothed control: the motion has no isolated switching times"
             }
             Self::NotVerified => {
-                "the equations are solved, but integrating the motion again misses its end; \
-                 lower solver.tolerance, or shorten the motion"
+                "the equations are solved, but the motion integrated again with its torques goes elsewhere; \
+                 lower solver.tolerance"
             }
             Self::NewtonFailed => {
                 "Newton's method found no step that reduces the error; \

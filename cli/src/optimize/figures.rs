@@ -70,7 +70,11 @@ pub fn figures(problem: &Problem, solution: &Solution) -> Vec<(&'static str, Str
         figures.push(("cost of penalties", short(motion.penalty_cost, 6)));
     }
     if motion.smoothing > 0.0 {
-        figures.push(("smoothing left", scientific(motion.smoothing)));
+        let bound = match motion.smoothing_bound {
+            bound if bound > 0.0 => format!(", which costs at most {} relative", scientific(bound)),
+            _ => String::new(),
+        };
+        figures.push(("smoothing left", format!("{}{bound}", scientific(motion.smoothing))));
     }
     let [position, rate] = [units::POSITION, units::RATE].map(|unit| units::of_robot(&problem.robot, unit));
     figures.push(("final time", format!("{} s", short(motion.final_time, 10))));
@@ -132,13 +136,24 @@ fn direct_figures(problem: &Problem, solution: &Solution) -> Vec<(&'static str, 
     let unit = |unit| units::of_robot(&problem.robot, unit);
     let ends = format!("{}, {}", unit(units::POSITION), unit(units::RATE));
     let mut figures = vec![("end defect", defect(solution.end_defect, motion.verification, &ends))];
+    if motion.shooting_defect.is_finite() {
+        let parts =
+            format!("{} relative, sum over 20 parts of the motion", scientific(motion.shooting_defect));
+        figures.push(("shooting defect", parts));
+    }
     // A saved motion does not have it.
     if let Some(&error) = motion.errors.first() {
         figures.push(("error of the cost", format!("{} relative, estimated", scientific(error))));
     }
     figures.extend(limit_figures(problem, solution));
+    if motion.certificate == Certificate::LocalMinimumOnMesh {
+        figures.push(("local minimum", ON_MESH.into()));
+    }
     figures
 }
+
+/// What the second derivatives of the direct method show.
+const ON_MESH: &str = "among the motions of its mesh";
 
 /// Figures of the hard limits.
 fn limit_figures(problem: &Problem, solution: &Solution) -> Vec<(&'static str, String)> {
@@ -158,12 +173,9 @@ fn limit_figures(problem: &Problem, solution: &Solution) -> Vec<(&'static str, S
             _ => "beyond torque limits",
         };
         let unit = if kind == "task" { "m, rad or m/s".to_owned() } else { unit(limit_units(kind)) };
-        // Torques are cut to their limits.
-        let between = match kind {
-            "torque" => String::new(),
-            _ => format!(", {} between points", scientific(usage.between)),
-        };
-        figures.push((name, format!("{} {unit}{between}", scientific(usage.at_points))));
+        let (at_points, between) = (scientific(usage.at_points), scientific(usage.between));
+        let cut = if kind == "torque" && usage.between > 0.0 { ", cut off in what is written" } else { "" };
+        figures.push((name, format!("{at_points} {unit}, {between} between points{cut}")));
         let mut sides: Vec<_> = usage.active.iter().map(|span| (&span.name, &span.side)).collect();
         sides.sort();
         sides.dedup();
@@ -195,6 +207,9 @@ fn conjugate(problem: &Problem, motion: &Motion) -> String {
             "none: a local minimum in this time".into()
         }
         (None, Certificate::LocalMinimum) => "none: a local minimum".into(),
+        (None, Certificate::LocalMinimumOnMesh) => {
+            format!("not checked; before the polish a local minimum {ON_MESH}")
+        }
         _ => "not checked".into(),
     }
 }

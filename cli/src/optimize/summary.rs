@@ -4,7 +4,7 @@ use super::figures::{Needed, figures, time_is_free};
 use super::report::numbers::short;
 use crate::report::{Table, scientific, title};
 use costate::robot::escape_hidden;
-use costate_control::{Iteration, Problem, RelaxedLimit, Solution, StartResult, Status, Verify};
+use costate_control::{Iteration, Method, Problem, RelaxedLimit, Solution, StartResult, Status, Verify};
 use std::io::Write;
 
 /// What is minimised: `minimum of T + 1/2 u'Ru, final time free, actuation bounded, limits kept`. Bounds and
@@ -87,6 +87,22 @@ pub fn explanation(problem: &Problem, solution: &Solution) -> Option<String> {
         }
         status => format!("the motion is the best iterate, not a solution: {status}"),
     })
+}
+
+/// That the torques of a solution do not lead the robot to its end without a correction.
+fn needs_feedback(solution: &Solution) -> Option<String> {
+    let direct = solution.options.method == Method::Direct && !is_polished(solution);
+    let by_parts = direct && solution.motion.shooting_defect.is_finite();
+    (by_parts && solution.motion.status.is_solved()).then(|| {
+        "errors grow along this motion: torques alone, repeated without feedback, lead the robot elsewhere; \
+         track the positions, or use the gains of --feedback; rotors (robot.armature) calm light wrists"
+            .into()
+    })
+}
+
+/// Whether the extremal is shown.
+fn is_polished(solution: &Solution) -> bool {
+    solution.polish.as_ref().is_some_and(|report| report.outcome.is_polished())
 }
 
 /// How the robot gets more time.
@@ -212,7 +228,8 @@ pub fn print(
         table.row(vec![format!("  {stage}"), format!("{} s, {share:.0} %", short(time, 3))]);
     }
     write!(out, "{table}")?;
-    for remark in [explanation(problem, solution), skipped_starts(solution)].into_iter().flatten() {
+    let remarks = [explanation(problem, solution), needs_feedback(solution), skipped_starts(solution)];
+    for remark in remarks.into_iter().flatten() {
         writeln!(out, "\n  {}.", escape_hidden(&sentence(&remark)))?;
     }
     if solution.starts.len() > 1 {

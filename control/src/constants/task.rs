@@ -31,6 +31,10 @@ pub mod reach {
     pub const REACHED: f64 = 1e-9;
     /// Positions that the search begins at.
     pub const STARTS: usize = 60;
+    /// A position is far from another one if a joint turns by more than this between them (rad)..
+    pub const FAR: f64 = 2.0;
+    /// .. and then so many others are looked for, one of which may be nearer.
+    pub const OTHERS: usize = 12;
     /// Most steps from each of them.
     pub const STEPS: usize = 60;
     /// First damping, in squares of m or rad per rad.

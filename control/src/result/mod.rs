@@ -7,6 +7,7 @@ pub(crate) mod infeasibility;
 pub(crate) mod jacobi_fields;
 pub(crate) mod limit_use;
 pub(crate) mod limits;
+pub(crate) mod mesh_nodes;
 pub(crate) mod motion;
 pub(crate) mod nodes;
 pub(crate) mod polish_report;

@@ -63,6 +63,8 @@ struct Document {
     penalty_cost: Option<f64>,
     #[serde(default)]
     smoothing: f64,
+    #[serde(default)]
+    smoothing_bound: f64,
     final_time: Option<f64>,
     hamiltonian: Option<f64>,
     hamiltonian_drift: Option<f64>,
@@ -163,6 +165,7 @@ impl From<&Solution> for Document {
             cost: finite(motion.cost),
             penalty_cost: finite(motion.penalty_cost),
             smoothing: motion.smoothing,
+            smoothing_bound: motion.smoothing_bound,
             final_time: finite(motion.final_time),
             hamiltonian: finite(motion.hamiltonian),
             hamiltonian_drift: finite(motion.hamiltonian_drift),
@@ -209,6 +212,7 @@ impl TryFrom<Document> for Solution {
             cost: document.cost.unwrap_or(f64::INFINITY),
             penalty_cost: document.penalty_cost.unwrap_or(0.0),
             smoothing: document.smoothing,
+            smoothing_bound: document.smoothing_bound,
             hamiltonian: document.hamiltonian.unwrap_or(f64::NAN),
             hamiltonian_drift: document.hamiltonian_drift.unwrap_or(f64::INFINITY),
             phase_hamiltonians: document.phase_hamiltonians,

@@ -88,6 +88,7 @@ impl Solved {
             cost,
             penalty_cost,
             smoothing: self.relaxation.effort,
+            smoothing_bound: 0.0,
             final_time,
             hamiltonian,
             phase_hamiltonians: Vec::new(),

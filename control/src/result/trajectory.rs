@@ -114,24 +114,6 @@ impl Trajectory {
     }
 
     /// With H* at the nodes.
-    /// The nodes of its mesh in parts of its time, of a motion in one phase: of the direct method every fifth
-    /// row, with three points between them, else all times. `None` if it takes no time.
-    pub(crate) fn direct_nodes(&self) -> Option<Vec<f64>> {
-        let (first, last) = (*self.t.first()?, *self.t.last()?);
-        let of_direct = self.accelerations.is_some() && self.t.len().is_multiple_of(5);
-        let mut nodes = vec![0.0];
-        for (k, t) in self.t.iter().enumerate().skip(1) {
-            let part = (t - first) / (last - first);
-            let is_node = !of_direct || k % 5 == 4;
-            // Switches are there twice.
-            if is_node && part > nodes[nodes.len() - 1] + 1e-9 {
-                nodes.push(part);
-            }
-        }
-        *nodes.last_mut()? = 1.0;
-        (last > first && nodes.len() > 1).then_some(nodes)
-    }
-
     pub(crate) fn with_hamiltonian(self, hamiltonian: Vec<f64>) -> Self {
         Self { hamiltonian, ..self }
     }

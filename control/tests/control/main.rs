@@ -27,6 +27,7 @@ mod problems;
 mod rates;
 mod references;
 mod samples;
+mod second_order;
 mod second_variation;
 mod shooting;
 mod source;

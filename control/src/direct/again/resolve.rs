@@ -97,7 +97,7 @@ impl Resolve {
     ) -> Result<Self, ProblemError> {
         let n = problem.robot.dof();
         let fits = motion.q.iter().all(|q| q.len() == n) && motion.q.len() > 2;
-        let near = motion.direct_nodes().filter(|_| fits).map(|nodes| (motion, nodes));
+        let near = motion.mesh_nodes().filter(|_| fits).map(|nodes| (motion, nodes));
         Self::begin(problem, options, problem.keeps_robot_limits(), near)
     }
 
