@@ -103,7 +103,7 @@ impl ConfigurationSpace {
         for free in self.tree.free() {
             let inverse = free.quaternion(q).square().sqrt().recip();
             let at = free.position + free.kind.slides();
-            q[at..at + 4].iter_mut().for_each(|entry| *entry = *entry * inverse);
+            q[at..at + 4].iter_mut().for_each(|entry| *entry *= inverse);
         }
         Ok(())
     }
@@ -236,13 +236,11 @@ fn adjoint_back<S: Scalar>(rho: Vec3<S>, theta: Vec3<S>) -> [Square<S>; 2] {
 fn fill<S: Scalar>(free: &FreeFrame, matrix: &mut Matrix<S>, [diagonal, corner]: &[Square<S>; 2]) {
     let at = free.coordinate;
     let angles = at + free.kind.slides();
-    for i in 0..3 {
-        for j in 0..3 {
-            matrix[(angles + i, angles + j)] = diagonal[i][j];
-            if free.kind == FreeKind::Floating {
-                matrix[(at + i, at + j)] = diagonal[i][j];
-                matrix[(at + i, angles + j)] = corner[i][j];
-            }
+    for (i, (diagonal, corner)) in diagonal.iter().zip(corner).enumerate() {
+        matrix.row_mut(angles + i)[angles..angles + 3].copy_from_slice(diagonal);
+        if free.kind == FreeKind::Floating {
+            matrix.row_mut(at + i)[at..at + 3].copy_from_slice(diagonal);
+            matrix.row_mut(at + i)[angles..angles + 3].copy_from_slice(corner);
         }
     }
 }

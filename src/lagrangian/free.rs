@@ -92,20 +92,16 @@ impl<S: Scalar> Free<S> {
             let (at, m) = frame.place();
             let (force, Changes { v_q, a_q, a_v }) = (frame.entries(tau), changes(frame, v, &self.a));
             let mut whole = a_q;
-            for r in 0..m {
-                for k in 0..m {
-                    add_scaled(&mut whole[r], a_v[r][k], &v_q[k]);
-                }
+            for (whole, factors) in whole.iter_mut().zip(&a_v) {
+                factors.iter().zip(&v_q).for_each(|(&factor, v_q)| add_scaled(whole, factor, v_q));
             }
             for i in 0..n {
                 let by_a: [S; MOST] = frame.entries(self.mass_matrix.row(i));
                 let by_v: [S; MOST] = frame.entries(tau_v.row(i));
-                for r in 0..m {
-                    let (in_q, in_v) = (&mut tau_q.row_mut(i)[at..at + m], &mut tau_v.row_mut(i)[at..at + m]);
-                    add_scaled(in_q, by_v[r], &v_q[r]);
-                    add_scaled(in_q, by_a[r], &whole[r]);
-                    add_scaled(in_v, by_a[r], &a_v[r]);
-                }
+                let (in_q, in_v) = (&mut tau_q.row_mut(i)[at..at + m], &mut tau_v.row_mut(i)[at..at + m]);
+                by_v.iter().zip(&v_q).for_each(|(&factor, v_q)| add_scaled(in_q, factor, v_q));
+                by_a.iter().zip(&whole).for_each(|(&factor, whole)| add_scaled(in_q, factor, whole));
+                by_a.iter().zip(&a_v).for_each(|(&factor, a_v)| add_scaled(in_v, factor, a_v));
             }
             for e in &frame.chart.first {
                 tau_q[(at + e.column, at + e.by[0])] -= force[e.row].times(e.value);

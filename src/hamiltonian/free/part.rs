@@ -159,9 +159,7 @@ impl<S: Scalar> Part<S> {
             }
         }
         let mut pull = zero;
-        for c in 0..m {
-            pull[c] = product(n + at + c);
-        }
+        pull[..m].iter_mut().enumerate().for_each(|(c, pull)| *pull = product(n + at + c));
         for e in &chart.first {
             let [k] = e.by;
             mixed[k][e.row] += pull[e.column].times(e.value);
@@ -193,11 +191,11 @@ impl<S: Scalar> Part<S> {
             let slope = product(at + k) + dot(&a1[k], v) + dot(&b1[k], force);
             square[e.column][e.by[0]] += slope.times(e.value);
         }
-        for i in 0..m {
-            for j in 0..m {
-                y_f_xx[(at + i, at + j)] += square[i][j];
-                y_f_xx[(at + i, n + at + j)] += mixed[i][j];
-                y_f_xx[(n + at + j, at + i)] += mixed[i][j];
+        for (i, (square, mixed)) in square[..m].iter().zip(&mixed).enumerate() {
+            for (j, (&square, &mixed)) in square[..m].iter().zip(mixed).enumerate() {
+                y_f_xx[(at + i, at + j)] += square;
+                y_f_xx[(at + i, n + at + j)] += mixed;
+                y_f_xx[(n + at + j, at + i)] += mixed;
             }
         }
         // Products of first derivatives.
@@ -206,8 +204,8 @@ impl<S: Scalar> Part<S> {
                 add_both(y_f_xx, f_x.row(at + k), at + i, a1[i][k]);
                 add_both(y_f_xx, f_x.row(n + at + k), at + i, b1[i][k]);
             }
-            for r in 0..m {
-                add_both(y_f_xx, f_x.row(at + k), n + at + r, by_momentum[r][k]);
+            for (r, factors) in by_momentum[..m].iter().enumerate() {
+                add_both(y_f_xx, f_x.row(at + k), n + at + r, factors[k]);
             }
         }
     }
