@@ -51,6 +51,11 @@ impl Robot {
         recipe: Recipe,
         known: &[robot::Warning],
     ) -> PyResult<Self> {
+        if let Some(free) = robot.free_joints().first() {
+            let (joint, kind) = (free.name.clone(), free.kind.name());
+            let error = robot::RobotError::FreeJoint { joint, kind, what: "be used from Python" };
+            return Err(errors::robot(py, &error));
+        }
         let new = |warning: &&robot::Warning| !is_rebuilding() && !known.contains(warning);
         for warning in robot.warnings().iter().filter(new) {
             let text = format!("robot '{}': {warning}", robot.name());

@@ -12,6 +12,7 @@ use crate::robot::printable::printable;
 use crate::robot::warning::Warning;
 use nalgebra::{Matrix3, Vector3};
 use roxmltree::Node;
+use std::collections::HashSet;
 
 /// The joint types that can be loaded.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -99,6 +100,31 @@ pub(super) struct Source {
     pub(super) joints: Vec<SourceJoint>,
     /// What is unusual about the file.
     pub(super) warnings: Vec<Warning>,
+}
+
+impl Source {
+    /// Puts the root link on a floating joint.
+    pub(super) fn set_afloat(&mut self) {
+        let moved: HashSet<&str> = self.joints.iter().map(|joint| joint.child.as_str()).collect();
+        let roots = self.links.iter().filter(|link| !moved.contains(link.name.as_str()));
+        let Some((child, line)) = roots.map(|link| (link.name.clone(), link.line)).next() else { return };
+        let parent = "universe".to_owned();
+        self.links.push(Link { name: parent.clone(), inertia: LinkInertia::massless(), line });
+        let joint = SourceJoint {
+            name: "root_joint".to_owned(),
+            kind: JointType::Floating,
+            parent,
+            child,
+            placement: Placement::identity(),
+            axis: Vector3::z(),
+            limits: Limits::default(),
+            dynamics: None,
+            mimic: None,
+            fixed_at: 0.0,
+            line,
+        };
+        self.joints.insert(0, joint);
+    }
 }
 
 /// Reads a URDF.
