@@ -8,7 +8,7 @@ use crate::status::{Failure, Status, guarded};
 use costate::robot::Robot;
 use costate::step::{ImplicitMidpoint, RungeKutta4, SemiImplicitEuler, Step, StepError, StoermerVerlet};
 use costate::{Coordinates, EvalError};
-use costate_jit::JitModel;
+use costate_jit::{JitModel, JitVelocityModel};
 use std::ffi::c_int;
 use std::sync::Arc;
 
@@ -25,23 +25,24 @@ pub struct Workspace {
 
 pub type CostateStep = Handle<Workspace>;
 
-fn scheme(number: c_int, model: JitModel, coordinates: Coordinates) -> Result<AnyStep, Failure> {
+fn scheme(number: c_int, robot: &Robot, coordinates: Coordinates) -> Result<AnyStep, Failure> {
     let needs = |needed, letters, scheme| {
         if coordinates == needed {
             return Ok(());
         }
         Err(Failure::new(Status::Argument, format_args!("{scheme} needs {letters}")))
     };
+    let model = || JitModel::new(robot, coordinates);
     Ok(match number {
-        0 => Box::new(RungeKutta4::new(model)),
-        1 => Box::new(ImplicitMidpoint::new(model)),
+        0 => Box::new(RungeKutta4::new(model()?)),
+        1 => Box::new(ImplicitMidpoint::new(model()?)),
         2 => {
             needs(Coordinates::Hamiltonian, "COSTATE_QP", "COSTATE_VERLET")?;
-            Box::new(StoermerVerlet::new(model))
+            Box::new(StoermerVerlet::new(model()?))
         }
         3 => {
             needs(Coordinates::Lagrangian, "COSTATE_QV", "COSTATE_SEMI_IMPLICIT_EULER")?;
-            Box::new(SemiImplicitEuler::new(model))
+            Box::new(SemiImplicitEuler::new(JitVelocityModel::new(robot)?))
         }
         _ => {
             let message = format_args!("scheme is {number}; give one of enum costate_scheme");
@@ -53,7 +54,7 @@ fn scheme(number: c_int, model: JitModel, coordinates: Coordinates) -> Result<An
 impl Workspace {
     fn new(robot: &Robot, coordinates: c_int, number: c_int) -> Result<Self, Failure> {
         let (n, coordinates) = (robot.dof(), coordinates_of(coordinates)?);
-        let step = scheme(number, JitModel::new(robot, coordinates)?, coordinates)?;
+        let step = scheme(number, robot, coordinates)?;
         let (inputs, jacobian, hessian) = (vec![0.0; 5 * n], vec![0.0; 6 * n * n], vec![0.0; 9 * n * n]);
         Ok(Self { n, step, inputs, jacobian, hessian })
     }

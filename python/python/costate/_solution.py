@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import warnings
 from functools import cached_property
 from os import PathLike, fspath
 from pathlib import Path as _Path
@@ -17,6 +18,8 @@ from ._run import Iteration
 from ._samples import Gains, Samples, Sensitivity
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
     from ._problem import Problem
@@ -352,6 +355,32 @@ class Solution:
             raise error
         text = self.to_json() if rate is None else self.sample(rate).to_csv()
         _Path(path).write_text(text, encoding="utf-8")
+
+    def to_html(
+        self,
+        path: str | PathLike[str] | None = None,
+        *,
+        urdf: str | PathLike[str] | None = None,
+        package_path: Sequence[str | PathLike[str]] = (),
+    ) -> str:
+        """The report: one page with the moving robot in perspective, plots and figures; it needs no network.
+
+        Parameters
+        ----------
+        path : path, optional
+            Where to write it too.
+        urdf : path, optional
+            A URDF whose visual models are shown in place of capsules: boxes, cylinders, spheres, STL and OBJ meshes.
+            What cannot be read is a `UserWarning`.
+        package_path : sequence of paths
+            Folders in which ``package://`` is looked for.
+        """
+        page, missing = self._core.html(urdf, list(package_path))
+        for text in missing:
+            warnings.warn(text, stacklevel=2)
+        if path is not None:
+            _Path(path).write_text(page, encoding="utf-8")
+        return page
 
     def to_dataframe(self, rate: float | None = None) -> Any:
         """Samples as a data frame of pandas: at a rate (Hz), or about 200 of them."""

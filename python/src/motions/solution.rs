@@ -4,10 +4,13 @@ use super::arrays::{matrix, numbers};
 use super::raise;
 use super::samples::SamplesCore;
 use super::steps::{Step, step};
-use crate::errors::argument;
+use crate::errors::{argument, robot};
 use costate_control::{CostDerivative, Gains, Method, Problem, Solution, Trajectory, cost_by_parameters};
+use costate_report::models::of_urdf;
+use costate_report::{ReportOptions, report, text};
 use numpy::PyArray1;
 use pyo3::prelude::*;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// A solution, the problem that it solves, and how long that took (s).
@@ -48,10 +51,31 @@ impl SolutionCore {
         self.solution.motion.status.name()
     }
 
-    /// The status in words.
+    /// The status in words; what helps, or would have to give, where the problem is not solved.
     #[getter]
     fn message(&self) -> String {
-        self.solution.motion.status.to_string()
+        let status = || self.solution.motion.status.to_string();
+        text::explanation(&self.problem, &self.solution).unwrap_or_else(status)
+    }
+
+    /// The report of the motion as HTML, with the visual models of a URDF, and what is missing of these.
+    fn html(
+        &self,
+        py: Python<'_>,
+        urdf: Option<PathBuf>,
+        packages: Vec<PathBuf>,
+    ) -> PyResult<(String, Vec<String>)> {
+        let mut options = ReportOptions::default();
+        let mut warnings = Vec::new();
+        if let Some(path) = urdf {
+            let content = std::fs::read_to_string(&path)?;
+            let folder = path.parent().unwrap_or(Path::new("."));
+            let found = of_urdf(&content, folder, &packages);
+            let found = found.map_err(|error| robot(py, &error))?;
+            warnings = found.warnings;
+            options = options.with_models(found.links);
+        }
+        Ok((report(&self.problem, &self.solution, &options), warnings))
     }
 
     /// Whether the motion is a solution of the problem, or of its smoothed form.
