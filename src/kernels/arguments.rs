@@ -16,7 +16,8 @@ pub(crate) fn check<S: Scalar>(
     check_entries(tree, what, values, expected)
 }
 
-/// q has [`Tree::nq`] finite entries, and its quaternions have length 1. With n entries it is refused by name.
+/// q has [`Tree::nq`] finite entries, and its quaternions have length 1. With n entries it is refused by
+/// name.
 pub(crate) fn check_configuration<S: Scalar>(tree: &Tree, q: &[S]) -> Result<(), EvalError> {
     if q.len() == tree.dof() {
         // What knows nothing of quaternions passes as many entries as v has.
