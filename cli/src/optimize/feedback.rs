@@ -69,7 +69,7 @@ pub fn feedback(problem: &Problem, solution: &Solution, rate: Option<f64>) -> Re
         return Err(fault(&"the motion is no strict minimum, so that there is no feedback"));
     };
     let n = feedback.dof();
-    let time = motion.final_time();
+    let time = motion.final_time().unwrap_or(0.0);
     let points: Vec<f64> = (0..feedback.points()).map(|p| feedback.time(p)).collect();
     let t = match rate {
         Some(rate) => {
