@@ -11,7 +11,10 @@ impl Barrier {
     /// long before rounding of it hides all other second derivatives: those of positions and rates then stand
     /// in the equations as those of torques do, since torques contain a second derivative of positions in s.
     pub fn soften(&mut self, most: f64) {
-        for at in (0..self.count()).filter(|&at| self.slack[at] > 0.0 && self.slack[at].is_finite()) {
+        for at in 0..self.count() {
+            if !self.is_limit(at) {
+                continue;
+            }
             // About a third of the width of an interval.
             let width = self.weight[at];
             let squared = match self.side(at).limited {
