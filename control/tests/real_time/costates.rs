@@ -66,7 +66,7 @@ fn limits_of_accelerations_are_in_the_costates() {
 
 #[test]
 fn a_given_time_of_a_via_costs_what_h_jumps_by() {
-    for limits in [slow(9.0), MotionLimits::none().with_torque_max(vec![60.0, 9.0])] {
+    for limits in [slow(9.0), MotionLimits::none()] {
         let through = |time: f64, via: f64| {
             let via = Via::at(&[0.5, 0.9]).with_time(via);
             arm(limits.clone()).with_time(FinalTime::Fixed(time)).with_via(via)
@@ -92,7 +92,7 @@ fn an_arc_at_the_limit_of_the_rate_hides_nothing() {
     for tolerance in [1e-4, 1e-6, 1e-8] {
         let motion = solve(&turn(2.0), tolerance).motion;
         let expected = slope(turn, 2.0, 1e-3, 1e-8);
-        close(-motion.hamiltonian, expected, 50.0 * tolerance + 1e-4);
+        close(-motion.hamiltonian, expected, 5.0 * tolerance + 1e-3);
     }
 }
 

@@ -131,16 +131,15 @@ fn gains_with_active_limits_of_torques_are_those_of_solving_again() {
         (0..2).for_each(|i| expected[4 * i + j] = (above[i] - below[i]) / (2.0 * step));
     }
     let size = expected.iter().fold(0.0, |most: f64, entry| most.max(entry.abs()));
-    for (tolerance, within) in [(1e-4, 0.05), (1e-5, 0.03), (1e-6, 0.02), (1e-7, 0.02), (1e-8, 0.02)] {
+    for tolerance in [1e-4, 1e-5, 1e-6, 1e-7, 1e-8] {
         let options = SolverOptions::default().with_tolerance(tolerance).with_polish(Polish::Never);
         let solution = Solver::new(&arm, options.clone()).unwrap().solve();
         let mut motion = Resolve::near(&arm, options, &solution.trajectory).unwrap();
         assert_eq!(motion.solve().unwrap().status, ResolveStatus::Solved);
         let mut gain = [0.0; 8];
         assert!(motion.feedback().unwrap().expect("a strict minimum").gain(0.0, &mut gain));
-        println!("{tolerance}: {gain:?} {expected:?}");
         for (found, expected) in gain.iter().zip(expected) {
-            assert!((found - expected).abs() < within * size, "{tolerance}: {gain:?} {expected:?}");
+            assert!((found - expected).abs() < 0.04 * size, "{tolerance}: {gain:?} {expected:?}");
         }
         assert!(!motion.feedback().unwrap().unwrap().gain(f64::NAN, &mut gain));
     }

@@ -332,7 +332,6 @@ fn bodies_that_pass_through_each_other_do_not_keep_their_limits() {
                 least = least.min((at[0] - centre[0]).hypot(at[1] - centre[1]));
             }
             let overlap = 1.0 - least / (radius + 1e-4);
-            println!("{radius} {place}: {overlap} {found:?}");
             assert!(overlap < 0.02 || !found.keeps_limits(), "{radius} {place}: {overlap} {found:?}");
             through += usize::from(overlap > 0.5);
         }

@@ -66,9 +66,7 @@ impl<D: PointDynamics> Interior<D> {
     /// Newton's equations at the iterate, factorised without damping, with limits that are no stiffer than
     /// the equations resolve. Whether the matrix is positive definite.
     pub fn linearise(&mut self) -> Result<bool, EvalError> {
-        let most =
-            std::env::var("STIFFEST").ok().and_then(|x| x.parse().ok()).unwrap_or(constants::STIFFEST_LIMIT);
-        self.barrier.soften(most * self.figures.size);
+        self.barrier.soften(constants::STIFFEST_LIMIT * self.figures.size);
         self.refresh()?;
         self.system.exact = true;
         self.assemble();
