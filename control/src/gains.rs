@@ -140,7 +140,7 @@ impl Gains {
         let mut motion = solved(problem, solution)?;
         let feedback = motion.feedback()?.cloned().ok_or(GainError::NoMinimum)?;
         let n = feedback.dof();
-        let time = motion.final_time();
+        let time = motion.final_time().unwrap_or(0.0);
         let points: Vec<f64> = (0..feedback.points()).map(|p| feedback.time(p)).collect();
         let t = match rate {
             Some(rate) if !(rate > 0.0 && time * rate < MOST) => return Err(GainError::Rate { rate }),

@@ -66,6 +66,10 @@ pub const SMALL_MOTION: f64 = 1e-3;
 /// of the guess. With more of it multipliers settle in fewer steps, and rounding of what it does not
 /// touch grows.
 pub const STIFFNESS: f64 = 1e8;
+/// The same of an active limit where the motion is differentiated: derivatives are off by about the reciprocal
+/// of it, and rounding of it, which grows with the fourth power of the number of intervals, must not hide
+/// the curvature of the cost.
+pub const STIFFEST_LIMIT: f64 = 1e5;
 /// It rises by this factor..
 pub const STIFFER: f64 = 10.0;
 /// .. to at most this..
@@ -156,6 +160,9 @@ pub const LESS_EXCEEDED: f64 = 0.5;
 pub const VIOLATION_OF_RATES: f64 = 0.01;
 /// A motion that exceeds a limit by more than this part of its range does not keep it.
 pub const VIOLATION_ACCEPTED: f64 = 1e-7;
+/// Solving again on a mesh that stays, a clearance may be exceeded between points by this part of the radii
+/// and the margin.
+pub const CLEARANCE_ACCEPTED: f64 = 1e-2;
 /// A limit is active where the distance to it is within this part of its range.
 pub const ACTIVE: f64 = 1e-4;
 /// The problem on a mesh is solved to this part of the tolerance.

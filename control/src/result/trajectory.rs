@@ -25,6 +25,10 @@ pub struct Trajectory {
     pub y_q: Vec<Vec<f64>>,
     /// Costates of p.
     pub y_p: Vec<Vec<f64>>,
+    /// Where accelerations are limited: derivatives by the torques of the running cost, per second, less the
+    /// limits with their multipliers. Else they are y_p, and this is empty. Of motions of the direct method
+    /// they are known at the points; at a node that of the nearest one stands.
+    pub y_tau: Vec<Vec<f64>>,
     /// H*; empty for a trajectory that was read from a file.
     pub hamiltonian: Vec<f64>,
     /// The times of the vias (s): where one phase ends and the next one begins. Each is that of two nodes.
@@ -61,14 +65,13 @@ impl Trajectory {
         let part = |k: usize| nodes.z.iter().map(|z| z[k * n..(k + 1) * n].to_vec()).collect::<Vec<_>>();
         let (q, p, y_q, y_p) = (part(0), part(1), part(2), part(3));
         let Nodes { t, u, hamiltonian, interpolant, .. } = nodes;
-        let (via_times, accelerations) = (Vec::new(), None);
-        Self { t, q, v, p, u, y_q, y_p, hamiltonian, via_times, interpolant, accelerations }
+        let (via_times, accelerations, y_tau) = (Vec::new(), None, Vec::new());
+        Self { t, q, v, p, u, y_q, y_p, y_tau, hamiltonian, via_times, interpolant, accelerations }
     }
 
     /// Without a polynomial between the nodes; the rows of q, v, p, u, y_q and y_p.
     pub(crate) fn from_rows(t: Vec<f64>, [q, v, p, u, y_q, y_p]: [Vec<Vec<f64>>; 6]) -> Self {
-        let (hamiltonian, via_times, interpolant, accelerations) = (Vec::new(), Vec::new(), None, None);
-        Self { t, q, v, p, u, y_q, y_p, hamiltonian, via_times, interpolant, accelerations }
+        Self { t, q, v, p, u, y_q, y_p, ..Self::default() }
     }
 
     /// With these times of vias.
@@ -111,6 +114,16 @@ impl Trajectory {
         let rows = |rows: &[Vec<f64>]| kept.iter().map(|&k| rows[k].clone()).collect();
         let columns = [&self.q, &self.v, &self.p, &self.u, &self.y_q, &self.y_p].map(|column| rows(column));
         Self::from_rows(kept.iter().map(|&k| self.t[k]).collect(), columns)
+    }
+
+    /// With derivatives by the torques, [`y_tau`](Self::y_tau).
+    pub(crate) fn with_y_tau(self, y_tau: Vec<Vec<f64>>) -> Self {
+        Self { y_tau, ..self }
+    }
+
+    /// What torques cost at a row, per second: the derivatives by them.
+    pub(crate) fn by_torques(&self, row: usize) -> &[f64] {
+        self.y_tau.get(row).unwrap_or(&self.y_p[row])
     }
 
     /// With H* at the nodes.

@@ -117,7 +117,7 @@ impl ResolveCore {
     }
 
     fn final_time(&self, py: Python<'_>) -> f64 {
-        self.with(py, |motion| motion.final_time())
+        self.with(py, |motion| motion.final_time().unwrap_or(f64::NAN))
     }
 
     /// q, v and a at times (s), 3n numbers each.

@@ -5,7 +5,7 @@ use super::meshes::{Refined, refine};
 use super::prepare::{Dynamics, interior};
 use super::with_effort::{Smoothing, WithEffort, with_effort};
 use crate::direct::interior::iterate::Interior;
-use crate::direct::outcome::found::trajectory;
+use crate::direct::outcome::found::{Found, found};
 use crate::direct::outcome::report::report;
 use crate::direct::outcome::verify::{Again, integrate_again};
 use crate::direct::refine::at_ends::AtEnds;
@@ -86,23 +86,13 @@ impl Direct<'_> {
     ) -> Result<Solution, EvalError> {
         let problem = self.problem.problem();
         interior.clock.lap(Stage::Meshes);
-        let trajectory = trajectory(problem, interior)?;
+        let Found { trajectory, hamiltonians } = found(problem, interior)?;
         // What exceeds its limits leads nowhere.
         let exceeds = matches!(status, Status::LimitsNotKept | Status::Infeasible);
         let again = again.unwrap_or_else(|| match status.is_interruption() || exceeds {
             true => Again::unknown(false),
             false => integrate_again(problem, self.options, interior, resolution),
         });
-        // Without what the clock adds to it H* is constant.
-        let ahead = interior.clock_ahead(&trajectory.t);
-        let values: Vec<f64> =
-            trajectory.hamiltonian.iter().zip(&ahead).map(|(h, ahead)| h - ahead).collect();
-        let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
-        let of_phases: Vec<&[f64]> = trajectory.phases().map(|rows| &values[rows]).collect();
-        let far_from = |mean: f64| move |value: &f64| (value - mean).abs();
-        let far = of_phases.iter().flat_map(|values| values.iter().map(far_from(mean(values))));
-        let far = far.fold(0.0, f64::max);
-        let size = values.iter().map(|value| value.abs()).fold(interior.running.time, f64::max);
         let iterations = std::mem::take(&mut recorder.iterations);
         let penalty_cost = interior.running.penalty_cost(&interior.spline, &interior.points);
         let motion = Motion {
@@ -110,9 +100,9 @@ impl Direct<'_> {
             penalty_cost,
             smoothing: smoothing.weight,
             smoothing_bound: smoothing.bound,
-            hamiltonian: mean(&values),
-            phase_hamiltonians: of_phases.iter().map(|values| mean(values)).collect(),
-            hamiltonian_drift: if size > 0.0 { far / size } else { 0.0 },
+            hamiltonian: hamiltonians.phases[hamiltonians.phases.len() - 1],
+            phase_hamiltonians: hamiltonians.phases,
+            hamiltonian_drift: hamiltonians.drift,
             end_state: again.state,
             shooting_defect: again.parts,
             verification: match status {
