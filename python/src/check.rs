@@ -90,12 +90,12 @@ fn compare(robot: &robot::Robot, states: &[[Vec<f64>; 4]]) -> Result<Compared, (
     Ok((worst, left_out))
 }
 
+/// The figures of a state, and those of machine code, if there is any.
+type Compared = (StateReport, Option<[f64; 2]>);
+
 impl Compare {
     /// All figures at a state; none where the mass matrix is singular.
-    fn at(
-        &mut self,
-        [q, v, tau, y]: &[Vec<f64>; 4],
-    ) -> Result<Option<(StateReport, Option<[f64; 2]>)>, Failure> {
+    fn at(&mut self, [q, v, tau, y]: &[Vec<f64>; 4]) -> Result<Option<Compared>, Failure> {
         let x = [q.as_slice(), self.hamiltonian.momentum(q, v)?].concat();
         let mut report = match self.routes.compare(&x, tau, y) {
             Ok(report) => report,

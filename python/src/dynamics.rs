@@ -31,9 +31,9 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 /// coordinates : {"qv", "qp"}
 ///     The state.
 /// on_error : {"raise", "nan"}
-///     What happens at a state of which any number of any argument is not finite, or at which the mass matrix is singular: a `StateError`
-///     with the batch index, or results that are not-a-number with a `StateWarning`. All other states are
-///     computed.
+///     What happens at a state of which any number of any argument is not finite, or at which the mass
+///     matrix is singular: a `StateError` with the batch index, or results that are not-a-number with a
+///     `StateWarning`. All other states are computed.
 /// threads : int, optional
 ///     Most threads for a batch; as many as the process may use unless given.
 ///

@@ -309,13 +309,13 @@ impl Call<'_> {
             let buffer = &mut workspace.four[..plan.size()];
             buffer[crate::plan::ONE] = <[f64; 4]>::ONE;
             let mut finite = [true; 4];
-            for lane in 0..4 {
+            for (lane, finite) in finite.iter_mut().enumerate() {
                 let state = (start + lane).min(states.end - 1);
                 for place in &plan.places {
                     let numbers = &mut workspace.one[..place.length];
                     sources[place.argument].copy(axes, state, place.start, numbers);
                     // The machine code looks at its own arguments.
-                    finite[lane] &= place.at >= plan.core_inputs.start || all_finite(numbers);
+                    *finite &= place.at >= plan.core_inputs.start || all_finite(numbers);
                     let to = &mut buffer[place.at..place.at + place.length];
                     to.iter_mut().zip(&*numbers).for_each(|(to, from)| to.set(lane, *from));
                 }

@@ -19,9 +19,9 @@ pub type AnyStep = Box<dyn Scheme<f64, Error = StepError<EvalError>> + Send>;
 /// How a scheme is built, by the coordinates that it needs.
 #[derive(Clone, Copy)]
 pub enum Build {
-    InAny(fn(JitModel) -> AnyStep),
-    InMomenta(fn(JitModel) -> AnyStep),
-    InVelocities(fn(JitVelocityModel) -> AnyStep),
+    Any(fn(JitModel) -> AnyStep),
+    Momenta(fn(JitModel) -> AnyStep),
+    Velocities(fn(JitVelocityModel) -> AnyStep),
 }
 
 /// The name of a scheme, and how it is built.
@@ -29,19 +29,19 @@ pub type Known = (&'static str, Build);
 
 /// All schemes.
 pub const SCHEMES: [Known; 4] = [
-    ("rk4", Build::InAny(|model| Box::new(RungeKutta4::new(model)))),
-    ("midpoint", Build::InAny(|model| Box::new(ImplicitMidpoint::new(model)))),
-    ("verlet", Build::InMomenta(|model| Box::new(StoermerVerlet::new(model)))),
-    ("semi_implicit_euler", Build::InVelocities(|model| Box::new(SemiImplicitEuler::new(model)))),
+    ("rk4", Build::Any(|model| Box::new(RungeKutta4::new(model)))),
+    ("midpoint", Build::Any(|model| Box::new(ImplicitMidpoint::new(model)))),
+    ("verlet", Build::Momenta(|model| Box::new(StoermerVerlet::new(model)))),
+    ("semi_implicit_euler", Build::Velocities(|model| Box::new(SemiImplicitEuler::new(model)))),
 ];
 
 impl Build {
     /// The coordinates that it needs.
     pub fn needs(self) -> Option<Coordinates> {
         match self {
-            Self::InAny(_) => None,
-            Self::InMomenta(_) => Some(Coordinates::Hamiltonian),
-            Self::InVelocities(_) => Some(Coordinates::Lagrangian),
+            Self::Any(_) => None,
+            Self::Momenta(_) => Some(Coordinates::Hamiltonian),
+            Self::Velocities(_) => Some(Coordinates::Lagrangian),
         }
     }
 
@@ -55,11 +55,11 @@ impl Build {
         coordinates: Coordinates,
     ) -> Result<Box<dyn Fn() -> AnyStep + Send + Sync>, CodegenError> {
         Ok(match self {
-            Self::InAny(build) | Self::InMomenta(build) => {
+            Self::Any(build) | Self::Momenta(build) => {
                 let model = JitModel::new(robot, coordinates)?;
                 Box::new(move || build(model.clone()))
             }
-            Self::InVelocities(build) => {
+            Self::Velocities(build) => {
                 let model = JitVelocityModel::new(robot)?;
                 Box::new(move || build(model.clone()))
             }

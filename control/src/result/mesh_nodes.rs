@@ -8,8 +8,8 @@ const SAME: f64 = 1e-9;
 const MIDDLE: f64 = 1e-3;
 
 impl Trajectory {
-    /// The nodes of its mesh: phase p is `[p, p + 1]`. Of motions that neither shape of the direct method has,
-    /// all times are nodes. `None` if a phase takes no time.
+    /// The nodes of its mesh: phase p is `[p, p + 1]`. Of motions that neither shape of the direct method
+    /// has, all times are nodes. `None` if a phase takes no time.
     pub(crate) fn mesh_nodes(&self) -> Option<Vec<f64>> {
         let mut nodes = vec![0.0];
         for (phase, rows) in self.phases().enumerate() {

@@ -32,9 +32,9 @@ pub enum Certificate {
     LocalMinimumOnMesh,
     /// A conjugate time lies before T: motions nearby cost less.
     NotMinimal,
-    /// Not shown: of extremals free ends, controls that reach a bound, a smoothed control, rounding that hides
-    /// the answer; of motions of the direct method second derivatives that are not positive definite; motions
-    /// that are not converged or not verified.
+    /// Not shown: of extremals free ends, controls that reach a bound, a smoothed control, rounding that
+    /// hides the answer; of motions of the direct method second derivatives that are not positive definite;
+    /// motions that are not converged or not verified.
     NotChecked,
 }
 
@@ -59,9 +59,9 @@ pub struct Motion {
     /// whose time T changes where those of vias stay. With [references](crate::Reference) over time H* is not
     /// constant: then that at the end, the mean of $H^\\ast(t) - \int\_t^T l\_t \\, dt$.
     pub hamiltonian: f64,
-    /// H* in each phase of a motion of the direct method: minus the derivative of the least cost on its mesh by
-    /// the time of the phase, from the Lagrange function. Phases between which a via has a free time have the
-    /// same: a later via would gain in one what it costs in the other.
+    /// H* in each phase of a motion of the direct method: minus the derivative of the least cost on its mesh
+    /// by the time of the phase, from the Lagrange function. Phases between which a via has a free time have
+    /// the same: a later via would gain in one what it costs in the other.
     pub phase_hamiltonians: Vec<f64>,
     /// `max |H* - mean| / max (|y'f| + |l|)`, the mean that of the phase: zero for an exact solution. Of the
     /// direct method H* is the mean on an interval of the mesh.
@@ -78,8 +78,8 @@ pub struct Motion {
     pub conditioning: f64,
     /// Largest relative mismatch when segments of the motion, costates included, are integrated again from
     /// their starts; infinite where the integration stopped, or for a motion that is not converged. Of the
-    /// direct method the sum over 20 parts of the motion, without costates, where it misses its end integrated
-    /// once through; infinite where that was not needed.
+    /// direct method the sum over 20 parts of the motion, without costates, where it misses its end
+    /// integrated once through; infinite where that was not needed.
     pub shooting_defect: f64,
     /// First conjugate time (s), if there is one up to T.
     pub conjugate_time: Option<f64>,

@@ -93,9 +93,9 @@ fn seeded(start: usize, coordinate: usize, [low, high]: [f64; 2], near: f64) -> 
     low + part * (high - low)
 }
 
-/// The same, near q: turned back by whole turns towards it, as far as limits and tools allow. If what is found
-/// first from q itself is [`FAR`] from it, others are looked for, and the one to which the joints turn least
-/// is taken.
+/// The same, near q: turned back by whole turns towards it, as far as limits and tools allow. If what is
+/// found first from q itself is [`FAR`] from it, others are looked for, and the one to which the joints turn
+/// least is taken.
 pub(crate) fn reach_near(
     functions: &mut TaskFunctions,
     near: &[f64],

@@ -17,8 +17,8 @@ impl RunningCost for Repelled {
 }
 
 /// A mass that may stay at 0, where the cost `1/2 (q''^2 - k q^2)` is stationary. Its second variation is
-/// positive as long as k is below the first eigenvalue of `q'''' = k q`, that of a beam whose end is held, hinged
-/// or free.
+/// positive as long as k is below the first eigenvalue of `q'''' = k q`, that of a beam whose end is held,
+/// hinged or free.
 #[test]
 fn a_motion_is_a_minimum_up_to_the_first_eigenvalue_of_a_beam() {
     let held = BoundaryState::fixed(&[0.0], &[0.0]);

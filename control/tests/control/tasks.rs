@@ -94,7 +94,8 @@ fn the_tip_stays_outside_of_a_disc() {
     let body = LinkCapsule::sphere("joint:elbow", 0.0).with_from([1.0, 0.0, 0.0]).with_name("tip");
     let task = Task::default().with_obstacle(disc).with_collision(Collision::of(vec![body]));
     let problem = two_link().with_task(task);
-    // The straight way in the joints leads to 227.23, on the other side; the motion without the disc does not.
+    // The straight way in the joints leads to 227.23, on the other side; the motion without the disc does
+    // not.
     let solution = solve(&problem);
     assert_eq!(solution.motion.status, Status::Converged);
     assert!((solution.motion.cost / 170.506_985 - 1.0).abs() < 1e-6, "{}", solution.motion.cost);

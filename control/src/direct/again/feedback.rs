@@ -128,8 +128,8 @@ impl Feedback {
     }
 
     /// Writes K(t), n x 2n, at time t (s): a parabola through the points of each interval. False, and nothing
-    /// is written, where something is free at the start, `gain` has not 2 n^2 entries or t is NaN; t beyond the
-    /// ends counts as that of the end.
+    /// is written, where something is free at the start, `gain` has not 2 n^2 entries or t is NaN; t beyond
+    /// the ends counts as that of the end.
     pub fn gain(&self, t: f64, gain: &mut [f64]) -> bool {
         if !self.has_gain || gain.len() != 2 * self.dof * self.dof || t.is_nan() {
             return false;

@@ -8,8 +8,8 @@ use std::borrow::Cow;
 
 /// The problem with positions at the ends of its phases at which tools are where they shall be.
 ///
-/// Each is near the place before it, unless the problem gives a guess of its own: an arm has several positions
-/// for a pose, whole turns of its joints aside. Starts after the first one look for other ones.
+/// Each is near the place before it, unless the problem gives a guess of its own: an arm has several
+/// positions for a pose, whole turns of its joints aside. Starts after the first one look for other ones.
 pub(crate) fn with_tools_reached<'a>(
     problem: &'a Problem,
     rows: &TaskRows,

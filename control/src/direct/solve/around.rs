@@ -58,7 +58,8 @@ pub(super) fn around_obstacles(
     Ok((is_better.then_some(found.spline), steps))
 }
 
-/// The cost of the motion on the mesh of a guess, solved roughly; `None` if that fails or limits are not kept.
+/// The cost of the motion on the mesh of a guess, solved roughly; `None` if that fails or limits are not
+/// kept.
 fn first_motion(
     interior: &mut Interior<Dynamics>,
     options: &SolverOptions,

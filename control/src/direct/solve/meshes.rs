@@ -32,7 +32,8 @@ pub(super) struct Refined {
 
 impl Refined {
     /// Of a smoothed problem whose solution costs more than that of the problem by at most `bound`, relative
-    /// to it, its own tolerance included: the problem itself is solved if that is twice the tolerance at most.
+    /// to it, its own tolerance included: the problem itself is solved if that is twice the tolerance at
+    /// most.
     pub fn smoothed(self, bound: f64, options: &SolverOptions) -> Self {
         let status = match self.status {
             Status::Converged if bound > constants::SMOOTHED_ENOUGH => Status::MeshLimit,

@@ -1,12 +1,13 @@
 //! Least time where the problem itself is too hard: with a cost of torques that becomes smaller and smaller.
 //!
-//! Torques without a cost jump from limit to limit, and where a joint has time to spare anything that keeps the
-//! end is optimal: meshes follow jumps that mean nothing. A little cost of torques decides. What that can cost
-//! in time is bounded. With the weight w, prices `p_i = 2 c / h_i^2` (c the price of a second, h_i half the
-//! range of a torque) and `E = integral of 1/2 sum p_i tau_i^2`, a motion of time T that minimises
+//! Torques without a cost jump from limit to limit, and where a joint has time to spare anything that keeps
+//! the end is optimal: meshes follow jumps that mean nothing. A little cost of torques decides. What that can
+//! cost in time is bounded. With the weight w, prices `p_i = 2 c / h_i^2` (c the price of a second, h_i half
+//! the range of a torque) and `E = integral of 1/2 sum p_i tau_i^2`, a motion of time T that minimises
 //! `c T + w E` is worse than any other one nearby by at most
 //!
-//! $$ c \, (T - T^\ast) \le w \, (E(T^\ast) - E) \le w \, \Bigl( T \sum_i \frac12 p_i \max \tau_i^2 - E \Bigr). $$
+//! $$ c \, (T - T^\ast) \le w \, (E(T^\ast) - E) \le w \, \Bigl( T \sum_i \frac12 p_i \max \tau_i^2 - E
+//! \Bigr). $$
 
 use super::meshes::{Refined, refine};
 use super::prepare::{Dynamics, interior_on};
