@@ -102,6 +102,9 @@ fn limits(text: &str) -> Result<(String, LimitChange), String> {
     let mut values = values.split(',').map(entry).collect::<Result<Vec<_>, _>>()?;
     let count = values.len();
     values.resize(4, None);
+    if values.iter().all(Option::is_none) {
+        return Err("changes no limit; give at least one of its entries a number".into());
+    }
     match values[..] {
         [lower, upper, velocity, effort] if (2..=4).contains(&count) => {
             Ok((joint.into(), LimitChange { lower, upper, velocity, effort }))

@@ -45,7 +45,7 @@ pub use compiled::{Compiled, supported};
 pub use error::JitError;
 pub use lanes::JitLanes;
 pub use limit::{DEFAULT_LIMIT, LANES_LIMIT, limit_of};
-pub use model::JitModel;
+pub use model::{JitModel, JitVelocityModel};
 pub use number::JitNumber;
 pub use quantity::{Backend, JitQuantity};
 pub use widest::{widest, widest_fused};

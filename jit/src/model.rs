@@ -135,9 +135,6 @@ fn take(matrix: &mut Matrix<f64>, entries: &[f64]) {
     }
 }
 
-/// Holds in (q, v); a model in (q, p) must not be given to what asks for it.
-impl VelocityForm<f64> for JitModel {}
-
 impl Dynamics<f64> for JitModel {
     type Error = EvalError;
 
@@ -189,5 +186,70 @@ impl Dynamics<f64> for JitModel {
             ux: lagrangian.then(|| self.ux.view()),
             uu: None,
         })
+    }
+}
+
+/// A [`JitModel`] in (q, v), with f = (v, a), for [steps](costate::step) that need this form.
+///
+/// ```
+/// use costate::robot::Robot;
+/// use costate::step::{SemiImplicitEuler, Step};
+/// use costate_jit::JitVelocityModel;
+/// # std::env::set_current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))?;
+/// let robot = Robot::from_file("robots/two_link.toml")?;
+/// let mut step = SemiImplicitEuler::new(JitVelocityModel::new(&robot)?);
+/// let next = step.evaluate(&[0.3, -0.8, 1.0, 0.5], &[0.2, 0.0], 0.01)?;
+/// assert_eq!(next[0], 0.3 + 0.01 * next[2]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// A model in (q, p) does not have it:
+///
+/// ```compile_fail,E0277
+/// # use costate::{codegen::Coordinates, robot::Robot, step::SemiImplicitEuler};
+/// # let robot = Robot::from_file("robots/two_link.toml").unwrap();
+/// let model = costate_jit::JitModel::new(&robot, Coordinates::Hamiltonian).unwrap();
+/// SemiImplicitEuler::new(model);
+/// ```
+#[derive(Clone, Debug)]
+pub struct JitVelocityModel(JitModel);
+
+impl JitVelocityModel {
+    /// Records and compiles f, f_x and y'f_xx in (q, v).
+    ///
+    /// # Errors
+    /// As [`JitModel::new`].
+    pub fn new(robot: &Robot) -> Result<Self, CodegenError> {
+        JitModel::new(robot, Coordinates::Lagrangian).map(Self)
+    }
+}
+
+impl VelocityForm<f64> for JitVelocityModel {}
+
+impl Dynamics<f64> for JitVelocityModel {
+    type Error = EvalError;
+
+    fn states(&self) -> usize {
+        self.0.states()
+    }
+
+    fn controls(&self) -> usize {
+        self.0.controls()
+    }
+
+    fn structure(&self) -> Structure {
+        self.0.structure()
+    }
+
+    fn evaluate(&mut self, x: &[f64], u: &[f64]) -> Result<&[f64], EvalError> {
+        self.0.evaluate(x, u)
+    }
+
+    fn linearise(&mut self, x: &[f64], u: &[f64]) -> Result<Linearisation<'_, f64>, EvalError> {
+        self.0.linearise(x, u)
+    }
+
+    fn contract(&mut self, x: &[f64], u: &[f64], y: &[f64]) -> Result<Contraction<'_, f64>, EvalError> {
+        self.0.contract(x, u, y)
     }
 }

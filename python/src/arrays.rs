@@ -1,17 +1,19 @@
 //! NumPy arrays in and out: their checks, their leading axes, and numbers by states.
 
 use crate::errors::argument;
-use crate::plan::{Argument, Output};
-use numpy::npyffi::NPY_TYPES;
-use numpy::{PyArrayDescrMethods, PyArrayDyn, PyArrayMethods, PyUntypedArray, PyUntypedArrayMethods};
+use crate::plan::{Argument, Entries, Output};
+use numpy::npyffi::{NPY_TYPES, NpyTypes, PY_ARRAY_API, get_type_object};
+use numpy::{
+    Element, PyArrayDescrMethods, PyArrayDyn, PyArrayMethods, PyUntypedArray, PyUntypedArrayMethods,
+};
 use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
+use std::ffi::c_int;
+use std::ptr::null_mut;
 
 /// Most leading axes of an argument.
 const MOST_AXES: usize = 8;
-/// Numbers for which there is memory.
-const SURE: usize = 1 << 24;
 
 /// The leading axes of all arguments together.
 #[derive(Clone, Copy, Debug, Default)]
@@ -21,6 +23,16 @@ pub struct Axes {
 }
 
 impl Axes {
+    /// Axes of these lengths; all states along one axis where there are too many.
+    pub fn new(lengths: &[usize]) -> Self {
+        let mut axes = Self { count: lengths.len(), lengths: [1; MOST_AXES] };
+        match axes.lengths.get_mut(..lengths.len()) {
+            Some(own) => own.copy_from_slice(lengths),
+            None => (axes.count, axes.lengths[0]) = (1, lengths.iter().product()),
+        }
+        axes
+    }
+
     /// The lengths of the axes.
     pub fn shape(&self) -> &[usize] {
         &self.lengths[..self.count]
@@ -80,6 +92,20 @@ unsafe impl Send for Source {}
 unsafe impl Sync for Source {}
 
 impl Source {
+    /// Numbers in C order, `length` for each state.
+    ///
+    /// # Safety
+    /// They are there as long as it is used.
+    pub unsafe fn dense(data: *const u8, axes: &Axes, length: usize) -> Self {
+        let mut strides = [0; MOST_AXES];
+        let mut stride = (length * size_of::<f64>()) as isize;
+        for k in (0..axes.count).rev() {
+            strides[k] = stride;
+            stride *= axes.lengths[k] as isize;
+        }
+        Self { data, strides }
+    }
+
     /// Copies numbers `start..start + to.len()` of a state.
     #[inline]
     pub fn copy(&self, axes: &Axes, state: usize, start: usize, to: &mut [f64]) {
@@ -90,8 +116,9 @@ impl Source {
             offset += (rest % length) as isize * self.strides[k];
             rest /= length;
         }
-        // SAFETY: `read` has checked that the array has this many numbers along its last axis, one after the
-        // other, at every index of its leading axes, and `broadcast` that the state is one of them. Bytes are
+        // SAFETY: `read_all` has checked that the array has this many numbers along its last axis, one after
+        // the other, at every index of its leading axes, and that the state is one of them; the caller of
+        // `dense` has promised it. Bytes are
         // copied, which need no alignment. As in NumPy, a thread that writes to the array meanwhile decides
         // what is read.
         unsafe {
@@ -183,12 +210,17 @@ fn converted<'py>(given: &Bound<'py, PyAny>, expected: &Argument) -> PyResult<Bo
     static CONVERT: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
     let py = given.py();
     let convert = CONVERT.import(py, "numpy", "array")?;
-    let array = convert.call1((given,)).and_then(|array| array.call_method1(intern!(py, "astype"), ("f8",)));
-    let array = array.map_err(|error| {
-        let name = expected.name;
-        let message = format!("{name} is not an array or a sequence of {} numbers: {error}", expected.length);
-        argument(py, name, message)
-    })?;
+    let refused = |reason: String| {
+        let (name, length) = (expected.name, expected.length);
+        argument(py, name, format!("{name} is not an array or a sequence of {length} numbers: {reason}"))
+    };
+    let array = convert.call1((given,)).and_then(|array| Ok(array.cast_into::<PyUntypedArray>()?));
+    let array = array.map_err(|error| refused(error.to_string()))?;
+    let kind = array.dtype().kind();
+    if !matches!(kind, b'i' | b'u' | b'f') {
+        return Err(refused(format!("its entries have the type {}", array.dtype())));
+    }
+    let array = array.call_method1(intern!(py, "astype"), ("f8",))?;
     Ok(array.cast_into::<PyUntypedArray>()?)
 }
 
@@ -207,15 +239,18 @@ fn wrong_type(array: &Bound<'_, PyUntypedArray>, expected: &Argument) -> PyErr {
 
 #[cold]
 fn wrong_shape(array: &Bound<'_, PyUntypedArray>, expected: &Argument) -> PyErr {
-    let Argument { name, length } = expected;
+    let Argument { name, length, entries } = expected;
+    let whose = match entries {
+        Entries::Joints => {
+            "one entry for each of the joints of `robot.joint_names`, in their order (y: twice, d: three times as \
+             many)"
+        }
+        Entries::Axes => "one entry for each of the axes x, y, z",
+    };
     let message = if array.ndim() > MOST_AXES + 1 {
         format!("{name} has {} axes; at most {MOST_AXES} may come before that of the joints", array.ndim())
     } else {
-        format!(
-            "{name} has the shape {:?}, not (..., {length}); the last axis has one entry for each of the joints of \
-             `robot.joint_names`, in their order (y: twice, d: three times as many)",
-            array.shape()
-        )
+        format!("{name} has the shape {:?}, not (..., {length}); the last axis has {whose}", array.shape())
     };
     argument(array.py(), name, message)
 }
@@ -243,6 +278,14 @@ unsafe impl Send for Target {}
 unsafe impl Sync for Target {}
 
 impl Target {
+    /// Memory for `length` numbers of each state.
+    ///
+    /// # Safety
+    /// It is there, and nobody else's, as long as it is used.
+    pub unsafe fn dense(data: *mut f64, length: usize) -> Self {
+        Self { data, length }
+    }
+
     /// The numbers of one state.
     ///
     /// # Safety
@@ -265,15 +308,23 @@ pub fn allocate<'py>(py: Python<'py>, axes: &Axes, output: &Output) -> PyResult<
     let count = axes.count + output.shape.len();
     shape[..axes.count].copy_from_slice(axes.shape());
     shape[axes.count..count].copy_from_slice(&output.shape);
-    let array = if axes.states().saturating_mul(output.length) > SURE {
-        // This one raises where there is no memory.
-        py.import(intern!(py, "numpy"))?
-            .call_method1(intern!(py, "empty"), (&shape[..count],))?
-            .cast_into()?
-    } else {
-        // SAFETY: doubles need no initialisation before they are written, and all are written before Python
-        // sees the array.
-        unsafe { PyArrayDyn::<f64>::new(py, &shape[..count], false) }
+    // SAFETY: NumPy takes the reference to the type and reads `count` lengths, which are those of arrays or of
+    // a robot and so no larger than `npy_intp`; without strides and data it allocates in C order. It returns a
+    // new reference, or none and sets an exception. Doubles need no initialisation before they are written,
+    // and all are written before Python sees the array.
+    let array = unsafe {
+        let array = PY_ARRAY_API.PyArray_NewFromDescr(
+            py,
+            get_type_object(py, NpyTypes::PyArray_Type),
+            f64::get_dtype(py).into_dtype_ptr(),
+            count as c_int,
+            shape.as_mut_ptr().cast(),
+            null_mut(),
+            null_mut(),
+            0,
+            null_mut(),
+        );
+        Bound::from_owned_ptr_or_err(py, array)?.cast_into_unchecked::<PyArrayDyn<f64>>()
     };
     let data = array.data();
     Ok((array.into_any(), Target { data, length: output.length }))

@@ -33,7 +33,7 @@ pub fn _compare(py: Python<'_>, robot: &Robot, states: Vec<[Vec<f64>; 4]>) -> Py
         }
     }
     let compared = py.detach(|| compare(robot.model(), &states));
-    let (report, left_out) = compared.map_err(|failure| failure.raise(py, Vec::new()))?;
+    let (report, left_out) = compared.map_err(|(state, failure)| failure.raise(py, vec![state]))?;
     let row = |figure: &Figure| {
         let agrees = match figure.verdict(1.0) {
             Verdict::Agrees => Some(true),
@@ -55,10 +55,18 @@ pub fn _compare(py: Python<'_>, robot: &Robot, states: Vec<[Vec<f64>; 4]>) -> Py
 /// beyond, if there is machine code; and how many states were left out.
 type Compared = (Option<(StateReport, Option<[f64; 2]>)>, usize);
 
-fn compare(robot: &robot::Robot, states: &[[Vec<f64>; 4]]) -> Result<Compared, Failure> {
-    let (mut routes, mut steps) = (Routes::new(robot), StepRoutes::new(robot));
-    let mut hamiltonian = Hamiltonian::new(robot);
-    let mut codes = [None, Some(0)].map(|limit| {
+/// What computes the quantities that are compared.
+struct Compare {
+    routes: Routes,
+    steps: StepRoutes,
+    hamiltonian: Hamiltonian<f64>,
+    /// With machine code, and without.
+    codes: [Option<JitQuantity>; 2],
+}
+
+/// Compares all states; the number of a state that cannot be evaluated comes with its error.
+fn compare(robot: &robot::Robot, states: &[[Vec<f64>; 4]]) -> Result<Compared, (usize, Failure)> {
+    let codes = [None, Some(0)].map(|limit| {
         let of = (Quantity::YFXX, Coordinates::Hamiltonian);
         match limit {
             None => JitQuantity::new(robot, of.0, of.1),
@@ -66,32 +74,44 @@ fn compare(robot: &robot::Robot, states: &[[Vec<f64>; 4]]) -> Result<Compared, F
         }
         .ok()
     });
+    let hamiltonian = Hamiltonian::new(robot);
+    let mut all = Compare { routes: Routes::new(robot), steps: StepRoutes::new(robot), hamiltonian, codes };
     let (mut worst, mut left_out) = (None::<(StateReport, Option<[f64; 2]>)>, 0);
-    for [q, v, tau, y] in states {
-        let x = [q.as_slice(), hamiltonian.momentum(q, v)?].concat();
-        let mut report = match routes.compare(&x, tau, y) {
-            Ok(report) => report,
-            Err(DerivativeError::Function(EvalError::SingularMassMatrix { .. })) => {
-                left_out += 1;
-                continue;
-            }
-            Err(DerivativeError::Function(error)) => return Err(error.into()),
-            Err(error) => return Err(EvalError::Model { reason: error.to_string() }.into()),
+    for (index, state) in states.iter().enumerate() {
+        let Some((report, machine)) = all.at(state).map_err(|failure| (index, failure))? else {
+            left_out += 1;
+            continue;
         };
-        match steps.compare(&x, tau, STEP, y, &mut report.figures) {
-            Ok(()) | Err(StepError::NotConverged { .. } | StepError::Inaccurate { .. }) => {}
-            Err(StepError::Dynamics(EvalError::SingularMassMatrix { .. })) => {}
-            Err(error) => return Err(error.into()),
-        }
-        let bound = MACHINE_CODE * (report.condition / WELL_CONDITIONED).max(1.0);
-        let machine = difference(&mut codes, &[x.as_slice(), tau, y].concat())?;
-        let machine = machine.map(|difference| [difference, bound]);
         worst = Some(match worst.take() {
             None => (report, machine),
             Some((before, of)) => (before.with_worse_of(&report), nearer(of, machine)),
         });
     }
     Ok((worst, left_out))
+}
+
+impl Compare {
+    /// All figures at a state; none where the mass matrix is singular.
+    fn at(
+        &mut self,
+        [q, v, tau, y]: &[Vec<f64>; 4],
+    ) -> Result<Option<(StateReport, Option<[f64; 2]>)>, Failure> {
+        let x = [q.as_slice(), self.hamiltonian.momentum(q, v)?].concat();
+        let mut report = match self.routes.compare(&x, tau, y) {
+            Ok(report) => report,
+            Err(DerivativeError::Function(EvalError::SingularMassMatrix { .. })) => return Ok(None),
+            Err(DerivativeError::Function(error)) => return Err(error.into()),
+            Err(error) => return Err(EvalError::Model { reason: error.to_string() }.into()),
+        };
+        match self.steps.compare(&x, tau, STEP, y, &mut report.figures) {
+            Ok(()) | Err(StepError::NotConverged { .. } | StepError::Inaccurate { .. }) => {}
+            Err(StepError::Dynamics(EvalError::SingularMassMatrix { .. })) => {}
+            Err(error) => return Err(error.into()),
+        }
+        let bound = MACHINE_CODE * (report.condition / WELL_CONDITIONED).max(1.0);
+        let machine = difference(&mut self.codes, &[x.as_slice(), tau, y].concat())?;
+        Ok(Some((report, machine.map(|difference| [difference, bound]))))
+    }
 }
 
 /// The one of two differences that is nearer to its bound, or farther beyond.

@@ -1,23 +1,20 @@
 //! The class `Dynamics`.
 
-use crate::cores::Core;
+use crate::engines::engine_of;
 use crate::errors::{CodegenError, argument};
 use crate::function::{Engine, Function, Settings};
 use crate::kinematics::{BODY_VERBS, BodyVerb, of_robot};
 use crate::methods::methods;
 use crate::quantities::Verb;
 use crate::robot::Robot;
+use crate::xla::registered;
 use costate::Coordinates;
 use costate::codegen::{CodegenError as NoQuantity, Quantity};
 use costate::robot;
-use costate_jit::{Backend, JitLanes, JitQuantity};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use std::num::NonZero;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
-
-/// Machine code with fewer steps takes a few microseconds at most.
-const SHORT: usize = 20_000;
 
 /// The dynamics of a robot, with exact first and second derivatives.
 ///
@@ -34,7 +31,7 @@ const SHORT: usize = 20_000;
 /// coordinates : {"qv", "qp"}
 ///     The state.
 /// on_error : {"raise", "nan"}
-///     What happens at a state that is not finite or at which the mass matrix is singular: a `StateError`
+///     What happens at a state of which any number of any argument is not finite, or at which the mass matrix is singular: a `StateError`
 ///     with the batch index, or results that are not-a-number with a `StateWarning`. All other states are
 ///     computed.
 /// threads : int, optional
@@ -55,13 +52,21 @@ pub struct Dynamics {
     robot: Robot,
     coordinates: Coordinates,
     settings: Settings,
-    engines: Mutex<Vec<(Computed, Arc<Engine>)>>,
-    functions: [OnceLock<Function>; Verb::ALL.len()],
+    engines: Mutex<Vec<Known>>,
+    functions: [OnceLock<Arc<Function>>; Verb::ALL.len()],
     bodies: [OnceLock<Function>; BODY_VERBS],
 }
 
 /// A quantity in its coordinates.
 type Computed = (Quantity, Coordinates);
+
+/// What computes a quantity, and the words about it.
+#[derive(Clone)]
+struct Known {
+    of: Computed,
+    engine: Arc<Engine>,
+    backend: String,
+}
 
 /// The coordinates of these letters.
 pub fn coordinates_of(py: Python<'_>, letters: &str) -> PyResult<Coordinates> {
@@ -81,6 +86,11 @@ impl Dynamics {
         self.robot.model()
     }
 
+    /// The same, to keep.
+    pub fn shared(&self) -> Arc<robot::Robot> {
+        self.robot.shared()
+    }
+
     /// How batches are evaluated.
     pub fn settings(&self) -> Settings {
         self.settings
@@ -91,21 +101,22 @@ impl Dynamics {
         self.coordinates
     }
 
-    /// The engine of a quantity, which all methods that need it share.
-    fn engine(&self, of: Computed) -> Result<Arc<Engine>, NoQuantity> {
+    /// The engine of a quantity, which all methods that need it share. It is compiled without the
+    /// interpreter's lock.
+    fn engine(&self, py: Python<'_>, of: Computed) -> PyResult<Known> {
+        let engine = py.detach(|| self.compiled(of));
+        engine.map_err(|error| CodegenError::new_err(error.to_string()))
+    }
+
+    fn compiled(&self, of: Computed) -> Result<Known, NoQuantity> {
         let mut engines = self.engines.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((_, engine)) = engines.iter().find(|(known, _)| *known == of) {
-            return Ok(engine.clone());
+        if let Some(known) = engines.iter().find(|known| known.of == of) {
+            return Ok(known.clone());
         }
-        let (quantity, coordinates) = of;
-        let code = JitQuantity::new(self.model(), quantity, coordinates)?;
-        let short = matches!(code.backend(), Backend::Compiled { steps, .. } if steps < SHORT);
-        let robot = self.robot.shared();
-        let lanes = move || JitLanes::new(&robot, quantity, coordinates).ok().and_then(Result::ok);
-        let core = move || Box::new(code.clone()) as Box<dyn Core>;
-        let engine = Arc::new(Engine::new(core).with_lanes(lanes).short(short));
-        engines.push((of, engine.clone()));
-        Ok(engine)
+        let (engine, backend) = engine_of(self.robot.shared(), of.0, of.1)?;
+        let known = Known { of, engine: Arc::new(engine), backend };
+        engines.push(known.clone());
+        Ok(known)
     }
 
     #[inline]
@@ -117,17 +128,16 @@ impl Dynamics {
     ) -> PyResult<Bound<'py, PyAny>> {
         let function = match self.functions[verb as usize].get() {
             Some(function) => function,
-            None => self.prepare(verb)?,
+            None => self.prepare(py, verb)?,
         };
         function.call(py, arguments, self.settings)
     }
 
     #[cold]
-    fn prepare(&self, verb: Verb) -> PyResult<&Function> {
-        let engine = self.engine(verb.quantity(self.coordinates));
-        let engine = engine.map_err(|error| CodegenError::new_err(error.to_string()))?;
+    fn prepare(&self, py: Python<'_>, verb: Verb) -> PyResult<&Arc<Function>> {
+        let Known { engine, .. } = self.engine(py, verb.quantity(self.coordinates))?;
         let plan = verb.plan(self.coordinates, self.model().dof());
-        Ok(self.functions[verb as usize].get_or_init(|| Function::new(plan, engine)))
+        Ok(self.functions[verb as usize].get_or_init(|| Arc::new(Function::new(plan, engine, self.shared()))))
     }
 
     fn of_robot<'py, const N: usize>(
@@ -136,7 +146,7 @@ impl Dynamics {
         verb: BodyVerb,
         arguments: [&Bound<'py, PyAny>; N],
     ) -> PyResult<Bound<'py, PyAny>> {
-        let function = self.bodies[verb as usize].get_or_init(|| of_robot(self.model(), verb));
+        let function = self.bodies[verb as usize].get_or_init(|| of_robot(self.shared(), verb));
         function.call(py, arguments, self.settings)
     }
 }
@@ -217,9 +227,18 @@ methods! {
                 let names = Verb::ALL.map(Verb::name).join(", ");
                 argument(py, "verb", format!("'{verb}' has no backend; give one of {names}"))
             })?;
-            let (quantity, coordinates) = found.quantity(self.coordinates);
-            let code = JitQuantity::new(self.model(), quantity, coordinates);
-            Ok(code.map_err(|error| CodegenError::new_err(error.to_string()))?.backend().to_string())
+            Ok(self.engine(py, found.quantity(self.coordinates))?.backend)
+        }
+
+        /// The number by which XLA calls a method; for `costate.jax`.
+        fn _xla(&self, py: Python<'_>, verb: &str) -> PyResult<i64> {
+            let found = Verb::ALL.into_iter().find(|known| known.name() == verb);
+            let found = found.ok_or_else(|| argument(py, "verb", format!("no method '{verb}'")))?;
+            let function = match self.functions[found as usize].get() {
+                Some(function) => function,
+                None => self.prepare(py, found)?,
+            };
+            Ok(registered(function, self.settings))
         }
 
         fn __eq__(&self, other: &Self) -> bool {

@@ -1,6 +1,7 @@
 //! Changes of a robot: each returns another one.
 
 use crate::descriptions::inertia_of;
+use crate::errors::argument;
 use crate::recipe::named;
 use crate::robot::Robot;
 use costate::robot::{FrameSpec, Friction, LimitChange, LinkInertia, Placement};
@@ -103,9 +104,14 @@ impl Robot {
         effort: Option<f64>,
     ) -> PyResult<Self> {
         let arguments = named!(py, joint, lower, upper, velocity, effort);
+        let change = LimitChange { lower, upper, velocity, effort };
+        if change == LimitChange::default() {
+            let message = "no limit is given; give lower, upper, velocity or effort";
+            return Err(argument(py, "joint", message.into()));
+        }
         self.changed(py, "with_limits", arguments, |robot| {
             let old = robot.joints()[robot.joint_index(&joint)?].limits;
-            robot.with_limits(&joint, LimitChange { lower, upper, velocity, effort }.of(old))
+            robot.with_limits(&joint, change.of(old))
         })
     }
 }

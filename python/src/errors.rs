@@ -10,6 +10,7 @@ use pyo3::prelude::*;
 mod classes {
     pyo3::import_exception!(costate._errors, ArgumentError);
     pyo3::import_exception!(costate._errors, CodegenError);
+    pyo3::import_exception!(costate._errors, CostateError);
     pyo3::import_exception!(costate._errors, NonFiniteState);
     pyo3::import_exception!(costate._errors, RobotError);
     pyo3::import_exception!(costate._errors, RobotWarning);
@@ -19,10 +20,10 @@ mod classes {
     pyo3::import_exception!(costate._errors, StepNotSolved);
 }
 
-pub use classes::{CodegenError, RobotWarning, StateWarning};
+pub use classes::{CodegenError, CostateError, RobotWarning, StateWarning};
 
 /// The same error with one more attribute; if that fails, the error of the failure.
-fn with<'py>(py: Python<'py>, error: PyErr, name: &str, value: impl IntoPyObject<'py>) -> PyErr {
+pub fn with<'py>(py: Python<'py>, error: PyErr, name: &str, value: impl IntoPyObject<'py>) -> PyErr {
     error.value(py).setattr(name, value).err().unwrap_or(error)
 }
 
@@ -53,28 +54,40 @@ pub fn robot(py: Python<'_>, error: &RobotError) -> PyErr {
     with(py, raised, "culprit", error.culprit())
 }
 
+/// A state of a motion that could not be evaluated.
+#[cold]
+pub fn evaluation(py: Python<'_>, error: EvalError) -> PyErr {
+    Failure::from(error).raise(py, Vec::new())
+}
+
 /// Why a state could not be evaluated.
 #[derive(Debug)]
 pub enum Failure {
+    /// A number of an argument is infinite or not a number.
+    NonFinite {
+        argument: &'static str,
+        index: usize,
+        joint: Option<String>,
+    },
+    /// Arguments are finite, and a state between the beginning and the end of a step is not.
+    Overflow {
+        joint: String,
+    },
     Evaluation(EvalError),
     Step(StepError<EvalError>),
 }
 
 impl From<EvalError> for Failure {
     fn from(error: EvalError) -> Self {
-        Self::Evaluation(match error {
-            // The library writes u for what Python calls tau.
-            EvalError::NonFinite { what: "u", index, joint } => {
-                EvalError::NonFinite { what: "tau", index, joint }
-            }
-            error => error,
-        })
+        Self::Evaluation(error)
     }
 }
 
 impl From<StepError<EvalError>> for Failure {
     fn from(error: StepError<EvalError>) -> Self {
         match error {
+            // Arguments have been checked.
+            StepError::Dynamics(EvalError::NonFinite { joint, .. }) => Self::Overflow { joint },
             StepError::Dynamics(error) => error.into(),
             error => Self::Step(error),
         }
@@ -84,6 +97,18 @@ impl From<StepError<EvalError>> for Failure {
 impl std::fmt::Display for Failure {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
+            Self::NonFinite { argument, index, joint } => {
+                write!(f, "{argument}[{index}]")?;
+                if let Some(joint) = joint {
+                    write!(f, " (joint '{}')", costate::robot::printable(joint))?;
+                }
+                f.write_str(" is not finite; check the computation that produced it")
+            }
+            Self::Overflow { joint } => write!(
+                f,
+                "joint '{}' is beyond all numbers within the step; take a shorter step, or smaller arguments",
+                costate::robot::printable(joint)
+            ),
             Self::Evaluation(error) => error.fmt(f),
             Self::Step(error) => error.fmt(f),
         }
@@ -91,18 +116,24 @@ impl std::fmt::Display for Failure {
 }
 
 impl Failure {
+    /// What happened, with the batch index of the state.
+    pub fn at(&self, index: &[usize]) -> String {
+        if index.is_empty() { self.to_string() } else { format!("state {index:?}: {self}") }
+    }
+
     /// The exception for the state with this batch index.
     #[cold]
     pub fn raise(&self, py: Python<'_>, index: Vec<usize>) -> PyErr {
-        let message = if index.is_empty() { self.to_string() } else { format!("state {index:?}: {self}") };
+        let message = self.at(&index);
         let raised = match self {
             Self::Evaluation(EvalError::SingularMassMatrix { joint }) => {
                 with(py, classes::SingularMassMatrix::new_err(message), "joint", joint)
             }
-            Self::Evaluation(EvalError::NonFinite { what, joint, .. }) => {
+            Self::NonFinite { argument, joint, .. } => {
                 let raised = with(py, classes::NonFiniteState::new_err(message), "joint", joint);
-                with(py, raised, "argument", *what)
+                with(py, raised, "argument", *argument)
             }
+            Self::Overflow { joint } => with(py, classes::StepNotSolved::new_err(message), "joint", joint),
             Self::Evaluation(_) => classes::StateError::new_err(message),
             Self::Step(_) => classes::StepNotSolved::new_err(message),
         };

@@ -31,6 +31,19 @@ impl Failures {
     }
 }
 
+impl Failures {
+    /// The first failure and where it is, unless results are not-a-number.
+    ///
+    /// # Errors
+    /// What is to be said.
+    pub fn message(&self, axes: &Axes, nan: bool) -> Result<(), String> {
+        match &self.first {
+            Some((state, failure)) if !nan => Err(failure.at(&axes.index(*state))),
+            _ => Ok(()),
+        }
+    }
+}
+
 /// Raises the first failure, or warns of all of them where their results are not-a-number.
 #[inline]
 pub fn report(py: Python<'_>, axes: &Axes, failures: Failures, nan: bool) -> PyResult<()> {

@@ -52,7 +52,7 @@ impl Frame {
         arguments: [&Bound<'py, PyAny>; N],
     ) -> PyResult<Bound<'py, PyAny>> {
         let dynamics = self.dynamics.get();
-        let new = || of_frame(dynamics.model(), verb, self.frame, self.axes.1);
+        let new = || of_frame(dynamics.shared(), verb, self.frame, self.axes.1);
         self.functions[verb as usize].get_or_init(new).call(py, arguments, dynamics.settings())
     }
 }

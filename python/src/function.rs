@@ -2,8 +2,10 @@
 
 use crate::arrays::{Axes, Source, Target, allocate, read_all};
 use crate::cores::Core;
+use crate::errors::Failure;
 use crate::failures::{Failures, report};
-use crate::plan::{Number, Plan};
+use crate::plan::{Argument, Entries, Number, Plan};
+use costate::robot::Robot;
 use costate_jit::JitLanes;
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
@@ -38,10 +40,29 @@ pub struct Engine {
     short: bool,
 }
 
-struct Workspace {
+/// What one thread computes with: a core, and buffers for one state and for four.
+pub struct Workspace {
     core: Box<dyn Core>,
     one: Vec<f64>,
     four: Vec<[f64; 4]>,
+}
+
+impl Workspace {
+    /// The numbers of one state; its arguments are written here.
+    #[inline]
+    pub fn state(&mut self, plan: &Plan) -> &mut [f64] {
+        &mut self.one[..plan.size()]
+    }
+
+    /// Evaluates that state.
+    ///
+    /// # Errors
+    /// Why it is refused.
+    #[inline]
+    pub fn evaluate(&mut self, plan: &Plan) -> Result<(), Failure> {
+        let (inputs, outputs) = self.one[..plan.size()].split_at_mut(plan.core_outputs.start);
+        self.core.evaluate(&inputs[plan.core_inputs.clone()], outputs)
+    }
 }
 
 impl Engine {
@@ -72,7 +93,7 @@ impl Engine {
 
     /// Runs `work` with a workspace that nobody else uses.
     #[inline]
-    fn with<R>(&self, plan: &Plan, work: impl FnOnce(&mut Workspace) -> R) -> R {
+    pub fn with<R>(&self, plan: &Plan, work: impl FnOnce(&mut Workspace) -> R) -> R {
         let free = self.free.lock().unwrap_or_else(PoisonError::into_inner).pop();
         let mut workspace =
             free.unwrap_or_else(|| Workspace { core: (self.new_core)(), one: Vec::new(), four: Vec::new() });
@@ -90,19 +111,22 @@ impl Engine {
 pub struct Function {
     plan: Plan,
     engine: Arc<Engine>,
+    /// The robot whose joints the entries of arguments belong to.
+    robot: Arc<Robot>,
 }
 
 /// The states of one call.
-struct Call<'a, const N: usize> {
+struct Call<'a> {
     plan: &'a Plan,
-    sources: [Source; N],
+    robot: &'a Robot,
+    sources: &'a [Source],
     targets: &'a [Target],
     axes: Axes,
 }
 
 impl Function {
-    pub fn new(plan: Plan, engine: Arc<Engine>) -> Self {
-        Self { plan, engine }
+    pub fn new(plan: Plan, engine: Arc<Engine>, robot: Arc<Robot>) -> Self {
+        Self { plan, engine, robot }
     }
 
     /// Evaluates the function at all states of its arguments: one array, or a tuple of them.
@@ -117,45 +141,65 @@ impl Function {
     ) -> PyResult<Bound<'py, PyAny>> {
         let plan = &self.plan;
         let (_arguments, sources, axes) = read_all(py, given, &plan.arguments)?;
-        let states = axes.states();
         if let [output] = plan.outputs.as_slice() {
             let (array, target) = allocate(py, &axes, output)?;
-            self.evaluate(py, Call { plan, sources, targets: &[target], axes }, states, settings)?;
+            self.evaluate(py, &sources, &[target], axes, settings)?;
             return Ok(array);
         }
         let new: Vec<_> =
             plan.outputs.iter().map(|output| allocate(py, &axes, output)).collect::<PyResult<_>>()?;
         let (arrays, targets): (Vec<_>, Vec<_>) = new.into_iter().unzip();
-        self.evaluate(py, Call { plan, sources, targets: &targets, axes }, states, settings)?;
+        self.evaluate(py, &sources, &targets, axes, settings)?;
         Ok(PyTuple::new(py, arrays)?.into_any())
     }
 
     #[inline]
-    fn evaluate<const N: usize>(
+    fn evaluate(
         &self,
         py: Python<'_>,
-        call: Call<'_, N>,
-        states: usize,
+        sources: &[Source],
+        targets: &[Target],
+        axes: Axes,
         settings: Settings,
     ) -> PyResult<()> {
-        let one_by_one = || {
-            self.engine.with(call.plan, |workspace| {
-                let mut failures = Failures::default();
-                (0..states).for_each(|state| call.one(workspace, state, &mut failures));
-                failures
-            })
-        };
-        let failures = if self.engine.short && states < FEW {
-            one_by_one()
+        let failures = if self.engine.short && axes.states() < FEW {
+            self.compute(sources, targets, axes, settings)
         } else {
-            py.detach(|| if states < FEW { one_by_one() } else { self.many(&call, states, settings) })
+            py.detach(|| self.compute(sources, targets, axes, settings))
         };
-        report(py, &call.axes, failures, settings.nan)
+        report(py, &axes, failures, settings.nan)
+    }
+
+    /// What it reads and writes.
+    pub fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
+    /// Evaluates all states, whose numbers are where the sources and targets of each argument and result say.
+    #[inline]
+    pub fn compute(
+        &self,
+        sources: &[Source],
+        targets: &[Target],
+        axes: Axes,
+        settings: Settings,
+    ) -> Failures {
+        let Self { plan, robot, engine } = self;
+        let states = axes.states();
+        let call = Call { plan, robot, sources, targets, axes };
+        if states >= FEW {
+            return self.many(&call, states, settings);
+        }
+        engine.with(plan, |workspace| {
+            let mut failures = Failures::default();
+            (0..states).for_each(|state| call.one(workspace, state, &mut failures));
+            failures
+        })
     }
 
     /// Evaluates many states on lanes and threads. Which states are evaluated together does not depend on
     /// the number of threads.
-    fn many<const N: usize>(&self, call: &Call<'_, N>, states: usize, settings: Settings) -> Failures {
+    fn many(&self, call: &Call<'_>, states: usize, settings: Settings) -> Failures {
         let lanes = self.engine.lanes();
         let next = AtomicUsize::new(0);
         let work = || {
@@ -199,19 +243,24 @@ impl Function {
     }
 }
 
-impl<const N: usize> Call<'_, N> {
+impl Call<'_> {
     /// Evaluates one state; its results are not-a-number where that fails.
     #[inline]
     fn one(&self, workspace: &mut Workspace, state: usize, failures: &mut Failures) {
-        let Self { plan, sources, axes, .. } = self;
-        let buffer = &mut workspace.one[..plan.size()];
+        let Self { plan, sources, targets, axes, .. } = self;
+        let buffer = workspace.state(plan);
+        let mut finite = true;
         for place in &plan.places {
             let to = &mut buffer[place.at..place.at + place.length];
             sources[place.argument].copy(axes, state, place.start, to);
+            finite &= all_finite(to);
         }
-        let (inputs, outputs) = buffer.split_at_mut(plan.core_outputs.start);
-        let done = workspace.core.evaluate(&inputs[plan.core_inputs.clone()], outputs);
-        for (output, target) in plan.outputs.iter().zip(self.targets) {
+        let done = match finite {
+            true => workspace.evaluate(plan),
+            false => Err(self.not_finite(workspace.state(plan))),
+        };
+        let buffer = workspace.state(plan);
+        for (output, target) in plan.outputs.iter().zip(*targets) {
             // SAFETY: each state of a call is evaluated once, by one thread.
             let result = unsafe { target.of(state) };
             match done {
@@ -224,6 +273,24 @@ impl<const N: usize> Call<'_, N> {
         }
     }
 
+    /// The first number of a state that is not finite, in the order of the arguments.
+    #[cold]
+    fn not_finite(&self, buffer: &[f64]) -> Failure {
+        let Self { plan, robot, .. } = self;
+        let found = plan.places.iter().find_map(|place| {
+            let numbers = &buffer[place.at..place.at + place.length];
+            Some((place, place.start + numbers.iter().position(|number| !number.is_finite())?))
+        });
+        // One of them is: the caller has looked.
+        let (argument, index) = found.map_or((0, 0), |(place, index)| (place.argument, index));
+        let Argument { name, entries, .. } = plan.arguments[argument];
+        let joint = match entries {
+            Entries::Joints => robot.independent_joints().nth(index % robot.dof().max(1)),
+            Entries::Axes => None,
+        };
+        Failure::NonFinite { argument: name, index, joint: joint.map(|joint| joint.name.clone()) }
+    }
+
     /// Evaluates these states in fours, the last one repeated where they are not a multiple of four. States
     /// that are not certain are evaluated one by one.
     fn by_fours(
@@ -233,7 +300,7 @@ impl<const N: usize> Call<'_, N> {
         states: std::ops::Range<usize>,
         failures: &mut Failures,
     ) {
-        let Self { plan, sources, axes, .. } = self;
+        let Self { plan, sources, targets, axes, .. } = self;
         if workspace.four.len() < plan.size() {
             workspace.four.resize(plan.size(), [0.0; 4]);
         }
@@ -241,11 +308,14 @@ impl<const N: usize> Call<'_, N> {
         while start < states.end {
             let buffer = &mut workspace.four[..plan.size()];
             buffer[crate::plan::ONE] = <[f64; 4]>::ONE;
+            let mut finite = [true; 4];
             for lane in 0..4 {
                 let state = (start + lane).min(states.end - 1);
                 for place in &plan.places {
                     let numbers = &mut workspace.one[..place.length];
                     sources[place.argument].copy(axes, state, place.start, numbers);
+                    // The machine code looks at its own arguments.
+                    finite[lane] &= place.at >= plan.core_inputs.start || all_finite(numbers);
                     let to = &mut buffer[place.at..place.at + place.length];
                     to.iter_mut().zip(&*numbers).for_each(|(to, from)| to.set(lane, *from));
                 }
@@ -255,12 +325,12 @@ impl<const N: usize> Call<'_, N> {
             let certain = lanes.evaluate(&inputs[plan.core_inputs.clone()], outputs).unwrap_or([false; 4]);
             let end = states.end.min(start + <[f64; 4]>::STATES);
             for state in start..end {
-                if !certain[state - start] {
+                if !(certain[state - start] && finite[state - start]) {
                     self.one(workspace, state, failures);
                     continue;
                 }
                 let buffer = &workspace.four[..plan.size()];
-                for (output, target) in plan.outputs.iter().zip(self.targets) {
+                for (output, target) in plan.outputs.iter().zip(*targets) {
                     // SAFETY: each state of a call is evaluated once, by one thread.
                     output.write(buffer, state - start, unsafe { target.of(state) });
                 }
@@ -268,4 +338,10 @@ impl<const N: usize> Call<'_, N> {
             start = end;
         }
     }
+}
+
+/// Whether every number is finite: `0 x` is 0 if x is finite, and not a number otherwise.
+#[inline]
+fn all_finite(numbers: &[f64]) -> bool {
+    numbers.iter().fold(0.0, |sum, number| sum + 0.0 * number) == 0.0
 }

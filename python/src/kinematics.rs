@@ -2,7 +2,7 @@
 
 use crate::cores::{Writer, core_of};
 use crate::function::{Engine, Function};
-use crate::plan::Plan;
+use crate::plan::{Argument, Plan};
 use costate::hamiltonian::Hamiltonian;
 use costate::kinematics::{Kinematics, ReferenceFrame};
 use costate::robot::Robot;
@@ -36,9 +36,10 @@ pub enum BodyVerb {
 pub const BODY_VERBS: usize = 4;
 
 /// A function of one frame.
-pub fn of_frame(robot: &Robot, verb: FrameVerb, frame: usize, axes: ReferenceFrame) -> Function {
+pub fn of_frame(robot: Arc<Robot>, verb: FrameVerb, frame: usize, axes: ReferenceFrame) -> Function {
     let n = robot.dof();
-    let (q, v, a, w) = (("q", n), ("v", n), ("a", n), ("w", 3));
+    let [q, v, a] = ["q", "v", "a"].map(|name| Argument::of_joints(name, n));
+    let w = Argument::in_space("w");
     let plan = match verb {
         FrameVerb::Pose => Plan::whole(&[q], &[&[3, 3], &[3]]),
         FrameVerb::Jacobian => Plan::whole(&[q], &[&[6, n]]),
@@ -47,7 +48,7 @@ pub fn of_frame(robot: &Robot, verb: FrameVerb, frame: usize, axes: ReferenceFra
         FrameVerb::Acceleration => Plan::whole(&[q, v, a], &[&[6]]),
         FrameVerb::PositionHessian => Plan::whole(&[q, w], &[&[n, n]]),
     };
-    let workspace = Kinematics::<f64>::new(robot);
+    let workspace = Kinematics::<f64>::new(&robot);
     let core = move || {
         core_of(workspace.clone(), move |of, inputs, outputs| {
             let (q, rest) = inputs.split_at(n);
@@ -85,19 +86,19 @@ pub fn of_frame(robot: &Robot, verb: FrameVerb, frame: usize, axes: ReferenceFra
             Ok(())
         })
     };
-    Function::new(plan, Arc::new(Engine::new(core).short(n < SHORT)))
+    Function::new(plan, Arc::new(Engine::new(core).short(n < SHORT)), robot)
 }
 
 /// Robots with fewer joints have kinematics within microseconds.
 const SHORT: usize = 20;
 
 /// A function of the whole robot.
-pub fn of_robot(robot: &Robot, verb: BodyVerb) -> Function {
+pub fn of_robot(robot: Arc<Robot>, verb: BodyVerb) -> Function {
     let n = robot.dof();
-    let (q, v, p) = (("q", n), ("v", n), ("p", n));
+    let [q, v, p] = ["q", "v", "p"].map(|name| Argument::of_joints(name, n));
     let (plan, engine) = match verb {
         BodyVerb::Momentum | BodyVerb::Velocity => {
-            let workspace = Hamiltonian::<f64>::new(robot);
+            let workspace = Hamiltonian::<f64>::new(&robot);
             let rate = if verb == BodyVerb::Momentum { v } else { p };
             let core = move || {
                 core_of(workspace.clone(), move |of, inputs, outputs| {
@@ -113,7 +114,7 @@ pub fn of_robot(robot: &Robot, verb: BodyVerb) -> Function {
             (Plan::whole(&[q, rate], &[&[n]]), Engine::new(core))
         }
         BodyVerb::CentreOfMass | BodyVerb::CentroidalMomentum => {
-            let workspace = Kinematics::<f64>::new(robot);
+            let workspace = Kinematics::<f64>::new(&robot);
             let core = move || {
                 core_of(workspace.clone(), move |of, inputs, outputs| {
                     let (q, v) = inputs.split_at(n);
@@ -137,5 +138,5 @@ pub fn of_robot(robot: &Robot, verb: BodyVerb) -> Function {
             (plan, Engine::new(core))
         }
     };
-    Function::new(plan, Arc::new(engine.short(n < SHORT)))
+    Function::new(plan, Arc::new(engine.short(n < SHORT)), robot)
 }

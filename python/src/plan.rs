@@ -9,11 +9,34 @@ use std::ops::Range;
 /// The position of a number 1 in every buffer.
 pub const ONE: usize = 0;
 
+/// What the entries of an argument belong to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Entries {
+    /// The joints of the robot, in their order: all of them, or several times one after the other.
+    Joints,
+    /// The axes x, y, z.
+    Axes,
+}
+
 /// An argument of a call: a vector for each state.
-#[derive(Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct Argument {
+    /// As its caller knows it.
     pub name: &'static str,
     pub length: usize,
+    pub entries: Entries,
+}
+
+impl Argument {
+    /// One entry for each of n joints.
+    pub const fn of_joints(name: &'static str, n: usize) -> Self {
+        Self { name, length: n, entries: Entries::Joints }
+    }
+
+    /// A vector in space.
+    pub const fn in_space(name: &'static str) -> Self {
+        Self { name, length: 3, entries: Entries::Axes }
+    }
 }
 
 /// A part of an argument and its place in the buffer.
@@ -56,10 +79,10 @@ pub struct Plan {
 
 impl Plan {
     /// The plan of a core whose arguments and results are those of the call, in the same order.
-    pub fn whole(arguments: &[(&'static str, usize)], shapes: &[&[usize]]) -> Self {
+    pub fn whole(arguments: &[Argument], shapes: &[&[usize]]) -> Self {
         let mut plan = PlanBuilder::new(0);
-        for (name, length) in arguments {
-            plan.core(name, *length);
+        for argument in arguments {
+            plan.parts(argument.name, argument.entries, [(argument.length, true)]);
         }
         let length = |shape: &[usize]| shape.iter().product::<usize>();
         let mut plan = plan.results(shapes.iter().map(|shape| length(shape)).sum());
@@ -100,6 +123,15 @@ impl PlanBuilder {
 
     /// An argument in parts, each with its length and whether the core reads it.
     pub fn split<const N: usize>(&mut self, name: &'static str, parts: [(usize, bool); N]) -> [usize; N] {
+        self.parts(name, Entries::Joints, parts)
+    }
+
+    fn parts<const N: usize>(
+        &mut self,
+        name: &'static str,
+        entries: Entries,
+        parts: [(usize, bool); N],
+    ) -> [usize; N] {
         let mut start = 0;
         let places = parts.map(|(length, for_core)| {
             let next = if for_core { &mut self.core } else { &mut self.passed };
@@ -109,7 +141,7 @@ impl PlanBuilder {
             start += length;
             at
         });
-        self.arguments.push(Argument { name, length: start });
+        self.arguments.push(Argument { name, length: start, entries });
         places
     }
 

@@ -176,7 +176,7 @@ impl Verb {
     fn in_momenta(self, n: usize) -> Plan {
         let mut plan = PlanBuilder::new(4 * n);
         plan.core("q", n);
-        plan.core("p", n);
+        plan.core("v", n); // the caller's name of p
         if self == Self::Hvp {
             plan.split("tau", [(n, false)]);
             plan.core("y", 2 * n);

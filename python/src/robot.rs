@@ -3,7 +3,7 @@
 use crate::errors::{self, RobotWarning, argument};
 use crate::recipe::{Recipe, is_rebuilding, named};
 use crate::table;
-use costate::robot::{self, Limits, LoadOptions, RobotFormat};
+use costate::robot::{self, Limits, LoadOptions, RobotFormat, RobotText};
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
@@ -51,6 +51,11 @@ impl Robot {
         recipe: Recipe,
         known: &[robot::Warning],
     ) -> PyResult<Self> {
+        if let Some(free) = robot.free_joints().first() {
+            let (joint, kind) = (free.name.clone(), free.kind.name());
+            let error = robot::RobotError::FreeJoint { joint, kind, what: "be used from Python" };
+            return Err(errors::robot(py, &error));
+        }
         let new = |warning: &&robot::Warning| !is_rebuilding() && !known.contains(warning);
         for warning in robot.warnings().iter().filter(new) {
             let text = format!("robot '{}': {warning}", robot.name());
@@ -103,13 +108,13 @@ impl Robot {
     ///     Where the file cannot be read.
     #[staticmethod]
     #[pyo3(signature = (path, *, friction = false, strict = false))]
-    fn from_file(py: Python<'_>, path: PathBuf, friction: bool, strict: bool) -> PyResult<Self> {
+    pub fn from_file(py: Python<'_>, path: PathBuf, friction: bool, strict: bool) -> PyResult<Self> {
         let options = LoadOptions::default().friction(friction).strict(strict);
         let raise = |error| errors::robot(py, &error);
-        let read = robot::Robot::from_file_with(&path, options).map_err(raise)?;
+        let file = RobotText::from_file(&path).map_err(raise)?;
+        let read = file.robot(options).map_err(raise)?;
         // A pickle contains the text: the file need not be where it is read.
-        let text = std::fs::read_to_string(&path)?;
-        let format = path.extension().and_then(|end| end.to_str()).unwrap_or_default().to_lowercase();
+        let (text, format) = (file.as_str(), file.format().name());
         let recipe = Recipe::default().then(py, "from_text", named!(py, text, format, friction, strict));
         Self::warned(py, read, recipe, &[])
     }
@@ -147,6 +152,12 @@ impl Robot {
         let read = read.map_err(|error| errors::robot(py, &error))?;
         let recipe = Recipe::default().then(py, "from_text", named!(py, text, format, friction, strict));
         Self::warned(py, read, recipe, &[])
+    }
+
+    /// The robot of a problem, with the changes that the problem makes; for pickles.
+    #[staticmethod]
+    fn _of_problem(problem: &Bound<'_, PyAny>) -> PyResult<Self> {
+        Ok(problem.call_method0("robot")?.extract()?)
     }
 
     /// Starts a robot without joints, see `RobotBuilder`; gravity in m/s^2.

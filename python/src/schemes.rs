@@ -1,36 +1,94 @@
 //! The schemes of time steps: what their cores compute, and the plans of their arrays.
 
-use crate::cores::{Core, Writer, core_of};
+use crate::cores::{Core, Order, Writer, core_of};
+use crate::errors::argument;
 use crate::plan::{Piece, Plan, PlanBuilder};
-use costate::matrix::Block;
+use costate::codegen::CodegenError;
+use costate::robot::Robot;
 use costate::step::{
     ImplicitMidpoint, RungeKutta4, SemiImplicitEuler, Step as Scheme, StepError, StepLinearisation,
     StoermerVerlet,
 };
 use costate::{Coordinates, EvalError};
-use costate_jit::JitModel;
+use costate_jit::{JitModel, JitVelocityModel};
+use pyo3::prelude::*;
 
 /// A step of any scheme.
 pub type AnyStep = Box<dyn Scheme<f64, Error = StepError<EvalError>> + Send>;
 
-/// The name of a scheme, how it is built, and the coordinates that it needs.
-pub type Known = (&'static str, fn(JitModel) -> AnyStep, Option<Coordinates>);
+/// How a scheme is built, by the coordinates that it needs.
+#[derive(Clone, Copy)]
+pub enum Build {
+    InAny(fn(JitModel) -> AnyStep),
+    InMomenta(fn(JitModel) -> AnyStep),
+    InVelocities(fn(JitVelocityModel) -> AnyStep),
+}
+
+/// The name of a scheme, and how it is built.
+pub type Known = (&'static str, Build);
 
 /// All schemes.
 pub const SCHEMES: [Known; 4] = [
-    ("rk4", |model| Box::new(RungeKutta4::new(model)), None),
-    ("midpoint", |model| Box::new(ImplicitMidpoint::new(model)), None),
-    ("verlet", |model| Box::new(StoermerVerlet::new(model)), Some(Coordinates::Hamiltonian)),
-    ("semi_implicit_euler", |model| Box::new(SemiImplicitEuler::new(model)), Some(Coordinates::Lagrangian)),
+    ("rk4", Build::InAny(|model| Box::new(RungeKutta4::new(model)))),
+    ("midpoint", Build::InAny(|model| Box::new(ImplicitMidpoint::new(model)))),
+    ("verlet", Build::InMomenta(|model| Box::new(StoermerVerlet::new(model)))),
+    ("semi_implicit_euler", Build::InVelocities(|model| Box::new(SemiImplicitEuler::new(model)))),
 ];
 
-/// What a core computes: the next state; its Jacobian and its derivative by dt too; its contracted Hessian
-/// too.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub enum Order {
-    Value,
-    First,
-    Second,
+impl Build {
+    /// The coordinates that it needs.
+    pub fn needs(self) -> Option<Coordinates> {
+        match self {
+            Self::InAny(_) => None,
+            Self::InMomenta(_) => Some(Coordinates::Hamiltonian),
+            Self::InVelocities(_) => Some(Coordinates::Lagrangian),
+        }
+    }
+
+    /// Compiles the model; the workspaces that compute steps of it are made by what is returned.
+    ///
+    /// # Errors
+    /// As [`JitModel::new`].
+    pub fn steps(
+        self,
+        robot: &Robot,
+        coordinates: Coordinates,
+    ) -> Result<Box<dyn Fn() -> AnyStep + Send + Sync>, CodegenError> {
+        Ok(match self {
+            Self::InAny(build) | Self::InMomenta(build) => {
+                let model = JitModel::new(robot, coordinates)?;
+                Box::new(move || build(model.clone()))
+            }
+            Self::InVelocities(build) => {
+                let model = JitVelocityModel::new(robot)?;
+                Box::new(move || build(model.clone()))
+            }
+        })
+    }
+}
+
+/// The number of a scheme in [`SCHEMES`], for steps of this duration in these coordinates.
+///
+/// # Errors
+/// `ArgumentError` for an unknown scheme, one that needs other coordinates, and a duration that is not
+/// finite.
+pub fn scheme_of(py: Python<'_>, scheme: &str, dt: f64, coordinates: Coordinates) -> PyResult<usize> {
+    let found = SCHEMES.iter().position(|(name, ..)| *name == scheme).ok_or_else(|| {
+        let names = SCHEMES.map(|(name, ..)| format!("'{name}'")).join(", ");
+        argument(py, "scheme", format!("unknown scheme '{scheme}'; give one of {names}"))
+    })?;
+    let (name, build) = SCHEMES[found];
+    if let Some(needed) = build.needs()
+        && needed != coordinates
+    {
+        let needed = if needed == Coordinates::Lagrangian { "qv" } else { "qp" };
+        let message = format!("the scheme '{name}' needs Dynamics(robot, \"{needed}\")");
+        return Err(argument(py, "scheme", message));
+    }
+    if !dt.is_finite() {
+        return Err(argument(py, "dt", format!("dt is {dt}; it must be finite")));
+    }
+    Ok(found)
 }
 
 /// The methods of `Step`.
@@ -46,10 +104,32 @@ pub enum Verb {
     ByTime,
 }
 
-/// Number of verbs.
-pub const VERBS: usize = 8;
-
 impl Verb {
+    pub const ALL: [Self; 8] = [
+        Self::F,
+        Self::Jacobian,
+        Self::Hessian,
+        Self::Linearise,
+        Self::Contract,
+        Self::Adjoint,
+        Self::Hvp,
+        Self::ByTime,
+    ];
+
+    /// The name of the method.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::F => "f",
+            Self::Jacobian => "jacobian",
+            Self::Hessian => "hessian",
+            Self::Linearise => "linearise",
+            Self::Contract => "contract",
+            Self::Adjoint => "adjoint",
+            Self::Hvp => "hvp",
+            Self::ByTime => "dt_derivative",
+        }
+    }
+
     /// What its core computes.
     pub fn order(self) -> Order {
         match self {
@@ -61,10 +141,10 @@ impl Verb {
 
     /// Arguments and results for n joints; the results of the core are the next state, its derivative by dt,
     /// J and H.
-    pub fn plan(self, rate: &'static str, n: usize) -> Plan {
+    pub fn plan(self, n: usize) -> Plan {
         let mut plan = PlanBuilder::new(5 * n);
         plan.core("q", n);
-        plan.core(rate, n);
+        plan.core("v", n);
         plan.core("tau", n);
         let (jacobian, hessian) = (6 * n * n, 9 * n * n);
         let mut y = 0;
@@ -105,14 +185,8 @@ impl Verb {
 }
 
 /// A workspace that computes one step.
-pub fn core(
-    build: fn(JitModel) -> AnyStep,
-    model: JitModel,
-    dt: f64,
-    order: Order,
-    n: usize,
-) -> Box<dyn Core> {
-    core_of(build(model), move |step, inputs, outputs| {
+pub fn core(step: AnyStep, dt: f64, order: Order, n: usize) -> Box<dyn Core> {
+    core_of(step, move |step, inputs, outputs| {
         let (x, rest) = inputs.split_at(2 * n);
         let (tau, y) = rest.split_at(n);
         let writer = &mut Writer(outputs);
@@ -124,7 +198,7 @@ pub fn core(
             Order::Second => {
                 let second = step.contract(x, tau, dt, y)?;
                 put_first(writer, second.first);
-                put_symmetric(writer.0, [Some(second.xx), second.ux, second.uu], n);
+                second.hessian(writer.0);
             }
         }
         Ok(())
@@ -133,22 +207,8 @@ pub fn core(
 
 fn put_first(writer: &mut Writer<'_>, first: StepLinearisation<'_, f64>) {
     writer.put(first.next).put(first.phi_h);
-    for (in_x, in_u) in first.phi_x.iter_rows().zip(first.phi_u.iter_rows()) {
-        writer.put(in_x).put(in_u);
-    }
-}
-
-/// `[ xx  ux' ; ux  uu ]`, 3n x 3n; ux is zero in the states beyond its columns.
-fn put_symmetric(whole: &mut [f64], [xx, ux, uu]: [Option<Block<'_, f64>>; 3], n: usize) {
-    whole.fill(0.0);
-    for (block, [top, left]) in [(xx, [0, 0]), (ux, [2 * n, 0]), (uu, [2 * n, 2 * n])] {
-        for (i, row) in block.iter().flat_map(|block| block.iter_rows()).enumerate() {
-            for (j, &entry) in row.iter().enumerate() {
-                whole[(top + i) * 3 * n + left + j] = entry;
-                if top != left {
-                    whole[(left + j) * 3 * n + top + i] = entry;
-                }
-            }
-        }
-    }
+    let (jacobian, rest) = std::mem::take(&mut writer.0)
+        .split_at_mut(first.next.len() * (first.phi_x.columns() + first.phi_u.columns()));
+    first.jacobian(jacobian);
+    writer.0 = rest;
 }

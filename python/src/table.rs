@@ -1,6 +1,6 @@
 //! A robot as a table in HTML, for notebooks.
 
-use costate::robot::{Joint, Robot};
+use costate::robot::{Joint, JointKind, Robot};
 
 /// Text without what HTML reads as markup.
 fn escaped(text: &str) -> String {
@@ -18,13 +18,17 @@ fn escaped(text: &str) -> String {
     out
 }
 
-/// A number with four digits; a dash where there is no limit.
-fn number(value: f64) -> String {
-    if value.is_infinite() { "–".into() } else { format!("{value:.4}") }
+/// A limit with four digits and its unit; a dash where there is none.
+fn with_unit(value: f64, unit: &str) -> String {
+    if value.is_infinite() { "–".into() } else { format!("{value:.4} {unit}") }
 }
 
 fn row(robot: &Robot, joint: &Joint) -> String {
     let limits = &joint.limits;
+    let [position, velocity, effort] = match joint.kind {
+        JointKind::Revolute => ["rad", "rad/s", "N m"],
+        JointKind::Prismatic => ["m", "m/s", "N"],
+    };
     let parent = joint.parent.map_or("world", |parent| robot.joints()[parent].name.as_str());
     let follows = joint
         .mimic
@@ -34,11 +38,11 @@ fn row(robot: &Robot, joint: &Joint) -> String {
         joint.kind.name().into(),
         escaped(parent),
         escaped(&joint.link),
-        number(joint.inertia.mass),
-        number(limits.lower),
-        number(limits.upper),
-        number(limits.velocity),
-        number(limits.effort),
+        format!("{:.4}", joint.inertia.mass),
+        with_unit(limits.lower, position),
+        with_unit(limits.upper, position),
+        with_unit(limits.velocity, velocity),
+        with_unit(limits.effort, effort),
     ];
     format!("<tr>{}</tr>", cells.map(|cell| format!("<td>{cell}</td>")).concat())
 }

@@ -4,9 +4,8 @@ use crate::dynamics::Dynamics;
 use crate::errors::{CodegenError, argument};
 use crate::function::{Engine, Function};
 use crate::methods::methods;
-use crate::schemes::{Known, SCHEMES, VERBS, Verb, core};
-use costate::Coordinates;
-use costate_jit::JitModel;
+use crate::schemes::{Known, SCHEMES, Verb, core, scheme_of};
+use crate::xla::registered;
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 use std::sync::{Arc, OnceLock};
@@ -39,7 +38,7 @@ pub struct Step {
     scheme: Known,
     dt: f64,
     engines: [OnceLock<Arc<Engine>>; 3],
-    functions: [OnceLock<Function>; VERBS],
+    functions: [OnceLock<Arc<Function>>; Verb::ALL.len()],
 }
 
 impl Step {
@@ -52,27 +51,27 @@ impl Step {
         let dynamics = self.dynamics.get();
         let function = match self.functions[verb as usize].get() {
             Some(function) => function,
-            None => self.prepare(verb)?,
+            None => self.prepare(py, verb)?,
         };
         function.call(py, arguments, dynamics.settings())
     }
 
     #[cold]
-    fn prepare(&self, verb: Verb) -> PyResult<&Function> {
+    fn prepare(&self, py: Python<'_>, verb: Verb) -> PyResult<&Arc<Function>> {
         let dynamics = self.dynamics.get();
         let (n, space, order) = (dynamics.model().dof(), dynamics.space(), verb.order());
         let engine = match self.engines[order as usize].get() {
             Some(engine) => engine.clone(),
             None => {
-                let model = JitModel::new(dynamics.model(), space);
-                let model = model.map_err(|error| CodegenError::new_err(error.to_string()))?;
-                let ((_, build, _), dt) = (self.scheme, self.dt);
-                let engine = Engine::new(move || core(build, model.clone(), dt, order, n));
+                let ((_, build), dt) = (self.scheme, self.dt);
+                let steps = py.detach(|| build.steps(dynamics.model(), space));
+                let steps = steps.map_err(|error| CodegenError::new_err(error.to_string()))?;
+                let engine = Engine::new(move || core(steps(), dt, order, n));
                 self.engines[order as usize].get_or_init(|| Arc::new(engine)).clone()
             }
         };
-        let rate = if space == Coordinates::Lagrangian { "v" } else { "p" };
-        Ok(self.functions[verb as usize].get_or_init(|| Function::new(verb.plan(rate, n), engine)))
+        let robot = dynamics.shared();
+        Ok(self.functions[verb as usize].get_or_init(|| Arc::new(Function::new(verb.plan(n), engine, robot))))
     }
 }
 
@@ -80,22 +79,7 @@ methods! {
     impl Step {
         #[new]
         fn new(dynamics: &Bound<'_, Dynamics>, scheme: &str, dt: f64) -> PyResult<Self> {
-            let py = dynamics.py();
-            let known = SCHEMES.into_iter().find(|(name, ..)| *name == scheme).ok_or_else(|| {
-                let names = SCHEMES.map(|(name, ..)| format!("'{name}'")).join(", ");
-                argument(py, "scheme", format!("unknown scheme '{scheme}'; give one of {names}"))
-            })?;
-            let letters = dynamics.get().space();
-            if let (name, _, Some(needed)) = known
-                && needed != letters
-            {
-                let needed = if needed == Coordinates::Lagrangian { "qv" } else { "qp" };
-                let message = format!("the scheme '{name}' needs Dynamics(robot, \"{needed}\")");
-                return Err(argument(py, "scheme", message));
-            }
-            if !dt.is_finite() {
-                return Err(argument(py, "dt", format!("dt is {dt}; it must be finite")));
-            }
+            let known = SCHEMES[scheme_of(dynamics.py(), scheme, dt, dynamics.get().space())?];
             Ok(Self {
                 dynamics: dynamics.clone().unbind(),
                 scheme: known,
@@ -123,13 +107,24 @@ methods! {
             self.dt
         }
 
+        /// The number by which XLA calls a method; for `costate.jax`.
+        fn _xla(&self, py: Python<'_>, verb: &str) -> PyResult<i64> {
+            let found = Verb::ALL.into_iter().find(|known| known.name() == verb);
+            let found = found.ok_or_else(|| argument(py, "verb", format!("no method '{verb}'")))?;
+            let function = match self.functions[found as usize].get() {
+                Some(function) => function,
+                None => self.prepare(py, found)?,
+            };
+            Ok(registered(function, self.dynamics.get().settings()))
+        }
+
         fn __eq__(&self, py: Python<'_>, other: &Self) -> PyResult<bool> {
             let same = self.dynamics.bind(py).eq(&other.dynamics)?;
             Ok(same && self.scheme.0 == other.scheme.0 && self.dt == other.dt)
         }
 
         fn __hash__(&self) -> u64 {
-            self.dt.to_bits()
+            (self.dt + 0.0).to_bits() // equal durations: -0 + 0 is 0
         }
 
         fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {

@@ -28,7 +28,7 @@ def documented():
 def test_everything_public_is_documented():
     missing = [name for name, thing in documented() if name != "__version__" and not inspect.getdoc(thing)]
     inherited = [name for name in missing if not hasattr(getattr(costate, name.split(".")[0]), "__dataclass_fields__")]
-    attributes = {f"{of.__name__}.{part}" for of in (costate.ArgumentError, costate.RobotError, costate.StateError)
+    attributes = {f"{of.__name__}.{part}" for of in (costate.ArgumentError, costate.ProblemError, costate.RobotError, costate.StateError)
                   for part in vars(of) if not part.startswith("_")}  # fmt: skip
     assert set(inherited) <= attributes
 
@@ -48,6 +48,15 @@ def test_the_example_of_the_readme(monkeypatch, capsys):
     names = {}
     exec(text.split("```python\n")[1].split("```")[0], names)
     assert names["J"].shape == (1000, 12, 18) and "states compared" in capsys.readouterr().out
+
+
+def test_the_example_of_motions(monkeypatch, capsys, tmp_path):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "robots").symlink_to(ROBOTS)
+    text = (ROBOTS.parent / "python" / "README.md").read_text()
+    exec(text.split("```python\n")[2].split("```")[0], {})
+    assert "converged" in (shown := capsys.readouterr().out) and "(1001, 6)" in shown
+    assert len((tmp_path / "motion.csv").read_text().splitlines()) == 1002
 
 
 def test_stubs_are_those_of_the_module():

@@ -23,6 +23,14 @@ impl RobotFormat {
         }
     }
 
+    /// `urdf` or `toml`.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Urdf => "urdf",
+            Self::Toml => "toml",
+        }
+    }
+
     /// The format that the extension of a path names, in capital or small letters.
     ///
     /// # Errors

@@ -1,15 +1,12 @@
 //! `costate optimize`: an optimal motion of a robot, from a problem file.
 
-mod advice;
 mod arguments;
 mod continuation;
 mod cpu_time;
 mod feedback;
-mod figures;
-mod kinematics;
+mod models;
 mod outputs;
 mod progress;
-mod report;
 mod samples;
 mod sensitivities;
 mod summary;
@@ -20,6 +17,7 @@ use crate::{Outcome, terminal};
 pub use arguments::Arguments;
 use costate::robot::LoadOptions;
 use costate_control::{BranchEnd, CostDerivative, FinalTime, Method, Samples, Solution, Solver, StageTimes};
+use costate_report::{ReportOptions, text};
 use cpu_time::cpu_time;
 use outputs::Outputs;
 use std::error::Error;
@@ -78,7 +76,12 @@ pub fn run(arguments: &Arguments) -> Outcome {
         _ => problem.limit_warnings(&solution.trajectory),
     };
     warnings.iter().for_each(terminal::warning);
-    let motion = report::Motion { problem, solution: &solution, source: &task.text, warnings: &warnings };
+    let options = ReportOptions::default().with_source(&task.text).with_warnings(warnings);
+    let options = if arguments.output.is_some() {
+        options.with_models(models::read(&task, arguments))
+    } else {
+        options
+    };
     let sampled = |rate| samples::sample(problem, &solution, rate);
     // What cannot be sampled or fed back to is printed and written all the same; the error comes after it.
     let mut failed: Option<Box<dyn Error>> = None;
@@ -86,7 +89,7 @@ pub fn run(arguments: &Arguments) -> Outcome {
         failed = Some(format!("--sample: {error}").into());
         None
     });
-    outputs.write(&motion, samples.as_ref())?;
+    outputs.write((problem, &solution), &options, samples.as_ref())?;
     let is_solved = solution.motion.status.is_solved();
     if arguments.feedback.is_some() && !is_solved {
         terminal::warning("--feedback: nothing is written, since the motion is not solved");
@@ -108,7 +111,7 @@ pub fn run(arguments: &Arguments) -> Outcome {
         terminal::note("interrupted; the best motion so far was kept");
     }
     if arguments.json || outputs.use_standard_output() {
-        let remarks = [summary::explanation(problem, &solution), summary::skipped_starts(&solution)];
+        let remarks = [text::explanation(problem, &solution), text::skipped_starts(&solution)];
         remarks.iter().flatten().for_each(terminal::warning);
     }
     if arguments.json {

@@ -94,6 +94,7 @@ fn flags_lock_joints_and_attach_payloads() {
         (&["--payload", "tol0=1"], &["'tol0'", "'tool0'"]),
         (&["--joint-limits", "elbow_joint=2,1"], &["elbow_joint", "must not exceed the upper limit"]),
         (&["--joint-limits", "elbow_joint=2"], &["--joint-limits", "2, 3 or 4 entries"]),
+        (&["--joint-limits", "elbow_joint=,"], &["--joint-limits", "changes no limit"]),
         (&["--joint-friction", "elbow_joint=-1"], &["elbow_joint", "viscous friction"]),
         (&["--payload", "tool0=-1"], &["the payload of frame 'tool0'", "-1 kg"]),
         (&["--payload", "tool0=1,2"], &["--payload", "1, 4, 7 or 10 numbers"]),

@@ -87,6 +87,10 @@ impl Problem {
 
     /// All fields; `bounded` tells whether the control of a joint has limits on both sides.
     fn check_lists(&self, bounded: impl Fn(usize) -> bool) -> Result<CheckedProblem<'_>, ProblemError> {
+        if let Some(free) = self.robot.free_joints().first() {
+            let (joint, kind) = (free.name.clone(), free.kind.name());
+            return Err(ProblemError::FreeJoint { joint, kind });
+        }
         let Self { start, end, .. } = self;
         self.finite(Key::START_Q, &start.q)?;
         self.finite(Key::START_V, &start.v)?;

@@ -211,6 +211,13 @@ pub enum ProblemError {
         /// The valid range.
         remedy: &'static str,
     },
+    /// A robot with a floating or spherical joint, whose orientation is a quaternion.
+    FreeJoint {
+        /// The joint.
+        joint: String,
+        /// `"floating"` or `"spherical"`.
+        kind: &'static str,
+    },
     /// A continuation in a parameter that the problem does not have, or to an invalid value.
     Continuation {
         /// Name of the parameter.
@@ -223,7 +230,7 @@ pub enum ProblemError {
 }
 
 impl ProblemError {
-    /// The field at fault; `None` for a continuation.
+    /// The field at fault; `None` for a continuation and for a joint of the robot.
     pub fn key(&self) -> Option<Key> {
         Some(match *self {
             Self::WrongLength { key, .. }
@@ -254,7 +261,7 @@ impl ProblemError {
             Self::EmptyRange { .. } => Key::Q_MIN,
             Self::UnboundedEffort { .. } | Self::NothingToMinimise => Key::EFFORT,
             Self::BadOption { key, .. } => Key::solver(key),
-            Self::Continuation { .. } => return None,
+            Self::FreeJoint { .. } | Self::Continuation { .. } => return None,
         })
     }
 }

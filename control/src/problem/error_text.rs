@@ -89,6 +89,10 @@ impl ProblemError {
                 printable(joint)),
             Self::LimitsNeedDirect => "hard limits are kept by method = \"direct\" only; choose it, or remove [limits]".into(),
             Self::Task { cause, .. } => cause.to_string(),
+            Self::FreeJoint { joint, kind } => format!(
+                "joint '{}' is {kind}: motions take joints of one degree of freedom only; describe it as a chain of them",
+                printable(joint)
+            ),
             Self::TaskNeedsDirect { .. } => "tools and obstacles are taken by method = \"direct\" only; choose it, or remove them".into(),
             Self::Via { cause, .. } => cause.to_string(),
             Self::PhasesNeedDirect { .. } => {

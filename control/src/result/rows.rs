@@ -2,7 +2,7 @@
 
 use crate::result::solution::RobotNames;
 use crate::result::trajectory::Trajectory;
-use crate::result::trajectory_error::{TrajectoryError, check_version};
+use crate::result::trajectory_error::{TrajectoryError, VERSION, check_version};
 use crate::status::Status;
 use costate::robot::Robot;
 use serde::de::{Error, SeqAccess, Visitor};
@@ -63,6 +63,16 @@ struct StartDocument {
     status: Option<Status>,
     #[serde(default)]
     via_times: Vec<f64>,
+    trajectory: Rows,
+}
+
+/// The same, to be written.
+#[derive(Serialize)]
+struct WrittenStart<'a> {
+    format: u32,
+    robot: &'a str,
+    joints: &'a [String],
+    via_times: &'a [f64],
     trajectory: Rows,
 }
 
@@ -151,6 +161,20 @@ impl Trajectory {
         read.trajectory.check(names.joints.len())?;
         read.trajectory.check_vias(&read.via_times)?;
         Ok(read.trajectory.into_trajectory(names.joints.len()).with_via_times(read.via_times))
+    }
+
+    /// The motion as [`from_json`](Self::from_json) reads it, for a robot with these names.
+    ///
+    /// # Errors
+    /// Those of the writer.
+    pub fn to_json(&self, names: &RobotNames) -> Result<String, serde_json::Error> {
+        serde_json::to_string(&WrittenStart {
+            format: VERSION,
+            robot: &names.robot,
+            joints: &names.joints,
+            via_times: &self.via_times,
+            trajectory: Rows::from(self),
+        })
     }
 
     /// The name of the robot in a saved solution, where it holds one.

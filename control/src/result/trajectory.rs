@@ -2,7 +2,7 @@
 
 use crate::cubics::{JointState, cubic};
 use crate::result::nodes::{Interpolant, Nodes, Place, place};
-use crate::result::quintic::{State, quintic};
+use crate::result::quintic::{StateAndJerk, quintic};
 use std::ops::Range;
 
 /// The motion of a robot at the nodes of its mesh; at a switch two nodes have the same time.
@@ -29,9 +29,9 @@ pub struct Trajectory {
     pub hamiltonian: Vec<f64>,
     /// The times of the vias (s): where one phase ends and the next one begins. Each is that of two nodes.
     pub via_times: Vec<f64>,
-    interpolant: Option<Interpolant>,
+    pub(super) interpolant: Option<Interpolant>,
     /// Accelerations at the nodes of a motion whose q(t) is a quintic between them.
-    accelerations: Option<Vec<Vec<f64>>>,
+    pub(super) accelerations: Option<Vec<Vec<f64>>>,
 }
 
 /// The motion of a robot at one time.
@@ -136,11 +136,17 @@ impl Trajectory {
     /// The acceleration (rad/s^2, m/s^2) at time t (s), of motions of the direct method.
     pub(crate) fn acceleration(&self, t: f64) -> Option<Vec<f64>> {
         let states = self.quintics(place(&self.t, t)?)?;
-        Some(states.map(|[.., a]| a).collect())
+        Some(states.map(|[_, _, a, _]| a).collect())
     }
 
-    /// Position, rate and acceleration of each joint on the quintics of a motion that has them.
-    fn quintics(&self, Place { left: k, part, length }: Place) -> Option<impl Iterator<Item = State>> {
+    /// The jerk (rad/s^3, m/s^3) at time t (s), of motions of the direct method.
+    pub(crate) fn jerk(&self, t: f64) -> Option<Vec<f64>> {
+        let states = self.quintics(place(&self.t, t)?)?;
+        Some(states.map(|[.., jerk]| jerk).collect())
+    }
+
+    /// Position, rate, acceleration and jerk of each joint on the quintics of a motion that has them.
+    fn quintics(&self, Place { left: k, part, length }: Place) -> Option<impl Iterator<Item = StateAndJerk>> {
         let accelerations = self.accelerations.as_ref().filter(|_| length > 0.0)?;
         let state = move |k: usize, i: usize| [self.q[k][i], self.v[k][i], accelerations[k][i]];
         Some((0..self.q[k].len()).map(move |i| quintic(state(k, i), state(k + 1, i), length, part)))
@@ -165,7 +171,7 @@ impl Trajectory {
         let state = |k: usize, i: usize| JointState { q: self.q[k][i], v: self.v[k][i] };
         let cubics = || (0..self.q[k].len()).map(|i| cubic(state(k, i), state(k + 1, i), length, part));
         let states: Vec<JointState> = match self.quintics(place) {
-            Some(states) => states.map(|[q, v, _]| JointState { q, v }).collect(),
+            Some(states) => states.map(|[q, v, ..]| JointState { q, v }).collect(),
             None => cubics().collect(),
         };
         // Two nodes at one time.

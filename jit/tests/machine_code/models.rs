@@ -7,7 +7,7 @@ use costate::hamiltonian::HamiltonianSecondOrder;
 use costate::lagrangian::LagrangianSecondOrder;
 use costate::matrix::Block;
 use costate::robot::{Robot, file};
-use costate_jit::{Backend, JitLanes, JitModel, JitQuantity};
+use costate_jit::{Backend, JitLanes, JitModel, JitQuantity, JitVelocityModel};
 use std::f64::consts::FRAC_PI_2;
 
 /// Three revolute axes through one point: M is singular where the second is at a right angle.
@@ -84,7 +84,10 @@ fn entries(block: Block<'_, f64>) -> Vec<f64> {
 }
 
 /// All results of two models at one state.
-fn compare<D: Dynamics<f64, Error = EvalError>>(mut model: JitModel, mut expected: D) {
+fn compare(
+    mut model: impl Dynamics<f64, Error = EvalError>,
+    mut expected: impl Dynamics<f64, Error = EvalError>,
+) {
     let (states, controls) = (expected.states(), expected.controls());
     assert_eq!((model.states(), model.controls()), (states, controls));
     assert_eq!(model.structure(), expected.structure());
@@ -118,5 +121,6 @@ fn robots_are_models_in_both_coordinates() {
         let of = |coordinates| JitModel::new(&robot, coordinates).unwrap();
         compare(of(Coordinates::Hamiltonian), HamiltonianSecondOrder::new(&robot));
         compare(of(Coordinates::Lagrangian), LagrangianSecondOrder::new(&robot));
+        compare(JitVelocityModel::new(&robot).unwrap(), LagrangianSecondOrder::new(&robot));
     }
 }

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._errors import ArgumentError
+from ._errors import argument_error
 
 if TYPE_CHECKING:
     from ._costate import Robot
@@ -48,14 +48,15 @@ class JointMap:
         missing = [name for name in robot.joint_names if name not in names]
         other = [name for name in names[1:] if name not in robot.joint_names]
         if missing or other:
-            raise _argument(
+            raise argument_error(
+                "model",
                 f"the model lacks the joints {missing} of the robot, and the robot the joints {other} of the model; "
                 "lock them in one of the two"
             )
         self._joints = [names.index(name) for name in robot.joint_names]
         widths = [int(getattr(model.joints[j], "nq", 1)) for j in self._joints]
         if any(width > 2 for width in widths):
-            raise _argument("the model has joints of several degrees of freedom; a robot has them as single joints")
+            raise argument_error("model", "the model has joints of several degrees of freedom; a robot has them as single joints")
         velocities = getattr(model, "idx_vs", model.idx_qs)
         self.indices_q: list[int] = [int(model.idx_qs[j]) for j in self._joints]
         self.indices_v: list[int] = [int(velocities[j]) for j in self._joints]
@@ -102,12 +103,6 @@ class JointMap:
         return f"JointMap(indices_q={self.indices_q}, indices_v={self.indices_v}, signs={self.signs})"
 
 
-def _argument(message: str) -> ArgumentError:
-    error = ArgumentError(message)
-    error.argument = "model"
-    return error
-
-
 def _signs(robot: Robot, model: Any, joints: Sequence[int]) -> list[float]:
     """The sign of the product of the axes in the world at zero."""
     if not hasattr(model, "jointPlacements"):
@@ -122,7 +117,7 @@ def _signs(robot: Robot, model: Any, joints: Sequence[int]) -> list[float]:
         ours = columns[:3] if robot.joint_kinds[k] == "revolute" else columns[3:]
         product = float(ours @ _axis(model, joint))
         if abs(abs(product) - 1) > 1e-6:
-            raise _argument(f"the axis of the joint '{name}' has another direction in the model")
+            raise argument_error("model", f"the axis of the joint '{name}' has another direction in the model")
         signs.append(float(np.sign(product)))
     return signs
 

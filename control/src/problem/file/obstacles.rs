@@ -22,12 +22,16 @@ const OBSTACLE: &[&str] = &["kind", "name", "xyz", "rpy", "size", "normal", "fro
 
 /// Reads `[[obstacle]]` and `[collision]`.
 pub(super) fn obstacles(root: &Table<'_>) -> Result<(Vec<Obstacle>, Option<Collision>), Fault> {
-    let mut obstacles = Vec::new();
-    for (k, table) in root.tables("obstacle", OBSTACLE)?.iter().enumerate() {
-        let name = table.string("name")?.unwrap_or_else(|| format!("obstacle {}", k + 1));
-        obstacles.push(Obstacle::new(name, shape(table)?));
-    }
+    let obstacles = root.tables("obstacle", OBSTACLE)?;
+    let obstacles = obstacles.iter().enumerate().map(|(k, table)| obstacle(table, k));
+    let obstacles = obstacles.collect::<Result<_, _>>()?;
     Ok((obstacles, root.table("collision")?.as_ref().map(collision).transpose()?))
+}
+
+/// The obstacle of this number, from 0.
+pub(super) fn obstacle(table: &Table<'_>, number: usize) -> Result<Obstacle, Fault> {
+    let name = table.string("name")?.unwrap_or_else(|| format!("obstacle {}", number + 1));
+    Ok(Obstacle::new(name, shape(table)?))
 }
 
 fn shape(table: &Table<'_>) -> Result<Shape, Fault> {

@@ -43,7 +43,8 @@ pub(super) fn references(costs: &Table<'_>) -> Result<Vec<Reference>, Fault> {
 }
 
 /// A reference of a tool if it has a frame, else one of joints.
-fn reference(table: &Table<'_>) -> Result<Reference, Fault> {
+pub(super) fn reference(table: &Table<'_>) -> Result<Reference, Fault> {
+    table.only(REFERENCE)?;
     let times = table.need("times", table.numbers("times")?)?;
     if !table.has("frame") {
         table.only(JOINT_REFERENCE)?;

@@ -1,0 +1,206 @@
+"""Functions of JAX with exact first and second derivatives.
+
+They are calls of XLA into the compiled module, on CPUs: they can be jitted, mapped by ``vmap`` and differentiated twice,
+and a batch runs on vectors and threads as in NumPy. Numbers must be float64 (``jax_enable_x64``).
+"""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Callable
+from functools import cache
+from typing import Any, Literal
+
+try:
+    import jax
+    import jax.numpy as jnp
+except ImportError as error:  # pragma: no cover
+    raise ImportError("costate.jax needs JAX: pip install jax") from error
+import numpy as np
+
+from ._costate import Dynamics, Step, _xla_handler
+from ._errors import argument_error
+
+__all__ = ["Model"]
+
+_TARGET = "costate"
+_Order = Literal["any", "reverse"]
+_Function = Callable[[Any, Any, Any], Any]
+
+
+@cache
+def _register() -> None:
+    handler = ctypes.CFUNCTYPE(ctypes.c_void_p, ctypes.c_void_p)(_xla_handler())
+    jax.ffi.register_ffi_target(_TARGET, jax.ffi.pycapsule(handler), platform="cpu")
+
+
+def _checked(name: str, value: Any, length: int) -> Any:
+    """An array of doubles (..., length)."""
+    if not jax.config.jax_enable_x64:
+        raise argument_error(
+            name, 'JAX computes in float32 here, and costate in float64: call jax.config.update("jax_enable_x64", True)'
+        )
+    if not hasattr(value, "dtype"):
+        value = jnp.asarray(value, dtype=float)
+    if value.dtype != jnp.float64:
+        raise argument_error(name, f"{name} has the type {value.dtype}, not float64; pass {name}.astype(float)")
+    if not value.shape or value.shape[-1] != length:
+        raise argument_error(name, f"{name} has the shape {list(value.shape)}, not (..., {length})")
+    return value
+
+
+def _no_third(*_: Any) -> Any:
+    raise TypeError("costate has first and second derivatives; a third one is asked for")
+
+
+def _call(owner: Dynamics | Step, verb: str, shape: tuple[int, ...]) -> Callable[..., Any]:
+    """A method of dynamics or of a step as a function of arrays of JAX; its result at one state has this shape."""
+    _register()
+    number = np.int64(owner._xla(verb))
+
+    def call(*arguments: Any) -> Any:
+        leading = jnp.broadcast_shapes(*(argument.shape[:-1] for argument in arguments))
+        whole = [jnp.broadcast_to(argument, leading + argument.shape[-1:]) for argument in arguments]
+        result = jax.ShapeDtypeStruct(leading + shape, jnp.float64)
+        return jax.ffi.ffi_call(_TARGET, result, vmap_method="broadcast_all")(*whole, function=number)
+
+    return call
+
+
+def _times(matrix: Any, vector: Any) -> Any:
+    return jnp.einsum("...ij,...j->...i", matrix, vector)
+
+
+def _differentiable(names: tuple[str, str, str], n: int, calls: tuple[Any, Any, Any], m: int, order: _Order) -> _Function:
+    """A function of three vectors (n) with m results, of its value, Jacobian (m, 3n) and contracted Hessian (3n, 3n)."""
+    value_of, jacobian_of, hessian_of = calls
+
+    @jax.custom_jvp
+    def hessian(a: Any, b: Any, c: Any, y: Any) -> Any:
+        return hessian_of(a, b, c, y)
+
+    hessian.defjvp(_no_third)
+
+    @jax.custom_jvp
+    def jacobian(a: Any, b: Any, c: Any) -> Any:
+        return jacobian_of(a, b, c)
+
+    @jacobian.defjvp
+    def _(at: Any, along: Any) -> Any:
+        # One contraction for each result: all of them in one call.
+        leading = jnp.broadcast_shapes(*(part.shape[:-1] for part in at))
+        rows = [jnp.broadcast_to(part, leading + (n,))[..., None, :] for part in at]
+        tensor = hessian(*rows, jnp.broadcast_to(jnp.eye(m), leading + (m, m)))
+        return jacobian(*at), jnp.einsum("...ijk,...k->...ij", tensor, jnp.concatenate(along, -1))
+
+    @jax.custom_jvp
+    def adjoint(a: Any, b: Any, c: Any, y: Any) -> Any:
+        return jnp.einsum("...i,...ij->...j", y, jacobian_of(a, b, c))
+
+    @adjoint.defjvp
+    def _(at: Any, along: Any) -> Any:
+        *z, y = at
+        matrix, second = jacobian(*z), hessian(*z, y)
+        change = _times(second, jnp.concatenate(along[:3], -1)) + jnp.einsum("...i,...ij->...j", along[3], matrix)
+        return jnp.einsum("...i,...ij->...j", y, matrix), change
+
+    value = jax.custom_jvp(value_of)
+    value.defjvp(lambda at, along: (value(*at), _times(jacobian(*at), jnp.concatenate(along, -1))))
+    function = value
+    if order == "reverse":
+        function = jax.custom_vjp(value)
+        function.defvjp(
+            lambda a, b, c: (value(a, b, c), (a, b, c)), lambda at, y: tuple(jnp.split(adjoint(*at, y), 3, -1))
+        )
+
+    def checked(*arguments: Any) -> Any:
+        given = [_checked(name, value, n) for name, value in zip(names, arguments, strict=True)]
+        try:
+            leading = jnp.broadcast_shapes(*(part.shape[:-1] for part in given))
+        except ValueError as error:
+            raise argument_error(names[0], f"the leading axes of {', '.join(names)} cannot be broadcast: {error}") from None
+        return function(*(jnp.broadcast_to(part, leading + (n,)) for part in given))
+
+    return checked
+
+
+class Model:
+    """The dynamics of a robot, and time steps of it, as functions of JAX.
+
+    ``f``, ``aba``, ``rnea`` and what ``step`` returns take three arrays (..., n) with any leading batch axes, which are
+    broadcast. All first and second derivatives are exact: ``jax.grad``, ``jacfwd``, ``jacrev``, ``hessian``, and any of
+    them over any other. A state that is not finite or has a singular mass matrix raises an error of XLA with costate's
+    message, or gives not-a-number where the dynamics have ``on_error="nan"``.
+
+    Parameters
+    ----------
+    dynamics : Dynamics
+        The dynamics, with their coordinates and settings. They live as long as the process.
+    order : {"any", "reverse"}
+        Which derivatives are cheap. With ``"any"``, the second derivatives of all results are computed, one contraction
+        for each. With ``"reverse"``, only ``grad``, ``vjp`` and ``jacrev`` of the functions and ``jacfwd`` of these are
+        allowed, for which a single contraction does: the way of ``jacfwd(grad(cost))``.
+
+    Raises
+    ------
+    ArgumentError
+        Where an argument is not float64, or has another shape; where JAX computes in float32.
+
+    Examples
+    --------
+    >>> import costate, costate.jax, jax, jax.numpy as jnp
+    >>> jax.config.update("jax_enable_x64", True)
+    >>> robot = costate.Robot.builder("pendulum").revolute("hinge", axis=[0, 1, 0], mass=1, com=[0, 0, -1]).build()
+    >>> model = costate.jax.Model(costate.Dynamics(robot))
+    >>> a = lambda q: model.aba(q, jnp.zeros(1), jnp.zeros(1))[0]
+    >>> jax.jit(jax.grad(a))(jnp.zeros(1)).round(2).tolist()
+    [-9.81]
+    """
+
+    def __init__(self, dynamics: Dynamics, order: _Order = "any") -> None:
+        if order not in ("any", "reverse"):
+            raise argument_error("order", f"unknown order '{order}'; give 'any' or 'reverse'")
+        n = dynamics.n
+        self.dynamics = dynamics
+        self.order = order
+        self._f = self._function(dynamics, ("f", "jacobian", "hessian"), 2 * n)
+        self._rnea = self._function(dynamics, ("rnea", "rnea_jacobian", "rnea_hessian"), n, ("q", "v", "a"))
+        # Forward dynamics are the second half of f in velocities.
+        at = dynamics if dynamics.coordinates == "qv" else Dynamics(
+            dynamics.robot, "qv", on_error=dynamics.on_error, threads=dynamics.threads
+        )
+        jacobian, hessian = _call(at, "jacobian", (2 * n, 3 * n)), _call(at, "hessian", (3 * n, 3 * n))
+
+        def contracted(q: Any, v: Any, tau: Any, y: Any) -> Any:
+            return hessian(q, v, tau, jnp.concatenate([jnp.zeros_like(y), y], -1))
+
+        calls = _call(at, "aba", (n,)), lambda *z: jacobian(*z)[..., n:, :], contracted
+        self._aba = _differentiable(("q", "v", "tau"), n, calls, n, order)
+
+    def _function(
+        self,
+        owner: Dynamics | Step,
+        verbs: tuple[str, str, str],
+        m: int,
+        names: tuple[str, str, str] = ("q", "v", "tau"),
+    ) -> _Function:
+        n = self.dynamics.n
+        shapes = ((m,), (m, 3 * n), (3 * n, 3 * n))
+        calls = [_call(owner, verb, shape) for verb, shape in zip(verbs, shapes, strict=True)]
+        return _differentiable(names, n, (calls[0], calls[1], calls[2]), m, self.order)
+
+    def f(self, q: Any, v: Any, tau: Any) -> Any:
+        """The state equation dx/dt (..., 2n), as `Dynamics.f`."""
+        return self._f(q, v, tau)
+
+    def aba(self, q: Any, v: Any, tau: Any) -> Any:
+        """Forward dynamics: the accelerations (..., n), as `Dynamics.aba`."""
+        return self._aba(q, v, tau)
+
+    def rnea(self, q: Any, v: Any, a: Any) -> Any:
+        """Inverse dynamics: the torques (..., n), as `Dynamics.rnea`."""
+        return self._rnea(q, v, a)
+
+    def step(self, scheme: str, dt: float) -> _Function:
+        """One time step: a function of (q, v, tau) whose result is the next state (..., 2n), as `Step.f`."""
+        return self._function(Step(self.dynamics, scheme, dt), ("f", "jacobian", "hessian"), 2 * self.dynamics.n)

@@ -1,0 +1,99 @@
+"""Functions of PyTorch: derivatives, maps, errors; every derivative is computed by costate."""
+
+import costate
+import numpy as np
+import pytest
+from conftest import assert_close, load
+
+torch = pytest.importorskip("torch")
+import costate.torch
+
+
+@pytest.fixture(scope="module")
+def dynamics():
+    return costate.Dynamics(load("two_link.toml"))
+
+
+@pytest.fixture
+def z(random):
+    return [torch.tensor(part, requires_grad=True) for part in random.normal(size=(3, 4, 2))]
+
+
+def functions(dynamics):
+    model = costate.torch.Model(dynamics)
+    return {"f": model.f, "aba": model.aba, "rnea": model.rnea, "step": model.step("rk4", 0.05)}
+
+
+@pytest.mark.parametrize("name", ["f", "aba", "rnea", "step"])
+@pytest.mark.parametrize("coordinates", ["qv", "qp"])
+def test_gradients_twice(dynamics, z, name, coordinates):
+    function = functions(costate.Dynamics(dynamics.robot, coordinates))[name]
+    assert torch.autograd.gradcheck(function, z)
+    assert torch.autograd.gradgradcheck(function, z)
+
+
+def test_values_and_exact_hessians(dynamics, random):
+    model = costate.torch.Model(dynamics)
+    q, v, tau = random.normal(size=(3, 2))
+    y, d = random.normal(size=4), random.normal(size=6)
+    cost = lambda z: torch.tensor(y) @ model.f(*z.split(2))
+    at = torch.tensor(np.concatenate([q, v, tau]), requires_grad=True)
+    assert_close(model.f(*torch.tensor(np.stack([q, v, tau]))).numpy(), dynamics.f(q, v, tau), 1e-15)
+    slope = torch.autograd.grad(cost(at), at, create_graph=True)[0]
+    assert_close(slope.detach().numpy(), dynamics.adjoint(q, v, tau, y))
+    product = torch.autograd.grad(slope @ torch.tensor(d), at)[0]
+    assert_close(product.numpy(), dynamics.hvp(q, v, tau, y, d), 1e-11)
+    assert_close(torch.autograd.functional.hessian(cost, at).numpy(), dynamics.hessian(q, v, tau, y), 1e-11)
+
+
+def test_maps_and_broadcasting(dynamics, random):
+    model = costate.torch.Model(dynamics)
+    q, v, tau = (torch.tensor(part) for part in random.normal(size=(3, 5, 2)))
+    expected = dynamics.jacobian(*(part.numpy() for part in (q, v, tau)))
+    jacobian = torch.func.vmap(torch.func.jacrev(lambda z: model.f(*z.split(2))))(torch.cat([q, v, tau], -1))
+    assert_close(jacobian.numpy(), expected)
+    assert_close(torch.func.vmap(model.f, (0, None, 1))(q, v[0], tau.T).numpy(), model.f(q, v[:1], tau).numpy(), 1e-12)
+    # Arguments that are broadcast get the sum of all gradients.
+    shared = v[0].clone().requires_grad_()
+    model.f(q, shared, tau).sum().backward()
+    at = (q.numpy(), v[0].numpy(), tau.numpy())
+    assert_close(shared.grad.numpy(), dynamics.adjoint(*at, np.ones(4))[:, 2:4].sum(axis=0))
+
+
+def test_costate_computes_every_derivative(dynamics, monkeypatch, z):
+    calls = []
+
+    class Counted:
+        def __getattr__(self, name):
+            value = getattr(dynamics, name)
+            if callable(value):
+                return lambda *arguments: (calls.append(name), value(*arguments))[1]
+            return value
+
+    model = costate.torch.Model(Counted())
+    slope = torch.autograd.grad(model.f(*z).sum(), z, create_graph=True)
+    assert calls == ["f", "jacobian"]
+    torch.autograd.grad(sum(part.sum() for part in slope), z)
+    assert calls == ["f", "jacobian", "hessian", "jacobian"]
+
+
+def test_what_does_not_fit_is_refused(dynamics):
+    model, zero = costate.torch.Model(dynamics), torch.zeros(2, dtype=torch.float64)
+    for given, words in [
+        (torch.zeros(2), r"torch.float32, not torch.float64; pass v.double\(\)"),
+        (torch.zeros(2, dtype=torch.float64, device="meta"), r"on meta.*pass v.cpu\(\)"),
+        (np.zeros(2), "v is not a tensor"),
+        (torch.zeros(3, dtype=torch.float64), r"shape \[3\], not \(..., 2\)"),
+    ]:
+        with pytest.raises(costate.ArgumentError, match=words) as raised:
+            model.f(zero, given, zero)
+        assert raised.value.argument == "v"
+    with pytest.raises(costate.ArgumentError, match="broadcast"):
+        model.f(zero.expand(2, 2), zero.expand(3, 2), zero)
+    with pytest.raises(costate.NonFiniteState, match=r"tau\[1\]"):
+        model.f(zero, zero, torch.tensor([0.0, float("nan")], dtype=torch.float64))
+    q = zero.clone().requires_grad_()
+    slope = torch.autograd.grad(model.f(q, zero, zero).sum(), q, create_graph=True)[0]
+    bend = torch.autograd.grad(slope.sum(), q, create_graph=True)[0]
+    with pytest.raises(RuntimeError, match="third"):
+        torch.autograd.grad(bend.sum(), q)
