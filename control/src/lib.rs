@@ -75,7 +75,7 @@ pub use problem::limits::JointLimits;
 pub use problem::running_cost::{RunningCost, UserTerm};
 pub use problem::warning::ProblemWarning;
 pub use problem::{
-    BodyPairs, BoundaryState, Bounds, Collision, EndError, FinalTime, JointReference, Keep, Kept,
+    BodyPairs, BoundaryState, Bounds, Collision, EndError, FinalTime, JointReference, Keep, Kept, Leads,
     LinkCapsule, MotionLimits, Objective, Obstacle, Payload, Penalty, Problem, Reference, Shape, Task,
     TaskError, Tool, ToolCost, ToolOrientation, ToolPose, ToolReference, TorqueSpeedError, Via, ViaError,
 };

@@ -13,13 +13,11 @@ pub enum EndError {
     Leaves {
         /// The joint.
         joint: String,
-        /// "position" or "rate".
-        quantity: &'static str,
+        /// What is at its limit, and which derivative leads beyond it.
+        leads: Leads,
         /// The limit (rad, m, rad/s, m/s).
         limit: f64,
-        /// "rate" or "acceleration".
-        derivative: &'static str,
-        /// Its value.
+        /// The derivative: a rate or an acceleration.
         slope: f64,
     },
     /// An acceleration where neither jerks nor rates of torques are limited or cost anything: an optimal
@@ -30,10 +28,34 @@ pub enum EndError {
     },
 }
 
+/// Which derivative leads which quantity beyond its limit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Leads {
+    /// A rate the position.
+    PositionByRate,
+    /// An acceleration the position, at a rate of zero.
+    PositionByAcceleration,
+    /// An acceleration the rate.
+    RateByAcceleration,
+}
+
+impl Leads {
+    /// The quantity and the derivative.
+    fn words(self) -> [&'static str; 2] {
+        match self {
+            Self::PositionByRate => ["position", "rate"],
+            Self::PositionByAcceleration => ["position", "acceleration"],
+            Self::RateByAcceleration => ["rate", "acceleration"],
+        }
+    }
+}
+
 impl fmt::Display for EndError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Leaves { joint, quantity, limit, derivative, slope } => {
+            Self::Leaves { joint, leads, limit, slope } => {
+                let [quantity, derivative] = leads.words();
                 write!(
                     f,
                     "the {quantity} of joint '{}' is at its limit {} here, and the {derivative} {} leads beyond it; \

@@ -1,6 +1,6 @@
 //! Ends at which no motion keeps a limit, or no motion is optimal.
 
-use super::end_error::EndError;
+use super::end_error::{EndError, Leads};
 use super::error::ProblemError;
 use super::key::Key;
 use super::{BoundaryState, Problem};
@@ -18,7 +18,7 @@ struct Given {
 
 /// Which derivative leads beyond a limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Leads {
+enum Order {
     Slope,
     Curve,
 }
@@ -36,8 +36,8 @@ impl Problem {
             for (j, limits) in limits.iter().enumerate() {
                 let BoundaryState { q, v, a, q_free, v_free } = end;
                 let a = a.as_ref().map(|a| a[j]);
-                let refuse = |key, [quantity, derivative]: [&'static str; 2], limit, slope| {
-                    let cause = EndError::Leaves { joint: self.name(j), quantity, limit, derivative, slope };
+                let refuse = |key, leads, limit, slope| {
+                    let cause = EndError::Leaves { joint: self.name(j), leads, limit, slope };
                     Err(ProblemError::End { key, cause })
                 };
                 if v_free.contains(&j) {
@@ -46,9 +46,9 @@ impl Problem {
                 let position = Given { value: q[j], limits: limits.q, slope: v[j], curve: a };
                 if !q_free.contains(&j) {
                     match (position.leaves(sides, time), a) {
-                        (Some(Leads::Slope), _) => return refuse(key_v, ["position", "rate"], q[j], v[j]),
-                        (Some(Leads::Curve), Some(a)) => {
-                            return refuse(key_a, ["position", "acceleration"], q[j], a);
+                        (Some(Order::Slope), _) => return refuse(key_v, Leads::PositionByRate, q[j], v[j]),
+                        (Some(Order::Curve), Some(a)) => {
+                            return refuse(key_a, Leads::PositionByAcceleration, q[j], a);
                         }
                         _ => {}
                     }
@@ -56,7 +56,7 @@ impl Problem {
                 let Some(slope) = a else { continue };
                 let rate = Given { value: v[j], limits: [-limits.v, limits.v], slope, curve: None };
                 if rate.leaves(sides, time).is_some() {
-                    return refuse(key_a, ["rate", "acceleration"], v[j], slope);
+                    return refuse(key_a, Leads::RateByAcceleration, v[j], slope);
                 }
             }
         }
@@ -91,7 +91,7 @@ impl Problem {
 impl Given {
     /// What leads beyond the limits before this end or after it: `sides` says on which of them the motion is.
     /// Derivatives count that would cross a part of the limits within `time` (s).
-    fn leaves(&self, [before, after]: [bool; 2], time: f64) -> Option<Leads> {
+    fn leaves(&self, [before, after]: [bool; 2], time: f64) -> Option<Order> {
         let [low, high] = self.limits;
         let range = high - low;
         let size = AWAY * if range.is_finite() { range } else { self.value.abs().max(1.0) };
@@ -99,8 +99,8 @@ impl Given {
             let slope = outwards * self.slope * time;
             let curve = self.curve.map_or(0.0, |curve| outwards * curve * time * time);
             match self.value == limit {
-                true if (after && slope > size) || (before && slope < -size) => Some(Leads::Slope),
-                true if slope.abs() <= size && curve > size => Some(Leads::Curve),
+                true if (after && slope > size) || (before && slope < -size) => Some(Order::Slope),
+                true if slope.abs() <= size && curve > size => Some(Order::Curve),
                 _ => None,
             }
         })
@@ -109,12 +109,12 @@ impl Given {
 
 #[cfg(test)]
 mod tests {
-    use super::{Given, Leads};
+    use super::{Given, Order};
 
     #[test]
     fn what_leads_beyond_a_limit_depends_on_the_side_of_the_motion() {
-        const SLOPE: Option<Leads> = Some(Leads::Slope);
-        const CURVE: Option<Leads> = Some(Leads::Curve);
+        const SLOPE: Option<Order> = Some(Order::Slope);
+        const CURVE: Option<Order> = Some(Order::Curve);
         let at = |value, slope, curve| Given { value, limits: [-1.0, 2.0], slope, curve };
         let (start, end, via) = ([false, true], [true, false], [true, true]);
         for (given, sides, leaves) in [

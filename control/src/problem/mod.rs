@@ -28,7 +28,7 @@ mod via;
 mod via_error;
 pub(crate) mod warning;
 
-pub use end_error::EndError;
+pub use end_error::{EndError, Leads};
 pub use limits::MotionLimits;
 pub use obstacles::{BodyPairs, Collision, LinkCapsule, Obstacle, Shape};
 pub use parts::{BoundaryState, Bounds, FinalTime, Objective, Penalty};
