@@ -55,9 +55,9 @@ pub struct Motion {
     pub smoothing_bound: f64,
     /// T (s); NaN without a motion.
     pub final_time: f64,
-    /// `H* = -dJ/dT`: its mean over the nodes and inner points; of the direct method that of the last phase,
-    /// whose time T changes where those of vias stay. With [references](crate::Reference) over time H* is not
-    /// constant: then that at the end, the mean of $H^\\ast(t) - \int\_t^T l\_t \\, dt$.
+    /// `H* = -dJ/dT`: its mean over the nodes and inner points; of the direct method that of the last
+    /// phase, whose time T changes where those of vias stay. With [references](crate::Reference) over time H*
+    /// is not constant: then that at the end, the mean of $H^\\ast(t) - \int\_t^T l\_t \\, dt$.
     pub hamiltonian: f64,
     /// H* in each phase of a motion of the direct method: minus the derivative of the least cost on its mesh
     /// by the time of the phase, from the Lagrange function. Phases between which a via has a free time have
