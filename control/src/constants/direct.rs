@@ -67,8 +67,8 @@ pub const SMALL_MOTION: f64 = 1e-3;
 /// touch grows.
 pub const STIFFNESS: f64 = 1e8;
 /// The same of an active limit where the motion is differentiated, at most: derivatives are off by about
-/// the reciprocal of it, and rounding of it, which grows with the fourth power of the number of intervals, must
-/// not hide the curvature of the cost.
+/// the reciprocal of it, and rounding of it, which grows with the fourth power of the number of intervals,
+/// must not hide the curvature of the cost.
 pub const STIFFEST_LIMIT: f64 = 1e5;
 /// It rises by this factor..
 pub const STIFFER: f64 = 10.0;

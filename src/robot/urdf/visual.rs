@@ -185,7 +185,7 @@ mod tests {
         assert_eq!(all[0].geometry, Geometry::Box { size: [0.1, 0.2, 0.3] });
         assert_eq!(
             all[0].placement,
-            Placement::from_xyz_rpy([1.0, 2.0, 3.0], [0.0, 0.0, 1.5707963267948966])
+            Placement::from_xyz_rpy([1.0, 2.0, 3.0], [0.0, 0.0, std::f64::consts::FRAC_PI_2])
         );
         assert_eq!((all[0].colour, all[0].line), (Some([1.0, 0.0, 0.0, 1.0]), 2));
         let file = "package://arm/hand.stl".to_owned();

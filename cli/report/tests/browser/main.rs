@@ -35,6 +35,7 @@ impl Case {
             ProblemFile::read(root().join(format!("examples/problems/{name}.toml")), LoadOptions::default());
         let ProblemFile { problem, options, text, robot_path, .. } = read.unwrap();
         let solution = Solver::new(&problem, options).unwrap().solve();
+        let robot_path = robot_path.unwrap();
         let models = match robot_path.extension() {
             Some(extension) if extension == "urdf" => {
                 let urdf = std::fs::read_to_string(&robot_path).unwrap();

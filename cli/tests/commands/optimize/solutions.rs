@@ -33,6 +33,7 @@ fn json_has_the_documented_keys_and_the_cost_of_the_swing_up() {
         "robot",
         "shooting_defect",
         "smoothing",
+        "smoothing_bound",
         "solve_cpu_time",
         "solve_time",
         "starts",
