@@ -81,6 +81,12 @@ pub struct Motion {
     /// direct method the sum over 20 parts of the motion, without costates, where it misses its end
     /// integrated once through; infinite where that was not needed.
     pub shooting_defect: f64,
+    /// Sum of slack times multiplier of all limits, relative to the cost: about what the barrier costs at most.
+    /// NaN without the direct method.
+    pub duality_gap: f64,
+    /// Twice what another step of Newton's method promises to gain, relative to the cost: the residual of the
+    /// optimality conditions in the metric of the Hessian. NaN without the direct method.
+    pub newton_decrement: f64,
     /// First conjugate time (s), if there is one up to T.
     pub conjugate_time: Option<f64>,
     /// Number of independent Jacobi fields that vanish at the conjugate time; 0 without one.
@@ -116,6 +122,8 @@ impl Motion {
             verification: Verify::None,
             conditioning: f64::NAN,
             shooting_defect: f64::INFINITY,
+            duality_gap: f64::NAN,
+            newton_decrement: f64::NAN,
             conjugate_time: None,
             conjugate_multiplicity: 0,
             certificate: Certificate::NotChecked,

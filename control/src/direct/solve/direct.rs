@@ -105,6 +105,8 @@ impl Direct<'_> {
             hamiltonian_drift: hamiltonians.drift,
             end_state: again.state,
             shooting_defect: again.parts,
+            duality_gap: interior.figures.gap / interior.figures.size,
+            newton_decrement: interior.figures.decrement.abs() / interior.figures.size,
             verification: match status {
                 Status::Converged | Status::ConvergedSmoothed | Status::NotVerified => self.options.verify,
                 _ => Verify::None,
