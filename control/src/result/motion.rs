@@ -81,8 +81,8 @@ pub struct Motion {
     /// direct method the sum over 20 parts of the motion, without costates, where it misses its end
     /// integrated once through; infinite where that was not needed.
     pub shooting_defect: f64,
-    /// Sum of slack times multiplier of all limits, relative to the cost: about what the barrier costs at most.
-    /// NaN without the direct method.
+    /// Sum of slack times multiplier of all limits, relative to the cost: about what the barrier costs at
+    /// most. NaN without the direct method.
     pub duality_gap: f64,
     /// Twice what another step of Newton's method promises to gain, relative to the cost: the residual of the
     /// optimality conditions in the metric of the Hessian. NaN without the direct method.
