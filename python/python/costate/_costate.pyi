@@ -40,6 +40,7 @@ __all__ = [
     "_compare",
     "_rebuild",
     "codegen",
+    "_xla_handler",
 ]
 
 __version__: str
@@ -354,6 +355,7 @@ class _Resolve:
         self, frame: str, mass: float, com: list[float], inertia: list[float]
     ) -> _Derivative | None: ...
 
+def _xla_handler() -> int: ...
 def _compare(
     robot: Robot, states: list[tuple[list[float], list[float], list[float], list[float]]]
 ) -> tuple[list[tuple[str, str, float, float, bool | None]], int]: ...
