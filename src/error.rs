@@ -23,6 +23,7 @@ impl LengthError {
 }
 
 use crate::robot::printable;
+use std::fmt;
 
 /// Why an evaluation was refused. The workspace remains usable.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -43,6 +44,31 @@ pub enum EvalError {
         index: usize,
         /// The joint of the entry.
         joint: String,
+    },
+    /// A robot with a floating or spherical joint, where this computation takes none.
+    #[error(
+        "joint '{}' is {kind}, its orientation a quaternion: this computation does not take such joints, or q has \
+         no entries for the quaternion; `Hamiltonian`, `HamiltonianSecondOrder` and `Lagrangian` take them; for \
+         all else describe the joint as a chain of joints of one degree of freedom",
+        printable(joint)
+    )]
+    FreeJoint {
+        /// The joint.
+        joint: String,
+        /// `"floating"` or `"spherical"`.
+        kind: &'static str,
+    },
+    /// A quaternion whose length is not 1.
+    #[error(
+        "the quaternion of joint '{}' has a squared length that differs from 1 by more than {by}; \
+         `ConfigurationSpace::normalize` divides it by its length",
+        printable(joint)
+    )]
+    NotUnit {
+        /// The joint.
+        joint: String,
+        /// A power of ten that the difference of its squared length from 1 exceeds.
+        by: PowerOfTen,
     },
     /// The mass matrix is singular in working precision.
     #[error(
@@ -89,6 +115,30 @@ pub enum EvalError {
         /// The error of the model.
         reason: String,
     },
+}
+
+impl EvalError {
+    /// [`EvalError::FreeJoint`].
+    pub(crate) fn free_joint(joint: &str, kind: &'static str) -> Self {
+        Self::FreeJoint { joint: joint.to_owned(), kind }
+    }
+}
+
+/// `10^exponent`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PowerOfTen(pub i32);
+
+impl PowerOfTen {
+    /// Its value.
+    pub fn value(self) -> f64 {
+        10.0_f64.powi(self.0)
+    }
+}
+
+impl fmt::Display for PowerOfTen {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "1e{}", self.0)
+    }
 }
 
 /// `slice` must have `expected` entries.

@@ -74,6 +74,7 @@ fn kinematics(robot: &Robot, [q, p, u, y]: [&[f64]; 4]) -> Result<(), EvalError>
     kinematics.force_jacobian(FRAME, local, &wrench)?;
     kinematics.twist_hessian(FRAME, local, &wrench)?;
     kinematics.position_hessian(FRAME, &weights)?;
+    kinematics.rotation_hessian(FRAME, &[weights; 3])?;
     kinematics.contract_orientation_error(FRAME, &Rotation3::identity(), &weights)?;
     kinematics.momentum()?;
     kinematics.momentum_hessian(&weights, &weights)?;

@@ -34,6 +34,7 @@
 
 pub mod batch;
 pub mod codegen;
+pub mod configuration;
 mod coordinates;
 pub mod derivative;
 pub mod dynamics;
@@ -55,7 +56,7 @@ pub mod step;
 pub mod tensors;
 
 pub use coordinates::{Coordinates, UnknownCoordinates};
-pub use error::{EvalError, LengthError};
+pub use error::{EvalError, LengthError, PowerOfTen};
 /// Dual and hyper-dual numbers, in the version whose numbers are scalars here.
 pub use num_dual;
 

@@ -61,6 +61,7 @@ fn kinematics_do_not_allocate() {
             }
             kinematics.position_hessian(frame, &w).unwrap();
             kinematics.position_hessian_product(frame, &w, &v, &mut product).unwrap();
+            kinematics.rotation_hessian(frame, &[w; 3]).unwrap();
             kinematics.contract_orientation_error(frame, &desired, &w).unwrap();
             kinematics.orientation_error_hessian_product(frame, &desired, &w, &v, &mut product).unwrap();
             kinematics.momentum().unwrap();

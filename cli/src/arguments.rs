@@ -28,6 +28,12 @@ pub struct RobotArguments {
     /// Load <dynamics damping friction> of a URDF as viscous and smooth Coulomb friction
     #[arg(long)]
     friction: bool,
+    /// Let the root link of a URDF float: it moves by a floating joint, `root_joint`, with a quaternion
+    #[arg(long)]
+    floating_base: bool,
+    /// Read joints of type `floating` of a URDF as such, with quaternions, not as six joints
+    #[arg(long)]
+    quaternions: bool,
     #[command(flatten)]
     edits: EditArguments,
 }
@@ -46,7 +52,11 @@ impl RobotArguments {
 
     /// How to read the robot.
     pub fn options(&self) -> LoadOptions {
-        LoadOptions::default().strict(self.strict).friction(self.friction)
+        LoadOptions::default()
+            .strict(self.strict)
+            .friction(self.friction)
+            .floating_base(self.floating_base)
+            .quaternions(self.quaternions)
     }
 
     /// Reads the robot, and changes it as the flags say.
@@ -86,11 +96,26 @@ impl RobotArguments {
         read(&mut input, format)
     }
 
-    /// Reads the robot and writes its warnings to standard error.
+    /// Reads a robot of joints of one degree of freedom and writes its warnings to standard error.
+    ///
+    /// # Errors
+    /// As [`load`](Self::load); [`RobotError::FreeJoint`].
+    pub fn load_and_warn(&self) -> Result<Robot, RobotError> {
+        let robot = self.load_any_and_warn()?;
+        match robot.free_joints().first() {
+            None => Ok(robot),
+            Some(free) => {
+                let (joint, kind) = (free.name.clone(), free.kind.name());
+                Err(RobotError::FreeJoint { joint, kind, what: "be taken by this command" })
+            }
+        }
+    }
+
+    /// Reads any robot and writes its warnings to standard error.
     ///
     /// # Errors
     /// As [`load`](Self::load).
-    pub fn load_and_warn(&self) -> Result<Robot, RobotError> {
+    pub fn load_any_and_warn(&self) -> Result<Robot, RobotError> {
         let robot = self.load()?;
         robot.warnings().iter().for_each(terminal::warning);
         Ok(robot)

@@ -22,7 +22,7 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Outcome {
-    let robot = arguments.robot.load_and_warn()?;
+    let robot = arguments.robot.load_any_and_warn()?;
     if arguments.json {
         writeln!(std::io::stdout().lock(), "{}", as_json(&robot, arguments.frames))?;
     } else {

@@ -19,13 +19,15 @@ impl Interrupt {
     ///
     /// # Errors
     /// Those of the operating system.
-    pub fn listen() -> std::io::Result<Self> {
+    pub fn listen() -> Result<Self, String> {
+        let failed = |error| format!("signals cannot be handled ({error})");
         let requested = Arc::new(AtomicBool::new(false));
         for signal in [SIGINT, SIGTERM] {
             // Handlers run in this order: the first signal finds the flag unset and sets it, the second one
             // exits.
-            flag::register_conditional_shutdown(signal, i32::from(EXIT_CODE), requested.clone())?;
-            flag::register(signal, requested.clone())?;
+            flag::register_conditional_shutdown(signal, i32::from(EXIT_CODE), requested.clone())
+                .map_err(failed)?;
+            flag::register(signal, requested.clone()).map_err(failed)?;
         }
         Ok(Self(requested))
     }

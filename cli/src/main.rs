@@ -114,8 +114,9 @@ enum Command {
     ///     robot = "two_link.toml"       # a robot file, relative to this file
     ///     start.q = [0.0, 0.0]          # rad or m, one for each joint of `costate info`
     ///     end.q = [1.0, 0.5]
-    ///     time.final = 1.0              # s
+    ///     time.final = 4.0              # s
     ///     cost.effort = [1.0, 1.0]      # weights of the squared torques
+    ///     limits.from_robot = true      # the limits of the robot file are kept
     ///
     /// docs/optimize.md describes all keys, also those of limits, tools, obstacles and vias. The folder
     /// examples/problems has whole files. The direct method is the default: an interior-point method for
@@ -161,7 +162,11 @@ fn main() -> ExitCode {
         Ok(code) => code,
         Err(error) if is_broken_pipe(error.as_ref()) => ExitCode::SUCCESS,
         Err(error) => {
-            terminal::error(&error);
+            match error.downcast_ref::<std::io::Error>() {
+                // Inputs and files have messages of their own.
+                Some(error) => terminal::error(format!("standard output cannot be written ({error})")),
+                None => terminal::error(&error),
+            }
             ExitCode::from(if error.is::<Interrupted>() { interrupt::EXIT_CODE } else { 2 })
         }
     }

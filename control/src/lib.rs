@@ -28,6 +28,7 @@ mod continuation;
 mod cubics;
 mod direct;
 mod extremal;
+mod gains;
 mod numerics;
 mod options;
 mod parallel;
@@ -61,6 +62,7 @@ pub use extremal::{
     BoundSide, BoundaryValueProblem, BoundedControls, ControlLaw, ControlRange, Extremal, HamiltonianTerms,
     Homotopy, Relaxation, SideChange,
 };
+pub use gains::{GainError, Gains, LimitDerivative, LimitDerivatives};
 pub use numerics::almost_block_diagonal::{AlmostBlockDiagonal, SingularMatrix};
 pub use options::{Coordinates, JacobianRoute, MachineCode, Method, Polish, SolverOptions, Strategy, Verify};
 pub use problem::check::CheckedProblem;
@@ -73,9 +75,9 @@ pub use problem::limits::JointLimits;
 pub use problem::running_cost::{RunningCost, UserTerm};
 pub use problem::warning::ProblemWarning;
 pub use problem::{
-    BodyPairs, BoundaryState, Bounds, Collision, FinalTime, JointReference, Keep, Kept, LinkCapsule,
-    MotionLimits, Objective, Obstacle, Payload, Penalty, Problem, Reference, Shape, Task, TaskError, Tool,
-    ToolCost, ToolOrientation, ToolPose, ToolReference, TorqueSpeedError, Via, ViaError,
+    BodyPairs, BoundaryState, Bounds, Collision, EndError, FinalTime, JointReference, Keep, Kept, Leads,
+    LinkCapsule, MotionLimits, Objective, Obstacle, Payload, Penalty, Problem, Reference, Shape, Task,
+    TaskError, Tool, ToolCost, ToolOrientation, ToolPose, ToolReference, TorqueSpeedError, Via, ViaError,
 };
 pub use progress::{Cancel, Iteration, Phase};
 pub use result::infeasibility::{Infeasibility, RelaxedLimit};
@@ -83,7 +85,9 @@ pub use result::limit_use::{ActiveLimit, LimitReport, LimitUse, LimitViolation};
 pub use result::motion::{Certificate, ExtremalSolution, Motion};
 pub use result::nodes::Nodes;
 pub use result::polish_report::{PolishOutcome, PolishReport};
+pub use result::rates::MotionRates;
 pub use result::samples::{SampleError, Samples};
+pub use result::saved_start::SavedStart;
 pub use result::solution::{CostateStart, RobotNames, Solution, StartResult};
 pub use result::stage_times::StageTimes;
 pub use result::trajectory::{Trajectory, TrajectoryPoint};

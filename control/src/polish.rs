@@ -12,6 +12,7 @@ use crate::problem::key::Key;
 use crate::problem::limits::JointLimits;
 use crate::problem::{Bounds, MotionLimits, Problem};
 use crate::result::limit_use::{ActiveLimit, LimitReport, LimitUse};
+use crate::result::motion::{Certificate, Motion};
 use crate::result::polish_report::{PolishOutcome, PolishReport};
 use crate::result::solution::Solution;
 use crate::result::trajectory::Trajectory;
@@ -116,12 +117,11 @@ fn no_extremal(problem: &Problem) -> Option<String> {
     let causes = [
         (problem.cost.has_energy(), "energy has a cost"),
         (accelerations, "accelerations are limited"),
-        (!problem.task.is_empty(), "there are tools, obstacles or what a tool keeps"),
         (kinks, "penalties, and a joint without effort"),
     ];
-    let given = |key: Key| format!("{key} is given");
+    let given = |key: Key| format!("{} is given", key.part());
     let cause = causes.into_iter().find(|(applies, _)| *applies).map(|(_, cause)| cause.into());
-    cause.or_else(|| problem.first_of_rates().map(given))
+    cause.or_else(|| problem.task.first_key().or_else(|| problem.first_of_rates()).map(given))
 }
 
 /// The first limit other than on controls that is active.
@@ -179,8 +179,13 @@ fn with_report(
     }
     let mut shown = match polished.filter(|_| outcome.is_polished()) {
         Some((polished, limits)) => {
-            let Solution { starts, options, stage_times, .. } = direct;
-            Solution { limits, starts, options, stage_times, ..polished }
+            let Solution { starts, options, stage_times, motion: Motion { certificate, .. }, .. } = direct;
+            let mut shown = Solution { limits, starts, options, stage_times, ..polished };
+            // Where conjugate times say nothing, the second derivatives of the direct method may.
+            if shown.motion.certificate == Certificate::NotChecked {
+                shown.motion.certificate = certificate;
+            }
+            shown
         }
         None => direct,
     };

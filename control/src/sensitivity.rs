@@ -79,9 +79,12 @@ impl Problem {
 /// dJ/dtheta of an optimal motion for each parameter of a set, by the envelope theorem: no further problem is
 /// solved.
 ///
-/// With `y_p` the costate of the momenta, which contains the multipliers of active limits on torques,
+/// With `y_tau` the derivative of the running cost by the torques, less limits with their multipliers,
 ///
-/// $$ \frac{dJ}{d\theta} = \int_0^T y_p \cdot \frac{\partial \tau}{\partial \theta}(q, v, a) \\, dt $$
+/// $$ \frac{dJ}{d\theta} = \int_0^T y_\tau \cdot \frac{\partial \tau}{\partial \theta}(q, v, a) \\, dt $$
+///
+/// It is the costate of the momenta, y_p, unless accelerations are limited: then it is
+/// [`Trajectory::y_tau`].
 ///
 /// along the motion, for fixed and free final times. Positions and rates at the ends, weights of the cost and
 /// limits do not change with theta. Of a motion of the direct method the integral is the sum over its points:
@@ -126,8 +129,8 @@ pub fn cost_by_parameters(
     }
     let mut regressor = Regressor::<f64>::new(parameters);
     let mut sums = vec![0.0; parameters.len()];
-    for Point { weight, q, v, a, y_p } in &points.found {
-        let row = regressor.adjoint(q, v, a, y_p)?;
+    for Point { weight, q, v, a, by_torques } in &points.found {
+        let row = regressor.adjoint(q, v, a, by_torques)?;
         sums.iter_mut().zip(row).for_each(|(sum, entry)| *sum += weight * entry);
     }
     let rows = parameters.names().iter().zip(parameters.values()).zip(sums);
@@ -176,7 +179,7 @@ struct Point {
     q: Vec<f64>,
     v: Vec<f64>,
     a: Vec<f64>,
-    y_p: Vec<f64>,
+    by_torques: Vec<f64>,
 }
 
 /// The points of a motion.
@@ -198,7 +201,7 @@ impl Points<'_> {
                     None => self.acceleration(&q, &v, &motion.u[row])?,
                 };
                 let weight = weight * (t[POINTS + 1] - t[0]);
-                self.found.push(Point { weight, q, v, a, y_p: motion.y_p[row].clone() });
+                self.found.push(Point { weight, q, v, a, by_torques: motion.by_torques(row).to_vec() });
             }
         }
         Ok(())
@@ -213,7 +216,8 @@ impl Points<'_> {
                     continue;
                 };
                 let a = self.acceleration(&point.q, &point.v, &point.u)?;
-                self.found.push(Point { weight: weight * length, q: point.q, v: point.v, a, y_p: point.y_p });
+                let (weight, by_torques) = (weight * length, point.y_p);
+                self.found.push(Point { weight, q: point.q, v: point.v, a, by_torques });
             }
         }
         Ok(())

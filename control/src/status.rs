@@ -2,7 +2,7 @@
 
 use crate::problem::error::ProblemError;
 use costate::EvalError;
-use costate::robot::escape_hidden;
+use costate::robot::{escape_hidden, printable};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
@@ -11,7 +11,7 @@ use std::fmt;
 #[non_exhaustive]
 pub enum EvaluationFailure {
     /// The dynamics could not be evaluated.
-    #[error(transparent)]
+    #[error("{}", in_words(.0))]
     Dynamics(#[from] EvalError),
     /// A continuation led to a problem that cannot be posed.
     #[error(transparent)]
@@ -22,6 +22,18 @@ pub enum EvaluationFailure {
     /// A failure that was read from a file.
     #[error("{0}")]
     Saved(String),
+}
+
+/// What is not finite along a motion was computed from what a user gave.
+fn in_words(error: &EvalError) -> String {
+    match error {
+        EvalError::NonFinite { joint, .. } => format!(
+            "numbers of joint '{}' become too large to be computed with; check the units and sizes of what is given \
+             (rad, m, s, kg)",
+            printable(joint)
+        ),
+        error => error.to_string(),
+    }
 }
 
 /// Where a motion exceeds the bounds of a control most.
@@ -58,7 +70,7 @@ pub enum Status {
     ConvergedSmoothed,
     /// The collocation equations are solved to the tolerance, but integrating the motion again misses its end
     /// by more than the [verification bound](crate::Motion::verification_bound), or the integration stopped.
-    /// This is typical of unstable motions.
+    /// This is typical of unstable motions. Of the direct method: not even parts of it end where they should.
     NotVerified,
     /// No damped Newton step reduced the correction.
     NewtonFailed,
@@ -150,8 +162,8 @@ impl fmt::Display for Status {
                 "converged, with a smoothed control: the motion has no isolated switching times"
             }
             Self::NotVerified => {
-                "the equations are solved, but integrating the motion again misses its end; \
-                 lower solver.tolerance, or shorten the motion"
+                "the equations are solved, but the motion integrated again with its torques goes elsewhere; \
+                 lower solver.tolerance"
             }
             Self::NewtonFailed => {
                 "Newton's method found no step that reduces the error; \

@@ -5,6 +5,7 @@ use crate::kind::Kind;
 use crate::saved::robots;
 use costate::hamiltonian::{Hamiltonian, HamiltonianSecondOrder};
 use costate::lagrangian::Lagrangian;
+use costate::robot::urdf::visuals;
 use costate::robot::{LoadOptions, Robot, RobotFormat, Tree};
 use costate_control::{ProblemFile, Solution, Solver, Trajectory};
 use std::error::Error;
@@ -47,6 +48,9 @@ fn robot(input: &[u8], format: RobotFormat, messages: &mut Vec<String>) -> bool 
     match Robot::read(input, format, strict) {
         Ok(robot) => messages.extend(robot.warnings().iter().map(ToString::to_string)),
         Err(error) => messages.push(error.to_string()),
+    }
+    if let (RobotFormat::Urdf, Ok(text)) = (format, std::str::from_utf8(input)) {
+        messages.extend(visuals(text).err().map(|error| error.to_string()));
     }
     match Robot::read(input, format, LoadOptions::default()) {
         Ok(robot) => {

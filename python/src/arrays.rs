@@ -308,10 +308,10 @@ pub fn allocate<'py>(py: Python<'py>, axes: &Axes, output: &Output) -> PyResult<
     let count = axes.count + output.shape.len();
     shape[..axes.count].copy_from_slice(axes.shape());
     shape[axes.count..count].copy_from_slice(&output.shape);
-    // SAFETY: NumPy takes the reference to the type and reads `count` lengths, which are those of arrays or of
-    // a robot and so no larger than `npy_intp`; without strides and data it allocates in C order. It returns a
-    // new reference, or none and sets an exception. Doubles need no initialisation before they are written,
-    // and all are written before Python sees the array.
+    // SAFETY: NumPy takes the reference to the type and reads `count` lengths, which are those of arrays or
+    // of a robot and so no larger than `npy_intp`; without strides and data it allocates in C order. It
+    // returns a new reference, or none and sets an exception. Doubles need no initialisation before they are
+    // written, and all are written before Python sees the array.
     let array = unsafe {
         let array = PY_ARRAY_API.PyArray_NewFromDescr(
             py,

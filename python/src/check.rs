@@ -53,7 +53,7 @@ pub fn _compare(py: Python<'_>, robot: &Robot, states: Vec<[Vec<f64>; 4]>) -> Py
 
 /// The worst report, with the difference of machine code and its bound where they are closest or farthest
 /// beyond, if there is machine code; and how many states were left out.
-type Compared = (Option<(StateReport, Option<[f64; 2]>)>, usize);
+type Compared = (Option<AtState>, usize);
 
 /// What computes the quantities that are compared.
 struct Compare {
@@ -90,12 +90,12 @@ fn compare(robot: &robot::Robot, states: &[[Vec<f64>; 4]]) -> Result<Compared, (
     Ok((worst, left_out))
 }
 
+/// The figures of a state, and those of machine code, if there is any.
+type AtState = (StateReport, Option<[f64; 2]>);
+
 impl Compare {
     /// All figures at a state; none where the mass matrix is singular.
-    fn at(
-        &mut self,
-        [q, v, tau, y]: &[Vec<f64>; 4],
-    ) -> Result<Option<(StateReport, Option<[f64; 2]>)>, Failure> {
+    fn at(&mut self, [q, v, tau, y]: &[Vec<f64>; 4]) -> Result<Option<AtState>, Failure> {
         let x = [q.as_slice(), self.hamiltonian.momentum(q, v)?].concat();
         let mut report = match self.routes.compare(&x, tau, y) {
             Ok(report) => report,

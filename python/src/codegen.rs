@@ -3,7 +3,10 @@
 use crate::dynamics::coordinates_of;
 use crate::errors::{CodegenError, argument};
 use crate::robot::Robot;
-use costate::codegen::{COptions, ProgramOptions, Quantity, RustOptions, robot_program};
+use costate::Coordinates;
+use costate::codegen::{
+    COptions, ProgramOptions, Quantity, RustOptions, StepSpec, acados_source, casadi_source, robot_program,
+};
 use pyo3::prelude::*;
 
 /// Source code of one quantity of a robot: a function without branches that needs no library.
@@ -63,4 +66,36 @@ pub fn codegen(
     let text =
         text.map_err(|error: costate::codegen::CodegenError| CodegenError::new_err(error.to_string()))?;
     text.ok_or_else(|| argument(py, "language", format!("unknown language '{language}'; give 'c' or 'rust'")))
+}
+
+/// C source for `casadi.external` or for acados.
+#[pyfunction]
+#[pyo3(signature = (robot, abi, scheme, dt, limit))]
+pub fn _abi_source(
+    py: Python<'_>,
+    robot: &Robot,
+    abi: &str,
+    scheme: Option<&str>,
+    dt: f64,
+    limit: usize,
+) -> PyResult<String> {
+    let coordinates = Coordinates::Lagrangian;
+    let step = match scheme {
+        None => None,
+        Some("rk4") => Some(StepSpec::RungeKutta4 { dt, coordinates }),
+        Some("semi_implicit_euler") => Some(StepSpec::SemiImplicitEuler { dt }),
+        Some(other) => {
+            let message = format!("no source for the scheme '{other}'; give 'rk4' or 'semi_implicit_euler'");
+            return Err(argument(py, "scheme", message));
+        }
+    };
+    if !dt.is_finite() {
+        return Err(argument(py, "dt", format!("dt is {dt}; it must be finite")));
+    }
+    let options = COptions::default().with_limit(limit);
+    let text = py.detach(|| match abi {
+        "casadi" => casadi_source(robot.model(), step, &options),
+        _ => acados_source(robot.model(), step, &options),
+    });
+    text.map_err(|error| CodegenError::new_err(error.to_string()))
 }

@@ -3,6 +3,14 @@
 use crate::errors::Failure;
 use costate_jit::JitQuantity;
 
+/// What a core computes of a function: its value; its Jacobian too; its contracted Hessian too.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Order {
+    Value,
+    First,
+    Second,
+}
+
 /// Computes the results of one state from its arguments.
 pub trait Core: Send {
     /// All arguments one after the other in, all results likewise out.

@@ -1,6 +1,6 @@
 //! The class `Dynamics`.
 
-use crate::cores::Core;
+use crate::engines::engine_of;
 use crate::errors::{CodegenError, argument};
 use crate::function::{Engine, Function, Settings};
 use crate::kinematics::{BODY_VERBS, BodyVerb, of_robot};
@@ -11,14 +11,10 @@ use crate::xla::registered;
 use costate::Coordinates;
 use costate::codegen::{CodegenError as NoQuantity, Quantity};
 use costate::robot;
-use costate_jit::{Backend, JitLanes, JitQuantity};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use std::num::NonZero;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
-
-/// Machine code with fewer steps takes a few microseconds at most.
-const SHORT: usize = 20_000;
 
 /// The dynamics of a robot, with exact first and second derivatives.
 ///
@@ -35,9 +31,9 @@ const SHORT: usize = 20_000;
 /// coordinates : {"qv", "qp"}
 ///     The state.
 /// on_error : {"raise", "nan"}
-///     What happens at a state of which any number of any argument is not finite, or at which the mass matrix is singular: a `StateError`
-///     with the batch index, or results that are not-a-number with a `StateWarning`. All other states are
-///     computed.
+///     What happens at a state of which any number of any argument is not finite, or at which the mass
+///     matrix is singular: a `StateError` with the batch index, or results that are not-a-number with a
+///     `StateWarning`. All other states are computed.
 /// threads : int, optional
 ///     Most threads for a batch; as many as the process may use unless given.
 ///
@@ -117,15 +113,8 @@ impl Dynamics {
         if let Some(known) = engines.iter().find(|known| known.of == of) {
             return Ok(known.clone());
         }
-        let (quantity, coordinates) = of;
-        let code = JitQuantity::new(self.model(), quantity, coordinates)?;
-        let backend = code.backend().to_string();
-        let short = matches!(code.backend(), Backend::Compiled { steps, .. } if steps < SHORT);
-        let robot = self.robot.shared();
-        let lanes = move || JitLanes::new(&robot, quantity, coordinates).ok().and_then(Result::ok);
-        let core = move || Box::new(code.clone()) as Box<dyn Core>;
-        let engine = Arc::new(Engine::new(core).with_lanes(lanes).short(short));
-        let known = Known { of, engine, backend };
+        let (engine, backend) = engine_of(self.robot.shared(), of.0, of.1)?;
+        let known = Known { of, engine: Arc::new(engine), backend };
         engines.push(known.clone());
         Ok(known)
     }

@@ -10,6 +10,7 @@ use pyo3::prelude::*;
 mod classes {
     pyo3::import_exception!(costate._errors, ArgumentError);
     pyo3::import_exception!(costate._errors, CodegenError);
+    pyo3::import_exception!(costate._errors, CostateError);
     pyo3::import_exception!(costate._errors, NonFiniteState);
     pyo3::import_exception!(costate._errors, RobotError);
     pyo3::import_exception!(costate._errors, RobotWarning);
@@ -19,10 +20,10 @@ mod classes {
     pyo3::import_exception!(costate._errors, StepNotSolved);
 }
 
-pub use classes::{CodegenError, RobotWarning, StateWarning};
+pub use classes::{CodegenError, CostateError, RobotWarning, StateWarning};
 
 /// The same error with one more attribute; if that fails, the error of the failure.
-fn with<'py>(py: Python<'py>, error: PyErr, name: &str, value: impl IntoPyObject<'py>) -> PyErr {
+pub fn with<'py>(py: Python<'py>, error: PyErr, name: &str, value: impl IntoPyObject<'py>) -> PyErr {
     error.value(py).setattr(name, value).err().unwrap_or(error)
 }
 
@@ -51,6 +52,12 @@ pub fn robot(py: Python<'_>, error: &RobotError) -> PyErr {
     }
     raised = with(py, raised, "line", error.line());
     with(py, raised, "culprit", error.culprit())
+}
+
+/// A state of a motion that could not be evaluated.
+#[cold]
+pub fn evaluation(py: Python<'_>, error: EvalError) -> PyErr {
+    Failure::from(error).raise(py, Vec::new())
 }
 
 /// Why a state could not be evaluated.

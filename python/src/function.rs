@@ -40,10 +40,29 @@ pub struct Engine {
     short: bool,
 }
 
-struct Workspace {
+/// What one thread computes with: a core, and buffers for one state and for four.
+pub struct Workspace {
     core: Box<dyn Core>,
     one: Vec<f64>,
     four: Vec<[f64; 4]>,
+}
+
+impl Workspace {
+    /// The numbers of one state; its arguments are written here.
+    #[inline]
+    pub fn state(&mut self, plan: &Plan) -> &mut [f64] {
+        &mut self.one[..plan.size()]
+    }
+
+    /// Evaluates that state.
+    ///
+    /// # Errors
+    /// Why it is refused.
+    #[inline]
+    pub fn evaluate(&mut self, plan: &Plan) -> Result<(), Failure> {
+        let (inputs, outputs) = self.one[..plan.size()].split_at_mut(plan.core_outputs.start);
+        self.core.evaluate(&inputs[plan.core_inputs.clone()], outputs)
+    }
 }
 
 impl Engine {
@@ -74,7 +93,7 @@ impl Engine {
 
     /// Runs `work` with a workspace that nobody else uses.
     #[inline]
-    fn with<R>(&self, plan: &Plan, work: impl FnOnce(&mut Workspace) -> R) -> R {
+    pub fn with<R>(&self, plan: &Plan, work: impl FnOnce(&mut Workspace) -> R) -> R {
         let free = self.free.lock().unwrap_or_else(PoisonError::into_inner).pop();
         let mut workspace =
             free.unwrap_or_else(|| Workspace { core: (self.new_core)(), one: Vec::new(), four: Vec::new() });
@@ -229,19 +248,18 @@ impl Call<'_> {
     #[inline]
     fn one(&self, workspace: &mut Workspace, state: usize, failures: &mut Failures) {
         let Self { plan, sources, targets, axes, .. } = self;
-        let buffer = &mut workspace.one[..plan.size()];
+        let buffer = workspace.state(plan);
         let mut finite = true;
         for place in &plan.places {
             let to = &mut buffer[place.at..place.at + place.length];
             sources[place.argument].copy(axes, state, place.start, to);
             finite &= all_finite(to);
         }
-        let (inputs, outputs) = buffer.split_at_mut(plan.core_outputs.start);
-        let done = if finite {
-            workspace.core.evaluate(&inputs[plan.core_inputs.clone()], outputs)
-        } else {
-            Err(self.not_finite(buffer))
+        let done = match finite {
+            true => workspace.evaluate(plan),
+            false => Err(self.not_finite(workspace.state(plan))),
         };
+        let buffer = workspace.state(plan);
         for (output, target) in plan.outputs.iter().zip(*targets) {
             // SAFETY: each state of a call is evaluated once, by one thread.
             let result = unsafe { target.of(state) };
@@ -291,13 +309,13 @@ impl Call<'_> {
             let buffer = &mut workspace.four[..plan.size()];
             buffer[crate::plan::ONE] = <[f64; 4]>::ONE;
             let mut finite = [true; 4];
-            for lane in 0..4 {
+            for (lane, finite) in finite.iter_mut().enumerate() {
                 let state = (start + lane).min(states.end - 1);
                 for place in &plan.places {
                     let numbers = &mut workspace.one[..place.length];
                     sources[place.argument].copy(axes, state, place.start, numbers);
                     // The machine code looks at its own arguments.
-                    finite[lane] &= place.at >= plan.core_inputs.start || all_finite(numbers);
+                    *finite &= place.at >= plan.core_inputs.start || all_finite(numbers);
                     let to = &mut buffer[place.at..place.at + place.length];
                     to.iter_mut().zip(&*numbers).for_each(|(to, from)| to.set(lane, *from));
                 }

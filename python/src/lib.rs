@@ -2,26 +2,30 @@
 //!
 //! A call passes through these modules: `arrays` reads the arguments and allocates the results, `function`
 //! evaluates all states on lanes and threads, `plan` says where arguments and results lie, `cores` computes
-//! one state; `xla` takes the arrays of JAX instead. `quantities` lists what is computed of the dynamics, `kinematics` of frames, `schemes` of time
-//! steps. `robot` with `edits`, `builder` and its `recipe`, `dynamics`, `frame` and `time_step` are the
-//! classes that Python sees.
+//! one state; `xla` takes the arrays of JAX instead. `quantities` lists what is computed of the dynamics,
+//! `kinematics` of frames, `schemes` of time steps. `robot` with `edits`, `builder` and its `recipe`,
+//! `dynamics`, `frame` and `time_step` are the classes that Python sees. `motions` is what its classes for
+//! optimal motions are made of, `casadi` exports functions to CasADi.
 
 #![deny(unsafe_op_in_unsafe_fn, clippy::undocumented_unsafe_blocks)]
 
 mod arrays;
 mod builder;
+mod casadi;
 mod check;
 mod codegen;
 mod cores;
 mod descriptions;
 mod dynamics;
 mod edits;
+mod engines;
 mod errors;
 mod failures;
 mod frame;
 mod function;
 mod kinematics;
 mod methods;
+mod motions;
 mod plan;
 mod quantities;
 mod recipe;
@@ -38,13 +42,27 @@ mod _costate {
     #[pymodule_export]
     use crate::builder::RobotBuilder;
     #[pymodule_export]
+    use crate::casadi::{_CasadiSlot, _casadi_calls, _casadi_slots};
+    #[pymodule_export]
     use crate::check::_compare;
     #[pymodule_export]
-    use crate::codegen::codegen;
+    use crate::codegen::{_abi_source, codegen};
     #[pymodule_export]
     use crate::dynamics::Dynamics;
     #[pymodule_export]
     use crate::frame::Frame;
+    #[pymodule_export]
+    use crate::motions::feedback::FeedbackCore;
+    #[pymodule_export]
+    use crate::motions::problem::ProblemCore;
+    #[pymodule_export]
+    use crate::motions::resolve::ResolveCore;
+    #[pymodule_export]
+    use crate::motions::run::Run;
+    #[pymodule_export]
+    use crate::motions::samples::SamplesCore;
+    #[pymodule_export]
+    use crate::motions::solution::SolutionCore;
     #[pymodule_export]
     use crate::recipe::_rebuild;
     #[pymodule_export]

@@ -51,6 +51,11 @@ impl Robot {
         recipe: Recipe,
         known: &[robot::Warning],
     ) -> PyResult<Self> {
+        if let Some(free) = robot.free_joints().first() {
+            let (joint, kind) = (free.name.clone(), free.kind.name());
+            let error = robot::RobotError::FreeJoint { joint, kind, what: "be used from Python" };
+            return Err(errors::robot(py, &error));
+        }
         let new = |warning: &&robot::Warning| !is_rebuilding() && !known.contains(warning);
         for warning in robot.warnings().iter().filter(new) {
             let text = format!("robot '{}': {warning}", robot.name());
@@ -103,7 +108,7 @@ impl Robot {
     ///     Where the file cannot be read.
     #[staticmethod]
     #[pyo3(signature = (path, *, friction = false, strict = false))]
-    fn from_file(py: Python<'_>, path: PathBuf, friction: bool, strict: bool) -> PyResult<Self> {
+    pub fn from_file(py: Python<'_>, path: PathBuf, friction: bool, strict: bool) -> PyResult<Self> {
         let options = LoadOptions::default().friction(friction).strict(strict);
         let raise = |error| errors::robot(py, &error);
         let file = RobotText::from_file(&path).map_err(raise)?;
@@ -147,6 +152,12 @@ impl Robot {
         let read = read.map_err(|error| errors::robot(py, &error))?;
         let recipe = Recipe::default().then(py, "from_text", named!(py, text, format, friction, strict));
         Self::warned(py, read, recipe, &[])
+    }
+
+    /// The robot of a problem, with the changes that the problem makes; for pickles.
+    #[staticmethod]
+    fn _of_problem(problem: &Bound<'_, PyAny>) -> PyResult<Self> {
+        Ok(problem.call_method0("robot")?.extract()?)
     }
 
     /// Starts a robot without joints, see `RobotBuilder`; gravity in m/s^2.

@@ -1,9 +1,9 @@
 //! The schemes of time steps: what their cores compute, and the plans of their arrays.
 
-use crate::cores::{Core, Writer, core_of};
+use crate::cores::{Core, Order, Writer, core_of};
+use crate::errors::argument;
 use crate::plan::{Piece, Plan, PlanBuilder};
 use costate::codegen::CodegenError;
-use costate::matrix::Block;
 use costate::robot::Robot;
 use costate::step::{
     ImplicitMidpoint, RungeKutta4, SemiImplicitEuler, Step as Scheme, StepError, StepLinearisation,
@@ -11,6 +11,7 @@ use costate::step::{
 };
 use costate::{Coordinates, EvalError};
 use costate_jit::{JitModel, JitVelocityModel};
+use pyo3::prelude::*;
 
 /// A step of any scheme.
 pub type AnyStep = Box<dyn Scheme<f64, Error = StepError<EvalError>> + Send>;
@@ -18,9 +19,9 @@ pub type AnyStep = Box<dyn Scheme<f64, Error = StepError<EvalError>> + Send>;
 /// How a scheme is built, by the coordinates that it needs.
 #[derive(Clone, Copy)]
 pub enum Build {
-    InAny(fn(JitModel) -> AnyStep),
-    InMomenta(fn(JitModel) -> AnyStep),
-    InVelocities(fn(JitVelocityModel) -> AnyStep),
+    Any(fn(JitModel) -> AnyStep),
+    Momenta(fn(JitModel) -> AnyStep),
+    Velocities(fn(JitVelocityModel) -> AnyStep),
 }
 
 /// The name of a scheme, and how it is built.
@@ -28,19 +29,19 @@ pub type Known = (&'static str, Build);
 
 /// All schemes.
 pub const SCHEMES: [Known; 4] = [
-    ("rk4", Build::InAny(|model| Box::new(RungeKutta4::new(model)))),
-    ("midpoint", Build::InAny(|model| Box::new(ImplicitMidpoint::new(model)))),
-    ("verlet", Build::InMomenta(|model| Box::new(StoermerVerlet::new(model)))),
-    ("semi_implicit_euler", Build::InVelocities(|model| Box::new(SemiImplicitEuler::new(model)))),
+    ("rk4", Build::Any(|model| Box::new(RungeKutta4::new(model)))),
+    ("midpoint", Build::Any(|model| Box::new(ImplicitMidpoint::new(model)))),
+    ("verlet", Build::Momenta(|model| Box::new(StoermerVerlet::new(model)))),
+    ("semi_implicit_euler", Build::Velocities(|model| Box::new(SemiImplicitEuler::new(model)))),
 ];
 
 impl Build {
     /// The coordinates that it needs.
     pub fn needs(self) -> Option<Coordinates> {
         match self {
-            Self::InAny(_) => None,
-            Self::InMomenta(_) => Some(Coordinates::Hamiltonian),
-            Self::InVelocities(_) => Some(Coordinates::Lagrangian),
+            Self::Any(_) => None,
+            Self::Momenta(_) => Some(Coordinates::Hamiltonian),
+            Self::Velocities(_) => Some(Coordinates::Lagrangian),
         }
     }
 
@@ -54,11 +55,11 @@ impl Build {
         coordinates: Coordinates,
     ) -> Result<Box<dyn Fn() -> AnyStep + Send + Sync>, CodegenError> {
         Ok(match self {
-            Self::InAny(build) | Self::InMomenta(build) => {
+            Self::Any(build) | Self::Momenta(build) => {
                 let model = JitModel::new(robot, coordinates)?;
                 Box::new(move || build(model.clone()))
             }
-            Self::InVelocities(build) => {
+            Self::Velocities(build) => {
                 let model = JitVelocityModel::new(robot)?;
                 Box::new(move || build(model.clone()))
             }
@@ -66,13 +67,28 @@ impl Build {
     }
 }
 
-/// What a core computes: the next state; its Jacobian and its derivative by dt too; its contracted Hessian
-/// too.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub enum Order {
-    Value,
-    First,
-    Second,
+/// The number of a scheme in [`SCHEMES`], for steps of this duration in these coordinates.
+///
+/// # Errors
+/// `ArgumentError` for an unknown scheme, one that needs other coordinates, and a duration that is not
+/// finite.
+pub fn scheme_of(py: Python<'_>, scheme: &str, dt: f64, coordinates: Coordinates) -> PyResult<usize> {
+    let found = SCHEMES.iter().position(|(name, ..)| *name == scheme).ok_or_else(|| {
+        let names = SCHEMES.map(|(name, ..)| format!("'{name}'")).join(", ");
+        argument(py, "scheme", format!("unknown scheme '{scheme}'; give one of {names}"))
+    })?;
+    let (name, build) = SCHEMES[found];
+    if let Some(needed) = build.needs()
+        && needed != coordinates
+    {
+        let needed = if needed == Coordinates::Lagrangian { "qv" } else { "qp" };
+        let message = format!("the scheme '{name}' needs Dynamics(robot, \"{needed}\")");
+        return Err(argument(py, "scheme", message));
+    }
+    if !dt.is_finite() {
+        return Err(argument(py, "dt", format!("dt is {dt}; it must be finite")));
+    }
+    Ok(found)
 }
 
 /// The methods of `Step`.
@@ -182,7 +198,7 @@ pub fn core(step: AnyStep, dt: f64, order: Order, n: usize) -> Box<dyn Core> {
             Order::Second => {
                 let second = step.contract(x, tau, dt, y)?;
                 put_first(writer, second.first);
-                put_symmetric(writer.0, [Some(second.xx), second.ux, second.uu], n);
+                second.hessian(writer.0);
             }
         }
         Ok(())
@@ -191,22 +207,8 @@ pub fn core(step: AnyStep, dt: f64, order: Order, n: usize) -> Box<dyn Core> {
 
 fn put_first(writer: &mut Writer<'_>, first: StepLinearisation<'_, f64>) {
     writer.put(first.next).put(first.phi_h);
-    for (in_x, in_u) in first.phi_x.iter_rows().zip(first.phi_u.iter_rows()) {
-        writer.put(in_x).put(in_u);
-    }
-}
-
-/// `[ xx  ux' ; ux  uu ]`, 3n x 3n; ux is zero in the states beyond its columns.
-fn put_symmetric(whole: &mut [f64], [xx, ux, uu]: [Option<Block<'_, f64>>; 3], n: usize) {
-    whole.fill(0.0);
-    for (block, [top, left]) in [(xx, [0, 0]), (ux, [2 * n, 0]), (uu, [2 * n, 2 * n])] {
-        for (i, row) in block.iter().flat_map(|block| block.iter_rows()).enumerate() {
-            for (j, &entry) in row.iter().enumerate() {
-                whole[(top + i) * 3 * n + left + j] = entry;
-                if top != left {
-                    whole[(left + j) * 3 * n + top + i] = entry;
-                }
-            }
-        }
-    }
+    let (jacobian, rest) = std::mem::take(&mut writer.0)
+        .split_at_mut(first.next.len() * (first.phi_x.columns() + first.phi_u.columns()));
+    first.jacobian(jacobian);
+    writer.0 = rest;
 }

@@ -4,9 +4,8 @@ use crate::dynamics::Dynamics;
 use crate::errors::{CodegenError, argument};
 use crate::function::{Engine, Function};
 use crate::methods::methods;
-use crate::schemes::{Known, SCHEMES, Verb, core};
+use crate::schemes::{Known, SCHEMES, Verb, core, scheme_of};
 use crate::xla::registered;
-use costate::Coordinates;
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 use std::sync::{Arc, OnceLock};
@@ -80,22 +79,7 @@ methods! {
     impl Step {
         #[new]
         fn new(dynamics: &Bound<'_, Dynamics>, scheme: &str, dt: f64) -> PyResult<Self> {
-            let py = dynamics.py();
-            let known = SCHEMES.into_iter().find(|(name, ..)| *name == scheme).ok_or_else(|| {
-                let names = SCHEMES.map(|(name, ..)| format!("'{name}'")).join(", ");
-                argument(py, "scheme", format!("unknown scheme '{scheme}'; give one of {names}"))
-            })?;
-            let letters = dynamics.get().space();
-            if let Some(needed) = known.1.needs()
-                && needed != letters
-            {
-                let needed = if needed == Coordinates::Lagrangian { "qv" } else { "qp" };
-                let message = format!("the scheme '{scheme}' needs Dynamics(robot, \"{needed}\")");
-                return Err(argument(py, "scheme", message));
-            }
-            if !dt.is_finite() {
-                return Err(argument(py, "dt", format!("dt is {dt}; it must be finite")));
-            }
+            let known = SCHEMES[scheme_of(dynamics.py(), scheme, dt, dynamics.get().space())?];
             Ok(Self {
                 dynamics: dynamics.clone().unbind(),
                 scheme: known,

@@ -5,7 +5,8 @@
 //! text.
 //!
 //! The flow, by folder: `record` turns a function into nodes, `simplify` turns nodes into the steps of a
-//! [`Program`], `emit` writes them as text; `robot` records the quantities of a robot.
+//! [`Program`], `emit` writes them as text; `robot` records the quantities of a robot, `abi` functions that
+//! CasADi and acados load.
 //!
 //! ```
 //! use costate::codegen::{Coordinates, ProgramOptions, Quantity, RustOptions, robot_program};
@@ -19,6 +20,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod abi;
 mod emit;
 mod error;
 mod interpret;
@@ -28,7 +30,10 @@ mod record;
 mod robot;
 mod simplify;
 
-pub use emit::{COptions, DEFAULT_LIMIT, RustOptions};
+pub use abi::{
+    ExternalPorts, Interface, Port, StepOrder, StepSpec, Variable, acados_source, casadi_source, step_program,
+};
+pub use emit::{COptions, DEFAULT_LIMIT, RustOptions, c_header, c_source};
 pub use error::CodegenError;
 pub use names::name_from;
 pub use program::{Program, ProgramArgument, ProgramResult, RecordedResult};

@@ -27,7 +27,8 @@ pub struct ProgramResult {
     pub rows: usize,
     /// Number of columns.
     pub columns: usize,
-    /// The nodes that hold its entries, row by row.
+    /// The nodes that hold its entries, row by row, or column by column where
+    /// [`Program::is_column_major`].
     pub entries: Vec<Id>,
     /// Its meaning, with units; one line, may be empty.
     pub meaning: String,
@@ -57,6 +58,7 @@ pub struct Program {
     nodes: Vec<Node>,
     results: Vec<ProgramResult>,
     symmetry: Vec<u32>,
+    column_major: bool,
 }
 
 /// A result as a recorded function returns it.
@@ -146,6 +148,7 @@ impl Program {
             nodes,
             results: shaped(results, ids)?,
             symmetry: Vec::new(),
+            column_major: false,
         };
         let names = program.arguments.iter().map(|argument| &argument.name);
         check_names(name, names.chain(program.results.iter().map(|result| &result.name)))?;
@@ -165,6 +168,25 @@ impl Program {
     /// Its name, an identifier.
     pub fn name(&self) -> &str {
         &self.name
+    }
+
+    /// Whether matrices among its results lie column by column.
+    pub fn is_column_major(&self) -> bool {
+        self.column_major
+    }
+
+    /// The same program with matrices among its results column by column, as Fortran, Eigen and MATLAB keep
+    /// them.
+    #[must_use]
+    pub fn column_major(mut self) -> Self {
+        if !self.column_major {
+            for result in &mut self.results {
+                let (rows, columns) = (result.rows, result.columns);
+                let places = (0..columns).flat_map(|j| (0..rows).map(move |i| i * columns + j));
+                result.entries = places.map(|place| result.entries[place]).collect();
+            }
+        }
+        Self { column_major: true, ..self }
     }
 
     /// Lines about it that the head of generated code begins with.

@@ -18,6 +18,7 @@
 mod automatic;
 mod automatic_cost;
 mod cost;
+pub(crate) mod joined;
 mod quadratic_cost;
 mod robots;
 
@@ -180,6 +181,11 @@ pub struct Linearisation<'a, S> {
 }
 
 impl<S: Scalar> Linearisation<'_, S> {
+    /// `[f_x f_u]`, states x (states + controls), row by row, truncated to the length of the slice.
+    pub fn jacobian(&self, matrix: &mut [S]) {
+        joined::jacobian(self.f_x, self.f_u, matrix);
+    }
+
     /// y'f_x and y'f_u, truncated to the lengths of the slices.
     pub fn adjoint(&self, y: &[S], [y_f_x, y_f_u]: [&mut [S]; 2]) {
         y_f_x.fill(S::zero());
@@ -208,6 +214,15 @@ pub struct Contraction<'a, S> {
 }
 
 impl<S: Scalar> Contraction<'_, S> {
+    /// The second derivatives of y'f in (x, u) as one symmetric matrix, (states + controls)^2 numbers.
+    ///
+    /// # Panics
+    /// For a slice of another length.
+    pub fn hessian(&self, matrix: &mut [S]) {
+        let size = [self.xx.rows(), self.first.f_u.columns()];
+        joined::hessian([Some(self.xx), self.ux, self.uu], size, matrix);
+    }
+
     /// The second derivatives of y'f times (d_x, d_u), in the components of x and of u, truncated to the
     /// lengths of the slices.
     pub fn times(&self, d: [&[S]; 2], product: [&mut [S]; 2]) {

@@ -32,6 +32,9 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
         u: &[S],
         y: &[S],
     ) -> Result<AdjointProduct<'_, S>, EvalError> {
+        if self.free.is_some() {
+            return self.adjoint_free([q, p, u, y]);
+        }
         let n = self.tree.dof();
         self.check(&[("q", q), ("p", p), ("u", u)])?;
         check(&self.tree, "y", y, 2 * n)?;

@@ -48,6 +48,7 @@ impl<S: Scalar> FullHessian<S> {
     /// # Errors
     /// See [`Hamiltonian`](super::Hamiltonian).
     pub fn hessian_tensor(&mut self, q: &[S], p: &[S]) -> Result<&HessianTensor<S>, EvalError> {
+        self.second.first().tree().refuse_free()?;
         self.second.first().linearise(q, p, &self.zero)?;
         for l in 0..q.len() {
             let slice = self.second.along_joint(l)?;

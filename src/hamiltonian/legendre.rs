@@ -30,6 +30,9 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
     /// # Errors
     /// See [`Hamiltonian`].
     pub fn momentum(&mut self, q: &[S], v: &[S]) -> Result<&[S], EvalError> {
+        if self.free.is_some() {
+            return self.momentum_free(q, v);
+        }
         self.check(&[("q", q), ("v", v)])?;
         self.flow.kernel.set_position(&self.tree, q)?;
         self.flow.kernel.set_velocity(&self.tree, v)?;
@@ -41,6 +44,9 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
     /// # Errors
     /// See [`Hamiltonian`].
     pub fn velocity(&mut self, q: &[S], p: &[S]) -> Result<&[S], EvalError> {
+        if self.free.is_some() {
+            return self.velocity_free(q, p);
+        }
         self.check(&[("q", q), ("p", p)])?;
         self.flow.solve_velocity(&self.tree, q, p)?;
         Ok(&self.flow.v)
@@ -55,6 +61,7 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
         q: &[S],
         v: &[S],
     ) -> Result<MomentumLinearisation<'_, S>, EvalError> {
+        self.tree.refuse_free()?;
         self.momentum(q, v)?;
         self.flow.kernel.second_order(&self.tree);
         let kernel = &self.flow.kernel;

@@ -23,6 +23,8 @@ mod contraction;
 mod direction;
 mod dual_pass;
 mod elimination;
+mod free;
+mod free_state;
 mod full;
 mod legendre;
 mod linearisation;
@@ -48,6 +50,7 @@ use crate::robot::{Robot, Tree};
 use crate::scalar::Scalar;
 use conservative::Conservative;
 use direction::Direction;
+use free::Free;
 use state::StateEquation;
 
 /// Workspace for the Hamiltonian state equation of one robot; no call allocates.
@@ -60,6 +63,11 @@ use state::StateEquation;
 /// [`EvalError::NonFinite`], and with [`EvalError::SingularMassMatrix`] if it inverts the mass matrix.
 /// Results are not checked: if a product overflows, they are infinite.
 ///
+/// With floating and spherical joints q has [`Tree::nq`] entries, and F, F_x and y'F_xx are those in the
+/// left-trivialised tangent space, 2n: see [`FreeKind`](crate::robot::FreeKind) and
+/// [`ConfigurationSpace`](crate::configuration::ConfigurationSpace). What does not take such joints returns
+/// [`EvalError::FreeJoint`]; a quaternion whose length is not 1 is [`EvalError::NotUnit`].
+///
 /// The generalised forces Q(q) of wrenches from outside ([`Robot::with_wrench`]) act as u does: F gains Q,
 /// F_x and y'F_xx its derivatives.
 #[derive(Clone, Debug)]
@@ -71,6 +79,8 @@ pub struct Hamiltonian<S: Scalar, R: Route = Contracted> {
     inverse: Matrix<S>,
     /// y'F_x.
     product: Vec<S>,
+    /// What floating and spherical joints need, if there are any.
+    free: Option<Box<Free<S>>>,
 }
 
 /// Kinetic and potential energy (J).
@@ -112,6 +122,7 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
             direction: Direction::new(n),
             inverse: Matrix::zeros(n, n),
             product: filled(S::zero(), 2 * n),
+            free: Free::where_any(&tree),
             tree,
         }
     }
@@ -131,6 +142,9 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
     /// # Errors
     /// See [`Hamiltonian`].
     pub fn evaluate(&mut self, q: &[S], p: &[S], u: &[S]) -> Result<&[S], EvalError> {
+        if self.free.is_some() {
+            return self.evaluate_free([q, p, u]);
+        }
         self.check(&[("q", q), ("p", p), ("u", u)])?;
         self.flow.first_order(&self.tree, q, p)?;
         self.state.rate_of_change(&self.tree, &self.flow.v, self.flow.kernel.l_q(), u);
@@ -148,6 +162,9 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
         p: &[S],
         u: &[S],
     ) -> Result<HamiltonianLinearisation<'_, S>, EvalError> {
+        if self.free.is_some() {
+            return self.linearise_free([q, p, u]);
+        }
         self.prepare(q, p, u)?;
         self.assembled();
         self.state.add_wrench_slopes(q);
@@ -179,6 +196,9 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
     /// # Errors
     /// See [`Hamiltonian`].
     pub fn energy(&mut self, q: &[S], p: &[S]) -> Result<Energy<S>, EvalError> {
+        if self.free.is_some() {
+            return self.energy_free(q, p);
+        }
         self.check(&[("q", q), ("p", p)])?;
         self.flow.solve_velocity(&self.tree, q, p)?;
         let twice = self.flow.v.iter().zip(p).fold(S::zero(), |sum, (&v, &p)| sum + v * p);
@@ -198,7 +218,10 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
     /// # Errors
     /// See [`Hamiltonian`].
     pub fn potential(&mut self, q: &[S]) -> Result<S, EvalError> {
-        self.check(&[("q", q)])?;
+        match self.free {
+            None => self.check(&[("q", q)])?,
+            Some(_) => self.check_free(q, &[])?,
+        }
         self.flow.kernel.set_position(&self.tree, q)?;
         Ok(self.flow.kernel.potential(&self.tree))
     }
@@ -208,6 +231,9 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
     /// # Errors
     /// See [`Hamiltonian`].
     pub fn mass_matrix(&mut self, q: &[S]) -> Result<&Matrix<S>, EvalError> {
+        if self.free.is_some() {
+            return self.mass_matrix_free(q);
+        }
         self.check(&[("q", q)])?;
         self.flow.kernel.set_mass_matrix(&self.tree, q)?;
         Ok(self.flow.kernel.mass_matrix())
@@ -218,6 +244,9 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
     /// # Errors
     /// See [`Hamiltonian`].
     pub fn inverse_mass_matrix(&mut self, q: &[S]) -> Result<&Matrix<S>, EvalError> {
+        if self.free.is_some() {
+            return self.inverse_free(q);
+        }
         self.check(&[("q", q)])?;
         self.flow.factor_alone(&self.tree, q)?;
         self.flow.factor.inverse(&mut self.inverse);
@@ -229,6 +258,9 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
     /// # Errors
     /// See [`Hamiltonian`].
     pub fn solve_mass_matrix(&mut self, q: &[S], x: &mut [S]) -> Result<(), EvalError> {
+        if self.free.is_some() {
+            return self.solve_free(q, x);
+        }
         self.check(&[("q", q), ("x", x)])?;
         self.flow.factor_alone(&self.tree, q)?;
         self.flow.factor.solve(x);

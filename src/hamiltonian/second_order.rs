@@ -36,14 +36,14 @@ use crate::scalar::Scalar;
 /// ```
 #[derive(Clone, Debug)]
 pub struct HamiltonianSecondOrder<S: Scalar> {
-    first: Hamiltonian<S>,
-    along: KernelTwo<S>,
-    congruence: Congruence<S>,
-    y_f_xx: Matrix<S>,
+    pub(super) first: Hamiltonian<S>,
+    pub(super) along: KernelTwo<S>,
+    pub(super) congruence: Congruence<S>,
+    pub(super) y_f_xx: Matrix<S>,
     /// V d, and the factor of V' in a product with d.
     change: Vec<S>,
-    pull: Vec<S>,
-    product: Vec<S>,
+    pub(super) pull: Vec<S>,
+    pub(super) product: Vec<S>,
 }
 
 impl<S: Scalar> HamiltonianSecondOrder<S> {
@@ -88,6 +88,9 @@ impl<S: Scalar> HamiltonianSecondOrder<S> {
         u: &[S],
         y: &[S],
     ) -> Result<HamiltonianContraction<'_, S>, EvalError> {
+        if self.first.free.is_some() {
+            return self.contract_free([q, p, u, y]);
+        }
         check(&self.first.tree, "y", y, 2 * self.dof())?;
         self.first.prepare(q, p, u)?;
         self.differentiate(y)?;
@@ -113,6 +116,9 @@ impl<S: Scalar> HamiltonianSecondOrder<S> {
     /// See [`Hamiltonian`].
     #[inline(never)]
     pub fn hessian_product(&mut self, q: &[S], p: &[S], y: &[S], d: &[S]) -> Result<&[S], EvalError> {
+        if self.first.free.is_some() {
+            return self.hessian_product_free([q, p, y, d]);
+        }
         let n = self.dof();
         self.first.check(&[("q", q), ("p", p)])?;
         check(&self.first.tree, "y", y, 2 * n)?;
@@ -146,7 +152,7 @@ impl<S: Scalar> HamiltonianSecondOrder<S> {
     }
 
     /// Kernel two along w~. Kernel one must be at its third stage, and M factored.
-    fn differentiate(&mut self, y: &[S]) -> Result<(), EvalError> {
+    pub(super) fn differentiate(&mut self, y: &[S]) -> Result<(), EvalError> {
         let Hamiltonian { tree, flow, direction, .. } = &mut self.first;
         direction.set_costate(tree, &flow.v, y);
         flow.velocity_change(&direction.q, &direction.p, &mut direction.v);

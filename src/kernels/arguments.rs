@@ -4,8 +4,39 @@ use crate::error::{EvalError, check_length};
 use crate::robot::Tree;
 use crate::scalar::Scalar;
 
-/// `values` must have `expected` finite entries; entry i belongs to joint i mod n.
+/// `values` must have `expected` finite entries; entry i belongs to joint i mod n. No joint is floating or
+/// spherical.
 pub(crate) fn check<S: Scalar>(
+    tree: &Tree,
+    what: &'static str,
+    values: &[S],
+    expected: usize,
+) -> Result<(), EvalError> {
+    tree.refuse_free()?;
+    check_entries(tree, what, values, expected)
+}
+
+/// q has [`Tree::nq`] finite entries, and its quaternions have length 1. With n entries it is refused by
+/// name.
+pub(crate) fn check_configuration<S: Scalar>(tree: &Tree, q: &[S]) -> Result<(), EvalError> {
+    if q.len() == tree.dof() {
+        // What knows nothing of quaternions passes as many entries as v has.
+        tree.refuse_free()?;
+    }
+    check_length("q", q, tree.nq())?;
+    if S::CHECKED
+        && let Some(index) = q.iter().position(|value| !value.is_finite())
+    {
+        // Entries of a quaternion are counted to the last of its three angles.
+        let before = tree.free().iter().filter(|free| free.position + free.kind.positions() <= index + 1);
+        let joint = tree.name(index - before.count()).into();
+        return Err(EvalError::NonFinite { what: "q", index, joint });
+    }
+    tree.check_unit(q)
+}
+
+/// `values` must have `expected` finite entries; entry i belongs to joint i mod n.
+pub(crate) fn check_entries<S: Scalar>(
     tree: &Tree,
     what: &'static str,
     values: &[S],

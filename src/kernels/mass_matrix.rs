@@ -19,7 +19,7 @@ impl<S: Scalar> KernelOne<S> {
     /// With what [`set_mass_matrix`](Self::set_mass_matrix) needs.
     pub(super) fn with_world_axes(mut self, tree: &Tree) -> Self {
         let long = tree.pairs() >= WORLD_FROM * tree.dof();
-        if Panel::<S>::in_blocks(tree.dof()) && long && tree.joint_map().is_none() {
+        if Panel::<S>::in_blocks(tree.dof()) && long && tree.joint_map().is_none() && tree.free().is_empty() {
             self.world = Some(Box::new(WorldKernel::new(tree)));
         }
         self

@@ -21,7 +21,7 @@ mod two_pairs;
 mod velocity;
 mod world;
 
-pub(crate) use arguments::check;
+pub(crate) use arguments::{check, check_configuration, check_entries};
 pub(crate) use coupling::{Coupled, Spread, positions, rates, size_of_sum};
 pub(crate) use dissipation::friction_of;
 pub use dissipation::{FrictionDerivatives, friction};
@@ -57,6 +57,9 @@ use blocks::Blocks;
 /// transformed together. For a joint on the fixed base, its S and gamma are transformed outward instead.
 /// Armature is added to M and p, springs to L_q and L_qq. All of this is of the N joints of the tree; where
 /// some mimic others, rows and columns are summed into those of the n coordinates at the end of each stage.
+///
+/// q has [`Tree::nq`] entries; derivatives by the position of a floating or spherical joint are those by the
+/// coordinates of its chain ([`Robot::free_joints`](crate::robot::Robot::free_joints)), at zero.
 #[derive(Clone, Debug)]
 pub struct KernelOne<S: Scalar> {
     bodies: Vec<Body<S>>,
@@ -68,6 +71,8 @@ pub struct KernelOne<S: Scalar> {
     /// Positions and velocities of all joints.
     q: Vec<S>,
     v: Vec<S>,
+    /// Coordinates of the chains of floating and spherical joints; empty where there are none.
+    chart: Vec<S>,
     mass_matrix: Coupled<Matrix<S>>,
     momentum: Coupled<Vec<S>>,
     l_q: Coupled<Vec<S>>,
@@ -134,6 +139,7 @@ impl<S: Scalar> KernelOne<S> {
             blocks,
             q: filled(S::zero(), n),
             v: filled(S::zero(), n),
+            chart: filled(S::zero(), if tree.free().is_empty() { 0 } else { tree.dof() }),
             mass_matrix: Coupled::square(tree),
             momentum: Coupled::row(tree),
             l_q: Coupled::row(tree),

@@ -8,7 +8,7 @@ use super::{KernelOne, RootAxis};
 use crate::error::{EvalError, check_length};
 use crate::robot::{JointKind, Tree};
 use crate::scalar::{Pack, Scalar};
-use crate::spatial::{Force, Inertia, Motion, Transform, Vec3};
+use crate::spatial::{Force, Inertia, JointPosition, Motion, Transform, Vec3};
 use std::ops::Range;
 
 /// `F = IC S`: momentum of the composite body at unit joint velocity.
@@ -82,15 +82,20 @@ pub(super) fn across_joint<S: Scalar>(kind: JointKind, force: &Force<S>) -> Forc
 }
 
 impl<S: Scalar> KernelOne<S> {
-    /// Computes M at q (rad, m; length n): `M_ij = S_i . F_j` (62), plus armature.
+    /// Computes M at q (rad, m; length nq): `M_ij = S_i . F_j` (62), plus armature.
     ///
     /// # Errors
     /// [`EvalError::WrongLength`]. Values are not checked here.
     #[inline(never)]
     pub fn set_position(&mut self, tree: &Tree, q: &[S]) -> Result<(), EvalError> {
-        check_length("q", q, tree.dof())?;
-        positions(tree, q, &mut self.q);
-        self.place(tree);
+        check_length("q", q, tree.nq())?;
+        if tree.free().is_empty() {
+            positions(tree, q, &mut self.q);
+        } else {
+            tree.chart_coordinates(q, &mut self.chart);
+            positions(tree, &self.chart, &mut self.q);
+        }
+        self.place(tree, q);
         for (i, joint) in tree.joints().iter().enumerate().rev() {
             if joint.parent.is_none() {
                 self.meet_root(tree, i);
@@ -157,8 +162,11 @@ impl<S: Scalar> KernelOne<S> {
     }
 
     /// Transforms, gravity and composite inertias, each in its body frame.
-    fn place(&mut self, tree: &Tree) {
+    fn place(&mut self, tree: &Tree, q: &[S]) {
         joint_positions(tree, &self.q, |i, position| self.bodies[i].position = position);
+        for free in tree.free() {
+            self.bodies[free.turned].position = JointPosition::Oriented(free.orientation(q));
+        }
         let bodies = &mut self.bodies[..tree.joints().len()];
         let mut before = Outward::new();
         for (i, joint) in tree.joints().iter().enumerate() {

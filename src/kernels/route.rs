@@ -13,10 +13,13 @@ use std::fmt::Debug;
 /// The interface between the state equations and a route: [`KernelOne`] contracts with v first;
 /// [`tensors`](crate::tensors) computes the derivatives of M one by one, as in the paper.
 pub trait LagrangianHessian<S: Scalar>: Clone + Debug {
+    /// Whether it takes floating and spherical joints.
+    const FREE_JOINTS: bool = false;
+
     /// Buffers for a tree.
     fn new(tree: &Tree) -> Self;
 
-    /// First stage: M and V at q (rad, m; length n).
+    /// First stage: M and V at q (rad, m; length nq).
     ///
     /// # Errors
     /// [`EvalError::WrongLength`]. Values are not checked here.
@@ -77,6 +80,8 @@ impl Route for Contracted {
 }
 
 impl<S: Scalar> LagrangianHessian<S> for KernelOne<S> {
+    const FREE_JOINTS: bool = true;
+
     fn new(tree: &Tree) -> Self {
         Self::new(tree).with_world_axes(tree)
     }

@@ -50,6 +50,28 @@ impl<S: Scalar> Kinematics<S> {
         Ok(())
     }
 
+    /// `sum over k, l of W_kl R_kl,qq` for the orientation R of a frame, n x n, symmetric, W given by rows:
+    /// `w_i . (B w_j - tr(B) w_j)`, `B = R W'`, for i nearer to the base, since then
+    /// `R_,ij = w_i x (w_j x R)`; O(d^2) products for d joints on the path.
+    ///
+    /// # Errors
+    /// See [`Kinematics`].
+    pub fn rotation_hessian(&mut self, frame: usize, w: &[[S; 3]; 3]) -> Result<&Matrix<S>, EvalError> {
+        let rows = self.pose(frame)?.rotation.map(Vec3::from);
+        let weights = w.map(Vec3::from);
+        let (frame, _) = self.see(frame, ReferenceFrame::LocalWorldAligned)?;
+        self.pairs.take_path(&self.tree, frame.joint);
+        let trace = (0..3).fold(S::zero(), |sum, k| sum + rows[k].dot(weights[k]));
+        for j in self.tree.path(frame.joint) {
+            let axis = self.columns[j].motion.angular;
+            let [x, y, z] = axis.to_array();
+            let weighted = weights[0].scaled(x) + weights[1].scaled(y) + weights[2].scaled(z);
+            let turned = Vec3::from(rows.map(|row| row.dot(weighted)));
+            (self.pairs.inner[j], self.pairs.outer[j]) = (axis, turned - axis.scaled(trace));
+        }
+        Ok(self.fill_pairs())
+    }
+
     /// `dV/dq` of the [`twist`](Self::twist) V at fixed v, 6 x n. Its derivative by v is J.
     ///
     /// # Errors

@@ -71,7 +71,7 @@ pub(super) fn quaternion<S: Scalar>([a, b, c]: [Vec3<S>; 3]) -> (S, Vec3<S>) {
 
 /// The rotation vector e = angle axis, of the quaternion `(cos, sin axis)` of the half angle, by halving the
 /// angle and the series of the arcsine.
-pub(super) fn rotation_vector<S: Scalar>(mut cos: S, mut sin: Vec3<S>) -> Vec3<S> {
+pub(crate) fn rotation_vector<S: Scalar>(mut cos: S, mut sin: Vec3<S>) -> Vec3<S> {
     for _ in 0..HALVINGS {
         cos = cos.plus(1.0).times(0.5).sqrt();
         sin = sin.scaled(cos.recip().times(0.5));
@@ -84,7 +84,7 @@ pub(super) fn rotation_vector<S: Scalar>(mut cos: S, mut sin: Vec3<S>) -> Vec3<S
 ///
 /// Since `1 - x cot x = 2 sum_m x^2 / (m^2 pi^2 - x^2)`, with `t = s / (4 pi^2) <= 1/4`:
 /// `2 pi^2 c = sum_m 1 / (m^2 - t) = 1 / (1 - t) + sum_k (zeta(2 k) - 1) t^(k-1)`.
-pub(super) fn curvature<S: Scalar>(s: S) -> (S, S) {
+pub(crate) fn curvature<S: Scalar>(s: S) -> (S, S) {
     let scale = 1.0 / (4.0 * PI * PI);
     let t = s.times(scale);
     let first = (-t).plus(1.0).recip();

@@ -39,6 +39,7 @@ mod term;
 pub use centroidal::CentreOfMass;
 pub use external::ExternalForces;
 pub use frame::Pose;
+pub(crate) use logarithm::{curvature, rotation_vector};
 pub use momentum::Momentum;
 pub use orientation::{OrientationContraction, OrientationError};
 pub use reference_frame::ReferenceFrame;

@@ -15,6 +15,9 @@ impl<S: Scalar> Lagrangian<S> {
     /// # Errors
     /// See [`Lagrangian`].
     pub fn inverse_dynamics(&mut self, q: &[S], v: &[S], a: &[S]) -> Result<&[S], EvalError> {
+        if self.free.is_some() {
+            return self.inverse_dynamics_free([q, v, a]);
+        }
         self.check(&[("q", q), ("v", v), ("a", a)])?;
         self.newton_euler.solve(&self.tree, q, v, a);
         self.subtract_friction(v);
@@ -27,6 +30,10 @@ impl<S: Scalar> Lagrangian<S> {
     /// # Errors
     /// See [`Lagrangian`].
     pub fn forward_dynamics(&mut self, q: &[S], v: &[S], u: &[S]) -> Result<&[S], EvalError> {
+        if self.free.is_some() {
+            self.evaluate_free([q, v, u])?;
+            return Ok(self.acceleration());
+        }
         self.check(&[("q", q), ("v", v), ("u", u)])?;
         self.accelerate_alone(q, v, u)?;
         Ok(self.acceleration())
@@ -37,6 +44,9 @@ impl<S: Scalar> Lagrangian<S> {
     /// # Errors
     /// See [`Lagrangian`].
     pub fn evaluate(&mut self, q: &[S], v: &[S], u: &[S]) -> Result<&[S], EvalError> {
+        if self.free.is_some() {
+            return self.evaluate_free([q, v, u]);
+        }
         self.check(&[("q", q), ("v", v), ("u", u)])?;
         self.accelerate_alone(q, v, u)?;
         Ok(&self.rate)
@@ -57,6 +67,9 @@ impl<S: Scalar> Lagrangian<S> {
     /// # Errors
     /// See [`Lagrangian`].
     pub fn mass_matrix(&mut self, q: &[S]) -> Result<&Matrix<S>, EvalError> {
+        if self.free.is_some() {
+            return self.mass_matrix_free(q);
+        }
         self.check(&[("q", q)])?;
         self.place(q)?;
         Ok(current_mass_matrix(self.routes, &self.kernel, self.world.as_ref()))

@@ -73,6 +73,9 @@ impl<S: Scalar> Lagrangian<S> {
         v: &[S],
         u: &[S],
     ) -> Result<ForwardDynamicsLinearisation<'_, S>, EvalError> {
+        if self.free.is_some() {
+            return self.linearise_forward_dynamics_free([q, v, u]);
+        }
         self.check(&[("q", q), ("v", v), ("u", u)])?;
         self.accelerate(q, v, u)?;
         self.differentiate_torque_after_bias(q, v)?;
@@ -121,7 +124,10 @@ impl<S: Scalar> Lagrangian<S> {
         ForwardDynamicsLinearisation {
             acceleration: self.acceleration(),
             a_z: &self.a_z,
-            mass_matrix: current_mass_matrix(self.routes, &self.kernel, self.world.as_ref()),
+            mass_matrix: match &self.free {
+                None => current_mass_matrix(self.routes, &self.kernel, self.world.as_ref()),
+                Some(free) => &free.mass_matrix,
+            },
         }
     }
 

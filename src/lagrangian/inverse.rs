@@ -73,6 +73,9 @@ impl<S: Scalar> Lagrangian<S> {
         v: &[S],
         a: &[S],
     ) -> Result<InverseDynamicsLinearisation<'_, S>, EvalError> {
+        if self.free.is_some() {
+            return self.linearise_inverse_dynamics_free([q, v, a]);
+        }
         self.check(&[("q", q), ("v", v), ("a", a)])?;
         self.place(q)?;
         let (rate_q, rate_v) = self.rate.split_at_mut(q.len());

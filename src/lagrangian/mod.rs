@@ -22,6 +22,8 @@ mod contraction;
 mod coriolis;
 mod dynamics;
 mod forward;
+mod free;
+mod free_dynamics;
 mod inverse;
 mod legendre_transform;
 mod newton_euler;
@@ -44,6 +46,7 @@ use crate::robot::{Robot, Tree};
 use crate::scalar::Scalar;
 use blocked::Blocked;
 use choice::Routes;
+use free::Free;
 use newton_euler::NewtonEuler;
 
 /// Workspace for the Lagrangian state equation of one robot; no call allocates.
@@ -52,6 +55,10 @@ use newton_euler::NewtonEuler;
 /// [`Robot::independent_joints`]. Every method can fail with [`EvalError::WrongLength`] or
 /// [`EvalError::NonFinite`], and with [`EvalError::SingularMassMatrix`] if it inverts the mass matrix.
 /// Results are not checked: if a product overflows, they are infinite.
+///
+/// With floating and spherical joints q has [`Tree::nq`] entries, and derivatives by q are those in the
+/// left-trivialised tangent space: see [`FreeKind`](crate::robot::FreeKind). Inverse and forward dynamics,
+/// their Jacobians and M take such joints; all else returns [`EvalError::FreeJoint`].
 ///
 /// The generalised forces Q(q) of wrenches from outside ([`Robot::with_wrench`]) act as u does, with all
 /// their derivatives: inverse dynamics subtracts them, forward dynamics adds them.
@@ -103,6 +110,8 @@ pub struct Lagrangian<S: Scalar> {
     f_u: Matrix<S>,
     /// Wrenches from outside, if the robot has any.
     external: Option<Box<ExternalForces<S>>>,
+    /// What floating and spherical joints need, if there are any.
+    free: Option<Box<Free<S>>>,
 }
 
 impl<S: Scalar> Lagrangian<S> {
@@ -146,6 +155,7 @@ impl<S: Scalar> Lagrangian<S> {
             f_x,
             f_u: Matrix::zeros(2 * n, n),
             external: ExternalForces::where_any(&tree),
+            free: Free::where_any(&tree),
             tree,
         }
     }

@@ -5,6 +5,7 @@ use super::checks;
 use super::error::RobotError;
 use super::frame::{Frame, FrameKind, FrameSpec};
 use super::frame_list::FrameList;
+use super::free_parts;
 use super::joint::{Joint, JointSpec};
 use super::link::Placement;
 use super::mimic;
@@ -57,7 +58,7 @@ impl RobotBuilder {
     /// Adds a joint. Children may come before their parents; `build` moves the parents first and keeps the
     /// order otherwise.
     pub fn joint(mut self, joint: JointSpec) -> Self {
-        self.joints.push(joint);
+        self.joints.extend(joint.parts());
         self
     }
 
@@ -94,8 +95,8 @@ impl RobotBuilder {
     /// [`RobotError::MimicCycle`] where mimicry leads to no independent joint, [`RobotError::BadAxis`],
     /// [`RobotError::BadPlacement`], [`RobotError::BadValue`], [`RobotError::BadGravity`],
     /// [`RobotError::BadArmature`], [`RobotError::NonFiniteInertia`], [`RobotError::NegativeMass`] and
-    /// [`RobotError::IndefiniteInertia`] for numbers, [`RobotError::Strict`] where the options refuse
-    /// warnings.
+    /// [`RobotError::IndefiniteInertia`] for numbers, [`RobotError::FreeJoint`] for what a floating or
+    /// spherical joint cannot have, [`RobotError::Strict`] where the options refuse warnings.
     pub fn build(mut self) -> Result<Robot, RobotError> {
         let order = self.parents_first()?;
         let n = self.joints.len();
@@ -105,6 +106,7 @@ impl RobotBuilder {
         let mimics = mimic::resolved(&self.joints, &order)?;
         for (index, spec) in order.iter().map(|&source| &self.joints[source]).enumerate() {
             checks::joint(spec)?;
+            free_parts::check_part(spec)?;
             joints.push(Joint {
                 name: spec.name.clone(),
                 kind: spec.kind,
@@ -117,6 +119,7 @@ impl RobotBuilder {
                 friction: spec.friction,
                 limits: spec.limits,
                 mimic: mimics[index],
+                free: spec.free.clone(),
             });
             index_of.insert(&spec.name, index);
         }
@@ -128,6 +131,7 @@ impl RobotBuilder {
             )?,
             None => Armature::diagonal(of_joints),
         };
+        free_parts::check_robot(&joints, &armature)?;
         let mut warnings = self.warnings;
         for spec in order.iter().map(|&source| &self.joints[source]) {
             if spec.inertia.is_massless() && !spec.virtual_link {
@@ -143,9 +147,10 @@ impl RobotBuilder {
         Ok(Robot {
             name: self.name,
             gravity: self.gravity,
-            joints,
             independent,
             armature,
+            free: free_parts::free_joints(&joints),
+            joints,
             frames,
             wrenches: Vec::new(),
             warnings,

@@ -1,5 +1,6 @@
 //! Joints and the links they move.
 
+use super::free::FreePart;
 use super::link::{LinkInertia, Placement};
 use nalgebra::Vector3;
 
@@ -123,6 +124,8 @@ pub struct Joint {
     pub limits: Limits,
     /// How it follows an independent joint; `None` if it is independent itself, and so has an entry of q.
     pub mimic: Option<Mimic>,
+    /// Which part of a floating or spherical joint it is; `None` for a joint by itself.
+    pub free: Option<FreePart>,
 }
 
 /// What a [`JointSpec`] says about the joint that it mimics.
@@ -153,6 +156,7 @@ pub struct JointSpec {
     pub(crate) mimic: Option<MimicSpec>,
     /// The link is massless on purpose (one of the joints that a floating or planar joint became).
     pub(crate) virtual_link: bool,
+    pub(crate) free: Option<FreePart>,
 }
 
 impl JointSpec {
@@ -181,6 +185,7 @@ impl JointSpec {
             limits: Limits::default(),
             mimic: None,
             virtual_link: false,
+            free: None,
         }
     }
 

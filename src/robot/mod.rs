@@ -1,4 +1,4 @@
-//! Robots: trees of revolute and prismatic joints, from code or from a file.
+//! Robots: trees of revolute, prismatic, floating and spherical joints, from code or from a file.
 //!
 //! A [`Robot`] is built by a [`RobotBuilder`], from a Denavit-Hartenberg table ([`dh`]), from a TOML file or
 //! from a URDF ([`Robot::from_file`]; the readers are the cargo features `toml` and `urdf`, on by default).
@@ -18,6 +18,9 @@ mod format;
 mod frame;
 mod frame_list;
 mod frames;
+mod free;
+mod free_frame;
+mod free_parts;
 mod joint;
 mod joint_frame;
 mod joint_map;
@@ -53,6 +56,8 @@ pub use edit::{LimitChange, RobotEdit};
 pub use error::RobotError;
 pub use format::RobotFormat;
 pub use frame::{Frame, FrameKind, FrameSpec};
+pub use free::{FreeJoint, FreeKind, FreePart};
+pub(crate) use free_frame::FreeFrame;
 pub use joint::{Friction, Joint, JointKind, JointSpec, Limits, Mimic, Spring};
 pub use joint_frame::JointFrame;
 pub(crate) use joint_map::{JointMap, Row, scaled};

@@ -5,6 +5,7 @@ use super::checks;
 use super::error::RobotError;
 use super::frame::{Frame, FrameSpec};
 use super::frame_list::FrameList;
+use super::free::FreeJoint;
 use super::joint::{Friction, Joint};
 use super::joint_map;
 use super::warning::Warning;
@@ -32,6 +33,7 @@ pub struct Robot {
     pub(super) joints: Vec<Joint>,
     /// Indices of the joints that mimic no other one.
     pub(super) independent: Vec<usize>,
+    pub(super) free: Vec<FreeJoint>,
     pub(super) armature: Armature,
     pub(super) frames: Vec<Frame>,
     pub(super) wrenches: Vec<AppliedWrench>,
@@ -47,6 +49,26 @@ impl Robot {
     /// Number of degrees of freedom, n: of the joints that mimic no other one.
     pub fn dof(&self) -> usize {
         self.independent_joints().len()
+    }
+
+    /// Number of entries of q: n, and one more for each floating or spherical joint.
+    pub fn nq(&self) -> usize {
+        self.dof() + self.free.len()
+    }
+
+    /// The floating and spherical joints. Each is a chain of several of the [`joints`](Self::joints).
+    ///
+    /// ```
+    /// use costate::robot::{FreeKind, JointSpec, LinkInertia, Robot};
+    ///
+    /// let body = LinkInertia::about_com(1.0, [0.0; 3], nalgebra::Matrix3::identity());
+    /// let drone = Robot::builder("drone").joint(JointSpec::floating("root").carrying(body)).build()?;
+    /// assert_eq!((drone.dof(), drone.nq()), (6, 7));
+    /// assert_eq!(drone.free_joints()[0].kind, FreeKind::Floating);
+    /// # Ok::<(), costate::robot::RobotError>(())
+    /// ```
+    pub fn free_joints(&self) -> &[FreeJoint] {
+        &self.free
     }
 
     /// All joints of the tree, parents before children, with those that mimic others.
@@ -69,8 +91,12 @@ impl Robot {
     /// `G q + b`: the positions of all joints (rad, m), in the order of [`joints`](Self::joints).
     ///
     /// # Errors
-    /// [`EvalError::WrongLength`] unless q has n entries.
+    /// [`EvalError::WrongLength`] unless q has n entries; [`EvalError::FreeJoint`] where a joint is floating
+    /// or spherical.
     pub fn joint_positions(&self, q: &[f64]) -> Result<Vec<f64>, EvalError> {
+        if let Some(free) = self.free.first() {
+            return Err(EvalError::free_joint(&free.name, free.kind.name()));
+        }
         check_length("q", q, self.dof())?;
         Ok(match joint_map::rows(&self.joints) {
             None => q.to_vec(),

@@ -11,10 +11,18 @@ use super::joint_frame::JointFrame;
 use crate::spatial::{ConstantInertia, Inertia, Symmetric3, Vec3};
 
 /// Fills `lumped` and `lumped_mass` of every joint; returns V (J) of what was moved to the world.
-pub(super) fn regroup(joints: &mut [JointFrame], gravity: [f64; 3]) -> f64 {
+///
+/// Nothing is moved across the `turned` joints, which are oriented by a quaternion.
+pub(super) fn regroup(joints: &mut [JointFrame], gravity: [f64; 3], turned: &[usize]) -> f64 {
     let mut potential = 0.0;
     for i in (0..joints.len()).rev() {
         let joint = &mut joints[i];
+        if turned.contains(&i) {
+            joint.lumped_mass += joint.lumped.mass;
+            let (parent, mass) = (joint.parent, joint.lumped_mass);
+            parent.into_iter().for_each(|parent| joints[parent].lumped_mass += mass);
+            continue;
+        }
         let body = joint.lumped;
         let [xx, yy, zz, xy, xz, yz] = body.matrix;
         let [hx, hy, hz] = body.first_moment;

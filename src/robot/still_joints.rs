@@ -1,5 +1,6 @@
 //! A robot with still joints: displacements of its frames as coordinates.
 
+use super::free_parts::free_joints;
 use super::joint::{Friction, Joint, JointKind, Limits, Mimic, Spring};
 use super::link::{LinkInertia, Placement};
 use super::model::Robot;
@@ -70,7 +71,8 @@ impl Robot {
         let mut coordinates = vec![0; n];
         independent.iter().enumerate().for_each(|(k, &i)| coordinates[i] = k);
         let armature = self.armature.spread(n, &kept);
-        let mut robot = Self { joints, independent, armature, ..self.clone() };
+        let free = free_joints(&joints);
+        let mut robot = Self { joints, independent, free, armature, ..self.clone() };
         for frame in &mut robot.frames {
             frame.joint = frame.joint.map(|joint| kept[joint]);
         }
@@ -103,6 +105,7 @@ impl StillJoint {
             friction: Friction::none(),
             limits: Limits::default(),
             mimic: None,
+            free: None,
         }
     }
 }

@@ -5,13 +5,17 @@
 
 mod inertia;
 mod motion;
+mod quaternion;
 mod screw;
 mod transform;
+#[cfg(test)]
+mod transform_tests;
 mod turn;
 mod vector;
 
 pub use inertia::{ConstantInertia, Inertia, Symmetric3};
 pub use motion::{Force, Motion};
+pub use quaternion::{Quaternion, Rotation};
 pub use screw::FixedScrew;
 pub use transform::{JointPosition, Transform};
 pub use turn::{FixedTurn, Turn};

@@ -7,6 +7,7 @@
 
 use super::inertia::Inertia;
 use super::motion::{Force, Motion};
+use super::quaternion::Quaternion;
 use super::screw::FixedScrew;
 use super::turn::Turn;
 use super::vector::Vec3;
@@ -19,6 +20,9 @@ pub enum JointPosition<S> {
     Rotated(Turn<S>),
     /// Translated along z by this distance (m).
     Translated(S),
+    /// Turned by any rotation, then about z by an angle that stays zero: the first of the three axes of a
+    /// joint that turns freely. `FixedScrew::rise` is zero.
+    Oriented(Quaternion<S>),
 }
 
 impl<S: Scalar> JointPosition<S> {
@@ -28,6 +32,7 @@ impl<S: Scalar> JointPosition<S> {
         match self {
             Self::Rotated(turn) => JointPosition::Rotated(turn.splat()),
             Self::Translated(distance) => JointPosition::Translated(P::splat(*distance)),
+            Self::Oriented(orientation) => JointPosition::Oriented(orientation.splat()),
         }
     }
 }
@@ -50,8 +55,10 @@ impl<S: Scalar> Transform<'_, S> {
                 [a.x, a.y] = gamma.undo([a.x, a.y]);
             }
             [a.y, a.z] = self.fixed.alpha.undo([a.y, a.z]);
-            if let JointPosition::Rotated(turn) = &self.joint {
-                [a.x, a.y] = turn.undo([a.x, a.y]);
+            match &self.joint {
+                JointPosition::Rotated(turn) => [a.x, a.y] = turn.undo([a.x, a.y]),
+                JointPosition::Translated(_) => {}
+                JointPosition::Oriented(orientation) => a = orientation.undo(a),
             }
             a
         })
@@ -80,6 +87,7 @@ impl<S: Scalar> Transform<'_, S> {
                     [a.x, a.y] = turn.undo([a.x, a.y]);
                 }
                 &JointPosition::Translated(distance) => arm = a.z.mul_add(distance, arm),
+                JointPosition::Oriented(orientation) => a = orientation.undo(a),
             }
             (a, arm)
         })
@@ -111,6 +119,7 @@ impl<S: Scalar> Transform<'_, S> {
                     v.x = w.y.mul_add(distance, v.x);
                     v.y = w.x.mul_add(-distance, v.y);
                 }
+                JointPosition::Oriented(orientation) => (w, v) = orientation.undo_both(w, v),
             }
             Motion { angular: w, linear: v }
         })
@@ -135,6 +144,7 @@ impl<S: Scalar> Transform<'_, S> {
                     n.x = f.y.mul_add(-distance, n.x);
                     n.y = f.x.mul_add(distance, n.y);
                 }
+                JointPosition::Oriented(orientation) => (n, f) = orientation.apply_both(n, f),
             }
             [n.y, n.z] = fixed.alpha.apply([n.y, n.z]);
             [f.y, f.z] = fixed.alpha.apply([f.y, f.z]);
@@ -178,6 +188,7 @@ impl<S: Scalar> Transform<'_, S> {
                     j.yz = h.y.mul_add(-distance, j.yz);
                     h.z += moved;
                 }
+                JointPosition::Oriented(orientation) => (h, j) = orientation.turn(h, &j),
             }
             [h.y, h.z] = fixed.alpha.apply([h.y, h.z]);
             j = j.rotated_about_x_constant(&fixed.alpha);
@@ -207,94 +218,5 @@ impl<S: Scalar> Transform<'_, S> {
             }
             Inertia { mass, first_moment: h, matrix: j }
         })
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::inertia::{ConstantInertia, Symmetric3};
-    use super::super::turn::FixedTurn;
-    use super::*;
-    use nalgebra::{Matrix3, Vector3};
-
-    fn cases() -> Vec<(FixedScrew, JointPosition<f64>)> {
-        let unit = |angle: f64| FixedTurn::new([angle.sin(), angle.cos()]);
-        let (turned, slid) = (JointPosition::Rotated(Turn::by(0.4)), JointPosition::Translated(-0.8));
-        let translation = [0.3, -0.5, 0.7];
-        let mut cases = Vec::new();
-        for (joint, rise) in [(turned, 0.0), (turned, 0.35), (slid, 0.0)] {
-            for gamma in [None, Some(unit(2.2))] {
-                for alpha in [FixedTurn::new([0.0, 1.0]), FixedTurn::new([-1.0, 0.0]), unit(-1.3)] {
-                    cases.push((FixedScrew { gamma, alpha, translation, rise }, joint));
-                }
-            }
-        }
-        cases
-    }
-
-    /// Rotation and translation as dense arrays, built independently of the staged formulas.
-    fn dense(t: &Transform<'_, f64>) -> (Matrix3<f64>, Vector3<f64>) {
-        let rz = |[s, c]: [f64; 2]| Matrix3::new(c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0);
-        let [s, c] = t.fixed.alpha.sin_cos();
-        let rx = Matrix3::new(1.0, 0.0, 0.0, 0.0, c, -s, 0.0, s, c);
-        let outer = rz(t.fixed.gamma.map_or([0.0, 1.0], |gamma| gamma.sin_cos()));
-        let (turn, slide) = match t.joint {
-            JointPosition::Rotated(turn) => (rz([turn.sin, turn.cos]), t.fixed.rise),
-            JointPosition::Translated(distance) => (Matrix3::identity(), distance),
-        };
-        let origin = outer * (Vector3::from(t.fixed.translation) + rx * Vector3::new(0.0, 0.0, slide));
-        (outer * rx * turn, origin)
-    }
-
-    fn to_na(a: Vec3<f64>) -> Vector3<f64> {
-        Vector3::new(a.x, a.y, a.z)
-    }
-
-    fn close(a: Vec3<f64>, b: Vector3<f64>) {
-        assert!((to_na(a) - b).amax() < 1e-14, "{a:?} is not {b:?}");
-    }
-
-    #[test]
-    fn staged_transforms_agree_with_dense_matrices() {
-        let (a, b) = (Vec3::constant([0.9, -0.1, 0.35]), Vec3::constant([-0.6, 0.45, 1.2]));
-        for (fixed, joint) in cases() {
-            let t = Transform { fixed: &fixed, joint };
-            let (r, o) = dense(&t);
-            close(t.vector_down(a), r.transpose() * to_na(a));
-            let (down, arm) = t.vector_down_with_arm(a);
-            close(down, r.transpose() * to_na(a));
-            assert!((arm - o.dot(&to_na(a))).abs() < 1e-15);
-            let m = t.motion_down(Motion { angular: a, linear: b });
-            close(m.angular, r.transpose() * to_na(a));
-            close(m.linear, r.transpose() * (to_na(b) + to_na(a).cross(&o)));
-            let f = t.force_up(Force { moment: a, force: b });
-            close(f.force, r * to_na(b));
-            close(f.moment, r * to_na(a) + o.cross(&(r * to_na(b))));
-        }
-    }
-
-    #[test]
-    fn inertia_moves_by_the_parallel_axis_theorem() {
-        let (m, com) = (2.0, Vector3::new(0.2, -0.3, 0.1));
-        let i_com = Matrix3::new(0.4, 0.02, -0.03, 0.02, 0.5, 0.01, -0.03, 0.01, 0.6);
-        let about = |i: Matrix3<f64>, c: Vector3<f64>| {
-            i + (Matrix3::identity() * c.norm_squared() - c * c.transpose()) * m
-        };
-        let j = about(i_com, com);
-        let body = ConstantInertia {
-            mass: m,
-            first_moment: (com * m).into(),
-            matrix: [j[(0, 0)], j[(1, 1)], j[(2, 2)], j[(0, 1)], j[(0, 2)], j[(1, 2)]],
-        };
-        for (fixed, joint) in cases() {
-            let t = Transform { fixed: &fixed, joint };
-            let (r, o) = dense(&t);
-            let moved = t.inertia_up(&body.lift());
-            let c = r * com + o;
-            close(moved.first_moment, c * m);
-            let Symmetric3 { xx, yy, zz, xy, xz, yz } = moved.matrix;
-            let ours = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
-            assert!((ours - about(r * i_com * r.transpose(), c)).amax() < 1e-14);
-        }
     }
 }

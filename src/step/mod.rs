@@ -36,7 +36,7 @@ pub use schemes::{ImplicitMidpoint, RungeKutta4, StoermerVerlet};
 pub use semi_implicit_euler::{SemiImplicitEuler, VelocityForm};
 pub use tableau::{Classical, Midpoint, Pair, Tableau, Verlet};
 
-use crate::dynamics::times;
+use crate::dynamics::{joined, times};
 use crate::matrix::Block;
 use crate::scalar::Scalar;
 
@@ -112,6 +112,13 @@ pub struct StepLinearisation<'a, S> {
     pub phi_h: &'a [S],
 }
 
+impl<S: Scalar> StepLinearisation<'_, S> {
+    /// `[Phi_x Phi_u]`, states x (states + controls), row by row, truncated to the length of the slice.
+    pub fn jacobian(&self, matrix: &mut [S]) {
+        joined::jacobian(self.phi_x, self.phi_u, matrix);
+    }
+}
+
 /// One step, its Jacobians, and the second derivatives of y'Phi; borrowed from a workspace.
 ///
 /// Blocks in u that are zero by structure are `None`.
@@ -128,6 +135,15 @@ pub struct StepContraction<'a, S> {
 }
 
 impl<S: Scalar> StepContraction<'_, S> {
+    /// The second derivatives of y'Phi in (x, u) as one symmetric matrix, (states + controls)^2 numbers.
+    ///
+    /// # Panics
+    /// For a slice of another length.
+    pub fn hessian(&self, matrix: &mut [S]) {
+        let size = [self.xx.rows(), self.first.phi_u.columns()];
+        joined::hessian([Some(self.xx), self.ux, self.uu], size, matrix);
+    }
+
     /// The second derivatives of y'Phi times (d_x, d_u), in the components of x and of u, truncated to the
     /// lengths of the slices.
     pub fn times(&self, d: [&[S]; 2], product: [&mut [S]; 2]) {

@@ -85,6 +85,10 @@ impl<S: Scalar> Body<S> {
                 l.yz += distance * p.y;
                 p.z += moved;
             }
+            JointPosition::Oriented(orientation) => {
+                let rotation = orientation.rotation();
+                (*p, *l) = (rotation.apply(*p), rotation.congruence(l));
+            }
         }
         [p.y, p.z] = transform.fixed.alpha.apply([p.y, p.z]);
         *l = l.rotated_about_x_constant(&transform.fixed.alpha);

@@ -66,6 +66,7 @@ impl<S: Scalar> GlobalTensors<S> {
     /// # Errors
     /// [`EvalError::WrongLength`]. Values are not checked here.
     pub fn set_position(&mut self, tree: &Tree, q: &[S]) -> Result<(), EvalError> {
+        tree.refuse_free()?;
         check_length("q", q, tree.dof())?;
         positions(tree, q, &mut self.q);
         for (d, joint) in tree.joints().iter().enumerate() {
@@ -164,7 +165,7 @@ impl<S: Scalar> GlobalTensors<S> {
         let base: f64 = self.origins[d].iter().zip(world_gravity).map(|(r, g)| r * g).sum();
         let here = gravity.dot(self.bodies[d].first_moment).plus(self.masses[d] * base);
         match self.positions[d] {
-            JointPosition::Rotated(_) => here,
+            JointPosition::Rotated(_) | JointPosition::Oriented(_) => here,
             JointPosition::Translated(distance) => here + (distance * gravity.z).times(self.masses[d]),
         }
     }

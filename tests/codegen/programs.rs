@@ -28,7 +28,7 @@ fn programs(robot: &Robot) -> Vec<(Program, Quantity, Coordinates)> {
             }
         }
     }
-    assert_eq!(programs.len(), 2 * (7 + 8));
+    assert_eq!(programs.len(), 2 * (7 + 9));
     programs
 }
 

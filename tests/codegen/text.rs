@@ -2,7 +2,7 @@
 
 use costate::codegen::{
     COptions, CodegenError, Coordinates, Expr, Program, ProgramOptions, Quantity, RecordedResult,
-    RustOptions, robot_program,
+    RustOptions, c_header, c_source, robot_program,
 };
 use costate::hamiltonian::Hamiltonian;
 use costate::robot::{LoadOptions, Robot};
@@ -75,7 +75,7 @@ fn too_long_a_text_is_refused_with_its_size_and_the_way_out() {
 }
 
 /// A C compiler of this system, or why there is none.
-fn compiler() -> Result<String, String> {
+pub(crate) fn compiler() -> Result<String, String> {
     let name = std::env::var("CC").unwrap_or_else(|_| "cc".into());
     match Command::new(&name).arg("--version").output() {
         Ok(output) if output.status.success() => Ok(name),
@@ -149,6 +149,39 @@ fn compiled_c_agrees_with_the_generic_code() {
             judge(&program, &found, &expected, tolerance(&robot, &state.q)).unwrap();
         }
     }
+}
+
+#[test]
+fn several_programs_are_one_source_with_a_header() {
+    let robot = robot("robots/two_link.toml");
+    let of = |quantity| {
+        robot_program(&robot, quantity, Coordinates::Lagrangian, &ProgramOptions::default()).unwrap()
+    };
+    let programs = [of(Quantity::F), of(Quantity::FX).column_major()];
+    let (text, header) = (c_source(&programs, &COptions::default()).unwrap(), c_header(&programs).unwrap());
+    for (program, order) in programs.iter().zip(["row by row", "column by column"]) {
+        let name = format!("void {}(", program.name());
+        assert_eq!((text.matches(&name).count(), header.matches(&name).count()), (1, 1));
+        assert!(header.contains(&format!("matrices {order}")));
+    }
+    assert_eq!(text.matches("static inline void sin_cos").count(), 1);
+    assert!(header.contains("    double *qdd_z);\n") && header.contains("extern \"C\""));
+    let twice = [of(Quantity::F), of(Quantity::F)];
+    assert!(matches!(c_source(&twice, &COptions::default()).unwrap_err(), CodegenError::Name { .. }));
+    let inputs = [0.3, -0.8, 1.0, 0.5, 0.2, -0.4];
+    let [mut rows, mut columns] = [vec![0.0; 14], vec![0.0; 14]];
+    of(Quantity::FX).evaluate(&inputs, &mut rows, &mut Vec::new()).unwrap();
+    programs[1].evaluate(&inputs, &mut columns, &mut Vec::new()).unwrap();
+    assert_eq!(rows[..2], columns[..2]);
+    assert!((0..12).all(|k| rows[2 + k] == columns[2 + k % 6 * 2 + k / 6]));
+    let Ok(cc) = compiler() else { return };
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("several");
+    std::fs::create_dir_all(&folder).unwrap();
+    std::fs::write(folder.join("all.h"), header).unwrap();
+    std::fs::write(folder.join("all.c"), format!("#include \"all.h\"\n{text}")).unwrap();
+    let flags = ["-std=c99", "-Wall", "-Wextra", "-pedantic", "-Werror", "-c", "-o", "all.o", "all.c"];
+    let output = Command::new(cc).args(flags).current_dir(&folder).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
 }
 
 #[test]

@@ -4,6 +4,7 @@
 
 mod descriptions;
 mod edits;
+mod free_joints;
 mod inertias;
 mod known_kinematics;
 mod known_robots;

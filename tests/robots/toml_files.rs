@@ -40,7 +40,7 @@ refuses! {
     unknown_key: two("masss = 1.0", ""), Some(4), E::Malformed { .. }, ["masss", "mass"];
     unknown_key_in_a_table: two("", "friction = { viscus = 1.0 }"), Some(13), E::Malformed { .. }, ["viscus", "viscous"];
     unknown_key_of_the_robot: "nam = 'x'", Some(1), E::Malformed { .. }, ["nam", "name"];
-    unknown_type: two("type = 'spherical'", ""), Some(4), E::Malformed { .. }, ["spherical", "revolute", "prismatic"];
+    unknown_type: two("type = 'planar'", ""), Some(4), E::Malformed { .. }, ["planar", "revolute", "spherical"];
     text_for_a_number: two("armature = 'big'", ""), Some(4), E::Malformed { .. }, ["`armature`", "big", "a number such as"];
     number_for_a_text: two("", "parent = 3"), Some(13), E::Malformed { .. }, ["`parent`", "3", "a text in quotes"];
     number_for_an_array: two("axis = 3", ""), Some(4), E::Malformed { .. }, ["`axis`", "3", "an array"];

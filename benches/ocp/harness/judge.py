@@ -95,20 +95,18 @@ class Judge:
         """Largest violation of a limit at the solver's points and between them, in parts of the range of the limit."""
         pieces = numpy.repeat(numpy.arange(len(motion.knots) - 1), LOOKS)
         grid = numpy.concatenate([numpy.linspace(a, b, LOOKS) for a, b in zip(motion.knots[:-1], motion.knots[1:])])
-        return self.violation(task, motion, motion.points, motion.pieces), self.violation(task, motion, grid, pieces)
+        state, torque = (numpy.array(part) for part in zip(*(motion.at(t, piece) for t, piece in zip(grid, pieces))))
+        return self.violation(task, *motion.given), self.violation(task, state[:, :task.n], state[:, task.n:], torque)
 
-    def violation(self, task, motion, times, pieces):
-        n = task.n
-        state, torque = (numpy.array(part) for part in zip(*(motion.at(t, piece) for t, piece in zip(times, pieces))))
+    def violation(self, task, q, v, u):
         worst = 0.0
-        for values, low, high in ((state[:, :n], task.q_min, task.q_max), (state[:, n:], -task.v_max, task.v_max),
-                                  (torque, task.u_min, task.u_max)):
+        for values, low, high in ((q, task.q_min, task.q_max), (v, -task.v_max, task.v_max), (u, task.u_min, task.u_max)):
             spread = high - low
             spread = numpy.where(numpy.isfinite(spread), spread, 1.0)
             worst = max(worst, ((low - values) / spread).max(), ((values - high) / spread).max())
         if task.obstacles:
-            clearance = numpy.array(self.clearances(task).map(len(times))(state[:, :n].T, numpy.tile(
-                numpy.array(task.obstacles_flat)[:, None], len(times))))
+            clearance = numpy.array(self.clearances(task).map(len(q))(q.T, numpy.tile(
+                numpy.array(task.obstacles_flat)[:, None], len(q))))
             worst = max(worst, -clearance.min() / (task.obstacles[0][1] + task.own_radius))
         return worst
 

@@ -20,11 +20,11 @@ def powers(x, count):
 
 
 class Motion:
-    """`knots` are the times (s) where pieces meet; `points` all times at which the solver itself keeps limits, each with its
-    piece: torques may jump from piece to piece."""
+    """`knots` are the times (s) where pieces meet; `given` are q, v and u, a row for each point at which the solver itself
+    keeps limits, as it gave them."""
 
-    def __init__(self, knots, points, pieces):
-        self.knots, self.points, self.pieces = numpy.asarray(knots), numpy.asarray(points), numpy.asarray(pieces)
+    def __init__(self, knots, given):
+        self.knots, self.given = numpy.asarray(knots), given
         self.duration = self.knots[-1]
 
     def piece(self, t):
@@ -44,8 +44,7 @@ class Collocated(Motion):
 
     def __init__(self, mesh, duration, start, q, v, u):
         d = radau.DEGREE
-        points = (mesh[:-1, None] + numpy.diff(mesh)[:, None] * radau.POINTS).ravel()
-        super().__init__(mesh * duration, points * duration, numpy.repeat(numpy.arange(len(mesh) - 1), d))
+        super().__init__(mesh * duration, (q, v, u))
         self.q, self.v, self.u = q, v, u
         values = numpy.hstack([q, v]).reshape(len(mesh) - 1, d, -1)
         first = numpy.vstack([start, values[:-1, -1]])
@@ -70,8 +69,7 @@ class Sampled(Motion):
     def __init__(self, t, q, v, a, u, inverse_dynamics):
         keep = numpy.flatnonzero(numpy.diff(t) > 1e-12 * t[-1])
         knots = numpy.append(t[keep], t[-1])
-        pieces = numpy.arange(len(keep))
-        super().__init__(knots, numpy.concatenate([knots[:-1], knots[1:]]), numpy.concatenate([pieces, pieces]))
+        super().__init__(knots, (q, v, u))
         self._inverse_dynamics, self._n = inverse_dynamics, q.shape[1]
         h = numpy.diff(t)[keep, None]
         ends = [[q[i], h * v[i], h**2 * a[i]] for i in (keep, keep + 1)]

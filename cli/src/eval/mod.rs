@@ -85,7 +85,7 @@ pub fn run(arguments: &Arguments) -> Outcome {
     let (mut number, mut bad) = (0, 0);
     loop {
         let line = match lines.next(&interrupt) {
-            Input::Line(line) => line?,
+            Input::Line(line) => line.map_err(|error| error.to_string())?,
             Input::End => break,
             Input::Interrupted => {
                 out.flush()?;

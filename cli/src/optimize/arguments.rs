@@ -20,6 +20,10 @@ pub struct Arguments {
     /// Write the report, a single HTML file
     #[arg(short, long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub output: Option<PathBuf>,
+    /// Folder in which packages lie, or of a package, for meshes package://NAME/PATH of a URDF in the report;
+    /// may be given several times
+    #[arg(long, value_name = "FOLDER", value_hint = ValueHint::DirPath)]
+    pub package_path: Vec<PathBuf>,
     /// Write the figures of the report as SVG files; figures of an earlier run are removed
     #[arg(long, value_name = "FOLDER", value_hint = ValueHint::DirPath)]
     pub svg: Option<PathBuf>,

@@ -1,14 +1,14 @@
 //! `--continue PARAMETER=FROM:TO`: the solution while a parameter of the problem changes.
 
 use super::progress::Line;
-use super::report::numbers::short;
-use super::summary::spaced;
 use super::task::Task;
 use crate::interrupt::Interrupt;
 use crate::report::{Table, counted};
 use costate_control::{
     Branch, BranchEnd, BranchPoint, Continuation, Parameter, Status, TurningPoint, UnknownParameter,
 };
+use costate_report::numbers::short;
+use costate_report::text::spaced;
 use serde::Serialize;
 use std::error::Error;
 use std::io::Write;

@@ -4,11 +4,9 @@ mod arguments;
 mod continuation;
 mod cpu_time;
 mod feedback;
-mod figures;
-mod kinematics;
+mod models;
 mod outputs;
 mod progress;
-mod report;
 mod samples;
 mod sensitivities;
 mod summary;
@@ -18,9 +16,11 @@ use crate::interrupt::{self, Interrupt};
 use crate::{Outcome, terminal};
 pub use arguments::Arguments;
 use costate::robot::LoadOptions;
-use costate_control::{BranchEnd, CostDerivative, Method, Samples, Solution, Solver, StageTimes};
+use costate_control::{BranchEnd, CostDerivative, FinalTime, Method, Samples, Solution, Solver, StageTimes};
+use costate_report::{ReportOptions, text};
 use cpu_time::cpu_time;
 use outputs::Outputs;
+use std::error::Error;
 use std::io::Write;
 use std::num::NonZeroUsize;
 use std::process::ExitCode;
@@ -32,7 +32,7 @@ const NOT_SOLVED: u8 = 3;
 
 pub fn run(arguments: &Arguments) -> Outcome {
     let load = LoadOptions::default().strict(arguments.strict).friction(arguments.friction);
-    let mut task = Task::read(&arguments.problem, load)?;
+    let mut task = Task::read(&arguments.problem, load, arguments.feedback.is_some())?;
     if let Some(limit) = arguments.time_limit {
         task.options = task.options.with_time_limit(limit);
     }
@@ -46,8 +46,18 @@ pub fn run(arguments: &Arguments) -> Outcome {
         task.options = task.options.with_polish(when.into());
     }
     let outputs = Outputs::prepare(arguments, &task.inputs)?;
+    if let (Some(rate), FinalTime::Fixed(time), None) = (arguments.sample, task.problem.time, arguments.range)
+    {
+        Samples::count(time, rate).map_err(|error| format!("--sample: {error}"))?;
+    }
     task.problem.robot.warnings().iter().for_each(terminal::warning);
     task.problem.warnings().iter().for_each(terminal::warning);
+    if let Some(key) = task.problem.keeps_robot_limits_by() {
+        terminal::note(format!(
+            "the limits of the robot are kept, since {} is given; limits.from_robot = false leaves them out",
+            key.part()
+        ));
+    }
 
     let interrupt = Interrupt::listen()?;
     let (started, cpu_before) = (Instant::now(), cpu_time());
@@ -66,19 +76,26 @@ pub fn run(arguments: &Arguments) -> Outcome {
         _ => problem.limit_warnings(&solution.trajectory),
     };
     warnings.iter().for_each(terminal::warning);
-    let motion = report::Motion { problem, solution: &solution, source: &task.text, warnings: &warnings };
-    let sampled = |rate| samples::sample(problem, &solution, rate);
-    // A motion that cannot be sampled is written all the same; the error comes after it.
-    let (samples, unsampled) = match arguments.sample.map(sampled).transpose() {
-        Ok(samples) => (samples, None),
-        Err(error) => (None, Some(error)),
+    let options = ReportOptions::default().with_source(&task.text).with_warnings(warnings);
+    let options = if arguments.output.is_some() {
+        options.with_models(models::read(&task, arguments))
+    } else {
+        options
     };
-    outputs.write(&motion, samples.as_ref())?;
-    if let Some(error) = unsampled {
-        return Err(error.into());
-    }
-    if arguments.feedback.is_some() {
-        outputs.write_feedback(&feedback::feedback(problem, &solution, arguments.sample)?)?;
+    let sampled = |rate| samples::sample(problem, &solution, rate);
+    // What cannot be sampled or fed back to is printed and written all the same; the error comes after it.
+    let mut failed: Option<Box<dyn Error>> = None;
+    let samples = arguments.sample.map(sampled).transpose().unwrap_or_else(|error| {
+        failed = Some(format!("--sample: {error}").into());
+        None
+    });
+    outputs.write((problem, &solution), &options, samples.as_ref())?;
+    let is_solved = solution.motion.status.is_solved();
+    if arguments.feedback.is_some() && !is_solved {
+        terminal::warning("--feedback: nothing is written, since the motion is not solved");
+    } else if arguments.feedback.is_some() && failed.is_none() {
+        let text = feedback::feedback(problem, &solution, arguments.sample);
+        failed = text.and_then(|text| outputs.write_feedback(&text)).err();
     }
     let derivatives = match arguments.sensitivities {
         true => match sensitivities::sensitivities(problem, &solution) {
@@ -93,9 +110,11 @@ pub fn run(arguments: &Arguments) -> Outcome {
     if interrupted {
         terminal::note("interrupted; the best motion so far was kept");
     }
-    if arguments.json {
-        let remarks = [summary::explanation(problem, &solution), summary::skipped_starts(&solution)];
+    if arguments.json || outputs.use_standard_output() {
+        let remarks = [text::explanation(problem, &solution), text::skipped_starts(&solution)];
         remarks.iter().flatten().for_each(terminal::warning);
+    }
+    if arguments.json {
         let continuation = branch.as_ref().map(continuation::Points::new);
         let samples = samples.as_ref();
         let sensitivities = derivatives.as_deref();
@@ -116,8 +135,15 @@ pub fn run(arguments: &Arguments) -> Outcome {
             sensitivities::print(derivatives, &mut out)?;
         }
     }
+    if let Some(error) = failed {
+        match is_solved && !interrupted {
+            true => return Err(error),
+            // The exit status tells what matters more.
+            false => terminal::error(error),
+        }
+    }
     let reached = branch.as_ref().is_none_or(|branch| branch.end == BranchEnd::Reached);
-    Ok(match (interrupted, solution.motion.status.is_solved() && reached) {
+    Ok(match (interrupted, is_solved && reached) {
         (true, _) => ExitCode::from(interrupt::EXIT_CODE),
         (false, true) => ExitCode::SUCCESS,
         (false, false) => ExitCode::from(NOT_SOLVED),
@@ -176,8 +202,8 @@ fn solve_repeatedly(
     task: &Task,
     arguments: &Arguments,
     interrupt: &Interrupt,
-) -> Result<(Solution, Taken), Box<dyn std::error::Error>> {
-    let timed = || -> Result<(Solution, Taken), Box<dyn std::error::Error>> {
+) -> Result<(Solution, Taken), Box<dyn Error>> {
+    let timed = || -> Result<(Solution, Taken), Box<dyn Error>> {
         let (started, cpu_before) = (Instant::now(), cpu_time());
         let solution = solve(task, arguments.times, interrupt)?;
         Ok((solution, Taken::since(started, cpu_before)))
@@ -197,11 +223,7 @@ fn solve_repeatedly(
 }
 
 /// Solves the problem, with a progress line. A signal stops the search, which keeps the best iterate.
-fn solve(
-    task: &Task,
-    takes_times: bool,
-    interrupt: &Interrupt,
-) -> Result<Solution, Box<dyn std::error::Error>> {
+fn solve(task: &Task, takes_times: bool, interrupt: &Interrupt) -> Result<Solution, Box<dyn Error>> {
     let line = progress::Line::new(&task.problem.robot)?;
     let mut solver = Solver::new(&task.problem, task.options.clone())?;
     if let Some(start) = &task.start_from {

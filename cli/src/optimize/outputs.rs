@@ -1,10 +1,9 @@
 //! The files that `costate optimize` writes: report, figures, saved solution, samples, feedback.
 
 use super::arguments::Arguments;
-use super::report;
-use super::samples::table;
 use crate::output::{Output, OutputFolder, is_standard};
-use costate_control::Samples;
+use costate_control::{Problem, Samples, Solution};
+use costate_report::ReportOptions;
 use std::error::Error;
 use std::path::{Path, PathBuf};
 
@@ -91,20 +90,21 @@ impl Outputs {
     /// A message that names the path.
     pub fn write(
         &self,
-        motion: &report::Motion<'_>,
+        (problem, solution): (&Problem, &Solution),
+        options: &ReportOptions,
         samples: Option<&Samples>,
     ) -> Result<(), Box<dyn Error>> {
         if let Some(saved) = &self.saved {
-            saved.write(&serde_json::to_string(motion.solution)?)?;
+            saved.write(&serde_json::to_string(solution)?)?;
         }
         if let (Some(file), Some(samples)) = (&self.samples, samples) {
-            file.write(&table(samples, &motion.solution.robot.joints))?;
+            file.write(&samples.to_csv(&solution.robot.joints))?;
         }
         if let Some(page) = &self.report {
-            page.write(&report::page(motion))?;
+            page.write(&costate_report::report(problem, solution, options))?;
         }
         if let Some(figures) = &self.figures {
-            figures.write(&report::files(motion))?;
+            figures.write(&costate_report::figures_as_svg(problem, solution))?;
         }
         Ok(())
     }
@@ -129,9 +129,9 @@ impl Figures {
             let name = entry.file_name();
             let Some(name) = name.to_str() else { continue };
             let is_new = files.iter().any(|(file, _)| file == name);
-            if !is_new && entry.file_type()?.is_file() && report::is_name_of_figure(name) {
+            if !is_new && entry.file_type()?.is_file() && costate_report::is_name_of_figure(name) {
                 let is_figure =
-                    std::fs::read_to_string(entry.path()).is_ok_and(|text| report::is_figure(&text));
+                    std::fs::read_to_string(entry.path()).is_ok_and(|text| costate_report::is_figure(&text));
                 if is_figure {
                     std::fs::remove_file(entry.path())?;
                 }

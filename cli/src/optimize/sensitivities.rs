@@ -1,8 +1,8 @@
 //! What the cost changes by with the parameters of the robot.
 
-use super::report::numbers::short;
 use crate::report::Table;
 use costate_control::{CostDerivative, Problem, Solution, cost_by_parameters};
+use costate_report::numbers::short;
 use std::error::Error;
 use std::io::Write;
 

@@ -27,7 +27,11 @@ fn codegen_writes_what_the_library_does() {
 fn codegen_says_why_it_writes_nothing() {
     for (quantity, more, reason) in [
         ("f_x", ["--limit", "100"], "the limit is 100"),
-        ("y_f_x", ["--coordinates", "lagrangian"], "available: f, f_x, y_f_xx"),
+        ("y_f_xx_d", ["--coordinates", "lagrangian"], "available: f, f_x, y_f_x, y_f_xx"),
+        ("step", ["--lang", "c"], "--scheme rk4 --dt 0.01"),
+        ("f", ["--quantity", "f_x"], "need --lang c"),
+        ("f", ["--header", "target/f.h"], "--lang c"),
+        ("f", ["--abi", "casadi"], "cannot be used with"),
         ("momentum", ["--lang", "c"], "mass_matrix"),
         (
             "f",
@@ -48,6 +52,40 @@ fn codegen_says_why_it_writes_nothing() {
         assert_eq!((output.status.code(), output.stdout.len()), (Some(2), 0), "{quantity}");
         assert!(stderr(&output).contains(reason), "{}", stderr(&output));
     }
+}
+
+#[test]
+fn codegen_writes_files_for_other_programs() {
+    use costate::Coordinates;
+    use costate::codegen::{
+        COptions, ProgramOptions, Quantity, StepOrder, StepSpec, acados_source, c_header, c_source,
+        casadi_source, robot_program, step_program,
+    };
+    let robot = costate::robot::Robot::from_file(root().join("robots/two_link.toml")).unwrap();
+    let step = StepSpec::RungeKutta4 { dt: 0.01, coordinates: Coordinates::Lagrangian };
+    let timed = ["--scheme", "rk4", "--dt", "0.01"];
+    let c = COptions::default();
+    let expected =
+        [casadi_source(&robot, Some(step), &c).unwrap(), acados_source(&robot, Some(step), &c).unwrap()];
+    for (abi, expected) in ["casadi", "acados"].into_iter().zip(expected) {
+        let arguments = ["codegen", "robots/two_link.toml", "--abi", abi];
+        let output = costate(&[&arguments[..], &timed].concat(), b"");
+        assert!(output.status.success(), "{}", stderr(&output));
+        assert_eq!(stdout(&output), expected);
+    }
+    let header = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("two_link.h");
+    let arguments =
+        ["codegen", "robots/two_link.toml", "--quantity", "f_x", "--quantity", "step_z", "--lang", "c"];
+    let more = ["--coordinates", "lagrangian", "--column-major", "--header", header.to_str().unwrap()];
+    let output = costate(&[&arguments[..], &more, &timed].concat(), b"");
+    assert!(output.status.success(), "{}", stderr(&output));
+    let options = ProgramOptions::default();
+    let programs = [
+        robot_program(&robot, Quantity::FX, Coordinates::Lagrangian, &options).unwrap().column_major(),
+        step_program(&robot, step, StepOrder::First, &options).unwrap().column_major(),
+    ];
+    assert_eq!(stdout(&output), c_source(&programs, &c).unwrap());
+    assert_eq!(std::fs::read_to_string(header).unwrap(), c_header(&programs).unwrap());
 }
 
 #[test]

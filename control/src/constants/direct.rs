@@ -66,6 +66,10 @@ pub const SMALL_MOTION: f64 = 1e-3;
 /// of the guess. With more of it multipliers settle in fewer steps, and rounding of what it does not
 /// touch grows.
 pub const STIFFNESS: f64 = 1e8;
+/// The same of an active limit where the motion is differentiated, at most: derivatives are off by about
+/// the reciprocal of it, and rounding of it, which grows with the fourth power of the number of intervals,
+/// must not hide the curvature of the cost.
+pub const STIFFEST_LIMIT: f64 = 1e5;
 /// It rises by this factor..
 pub const STIFFER: f64 = 10.0;
 /// .. to at most this..
@@ -77,6 +81,14 @@ pub const CLOSE_TO_EQUATIONS: f64 = 1e-5;
 /// Cost of torques that have none, for the first motion: at their limits it is this part of the cost of
 /// time.
 pub const SMOOTHING: f64 = 1.0;
+/// Where least time itself is not solved, this cost becomes smaller by this factor, ..
+pub const LESS_EFFORT: f64 = 0.1;
+/// .. until what it can cost in time is below the tolerance, at the latest at this part of that. ..
+pub const LEAST_EFFORT: f64 = 1e-2;
+/// .. Motions with it are solved to this tolerance at best: what they cost is not known better. ..
+pub const EFFORT_TOLERANCE: f64 = 1e-4;
+/// .. If it is below this, relative to the cost, the motion counts as a smoothed solution.
+pub const SMOOTHED_ENOUGH: f64 = 1e-2;
 /// How many final times are tried for a guess to each side of its own ..
 pub const TIMES: i32 = 8;
 /// .. so many powers of two apart.
@@ -148,6 +160,9 @@ pub const LESS_EXCEEDED: f64 = 0.5;
 pub const VIOLATION_OF_RATES: f64 = 0.01;
 /// A motion that exceeds a limit by more than this part of its range does not keep it.
 pub const VIOLATION_ACCEPTED: f64 = 1e-7;
+/// Solving again on a mesh that stays, a clearance may be exceeded between points by this part of the radii
+/// and the margin.
+pub const CLEARANCE_ACCEPTED: f64 = 1e-2;
 /// A limit is active where the distance to it is within this part of its range.
 pub const ACTIVE: f64 = 1e-4;
 /// The problem on a mesh is solved to this part of the tolerance.
@@ -156,6 +171,8 @@ pub const PART_OF_TOLERANCE: f64 = 0.1;
 /// cut to their limits, are integrated; relative to the largest values along it. The cost of an
 /// optimal motion is stationary, so its error is about the square of that of the states.
 pub const VERIFIED: f64 = 0.3;
+/// Where it does not, so many parts of it must end so near together, each integrated from its own start.
+pub const PARTS: f64 = 20.0;
 /// .. where values of a joint are at least this part of those of all joints..
 pub const LEAST_SCALE: f64 = 0.01;
 /// .. and this (rad, rad/s, m, m/s): what the integration resolves.
@@ -164,6 +181,8 @@ pub const REST: f64 = 1e-6;
 pub const INTEGRATION: f64 = 1e-10;
 /// The problem on the first mesh is solved to this part of the cost.
 pub const FIRST_PRECISION: f64 = 1e-3;
+/// The motion without obstacles, from which a way around them is looked for, is solved to this part.
+pub const FREE_TOLERANCE: f64 = 1e-2;
 /// Those on later meshes to this part of the estimated error before.
 pub const PRECISION: f64 = 1e-2;
 /// Intervals are divided until those that are not have this part of the estimated error..

@@ -25,12 +25,23 @@ pub const OFF: f64 = 1e-6;
 /// The same for an inequality, in parts of its range.
 pub const CLOSE: f64 = 1e-9;
 
+/// A rate at a position limit counts where it would cross this part of the range within the time of the
+/// motion; the same for accelerations at limits of rates. Less is rounding of what was computed.
+pub const AWAY: f64 = 1e-6;
+/// Knots of a reference are at least so far apart, in parts of the largest time, and of a second: closer ones
+/// differ by the rounding of their times.
+pub const CLOSEST_KNOTS: f64 = 1e-9;
+
 /// The search for positions of given poses ([`crate::task::reach`]).
 pub mod reach {
     /// A pose is reached to this (m, rad).
     pub const REACHED: f64 = 1e-9;
     /// Positions that the search begins at.
     pub const STARTS: usize = 60;
+    /// A position is far from another one if a joint turns by more than this between them (rad)..
+    pub const FAR: f64 = 2.0;
+    /// .. and then so many others are looked for, one of which may be nearer.
+    pub const OTHERS: usize = 12;
     /// Most steps from each of them.
     pub const STEPS: usize = 60;
     /// First damping, in squares of m or rad per rad.

@@ -59,7 +59,7 @@ impl Parameter {
         if !value.is_finite() {
             return refuse(ContinuationCause::NotFinite);
         }
-        if problem.limits.any_given() {
+        if problem.limits.are_asked_for() {
             return refuse(ContinuationCause::Limits);
         }
         if !problem.task.is_empty() {

@@ -205,6 +205,12 @@ impl SolverOptions {
     }
 }
 
+/// Most starts: more take longer than anybody waits.
+const MOST_STARTS: usize = 1_000_000;
+
+/// Most threads: systems refuse many more.
+const MOST_THREADS: usize = 1024;
+
 impl SolverOptions {
     /// The number of threads for so many starts.
     pub(crate) fn threads_for(&self, starts: usize) -> usize {
@@ -237,11 +243,11 @@ impl SolverOptions {
         if !(3..=4).contains(&self.points) {
             return bad("points", self.points as f64, "must be 3 or 4");
         }
-        if self.starts == 0 {
-            return bad("starts", 0.0, "must be 1 or more");
+        if !(1..=MOST_STARTS).contains(&self.starts) {
+            return bad("starts", self.starts as f64, "must be between 1 and 1000000");
         }
-        if self.threads == Some(0) {
-            return bad("threads", 0.0, "must be 1 or more");
+        if let Some(threads) = self.threads.filter(|threads| !(1..=MOST_THREADS).contains(threads)) {
+            return bad("threads", threads as f64, "must be between 1 and 1024");
         }
         if self.time_limit == Some(Duration::ZERO) {
             return bad("time_limit", 0.0, "must be a positive number of seconds");

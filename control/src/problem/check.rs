@@ -5,7 +5,7 @@ use crate::problem::error::ProblemError;
 use crate::problem::key::Key;
 use crate::problem::{Bounds, FinalTime, Penalty, Problem, Reference, ToolCost};
 use crate::task::check::check_task;
-use costate::robot::RobotError;
+use costate::robot::{RobotError, Warning};
 use std::ops::Deref;
 
 /// A problem whose fields fit together, from [`Problem::check`]. Dereferences to the problem.
@@ -30,7 +30,7 @@ impl Deref for CheckedProblem<'_> {
 }
 
 impl Problem {
-    /// Checks lengths, ranges, and whether there is something to minimise.
+    /// Checks lengths, ranges, whether there is something to minimise, and whether every joint moves a mass.
     ///
     /// # Errors
     /// The first [`ProblemError`] found.
@@ -60,7 +60,7 @@ impl Problem {
             if self.cost.has_energy() {
                 return Err(ProblemError::EnergyNeedsDirect);
             }
-            if self.limits.any_given() {
+            if self.limits.are_asked_for() {
                 return Err(ProblemError::LimitsNeedDirect);
             }
             return match (self.first_of_rates(), self.first_of_phases()) {
@@ -79,12 +79,18 @@ impl Problem {
         self.check_vias()?;
         self.check_limits()?;
         self.check_given_ends()?;
+        self.check_accelerations()?;
+        self.check_leaving()?;
         check_task(self)?;
         Ok(checked)
     }
 
     /// All fields; `bounded` tells whether the control of a joint has limits on both sides.
     fn check_lists(&self, bounded: impl Fn(usize) -> bool) -> Result<CheckedProblem<'_>, ProblemError> {
+        if let Some(free) = self.robot.free_joints().first() {
+            let (joint, kind) = (free.name.clone(), free.kind.name());
+            return Err(ProblemError::FreeJoint { joint, kind });
+        }
         let Self { start, end, .. } = self;
         self.finite(Key::START_Q, &start.q)?;
         self.finite(Key::START_V, &start.v)?;
@@ -104,6 +110,7 @@ impl Problem {
         }
         self.check_limit_lists()?;
         self.check_bounds(bounded)?;
+        self.check_masses()?;
         let costs = self.cost.effort.iter().any(|&r| r > 0.0) || self.cost.has_energy();
         let penalty = self.penalty.as_ref().is_some_and(|penalty| penalty.weight > 0.0);
         let costs = costs || self.cost.first_of_rates().is_some() || penalty || self.has_cost_of_states();
@@ -172,6 +179,15 @@ impl Problem {
             }
             None => Ok(()),
         }
+    }
+
+    /// Every joint moves something.
+    fn check_masses(&self) -> Result<(), ProblemError> {
+        let nothing = self.robot.warnings().iter().find_map(|warning| match warning {
+            Warning::KinematicsOnly { joint } | Warning::MovesNothing { joint } => Some(joint.clone()),
+            _ => None,
+        });
+        nothing.map_or(Ok(()), |joint| Err(ProblemError::NoMass { joint }))
     }
 
     /// Bounds are numbers with something between them, and finite on both sides where the control costs

@@ -3,7 +3,7 @@
 use super::error::ProblemError;
 use super::key::Key;
 use super::via_error::ViaError;
-use super::{Problem, Via};
+use super::{BoundaryState, FinalTime, Problem, Via};
 use crate::constants::task::MOST_ENTRIES;
 
 impl Problem {
@@ -33,10 +33,47 @@ impl Problem {
             }
             before = time;
         }
-        match &self.periodic {
-            Some(shift) => self.finite(Key::PERIODIC_SHIFT, shift),
-            None => Ok(()),
+        if let Some(shift) = &self.periodic {
+            self.finite(Key::PERIODIC_SHIFT, shift)?;
         }
+        self.check_ways()
+    }
+
+    /// No via with a free time asks what the place before or after it asks too, or less: it would move there.
+    /// Where states or times themselves have a value, what lies between may have one too.
+    fn check_ways(&self) -> Result<(), ProblemError> {
+        if !self.terms.is_empty() || !self.task.references.is_empty() {
+            return Ok(());
+        }
+        let ends = self.ends();
+        let tools: Vec<_> = self.tools_at_ends().collect();
+        let free = matches!(self.time, FinalTime::Free { .. }) && !self.has_via_times();
+        for (number, via) in self.vias.iter().enumerate().filter(|(_, via)| via.time.is_none()) {
+            let own = number + 1;
+            let state = &ends[own];
+            // What is carried on the way may be worth waiting for, unless time is what costs.
+            let is_given = state.q_free.is_empty() && state.v_free.is_empty();
+            if via.payload.is_some() && !(free && is_given) {
+                continue;
+            }
+            let others = [own - 1, own + 1];
+            let implies = |&&other: &&usize| {
+                let has_tools = tools[own].iter().all(|pose| tools[other].contains(pose));
+                has_tools && asks_for(&ends[other], state)
+            };
+            if let Some(&other) = others.iter().find(implies) {
+                let given = [("q", via.q.is_some()), ("v", via.v.is_some()), ("stop", via.stop)];
+                let name = given.iter().find(|(_, is_given)| *is_given).map_or("tool", |(name, _)| name);
+                let other = match other {
+                    0 => "the start".into(),
+                    last if last + 1 == ends.len() => "the end".into(),
+                    via => format!("via {via}"),
+                };
+                let cause = ViaError::NoWay { other, loads: via.payload.is_some() };
+                return Err(ProblemError::Via { key: Key::via(name, number), cause });
+            }
+        }
+        Ok(())
     }
 
     fn check_via(&self, number: usize, via: &Via) -> Result<(), ProblemError> {
@@ -62,4 +99,13 @@ impl Problem {
         }
         Ok(())
     }
+}
+
+/// Whether a state has the positions and rates that another one asks for.
+fn asks_for(state: &BoundaryState, other: &BoundaryState) -> bool {
+    let same = |x: &[f64], free: &[usize], y: &[f64], other_free: &[usize]| {
+        (0..x.len()).all(|j| other_free.contains(&j) || (!free.contains(&j) && x[j] == y[j]))
+    };
+    same(&state.q, &state.q_free, &other.q, &other.q_free)
+        && same(&state.v, &state.v_free, &other.v, &other.v_free)
 }

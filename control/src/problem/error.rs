@@ -1,6 +1,7 @@
 //! Errors of a problem.
 
 use crate::problem::continuation_cause::ContinuationCause;
+use crate::problem::end_error::EndError;
 use crate::problem::key::Key;
 use crate::problem::task_error::TaskError;
 use crate::problem::torque_speed_error::TorqueSpeedError;
@@ -136,6 +137,18 @@ pub enum ProblemError {
         /// The limit, that of a motor at this rate.
         limit: f64,
     },
+    /// An end, or a via, that no motion has, or that no optimal motion has.
+    End {
+        /// The field.
+        key: Key,
+        /// What is wrong.
+        cause: EndError,
+    },
+    /// A joint that moves neither mass nor inertia.
+    NoMass {
+        /// The joint.
+        joint: String,
+    },
     /// Hard limits with a method that does not keep them.
     LimitsNeedDirect,
     /// A part of the [`Task`](crate::Task).
@@ -198,6 +211,13 @@ pub enum ProblemError {
         /// The valid range.
         remedy: &'static str,
     },
+    /// A robot with a floating or spherical joint, whose orientation is a quaternion.
+    FreeJoint {
+        /// The joint.
+        joint: String,
+        /// `"floating"` or `"spherical"`.
+        kind: &'static str,
+    },
     /// A continuation in a parameter that the problem does not have, or to an invalid value.
     Continuation {
         /// Name of the parameter.
@@ -210,7 +230,7 @@ pub enum ProblemError {
 }
 
 impl ProblemError {
-    /// The field at fault; `None` for a continuation.
+    /// The field at fault; `None` for a continuation and for a joint of the robot.
     pub fn key(&self) -> Option<Key> {
         Some(match *self {
             Self::WrongLength { key, .. }
@@ -223,6 +243,7 @@ impl ProblemError {
             | Self::EmptyLimits { key, .. }
             | Self::OutsideLimits { key, .. }
             | Self::BeyondLimit { key, .. }
+            | Self::End { key, .. }
             | Self::Task { key, .. }
             | Self::Via { key, .. }
             | Self::PhasesNeedDirect { key }
@@ -230,15 +251,17 @@ impl ProblemError {
             | Self::RatesNeedDirect { key }
             | Self::NotAgain { key }
             | Self::TaskNeedsDirect { key } => key,
+            Self::NoMass { .. } => Key::ROBOT,
             Self::LimitsNeedDirect => Key::solver("method"),
             Self::EnergyNeedsDirect => Key::ENERGY,
             Self::FreeTimeWithoutCost | Self::NoWay => Key::FREE_TIME,
             Self::NoGain { .. } => Key::GAIN,
+            Self::EmptyBounds { u_max: f64::NEG_INFINITY, .. } => Key::U_MAX,
             Self::EmptyBounds { .. } => Key::U_MIN,
             Self::EmptyRange { .. } => Key::Q_MIN,
             Self::UnboundedEffort { .. } | Self::NothingToMinimise => Key::EFFORT,
             Self::BadOption { key, .. } => Key::solver(key),
-            Self::Continuation { .. } => return None,
+            Self::FreeJoint { .. } | Self::Continuation { .. } => return None,
         })
     }
 }
@@ -248,6 +271,7 @@ impl std::error::Error for ProblemError {
     fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
         match self {
             Self::Continuation { cause: ContinuationCause::Robot(error), .. } => Some(&**error),
+            Self::End { cause, .. } => Some(cause),
             Self::Task { cause, .. } => Some(cause),
             Self::Via { cause, .. } => Some(cause),
             Self::TorqueSpeed { cause, .. } => Some(cause),

@@ -29,10 +29,14 @@ impl ProblemError {
                 format!("there is no joint {joint}; {offered} by index 0 to {last}")
             }
             Self::NotPositive { value, .. } => format!("must be positive and finite, but is {}", number(*value)),
-            Self::Negative { joint, value, .. } => {
+            Self::Negative { key, joint, value } => {
                 let entry =
                     joint.as_ref().map_or_else(String::new, |joint| format!("the entry of joint '{joint}' ", joint = printable(joint)));
-                format!("{entry}must be neither negative nor infinite, but is {}", number(*value))
+                match key {
+                    // Infinite is no limit.
+                    &Key::V_MAX => format!("{entry}must not be negative, but is {}; inf is no limit", number(*value)),
+                    _ => format!("{entry}must be neither negative nor infinite, but is {}", number(*value)),
+                }
             }
             Self::FreeTimeWithoutCost => {
                 "a free final time needs cost.time > 0 or [[cost.tool]] (in Rust also a term of the running cost): \
@@ -45,6 +49,11 @@ impl ProblemError {
                     .into()
             }
             Self::NoGain { joint } => format!("the gain of joint '{joint}' is zero: its control would have no effect", joint = printable(joint)),
+            Self::EmptyBounds { joint, u_min, u_max } if *u_max == f64::NEG_INFINITY || *u_min == f64::INFINITY => {
+                let (side, none) = if *u_min == f64::INFINITY { ("lower", "-inf") } else { ("upper", "inf") };
+                let found = if *u_min == f64::INFINITY { u_min } else { u_max };
+                format!("the {side} bound {} of joint '{joint}' leaves it no control; {none} is no bound", number(*found), joint = printable(joint))
+            }
             Self::EmptyBounds { joint, u_min, u_max } => {
                 format!("the lower bound {} of joint '{joint}' must be less than bounds.u_max = {}", number(*u_min), number(*u_max), joint = printable(joint))
             }
@@ -73,8 +82,17 @@ impl ProblemError {
                 joint.as_ref().map_or_else(
                     || "all joints".into(), |joint| format!("those of joint '{joint}'", joint = printable(joint))),
                 rounded(*value), rounded(*limit)),
+            Self::End { cause, .. } => cause.to_string(),
+            Self::NoMass { joint } => format!(
+                "joint '{}' moves neither mass nor inertia, so that no torque determines its motion; give its links \
+                 mass and inertia, give it robot.armature, or lock it",
+                printable(joint)),
             Self::LimitsNeedDirect => "hard limits are kept by method = \"direct\" only; choose it, or remove [limits]".into(),
             Self::Task { cause, .. } => cause.to_string(),
+            Self::FreeJoint { joint, kind } => format!(
+                "joint '{}' is {kind}: motions take joints of one degree of freedom only; describe it as a chain of them",
+                printable(joint)
+            ),
             Self::TaskNeedsDirect { .. } => "tools and obstacles are taken by method = \"direct\" only; choose it, or remove them".into(),
             Self::Via { cause, .. } => cause.to_string(),
             Self::PhasesNeedDirect { .. } => {

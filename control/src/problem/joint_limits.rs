@@ -83,7 +83,7 @@ impl Problem {
     }
 
     /// The keys of positions, rates and accelerations at the end of a phase.
-    fn keys_of_end(&self, end: usize) -> [Key; 3] {
+    pub(super) fn keys_of_end(&self, end: usize) -> [Key; 3] {
         match end {
             0 => [Key::START_Q, Key::START_V, Key::START_A],
             via if via < self.phases() => ["q", "v", "a"].map(|name| Key::via(name, via - 1)),

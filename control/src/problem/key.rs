@@ -14,6 +14,7 @@ pub struct Key {
 }
 
 impl Key {
+    pub(crate) const ROBOT: Self = Self::new("robot", "file", "robot");
     pub(crate) const START_Q: Self = Self::new("start", "q", "start.q");
     pub(crate) const START_V: Self = Self::new("start", "v", "start.v");
     pub(crate) const START_A: Self = Self::new("start", "a", "start.a");
@@ -91,6 +92,15 @@ impl Key {
         self.name
     }
 
+    /// What a user would say is given: the table of an entry of a list, as `obstacle`, else the key.
+    pub fn part(self) -> String {
+        match self.field {
+            "task" => self.table.into(),
+            "vias" => format!("via {}", self.entry + 1),
+            _ => self.to_string(),
+        }
+    }
+
     /// The field of [`Problem`](crate::Problem) or [`SolverOptions`](crate::SolverOptions): `gain` for
     /// `actuation.gain`.
     pub fn field(self) -> &'static str {
@@ -101,6 +111,8 @@ impl Key {
 impl fmt::Display for Key {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.table {
+            // The file alone stands for the robot.
+            "robot" => f.write_str(self.table),
             // Errors count from 1.
             "via" => write!(f, "via {}, {}", self.entry + 1, self.name),
             _ => write!(f, "{}.{}", self.table, self.name),

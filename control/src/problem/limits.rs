@@ -103,6 +103,11 @@ impl MotionLimits {
         self.lists().iter().any(|(_, list)| list.is_some()) || self.total_power_max.is_some()
     }
 
+    /// Whether any limit is asked for, those of the robot included.
+    pub(crate) fn are_asked_for(&self) -> bool {
+        self.any_given() || self.from_robot == Some(true)
+    }
+
     /// All lists with their keys.
     pub(crate) fn lists(&self) -> [(Key, &Option<Vec<f64>>); 10] {
         [

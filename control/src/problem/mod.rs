@@ -3,6 +3,7 @@
 pub(crate) mod check;
 mod check_vias;
 pub(crate) mod continuation_cause;
+mod end_error;
 pub(crate) mod error;
 mod error_text;
 #[cfg(feature = "toml")]
@@ -11,6 +12,7 @@ mod given_ends;
 mod joint_limits;
 pub(crate) mod key;
 pub(crate) mod least_time;
+mod leaving;
 pub(crate) mod limits;
 pub(crate) mod obstacles;
 pub(crate) mod parts;
@@ -26,6 +28,7 @@ mod via;
 mod via_error;
 pub(crate) mod warning;
 
+pub use end_error::{EndError, Leads};
 pub use limits::MotionLimits;
 pub use obstacles::{BodyPairs, Collision, LinkCapsule, Obstacle, Shape};
 pub use parts::{BoundaryState, Bounds, FinalTime, Objective, Penalty};
@@ -39,7 +42,7 @@ pub use via_error::ViaError;
 
 use crate::problem::key::Key;
 use crate::problem::running_cost::UserTerm;
-use costate::robot::Robot;
+use costate::robot::{Joint, Limits, Robot};
 
 /// Find u(t) that moves a robot from its start to its end and minimises
 ///
@@ -184,14 +187,28 @@ impl Problem {
         self.limits.from_robot.unwrap_or_else(|| self.needs_direct())
     }
 
-    /// Whether there is anything that only the direct method takes.
+    /// Whether there is anything that only the direct method takes, beside limits of the robot.
     pub(crate) fn needs_direct(&self) -> bool {
-        let costs = self.cost.has_energy() || self.first_of_rates().is_some();
-        costs
-            || self.limits.any_given()
-            || !self.task.is_empty()
-            || self.phases() > 1
-            || self.periodic.is_some()
+        self.limits.any_given() || self.first_for_direct().is_some()
+    }
+
+    /// What has the limits of the robot kept, where nothing is said about limits: the first of a cost of
+    /// energy, rates, accelerations, tools, obstacles, vias and a period, which the direct method alone
+    /// takes. `None` if they are not kept, if they are asked for, or if the robot has none.
+    pub fn keeps_robot_limits_by(&self) -> Option<Key> {
+        let limited = |joint: &Joint| {
+            let Limits { lower, upper, velocity, effort, .. } = joint.limits;
+            lower.is_finite() || upper.is_finite() || velocity.is_finite() || effort.is_finite()
+        };
+        let unsaid = self.limits == MotionLimits::unsaid();
+        self.first_for_direct().filter(|_| unsaid && self.robot.independent_joints().any(limited))
+    }
+
+    /// What the direct method alone takes, beside limits.
+    fn first_for_direct(&self) -> Option<Key> {
+        let energy = self.cost.has_energy().then_some(Key::ENERGY);
+        let rates = || self.first_of_rates();
+        energy.or_else(rates).or_else(|| self.task.first_key()).or_else(|| self.first_of_phases())
     }
 
     /// What makes accelerations continuous, if anything does: a limit or a cost of jerks or of rates of

@@ -75,7 +75,7 @@ impl FinalTime {
 /// smoothed.
 ///
 /// It is at most that, and at most s/2 less: with cost e per joule, a motion of T seconds costs up to
-/// $\frac12 e s T$ less than with $s \to 0$. Braking gives nothing back.
+/// $\frac12 e s T$ less than with $s \to 0$. Braking gives back no more than that.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Objective {

@@ -61,6 +61,15 @@ pub enum TaskError {
         /// The one before it (s).
         before: f64,
     },
+    /// A time of a reference that is so close to the one before that velocities between them are rounding.
+    TooClose {
+        /// The time (s).
+        time: f64,
+        /// The one before it (s).
+        before: f64,
+        /// The least distance of two times (s).
+        least: f64,
+    },
     /// A list of a reference with another number of entries than it needs.
     WrongCount {
         /// What it needs an entry for.
@@ -122,6 +131,15 @@ pub enum TaskError {
         /// The unit of this: m, rad or m/s.
         unit: &'static str,
     },
+    /// A tool whose position has a body of its link in an obstacle, however the robot holds it.
+    InObstacle {
+        /// The frame of the tool.
+        frame: String,
+        /// The clearance that is violated.
+        what: String,
+        /// By how much at least (m).
+        by: f64,
+    },
     /// A position that is farther away than links and sliding joints reach, whatever their positions are.
     BeyondReach {
         /// The frame of the tool.
@@ -177,6 +195,14 @@ impl fmt::Display for TaskError {
             Self::NotLater { time, before } => {
                 write!(f, "the time {} s is not later than {} s, the one before", number(*time), number(*before))
             }
+            Self::TooClose { time, before, least } => write!(
+                f,
+                "the time {} s is too close to the one before, {} s: velocities between them would be rounding; leave \
+                 {} s at least, or one of the two out",
+                number(*time),
+                number(*before),
+                rounded(*least)
+            ),
             Self::WrongCount { what, expected, found } => {
                 write!(f, "needs {expected} entries, one for each {what}, but has {found}")
             }
@@ -224,6 +250,14 @@ impl fmt::Display for TaskError {
             Self::NotKept { what, by, unit } => write!(
                 f,
                 "the {} is off by {} {unit}; move it, or ask for less",
+                printable(what),
+                rounded(*by)
+            ),
+            Self::InObstacle { frame, what, by } => write!(
+                f,
+                "with the tool '{}' here the {} is violated by {} m or more, whatever the joints do; move the tool or the \
+                 obstacle, or let the two touch (collision.except)",
+                printable(frame),
                 printable(what),
                 rounded(*by)
             ),

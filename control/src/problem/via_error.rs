@@ -31,6 +31,14 @@ pub enum ViaError {
         /// The key that would give the others.
         given: &'static str,
     },
+    /// It asks nothing that the place before or after it does not ask too, at a time that is free: the
+    /// phase between the two has no length.
+    NoWay {
+        /// The other place: "the start", "via 2", "the end".
+        other: String,
+        /// Whether the payload changes at this via.
+        loads: bool,
+    },
     /// A payload that the robot does not take.
     Payload(Arc<RobotError>),
     /// More vias than a problem may have.
@@ -63,6 +71,14 @@ impl fmt::Display for ViaError {
             }
             Self::NothingToFree { given } => {
                 write!(f, "frees joints, but the others have no values; give {given}, or remove this")
+            }
+            Self::NoWay { other, loads } => {
+                let payload = if *loads { " and load its payload there" } else { "" };
+                write!(
+                    f,
+                    "{other} is the same place, and the time between the two is free, so that it would be 0; remove \
+                     this via{payload}, move it, or give it a time, until which or from which on the robot waits"
+                )
             }
             Self::Payload(error) => error.fmt(f),
             Self::TooMany { found, most } => write!(f, "{found} vias; at most {most} are taken"),

@@ -22,10 +22,19 @@ pub enum Certificate {
     ///
     /// [`ends_are_fixed`]: crate::BoundaryValueProblem::ends_are_fixed
     LocalMinimum,
+    /// A strict local minimum among the motions of its mesh, up to what the barrier of the limits costs.
+    ///
+    /// Of the direct method: the Newton matrix of the last step, with exact second derivatives and without
+    /// damping, is positive definite. It is the Hessian of cost and barrier plus squares of the equations, so
+    /// the Hessian is positive definite along all changes that keep them. Ends and times may be free, limits
+    /// active. Of a polished motion about which conjugate times say nothing: that of the direct motion it
+    /// began with.
+    LocalMinimumOnMesh,
     /// A conjugate time lies before T: motions nearby cost less.
     NotMinimal,
-    /// Not checked: free ends, controls that reach a bound, a smoothed control, a motion that is not
-    /// converged or not verified, or rounding that hides the answer.
+    /// Not shown: of extremals free ends, controls that reach a bound, a smoothed control, rounding that
+    /// hides the answer; of motions of the direct method second derivatives that are not positive definite;
+    /// motions that are not converged or not verified.
     NotChecked,
 }
 
@@ -41,15 +50,21 @@ pub struct Motion {
     pub penalty_cost: f64,
     /// Weight of the smoothing that is left, relative to one that matters; 0 for the problem itself.
     pub smoothing: f64,
+    /// By how much the cost may be above that of the problem itself because of the smoothing, relative to it;
+    /// of the direct method, 0 without smoothing and of extremals.
+    pub smoothing_bound: f64,
     /// T (s); NaN without a motion.
     pub final_time: f64,
-    /// Mean of H* over the nodes and inner points; `dJ/dT = -H*`. With [references](crate::Reference) over
-    /// time H* is not constant: then that at the end, the mean of $H^\\ast(t) - \int\_t^T l\_t \\, dt$.
+    /// `H* = -dJ/dT`: its mean over the nodes and inner points; of the direct method that of the last
+    /// phase, whose time T changes where those of vias stay. With [references](crate::Reference) over time H*
+    /// is not constant: then that at the end, the mean of $H^\\ast(t) - \int\_t^T l\_t \\, dt$.
     pub hamiltonian: f64,
-    /// Mean of H* in each phase of a motion of the direct method. Phases between which a via has a free time
-    /// have the same: a later via would gain in one what it costs in the other.
+    /// H* in each phase of a motion of the direct method: minus the derivative of the least cost on its mesh
+    /// by the time of the phase, from the Lagrange function. Phases between which a via has a free time have
+    /// the same: a later via would gain in one what it costs in the other.
     pub phase_hamiltonians: Vec<f64>,
-    /// `max |H* - mean| / max (|y'f| + |l|)`, the mean that of the phase: zero for an exact solution.
+    /// `max |H* - mean| / max (|y'f| + |l|)`, the mean that of the phase: zero for an exact solution. Of the
+    /// direct method H* is the mean on an interval of the mesh.
     pub hamiltonian_drift: f64,
     /// x at the end when the motion is integrated again from its start with the control that was found;
     /// `None` where the integration stopped, or for a motion that is not converged.
@@ -62,8 +77,16 @@ pub struct Motion {
     /// NaN unless verified by [`Verify::Factors`].
     pub conditioning: f64,
     /// Largest relative mismatch when segments of the motion, costates included, are integrated again from
-    /// their starts; infinite where the integration stopped, or for a motion that is not converged.
+    /// their starts; infinite where the integration stopped, or for a motion that is not converged. Of the
+    /// direct method the sum over 20 parts of the motion, without costates, where it misses its end
+    /// integrated once through; infinite where that was not needed.
     pub shooting_defect: f64,
+    /// Sum of slack times multiplier of all limits, relative to the cost: about what the barrier costs at
+    /// most. NaN without the direct method.
+    pub duality_gap: f64,
+    /// Twice what another step of Newton's method promises to gain, relative to the cost: the residual of the
+    /// optimality conditions in the metric of the Hessian. NaN without the direct method.
+    pub newton_decrement: f64,
     /// First conjugate time (s), if there is one up to T.
     pub conjugate_time: Option<f64>,
     /// Number of independent Jacobi fields that vanish at the conjugate time; 0 without one.
@@ -90,6 +113,7 @@ impl Motion {
             cost: f64::INFINITY,
             penalty_cost: 0.0,
             smoothing: 0.0,
+            smoothing_bound: 0.0,
             final_time,
             hamiltonian: f64::NAN,
             phase_hamiltonians: Vec::new(),
@@ -98,6 +122,8 @@ impl Motion {
             verification: Verify::None,
             conditioning: f64::NAN,
             shooting_defect: f64::INFINITY,
+            duality_gap: f64::NAN,
+            newton_decrement: f64::NAN,
             conjugate_time: None,
             conjugate_multiplicity: 0,
             certificate: Certificate::NotChecked,

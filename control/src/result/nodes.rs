@@ -2,6 +2,7 @@
 
 use crate::bvp::collocation::lobatto::Lobatto;
 use costate::matrix::add_scaled;
+use serde::{Deserialize, Serialize};
 
 /// A solved extremal at the nodes of its mesh; at a switch two nodes have the same time.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -20,7 +21,7 @@ pub struct Nodes {
 
 /// The collocation polynomial: on each interval the polynomial of degree s that has the slopes `g(z)` at the
 /// s points of Lobatto's quadrature.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Interpolant {
     points: usize,
     /// dz/dt at the nodes.
@@ -57,6 +58,12 @@ pub(crate) fn place(times: &[f64], t: f64) -> Option<Place> {
 impl Interpolant {
     pub fn new(points: usize) -> Self {
         Self { points, slopes: Vec::new(), inner: Vec::new(), controls: Vec::new() }
+    }
+
+    /// Whether it has numbers for this many nodes.
+    pub fn fits(&self, nodes: usize) -> bool {
+        let spans = [self.inner.len(), self.controls.len()];
+        self.slopes.len() == nodes && spans.iter().all(|count| count + 1 == nodes)
     }
 
     /// z in the interval of `place`, from its value at the left end.

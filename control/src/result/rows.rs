@@ -2,7 +2,7 @@
 
 use crate::result::solution::RobotNames;
 use crate::result::trajectory::Trajectory;
-use crate::result::trajectory_error::{TrajectoryError, check_version};
+use crate::result::trajectory_error::{TrajectoryError, VERSION, check_version};
 use crate::status::Status;
 use costate::robot::Robot;
 use serde::de::{Error, SeqAccess, Visitor};
@@ -10,7 +10,7 @@ use serde::{Deserialize, Deserializer, Serialize};
 use std::fmt;
 use std::marker::PhantomData;
 
-/// One row per node; y = (y_q, y_p).
+/// One row per node; y = (y_q, y_p). `y_tau` where it is not y_p.
 #[derive(Serialize, Deserialize)]
 pub(crate) struct Rows {
     #[serde(deserialize_with = "limited")]
@@ -25,6 +25,8 @@ pub(crate) struct Rows {
     pub u: Vec<Vec<f64>>,
     #[serde(deserialize_with = "limited")]
     pub y: Vec<Vec<f64>>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty", deserialize_with = "limited")]
+    pub y_tau: Vec<Vec<f64>>,
 }
 
 /// Most nodes of a motion; empty rows of a short text would fill the memory otherwise.
@@ -66,26 +68,36 @@ struct StartDocument {
     trajectory: Rows,
 }
 
+/// The same, to be written.
+#[derive(Serialize)]
+struct WrittenStart<'a> {
+    format: u32,
+    robot: &'a str,
+    joints: &'a [String],
+    via_times: &'a [f64],
+    trajectory: Rows,
+}
+
 impl From<&Trajectory> for Rows {
     fn from(trajectory: &Trajectory) -> Self {
-        let Trajectory { t, q, v, p, u, y_q, y_p, .. } = trajectory.clone();
+        let Trajectory { t, q, v, p, u, y_q, y_p, y_tau, .. } = trajectory.clone();
         let y = y_q.into_iter().zip(y_p).map(|(y_q, y_p)| [y_q, y_p].concat()).collect();
-        Self { t, q, v, p, u, y }
+        Self { t, q, v, p, u, y, y_tau }
     }
 }
 
 impl Rows {
     /// Of a robot of n joints; the rows must have been checked.
     pub fn into_trajectory(self, n: usize) -> Trajectory {
-        let Self { t, q, v, p, u, y } = self;
+        let Self { t, q, v, p, u, y, y_tau } = self;
         let (y_q, y_p) = y.iter().map(|y| (y[..n].to_vec(), y[n..].to_vec())).unzip();
-        Trajectory::from_rows(t, [q, v, p, u, y_q, y_p])
+        Trajectory::from_rows(t, [q, v, p, u, y_q, y_p]).with_y_tau(y_tau)
     }
 
     /// Whether nothing was saved, as for a problem without a motion.
     pub fn is_empty(&self) -> bool {
-        let Self { t, q, v, p, u, y } = self;
-        t.is_empty() && [q, v, p, u, y].into_iter().all(Vec::is_empty)
+        let Self { t, q, v, p, u, y, y_tau } = self;
+        t.is_empty() && [q, v, p, u, y, y_tau].into_iter().all(Vec::is_empty)
     }
 
     /// Vias are passed one after the other, at times of nodes.
@@ -103,7 +115,8 @@ impl Rows {
             return Err(TrajectoryError::BadTimes);
         }
         let lists = [("q", &self.q, n), ("v", &self.v, n), ("p", &self.p, n), ("u", &self.u, n)];
-        for (key, rows, expected) in lists.into_iter().chain([("y", &self.y, 2 * n)]) {
+        let by_torques = (!self.y_tau.is_empty()).then_some(("y_tau", &self.y_tau, n));
+        for (key, rows, expected) in lists.into_iter().chain([("y", &self.y, 2 * n)]).chain(by_torques) {
             if rows.len() != count {
                 return Err(TrajectoryError::WrongRows { key, found: rows.len(), expected: count });
             }
@@ -151,6 +164,20 @@ impl Trajectory {
         read.trajectory.check(names.joints.len())?;
         read.trajectory.check_vias(&read.via_times)?;
         Ok(read.trajectory.into_trajectory(names.joints.len()).with_via_times(read.via_times))
+    }
+
+    /// The motion as [`from_json`](Self::from_json) reads it, for a robot with these names.
+    ///
+    /// # Errors
+    /// Those of the writer.
+    pub fn to_json(&self, names: &RobotNames) -> Result<String, serde_json::Error> {
+        serde_json::to_string(&WrittenStart {
+            format: VERSION,
+            robot: &names.robot,
+            joints: &names.joints,
+            via_times: &self.via_times,
+            trajectory: Rows::from(self),
+        })
     }
 
     /// The name of the robot in a saved solution, where it holds one.

@@ -17,9 +17,9 @@ const ROUNDING: f64 = 1e-6;
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct Samples {
-    /// Samples in a second (Hz).
+    /// Samples in a second (Hz); NaN where the times were given.
     pub rate: f64,
-    /// Times (s): `k / rate`, and T, the last one.
+    /// Times (s): `k / rate`, and T, the last one; or those that were given.
     pub t: Vec<f64>,
     /// Positions (rad, m).
     pub q: Vec<Vec<f64>>,
@@ -68,6 +68,23 @@ pub enum SampleError {
     Evaluation(#[from] EvalError),
 }
 
+impl Samples {
+    /// Number of samples of a motion of this duration (s) at a rate (Hz).
+    ///
+    /// # Errors
+    /// [`SampleError::Rate`], [`SampleError::TooMany`].
+    pub fn count(duration: f64, rate: f64) -> Result<usize, SampleError> {
+        if !(rate > 0.0 && rate.is_finite()) {
+            return Err(SampleError::Rate { rate });
+        }
+        let count = (duration * rate - ROUNDING).ceil().max(if duration > 0.0 { 1.0 } else { 0.0 });
+        match count < MOST as f64 {
+            true => Ok(count as usize + 1),
+            false => Err(SampleError::TooMany { samples: count + 1.0 }),
+        }
+    }
+}
+
 impl Solution {
     /// The motion at a fixed rate (Hz), with torques; `problem` is the one that was solved.
     ///
@@ -86,26 +103,49 @@ impl Solution {
         if !(rate > 0.0 && rate.is_finite()) {
             return Err(SampleError::Rate { rate });
         }
+        let (start, end) = self.span(problem)?;
+        let count = Samples::count(end - start, rate)? - 1;
+        let regular = (0..count).map(|k| start + k as f64 / rate);
+        Ok(Samples { rate, ..self.at_times(problem, regular.chain([end]).collect())? })
+    }
+
+    /// The motion at given times (s), as [`sample`](Self::sample) gives it at a fixed rate. Times before the
+    /// start or after the end count as start and end.
+    ///
+    /// # Errors
+    /// [`SampleError`], but for that of the rate.
+    pub fn sample_at(&self, problem: &Problem, times: &[f64]) -> Result<Samples, SampleError> {
+        let (start, end) = self.span(problem)?;
+        if times.len() > MOST {
+            return Err(SampleError::TooMany { samples: times.len() as f64 });
+        }
+        let times = times.iter().map(|t| t.max(start).min(end)).collect();
+        Ok(Samples { rate: f64::NAN, ..self.at_times(problem, times)? })
+    }
+
+    /// Start and end of the motion (s).
+    fn span(&self, problem: &Problem) -> Result<(f64, f64), SampleError> {
         let trajectory = &self.trajectory;
         let (Some(&start), Some(&last)) = (trajectory.t.first(), trajectory.t.last()) else {
             return Err(SampleError::NoMotion);
         };
-        // Times are sums of widths: the last one is T but for rounding.
-        let exact = start + self.motion.final_time;
-        let end = if (last - exact).abs() <= 1e-12 * exact.abs() { exact } else { last };
         let (found, expected) = (trajectory.q[0].len(), problem.robot.dof());
         if found != expected {
             return Err(SampleError::OtherRobot { found, expected });
         }
-        let count = ((end - start) * rate - ROUNDING).ceil().max(if end > start { 1.0 } else { 0.0 });
-        if count >= MOST as f64 {
-            return Err(SampleError::TooMany { samples: count + 1.0 });
-        }
-        let regular = (0..count as usize).map(|k| start + k as f64 / rate);
-        let mut samples = Samples { rate, t: regular.chain([end]).collect(), ..Samples::default() };
+        // Times are sums of widths: the last one is T but for rounding.
+        let exact = start + self.motion.final_time;
+        Ok((start, if (last - exact).abs() <= 1e-12 * exact.abs() { exact } else { last }))
+    }
+
+    /// The motion at times within it.
+    fn at_times(&self, problem: &Problem, times: Vec<f64>) -> Result<Samples, SampleError> {
+        let trajectory = &self.trajectory;
+        let mut samples = Samples { t: times, ..Samples::default() };
         if !trajectory.via_times.is_empty() {
             samples.phase = samples.t.iter().map(|&t| 1 + trajectory.phase_at(t)).collect();
         }
+        let last = trajectory.t.last().copied().ok_or(SampleError::NoMotion)?;
         let mut actuation = Actuation::new(problem);
         for t in samples.t.iter().map(|t| t.min(last)) {
             let Some(point) = trajectory.at(t) else { return Err(SampleError::NoMotion) };
@@ -126,6 +166,34 @@ impl Solution {
             }
         }
         Ok(samples)
+    }
+}
+
+impl Solution {
+    /// Accelerations (rad/s^2, m/s^2) at the nodes: those of the direct method's polynomials, else by forward
+    /// dynamics with the controls there.
+    ///
+    /// # Errors
+    /// [`SampleError`].
+    pub fn accelerations(&self, problem: &Problem) -> Result<Vec<Vec<f64>>, SampleError> {
+        let trajectory = &self.trajectory;
+        if let Some(accelerations) = trajectory.accelerations() {
+            return Ok(accelerations.to_vec());
+        }
+        let (found, expected) = (trajectory.q.first().map_or(0, Vec::len), problem.robot.dof());
+        if found != expected && !trajectory.q.is_empty() {
+            return Err(SampleError::OtherRobot { found, expected });
+        }
+        let mut all = Vec::with_capacity(trajectory.t.len());
+        for (robot, nodes) in problem.robots().iter().zip(trajectory.phases()) {
+            let mut model = Lagrangian::new(robot);
+            for k in nodes {
+                let tau: Vec<f64> =
+                    trajectory.u[k].iter().zip(&problem.gain).map(|(u, gain)| gain * u).collect();
+                all.push(model.forward_dynamics(&trajectory.q[k], &trajectory.v[k], &tau)?.to_vec());
+            }
+        }
+        Ok(all)
     }
 }
 

@@ -63,6 +63,8 @@ struct Document {
     penalty_cost: Option<f64>,
     #[serde(default)]
     smoothing: f64,
+    #[serde(default)]
+    smoothing_bound: f64,
     final_time: Option<f64>,
     hamiltonian: Option<f64>,
     hamiltonian_drift: Option<f64>,
@@ -74,6 +76,10 @@ struct Document {
     costate_start: SavedCostates,
     end_defect: Option<f64>,
     shooting_defect: Option<f64>,
+    #[serde(default)]
+    duality_gap: Option<f64>,
+    #[serde(default)]
+    newton_decrement: Option<f64>,
     #[serde(default = "not_verified")]
     verification: Verify,
     #[serde(default)]
@@ -163,6 +169,7 @@ impl From<&Solution> for Document {
             cost: finite(motion.cost),
             penalty_cost: finite(motion.penalty_cost),
             smoothing: motion.smoothing,
+            smoothing_bound: motion.smoothing_bound,
             final_time: finite(motion.final_time),
             hamiltonian: finite(motion.hamiltonian),
             hamiltonian_drift: finite(motion.hamiltonian_drift),
@@ -174,6 +181,8 @@ impl From<&Solution> for Document {
             costate_start: SavedCostates { y_q: y_q.to_vec(), y_p: y_p.to_vec() },
             end_defect: finite(solution.end_defect),
             shooting_defect: finite(motion.shooting_defect),
+            duality_gap: finite(motion.duality_gap),
+            newton_decrement: finite(motion.newton_decrement),
             verification: motion.verification,
             conditioning: finite(motion.conditioning),
             newton_iterations: solution.newton_iterations,
@@ -209,10 +218,13 @@ impl TryFrom<Document> for Solution {
             cost: document.cost.unwrap_or(f64::INFINITY),
             penalty_cost: document.penalty_cost.unwrap_or(0.0),
             smoothing: document.smoothing,
+            smoothing_bound: document.smoothing_bound,
             hamiltonian: document.hamiltonian.unwrap_or(f64::NAN),
             hamiltonian_drift: document.hamiltonian_drift.unwrap_or(f64::INFINITY),
             phase_hamiltonians: document.phase_hamiltonians,
             shooting_defect: document.shooting_defect.unwrap_or(f64::INFINITY),
+            duality_gap: document.duality_gap.unwrap_or(f64::NAN),
+            newton_decrement: document.newton_decrement.unwrap_or(f64::NAN),
             verification: document.verification,
             conditioning: document.conditioning.unwrap_or(f64::NAN),
             conjugate_time: document.conjugate_time,

@@ -32,6 +32,8 @@ fn what_is_written_is_what_is_read() {
     let whole: Solution = serde_json::from_str(&again).unwrap();
     assert_eq!(serde_json::to_string(&whole).unwrap(), again);
     assert_eq!(whole.motion.status, Status::MeshLimit);
+    let alone = trajectory.to_json(&solution.robot).unwrap();
+    assert_eq!(Trajectory::from_json(&alone, &robot).unwrap(), trajectory);
     let error = Trajectory::from_json(&again, &sledge("y")).unwrap_err().to_string();
     assert!(error.contains("'x'") && error.contains("'y'"), "{error}");
 }

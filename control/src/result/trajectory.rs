@@ -2,7 +2,7 @@
 
 use crate::cubics::{JointState, cubic};
 use crate::result::nodes::{Interpolant, Nodes, Place, place};
-use crate::result::quintic::{State, quintic};
+use crate::result::quintic::{StateAndJerk, quintic};
 use std::ops::Range;
 
 /// The motion of a robot at the nodes of its mesh; at a switch two nodes have the same time.
@@ -25,13 +25,17 @@ pub struct Trajectory {
     pub y_q: Vec<Vec<f64>>,
     /// Costates of p.
     pub y_p: Vec<Vec<f64>>,
+    /// Where accelerations are limited: derivatives by the torques of the running cost, per second, less the
+    /// limits with their multipliers. Else they are y_p, and this is empty. Of motions of the direct method
+    /// they are known at the points; at a node that of the nearest one stands.
+    pub y_tau: Vec<Vec<f64>>,
     /// H*; empty for a trajectory that was read from a file.
     pub hamiltonian: Vec<f64>,
     /// The times of the vias (s): where one phase ends and the next one begins. Each is that of two nodes.
     pub via_times: Vec<f64>,
-    interpolant: Option<Interpolant>,
+    pub(super) interpolant: Option<Interpolant>,
     /// Accelerations at the nodes of a motion whose q(t) is a quintic between them.
-    accelerations: Option<Vec<Vec<f64>>>,
+    pub(super) accelerations: Option<Vec<Vec<f64>>>,
 }
 
 /// The motion of a robot at one time.
@@ -61,14 +65,13 @@ impl Trajectory {
         let part = |k: usize| nodes.z.iter().map(|z| z[k * n..(k + 1) * n].to_vec()).collect::<Vec<_>>();
         let (q, p, y_q, y_p) = (part(0), part(1), part(2), part(3));
         let Nodes { t, u, hamiltonian, interpolant, .. } = nodes;
-        let (via_times, accelerations) = (Vec::new(), None);
-        Self { t, q, v, p, u, y_q, y_p, hamiltonian, via_times, interpolant, accelerations }
+        let (via_times, accelerations, y_tau) = (Vec::new(), None, Vec::new());
+        Self { t, q, v, p, u, y_q, y_p, y_tau, hamiltonian, via_times, interpolant, accelerations }
     }
 
     /// Without a polynomial between the nodes; the rows of q, v, p, u, y_q and y_p.
     pub(crate) fn from_rows(t: Vec<f64>, [q, v, p, u, y_q, y_p]: [Vec<Vec<f64>>; 6]) -> Self {
-        let (hamiltonian, via_times, interpolant, accelerations) = (Vec::new(), Vec::new(), None, None);
-        Self { t, q, v, p, u, y_q, y_p, hamiltonian, via_times, interpolant, accelerations }
+        Self { t, q, v, p, u, y_q, y_p, ..Self::default() }
     }
 
     /// With these times of vias.
@@ -113,25 +116,17 @@ impl Trajectory {
         Self::from_rows(kept.iter().map(|&k| self.t[k]).collect(), columns)
     }
 
-    /// With H* at the nodes.
-    /// The nodes of its mesh in parts of its time, of a motion in one phase: of the direct method every fifth
-    /// row, with three points between them, else all times. `None` if it takes no time.
-    pub(crate) fn direct_nodes(&self) -> Option<Vec<f64>> {
-        let (first, last) = (*self.t.first()?, *self.t.last()?);
-        let of_direct = self.accelerations.is_some() && self.t.len().is_multiple_of(5);
-        let mut nodes = vec![0.0];
-        for (k, t) in self.t.iter().enumerate().skip(1) {
-            let part = (t - first) / (last - first);
-            let is_node = !of_direct || k % 5 == 4;
-            // Switches are there twice.
-            if is_node && part > nodes[nodes.len() - 1] + 1e-9 {
-                nodes.push(part);
-            }
-        }
-        *nodes.last_mut()? = 1.0;
-        (last > first && nodes.len() > 1).then_some(nodes)
+    /// With derivatives by the torques, [`y_tau`](Self::y_tau).
+    pub(crate) fn with_y_tau(self, y_tau: Vec<Vec<f64>>) -> Self {
+        Self { y_tau, ..self }
     }
 
+    /// What torques cost at a row, per second: the derivatives by them.
+    pub(crate) fn by_torques(&self, row: usize) -> &[f64] {
+        self.y_tau.get(row).unwrap_or(&self.y_p[row])
+    }
+
+    /// With H* at the nodes.
     pub(crate) fn with_hamiltonian(self, hamiltonian: Vec<f64>) -> Self {
         Self { hamiltonian, ..self }
     }
@@ -154,11 +149,17 @@ impl Trajectory {
     /// The acceleration (rad/s^2, m/s^2) at time t (s), of motions of the direct method.
     pub(crate) fn acceleration(&self, t: f64) -> Option<Vec<f64>> {
         let states = self.quintics(place(&self.t, t)?)?;
-        Some(states.map(|[.., a]| a).collect())
+        Some(states.map(|[_, _, a, _]| a).collect())
     }
 
-    /// Position, rate and acceleration of each joint on the quintics of a motion that has them.
-    fn quintics(&self, Place { left: k, part, length }: Place) -> Option<impl Iterator<Item = State>> {
+    /// The jerk (rad/s^3, m/s^3) at time t (s), of motions of the direct method.
+    pub(crate) fn jerk(&self, t: f64) -> Option<Vec<f64>> {
+        let states = self.quintics(place(&self.t, t)?)?;
+        Some(states.map(|[.., jerk]| jerk).collect())
+    }
+
+    /// Position, rate, acceleration and jerk of each joint on the quintics of a motion that has them.
+    fn quintics(&self, Place { left: k, part, length }: Place) -> Option<impl Iterator<Item = StateAndJerk>> {
         let accelerations = self.accelerations.as_ref().filter(|_| length > 0.0)?;
         let state = move |k: usize, i: usize| [self.q[k][i], self.v[k][i], accelerations[k][i]];
         Some((0..self.q[k].len()).map(move |i| quintic(state(k, i), state(k + 1, i), length, part)))
@@ -183,7 +184,7 @@ impl Trajectory {
         let state = |k: usize, i: usize| JointState { q: self.q[k][i], v: self.v[k][i] };
         let cubics = || (0..self.q[k].len()).map(|i| cubic(state(k, i), state(k + 1, i), length, part));
         let states: Vec<JointState> = match self.quintics(place) {
-            Some(states) => states.map(|[q, v, _]| JointState { q, v }).collect(),
+            Some(states) => states.map(|[q, v, ..]| JointState { q, v }).collect(),
             None => cubics().collect(),
         };
         // Two nodes at one time.

@@ -48,18 +48,19 @@ impl TaskRows {
     /// bodies.
     pub fn new(problem: &Problem) -> Result<Self, ProblemError> {
         let task = &problem.task;
+        let capsules = task.collision.as_ref().map_or(0, |collision| collision.capsules.len());
         let counts = [
-            ("start.tool", task.start_tools.len()),
-            ("end.tool", task.end_tools.len()),
-            ("keep", task.keep.len()),
-            ("cost.tool", task.tool_costs.len()),
-            ("cost.reference", task.references.len()),
-            ("obstacle", task.obstacles.len()),
-            ("collision.capsule", task.collision.as_ref().map_or(0, |collision| collision.capsules.len())),
+            ("start.tool", "frame", task.start_tools.len()),
+            ("end.tool", "frame", task.end_tools.len()),
+            ("keep", "kind", task.keep.len()),
+            ("cost.tool", "frame", task.tool_costs.len()),
+            ("cost.reference", "times", task.references.len()),
+            ("obstacle", "kind", task.obstacles.len()),
+            ("collision.capsule", "frame", capsules),
         ];
-        if let Some((table, found)) = counts.into_iter().find(|&(_, count)| count > MOST_ENTRIES) {
+        if let Some((table, name, found)) = counts.into_iter().find(|&(.., count)| count > MOST_ENTRIES) {
             let error = TaskError::TooMany { found, most: MOST_ENTRIES };
-            return Err(error.at(Given { table, entry: MOST_ENTRIES }.key("frame")));
+            return Err(error.at(Given { table, entry: MOST_ENTRIES }.key(name)));
         }
         let mut tools = Tools { robot: problem.robot.clone() };
         let mut poses = |table: &'static str, poses: &[ToolPose]| -> Result<Functions, ProblemError> {

@@ -1,6 +1,7 @@
 //! Whether a task can be done at all.
 
 use super::build::TaskRows;
+use super::clearance::Held;
 use super::functions::{PathFunction, TaskFunctions};
 use super::given::frame_of;
 use super::placed::Carried;
@@ -46,7 +47,9 @@ pub(crate) fn check_task(problem: &Problem) -> Result<(), ProblemError> {
     for (end, poses) in problem.tools_at_ends().enumerate() {
         let (table, _, number) = place(end);
         for (entry, pose) in poses.iter().enumerate() {
-            within_reach(problem, table, if table == "via" { number } else { entry }, pose)?;
+            let entry = if table == "via" { number } else { entry };
+            within_reach(problem, table, entry, pose)?;
+            outside_obstacles(problem, &rows.along, table, entry, pose)?;
         }
     }
     let limits: Vec<[f64; 2]> = problem.joint_limits().iter().map(|limits| limits.q).collect();
@@ -105,6 +108,28 @@ fn within_reach(
     }
     let (joint, frame) = (robot.joints()[first].name.clone(), pose.tool.frame.clone());
     let cause = TaskError::BeyondReach { frame, joint, distance, reach };
+    Err(ProblemError::Task { key: Key::entry(table, "xyz", entry), cause })
+}
+
+/// No body of the link that carries a tool is in an obstacle wherever the tool is at its place.
+fn outside_obstacles(
+    problem: &Problem,
+    along: &TaskFunctions,
+    table: &'static str,
+    entry: usize,
+    pose: &ToolPose,
+) -> Result<(), ProblemError> {
+    let (Some(position), robot) = (pose.position, &problem.robot) else { return Ok(()) };
+    let frame = &robot.frames()[frame_of(robot, Key::entry(table, "frame", entry), &pose.tool.frame)?];
+    let Some(joint) = frame.joint else { return Ok(()) };
+    let own = frame.placement.translation + frame.placement.rotation * Vector3::from(pose.tool.offset);
+    let Some((row, by)) = along.violated_at(robot, &Held { joint, own, place: position.into() }) else {
+        return Ok(());
+    };
+    if by <= OFF {
+        return Ok(());
+    }
+    let cause = TaskError::InObstacle { frame: pose.tool.frame.clone(), what: row.name.clone(), by };
     Err(ProblemError::Task { key: Key::entry(table, "xyz", entry), cause })
 }
 

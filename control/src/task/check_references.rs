@@ -1,6 +1,7 @@
 //! Whether references over time are well formed.
 
 use super::turns::log;
+use crate::constants::task::CLOSEST_KNOTS;
 use crate::problem::references::{JointReference, Reference, ToolReference};
 use crate::problem::task_error::TaskError;
 use std::f64::consts::PI;
@@ -20,6 +21,10 @@ pub(crate) fn check_reference(reference: &Reference, n: usize) -> Result<(), Fau
     finite("times", times)?;
     if let Some(pair) = times.windows(2).find(|pair| pair[1] <= pair[0]) {
         return Err(("times", TaskError::NotLater { time: pair[1], before: pair[0] }));
+    }
+    let least = CLOSEST_KNOTS * times.iter().fold(1.0, |most: f64, time| most.max(time.abs()));
+    if let Some(pair) = times.windows(2).find(|pair| pair[1] - pair[0] < least) {
+        return Err(("times", TaskError::TooClose { time: pair[1], before: pair[0], least }));
     }
     match reference {
         Reference::Joints(reference) => check_joints(reference, n),

@@ -1,6 +1,6 @@
 //! Rows g(q, v) with their bounds and derivatives.
 
-use super::clearance::{Bounds, Clearances, Obstacle};
+use super::clearance::{Bounds, Clearances, Held, Obstacle};
 use super::placed::{Hessian, Placed};
 use super::row::Row;
 use super::tool::{Quantity, ToolFunction};
@@ -158,6 +158,23 @@ impl TaskFunctions {
             }
         }
         Ok(worst)
+    }
+
+    /// The clearance that is violated most wherever the robot is, while a point of a link has a given place,
+    /// and by how much at least (m).
+    pub(super) fn violated_at(&self, robot: &Robot, held: &Held) -> Option<(&Row, f64)> {
+        let mut first = 0;
+        let mut worst: Option<(&Row, f64)> = None;
+        for part in &self.parts {
+            if let Part::Clearances(clearances) = part
+                && let Some((row, by)) = clearances.violated_at(robot, held)
+                && worst.is_none_or(|(_, most)| by > most)
+            {
+                worst = Some((&self.rows[first + row], by));
+            }
+            first += part.rows();
+        }
+        worst
     }
 
     /// Moves an obstacle, unless it is another shape or has another size. Whether it did.

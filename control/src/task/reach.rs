@@ -1,8 +1,9 @@
 //! Positions at which tools are where they shall be.
 
 use super::functions::{PathFunction, TaskFunctions};
-use crate::constants::task::reach::{DAMPING, MOST_DAMPING, REACHED, STARTS, STEPS, STILL};
+use crate::constants::task::reach::{DAMPING, FAR, MOST_DAMPING, OTHERS, REACHED, STARTS, STEPS, STILL};
 use nalgebra::{DMatrix, DVector};
+use std::f64::consts::TAU;
 
 /// The position that was found, and what is left.
 #[derive(Clone, Debug)]
@@ -41,16 +42,7 @@ pub(crate) fn reach(
     limits: &[[f64; 2]],
     first: usize,
 ) -> Reached {
-    let (rows, width) = (functions.rows(), 2 * q.len());
-    let mut search = Search {
-        still: vec![0.0; q.len()],
-        g: vec![0.0; rows],
-        jacobian: vec![0.0; rows * width],
-        hessian: vec![0.0; width * width],
-        functions,
-        free,
-        limits,
-    };
+    let mut search = Search::new(functions, free, limits);
     let mut best = Reached { q: q.to_vec(), worst: 0, miss: f64::INFINITY };
     for start in first..first + STARTS {
         if best.is_there() {
@@ -101,7 +93,75 @@ fn seeded(start: usize, coordinate: usize, [low, high]: [f64; 2], near: f64) -> 
     low + part * (high - low)
 }
 
-impl Search<'_> {
+/// The same, near q: turned back by whole turns towards it, as far as limits and tools allow. If what is
+/// found first from q itself is [`FAR`] from it, others are looked for, and the one to which the joints turn
+/// least is taken.
+pub(crate) fn reach_near(
+    functions: &mut TaskFunctions,
+    near: &[f64],
+    free: &[usize],
+    limits: &[[f64; 2]],
+    first: usize,
+) -> Reached {
+    let found = reach(functions, near, free, limits, first);
+    let mut search = Search::new(functions, free, limits);
+    let mut best = search.turned_back(found, near);
+    let far = |found: &Reached| free.iter().map(|&i| (found.q[i] - near[i]).abs()).fold(0.0, f64::max);
+    if first > 0 || !best.is_there() || far(&best) <= FAR {
+        return best;
+    }
+    for start in 1..=OTHERS {
+        let mut from = near.to_vec();
+        for &i in free {
+            from[i] = seeded(start, i, limits[i], near[i]);
+        }
+        let found = search.descend(from);
+        let found = search.turned_back(found, near);
+        let way = |found: &Reached| free.iter().map(|&i| (found.q[i] - near[i]).powi(2)).sum::<f64>();
+        if found.is_there() && way(&found) < way(&best) {
+            best = found;
+        }
+    }
+    best
+}
+
+impl<'a> Search<'a> {
+    fn new(functions: &'a mut TaskFunctions, free: &'a [usize], limits: &'a [[f64; 2]]) -> Self {
+        let (rows, width) = (functions.rows(), 2 * limits.len());
+        Self {
+            still: vec![0.0; limits.len()],
+            g: vec![0.0; rows],
+            jacobian: vec![0.0; rows * width],
+            hessian: vec![0.0; width * width],
+            functions,
+            free,
+            limits,
+        }
+    }
+
+    /// The same pose with each free coordinate within half a turn of that at `near`, or as close to it as its
+    /// limits allow. A coordinate whose whole turns move the tool, of a prismatic joint or one with mimics,
+    /// stays.
+    pub fn turned_back(&mut self, found: Reached, near: &[f64]) -> Reached {
+        let mut turned = found;
+        for &i in self.free {
+            let ([low, high], q) = (self.limits[i], turned.q[i]);
+            let turns = |places: f64| (places / TAU).floor().max(0.0);
+            let wanted = ((near[i] - q) / TAU).round();
+            let turns = wanted.clamp(-turns(q - low), turns(high - q));
+            if turns == 0.0 || turns.is_nan() {
+                continue;
+            }
+            let mut other = turned.q.clone();
+            other[i] += turns * TAU;
+            let miss = self.values(&other).amax();
+            if miss <= turned.miss.max(REACHED) {
+                turned.q = other;
+            }
+        }
+        turned
+    }
+
     /// Descends from a position.
     fn descend(&mut self, mut q: Vec<f64>) -> Reached {
         for &i in self.free {

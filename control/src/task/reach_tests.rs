@@ -76,3 +76,37 @@ fn what_is_out_of_reach_is_off_by_the_distance() {
     assert_eq!(still(ToolPose::of(tip.clone()).with_position([2.0, f64::INFINITY, f64::INFINITY])), None);
     assert_eq!(still(ToolPose::of(tip).with_position([1.0, 0.5, 0.0])), Some(2));
 }
+
+/// A UR5 whose base has turned around once stays there, and takes the elbow that it has.
+#[test]
+fn the_nearest_of_several_positions_is_found() {
+    let arm = Robot::from_file("../robots/ur5.urdf").unwrap();
+    let limits: Vec<[f64; 2]> =
+        arm.joints().iter().map(|joint| [joint.limits.lower, joint.limits.upper]).collect();
+    let mut kinematics = costate::kinematics::Kinematics::<f64>::new(&arm);
+    let tool = arm.frame_index("tool0").unwrap();
+    for q in [[-5.0, -1.2, 1.4, -1.8, -1.5, 4.6], [2.9, -2.0, -1.3, 0.2, 1.6, -5.9]] {
+        kinematics.set_position(&q).unwrap();
+        let pose = kinematics.pose(tool).unwrap();
+        let rotation = crate::problem::tools::rotation(pose.rotation).unwrap();
+        let pose = ToolPose::of("tool0").with_position(pose.position).with_rotation(rotation);
+        let problem = problem(arm.clone(), pose);
+        let functions = &mut TaskRows::new(&problem).unwrap().end;
+        let near: Vec<f64> = q.iter().zip([0.2, -0.1, 0.15, 0.1, -0.2, 0.3]).map(|(q, by)| q + by).collect();
+        let found = reach_near(functions, &near, &problem.end.q_free, &limits, 0);
+        assert!(found.is_there() && found.q.iter().zip(q).all(|(a, b)| (a - b).abs() < 1e-6), "{found:?}");
+        // From zero, where other branches are nearer to the search, no joint goes farther than it must.
+        let found = reach_near(functions, &[0.0; 6], &problem.end.q_free, &limits, 0);
+        let mut search = Search::new(functions, &problem.end.q_free, &limits);
+        for (i, q) in found.q.iter().enumerate() {
+            assert!(found.is_there() && q.abs() <= std::f64::consts::PI, "{i}: {found:?}");
+        }
+        // Whole turns aside it is the same position.
+        let mut away = found.q.clone();
+        away[5] += if away[5] > 0.0 { -TAU } else { TAU };
+        let away = Reached { q: away, ..found.clone() };
+        assert!(
+            search.turned_back(away, &[0.0; 6]).q.iter().zip(&found.q).all(|(a, b)| (a - b).abs() < 1e-12)
+        );
+    }
+}

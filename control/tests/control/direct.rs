@@ -5,8 +5,9 @@ use crate::sharp;
 use costate::robot::{LoadOptions, Robot};
 use costate::scalar::Scalar;
 use costate_control::{
-    Bounds, Cancel, Continuation, FinalTime, Method, MotionLimits, Objective, Parameter, Phase, Polish,
-    Problem, ProblemError, ProblemFile, RunningCost, Solution, Solver, SolverOptions, Status, UserTerm,
+    Bounds, Cancel, Continuation, FinalTime, Method, Motion, MotionLimits, Objective, Parameter, Phase,
+    Polish, Problem, ProblemError, ProblemFile, RunningCost, Solution, Solver, SolverOptions, Status,
+    UserTerm,
 };
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::ops::ControlFlow;
@@ -46,6 +47,9 @@ fn check(problem: &Problem, solution: &Solution, value: f64, defect: f64) {
     let cost = solution.total();
     assert!((cost / value - 1.0).abs() < 3e-6, "{name}: {cost} instead of {value}");
     assert!(solution.end_defect < defect, "{name}: end defect {}", solution.end_defect);
+    let Motion { duality_gap, newton_decrement, .. } = solution.motion;
+    let small = (0.0..1e-6).contains(&duality_gap) && (0.0..1e-6).contains(&newton_decrement);
+    assert!(small || solution.polish.is_some(), "{name}: {duality_gap} {newton_decrement}");
     assert!(violation(solution, [1.0; 4]) < 1e-6, "{name}: {:?}", solution.limits);
 }
 

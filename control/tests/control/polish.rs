@@ -37,7 +37,11 @@ fn polished(problem: &Problem) -> Solution {
     for (a, b) in solution.motion.switches.iter().zip(&extremal.motion.switches) {
         close(*a, *b, 1e-5);
     }
-    assert_eq!(solution.motion.certificate, extremal.motion.certificate);
+    let shown = solution.motion.certificate;
+    match extremal.motion.certificate {
+        Certificate::NotChecked => assert_eq!(shown, Certificate::LocalMinimumOnMesh),
+        checked => assert_eq!(shown, checked),
+    }
     solution
 }
 

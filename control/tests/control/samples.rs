@@ -98,3 +98,67 @@ fn what_cannot_be_sampled_is_an_error() {
     empty.trajectory = Trajectory::default();
     assert_eq!(empty.sample(&problem, 100.0), Err(SampleError::NoMotion));
 }
+
+/// Samples at given times are those at a fixed rate; a time outside counts as the start or the end.
+#[test]
+fn samples_at_given_times_are_those_of_a_rate() {
+    let problem = problem("two_link_jerk");
+    let solution = solve(&problem, SolverOptions::default());
+    let regular = solution.sample(&problem, 50.0).unwrap();
+    let given = solution.sample_at(&problem, &regular.t).unwrap();
+    assert!(given.rate.is_nan());
+    assert_eq!(
+        (&given.t, &given.q, &given.a, &given.tau),
+        (&regular.t, &regular.q, &regular.a, &regular.tau)
+    );
+    let end = solution.motion.final_time;
+    let outside = solution.sample_at(&problem, &[-1.0, 2.0 * end]).unwrap();
+    assert_eq!(outside.q, [regular.q[0].clone(), regular.q[regular.q.len() - 1].clone()]);
+    assert!(matches!(
+        Solution::sample_at(&solution, &problem, &vec![0.0; 1_000_001]),
+        Err(SampleError::TooMany { .. })
+    ));
+}
+
+/// Jerks and rates of torques are the slopes of accelerations and torques: central differences with a step h,
+/// whose error is of order h^2, away from the points of the mesh, where jerks may jump.
+#[test]
+fn rates_are_the_slopes_of_the_samples() {
+    let problem = problem("two_link_jerk");
+    let solution = solve(&problem, SolverOptions::default());
+    let end = solution.motion.final_time;
+    let h = 1e-6 * end;
+    let times: Vec<f64> = (1..60).map(|k| end * f64::from(k) / 60.3).collect();
+    let away = |t: &&f64| solution.trajectory.t.iter().all(|node| (node - **t).abs() > 2.0 * h);
+    let times: Vec<f64> = times.iter().filter(away).copied().collect();
+    assert!(times.len() > 40);
+    let rates = solution.rates_at(&problem, &times).unwrap().unwrap();
+    let shifted = |by: f64| {
+        let times: Vec<f64> = times.iter().map(|t| t + by).collect();
+        solution.sample_at(&problem, &times).unwrap()
+    };
+    let [before, after] = [shifted(-h), shifted(h)];
+    let torques = problem.joint_limits();
+    for (k, t) in times.iter().enumerate() {
+        for i in 0..2 {
+            let slope = |before: &[Vec<f64>], after: &[Vec<f64>]| (after[k][i] - before[k][i]) / (2.0 * h);
+            let (jerk, rate) = (slope(&before.a, &after.a), slope(&before.tau, &after.tau));
+            let error = (rates.jerk[k][i] - jerk).abs();
+            assert!(error < 1e-4 * (1.0 + jerk.abs()), "t = {t}, joint {i}: {} {jerk}", rates.jerk[k][i]);
+            // Torques are cut to their limits, where they have no slope.
+            let [low, high] = torques[i].torque;
+            if before.tau[k][i] > low && after.tau[k][i] < high {
+                let error = (rates.torque_rate[k][i] - rate).abs();
+                assert!(
+                    error < 1e-4 * (1.0 + rate.abs()),
+                    "t = {t}, joint {i}: {} {rate}",
+                    rates.torque_rate[k][i]
+                );
+            }
+        }
+    }
+    // Accelerations of an indirect motion are those of forward dynamics: no polynomial has their slopes.
+    let indirect = self::problem("puma560_pick_and_place").with_limits(MotionLimits::none());
+    let indirect = (solve(&indirect, SolverOptions::default()), indirect);
+    assert!(indirect.0.rates_at(&indirect.1, &[0.1]).unwrap().is_none());
+}

@@ -1,8 +1,10 @@
 //! Neighbouring optimal feedback, against solving again.
 
 use crate::solved::{problem, solved};
+use costate::robot::Robot;
 use costate_control::{
-    Budget, Feedback, FinalTime, MotionLimits, Objective, Problem, Resolve, ResolveStatus,
+    BoundaryState, Budget, Feedback, FinalTime, MotionLimits, Objective, Polish, Problem, Resolve,
+    ResolveStatus, Solver, SolverOptions,
 };
 use nalgebra::{Matrix2, Vector2};
 
@@ -17,7 +19,7 @@ fn values(motion: &mut Resolve) -> Vec<f64> {
         all.extend_from_slice(&z[..2 * n]);
         all.extend_from_slice(&tau);
     }
-    all.push(motion.final_time());
+    all.push(motion.final_time().unwrap());
     all
 }
 
@@ -99,6 +101,48 @@ fn derivatives_with_active_limits_are_those_of_solving_again() {
     arm.cost = Objective::new(20.0, vec![1.0; 2]);
     arm.limits = arm.limits.with_v_max(vec![f64::INFINITY, 3.0]).with_torque_max(vec![12.0, 5.0]);
     check(&arm, 8, 1e-11, 1e-4, 1e-3);
+}
+
+/// The torques at the start of the motion that is optimal for this state there.
+fn first_torques(arm: &Problem, state: &[f64]) -> Vec<f64> {
+    let start = BoundaryState::fixed(&state[..2], &state[2..]);
+    let problem = arm.clone().with_start(start);
+    let options = SolverOptions::default().with_tolerance(1e-8).with_polish(Polish::Never);
+    let solution = Solver::new(&problem, options).unwrap().solve();
+    assert!(solution.motion.status.is_solved(), "{}", solution.motion.status);
+    solution.trajectory.u[0].clone()
+}
+
+/// The gain at the start, where the elbow gives all that it can, against other motions on meshes of their
+/// own. A tighter tolerance does not make it worse.
+#[test]
+fn gains_with_active_limits_of_torques_are_those_of_solving_again() {
+    let robot = Robot::from_file("../robots/two_link.toml").unwrap();
+    let limits = MotionLimits::none().with_torque_max(vec![60.0, 7.0]);
+    let arm = Problem::rest_to_rest(robot, &[0.0, 0.3], &[1.2, 0.9], 1.0).with_limits(limits);
+    let (start, step) = ([0.0, 0.3, 0.0, 0.0], 2e-3);
+    let mut expected = [0.0; 8];
+    for j in 0..4 {
+        let [above, below] = [step, -step].map(|step| {
+            let mut state = start;
+            state[j] += step;
+            first_torques(&arm, &state)
+        });
+        (0..2).for_each(|i| expected[4 * i + j] = (above[i] - below[i]) / (2.0 * step));
+    }
+    let size = expected.iter().fold(0.0, |most: f64, entry| most.max(entry.abs()));
+    for tolerance in [1e-4, 1e-5, 1e-6, 1e-7, 1e-8] {
+        let options = SolverOptions::default().with_tolerance(tolerance).with_polish(Polish::Never);
+        let solution = Solver::new(&arm, options.clone()).unwrap().solve();
+        let mut motion = Resolve::near(&arm, options, &solution.trajectory).unwrap();
+        assert_eq!(motion.solve().unwrap().status, ResolveStatus::Solved);
+        let mut gain = [0.0; 8];
+        assert!(motion.feedback().unwrap().expect("a strict minimum").gain(0.0, &mut gain));
+        for (found, expected) in gain.iter().zip(expected) {
+            assert!((found - expected).abs() < 0.04 * size, "{tolerance}: {gain:?} {expected:?}");
+        }
+        assert!(!motion.feedback().unwrap().unwrap().gain(f64::NAN, &mut gain));
+    }
 }
 
 /// M of the arm at q_2 = 0, inverted.

@@ -4,6 +4,7 @@
 
 use costate_test_support::allocations::Counting;
 
+mod costates;
 mod feedback;
 mod motion_derivative;
 mod resolve;

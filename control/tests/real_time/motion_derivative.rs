@@ -20,7 +20,7 @@ fn values(problem: &Problem, intervals: usize, tolerance: f64) -> [Vec<f64>; 4] 
         states.extend_from_slice(&z[..2 * n]);
         torques.extend_from_slice(&tau);
     }
-    [vec![cost], vec![motion.final_time()], states, torques]
+    [vec![cost], vec![motion.final_time().unwrap()], states, torques]
 }
 
 /// Largest differences of the derivatives from central differences of solving again on the same mesh,

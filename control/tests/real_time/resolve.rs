@@ -52,7 +52,7 @@ fn a_motion_is_the_one_that_the_solver_finds_from_scratch() {
         let mut z = [0.0; 18];
         motion.state_at(0.0, &mut z).unwrap();
         assert!(z[..6].iter().zip(&start.q).all(|(a, b)| (a - b).abs() < 1e-12));
-        motion.state_at(motion.final_time(), &mut z).unwrap();
+        motion.state_at(motion.final_time().unwrap(), &mut z).unwrap();
         assert!(z[..6].iter().zip(&end.q).all(|(a, b)| (a - b).abs() < 1e-12));
     }
 }
@@ -134,7 +134,7 @@ fn motions_go_on_when_time_does() {
     arm.cost = Objective::new(20.0, vec![1.0; 2]);
     let mut motion = Resolve::new(&arm, options(24, 1e-6)).unwrap();
     motion.solve().unwrap();
-    let whole = motion.final_time();
+    let whole = motion.final_time().unwrap();
     let mut z = [0.0; 6];
     for k in 1..=5 {
         let dt = 0.05;
@@ -144,7 +144,8 @@ fn motions_go_on_when_time_does() {
         let found = motion.solve_again(Budget::steps(10)).unwrap();
         assert_eq!((found.status, found.keeps_limits()), (ResolveStatus::Solved, true), "{k} {found:?}");
         let left = whole - f64::from(k) * dt;
-        assert!((motion.final_time() / left - 1.0).abs() < 2e-3, "{k}: {} {left}", motion.final_time());
+        let time = motion.final_time().unwrap();
+        assert!((time / left - 1.0).abs() < 2e-3, "{k}: {time} {left}");
     }
 }
 
@@ -181,9 +182,14 @@ fn what_no_motion_can_meet_is_refused() {
     );
     says(motion.set_start(&[0.0; 6], &[4.0; 6]).unwrap_err(), "v at the start of joint 0 is 4");
     assert!(motion.feedback().unwrap().is_none(), "nothing is solved yet");
-    assert_eq!(motion.final_time(), 0.0);
+    assert_eq!(motion.final_time(), None);
     assert_eq!(motion.torques_at(0.1, &mut [0.0; 6]), Err(ResolveError::NotSolved));
     says(motion.torques_at(0.1, &mut [0.0; 5]).unwrap_err(), "the torques: 5 entries, not 6");
+    motion.solve().unwrap();
+    assert!((motion.final_time().unwrap() - 1.0).abs() < 1e-12);
+    assert_eq!(motion.torques_at(f64::NAN, &mut [0.0; 6]), Err(ResolveError::NotATime));
+    assert_eq!(motion.state_at(f64::NAN, &mut [0.0; 18]), Err(ResolveError::NotATime));
+    assert!(motion.state_at(-1.0, &mut [0.0; 18]).is_ok() && motion.torques_at(9.0, &mut [0.0; 6]).is_ok());
 }
 
 #[test]
@@ -291,6 +297,46 @@ fn obstacles_move_between_solves() {
     assert_eq!(error, "obstacle, entry 0: must be finite");
     let error = motion.set_obstacle(1, &ball(0.3)).unwrap_err().to_string();
     assert!(error.starts_with("obstacle: there is no entry 1"), "{error}");
+}
+
+/// A post that is thinner than the way from point to point of the mesh stands in the way of the tip.
+#[test]
+fn bodies_that_pass_through_each_other_do_not_keep_their_limits() {
+    let with_post = |centre: [f64; 3], radius: f64| {
+        let tip = LinkCapsule::sphere("elbow", 1e-4).with_from([1.0, 0.0, 0.0]);
+        let post = Obstacle::new("post", Shape::Sphere { centre, radius });
+        let task = Task::default().with_obstacle(post).with_collision(Collision::of(vec![tip]));
+        let robot = Robot::from_file("../robots/two_link.toml").unwrap();
+        let arm = Problem::rest_to_rest(robot, &[0.0, 0.3], &[1.5, 0.3], 1.0);
+        arm.with_limits(MotionLimits::none()).with_task(task)
+    };
+    let tip = |z: &[f64]| [z[0].cos() + (z[0] + z[1]).cos(), z[0].sin() + (z[0] + z[1]).sin(), 0.0];
+    let mut through = 0;
+    for radius in [0.1, 0.01, 1e-3] {
+        for place in [0.45, 0.515] {
+            let mut motion = Resolve::new(&with_post([5.0, 5.0, 0.0], radius), options(20, 1e-2)).unwrap();
+            let free = motion.solve().unwrap();
+            assert!(free.keeps_limits() && free.clearance_violation == 0.0, "{free:?}");
+            let mut z = [0.0; 6];
+            motion.state_at(place, &mut z).unwrap();
+            let centre = tip(&z);
+            motion.set_obstacle(0, &Shape::Sphere { centre, radius }).unwrap();
+            let mut found = free;
+            let allocated = allocations(|| found = motion.solve_again(Budget::steps(40)).unwrap());
+            assert_eq!(allocated, 0);
+            // The least distance at many places.
+            let mut least = f64::INFINITY;
+            for k in 0..=100_000 {
+                motion.state_at(f64::from(k) * 1e-5, &mut z).unwrap();
+                let at = tip(&z);
+                least = least.min((at[0] - centre[0]).hypot(at[1] - centre[1]));
+            }
+            let overlap = 1.0 - least / (radius + 1e-4);
+            assert!(overlap < 0.02 || !found.keeps_limits(), "{radius} {place}: {overlap} {found:?}");
+            through += usize::from(overlap > 0.5);
+        }
+    }
+    assert!(through > 0, "some posts are too thin for the mesh");
 }
 
 /// A joint reference that goes to and fro, and one of the tip, later by `shift`.

@@ -110,6 +110,26 @@ fn active_limits_of_torques_and_rates_are_no_obstacle() {
     assert!(is_active(&solution, "rate") && is_active(&solution, "torque"), "{:?}", solution.limits);
 }
 
+/// The costate of the momenta is not what torques cost then: limits of accelerations are in it too.
+#[test]
+fn active_limits_of_accelerations_are_no_obstacle() {
+    let mut arm = two_link().0.with_limits(MotionLimits::none().with_a_max(vec![8.0, f64::INFINITY]));
+    arm.cost = Objective::new(0.0, vec![1.0; 2]);
+    let names = ["elbow.mass", "elbow.x", "elbow.h_x", "shoulder.J_zz"];
+    let solution = check_against_slopes(&arm, &names, &direct(1e-7), 1e-3);
+    assert!(is_active(&solution, "acceleration"), "{:?}", solution.limits);
+    let (of_torques, of_momenta) = (&solution.trajectory.y_tau, &solution.trajectory.y_p);
+    assert!(of_torques.len() == of_momenta.len() && of_torques != of_momenta);
+    // The same of a motion that was saved.
+    let set = arm.parameters().unwrap();
+    let saved: Solution = serde_json::from_value(serde_json::to_value(&solution).unwrap()).unwrap();
+    let of = |solution: &Solution| cost_by_parameters(&arm, solution, &set).unwrap();
+    for (one, other) in of(&solution).iter().zip(of(&saved)) {
+        let off = (one.derivative - other.derivative).abs();
+        assert!(off < 1e-7 * solution.total().max(one.derivative.abs()), "{one:?} {other:?}");
+    }
+}
+
 #[test]
 fn polished_and_saved_motions_have_the_same_derivatives() {
     let arm = problem("two_link_bounded").with_limits(MotionLimits::none());

@@ -1,7 +1,8 @@
-"""Robot dynamics with exact first and second derivatives.
+"""Robot dynamics with exact first and second derivatives, and optimal motions.
 
 A `Robot` is read from a URDF or TOML file or built in code. `Dynamics` computes its dynamics in (q, v) or (q, p) with
-Jacobians and contracted Hessians, `Step` one time step of it, on NumPy arrays with any leading batch axes.
+Jacobians and contracted Hessians, `Step` one time step of it, on NumPy arrays with any leading batch axes. `Problem`
+poses a task, its `Solution` is the cheapest motion that does it within all limits; `Resolve` solves it again and again.
 
 >>> import costate, numpy as np
 >>> robot = costate.Robot.builder("pendulum").revolute("hinge", axis=[0, 1, 0], mass=1, com=[0, 0, -1]).build()
@@ -12,13 +13,18 @@ Jacobians and contracted Hessians, `Step` one time step of it, on NumPy arrays w
 ((1000, 2), (1000, 2, 3))
 """
 
+from ._branch import Branch
 from ._check import CheckReport, Comparison, check
 from ._costate import Dynamics, Frame, Robot, RobotBuilder, Step, __version__, codegen
 from ._errors import (
     ArgumentError,
     CodegenError,
     CostateError,
+    Interrupted,
+    MotionError,
     NonFiniteState,
+    ProblemError,
+    ProblemWarning,
     RobotError,
     RobotWarning,
     SingularMassMatrix,
@@ -27,22 +33,42 @@ from ._errors import (
     StepNotSolved,
 )
 from ._pinocchio import JointMap
+from ._problem import Problem
+from ._resolve import Feedback, MotionDerivative, Resolve, Resolved
+from ._run import Iteration
+from ._samples import Gains, Samples, Sensitivity
+from ._solution import Solution
 
 __all__ = [
     "ArgumentError",
+    "Branch",
     "CheckReport",
     "CodegenError",
     "Comparison",
     "CostateError",
     "Dynamics",
+    "Feedback",
     "Frame",
+    "Gains",
+    "Interrupted",
+    "Iteration",
     "JointMap",
+    "MotionDerivative",
+    "MotionError",
     "NonFiniteState",
+    "Problem",
+    "ProblemError",
+    "ProblemWarning",
+    "Resolve",
+    "Resolved",
     "Robot",
     "RobotBuilder",
     "RobotError",
     "RobotWarning",
+    "Samples",
+    "Sensitivity",
     "SingularMassMatrix",
+    "Solution",
     "StateError",
     "StateWarning",
     "Step",
@@ -52,18 +78,8 @@ __all__ = [
     "codegen",
 ]
 
-# Their names in messages and pickles.
-for _error in (
-    ArgumentError,
-    CodegenError,
-    CostateError,
-    NonFiniteState,
-    RobotError,
-    RobotWarning,
-    SingularMassMatrix,
-    StateError,
-    StateWarning,
-    StepNotSolved,
-):
-    _error.__module__ = "costate"
-del _error
+# The names of classes in messages and pickles.
+for _name in __all__:
+    if isinstance(globals()[_name], type):
+        globals()[_name].__module__ = "costate"
+del _name

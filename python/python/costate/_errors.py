@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from ._solution import Solution
+
 
 class CostateError(ValueError):
     """What costate refuses. The message says what is wrong and what to do."""
@@ -44,6 +49,47 @@ class RobotError(CostateError):
     culprit: str | None = None
 
 
+class ProblemError(CostateError):
+    """A problem, or an option of its solver, that is refused.
+
+    Attributes
+    ----------
+    key : str or None
+        The key at fault, as in a problem file: ``"limits.v_max"``.
+    path : str or None
+        The problem file.
+    line : int or None
+        The line of the key, from 1.
+    """
+
+    key: str | None = None
+    path: str | None = None
+    line: int | None = None
+
+
+class MotionError(CostateError):
+    """What cannot be asked of a motion: samples where there is none, feedback where it is no minimum."""
+
+
+class Interrupted(KeyboardInterrupt):
+    """Ctrl-C during a solve.
+
+    Attributes
+    ----------
+    solution : Solution
+        The best motion so far; its status is ``"cancelled"``, unless it was solved in the last moment.
+    """
+
+    def __init__(self, solution: Solution) -> None:
+        super().__init__(
+            f"interrupted: {solution.status}, cost {solution.cost:.9g}; .solution is the best motion so far"
+        )
+        self.solution = solution
+
+    def __reduce__(self) -> tuple[type[Interrupted], tuple[Solution]]:
+        return (type(self), (self.solution,))
+
+
 class StateError(CostateError):
     """A state at which nothing can be computed.
 
@@ -80,6 +126,10 @@ class CodegenError(CostateError):
 
 class RobotWarning(UserWarning):
     """What is unusual about the description of a robot."""
+
+
+class ProblemWarning(UserWarning):
+    """What is probably not meant in a problem."""
 
 
 class StateWarning(RuntimeWarning):

@@ -149,8 +149,8 @@ impl CallFrame {
     pub fn answered(&self) -> bool {
         let mut asked = false;
         let mut extension = self.extensions;
-        // SAFETY: extensions are a list of structures that begin with this one; that of metadata has a pointer
-        // behind it, to a structure that XLA lets handlers write.
+        // SAFETY: extensions are a list of structures that begin with this one; that of metadata has a
+        // pointer behind it, to a structure that XLA lets handlers write.
         unsafe {
             while let Some(base) = extension.as_ref() {
                 if base.kind == METADATA

@@ -27,6 +27,81 @@ impl COptions {
     }
 }
 
+/// Several programs as one C99 source: a function on `double` for each, in this order.
+///
+/// # Errors
+/// [`CodegenError::TooLarge`] for a program above the limit; [`CodegenError::Name`] for two of one name.
+pub fn c_source(programs: &[Program], options: &COptions) -> Result<String, CodegenError> {
+    let (runtime, functions) = parts(programs, options, "")?;
+    let one_head = |(head, function): &(String, String)| format!("\n{head}\n{function}");
+    Ok(match functions.as_slice() {
+        [(head, function)] => format!("{head}\n{runtime}{function}"),
+        functions => {
+            runtime.trim_end().to_owned() + "\n" + &functions.iter().map(one_head).collect::<String>()
+        }
+    })
+}
+
+/// The declarations of the same functions, with a guard, for C and C++.
+///
+/// # Errors
+/// [`CodegenError::Name`] for two programs of one name.
+pub fn c_header(programs: &[Program]) -> Result<String, CodegenError> {
+    check_distinct(programs)?;
+    let guard = programs.first().map_or("", Program::name).to_uppercase() + "_H";
+    let declared = |program: &Program| {
+        let declaration = program.declaration().replace("restrict ", "");
+        format!("{}{};\n\n", comment(program), declaration.trim_end_matches("\n{\n"))
+    };
+    let declarations: String = programs.iter().map(declared).collect();
+    Ok(format!(
+        "#ifndef {guard}\n#define {guard}\n\n#ifdef __cplusplus\nextern \"C\" {{\n#endif\n\n{declarations}\
+         #ifdef __cplusplus\n}}\n#endif\n\n#endif\n"
+    ))
+}
+
+fn check_distinct(programs: &[Program]) -> Result<(), CodegenError> {
+    for (k, program) in programs.iter().enumerate() {
+        if programs[..k].iter().any(|other| other.name() == program.name()) {
+            return Err(CodegenError::Name {
+                what: "the second function of this name",
+                name: program.name().into(),
+            });
+        }
+    }
+    Ok(())
+}
+
+/// What all programs need, then the comment and the text of each function, whose declaration begins with
+/// `linkage`.
+pub(in crate::codegen) fn parts(
+    programs: &[Program],
+    options: &COptions,
+    linkage: &str,
+) -> Result<(String, Vec<(String, String)>), CodegenError> {
+    check_distinct(programs)?;
+    let mut runtime = MUL_ADD.to_owned();
+    let mut functions = Vec::new();
+    let mut pairs = false;
+    for program in programs {
+        program.check_limit(options.limit)?;
+        let names = Names::new(program);
+        pairs |= names.has_pair();
+        functions.push((comment(program), linkage.to_owned() + &program.function(&names)));
+    }
+    if pairs {
+        runtime += SIN_COS;
+    }
+    Ok((runtime, functions))
+}
+
+/// The head of a program.
+fn comment(program: &Program) -> String {
+    let lines: Vec<String> =
+        head(program).iter().map(|line| format!(" * {}", safe(line)).trim_end().into()).collect();
+    format!("/*\n{}\n */\n", lines.join("\n"))
+}
+
 impl Program {
     /// The program as C99 source: one function on `double`, which needs the headers of the standard library
     /// only.
@@ -36,20 +111,17 @@ impl Program {
     /// # Errors
     /// [`CodegenError::TooLarge`] for a program above the limit.
     pub fn to_c(&self, options: &COptions) -> Result<String, CodegenError> {
-        self.check_limit(options.limit)?;
-        let lines: Vec<String> =
-            head(self).iter().map(|line| format!(" * {}", safe(line)).trim_end().into()).collect();
-        let names = Names::new(self);
-        let mut out = format!("/*\n{}\n */\n\n{MUL_ADD}", lines.join("\n"));
-        if names.has_pair() {
-            out += SIN_COS;
-        }
-        out += &self.declaration();
+        c_source(std::slice::from_ref(self), options)
+    }
+
+    /// The text of the function.
+    fn function(&self, names: &Names) -> String {
+        let mut out = self.declaration();
         for name in names.unused(self) {
             out += &format!("    (void){name};\n");
         }
         for (k, node) in self.nodes().iter().enumerate() {
-            if let Some(line) = self.statement(&names, k, *node) {
+            if let Some(line) = self.statement(names, k, *node) {
                 out += &format!("    {line}\n");
             }
             if !node.is_leaf() {
@@ -59,7 +131,7 @@ impl Program {
             }
         }
         for (k, node) in self.nodes().iter().enumerate().filter(|(_, node)| node.is_leaf()) {
-            let value = self.operand(&names, Id(k as u32));
+            let value = self.operand(names, Id(k as u32));
             let value = if matches!(node, Node::Constant(c) if c.is_sign_negative() && !c.is_nan()) {
                 value[1..value.len() - 1].into()
             } else {
@@ -67,7 +139,7 @@ impl Program {
             };
             names.targets(k).iter().for_each(|target| out += &format!("    {target} = {value};\n"));
         }
-        Ok(out + "}\n")
+        out + "}\n"
     }
 
     /// The statement that computes a step; `None` for constants, inputs, and cosines computed with their

@@ -44,7 +44,8 @@ pub(super) fn head(program: &Program) -> Vec<String> {
     for argument in program.arguments() {
         lines.push(format!("  {}[{}]{}", argument.name, argument.entries, meaning(&argument.meaning)));
     }
-    lines.push("Results, matrices row by row:".into());
+    let order = if program.is_column_major() { "column by column" } else { "row by row" };
+    lines.push(format!("Results, matrices {order}:"));
     for result in program.results() {
         let shape = match (result.rows, result.columns) {
             (rows, 1) => format!("{rows}"),

@@ -34,6 +34,8 @@ pub struct RobotQuantity<S: Scalar> {
     inputs: usize,
     outputs: usize,
     workspace: Workspace<S>,
+    /// y'a_u, dx/dt and y'a_x for `y_f_x` in (q, v).
+    products: Vec<S>,
 }
 
 #[derive(Clone, Debug)]
@@ -77,7 +79,8 @@ impl<S: Scalar> RobotQuantity<S> {
         };
         let entries = |shapes: &[Shape]| shapes.iter().map(Shape::entries).sum();
         let (inputs, outputs) = (entries(&arguments), entries(&results));
-        Ok(Self { quantity, variables, arguments, results, inputs, outputs, workspace })
+        let products = vec![S::zero(); 5 * n];
+        Ok(Self { quantity, variables, arguments, results, inputs, outputs, workspace, products })
     }
 
     /// The arguments, in order.
@@ -115,6 +118,9 @@ impl<S: Scalar> RobotQuantity<S> {
             Workspace::Hamiltonian(first) => hamiltonian(first, self.quantity, &arguments, results),
             Workspace::HamiltonianSecond(second) => {
                 hamiltonian_second(second, self.quantity, &arguments, results)
+            }
+            Workspace::Lagrangian(first) if self.quantity == Quantity::YFX => {
+                lagrangian_adjoint(first, &arguments, &mut self.products, results)
             }
             Workspace::Lagrangian(first) => lagrangian(first, self.quantity, &arguments, results),
             Workspace::LagrangianSecond(second) => {
@@ -257,6 +263,22 @@ fn lagrangian<S: Scalar>(
         Quantity::MassMatrix => results.push_rows(first.mass_matrix(q)?.view()),
         Quantity::YFX | Quantity::YFXX | Quantity::HessianProduct | Quantity::YTauZZ => results,
     };
+    Ok(())
+}
+
+/// y'a_z, z = (q, v, u), with a.
+fn lagrangian_adjoint<S: Scalar>(
+    first: &mut Lagrangian<S>,
+    &Arguments { q, rate: v, u, y, .. }: &Arguments<'_, S>,
+    products: &mut [S],
+    results: &mut Results<'_, S>,
+) -> Result<(), EvalError> {
+    let (w, rest) = products.split_at_mut(q.len());
+    let (f, y_a_x) = rest.split_at_mut(2 * q.len());
+    w.copy_from_slice(y);
+    first.solve_mass_matrix(q, w)?;
+    first.adjoint_factored([q, v, u, w], f, y_a_x)?;
+    results.push(&f[q.len()..]).push(y_a_x).push(w);
     Ok(())
 }
 

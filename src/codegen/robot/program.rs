@@ -110,7 +110,7 @@ fn split(shapes: &[Shape], entries: &[Expr]) -> Vec<RecordedResult> {
 }
 
 /// The meaning of each name, in SI units.
-const MEANINGS: [(&str, &str); 24] = [
+const MEANINGS: [(&str, &str); 25] = [
     ("q", "positions (rad, m)"),
     ("p", "conjugate momenta M v (kg m^2/s, kg m/s)"),
     ("v", "velocities (rad/s, m/s)"),
@@ -128,6 +128,7 @@ const MEANINGS: [(&str, &str); 24] = [
     ("potential", "potential energy (J)"),
     ("qdd", "accelerations (rad/s^2, m/s^2)"),
     ("qdd_z", "d qdd/dz, columns in the order z = (q, v, u)"),
+    ("y_qdd_z", "sum over k of y_k d qdd_k/dz, z = (q, v, u)"),
     ("y_qdd_xx", "sum over k of y_k d2qdd_k/dx dx, x = (q, v), symmetric"),
     ("y_qdd_uq", "sum over k of y_k d2qdd_k/du dq"),
     ("tau", "actuation for a (N m, N)"),

@@ -11,7 +11,7 @@ use crate::codegen::error::CodegenError;
 /// |---|---|---|
 /// | `f` | q, p, u: f | q, v, u: qdd |
 /// | `f_x` | q, p, u: f, f_x | q, v, u: qdd, qdd_z |
-/// | `y_f_x` | q, p, u, y: f, y_f_x | |
+/// | `y_f_x` | q, p, u, y: f, y_f_x | q, v, u, y: qdd, y_qdd_z |
 /// | `y_f_xx` | q, p, u, y: f, f_x, y_f_xx | q, v, u, y: qdd, qdd_z, y_qdd_xx, y_qdd_uq |
 /// | `y_f_xx_d` | q, p, y, d: y_f_xx_d | |
 /// | `mass_matrix` | q: m | q: m |
@@ -21,9 +21,9 @@ use crate::codegen::error::CodegenError;
 /// | `y_tau_zz` | | q, v, a, y: tau, tau_z, y_tau_xx, y_tau_aq |
 ///
 /// q, p, v, u, a, qdd and tau have n entries, f, y_f_x, d and y 2n (Lagrangian: y has n, those of the
-/// velocities or weights of tau). With x = (q, p) or (q, v), f_x, y_f_xx, y_qdd_xx and y_tau_xx are 2n x 2n;
-/// qdd_z is n x 3n with z = (q, v, u), tau_z with z = (q, v, a); m, y_qdd_uq and y_tau_aq are n x n. The
-/// other second derivatives in u and a are zero.
+/// velocities or weights of tau), y_qdd_z 3n. With x = (q, p) or (q, v), f_x, y_f_xx, y_qdd_xx and y_tau_xx
+/// are 2n x 2n; qdd_z is n x 3n with z = (q, v, u), tau_z with z = (q, v, a); m, y_qdd_uq and y_tau_aq are
+/// n x n. The other second derivatives in u and a are zero.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Quantity {
@@ -150,12 +150,12 @@ impl Quantity {
             (Coordinates::Hamiltonian, Self::HessianProduct) => &[Q, P, Y, D],
             (Coordinates::Hamiltonian, Self::Energy) => &[Q, P],
             (Coordinates::Lagrangian, Self::F | Self::FX) => &[Q, V, U],
-            (Coordinates::Lagrangian, Self::YFXX) => &[Q, V, U, Y],
+            (Coordinates::Lagrangian, Self::YFX | Self::YFXX) => &[Q, V, U, Y],
             (Coordinates::Lagrangian, Self::Energy) => &[Q, V],
             (Coordinates::Lagrangian, Self::InverseDynamics | Self::TauZ) => &[Q, V, A],
             (Coordinates::Lagrangian, Self::YTauZZ) => &[Q, V, A, Y],
             (Coordinates::Hamiltonian, Self::InverseDynamics | Self::TauZ | Self::YTauZZ)
-            | (Coordinates::Lagrangian, Self::YFX | Self::HessianProduct) => return None,
+            | (Coordinates::Lagrangian, Self::HessianProduct) => return None,
         })
     }
 
@@ -177,7 +177,8 @@ impl Quantity {
         match (self, coordinates) {
             (Self::F, _) => (vec![f], 1),
             (Self::FX, _) => (vec![f, f_x], 1),
-            (Self::YFX, _) => (vec![f, vector("y_f_x", 2 * n)], 1),
+            (Self::YFX, Coordinates::Hamiltonian) => (vec![f, vector("y_f_x", 2 * n)], 1),
+            (Self::YFX, Coordinates::Lagrangian) => (vec![f, vector("y_qdd_z", 3 * n)], 1),
             (Self::YFXX, Coordinates::Hamiltonian) => (vec![f, f_x, matrix("y_f_xx", 2 * n, 2 * n)], 1),
             (Self::YFXX, Coordinates::Lagrangian) => {
                 (vec![f, f_x, matrix("y_qdd_xx", 2 * n, 2 * n), matrix("y_qdd_uq", n, n)], 2)

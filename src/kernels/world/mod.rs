@@ -111,6 +111,11 @@ impl<S: Scalar> WorldKernel<S> {
                     [x, y] = turned([x, y], |pair| turn.undo(pair));
                 }
                 &JointPosition::Translated(distance) => arm = arm.plus_scaled(z, distance),
+                JointPosition::Oriented(orientation) => {
+                    let [a, b, c] = orientation.rotation().rows;
+                    let column = |i: fn(Vec3<S>) -> S| x.scaled(i(a)) + y.scaled(i(b)) + z.scaled(i(c));
+                    [x, y, z] = [column(|row| row.x), column(|row| row.y), column(|row| row.z)];
+                }
             }
             let joint = &mut self.joints[k];
             (joint.axes, joint.arm) = ([x, y, z], arm);

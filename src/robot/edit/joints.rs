@@ -13,7 +13,7 @@ impl Robot {
     /// [`RobotError::UnknownJoint`], [`RobotError::BadValue`] if it is negative or not finite,
     /// [`RobotError::BadArmature`] if the matrix is no longer positive semidefinite.
     pub fn with_joint_armature(&self, joint: &str, armature: f64) -> Result<Self, RobotError> {
-        let index = self.joint_index(joint)?;
+        let index = self.single_index(joint, "have armature")?;
         let part = &self.joints[index];
         checks::figures(joint, armature, &part.spring, &part.friction, &part.limits)?;
         let armature = self.armature.with_diagonal(index, armature)?;
@@ -25,7 +25,7 @@ impl Robot {
     /// # Errors
     /// [`RobotError::UnknownJoint`], [`RobotError::BadValue`].
     pub fn with_friction(&self, joint: &str, friction: Friction) -> Result<Self, RobotError> {
-        let index = self.joint_index(joint)?;
+        let index = self.single_index(joint, "have friction")?;
         let part = &self.joints[index];
         checks::figures(joint, 0.0, &part.spring, &friction, &part.limits)?;
         let mut robot = self.clone();

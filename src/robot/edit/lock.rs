@@ -2,6 +2,7 @@
 
 use crate::robot::error::RobotError;
 use crate::robot::frame::Frame;
+use crate::robot::free_parts::free_joints;
 use crate::robot::joint::{Joint, Mimic};
 use crate::robot::link::Placement;
 use crate::robot::model::Robot;
@@ -138,7 +139,8 @@ impl Robot {
         let (frames, wrenches) = self.rearranged(frames, held);
         let independent = (0..joints.len()).filter(|&i| joints[i].mimic.is_none()).collect();
         let armature = self.armature.restricted_to(&kept);
-        Ok(Self { joints, independent, armature, frames, wrenches, ..self.clone() })
+        let free = free_joints(&joints);
+        Ok(Self { joints, independent, free, armature, frames, wrenches, ..self.clone() })
     }
 
     /// Frames in the order of a robot: those of locked joints are no longer among those of the joints.

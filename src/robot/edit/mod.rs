@@ -122,9 +122,21 @@ impl Robot {
         RobotError::UnknownJoint { joint, nearest }
     }
 
+    /// The same, of a joint that is no part of a floating or spherical one.
+    fn single_index(&self, name: &str, what: &'static str) -> Result<usize, RobotError> {
+        let index = self.joint_index(name)?;
+        match &self.joints[index].free {
+            None => Ok(index),
+            Some(part) => {
+                let (joint, kind) = (part.joint.clone(), part.kind.name());
+                Err(RobotError::FreeJoint { joint, kind, what })
+            }
+        }
+    }
+
     /// The same, of an independent joint.
     fn independent_index(&self, name: &str) -> Result<usize, RobotError> {
-        let index = self.joint_index(name)?;
+        let index = self.single_index(name, "be locked, or have limits")?;
         match self.joints[index].mimic {
             None => Ok(index),
             Some(mimic) => {

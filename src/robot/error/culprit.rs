@@ -16,6 +16,7 @@ impl RobotError {
             | Self::DependentJoint { joint, .. }
             | Self::UnsupportedMimic { joint, .. }
             | Self::UnsupportedJoint { joint, .. }
+            | Self::FreeJoint { joint, .. }
             | Self::BadAxis { joint }
             | Self::BadPlacement { joint }
             | Self::BadValue { joint, .. } => Some(joint),

@@ -127,6 +127,12 @@ impl fmt::Display for RobotError {
                 printable(joint),
                 offer(nearest, "; `costate info` lists the names")
             ),
+            Self::FreeJoint { joint, kind, what } => write!(
+                f,
+                "joint '{}' is {kind}, its orientation a quaternion, and cannot {what}; leave this out, or describe it as \
+                 a chain of joints of one degree of freedom",
+                printable(joint)
+            ),
             Self::StillJoint { joint } => write!(
                 f,
                 "joint '{}' does not move: it is locked, or fixed in the file; leave it out, or do not lock it",

@@ -193,6 +193,15 @@ pub enum RobotError {
         /// Number of positions.
         found: usize,
     },
+    /// Something that a floating or spherical joint cannot have, or that cannot be done with one.
+    FreeJoint {
+        /// The joint.
+        joint: String,
+        /// `"floating"` or `"spherical"`.
+        kind: &'static str,
+        /// What it cannot do, such as `"have limits"`.
+        what: &'static str,
+    },
     /// An unsupported type of joint.
     UnsupportedJoint {
         /// The joint.

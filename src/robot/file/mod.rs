@@ -9,7 +9,7 @@
 //!
 //! [[joint]]
 //! name = "shoulder"
-//! type = "revolute"                      # the default, or "prismatic"
+//! type = "revolute"                      # the default, "prismatic", "floating" or "spherical"
 //! parent = "world"                       # or a joint; default: the joint before, "world" for the first
 //! dh = { alpha = 0.0, a = 0.0, d = 0.0, theta = 0.0 }           # rad and m; absent numbers are 0
 //! mass = 17.4                            # kg
@@ -53,7 +53,7 @@ use super::dh::{self, Convention};
 use super::error::RobotError;
 use super::format::RobotFormat;
 use super::frame::{FrameKind, FrameSpec};
-use super::joint::{Friction, JointKind, JointSpec, Limits, Spring};
+use super::joint::{Friction, JointSpec, Limits, Spring};
 use super::link::Placement;
 use super::model::Robot;
 use super::options::LoadOptions;
@@ -144,13 +144,15 @@ impl JointRow {
             let message = "a joint is called 'world', the name of the base; give it another name";
             return Err(RobotError::malformed(message));
         }
-        let kind = match self.kind {
-            RowKind::Revolute => JointKind::Revolute,
-            RowKind::Prismatic => JointKind::Prismatic,
-        };
         let friction = &self.friction;
         let infinity = f64::INFINITY;
-        let mut spec = JointSpec::new(name.to_owned(), kind)
+        let spec = match self.kind {
+            RowKind::Revolute => JointSpec::revolute(name),
+            RowKind::Prismatic => JointSpec::prismatic(name),
+            RowKind::Floating => JointSpec::floating(name),
+            RowKind::Spherical => JointSpec::spherical(name),
+        };
+        let mut spec = spec
             .carrying(self.link())
             .armature(self.armature)
             .spring(Spring { stiffness: self.spring.stiffness, rest: self.spring.rest })

@@ -97,6 +97,8 @@ pub(super) enum RowKind {
     #[default]
     Revolute,
     Prismatic,
+    Floating,
+    Spherical,
 }
 
 #[derive(Clone, Copy, Default, Deserialize)]

@@ -3,6 +3,7 @@
 use super::Tree;
 use crate::robot::branches::Branches;
 use crate::robot::frames::AlignedFrames;
+use crate::robot::free_frame::FreeFrame;
 use crate::robot::joint::JointKind;
 use crate::robot::joint_frame::{JointFrame, set_reach};
 use crate::robot::joint_map::JointMap;
@@ -27,7 +28,21 @@ impl From<&Robot> for Tree {
         let mut joints: Vec<_> = (0..n).map(|i| aligned.joint(i, subtree_mass[i])).collect();
         let gravity = (aligned.world * robot.gravity()).into();
         set_reach(&mut joints);
-        let fixed_potential = regroup(&mut joints, gravity);
+        let free: Vec<FreeFrame> = robot
+            .free_joints()
+            .iter()
+            .map(|free| {
+                let screw = &mut joints[free.turned].screw;
+                // The orientation comes before all of the joint, its displacement along the axis among it.
+                let [up, along] = screw.alpha.apply([0.0, std::mem::take(&mut screw.rise)]);
+                screw.translation[1] += up;
+                screw.translation[2] += along;
+                let [aligned, _] = aligned.rotation_and_arm(free.turned);
+                FreeFrame::new(free).aligned(&aligned, joints[free.turned].offset)
+            })
+            .collect();
+        let turned: Vec<usize> = free.iter().map(|free| free.turned).collect();
+        let fixed_potential = regroup(&mut joints, gravity, &turned);
         let armature = robot.armature().to_vec();
         let (frames, wrenches) = (aligned.frames(), robot.wrenches().to_vec());
         let world = aligned.world.map(snap);
@@ -35,6 +50,7 @@ impl From<&Robot> for Tree {
             fixed_potential,
             frames,
             wrenches,
+            free,
             world,
             ..Self::from_parts(robot, joints, gravity, armature)
         }
@@ -90,6 +106,7 @@ impl Tree {
             branches,
             frames: Vec::new(),
             wrenches: Vec::new(),
+            free: robot.free_joints().iter().map(FreeFrame::new).collect(),
             world: Matrix3::identity(),
         }
     }

@@ -8,8 +8,10 @@
 //! original frames.
 
 mod build;
+mod free;
 
 use super::branches::Branches;
+use super::free_frame::FreeFrame;
 use super::joint::Friction;
 use super::joint_frame::JointFrame;
 use super::joint_map::{JointMap, Row};
@@ -33,6 +35,7 @@ pub struct Tree {
     joint_map: Option<JointMap>,
     frames: Vec<TreeFrame>,
     wrenches: Vec<AppliedWrench>,
+    free: Vec<FreeFrame>,
     world: Matrix3<f64>,
 }
 

@@ -3,10 +3,10 @@
 //! The root link is the base: it does not move, nor does anything fixed to it. Links behind fixed joints are
 //! merged into the body that carries them. `continuous` is revolute without position limits; `floating` and
 //! `planar` joints become several joints with massless links between them. Joints keep the order of the file,
-//! except that parents come before their children. Visual models, collision models, transmissions and
-//! extensions of simulators are not read. A joint with `<mimic>` follows another one
-//! ([`Mimic`](super::Mimic)); one that mimics a fixed joint is fixed at its offset. Elements and attributes
-//! that URDF does not know are ignored with a warning that names the line.
+//! except that parents come before their children. Collision models, transmissions and extensions of
+//! simulators are not read; visual models are, by [`visuals`], and belong to no robot. A joint with `<mimic>`
+//! follows another one ([`Mimic`](super::Mimic)); one that mimics a fixed joint is fixed at its offset.
+//! Elements and attributes that URDF does not know are ignored with a warning that names the line.
 //!
 //! A text may have 16 MiB and 500 000 elements and texts between them, an element 256 attributes. A document
 //! type (`<!DOCTYPE`) is refused.
@@ -17,8 +17,11 @@ mod mimics;
 mod quaternion;
 mod source;
 mod tree;
+mod visual;
 mod vocabulary;
 mod xml;
+
+pub use self::visual::{Geometry, Visual, visuals};
 
 use self::source::{JointType, Source, SourceJoint};
 use self::tree::{Attachment, Attachments};
@@ -37,12 +40,12 @@ use std::collections::HashMap;
 
 /// Reads the text of a URDF; gravity is (0, 0, -9.81) m/s^2 in the frame of the root link.
 ///
-/// Joint `NAME` of type `floating` becomes six: prismatic `NAME_x`, `NAME_y`, `NAME_z`, then revolute
-/// `NAME_rz`, `NAME_ry`, `NAME_rx`, along and about the axes of the joint frame. One of type `planar` becomes
-/// three: prismatic `NAME_x` and `NAME_y` in the plane normal to its axis, then revolute `NAME_rz` about the
-/// axis. The first direction in the plane is the x axis of the joint frame projected on it (the y axis where
-/// x is within 30 degrees of the joint's axis), the second completes a right-handed frame: axis z gives
-/// exactly x and y.
+/// With [`LoadOptions::quaternions`] joint `NAME` of type `floating` is a floating joint. Else it becomes
+/// six: prismatic `NAME_x`, `NAME_y`, `NAME_z`, then revolute `NAME_rz`, `NAME_ry`, `NAME_rx`, along and
+/// about the axes of the joint frame. One of type `planar` becomes three: prismatic `NAME_x` and `NAME_y` in
+/// the plane normal to its axis, then revolute `NAME_rz` about the axis. The first direction in the plane is
+/// the x axis of the joint frame projected on it (the y axis where x is within 30 degrees of the joint's
+/// axis), the second completes a right-handed frame: axis z gives exactly x and y.
 ///
 /// # Errors
 /// [`RobotError::InFile`] with the line of the culprit and an empty path; the error itself where no line is
@@ -53,6 +56,9 @@ pub fn parse(text: &str, options: LoadOptions) -> Result<Robot, RobotError> {
 
 fn built(mut source: Source, options: LoadOptions) -> Result<Robot, RobotError> {
     let mut warnings = std::mem::take(&mut source.warnings);
+    if options.floating_base {
+        source.set_afloat();
+    }
     mimics::settle(&mut source, &mut warnings)?;
     let attached = tree::attachments(&source)?;
     let bodies = bodies(&source, &attached.links, &mut warnings)?;
@@ -62,7 +68,7 @@ fn built(mut source: Source, options: LoadOptions) -> Result<Robot, RobotError> 
     }
     let mut lines = HashMap::new();
     let mut builder = Robot::builder(&source.name).options(options);
-    for frame in frames(&source, &attached) {
+    for frame in frames(&source, &attached, options) {
         builder = builder.frame(frame);
     }
     for (spec, line) in joints(&source, &attached, bodies, options, &mut warnings) {
@@ -116,10 +122,13 @@ fn bodies(
 }
 
 /// The frames of all links, and of the joints that are merged.
-fn frames(source: &Source, attached: &Attachments) -> Vec<FrameSpec> {
+fn frames(source: &Source, attached: &Attachments, options: LoadOptions) -> Vec<FrameSpec> {
     let mover = |attachment: &Attachment| {
         // Of several joints that one becomes, the last moves the link.
-        attachment.carrier.and_then(|carrier| expanded(&source.joints[carrier]).pop()).map(|last| last.name)
+        attachment
+            .carrier
+            .and_then(|carrier| expanded(&source.joints[carrier], options).pop())
+            .map(|last| last.name)
     };
     let frame = |name: &str, kind, attachment: &Attachment| {
         FrameSpec::described(name, kind, mover(attachment).as_deref(), attachment.placement)
@@ -140,7 +149,7 @@ fn joints(
     options: LoadOptions,
     warnings: &mut Vec<Warning>,
 ) -> Vec<(JointSpec, usize)> {
-    let expanded: Vec<Vec<JointSpec>> = source.joints.iter().map(expanded).collect();
+    let expanded: Vec<Vec<JointSpec>> = source.joints.iter().map(|joint| expanded(joint, options)).collect();
     let moving_link: Vec<Option<String>> =
         expanded.iter().map(|specs| specs.last().map(|spec| spec.name.clone())).collect();
     let (mut all, mut ignored) = (Vec::with_capacity(expanded.len()), Vec::new());
@@ -160,7 +169,8 @@ fn joints(
             last.inertia = bodies[index];
         }
         friction(joint, &mut specs, options, &mut ignored, warnings);
-        if let Some(kind) = joint.kind.with_several_freedoms() {
+        let is_whole = specs.iter().any(|spec| spec.free.is_some());
+        if let Some(kind) = joint.kind.with_several_freedoms().filter(|_| !is_whole) {
             warnings.push(Warning::Expanded { joint: joint.name.clone(), kind });
         }
         all.extend(specs.into_iter().map(|spec| (spec, joint.line)));
@@ -173,7 +183,10 @@ fn joints(
 
 /// The joints of one degree of freedom that a joint becomes, each attached to the one before; none for a
 /// fixed one.
-fn expanded(joint: &SourceJoint) -> Vec<JointSpec> {
+fn expanded(joint: &SourceJoint, options: LoadOptions) -> Vec<JointSpec> {
+    if joint.kind == JointType::Floating && (options.quaternions || options.floating_base) {
+        return JointSpec::floating(&joint.name).parts();
+    }
     use JointKind::{Prismatic, Revolute};
     let axis = joint.axis;
     let [x, y, z] = [Vector3::x(), Vector3::y(), Vector3::z()];

@@ -12,6 +12,7 @@ use crate::robot::printable::printable;
 use crate::robot::warning::Warning;
 use nalgebra::{Matrix3, Vector3};
 use roxmltree::Node;
+use std::collections::HashSet;
 
 /// The joint types that can be loaded.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -101,6 +102,31 @@ pub(super) struct Source {
     pub(super) warnings: Vec<Warning>,
 }
 
+impl Source {
+    /// Puts the root link on a floating joint.
+    pub(super) fn set_afloat(&mut self) {
+        let moved: HashSet<&str> = self.joints.iter().map(|joint| joint.child.as_str()).collect();
+        let roots = self.links.iter().filter(|link| !moved.contains(link.name.as_str()));
+        let Some((child, line)) = roots.map(|link| (link.name.clone(), link.line)).next() else { return };
+        let parent = "universe".to_owned();
+        self.links.push(Link { name: parent.clone(), inertia: LinkInertia::massless(), line });
+        let joint = SourceJoint {
+            name: "root_joint".to_owned(),
+            kind: JointType::Floating,
+            parent,
+            child,
+            placement: Placement::identity(),
+            axis: Vector3::z(),
+            limits: Limits::default(),
+            dynamics: None,
+            mimic: None,
+            fixed_at: 0.0,
+            line,
+        };
+        self.joints.insert(0, joint);
+    }
+}
+
 /// Reads a URDF.
 pub(super) fn read(text: &str) -> Result<Source, RobotError> {
     let text = xml::prepared(text)?;
@@ -144,10 +170,7 @@ struct Reader<'a> {
 
 impl<'a> Reader<'a> {
     fn new(root: Node<'a, 'a>, lines: &'a Lines) -> Self {
-        let number = |text: &str| text.parse::<u32>().ok();
-        let version = root.attribute("version").and_then(|text| text.trim().split_once('.'));
-        let version =
-            version.and_then(|(major, minor)| Some((number(major)?, number(minor)?))).unwrap_or((1, 0));
+        let version = version(root);
         Self {
             lines,
             version,
@@ -275,29 +298,41 @@ impl<'a> Reader<'a> {
     /// The placement by the `<origin>` of a joint or of an `<inertial>`.
     fn origin(&mut self, of: &Element<'_>) -> Result<Placement, RobotError> {
         let Some(origin) = of.child("origin")? else { return Ok(Placement::identity()) };
-        let xyz = origin.numbers::<3>("xyz")?.unwrap_or_default();
-        let angles = origin.numbers::<3>("rpy")?;
-        let mut rpy = angles.unwrap_or_default();
-        match origin.attribute("quat_xyzw") {
-            Some(_) if self.version < (1, 1) => self.note(format!(
+        let has_quaternions = self.version >= (1, 1);
+        if !has_quaternions && origin.attribute("quat_xyzw").is_some() {
+            self.note(format!(
                 "quat_xyzw of {} (line {}) was ignored, as by the format before version 1.1; \
                  write <robot version=\"1.1\"> if it is meant",
                 origin.description(),
                 origin.line()
-            )),
-            Some(_) if angles.is_some() => {
-                return Err(origin.refuse("has both rpy and quat_xyzw; keep one of them"));
-            }
-            Some(_) => {
-                let [x, y, z, w] = origin.numbers::<4>("quat_xyzw")?.unwrap_or([0.0, 0.0, 0.0, 1.0]);
-                let norm = (x * x + y * y + z * z + w * w).sqrt();
-                if !(norm.is_finite() && norm > 0.0) {
-                    return Err(origin.refuse("has a quat_xyzw of length zero; give a unit quaternion"));
-                }
-                rpy = roll_pitch_yaw([x, y, z, w].map(|part| part / norm));
-            }
-            None => {}
+            ));
         }
-        Ok(Placement::from_xyz_rpy(xyz, rpy))
+        placement(&origin, has_quaternions)
     }
+}
+
+/// Major and minor version of the format.
+pub(super) fn version(root: Node<'_, '_>) -> (u32, u32) {
+    let number = |text: &str| text.parse::<u32>().ok();
+    let version = root.attribute("version").and_then(|text| text.trim().split_once('.'));
+    version.and_then(|(major, minor)| Some((number(major)?, number(minor)?))).unwrap_or((1, 0))
+}
+
+/// The placement by an `<origin>`, of a format that has quaternions or not.
+pub(super) fn placement(origin: &Element<'_>, has_quaternions: bool) -> Result<Placement, RobotError> {
+    let xyz = origin.numbers::<3>("xyz")?.unwrap_or_default();
+    let angles = origin.numbers::<3>("rpy")?;
+    let mut rpy = angles.unwrap_or_default();
+    if has_quaternions && origin.attribute("quat_xyzw").is_some() {
+        if angles.is_some() {
+            return Err(origin.refuse("has both rpy and quat_xyzw; keep one of them"));
+        }
+        let [x, y, z, w] = origin.numbers::<4>("quat_xyzw")?.unwrap_or([0.0, 0.0, 0.0, 1.0]);
+        let norm = (x * x + y * y + z * z + w * w).sqrt();
+        if !(norm.is_finite() && norm > 0.0) {
+            return Err(origin.refuse("has a quat_xyzw of length zero; give a unit quaternion"));
+        }
+        rpy = roll_pitch_yaw([x, y, z, w].map(|part| part / norm));
+    }
+    Ok(Placement::from_xyz_rpy(xyz, rpy))
 }

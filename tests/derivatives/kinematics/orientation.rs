@@ -4,6 +4,7 @@ use super::judge::{Judged, ORIENTATION, Quantities};
 use super::{TOLERANCE, apart, weight};
 use costate::kinematics::{Kinematics, ReferenceFrame};
 use costate::robot::{JointSpec, LinkInertia, Robot};
+use costate::scalar::Tangent;
 use costate_test_support::properties;
 use costate_test_support::random_robot::{Case, all_cases};
 use nalgebra::{DMatrix, Matrix3, Rotation3, Vector3};
@@ -45,6 +46,33 @@ properties! {
     #[test]
     fn derivatives_are_those_of_hyper_dual_numbers(case in all_cases(5)) {
         judge(&Quantities::new(&case), &case, 10.0 * TOLERANCE)?;
+    }
+
+    /// The slope of `W . R` along each joint is `W . (w_i x R)`, and dual numbers differentiate that again.
+    #[test]
+    fn second_derivatives_of_rotations_are_those_of_dual_numbers(case in all_cases(5)) {
+        let quantities = Quantities::new(&case);
+        let (n, frame, w) = (case.n(), quantities.frame, weight(&case.y));
+        let weights = [w, [w[2], -0.3, w[0]], [0.8, w[1] * w[2], 0.1]];
+        let mut kinematics = quantities.kinematics(&case.q, &case.v);
+        let found = kinematics.rotation_hessian(frame, &weights).unwrap().view().to_nalgebra();
+        let mut dual = Kinematics::<Tangent<f64>>::new(&quantities.robot);
+        let mut expected = DMatrix::zeros(n, n);
+        for j in 0..n {
+            let moved = |(i, &q): (usize, &f64)| Tangent::new(q, if i == j { 1.0 } else { 0.0 });
+            dual.set_position(&case.q.iter().enumerate().map(moved).collect::<Vec<_>>()).unwrap();
+            let rotation = dual.pose(frame).unwrap().rotation;
+            let jacobian = dual.jacobian(frame, ReferenceFrame::LocalWorldAligned).unwrap();
+            for i in 0..n {
+                let axis = [0, 1, 2].map(|k| jacobian[(k, i)]);
+                for (k, l) in (0..9).map(|entry| (entry / 3, entry % 3)) {
+                    let [after, last] = [(k + 1) % 3, (k + 2) % 3];
+                    let slope = axis[after] * rotation[last][l] - axis[last] * rotation[after][l];
+                    expected[(i, j)] += weights[k][l] * slope.eps;
+                }
+            }
+        }
+        prop_assert!(apart(&found, &expected) < TOLERANCE, "{found} is not {expected}");
     }
 
     #[test]

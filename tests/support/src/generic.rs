@@ -113,6 +113,10 @@ fn in_q_v(robot: &Robot, quantity: Quantity, q: &[f64], v: &[f64], u: &[f64], y:
     match quantity {
         Quantity::F => vec![("qdd", qdd, size)],
         Quantity::FX => vec![("qdd", qdd, size), ("qdd_z", qdd_z, size)],
+        Quantity::YFX => {
+            let column = |j: usize| (0..q.len()).map(|i| y[i] * qdd_z[i * 3 * q.len() + j]).sum();
+            vec![("qdd", qdd, size), ("y_qdd_z", (0..3 * q.len()).map(column).collect(), with_y)]
+        }
         Quantity::YFXX => vec![
             ("qdd", qdd, size),
             ("qdd_z", qdd_z, size),

@@ -91,8 +91,8 @@ fn options_of_the_solver_are_checked() {
         }
     }
     for (line, parts) in [
-        ("starts = 0", &["solver.starts: must be 1 or more, but is 0"][..]),
-        ("threads = 0", &["solver.threads: must be 1 or more, but is 0"]),
+        ("starts = 0", &["solver.starts: must be between 1 and 1000000, but is 0"][..]),
+        ("threads = 0", &["solver.threads: must be between 1 and 1024, but is 0"]),
         ("nodes = 2", &["solver.nodes: must be 3 or more, but is 2"]),
         ("nodes = 7000", &["solver.nodes: ", "6001", "7000"]),
         ("tolerance = 0.2", &["solver.tolerance: must be between", "but is 0.2"]),

@@ -8,6 +8,7 @@ mod missing;
 mod outputs;
 mod pages;
 mod problems;
+mod refused;
 mod solutions;
 mod stopping;
 

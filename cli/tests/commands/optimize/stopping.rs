@@ -37,7 +37,7 @@ fn a_time_limit_keeps_the_best_iterate_and_exits_with_3() {
 fn a_signal_saves_and_draws_the_best_motion_and_exits_with_130() {
     let folder = empty_folder("signal");
     let endless = folder.join("endless.toml");
-    std::fs::write(&endless, format!("{}[solver]\nstarts = 100000000\n", two_link())).unwrap();
+    std::fs::write(&endless, format!("{}[solver]\nstarts = 1000000\n", two_link())).unwrap();
     let bounded = root().join("examples/problems/two_link_bounded.toml");
     for (problem, more, signal) in [
         (&endless, &[][..], "INT"),
@@ -72,7 +72,7 @@ fn is_interrupted(folder: &Path, problem: &Path, more: &[&str], signal: &str, wa
     std::fs::remove_file(&saved).unwrap();
     std::fs::remove_file(&page).unwrap();
     if more.is_empty() {
-        assert!(stderr(&output).contains("of 100000000"), "{}", stderr(&output));
+        assert!(stderr(&output).contains("of 1000000"), "{}", stderr(&output));
         return true;
     }
     let branch = &json(&output)["continuation"];

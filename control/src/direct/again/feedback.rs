@@ -13,7 +13,10 @@ use crate::direct::motion::shape::{PLACES, POINTS};
 ///    \left( \frac{\partial x}{\partial x_0} \right)^{-1} $$
 ///
 /// as long as the same limits are active. Limits are those of the barrier problem at the gap at which the
-/// motion was solved: near an active limit the feedback bends away from it before it is reached. Where the
+/// motion was solved, or at a wider one where that is so stiff that rounding would show: an active limit is
+/// an equation to about 1e-5. K next to the ends of arcs at limits is as good as the mesh: that of a two-link
+/// arm with an elbow at its torque limit from the start is that of solving again to 4 % of its largest entry
+/// with tolerances from 1e-4 to 1e-8, where no limit is active to 0.2 %. Where the
 /// end is given, gains grow without bound towards it: [`gain`](Self::gain) holds that of 98 % of the time.
 ///
 /// The derivatives come from the factorised equations of Newton's method by a substitution for each column,
@@ -128,10 +131,10 @@ impl Feedback {
     }
 
     /// Writes K(t), n x 2n, at time t (s): a parabola through the points of each interval. False, and nothing
-    /// is written, where something is free at the start or `gain` has not 2 n^2 entries; t beyond the ends
-    /// counts as that of the end.
+    /// is written, where something is free at the start, `gain` has not 2 n^2 entries or t is NaN; t beyond
+    /// the ends counts as that of the end.
     pub fn gain(&self, t: f64, gain: &mut [f64]) -> bool {
-        if !self.has_gain || gain.len() != 2 * self.dof * self.dof {
+        if !self.has_gain || gain.len() != 2 * self.dof * self.dof || t.is_nan() {
             return false;
         }
         let s = (t / self.time).clamp(0.0, HELD);

@@ -5,6 +5,7 @@
 
 pub(super) mod feedback;
 pub(super) mod goals;
+mod motion_at;
 pub(super) mod motion_derivative;
 pub(super) mod neighbours;
 pub(super) mod parameter_columns;

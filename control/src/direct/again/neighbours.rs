@@ -10,6 +10,7 @@
 //! multipliers are eliminated in K, which holds the barrier at its mu.
 
 use super::feedback::Feedback;
+use crate::constants::direct as constants;
 use crate::direct::interior::iterate::Interior;
 use crate::direct::limits::ends::Ends;
 use crate::direct::motion::spline::Spline;
@@ -62,9 +63,10 @@ impl<D: PointDynamics> Interior<D> {
         self.time_steps[0][0]
     }
 
-    /// Newton's equations at the iterate, factorised without damping. Whether the matrix is positive
-    /// definite.
+    /// Newton's equations at the iterate, factorised without damping, with limits that are no stiffer than
+    /// the equations resolve. Whether the matrix is positive definite.
     pub fn linearise(&mut self) -> Result<bool, EvalError> {
+        self.barrier.soften(constants::STIFFEST_LIMIT * self.figures.size);
         self.refresh()?;
         self.system.exact = true;
         self.assemble();

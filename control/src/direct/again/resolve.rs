@@ -2,7 +2,6 @@
 
 use super::feedback::Feedback;
 use super::goals::Goals;
-use super::resolve_error::ResolveError;
 use super::resolved::{Budget, ResolveStatus, Resolved, Shown};
 use super::start::Again;
 use crate::constants::direct as constants;
@@ -54,7 +53,7 @@ pub struct Resolve {
     pub(super) limits: Vec<JointLimits>,
     /// With what it carries.
     pub(super) robot: Robot,
-    model: Lagrangian<f64>,
+    pub(super) model: Lagrangian<f64>,
     /// (q, v) at start and end.
     pub(super) states: [Vec<f64>; 2],
     pub(super) goals: Goals,
@@ -62,8 +61,8 @@ pub struct Resolve {
     pub(super) obstacles: usize,
     again: Again,
     feedback: Feedback,
-    shown: Shown,
-    z: Vec<f64>,
+    pub(super) shown: Shown,
+    pub(super) z: Vec<f64>,
     /// The damping that steps needed last: where it is needed it is in the next solve too.
     damping: f64,
     /// Longest time of a Newton step.
@@ -97,7 +96,7 @@ impl Resolve {
     ) -> Result<Self, ProblemError> {
         let n = problem.robot.dof();
         let fits = motion.q.iter().all(|q| q.len() == n) && motion.q.len() > 2;
-        let near = motion.direct_nodes().filter(|_| fits).map(|nodes| (motion, nodes));
+        let near = motion.mesh_nodes().filter(|_| fits).map(|nodes| (motion, nodes));
         Self::begin(problem, options, problem.keeps_robot_limits(), near)
     }
 
@@ -110,9 +109,7 @@ impl Resolve {
         let problem = &problem.clone().with_limits(problem.limits.clone().with_from_robot(from_robot));
         let rows = TaskRows::new(problem)?;
         problem.check_for(Method::Direct)?;
-        if let Some(key) = problem.first_of_rates().or(problem.first_of_phases()) {
-            return Err(ProblemError::NotAgain { key });
-        }
+        Self::takes(problem)?;
         options.check()?;
         let n = problem.robot.dof();
         let state = |state: &BoundaryState| [&state.q[..], &state.v].concat();
@@ -230,53 +227,9 @@ impl Resolve {
             cost: self.shown.cost,
             gap: self.shown.gap,
             violation: self.shown.violation,
+            clearance_violation: self.shown.sweep(&mut self.interior.model.tasks)?,
             time: began.elapsed(),
         })
-    }
-
-    /// Duration of the motion (s); 0 before the first solve.
-    pub fn final_time(&self) -> f64 {
-        self.shown.spline.duration()
-    }
-
-    /// Writes q, v, a at time t (s), 3n entries; those of the ends beyond them.
-    ///
-    /// # Errors
-    /// [`ResolveError::NotSolved`] before the first solve, [`ResolveError::WrongLength`].
-    pub fn state_at(&self, t: f64, z: &mut [f64]) -> Result<(), ResolveError> {
-        let (spline, expected) = (&self.shown.spline, 3 * self.dof());
-        if spline.dof == 0 {
-            return Err(ResolveError::NotSolved);
-        }
-        if z.len() != expected {
-            return Err(ResolveError::WrongLength { what: "the state", expected, found: z.len() });
-        }
-        let (k, x) = spline.mesh.place(spline.place_of(t));
-        spline.in_interval(k, x, z);
-        Ok(())
-    }
-
-    /// Writes the torques and forces at time t (s), n entries, cut to their limits.
-    ///
-    /// # Errors
-    /// As [`state_at`](Self::state_at); [`EvalError`] where the dynamics cannot be evaluated.
-    pub fn torques_at(&mut self, t: f64, torques: &mut [f64]) -> Result<(), ResolveError> {
-        let n = self.dof();
-        if torques.len() != n {
-            let found = torques.len();
-            return Err(ResolveError::WrongLength { what: "the torques", expected: n, found });
-        }
-        let mut z = std::mem::take(&mut self.z);
-        let state = self.state_at(t, &mut z);
-        let found = state.and_then(|()| {
-            let tau = self.model.inverse_dynamics(&z[..n], &z[n..2 * n], &z[2 * n..])?;
-            for ((to, tau), limits) in torques.iter_mut().zip(tau).zip(&self.limits) {
-                *to = tau.clamp(limits.torque[0], limits.torque[1]);
-            }
-            Ok(())
-        });
-        self.z = z;
-        found
     }
 
     /// The derivatives of the motion by its ends. The equations of its last Newton step are factorised anew

@@ -10,6 +10,9 @@ pub enum ResolveError {
     /// There is no motion yet.
     #[error("nothing is solved yet; call solve first")]
     NotSolved,
+    /// A time that is no number.
+    #[error("the time of the motion is NaN; give seconds since its start")]
+    NotATime,
     /// The dynamics cannot be evaluated there.
     #[error(transparent)]
     Evaluation(#[from] EvalError),

@@ -1,9 +1,11 @@
 //! What solving again may take, and what it gives.
 
-use crate::constants::direct::VIOLATION_ACCEPTED;
+use crate::constants::direct::{CLEARANCE_ACCEPTED, VIOLATION_ACCEPTED};
 use crate::direct::interior::iterate::Interior;
+use crate::direct::limits::tasks::Tasks;
 use crate::direct::motion::spline::Spline;
 use crate::direct::solve::prepare::Dynamics;
+use costate::EvalError;
 use std::time::Duration;
 
 /// Limits on solving again.
@@ -58,14 +60,21 @@ pub struct Resolved {
     pub gap: f64,
     /// Largest violation of a limit, a tool or a clearance at the points, in parts of its range.
     pub violation: f64,
+    /// Largest violation of a clearance between the points, in parts of the sum of the radii and the margin;
+    /// infinite where a distance is undefined. Rates of joints and lengths of links bound how fast distances
+    /// change, and the motion is looked at so often that the cores of two bodies, of bodies and obstacles,
+    /// cannot meet unseen. Half-spaces count at the points alone: nothing is beyond them.
+    pub clearance_violation: f64,
     /// How long it took.
     pub time: Duration,
 }
 
 impl Resolved {
-    /// Whether the motion keeps all limits at its points, to 1e-7 of their ranges.
+    /// Whether the motion keeps all limits at its points, to 1e-7 of their ranges, and all clearances between
+    /// them too, to a hundredth of the radii and the margin: no body passes through another one, however thin
+    /// it is. Other limits between the points of the mesh are not looked at.
     pub fn keeps_limits(&self) -> bool {
-        self.violation <= VIOLATION_ACCEPTED
+        self.violation <= VIOLATION_ACCEPTED && self.clearance_violation <= CLEARANCE_ACCEPTED
     }
 }
 
@@ -83,6 +92,16 @@ impl Shown {
         self.spline.copy_from(&iterate.spline);
         let figures = &iterate.figures;
         (self.cost, self.gap, self.violation) = (figures.cost, figures.gap, figures.violation);
+    }
+
+    /// The largest violation of a clearance along the motion, at the points and between them.
+    pub fn sweep(&self, tasks: &mut Tasks) -> Result<f64, EvalError> {
+        let mut worst = 0.0_f64;
+        for k in 0..self.spline.mesh.intervals() {
+            let violation = tasks.sweep(&self.spline, k)?;
+            worst = if violation.is_nan() { f64::INFINITY } else { worst.max(violation) };
+        }
+        Ok(worst)
     }
 
     /// Takes an iterate if it is better.

@@ -1,11 +1,22 @@
-//! What changes between two solves: ends, goals, references, obstacles.
+//! Which problems are solved again, and what changes between two solves: ends, goals, references, obstacles.
 
 use super::resolve::Resolve;
 use super::resolve_error::ResolveError;
-use crate::problem::{Reference, Shape, TaskError};
+use crate::problem::error::ProblemError;
+use crate::problem::{Problem, Reference, Shape, TaskError};
 use crate::task::check_references::check_reference;
 
 impl Resolve {
+    /// Whether there is nothing in a problem that is not solved again: limits or costs of jerks and rates of
+    /// torques, given accelerations, vias and periodic motions.
+    ///
+    /// # Errors
+    /// [`ProblemError::NotAgain`] with the first of them.
+    pub fn takes(problem: &Problem) -> Result<(), ProblemError> {
+        let key = problem.first_of_rates().or(problem.first_of_phases());
+        key.map_or(Ok(()), |key| Err(ProblemError::NotAgain { key }))
+    }
+
     /// The next solve starts at these positions (rad, m) and rates (rad/s, m/s), n entries each. Those that
     /// the problem leaves free do not count.
     ///

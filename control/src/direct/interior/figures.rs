@@ -15,4 +15,7 @@ pub(crate) struct Figures {
     /// Newton decrement: twice the change of cost that the next step promises.
     pub decrement: f64,
     pub iterations: usize,
+    /// Whether the matrix of the last step, with exact second derivatives, was positive definite without
+    /// damping.
+    pub is_minimum: bool,
 }

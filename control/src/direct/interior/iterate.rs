@@ -160,6 +160,7 @@ impl<D: PointDynamics> Interior<D> {
         let squares = self.has_squares_alone() && !self.relaxation.is_on();
         self.squares = Squares { left: if squares { constants::SQUARES } else { 0 }, damping: 0.0 };
         self.short_steps = 0;
+        self.figures.is_minimum = false;
         for _ in 0..most {
             self.figures.iterations += 1;
             let equations = self.figures.equations;
@@ -178,6 +179,7 @@ impl<D: PointDynamics> Interior<D> {
                     self.figures.decrement = self.decrement();
                     self.clock.lap(Stage::Limits);
                     if damping <= constants::SOLVED_DAMPING && self.is_solved(tolerance) {
+                        self.figures.is_minimum = damping == 0.0 && self.system.exact;
                         self.damping = 0.0;
                         return Ok(End::Solved);
                     }

@@ -15,4 +15,5 @@ pub(super) mod power;
 mod quartic;
 pub(super) mod settled;
 pub(super) mod side;
+mod soften;
 pub(super) mod tasks;

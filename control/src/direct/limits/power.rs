@@ -201,12 +201,6 @@ impl Powers {
         let function = &self.functions[row];
         function.joints.clone().for_each(|i| gradient[i] += factor * function.product * torques[i]);
     }
-
-    /// Adds a multiple of the derivatives of a row by the rates, at constant torques.
-    pub fn add_by_rates(&self, row: usize, factor: f64, tau: &[f64], gradient: &mut [f64]) {
-        let function = &self.functions[row];
-        function.joints.clone().for_each(|i| gradient[i] += factor * function.by_rate(tau[i]));
-    }
 }
 
 #[cfg(test)]

@@ -122,17 +122,4 @@ fn derivatives_along_a_motion_are_those_of_the_values() {
             assert!((middle.hessian[6 * i + j] - difference).abs() < 1e-6, "{i} {j}");
         }
     }
-    // By the rates alone.
-    for row in 0..5 {
-        let mut gradient = [1.0; 2];
-        powers.add_by_rates(row, 2.0, middle.tau(0), &mut gradient);
-        for j in 0..2 {
-            let [below, above] = [-step, step].map(|change| {
-                let mut v = [z[2], z[3]];
-                v[j] += change;
-                powers.functions[row].value(&v, middle.tau(0))
-            });
-            assert!((gradient[j] - 1.0 - (above - below) / step).abs() < 1e-9, "{row} {j}");
-        }
-    }
 }

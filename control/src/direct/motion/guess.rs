@@ -8,9 +8,6 @@ use crate::constants::direct::NEIGHBOUR;
 use crate::cubics::{Cubics, Disturbance};
 use crate::problem::{FinalTime, Problem};
 use crate::result::trajectory::Trajectory;
-use crate::task::build::TaskRows;
-use crate::task::reach::reach;
-use std::borrow::Cow;
 
 /// Cubics from end to end of the phases with a disturbance, or a saved motion, on these nodes.
 pub(crate) fn guess(
@@ -112,34 +109,4 @@ fn meet_ends(problem: &Problem, spline: &mut Spline) {
     for (k, (from, to)) in start.zip(end).enumerate() {
         spline.unknowns[to] = spline.unknowns[from] + shift.get(k).copied().unwrap_or(0.0);
     }
-}
-
-/// The problem with positions at the ends of its phases at which tools are where they shall be. Later starts
-/// look for other ones.
-pub(crate) fn with_tools_reached<'a>(
-    problem: &'a Problem,
-    rows: &TaskRows,
-    number: usize,
-) -> Cow<'a, Problem> {
-    let mut found = Cow::Borrowed(problem);
-    let limits: Vec<[f64; 2]> = problem.joint_limits().iter().map(|limits| limits.q).collect();
-    let phases = problem.phases();
-    for (end, rows) in rows.at_ends().enumerate() {
-        if rows.is_empty() {
-            continue;
-        }
-        // Vias with tools before this one are known now.
-        let state = &with_guesses(&found)[end];
-        let reached = reach(&mut rows.clone(), &state.q, &state.q_free, &limits, number);
-        let problem = found.to_mut();
-        match end {
-            0 => problem.start.q = reached.q,
-            _ if end == phases => problem.end.q = reached.q,
-            _ => {
-                let via = &mut problem.vias[end - 1];
-                (via.q, via.q_free) = (Some(reached.q), state.q_free.clone());
-            }
-        }
-    }
-    found
 }

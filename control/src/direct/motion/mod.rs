@@ -7,6 +7,7 @@ pub(super) mod basis;
 pub(super) mod guess;
 pub(super) mod mesh;
 pub(super) mod phase_times;
+pub(super) mod reached;
 pub(super) mod shape;
 pub(super) mod spline;
 pub(super) mod times;

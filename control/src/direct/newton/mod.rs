@@ -7,6 +7,7 @@
 pub(super) mod border;
 pub(super) mod by_times;
 pub(super) mod end_columns;
+mod factors;
 pub(super) mod interval;
 pub(super) mod metric;
 pub(super) mod point_terms;

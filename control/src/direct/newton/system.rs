@@ -14,7 +14,7 @@ use crate::direct::motion::shape::Shape;
 use crate::direct::motion::spline::Spline;
 use crate::direct::points::running::Running;
 use crate::direct::points::values::Points;
-use crate::numerics::chain::{ChainMatrix, NotPositiveDefinite, dot};
+use crate::numerics::chain::{ChainMatrix, dot};
 use crate::numerics::padded::add_rows;
 use crate::numerics::widest::widest_fused;
 
@@ -25,8 +25,8 @@ use crate::numerics::widest::widest_fused;
 pub(crate) struct System {
     pub(super) matrix: ChainMatrix,
     pub(super) factor: ChainMatrix,
-    damping: ChainMatrix,
-    damping_is_current: bool,
+    pub(super) damping: ChainMatrix,
+    pub(super) damping_is_current: bool,
     /// Gradients in x at mu = 0 and its factor of mu.
     pub gradient: [Vec<f64>; 2],
     /// The same in y.
@@ -36,7 +36,7 @@ pub(crate) struct System {
     pub(crate) at_ends: EndColumns,
     pub(super) by_times: ByTimes,
     /// The metric of damping in the times, diagonal: cost over the squares of times.
-    time_metric: Vec<f64>,
+    pub(super) time_metric: Vec<f64>,
     /// Gradient of corrections, in x, in the times and in y.
     pub(crate) correction: Vec<f64>,
     pub(crate) time_correction: Vec<f64>,
@@ -45,7 +45,7 @@ pub(crate) struct System {
     /// Whether second derivatives of torques and rows count.
     pub exact: bool,
     interval: IntervalHessian,
-    metric: Metric,
+    pub(super) metric: Metric,
     pub(super) rate_rows: RateRows,
 }
 
@@ -240,60 +240,6 @@ impl System {
             ends.reduce(mesh, gradient, by_times, shared);
         }
         ends.removed(mesh).for_each(|(k, i)| self.matrix.remove(k, i));
-    }
-
-    /// Factorises, with `damping` times the metric of `weights` added to K.
-    pub fn factorise(
-        &mut self,
-        damping: f64,
-        ends: &Ends,
-        spline: &Spline,
-        points: &Points,
-        weights: &[f64],
-    ) -> Result<(), NotPositiveDefinite> {
-        self.factor.copy_from(&self.matrix);
-        if damping > 0.0 {
-            if !self.damping_is_current {
-                self.damping.reset(spline.mesh.intervals());
-                self.metric.fill(&mut self.damping, spline, points, weights);
-                self.border.collect_metric(&self.time_metric, &self.damping, ends, &spline.mesh);
-                ends.removed(&spline.mesh).for_each(|(k, i)| self.damping.remove(k, i));
-                self.damping_is_current = true;
-            }
-            self.factor.add(damping, &self.damping);
-        }
-        self.factor.factorise()?;
-        match self.border.factorise(damping, &mut self.factor) {
-            true => Ok(()),
-            false => Err(NotPositiveDefinite { block: spline.mesh.nodes.len() }),
-        }
-    }
-
-    /// Makes room for the metric of damping.
-    pub fn reserve_damping(&mut self, intervals: usize) {
-        self.damping.reset(intervals);
-        self.damping_is_current = false;
-    }
-
-    /// Solves for the part of the step that belongs to the gradient `part`; without what is removed.
-    pub fn solve(&mut self, part: usize, dx: &mut Vec<f64>, shared: &mut Vec<f64>) {
-        dx.clear();
-        dx.extend(self.gradient[part].iter().map(|g| -g));
-        shared.clear();
-        shared.extend(self.shared_gradient[part].iter().map(|g| -g));
-        self.finish_solution(dx, shared);
-    }
-
-    /// Solves with a right-hand side.
-    pub(crate) fn finish_solution(&mut self, dx: &mut [f64], shared: &mut [f64]) {
-        self.factor.solve(dx);
-        self.border.finish(dx, shared);
-    }
-
-    /// Solves with another right-hand side, whose last entries are those of the shared unknowns.
-    pub fn solve_column(&mut self, column: &mut [f64]) {
-        let (dx, shared) = column.split_at_mut(self.gradient[0].len());
-        self.finish_solution(dx, shared);
     }
 }
 

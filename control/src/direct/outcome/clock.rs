@@ -4,10 +4,28 @@ use crate::direct::interior::iterate::Interior;
 use crate::direct::motion::shape::{PLACES, WEIGHTS};
 use crate::direct::points::values::PointDynamics;
 
+/// What is still ahead of the clock.
+pub(super) struct Ahead {
+    pub at_points: Vec<f64>,
+    /// The means over the intervals.
+    pub means: Vec<f64>,
+}
+
 impl<D: PointDynamics> Interior<D> {
+    /// [`clock_ahead`](Self::clock_ahead) at the points.
+    pub(super) fn ahead_of_points(&mut self) -> Ahead {
+        let times: Vec<f64> = (0..self.spline.mesh.points()).map(|p| self.spline.time_of(p)).collect();
+        let (at_points, mesh) = (self.clock_ahead(&times), &self.spline.mesh);
+        let mean = |k: usize| -> f64 {
+            let parts = mesh.shape.weights().iter().enumerate();
+            parts.map(|(j, part)| part * at_points[mesh.first_point(k) + j]).sum()
+        };
+        Ahead { means: (0..mesh.intervals()).map(mean).collect(), at_points }
+    }
+
     /// The integral of l_t from each of these times, in their order, to the end of the motion. Along an
     /// optimal motion dH*/dt = -l_t, so that H* less this is constant, and H* at the end.
-    pub(in crate::direct) fn clock_ahead(&mut self, times: &[f64]) -> Vec<f64> {
+    pub(super) fn clock_ahead(&mut self, times: &[f64]) -> Vec<f64> {
         let mut ahead = vec![0.0; times.len()];
         if !self.running.references.any() {
             return ahead;

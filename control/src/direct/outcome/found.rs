@@ -1,8 +1,10 @@
 //! What the direct method found: the motion with its costates at all nodes and points.
 
 use super::costates::{Costates, costates};
+use super::hamiltonians::{Hamiltonians, hamiltonians};
 use super::smooth_costates::smooth_costates;
 use crate::direct::interior::iterate::Interior;
+use crate::direct::limits::side::{Limited, Side};
 use crate::direct::motion::shape::POINTS;
 use crate::direct::motion::spline::Spline;
 use crate::direct::points::values::PointDynamics;
@@ -14,19 +16,37 @@ use costate::hamiltonian::Hamiltonian;
 use costate::lagrangian::{Lagrangian, LegendreTransform};
 use costate::robot::Robot;
 
+/// A motion with its costates.
+pub(crate) struct Found {
+    pub trajectory: Trajectory,
+    pub hamiltonians: Hamiltonians,
+}
+
 /// The trajectory at the nodes and at the points between them, with H*.
 ///
 /// Torques and accelerations may jump at a node. So it stands there twice, with those before it and
 /// after it. Where M is singular, costates of (q, p) do not exist: they are NaN there.
-pub(crate) fn trajectory<D: PointDynamics>(
+pub(crate) fn found<D: PointDynamics>(
     problem: &Problem,
     interior: &mut Interior<D>,
-) -> Result<Trajectory, EvalError> {
+) -> Result<Found, EvalError> {
     interior.refresh()?;
-    if interior.spline.mesh.shape.is_smooth() {
-        return smooth_trajectory(problem, interior);
-    }
-    let costates = costates(interior);
+    let smooth = interior.spline.mesh.shape.is_smooth();
+    let costates = if smooth { smooth_costates(interior) } else { costates(interior) };
+    let hamiltonians = hamiltonians(interior, &costates);
+    let trajectory = match smooth {
+        true => smooth_trajectory(problem, interior, costates),
+        false => trajectory(problem, interior, &costates),
+    };
+    Ok(Found { trajectory: trajectory?, hamiltonians })
+}
+
+/// Where accelerations jump.
+fn trajectory<D: PointDynamics>(
+    problem: &Problem,
+    interior: &mut Interior<D>,
+    costates: &Costates,
+) -> Result<Trajectory, EvalError> {
     let mesh = interior.spline.mesh.clone();
     let times = |places: &mut dyn Iterator<Item = f64>| -> Vec<f64> {
         places.map(|s| interior.spline.time_at(s)).collect()
@@ -37,6 +57,9 @@ pub(crate) fn trajectory<D: PointDynamics>(
     let (spline, points) = (&interior.spline, &interior.points);
     let mut rows = Rows::new(problem, spline);
     let mut z = vec![0.0; 3 * spline.dof];
+    // These make the costate of the momenta another one.
+    let has_accelerations = |side: &Side| side.limited == Limited::Acceleration;
+    let has_accelerations = interior.barrier.sides().iter().any(has_accelerations);
     for k in 0..spline.mesh.intervals() {
         rows.enter(spline.mesh.phase(k));
         for (node, x) in [(k, 0.0), (k + 1, 1.0)] {
@@ -57,16 +80,25 @@ pub(crate) fn trajectory<D: PointDynamics>(
             let costate = if before { &costates.before[k] } else { &costates.at_nodes[node] };
             rows.add(spline.time_at(spline.mesh.nodes[node]), &z, &tau, costate.clone(), value)?;
         }
+        let places = [0, 0, 1, 2, 2].map(|j| POINTS * k + j).into_iter().filter(|_| has_accelerations);
+        rows.by_torques.extend(places.map(|p| by_torques(interior, p)));
     }
     Ok(rows.trajectory())
+}
+
+/// The derivatives of the Lagrange function per second by the torques at a point.
+fn by_torques<D>(interior: &Interior<D>, p: usize) -> Vec<f64> {
+    let (n, scale) = (interior.points.dof, 1.0 / interior.spline.weight(p));
+    interior.points.weights[n * p..][..n].iter().map(|weight| scale * weight).collect()
 }
 
 /// The same where nothing jumps at nodes, which are points.
 fn smooth_trajectory<D: PointDynamics>(
     problem: &Problem,
-    interior: &mut Interior<D>,
+    interior: &Interior<D>,
+    costates: Costates,
 ) -> Result<Trajectory, EvalError> {
-    let Costates { at_points, hamiltonian, .. } = smooth_costates(interior);
+    let Costates { at_points, hamiltonian, .. } = costates;
     let (spline, points) = (&interior.spline, &interior.points);
     let mut rows = Rows::new(problem, spline);
     for (p, (costate, hamiltonian)) in at_points.into_iter().zip(hamiltonian).enumerate() {
@@ -99,6 +131,8 @@ struct Rows<'a> {
     columns: [Vec<Vec<f64>>; 6],
     hamiltonian: Vec<f64>,
     accelerations: Vec<Vec<f64>>,
+    /// Empty unless accelerations are limited.
+    by_torques: Vec<Vec<f64>>,
 }
 
 impl<'a> Rows<'a> {
@@ -116,12 +150,14 @@ impl<'a> Rows<'a> {
             columns: Default::default(),
             hamiltonian: Vec::new(),
             accelerations: Vec::new(),
+            by_torques: Vec::new(),
         }
     }
 
     fn trajectory(self) -> Trajectory {
         let trajectory = Trajectory::from_rows(self.times, self.columns).with_hamiltonian(self.hamiltonian);
-        trajectory.with_accelerations(self.accelerations).with_via_times(self.via_times)
+        let trajectory = trajectory.with_accelerations(self.accelerations).with_via_times(self.via_times);
+        trajectory.with_y_tau(self.by_torques)
     }
 
     /// What follows belongs to this phase.

@@ -4,7 +4,9 @@
 pub(super) mod clock;
 pub(super) mod costates;
 pub(super) mod found;
+pub(super) mod hamiltonians;
 pub(super) mod infeasible;
+pub(super) mod interval_part;
 pub(super) mod report;
 pub(super) mod smooth_costates;
 pub(super) mod verify;

@@ -3,6 +3,7 @@
 use crate::constants::direct::{ACTIVE, VIOLATION_ACCEPTED};
 use crate::direct::interior::iterate::Interior;
 use crate::direct::limits::side::{Limited, Side};
+use crate::direct::refine::at_ends::AtEnds;
 use crate::direct::refine::resolution::Resolution;
 use crate::problem::Problem;
 use crate::result::infeasibility::Infeasibility;
@@ -10,16 +11,17 @@ use crate::result::limit_use::{ALL_JOINTS, ActiveLimit, LimitReport, LimitUse, L
 use crate::result::solution::RobotNames;
 use costate::robot::JointKind;
 
-/// The use of all limits, from distances at and between the points.
+/// The use of all limits, from distances at the points, between them and at the ends of the intervals.
 pub(crate) fn report<D>(
     problem: &Problem,
     interior: &Interior<D>,
     resolution: &Resolution,
+    ends: &AtEnds,
     infeasible: Option<Infeasibility>,
 ) -> LimitReport {
     let names = RobotNames::of(&problem.robot).joints;
     let kinds: Vec<JointKind> = problem.robot.independent_joints().map(|joint| joint.kind).collect();
-    let usage = |limited: Limited| usage(limited, &names, &kinds, interior, resolution);
+    let usage = |limited: Limited| usage(limited, &names, &kinds, interior, (resolution, ends));
     LimitReport {
         position: usage(Limited::Position),
         rate: usage(Limited::Rate),
@@ -39,13 +41,13 @@ fn usage<D>(
     names: &[String],
     kinds: &[JointKind],
     interior: &Interior<D>,
-    resolution: &Resolution,
+    (resolution, ends): (&Resolution, &AtEnds),
 ) -> Option<LimitUse> {
     let (spline, barrier) = (&interior.spline, &interior.barrier);
     let is_rate = limited >= Limited::Jerk;
     let (sides, distances) = match is_rate {
-        true => (barrier.rate_sides(), resolution.rate_distances()),
-        false => (barrier.sides(), resolution.distances()),
+        true => (barrier.rate_sides(), [resolution.rate_distances(), ends.rate_distance()]),
+        false => (barrier.sides(), [resolution.distances(), &ends.distance]),
     };
     let mut found: Option<LimitUse> = None;
     let is_this = |side: &Side| match limited {
@@ -54,7 +56,7 @@ fn usage<D>(
     };
     for (i, side) in sides.iter().enumerate().filter(|(_, side)| is_this(side)) {
         let usage = found.get_or_insert_default();
-        let between = distances.iter().skip(i).step_by(sides.len());
+        let between = distances.iter().flat_map(|all| all.iter().skip(i).step_by(sides.len()));
         usage.between = between.fold(usage.between, |most, &d| most.max(excess(interior, side, None, d)));
         if matches!(limited, Limited::Position | Limited::Rate) {
             usage.between = usage.between.max(resolution.exceeded_by(i) * side.range);

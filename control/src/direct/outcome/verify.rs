@@ -6,72 +6,102 @@ use crate::direct::interior::iterate::Interior;
 use crate::direct::motion::spline::Spline;
 use crate::direct::refine::resolution::Resolution;
 use crate::numerics::dormand_prince::{DormandPrince, Stopped};
-use crate::options::Verify;
+use crate::options::{SolverOptions, Verify};
 use crate::problem::Problem;
 use costate::EvalError;
 use costate::lagrangian::Lagrangian;
 
 /// A motion integrated again.
 pub(crate) struct Again {
-    /// (q, v) at the end.
+    /// (q, v) at the end, integrated from the start without a correction.
     pub state: Option<Vec<f64>>,
-    /// Largest miss of a given position, rate or pose of a tool at the end.
+    /// Largest miss of a given position, rate or pose of a tool there.
     pub defect: f64,
-    /// Largest distance from the end of the motion, in parts of the largest values along it.
-    pub relative: f64,
+    /// Sum of the distances from the motion at the ends of its parts, each integrated from its own start, in
+    /// parts of the largest values along it; infinite if that was not needed.
+    pub parts: f64,
+    /// Whether the torques lead along the motion: to its end, or at least to the end of each part.
+    pub leads: bool,
 }
 
 impl Again {
     /// Without an integration.
-    pub fn unknown(relative: f64) -> Self {
-        Self { state: None, defect: f64::INFINITY, relative }
+    pub fn unknown(leads: bool) -> Self {
+        Self { state: None, defect: f64::INFINITY, parts: f64::INFINITY, leads }
     }
 }
 
-/// The motion integrated again with its torques.
+/// The motion integrated again with its torques, cut to their limits.
+///
+/// Errors of an unstable motion grow like exp(t / tau): a wrist without a rotor forgets its torques in a
+/// hundredth of a second, and no torques, however exact, lead it through seconds. So where the motion
+/// integrated once through misses its end, [`PARTS`](constants::PARTS) of it are looked at one by one, as in
+/// multiple shooting. Their misses are added: what limits cut off torques moves a motion that forgets nothing
+/// by that much.
 pub(crate) fn integrate_again<D>(
     problem: &Problem,
-    verify: Verify,
+    options: &SolverOptions,
     interior: &mut Interior<D>,
     resolution: &Resolution,
 ) -> Again {
     let spline = &interior.spline;
-    let n = spline.dof;
-    let cut: f64 = resolution.cut.iter().sum();
-    match verify {
+    let bound = constants::VERIFIED * options.tolerance.sqrt();
+    match options.verify {
         Verify::Full => {}
         // What is cut off torques moves the end by about as much, in parts of what moves the robot.
-        Verify::Factors => return Again::unknown(cut / spline.duration()),
-        Verify::None => return Again::unknown(f64::INFINITY),
+        Verify::Factors => {
+            let cut: f64 = resolution.cut.iter().sum();
+            return Again::unknown(cut / spline.duration() <= bound);
+        }
+        Verify::None => return Again::unknown(false),
     }
-    let Ok(state) = integrate(problem, spline) else {
-        return Again::unknown(f64::INFINITY);
+    let size = sizes(interior);
+    let distance = |x: &[f64], z: &[f64]| {
+        let parts = x.iter().zip(z).zip(&size).map(|((x, z), size)| defined((x - z).abs() / size));
+        parts.fold(0.0, f64::max)
     };
-    let (mut defect, mut relative) = (0.0_f64, 0.0_f64);
-    let mut last = vec![0.0; 3 * n];
+    let mut last = vec![0.0; 3 * spline.dof];
     spline.in_interval(spline.mesh.intervals() - 1, 1.0, &mut last);
+    let state = integrate(problem, spline, f64::INFINITY, |_, _| ()).ok();
+    let mut again = Again::unknown(state.as_ref().is_some_and(|state| distance(state, &last) <= bound));
+    if !again.leads {
+        let mut parts = 0.0_f64;
+        let each = spline.duration() / constants::PARTS;
+        let ended = integrate(problem, spline, each, |x, z| parts += distance(x, z));
+        again.parts = ended.map_or(f64::INFINITY, |state| parts + distance(&state, &last));
+        again.leads = again.parts <= bound;
+    }
+    if let Some(state) = &state {
+        let end = spline.mesh.phases();
+        let is_given = |&i: &usize| interior.ends.given[end][i] || interior.ends.tied.contains(&i);
+        let misses = (0..state.len()).filter(is_given).map(|i| defined((state[i] - last[i]).abs()));
+        again.defect = misses.fold(interior.model.tasks.miss(end, state), f64::max);
+    }
+    again.state = state;
+    again
+}
+
+/// The largest value of each component of (q, v); a joint that hardly moves is measured by the others.
+fn sizes<D>(interior: &Interior<D>) -> Vec<f64> {
+    let n = interior.spline.dof;
     let largest = |i: usize| {
         let values = (0..interior.points.count()).map(|p| interior.points.z(p)[i].abs());
         values.fold(f64::MIN_POSITIVE, f64::max)
     };
-    // A joint that hardly moves is measured by the others.
     let of_all = |group: usize| (group * n..(group + 1) * n).map(largest).fold(0.0, f64::max);
     let least = [0, 1].map(|group| (constants::LEAST_SCALE * of_all(group)).max(constants::REST));
-    for i in 0..2 * n {
-        let size = largest(i).max(least[i / n]);
-        relative = relative.max(defined((state[i] - last[i]).abs() / size));
-        let is_given = interior.ends.given[spline.mesh.phases()][i] || interior.ends.tied.contains(&i);
-        if is_given {
-            defect = defect.max(defined((state[i] - last[i]).abs()));
-        }
-    }
-    defect = defect.max(interior.model.tasks.miss(spline.mesh.phases(), &state));
-    Again { state: Some(state), defect, relative }
+    (0..2 * n).map(|i| largest(i).max(least[i / n])).collect()
 }
 
 /// The state (q, v) at the end when the torques of a motion, cut to their limits, move the robot from its
-/// start.
-fn integrate(problem: &Problem, spline: &Spline) -> Result<Vec<f64>, Stopped> {
+/// start, and from its own state at the first node after each `part` (s) again; `at_part` sees the state that
+/// was reached there and that of the motion.
+fn integrate(
+    problem: &Problem,
+    spline: &Spline,
+    part: f64,
+    mut at_part: impl FnMut(&[f64], &[f64]),
+) -> Result<Vec<f64>, Stopped> {
     let n = spline.dof;
     let limits = problem.joint_limits();
     let robots = problem.robots();
@@ -82,6 +112,7 @@ fn integrate(problem: &Problem, spline: &Spline) -> Result<Vec<f64>, Stopped> {
     let mut x = z[..2 * n].to_vec();
     let mut tau = vec![0.0; n];
     let mut integrator = DormandPrince::new(2 * n, constants::INTEGRATION);
+    let mut since = 0.0;
     for k in 0..spline.mesh.intervals() {
         let (length, [inverse, forward]) = (spline.length(k), &mut models[spline.mesh.phase(k)]);
         integrator.integrate(&mut x, 0.0..length, |t, x, rate| -> Result<(), EvalError> {
@@ -93,6 +124,13 @@ fn integrate(problem: &Problem, spline: &Spline) -> Result<Vec<f64>, Stopped> {
             rate.copy_from_slice(forward.evaluate(&x[..n], &x[n..], &tau)?);
             Ok(())
         })?;
+        since += length;
+        if since >= part && k + 1 < spline.mesh.intervals() {
+            spline.in_interval(k, 1.0, &mut z);
+            at_part(&x, &z[..2 * n]);
+            x.copy_from_slice(&z[..2 * n]);
+            since = 0.0;
+        }
     }
     Ok(x)
 }

@@ -34,13 +34,6 @@ impl Energy {
         let powers = v.iter().zip(tau).map(|(v, tau)| v * tau);
         (0..self.weights.len()).zip(powers).map(|(i, power)| self.term(i, power).value).sum()
     }
-
-    /// Adds the derivatives by the rates, at constant torques.
-    pub fn add_rate_gradient(&self, v: &[f64], tau: &[f64], gradient: &mut [f64]) {
-        for i in 0..self.weights.len() {
-            gradient[i] += self.term(i, v[i] * tau[i]).first * tau[i];
-        }
-    }
 }
 
 #[cfg(test)]
@@ -77,9 +70,5 @@ mod tests {
             assert!(((above.value - below.value) / (2.0 * step) - at.first).abs() < 1e-7);
             assert!(((above.first - below.first) / (2.0 * step) - at.second).abs() < 1e-7);
         }
-        let (v, tau, mut gradient) = ([1.5, -2.0], [0.3, -0.8], [1.0, 1.0]);
-        energy.add_rate_gradient(&v, &tau, &mut gradient);
-        let change = energy.rate(&[1.5, -2.0 + step], &tau) - energy.rate(&[1.5, -2.0 - step], &tau);
-        assert!(gradient[0] == 1.0 && (gradient[1] - 1.0 - change / (2.0 * step)).abs() < 1e-7);
     }
 }

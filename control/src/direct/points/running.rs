@@ -101,21 +101,6 @@ impl Running {
         (0..points.count()).map(|p| spline.weight(p) * self.penalty_rate(points.z(p))).sum()
     }
 
-    /// Adds l_v at a point, at constant torques.
-    pub fn add_rate_gradient(&mut self, z: &[f64], tau: &[f64], gradient: &mut [f64]) {
-        let n = gradient.len();
-        self.energy.add_rate_gradient(&z[n..2 * n], tau, gradient);
-        if self.penalties.any() {
-            (0..n).for_each(|i| gradient[i] += self.penalties.rate(i, z[n + i]).first);
-        }
-        // Poses of tools do not depend on rates.
-        if !self.terms.any() {
-            return;
-        }
-        self.terms.first(&z[..n], &z[n..2 * n]);
-        gradient.iter_mut().zip(&self.terms.gradient[n..]).for_each(|(to, from)| *to += from);
-    }
-
     /// Adds the terms at a point: `T w l_z` to the gradient, `w l_z` to the slope, `T w l_zz` to the Hessian,
     /// whose rows are as long as the gradient, 3n or more. The value is l without effort and energy.
     pub fn add_terms(

@@ -1,5 +1,9 @@
 //! Places between the points of an interval.
 
+use crate::direct::interior::iterate::Interior;
+use crate::direct::points::values::{PointDynamics, Points};
+use costate::EvalError;
+
 /// Places of an interval at which limits are checked between points: those of Gauss's rule with eight.
 pub(super) const BETWEEN: [f64; 8] = [
     0.019_855_071_751_231_856,
@@ -19,4 +23,19 @@ const WEIGHTS: [f64; 4] =
 /// The weight of a place between the points.
 pub(super) fn weight(at: usize) -> f64 {
     WEIGHTS[at.min(BETWEEN.len() - 1 - at)]
+}
+
+/// Evaluates a motion at these places of each interval.
+pub(super) fn evaluate_places<D: PointDynamics>(
+    interior: &mut Interior<D>,
+    places: &[f64],
+    points: &mut Points,
+) -> Result<(), EvalError> {
+    let (spline, n) = (&interior.spline, interior.spline.dof);
+    let phases = spline.mesh.ends().iter().skip(1).map(|node| places.len() * node);
+    points.resize_values(n, interior.rows(), phases);
+    for (at, z) in points.z.chunks_exact_mut(3 * n).enumerate() {
+        spline.in_interval(at / places.len(), places[at % places.len()], z);
+    }
+    interior.model.evaluate_at(points)
 }

@@ -3,6 +3,7 @@
 //!
 //! [`Resolution`](resolution::Resolution) measures them and chooses the nodes of the next mesh.
 
+pub(super) mod at_ends;
 pub(super) mod between;
 mod division;
 mod excess;

@@ -1,4 +1,4 @@
-//! Jerks and rates of torques between the points of a motion.
+//! Jerks and rates of torques beside the points of a motion.
 
 use super::between::{BETWEEN, weight};
 use crate::direct::interior::iterate::Interior;
@@ -8,7 +8,7 @@ use crate::direct::points::rates::RateCosts;
 use crate::direct::points::values::{PointDynamics, Points};
 use costate::EvalError;
 
-/// Jerks and exact rates of torques, `tau_z (v, a, q''')`, at all places between the points.
+/// Jerks and exact rates of torques, `tau_z (v, a, q''')`, at some places of each interval.
 #[derive(Clone, Debug, Default)]
 pub(super) struct RatesBetween {
     jerk: Vec<f64>,
@@ -23,10 +23,11 @@ pub(super) struct RatesBetween {
 }
 
 impl RatesBetween {
-    /// Those of a motion whose places are `points`. Nothing where accelerations jump.
+    /// Those at these `places` of each interval, whose values are `points`. Nothing where accelerations jump.
     pub fn evaluate<D: PointDynamics>(
         &mut self,
         interior: &mut Interior<D>,
+        places: &[f64],
         points: &mut Points,
     ) -> Result<(), EvalError> {
         let (spline, n) = (&interior.spline, interior.spline.dof);
@@ -35,7 +36,7 @@ impl RatesBetween {
         }
         let has_torques = interior.points.rates.has_torques;
         if has_torques {
-            let phases = interior.spline.mesh.ends().iter().skip(1).map(|node| BETWEEN.len() * node);
+            let phases = interior.spline.mesh.ends().iter().skip(1).map(|node| places.len() * node);
             points.resize(n, interior.rows(), phases);
             points.weights.fill(0.0);
             interior.model.dynamics.contract(points)?;
@@ -44,7 +45,7 @@ impl RatesBetween {
         self.jerk.clear();
         self.torque.clear();
         for p in 0..points.count() {
-            spline.in_interval(p / BETWEEN.len(), BETWEEN[p % BETWEEN.len()], &mut self.z);
+            spline.in_interval(p / places.len(), places[p % places.len()], &mut self.z);
             self.jerk.extend_from_slice(&self.z[3 * n..]);
             let rows = points.tau_z.get(3 * n * n * p..3 * n * n * (p + 1)).filter(|_| has_torques);
             for i in 0..n {
@@ -62,7 +63,7 @@ impl RatesBetween {
         self.violations.clear();
         self.violations.resize(spline.mesh.intervals(), 0.0);
         for (p, distance) in self.distance.chunks_exact(sides.len().max(1)).enumerate() {
-            let most = &mut self.violations[p / BETWEEN.len()];
+            let most = &mut self.violations[p / places.len()];
             *most = distance.iter().zip(sides).fold(*most, |most, (d, side)| most.max(side.violation(*d)));
         }
         Ok(())

@@ -1,6 +1,6 @@
 //! Where a mesh is too coarse: estimated errors, and limits that are exceeded between points.
 
-use super::between::{BETWEEN, weight};
+use super::between::{BETWEEN, evaluate_places, weight};
 use super::excess::Excess;
 use super::jumps::Jumps;
 use super::rates_between::RatesBetween;
@@ -158,14 +158,8 @@ impl Resolution {
 
     /// Evaluates the motion between the points.
     fn evaluate_between<D: PointDynamics>(&mut self, interior: &mut Interior<D>) -> Result<(), EvalError> {
-        let (spline, n) = (&interior.spline, interior.spline.dof);
-        let phases = spline.mesh.ends().iter().skip(1).map(|node| BETWEEN.len() * node);
-        self.points.resize_values(n, interior.rows(), phases);
-        for (at, z) in self.points.z.chunks_exact_mut(3 * n).enumerate() {
-            spline.in_interval(at / BETWEEN.len(), BETWEEN[at % BETWEEN.len()], z);
-        }
-        interior.model.evaluate_at(&mut self.points)?;
-        self.rates.evaluate(interior, &mut self.points)
+        evaluate_places(interior, &BETWEEN, &mut self.points)?;
+        self.rates.evaluate(interior, &BETWEEN, &mut self.points)
     }
 
     /// Integrates the running cost by the finer rule: the cost of the motion, and what the points miss of it.
@@ -193,6 +187,13 @@ impl Resolution {
             *error += (fine - length * coarse).abs();
             self.cost += fine;
         }
+    }
+
+    /// Measures the cost once more, with other prices than those of the motion, whose errors stay.
+    pub fn measure_cost<D>(&mut self, interior: &mut Interior<D>) {
+        let errors = self.errors.clone();
+        self.compare_costs(interior);
+        self.errors = errors;
     }
 
     /// Looks for limits that are exceeded between the points.

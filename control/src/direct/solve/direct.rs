@@ -1,16 +1,19 @@
 //! From a problem to a motion: starts, meshes, verification.
 
+use super::around::around_obstacles;
 use super::meshes::{Refined, refine};
 use super::prepare::{Dynamics, interior};
+use super::with_effort::{Smoothing, WithEffort, with_effort};
 use crate::direct::interior::iterate::Interior;
-use crate::direct::outcome::found::trajectory;
+use crate::direct::outcome::found::{Found, found};
 use crate::direct::outcome::report::report;
 use crate::direct::outcome::verify::{Again, integrate_again};
+use crate::direct::refine::at_ends::AtEnds;
 use crate::direct::refine::resolution::Resolution;
 use crate::options::{SolverOptions, Verify};
 use crate::parallel::best_of_starts;
 use crate::problem::check::CheckedProblem;
-use crate::result::motion::Motion;
+use crate::result::motion::{Certificate, Motion};
 use crate::result::solution::{RobotNames, Solution};
 use crate::result::stage_times::{Clock, Stage};
 use crate::result::trajectory::Trajectory;
@@ -47,10 +50,29 @@ impl Direct<'_> {
         let clock = Clock::new(recorder.takes_times);
         let mut interior = interior(problem, self.rows, self.options, number, saved);
         interior.clock = clock;
+        let mut steps = 0;
+        if number == 0 && saved.is_none() && problem.task.collision.is_some() {
+            let straight = interior.spline.clone();
+            let (better, made) = around_obstacles(problem, self.rows, self.options, &straight, recorder)?;
+            (interior.spline, steps) = (better.unwrap_or(straight), made);
+        }
         let mut resolution = Resolution::default();
-        let is_given = self.saved.is_some();
+        let (is_given, guess) = (self.saved.is_some(), interior.spline.clone());
         let refined = refine(problem, self.options, is_given, &mut interior, &mut resolution, recorder)?;
-        self.finish(&mut interior, &resolution, refined, recorder)
+        interior.figures.iterations += steps;
+        let is_hard = !(refined.status.is_converged() || refined.status.is_interruption())
+            && refined.infeasible.is_none()
+            && self.options.verify != Verify::None;
+        if is_hard && interior.needs_smoothing() {
+            let steps = interior.figures.iterations;
+            let found = with_effort((problem, self.rows), self.options, &guess, recorder)?;
+            if let Some(WithEffort { interior: mut eased, resolution, refined, smoothing }) = found {
+                eased.figures.iterations += steps;
+                eased.clock = std::mem::take(&mut interior.clock);
+                return self.finish(&mut eased, &resolution, refined, smoothing, recorder);
+            }
+        }
+        self.finish(&mut interior, &resolution, refined, Smoothing::default(), recorder)
     }
 
     /// The solution, verified by integration where it converged.
@@ -59,45 +81,46 @@ impl Direct<'_> {
         interior: &mut Interior<Dynamics>,
         resolution: &Resolution,
         Refined { status, error, again, infeasible }: Refined,
+        smoothing: Smoothing,
         recorder: &mut Recorder<'_>,
     ) -> Result<Solution, EvalError> {
         let problem = self.problem.problem();
         interior.clock.lap(Stage::Meshes);
-        let trajectory = trajectory(problem, interior)?;
+        let Found { trajectory, hamiltonians } = found(problem, interior)?;
         // What exceeds its limits leads nowhere.
         let exceeds = matches!(status, Status::LimitsNotKept | Status::Infeasible);
         let again = again.unwrap_or_else(|| match status.is_interruption() || exceeds {
-            true => Again::unknown(f64::INFINITY),
-            false => integrate_again(problem, self.options.verify, interior, resolution),
+            true => Again::unknown(false),
+            false => integrate_again(problem, self.options, interior, resolution),
         });
-        // Without what the clock adds to it H* is constant.
-        let ahead = interior.clock_ahead(&trajectory.t);
-        let values: Vec<f64> =
-            trajectory.hamiltonian.iter().zip(&ahead).map(|(h, ahead)| h - ahead).collect();
-        let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
-        let of_phases: Vec<&[f64]> = trajectory.phases().map(|rows| &values[rows]).collect();
-        let far_from = |mean: f64| move |value: &f64| (value - mean).abs();
-        let far = of_phases.iter().flat_map(|values| values.iter().map(far_from(mean(values))));
-        let far = far.fold(0.0, f64::max);
-        let size = values.iter().map(|value| value.abs()).fold(interior.running.time, f64::max);
         let iterations = std::mem::take(&mut recorder.iterations);
         let penalty_cost = interior.running.penalty_cost(&interior.spline, &interior.points);
         let motion = Motion {
             cost: resolution.cost - penalty_cost,
             penalty_cost,
-            hamiltonian: mean(&values),
-            phase_hamiltonians: of_phases.iter().map(|values| mean(values)).collect(),
-            hamiltonian_drift: if size > 0.0 { far / size } else { 0.0 },
+            smoothing: smoothing.weight,
+            smoothing_bound: smoothing.bound,
+            hamiltonian: hamiltonians.phases[hamiltonians.phases.len() - 1],
+            phase_hamiltonians: hamiltonians.phases,
+            hamiltonian_drift: hamiltonians.drift,
             end_state: again.state,
+            shooting_defect: again.parts,
+            duality_gap: interior.figures.gap / interior.figures.size,
+            newton_decrement: interior.figures.decrement.abs() / interior.figures.size,
             verification: match status {
-                Status::Converged | Status::NotVerified => self.options.verify,
+                Status::Converged | Status::ConvergedSmoothed | Status::NotVerified => self.options.verify,
                 _ => Verify::None,
+            },
+            certificate: match status.is_converged() && interior.figures.is_minimum {
+                true => Certificate::LocalMinimumOnMesh,
+                false => Certificate::NotChecked,
             },
             errors: vec![error],
             iterations,
             ..Motion::missing(status, interior.spline.duration())
         };
-        let limits = report(problem, interior, resolution, infeasible);
+        let ends = AtEnds::of(interior)?;
+        let limits = report(problem, interior, resolution, &ends, infeasible);
         interior.clock.lap(Stage::Verification);
         Ok(Solution {
             newton_iterations: interior.figures.iterations,

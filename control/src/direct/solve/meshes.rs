@@ -31,6 +31,18 @@ pub(super) struct Refined {
 }
 
 impl Refined {
+    /// Of a smoothed problem whose solution costs more than that of the problem by at most `bound`, relative
+    /// to it, its own tolerance included: the problem itself is solved if that is twice the tolerance at
+    /// most.
+    pub fn smoothed(self, bound: f64, options: &SolverOptions) -> Self {
+        let status = match self.status {
+            Status::Converged if bound > constants::SMOOTHED_ENOUGH => Status::MeshLimit,
+            Status::Converged if bound > 2.0 * options.tolerance => Status::ConvergedSmoothed,
+            status => status,
+        };
+        Self { status, ..self }
+    }
+
     /// Without a motion that was solved.
     fn without(status: Status) -> Self {
         Self { status, error: f64::INFINITY, again: None, infeasible: None }
@@ -219,7 +231,7 @@ fn come_back(
     Ok(resolution.error() / interior.figures.size)
 }
 
-/// Whether the motion that is integrated again ends where it should; for the tolerance of the options.
+/// Whether the torques lead along the motion, to the tolerance of the options.
 fn verified(
     problem: &Problem,
     options: &SolverOptions,
@@ -227,10 +239,9 @@ fn verified(
     resolution: &Resolution,
     again: &mut Option<Again>,
 ) -> Status {
-    let found = again.insert(integrate_again(problem, options.verify, interior, resolution));
+    let found = again.insert(integrate_again(problem, options, interior, resolution));
     interior.clock.lap(Stage::Verification);
-    let bound = constants::VERIFIED * options.tolerance.sqrt();
-    if found.relative <= bound { Status::Converged } else { Status::NotVerified }
+    if found.leads { Status::Converged } else { Status::NotVerified }
 }
 
 /// What limits would have to give where it is proven that no motion keeps them.
@@ -257,7 +268,7 @@ fn explain(
 }
 
 /// A step for the log; `first` steps were made on other meshes.
-fn iteration(iterate: &Interior<Dynamics>, first: usize, step: f64) -> Iteration {
+pub(super) fn iteration(iterate: &Interior<Dynamics>, first: usize, step: f64) -> Iteration {
     let figures = &iterate.figures;
     Iteration {
         phase: Phase::Direct,

@@ -3,6 +3,7 @@
 //!
 //! [`Direct`](direct::Direct) puts it together.
 
+mod around;
 pub(super) mod direct;
 pub(super) mod first_time;
 mod mending;
@@ -10,3 +11,4 @@ mod meshes;
 pub(super) mod prepare;
 pub(super) mod restore;
 pub(super) mod smoothing;
+mod with_effort;

@@ -8,8 +8,9 @@ use crate::direct::limits::model::Model;
 use crate::direct::limits::power::Powers;
 use crate::direct::limits::side::{Limited, Side};
 use crate::direct::limits::tasks::Tasks;
-use crate::direct::motion::guess::{guess, with_tools_reached};
+use crate::direct::motion::guess::guess;
 use crate::direct::motion::mesh::Mesh;
+use crate::direct::motion::reached::with_tools_reached;
 use crate::direct::motion::shape::Shape;
 use crate::direct::points::phases::PhaseDynamics;
 #[cfg(feature = "jit")]
@@ -27,7 +28,7 @@ use costate::robot::Robot;
 /// Inverse dynamics of the robots of all phases.
 pub(crate) type Dynamics = PhaseDynamics<FastPoints>;
 
-/// A problem with the guess of a start.
+/// A problem with the guess of a start; on the mesh of a saved motion, if there is one.
 pub(crate) fn interior(
     problem: &Problem,
     rows: &TaskRows,
@@ -35,9 +36,19 @@ pub(crate) fn interior(
     number: usize,
     saved: Option<&Trajectory>,
 ) -> Interior<Dynamics> {
-    let (all, phases) = ((options.nodes - 1) / Shape::of(problem).stride(), problem.phases());
-    let intervals = (all / phases).max(if phases > 1 { constants::INTERVALS_OF_PHASE } else { 1 });
-    interior_on(problem, rows, options, number, saved, &Mesh::even(phases, intervals))
+    let (shape, phases) = (Shape::of(problem), problem.phases());
+    let stride = shape.stride();
+    // Between the nodes of a file accelerations are not known well enough for the jerks of narrow intervals.
+    let fits = |nodes: &Vec<f64>| {
+        !shape.is_smooth()
+            && nodes[nodes.len() - 1] == phases as f64
+            && stride * (nodes.len() - 1) < options.max_nodes
+    };
+    let nodes = saved.and_then(Trajectory::mesh_nodes).filter(fits).unwrap_or_else(|| {
+        let least = if phases > 1 { constants::INTERVALS_OF_PHASE } else { 1 };
+        Mesh::even(phases, ((options.nodes - 1) / stride / phases).max(least))
+    });
+    interior_on(problem, rows, options, number, saved, &nodes)
 }
 
 /// The same on these nodes.

@@ -12,8 +12,15 @@ use toml::de::DeTable;
 /// A key with the last table header above it.
 fn full_key(text: &str, place: Range<usize>) -> String {
     let above = text.get(..place.start).unwrap_or_default();
-    let header = above.lines().rev().find_map(|line| line.trim().strip_prefix('[')?.split(']').next());
     let name = text.get(place).unwrap_or_default();
+    let in_header = |line: &str| {
+        line.trim_start().starts_with('[').then(|| line.trim().trim_matches(['[', ']', ' ']).to_owned())
+    };
+    // The name may be a part of a header itself.
+    if let Some(begun) = above.rsplit('\n').next().and_then(in_header) {
+        return format!("{begun}{}", name.trim_matches(['[', ']', ' ']));
+    }
+    let header = above.lines().rev().find_map(|line| in_header(line.split(']').next()?));
     header.map_or_else(|| name.into(), |table| format!("{table}.{name}"))
 }
 

@@ -19,6 +19,13 @@ pub struct ProblemFileError {
 }
 
 impl ProblemFileError {
+    /// A field of a problem, or an option, that is out of range.
+    pub(crate) fn of_problem(path: Option<&Path>, error: ProblemError) -> Self {
+        let key = error.key().map(|key| key.to_string());
+        let cause = Box::new(ProblemFileCause::Problem(error));
+        Self { path: path.map(Path::to_path_buf), line: None, key, cause }
+    }
+
     /// The cause.
     pub fn cause(&self) -> &ProblemFileCause {
         &self.cause

@@ -6,12 +6,16 @@ mod fault;
 mod given;
 mod joints;
 mod nested;
+mod obstacles;
+mod parts;
 mod phases;
+mod references;
 mod robot;
 mod solver;
 mod table;
 mod tables;
 mod task;
+mod tools;
 
 pub use error::{ProblemFileCause, ProblemFileError};
 
@@ -19,8 +23,9 @@ use crate::options::SolverOptions;
 use crate::problem::Problem;
 use crate::problem::file::document::{Document, MOST_BYTES};
 use crate::problem::file::fault::Fault;
+use crate::problem::file::robot::Source;
 use crate::problem::key::Key;
-use costate::robot::LoadOptions;
+use costate::robot::{LoadOptions, Robot};
 use std::error::Error;
 use std::fs::File;
 use std::io::Read;
@@ -44,13 +49,21 @@ pub struct ProblemFile {
     pub problem: Problem,
     /// The options of the table `[solver]`, in range.
     pub options: SolverOptions,
-    /// The robot file, relative paths resolved.
-    pub robot_path: PathBuf,
+    /// The robot file, relative paths resolved; `None` for a robot of the caller.
+    pub robot_path: Option<PathBuf>,
     /// The saved motion of `[start_from]`, relative paths resolved.
     pub start_from: Option<PathBuf>,
     /// The text of the file.
     pub text: String,
     path: Option<PathBuf>,
+}
+
+/// What a text does not say.
+enum Given<'a> {
+    /// How the robot file is loaded.
+    Options(LoadOptions),
+    /// The robot.
+    Robot(&'a Robot),
 }
 
 impl ProblemFile {
@@ -71,7 +84,7 @@ impl ProblemFile {
         }
         let text = String::from_utf8(bytes).map_err(|error| at(fault::not_utf8(&error)))?;
         let folder = path.parent().unwrap_or(Path::new(""));
-        Self::parse(&text, folder, load, Some(path)).map_err(at)
+        Self::parse(&text, folder, Given::Options(load), Some(path)).map_err(at)
     }
 
     /// Reads a problem from the text of a problem file. Paths in the text are relative to `folder`.
@@ -83,15 +96,43 @@ impl ProblemFile {
         folder: impl AsRef<Path>,
         load: LoadOptions,
     ) -> Result<Self, ProblemFileError> {
-        Self::parse(text, folder.as_ref(), load, None).map_err(|fault| fault.in_file(None))
+        Self::parse(text, folder.as_ref(), Given::Options(load), None).map_err(|fault| fault.in_file(None))
     }
 
-    fn parse(text: &str, folder: &Path, load: LoadOptions, path: Option<&Path>) -> Result<Self, Fault> {
+    /// Reads a problem of this robot from the text of a problem file. The text need not name a robot file,
+    /// and one that it names is not read; changes in `[robot]` are made to the robot. Other paths are
+    /// relative to `folder`.
+    ///
+    /// # Errors
+    /// As [`read`](Self::read).
+    ///
+    /// ```
+    /// use costate_control::ProblemFile;
+    /// use costate::robot::Robot;
+    /// # std::env::set_current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))?;
+    /// let robot = Robot::from_file("robots/pendulum.toml")?;
+    /// let text = "start.q = [0.0]\nend.q = [3.0]\ntime.final = 1.0\ncost.effort = [1.0]";
+    /// let file = ProblemFile::for_robot(text, &robot, "")?;
+    /// assert_eq!(file.problem.robot, robot);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn for_robot(text: &str, robot: &Robot, folder: impl AsRef<Path>) -> Result<Self, ProblemFileError> {
+        Self::parse(text, folder.as_ref(), Given::Robot(robot), None).map_err(|fault| fault.in_file(None))
+    }
+
+    fn parse(text: &str, folder: &Path, given: Given<'_>, path: Option<&Path>) -> Result<Self, Fault> {
         let document = Document::parse(text)?;
         let root = document.root();
-        let tables = tables::read(&root)?;
-        let robot_path = folder.join(&tables.robot.file);
-        let robot = tables.robot.load(&root, &robot_path, load)?;
+        let source = if matches!(given, Given::Robot(_)) { Source::Caller } else { Source::File };
+        let tables = tables::read(&root, source)?;
+        let robot_path = tables.robot.file.as_ref().map(|file| folder.join(file));
+        let robot = match given {
+            Given::Options(load) => {
+                let path = robot_path.as_deref().unwrap_or(Path::new(""));
+                tables.robot.load(&root, path, load)?
+            }
+            Given::Robot(robot) => tables.robot.changed(&root, robot, LoadOptions::default())?,
+        };
         let in_document = |error| document.fault_of(error);
         let problem = tables.problem(robot).map_err(in_document)?;
         problem.check_for(tables.options.method).map_err(in_document)?;

@@ -113,4 +113,12 @@ impl<'d> Table<'d> {
         }
         Ok(found)
     }
+
+    /// The kind of a table, which must have no other keys than those of this kind.
+    pub fn kind(&self, kinds: &[(&'static str, &'static [&'static str])]) -> Result<&'static str, Fault> {
+        let choices: Vec<_> = kinds.iter().map(|&(kind, keys)| (kind, (kind, keys))).collect();
+        let (kind, keys) = self.need("kind", self.choice("kind", &choices)?)?;
+        self.only(keys)?;
+        Ok(kind)
+    }
 }

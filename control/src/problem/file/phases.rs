@@ -4,7 +4,7 @@ use super::fault::Fault;
 use super::joints::{JointName, indices, joints};
 use super::robot::{PAYLOAD, payload};
 use super::table::Table;
-use super::task::tools;
+use super::tools::tools;
 use crate::problem::error::ProblemError;
 use crate::problem::key::Key;
 use crate::problem::{Payload, Problem, Via};

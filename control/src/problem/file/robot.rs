@@ -32,7 +32,8 @@ const INERTIA: &[&str] = &["xx", "yy", "zz", "xy", "xz", "yz"];
 
 /// A robot file, and what is changed of the robot.
 pub(super) struct RobotTable {
-    pub file: String,
+    /// `None` where none is needed and none is named.
+    pub file: Option<String>,
     /// The key of the file, and its first byte.
     file_at: (&'static str, Option<usize>),
     changes: Vec<Change>,
@@ -46,10 +47,23 @@ struct Change {
     edit: RobotEdit,
 }
 
+/// Where the robot comes from.
+#[derive(Clone, Copy)]
+pub(super) enum Source {
+    /// From the file that the key `robot` names.
+    File,
+    /// From the caller: a file that is named does not count.
+    Caller,
+}
+
 /// Reads the key `robot` of the file.
-pub(super) fn read(root: &Table<'_>) -> Result<RobotTable, Fault> {
+pub(super) fn read(root: &Table<'_>, source: Source) -> Result<RobotTable, Fault> {
+    let named = |table: &Table<'_>, key: &str, file: Option<String>| match source {
+        Source::File => table.need(key, file).map(Some),
+        Source::Caller => Ok(None),
+    };
     if !root.has_table("robot") {
-        let file = root.need("robot", root.string("robot")?)?;
+        let file = named(root, "robot", root.string("robot")?)?;
         let file_at = ("robot", root.start_of("robot"));
         return Ok(RobotTable { file, file_at, changes: Vec::new() });
     }
@@ -90,7 +104,7 @@ pub(super) fn read(root: &Table<'_>) -> Result<RobotTable, Fault> {
     if let Some(kept) = kept {
         add("reduced_to", None, RobotEdit::ReducedTo(kept));
     }
-    let file = table.need("file", table.string("file")?)?;
+    let file = named(&table, "file", table.string("file")?)?;
     Ok(RobotTable { file, file_at: ("robot.file", table.start_of("file")), changes })
 }
 
@@ -170,20 +184,24 @@ impl RobotTable {
         // Changes may mend what strict loading would refuse.
         let lenient = options.strict(false);
         let robot = Robot::from_file_with(path, lenient).map_err(refused)?;
+        let robot = self.changed(root, &robot, lenient)?;
+        robot.edited(&[], options).map_err(refused)
+    }
+
+    /// A robot with the changes.
+    pub fn changed(&self, root: &Table<'_>, robot: &Robot, options: LoadOptions) -> Result<Robot, Fault> {
         let edits: Vec<RobotEdit> = self.changes.iter().map(|change| change.edit.clone()).collect();
-        match robot.edited(&edits, lenient) {
-            Ok(robot) => robot.edited(&[], options).map_err(refused),
-            Err(error) => {
-                // The first change that cannot be made.
-                let fails = |end: usize| robot.edited(&edits[..end], lenient).is_err();
-                let Change { key, start, .. } = &self.changes[first(edits.len() - 1, |k| fails(k + 1))];
-                Err(Fault {
-                    line: start.map(|start| root.line_at(start)),
-                    key: Some(format!("robot.{key}")),
-                    cause: Box::new(ProblemFileCause::Robot(error)),
-                })
+        robot.edited(&edits, options).map_err(|error| {
+            // The first change that cannot be made.
+            let fails = |end: usize| robot.edited(&edits[..end], options).is_err();
+            let change = first(edits.len().saturating_sub(1), |k| fails(k + 1));
+            let change = self.changes.get(change);
+            Fault {
+                line: change.and_then(|change| change.start).map(|start| root.line_at(start)),
+                key: Some(change.map_or("robot".into(), |change| format!("robot.{}", change.key))),
+                cause: Box::new(ProblemFileCause::Robot(error)),
             }
-        }
+        })
     }
 }
 

@@ -37,18 +37,20 @@ const COORDINATES: [(&str, Coordinates); 2] =
 const VERIFICATIONS: [(&str, Verify); 3] =
     [("full", Verify::Full), ("factors", Verify::Factors), ("none", Verify::None)];
 
-/// The options.
-pub(super) fn read(table: Option<&Table<'_>>) -> Result<SolverOptions, Fault> {
-    let Some(table) = table else { return Ok(SolverOptions::default()) };
-    let method = table.choice("method", &METHODS)?.unwrap_or_default();
-    let defaults = SolverOptions::of(method);
+/// The options: those of the table, and else the given ones. Another method has its own most steps.
+pub(super) fn read(table: &Table<'_>, given: SolverOptions) -> Result<SolverOptions, Fault> {
+    let method = table.choice("method", &METHODS)?.unwrap_or(given.method);
+    let steps = if method == given.method { &given } else { &SolverOptions::of(method) };
+    let defaults = SolverOptions { method, max_iterations: steps.max_iterations, ..given.clone() };
     let count = |name: &str, default: usize| -> Result<usize, Fault> {
         let found = table.whole(name)?;
         Ok(found.map_or(default, |count| usize::try_from(count).unwrap_or(usize::MAX)))
     };
     Ok(SolverOptions {
         starts: count("starts", defaults.starts)?,
-        threads: table.whole("threads")?.map(|count| usize::try_from(count).unwrap_or(usize::MAX)),
+        threads: table
+            .whole("threads")?
+            .map_or(defaults.threads, |count| Some(usize::try_from(count).unwrap_or(usize::MAX))),
         seed: table.whole("seed")?.unwrap_or(defaults.seed),
         tolerance: table.number("tolerance")?.unwrap_or(defaults.tolerance),
         nodes: count("nodes", defaults.nodes)?,
@@ -57,7 +59,7 @@ pub(super) fn read(table: Option<&Table<'_>>) -> Result<SolverOptions, Fault> {
         verify: table.choice("verify", &VERIFICATIONS)?.unwrap_or(defaults.verify),
         polish: polish(table)?.unwrap_or(defaults.polish),
         machine_code: table.choice("machine_code", &MACHINE_CODE)?.unwrap_or(defaults.machine_code),
-        time_limit: time_limit(table)?,
+        time_limit: time_limit(table)?.or(defaults.time_limit),
         ..defaults
     })
 }

@@ -5,7 +5,7 @@ use crate::problem::file::error::ProblemFileCause;
 use crate::problem::file::fault::Fault;
 use crate::problem::file::joints::{JointName, joints};
 use crate::problem::file::phases::{self, ViaTable};
-use crate::problem::file::robot::{self, RobotTable};
+use crate::problem::file::robot::{self, RobotTable, Source};
 use crate::problem::file::table::{Table, number};
 use crate::problem::file::{solver, task};
 use crate::problem::{Bounds, FinalTime, MotionLimits, Penalty, Task};
@@ -93,7 +93,7 @@ pub(super) struct StateTable {
 }
 
 /// Reads all tables.
-pub(super) fn read(root: &Table<'_>) -> Result<Tables, Fault> {
+pub(super) fn read(root: &Table<'_>, source: Source) -> Result<Tables, Fault> {
     root.only(ROOT)?;
     let optional = |name: &'static str, keys: &'static [&'static str]| -> Result<Option<Table<'_>>, Fault> {
         let table = root.table(name)?;
@@ -103,7 +103,7 @@ pub(super) fn read(root: &Table<'_>) -> Result<Tables, Fault> {
         Ok(table)
     };
     let needed = |name, keys| root.need(name, optional(name, keys)?);
-    let robot = robot::read(root)?;
+    let robot = robot::read(root, source)?;
     let (vias, periodic) = (phases::vias(root)?, phases::periodic(root)?);
     let (start, end) = match periodic {
         None => {
@@ -149,7 +149,8 @@ pub(super) fn read(root: &Table<'_>) -> Result<Tables, Fault> {
         vias,
         periodic,
         start_from: start_from.map(|table| table.need("file", table.string("file")?)).transpose()?,
-        options: solver::read(optional("solver", solver::KEYS)?.as_ref())?,
+        options: optional("solver", solver::KEYS)?
+            .map_or(Ok(SolverOptions::default()), |table| solver::read(&table, SolverOptions::default()))?,
     })
 }
 

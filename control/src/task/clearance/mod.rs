@@ -23,6 +23,7 @@
 //! clearance from a half-space is that of each end of the core, one row each: linear in the position.
 
 mod cores;
+mod held;
 mod pair;
 mod rows;
 mod sweep;
@@ -31,7 +32,7 @@ mod sweep;
 mod tests;
 
 pub(in crate::task) use cores::CoreBox;
-pub(in crate::task) use pair::{Body, Bounds, Obstacle, Other};
+pub(in crate::task) use pair::{Body, Bounds, Held, Obstacle, Other};
 
 use super::placed::{Hessian, Placed};
 use cores::Core;

@@ -60,3 +60,12 @@ pub(in crate::task) struct Bounds<'a> {
     pub positions: &'a [f64],
     pub rates: &'a [f64],
 }
+
+/// A point that is fixed to a link, and where it is in the world; a coordinate that is infinite is free.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::task) struct Held {
+    pub joint: usize,
+    /// In the axes of the joint.
+    pub own: Vector3<f64>,
+    pub place: Vector3<f64>,
+}

@@ -1,0 +1,332 @@
+//! Dynamics: f and its derivatives in either coordinates, and the quantities in (q, v).
+
+use crate::handle::Handle;
+use crate::numbers::{check_size, read, write, write_if};
+use crate::robot::{CostateRobot, robot_of};
+use crate::status::{Failure, Status, guarded};
+use costate::Coordinates;
+use costate::codegen::Quantity;
+use costate::dynamics::Dynamics;
+use costate::robot::Robot;
+use costate_jit::{JitModel, JitQuantity};
+use std::ffi::c_int;
+use std::sync::Arc;
+
+/// Everything that calls need; quantities are recorded when they are asked for first.
+#[derive(Clone)]
+pub struct Workspace {
+    robot: Arc<Robot>,
+    n: usize,
+    model: JitModel,
+    quantities: Vec<(Quantity, JitQuantity)>,
+    /// The arguments of a call.
+    inputs: Vec<f64>,
+    /// The results of a quantity, or the Jacobian and the Hessian of f.
+    outputs: Vec<f64>,
+}
+
+pub type CostateDynamics = Handle<Workspace>;
+
+/// The coordinates of a number of the header.
+pub fn coordinates_of(number: c_int) -> Result<Coordinates, Failure> {
+    match number {
+        0 => Ok(Coordinates::Lagrangian),
+        1 => Ok(Coordinates::Hamiltonian),
+        _ => {
+            let message = format_args!("coordinates is {number}; give COSTATE_QV or COSTATE_QP");
+            Err(Failure::new(Status::Argument, message))
+        }
+    }
+}
+
+/// The arguments q, v, tau (n each) and y (2n) of functions.
+pub type Arguments<'a> = &'a [(&'a str, *const f64, usize)];
+
+/// Copies arguments one after the other.
+///
+/// # Safety
+/// Each pointer is null or points to so many numbers.
+pub unsafe fn read_all(arguments: Arguments<'_>, inputs: &mut [f64]) -> Result<(), Failure> {
+    let mut rest = inputs;
+    for &(name, from, length) in arguments {
+        let (to, more) = rest.split_at_mut(length);
+        // SAFETY: by the contract of this function.
+        unsafe { read(name, from, to) }?;
+        rest = more;
+    }
+    Ok(())
+}
+
+impl Workspace {
+    fn new(robot: Arc<Robot>, coordinates: Coordinates) -> Result<Self, Failure> {
+        let n = robot.dof();
+        let model = JitModel::new(&robot, coordinates)?;
+        let (inputs, outputs) = (vec![0.0; 5 * n], vec![0.0; n + 15 * n * n]);
+        Ok(Self { robot, n, model, quantities: Vec::new(), inputs, outputs })
+    }
+
+    /// Evaluates a quantity in (q, v) at the arguments; its results.
+    ///
+    /// # Safety
+    /// Each argument is null or points to so many numbers.
+    unsafe fn quantity(
+        &mut self,
+        quantity: Quantity,
+        n: usize,
+        arguments: Arguments<'_>,
+    ) -> Result<&[f64], Failure> {
+        check_size(self.n, n)?;
+        // SAFETY: by the contract of this function.
+        unsafe { read_all(arguments, &mut self.inputs) }?;
+        let place = match self.quantities.iter().position(|(known, _)| *known == quantity) {
+            Some(place) => place,
+            None => {
+                let code = JitQuantity::new(&self.robot, quantity, Coordinates::Lagrangian)?;
+                self.quantities.push((quantity, code));
+                self.quantities.len() - 1
+            }
+        };
+        let code = &mut self.quantities[place].1;
+        let outputs = &mut self.outputs[..code.outputs()];
+        code.evaluate(&self.inputs[..code.inputs()], outputs)?;
+        Ok(outputs)
+    }
+}
+
+/// Results of f; those that are null are not wanted.
+struct Wanted {
+    f: *mut f64,
+    jacobian: *mut f64,
+    hessian: *mut f64,
+}
+
+const NONE: *mut f64 = std::ptr::null_mut();
+
+/// f and its derivatives, the second ones if there is a y.
+///
+/// # Safety
+/// `dynamics` is null or a handle; all other pointers are null or point to as many numbers as the header
+/// says.
+unsafe fn evaluate(
+    dynamics: *mut CostateDynamics,
+    n: usize,
+    [q, v, tau]: [*const f64; 3],
+    y: Option<*const f64>,
+    wanted: &Wanted,
+) -> Result<(), Failure> {
+    let work = |of: &mut Workspace| {
+        check_size(of.n, n)?;
+        let Workspace { model, inputs, outputs, .. } = of;
+        let arguments = [("q", q, n), ("v", v, n), ("tau", tau, n), ("y", y.unwrap_or(q), 2 * n)];
+        let count = if y.is_some() { 4 } else { 3 };
+        // SAFETY: by the contract of this function.
+        unsafe { read_all(&arguments[..count], inputs) }?;
+        let (x, rest) = inputs.split_at(2 * n);
+        let (tau, y) = rest.split_at(n);
+        let (jacobian, hessian) = outputs[..15 * n * n].split_at_mut(6 * n * n);
+        let first = if count == 4 {
+            let second = model.contract(x, tau, y)?;
+            second.hessian(hessian);
+            // SAFETY: by the contract of this function.
+            unsafe { write_if(hessian, wanted.hessian) };
+            second.first
+        } else if wanted.jacobian.is_null() {
+            // SAFETY: by the contract of this function.
+            return unsafe { write("f", model.evaluate(x, tau)?, wanted.f) };
+        } else {
+            model.linearise(x, tau)?
+        };
+        first.jacobian(jacobian);
+        // SAFETY: by the contract of this function.
+        unsafe {
+            write_if(jacobian, wanted.jacobian);
+            write_if(first.f, wanted.f);
+        }
+        Ok(())
+    };
+    // SAFETY: by the contract of this function.
+    unsafe { CostateDynamics::with("dynamics", dynamics, work) }
+}
+
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn costate_dynamics_new(
+    robot: *const CostateRobot,
+    coordinates: c_int,
+    dynamics: *mut *mut CostateDynamics,
+) -> c_int {
+    guarded(|| {
+        // SAFETY: the header asks for a handle.
+        let new = || Workspace::new(unsafe { robot_of(robot) }?, coordinates_of(coordinates)?);
+        // SAFETY: the header asks for a place for the handle.
+        unsafe { CostateDynamics::give("dynamics", dynamics, new()) }
+    })
+}
+
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn costate_dynamics_clone(
+    dynamics: *const CostateDynamics,
+    copy: *mut *mut CostateDynamics,
+) -> c_int {
+    guarded(|| {
+        // SAFETY: the header asks for a handle.
+        let copied = unsafe { CostateDynamics::with("dynamics", dynamics, |of| Ok(of.clone())) };
+        // SAFETY: the header asks for a place for the handle.
+        unsafe { CostateDynamics::give("copy", copy, copied) }
+    })
+}
+
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn costate_dynamics_delete(dynamics: *mut CostateDynamics) {
+    guarded(|| {
+        // SAFETY: the header asks for a handle that is not used again.
+        unsafe { CostateDynamics::delete(dynamics) };
+        Ok(())
+    });
+}
+
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn costate_f(
+    dynamics: *mut CostateDynamics,
+    n: usize,
+    q: *const f64,
+    v: *const f64,
+    tau: *const f64,
+    f: *mut f64,
+) -> c_int {
+    let wanted = Wanted { f, jacobian: NONE, hessian: NONE };
+    // SAFETY: the header asks for what `evaluate` asks for.
+    guarded(|| unsafe { evaluate(dynamics, n, [q, v, tau], None, &wanted) })
+}
+
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn costate_jacobian(
+    dynamics: *mut CostateDynamics,
+    n: usize,
+    q: *const f64,
+    v: *const f64,
+    tau: *const f64,
+    f: *mut f64,
+    jacobian: *mut f64,
+) -> c_int {
+    guarded(|| {
+        if jacobian.is_null() {
+            return Err(Failure::null("jacobian"));
+        }
+        let wanted = Wanted { f, jacobian, hessian: NONE };
+        // SAFETY: the header asks for what `evaluate` asks for.
+        unsafe { evaluate(dynamics, n, [q, v, tau], None, &wanted) }
+    })
+}
+
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn costate_hessian(
+    dynamics: *mut CostateDynamics,
+    n: usize,
+    q: *const f64,
+    v: *const f64,
+    tau: *const f64,
+    y: *const f64,
+    hessian: *mut f64,
+) -> c_int {
+    // SAFETY: the header asks for the same.
+    unsafe { costate_contract(dynamics, n, q, v, tau, y, NONE, NONE, hessian) }
+}
+
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn costate_contract(
+    dynamics: *mut CostateDynamics,
+    n: usize,
+    q: *const f64,
+    v: *const f64,
+    tau: *const f64,
+    y: *const f64,
+    f: *mut f64,
+    jacobian: *mut f64,
+    hessian: *mut f64,
+) -> c_int {
+    guarded(|| {
+        if hessian.is_null() {
+            return Err(Failure::null("hessian"));
+        }
+        // SAFETY: the header asks for what `evaluate` asks for.
+        unsafe { evaluate(dynamics, n, [q, v, tau], Some(y), &Wanted { f, jacobian, hessian }) }
+    })
+}
+
+/// Evaluates a quantity in (q, v) and writes what `part` takes of its results.
+///
+/// # Safety
+/// `dynamics` is null or a handle; all other pointers are null or point to as many numbers as the header
+/// says.
+unsafe fn quantity(
+    dynamics: *mut CostateDynamics,
+    n: usize,
+    quantity: Quantity,
+    arguments: Arguments<'_>,
+    (name, to): (&str, *mut f64),
+    part: impl FnOnce(&[f64]) -> &[f64],
+) -> c_int {
+    guarded(|| {
+        let work = |of: &mut Workspace| {
+            // SAFETY: by the contract of this function.
+            let results = unsafe { of.quantity(quantity, n, arguments) }?;
+            // SAFETY: as above.
+            unsafe { write(name, part(results), to) }
+        };
+        // SAFETY: as above.
+        unsafe { CostateDynamics::with("dynamics", dynamics, work) }
+    })
+}
+
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn costate_aba(
+    dynamics: *mut CostateDynamics,
+    n: usize,
+    q: *const f64,
+    v: *const f64,
+    tau: *const f64,
+    a: *mut f64,
+) -> c_int {
+    let arguments = [("q", q, n), ("v", v, n), ("tau", tau, n)];
+    // SAFETY: the header asks for what `quantity` asks for.
+    unsafe { quantity(dynamics, n, Quantity::F, &arguments, ("a", a), |all| all) }
+}
+
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn costate_rnea(
+    dynamics: *mut CostateDynamics,
+    n: usize,
+    q: *const f64,
+    v: *const f64,
+    a: *const f64,
+    tau: *mut f64,
+) -> c_int {
+    let arguments = [("q", q, n), ("v", v, n), ("a", a, n)];
+    // SAFETY: the header asks for what `quantity` asks for.
+    unsafe { quantity(dynamics, n, Quantity::InverseDynamics, &arguments, ("tau", tau), |all| all) }
+}
+
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn costate_rnea_jacobian(
+    dynamics: *mut CostateDynamics,
+    n: usize,
+    q: *const f64,
+    v: *const f64,
+    a: *const f64,
+    jacobian: *mut f64,
+) -> c_int {
+    let arguments = [("q", q, n), ("v", v, n), ("a", a, n)];
+    // SAFETY: the header asks for what `quantity` asks for.
+    unsafe { quantity(dynamics, n, Quantity::TauZ, &arguments, ("jacobian", jacobian), |all| &all[n..]) }
+}
+
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn costate_crba(
+    dynamics: *mut CostateDynamics,
+    n: usize,
+    q: *const f64,
+    m: *mut f64,
+) -> c_int {
+    // SAFETY: the header asks for what `quantity` asks for.
+    unsafe { quantity(dynamics, n, Quantity::MassMatrix, &[("q", q, n)], ("m", m), |all| all) }
+}

@@ -1,0 +1,129 @@
+//! What helps where the direct method did not get there: it depends on what costs, and on the robot.
+
+use costate::robot::printable;
+use costate_control::{Method, Problem, Solution, Status};
+
+/// Most joints in a sentence.
+const MOST_JOINTS: usize = 3;
+
+/// The reason of a status with what helps this problem; `None` where what the status says is all.
+pub fn advice(problem: &Problem, solution: &Solution) -> Option<String> {
+    let status = &solution.motion.status;
+    let hard = matches!(
+        status,
+        Status::NotVerified | Status::MeshLimit | Status::IterationLimit | Status::NewtonFailed
+    );
+    if !hard || solution.options.method != Method::Direct {
+        return None;
+    }
+    let energy = problem.cost.has_energy();
+    let jumps = jumps(problem);
+    let mut remedies = Vec::new();
+    if jumps {
+        let beside = if energy { "cost.energy" } else { "cost.time" };
+        remedies.push(format!("a little cost.effort beside {beside}"));
+    }
+    if energy {
+        remedies.push("a larger cost.energy_smoothing".into());
+    }
+    // Fast motions of what is nearly without inertia are behind the others too.
+    let light = without_rotors(problem).filter(|_| jumps || energy || *status != Status::NewtonFailed);
+    remedies.extend(light.map(|joints| format!("robot.armature (the inertia of rotors: {joints} without)")));
+    match status {
+        Status::NotVerified => remedies.push("a smaller solver.tolerance".into()),
+        _ if remedies.is_empty() => return None,
+        Status::MeshLimit if !jumps && !energy => remedies.push("a larger solver.tolerance".into()),
+        _ => {}
+    }
+    // What a status says has the form "reason; advice for all problems".
+    let text = status.to_string();
+    let reason = text.split(';').next().unwrap_or_default();
+    Some(format!("{reason}; what may help: {}", remedies.join("; ")))
+}
+
+/// Whether controls jump between their limits, or are not determined by what costs: a joint without effort,
+/// and nothing that makes torques continuous.
+fn jumps(problem: &Problem) -> bool {
+    let (cost, limits) = (&problem.cost, &problem.limits);
+    let costs = |list: &Option<Vec<f64>>| list.as_ref().is_some_and(|list| list.iter().any(|&w| w > 0.0));
+    let limited = |list: &Option<Vec<f64>>| {
+        list.as_ref().is_some_and(|list| list.iter().any(|limit| limit.is_finite()))
+    };
+    let smooth = costs(&cost.jerk)
+        || costs(&cost.torque_rate)
+        || limited(&limits.jerk_max)
+        || limited(&limits.torque_rate_max);
+    (cost.time > 0.0 || cost.has_energy()) && cost.effort.contains(&0.0) && !smooth
+}
+
+/// The joints without inertia of a rotor: "all joints are", "'a' and 'b' are".
+fn without_rotors(problem: &Problem) -> Option<String> {
+    let robot = &problem.robot;
+    let has_none = |&&i: &&usize| robot.armature_entry(i, i) == 0.0;
+    let all = robot.independent_indices();
+    let light: Vec<usize> = all.iter().filter(has_none).copied().collect();
+    let names: Vec<String> = light
+        .iter()
+        .take(MOST_JOINTS)
+        .map(|&i| format!("'{}'", printable(&robot.joints()[i].name)))
+        .collect();
+    match light.len() {
+        0 => None,
+        count if count == all.len() => Some("all joints are".into()),
+        1 => Some(format!("joint {} is", names.concat())),
+        count if count > MOST_JOINTS => {
+            Some(format!("joints {} and {} more are", names.join(", "), count - MOST_JOINTS))
+        }
+        _ => Some(format!("joints {} are", names.join(", "))),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::advice;
+    use costate::robot::Robot;
+    use costate_control::{FinalTime, Objective, Problem, Solution, Solver, SolverOptions, Status};
+
+    fn arm(robot: Robot, cost: Objective) -> Problem {
+        Problem::rest_to_rest(robot, &[0.0; 2], &[1.0; 2], 1.0).with_cost(cost)
+    }
+
+    /// With another status.
+    fn ended(solution: &Solution, status: Status) -> Solution {
+        let mut solution = solution.clone();
+        solution.motion.status = status;
+        solution
+    }
+
+    #[test]
+    fn what_helps_depends_on_costs_and_rotors() {
+        let light = Robot::from_file("../../robots/two_link.toml").unwrap();
+        let heavy = ["shoulder", "elbow"]
+            .iter()
+            .fold(light.clone(), |robot, joint| robot.with_joint_armature(joint, 0.1).unwrap());
+        let effort = || Objective::new(0.0, vec![1.0; 2]);
+        let solved = Solver::new(&arm(light.clone(), effort()), SolverOptions::default()).unwrap().solve();
+        let told = |robot: &Robot, cost: Objective, status: Status| {
+            let problem = arm(robot.clone(), cost).with_time(FinalTime::Free { guess: 1.0 });
+            advice(&problem, &ended(&solved, status))
+        };
+        assert_eq!(told(&light, effort(), Status::Converged), None);
+        assert_eq!(told(&heavy, effort(), Status::IterationLimit), None);
+        let least_time = told(&heavy, Objective::new(1.0, vec![0.0; 2]), Status::MeshLimit).unwrap();
+        assert!(least_time.ends_with("what may help: a little cost.effort beside cost.time"), "{least_time}");
+        let energy = Objective::new(0.0, vec![0.0; 2]).with_energy(vec![1.0; 2]);
+        let energy = told(&light, energy, Status::IterationLimit).unwrap();
+        for part in
+            ["beside cost.energy", "cost.energy_smoothing", "robot.armature", "all joints are without"]
+        {
+            assert!(energy.contains(part), "{energy}");
+        }
+        let one = light.with_joint_armature("shoulder", 0.1).unwrap();
+        let drifts = told(&one, effort(), Status::NotVerified).unwrap();
+        assert!(
+            drifts.contains("joint 'elbow' is without") && drifts.ends_with("a smaller solver.tolerance")
+        );
+        let fine = told(&light, effort(), Status::MeshLimit).unwrap();
+        assert!(fine.contains("solver.tolerance") && !fine.contains("cost.effort"), "{fine}");
+    }
+}

@@ -1,0 +1,247 @@
+//! Bodies on the stage: models of links, capsules in their place, obstacles.
+
+use super::values::{number, placement, shown, vector};
+use crate::models::{LinkModel, Mesh, ModelShape};
+use crate::motion::Motion;
+use crate::tools::ToolFrame;
+use costate::robot::{JointKind, Placement, Robot};
+use costate_control::{Problem, Shape};
+use serde_json::{Value, json};
+use std::sync::Arc;
+
+/// Radius of a capsule near the base and at the end, in parts of the length of the robot.
+const RADII: [f64; 2] = [0.042, 0.022];
+
+/// Shorter links have no capsule (m).
+const SHORTEST: f64 = 1e-9;
+
+/// Meshes, each once.
+#[derive(Default)]
+pub struct Meshes(Vec<Arc<Mesh>>);
+
+impl Meshes {
+    fn number(&mut self, mesh: &Arc<Mesh>) -> usize {
+        let found = self.0.iter().position(|other| Arc::ptr_eq(other, mesh));
+        found.unwrap_or_else(|| {
+            self.0.push(mesh.clone());
+            self.0.len() - 1
+        })
+    }
+
+    /// Bounds, and vertices and triangles in base 64.
+    pub fn json(&self) -> Vec<Value> {
+        let mesh = |mesh: &Arc<Mesh>| {
+            let ([low, high], [vertices, triangles]) =
+                (mesh.corners(), mesh.bytes().map(|bytes| base64(&bytes)));
+            json!({ "low": low, "high": high, "vertices": vertices, "triangles": triangles })
+        };
+        self.0.iter().map(mesh).collect()
+    }
+}
+
+/// The bodies of all links.
+pub fn bodies(motion: &Motion<'_>, tools: &[ToolFrame], meshes: &mut Meshes) -> Vec<Value> {
+    let robot = motion.robot();
+    let mut bodies = Vec::new();
+    let mut has_model = vec![false; robot.joints().len() + 1];
+    for model in &motion.options.models {
+        let Ok(frame) = robot.frame(&model.link) else { continue };
+        has_model[frame.joint.map_or(0, |joint| joint + 1)] = true;
+        bodies.push(json!({
+            "joint": frame.joint,
+            "at": placement(&frame.placement.then(&model.placement)),
+            "shape": shape_of(model, meshes),
+            "colour": model.colour,
+            "link": shown(&model.link),
+        }));
+    }
+    let capsules = Capsules::new(motion, tools);
+    capsules.base(&mut bodies, !has_model[0]);
+    for joint in 0..robot.joints().len() {
+        if !has_model[joint + 1] {
+            capsules.link(joint, &mut bodies);
+        }
+    }
+    bodies
+}
+
+fn shape_of(model: &LinkModel, meshes: &mut Meshes) -> Value {
+    match &model.shape {
+        ModelShape::Box(size) => json!({ "kind": "box", "size": vector(*size) }),
+        ModelShape::Cylinder { radius, length } => {
+            json!({ "kind": "cylinder", "radius": number(*radius), "length": number(*length) })
+        }
+        ModelShape::Sphere(radius) => json!({ "kind": "sphere", "radius": number(*radius) }),
+        ModelShape::Mesh { mesh, scale } => {
+            json!({ "kind": "mesh", "mesh": meshes.number(mesh), "scale": scale })
+        }
+    }
+}
+
+/// Capsules in the place of links without a model.
+struct Capsules<'a> {
+    robot: &'a Robot,
+    tools: &'a [ToolFrame],
+    /// The longest way from the base to an end (m).
+    reach: f64,
+    /// The radius that the problem gives to all links.
+    radius: Option<f64>,
+    /// Joints between each one and the base.
+    depths: Vec<usize>,
+    /// Least and largest position of each joint along the motion.
+    ranges: Vec<[f64; 2]>,
+}
+
+impl<'a> Capsules<'a> {
+    fn new(motion: &Motion<'a>, tools: &'a [ToolFrame]) -> Self {
+        let robot = motion.robot();
+        let joints = robot.joints();
+        let (mut ways, mut depths) = (vec![0.0; joints.len()], vec![0; joints.len()]);
+        for (i, joint) in joints.iter().enumerate() {
+            let (way, depth) = joint.parent.map_or((0.0, 0), |parent| (ways[parent], depths[parent] + 1));
+            (ways[i], depths[i]) = (way + joint.placement.translation.norm(), depth);
+        }
+        let ends = tools
+            .iter()
+            .map(|tool| tool.joint.map_or(0.0, |joint| ways[joint]) + tool.placement.translation.norm());
+        let reach = ends.chain(ways.iter().copied()).fold(0.0, f64::max);
+        let positions: Vec<Vec<f64>> =
+            motion.points.iter().filter_map(|point| robot.joint_positions(&point.q).ok()).collect();
+        let range = |i: usize| {
+            let values = positions.iter().map(|row| row[i]);
+            values.fold([0.0, 0.0], |[low, high]: [f64; 2], x| [low.min(x), high.max(x)])
+        };
+        let radius = motion.problem.task.collision.as_ref().and_then(|collision| collision.along_links);
+        let ranges = (0..joints.len()).map(range).collect();
+        Self { robot, tools, reach: if reach > 0.0 { reach } else { 1.0 }, radius, depths, ranges }
+    }
+
+    fn radius(&self, joint: usize) -> f64 {
+        let deepest = self.depths.iter().copied().max().unwrap_or(0).max(1) as f64;
+        let part = self.depths[joint] as f64 / deepest;
+        self.radius.unwrap_or(self.reach * (RADII[0] + part * (RADII[1] - RADII[0])))
+    }
+
+    /// A capsule in the frame of a joint.
+    fn capsule(joint: Option<usize>, from: [f64; 3], to: [f64; 3], radius: f64, link: &str) -> Value {
+        json!({
+            "joint": joint,
+            "at": placement(&Placement::identity()),
+            "shape": { "kind": "capsule", "from": vector(from), "to": vector(to), "radius": number(radius) },
+            "colour": Value::Null,
+            "link": shown(link),
+        })
+    }
+
+    /// From the origin of the world to the first joints, and the rails of those that slide on it.
+    fn base(&self, bodies: &mut Vec<Value>, has_capsules: bool) {
+        for (i, joint) in self.robot.joints().iter().enumerate().filter(|(_, joint)| joint.parent.is_none()) {
+            let to = joint.placement.translation;
+            if has_capsules && to.norm() > SHORTEST {
+                bodies.push(Self::capsule(None, [0.0; 3], to.into(), 1.15 * self.radius(i), "base"));
+            }
+            if has_capsules {
+                self.rail(i, bodies);
+            }
+        }
+    }
+
+    /// From a joint to those beyond it, or to the tools and frames of a last link.
+    fn link(&self, joint: usize, bodies: &mut Vec<Value>) {
+        let name = &self.robot.joints()[joint].link;
+        let children =
+            self.robot.joints().iter().enumerate().filter(|(_, child)| child.parent == Some(joint));
+        let mut ends = Vec::new();
+        for (i, child) in children {
+            ends.push(child.placement.translation);
+            self.rail(i, bodies);
+        }
+        if ends.is_empty() {
+            let tools = self.tools.iter().filter(|tool| tool.joint == Some(joint));
+            ends.extend(tools.map(|tool| tool.placement.translation));
+            let frames = self.robot.frames().iter().filter(|frame| frame.joint == Some(joint));
+            let frames = frames.map(|frame| frame.placement.translation);
+            let farthest = frames.max_by(|a, b| a.norm().total_cmp(&b.norm()));
+            let com = self.robot.joints()[joint].inertia.com;
+            ends.extend(farthest.filter(|end| end.norm() > SHORTEST).or(Some(com)));
+        }
+        let mut drawn: Vec<[f64; 3]> = Vec::new();
+        for end in ends.into_iter().map(<[f64; 3]>::from) {
+            let norm = end.iter().map(|x| x * x).sum::<f64>().sqrt();
+            if norm > SHORTEST && !drawn.contains(&end) {
+                bodies.push(Self::capsule(Some(joint), [0.0; 3], end, self.radius(joint), name));
+                drawn.push(end);
+            }
+        }
+    }
+
+    /// What a prismatic joint slides on, as long as its way.
+    fn rail(&self, joint: usize, bodies: &mut Vec<Value>) {
+        let slide = &self.robot.joints()[joint];
+        if slide.kind != JointKind::Prismatic {
+            return;
+        }
+        let margin = 0.05 * self.reach;
+        let axis = slide.placement.rotation * slide.axis;
+        let [low, high] = self.ranges[joint];
+        let [from, to] = [low - margin, high + margin].map(|q| slide.placement.translation + axis * q);
+        bodies.push(Self::capsule(slide.parent, from.into(), to.into(), 0.4 * self.radius(joint), "rail"));
+    }
+}
+
+/// What the motion keeps away from.
+pub fn obstacles(problem: &Problem) -> Vec<Value> {
+    let obstacle = |name: &str, at: &Placement, shape: Value| json!({ "name": shown(name), "at": placement(at), "shape": shape });
+    let world = Placement::identity();
+    let all = problem.task.obstacles.iter().filter_map(|each| {
+        Some(match &each.shape {
+            Shape::Sphere { centre, radius } => {
+                let at = Placement::from_xyz_rpy(*centre, [0.0; 3]);
+                obstacle(&each.name, &at, json!({ "kind": "sphere", "radius": number(*radius) }))
+            }
+            Shape::Capsule { from, to, radius } => {
+                let shape = json!({
+                    "kind": "capsule", "from": vector(*from), "to": vector(*to), "radius": number(*radius),
+                });
+                obstacle(&each.name, &world, shape)
+            }
+            Shape::Box { placement, size } => {
+                obstacle(&each.name, placement, json!({ "kind": "box", "size": vector(*size) }))
+            }
+            Shape::HalfSpace { through, normal } => {
+                let shape =
+                    json!({ "kind": "plane", "through": vector(*through), "normal": vector(*normal) });
+                obstacle(&each.name, &world, shape)
+            }
+            _ => return None,
+        })
+    });
+    all.collect()
+}
+
+/// Bytes in base 64 (RFC 4648).
+fn base64(bytes: &[u8]) -> String {
+    const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);
+    for three in bytes.chunks(3) {
+        let byte = |k: usize| u32::from(three.get(k).copied().unwrap_or(0));
+        let bits = byte(0) << 16 | byte(1) << 8 | byte(2);
+        for k in 0..4 {
+            let digit = DIGITS[(bits >> (18 - 6 * k) & 63) as usize];
+            text.push(if k <= three.len() { char::from(digit) } else { '=' });
+        }
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::base64;
+
+    /// The examples of RFC 4648.
+    #[test]
+    fn bytes_become_letters() {
+        let text = ["", "f", "fo", "foo", "foob", "fooba", "foobar"].map(|text| base64(text.as_bytes()));
+        assert_eq!(text, ["", "Zg==", "Zm8=", "Zm9v", "Zm9vYg==", "Zm9vYmE=", "Zm9vYmFy"]);
+    }
+}

@@ -1,0 +1,133 @@
+//! The beginning of the page: robot, task, how it ended, time, cost, limits, what stands out, warnings.
+
+use crate::figures::time_is_free;
+use crate::motion::Motion;
+use crate::numbers::short;
+use crate::panels;
+use crate::svg::markup::escaped;
+use crate::text;
+
+/// A figure with its name, and whether it is good or bad.
+struct Card {
+    name: &'static str,
+    value: String,
+    note: String,
+    is_good: Option<bool>,
+}
+
+/// Name, status, cards, warnings.
+pub fn section(motion: &Motion<'_>) -> String {
+    let (problem, solution) = (motion.problem, motion.solution);
+    let list = |items: &[String], class: &str| match items {
+        [] => String::new(),
+        items => {
+            let items: String = items.iter().map(|item| format!("<li>{}</li>", escaped(item))).collect();
+            format!("<ul class=\"{class}\">{items}</ul>")
+        }
+    };
+    let sentences = |remarks: &[Option<String>]| -> Vec<String> {
+        remarks.iter().flatten().map(|remark| format!("{}.", text::sentence(remark))).collect()
+    };
+    let remarks = sentences(&[text::explanation(problem, solution), text::skipped_starts(solution)]);
+    let advice = sentences(&[text::needs_feedback(solution)]);
+    let status = &solution.motion.status;
+    let cards: String = cards(motion).iter().map(card).collect();
+    format!(
+        "<header><h1>{name} <span class=\"status {class}\">{status}</span></h1><p class=\"task\">{task}</p>\
+         {remarks}{advice}<dl class=\"cards\">{cards}</dl>{warnings}</header>\n",
+        name = escaped(motion.robot().name()),
+        class = if status.is_solved() { "good" } else { "bad" },
+        status = escaped(&text::status(status)),
+        task = escaped(&text::sentence(&text::criterion(problem, solution))),
+        remarks = list(&remarks, "remarks"),
+        advice = list(&advice, "warnings"),
+        warnings = match motion.options.warnings.len() {
+            0..=2 => list(&motion.options.warnings, "warnings"),
+            count => {
+                let list = list(&motion.options.warnings, "warnings");
+                format!("<details class=\"folded\"><summary>{count} warnings</summary>{list}</details>")
+            }
+        },
+    )
+}
+
+fn card(card: &Card) -> String {
+    let class = match card.is_good {
+        Some(true) => " class=\"good\"",
+        Some(false) => " class=\"bad\"",
+        None => "",
+    };
+    let note =
+        if card.note.is_empty() { String::new() } else { format!("<small>{}</small>", escaped(&card.note)) };
+    format!("<div><dt>{}</dt><dd{class}>{}{note}</dd></div>", card.name, escaped(&card.value))
+}
+
+fn cards(motion: &Motion<'_>) -> Vec<Card> {
+    let solution = motion.solution;
+    let plain = |name, value, note: &str| Card { name, value, note: note.into(), is_good: None };
+    if !motion.exists() {
+        return Vec::new();
+    }
+    let time = if time_is_free(motion.problem) { "found" } else { "given" };
+    let penalties = match solution.motion.penalty_cost {
+        cost if motion.problem.penalty.is_some() => format!("and penalties {}", short(cost, 4)),
+        _ => String::new(),
+    };
+    let mut cards = vec![
+        plain("final time", format!("{} s", short(solution.motion.final_time, 6)), time),
+        plain("cost", short(solution.motion.cost, 6), &penalties),
+        limits(motion),
+    ];
+    let panels = panels::along_the_motion(motion);
+    let peak = |id: &str| {
+        let (_, plot) = panels.iter().find(|(name, _)| name == id)?;
+        let points = plot.curves.iter().flat_map(|curve| &curve.points);
+        let largest =
+            points.filter(|point| point.1.is_finite()).max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
+        let note = format!("at {} s", short(largest.0, 3));
+        Some((format!("{} {}", short(largest.1.abs(), 4), plot.unit), note))
+    };
+    for (name, id) in [("largest power of all joints", "total_power"), ("fastest tool", "tool_speed")] {
+        cards.extend(peak(id).map(|(value, note)| plain(name, value, &note)));
+    }
+    let phases = solution.trajectory.via_times.len();
+    if phases > 0 {
+        let times: Vec<String> = solution.trajectory.via_times.iter().map(|&time| short(time, 4)).collect();
+        cards.push(plain("phases", (phases + 1).to_string(), &format!("new ones at {} s", times.join(", "))));
+    }
+    cards
+}
+
+/// Whether all limits are kept, and how many are active.
+fn limits(motion: &Motion<'_>) -> Card {
+    let limits = &motion.solution.limits;
+    let name = "limits";
+    let exceeded: Vec<String> = limits
+        .violations()
+        .map(|(kind, worst)| match kind {
+            "task" => worst.name.clone(),
+            kind => format!("{} of {}", text::spaced(kind), worst.name),
+        })
+        .collect();
+    if !exceeded.is_empty() {
+        return Card { name, value: "exceeded".into(), note: exceeded.join("; "), is_good: Some(false) };
+    }
+    if limits.is_empty() && !motion.problem.limit_warnings(&motion.solution.trajectory).is_empty() {
+        let note = "those of the robot are exceeded".into();
+        return Card { name, value: "not asked for".into(), note, is_good: Some(false) };
+    }
+    if limits.is_empty() {
+        let bounded = motion.problem.bounds.is_some();
+        let value = if bounded { "bounds kept" } else { "none given" };
+        return Card { name, value: value.into(), note: String::new(), is_good: bounded.then_some(true) };
+    }
+    let mut active: Vec<_> = limits
+        .kinds()
+        .filter_map(|(kind, usage)| Some((kind, usage?)))
+        .flat_map(|(kind, usage)| usage.active.iter().map(move |span| (kind, &span.name, &span.side)))
+        .collect();
+    active.sort();
+    active.dedup();
+    let note = if active.is_empty() { "none is reached".into() } else { format!("{} reached", active.len()) };
+    Card { name, value: "all kept".into(), note, is_good: Some(true) }
+}

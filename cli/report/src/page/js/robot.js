@@ -1,0 +1,24 @@
+// Poses of the links from positions of the joints: X_i = X_parent X_i(0) J_i(q_i).
+
+const joints = stageData.joints;
+
+const posesAt = (q) => {
+  const poses = [];
+  joints.forEach((joint) => {
+    const standing = joint.parent === null ? joint.at : then(poses[joint.parent], joint.at);
+    const position = joint.ratio * q[joint.q] + joint.offset;
+    const motion = joint.kind === "revolute" ? rotation(joint.axis, position)
+      : [1, 0, 0, 0, 1, 0, 0, 0, 1, ...times3(joint.axis, position)];
+    poses.push(then(standing, motion));
+  });
+  return poses;
+};
+
+const carriedBy = (poses, joint) => (joint === null ? stillPlacement : poses[joint]);
+
+// Positions of a tool at many times.
+const toolPath = (tool, list) => list.map((time) =>
+  placed(carriedBy(posesAt(positionsAt(time)), tool.joint), tool.at.slice(9)));
+
+// Times between which the path of a tool is straight enough to be drawn.
+const pathTimes = Array.from({ length: 241 }, (_, k) => startTime + (endTime - startTime) * k / 240);

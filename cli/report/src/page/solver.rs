@@ -1,0 +1,125 @@
+//! Figures of the solver, folded: each explained, and coloured where it is bad.
+
+use crate::figures::figures;
+use crate::motion::Motion;
+use crate::svg::markup::escaped;
+use crate::text;
+use costate_control::{Motion as Figures, Verify};
+
+/// Largest drift and mismatch that are good (relative).
+const SMALL: f64 = 1e-5;
+
+/// The section: figures, iterations, starts; open where something is bad.
+pub fn section(motion: &Motion<'_>) -> String {
+    let (problem, solution) = (motion.problem, motion.solution);
+    let mut is_bad = false;
+    let rows: String = figures(problem, solution)
+        .iter()
+        .map(|(name, value)| {
+            let good = is_good(motion, name);
+            is_bad |= good == Some(false);
+            let class = match good {
+                Some(true) => " class=\"good\"",
+                Some(false) => " class=\"bad\"",
+                None => "",
+            };
+            let (value, meaning) = (escaped(value), meaning(name));
+            format!("<tr><th scope=\"row\">{name}</th><td{class}>{value}</td><td>{meaning}</td></tr>")
+        })
+        .collect();
+    let open = if is_bad || !solution.motion.status.is_solved() { " open" } else { "" };
+    let plots = if motion.exists() { "<div class=\"plots\" id=\"solver-plots\"></div>" } else { "" };
+    format!(
+        "<details{open}><summary>Solver</summary><div class=\"wide\"><table class=\"figures\"><tbody>{rows}</tbody>\
+         </table></div>{plots}{}</details>\n",
+        iterations(motion)
+    )
+}
+
+/// What a figure says.
+fn meaning(name: &str) -> &'static str {
+    match name {
+        "cost" => "what was minimised, without penalties",
+        "cost of penalties" => "the part of the penalties in what was minimised",
+        "smoothing left" => "the controls are this far from those of the problem itself; 0 would be exact",
+        "final time" => "how long the motion takes",
+        "vias at" => "when one phase ends and the next one begins",
+        "shown" => {
+            "which of two motions: that of the direct method, or one that solves the maximum principle"
+        }
+        "H*" => "the maximised Hamiltonian: the cost that one more second would save",
+        "drift of H*" => "H* is constant on an exact solution; how far this one is from that",
+        "end defect" => {
+            "how far the robot misses its end when its torques are integrated again from the start"
+        }
+        "shooting defect" => {
+            "largest mismatch when pieces of the motion are integrated again, costates included"
+        }
+        "Newton iterations" => "steps of Newton's method, over all meshes and starts",
+        "mesh nodes" => "points at which the motion was computed",
+        "conjugate time" => "from this time on motions nearby would cost less; none means a local minimum",
+        "local minimum" => "what the second derivatives of the direct method show",
+        "verification" => "how the motion was checked",
+        "error of the cost" => "estimated from the mesh, relative",
+        "active limits" => "limits that the motion reaches",
+        "switches" => "times at which a control reaches or leaves a bound",
+        "bounds needed" | "at joint" | "at time" | "control there" | "its bound" => {
+            "what the bounds would have to be for a motion to exist"
+        }
+        name if name.starts_with("beyond") => "largest violation at the points of the mesh, and between them",
+        _ => "",
+    }
+}
+
+/// Whether a figure is good; `None` where it does not matter.
+fn is_good(motion: &Motion<'_>, name: &str) -> Option<bool> {
+    let (solution, figures) = (motion.solution, &motion.solution.motion);
+    let checked = figures.verification == Verify::Full;
+    let bound = Figures::verification_bound(solution.options.tolerance);
+    match name {
+        "smoothing left" | "bounds needed" => Some(false),
+        "drift of H*" => Some(figures.hamiltonian_drift < SMALL),
+        "end defect" if checked || solution.end_defect.is_finite() => {
+            let size = |rows: &[Vec<f64>]| rows.iter().flatten().fold(0.0_f64, |all, x| all.max(x.abs()));
+            let size = size(&solution.trajectory.q).max(size(&solution.trajectory.v));
+            Some(solution.end_defect <= bound * size.max(1.0))
+        }
+        "shooting defect" if checked || figures.shooting_defect.is_finite() => {
+            Some(figures.status.is_solved() || figures.shooting_defect < bound.max(SMALL))
+        }
+        "conjugate time" if figures.conjugate_time.is_some() => Some(false),
+        "verification" => Some(figures.verification != Verify::None),
+        name if name.starts_with("beyond") => {
+            let kind = name.strip_prefix("beyond ")?.strip_suffix(" limits").unwrap_or("task");
+            let kind = kind.replace(['-', ' '], "_");
+            let usage = solution.limits.kinds().find(|(name, _)| *name == kind)?.1?;
+            Some(usage.worst.is_none())
+        }
+        _ => None,
+    }
+}
+
+/// The table of iterations and the other starts.
+fn iterations(motion: &Motion<'_>) -> String {
+    let solution = motion.solution;
+    let cells = |tag: &str, cells: &[String]| -> String {
+        let cells: String = cells.iter().map(|cell| format!("<{tag}>{}</{tag}>", escaped(cell))).collect();
+        format!("<tr>{cells}</tr>")
+    };
+    let table = |header: &[&str], rows: String| {
+        let header = cells("th", &header.iter().map(ToString::to_string).collect::<Vec<_>>());
+        format!("<div class=\"wide tall\"><table><thead>{header}</thead><tbody>{rows}</tbody></table></div>")
+    };
+    let iterations = solution.motion.iterations.iter();
+    let rows: String = iterations.map(|iteration| cells("td", &text::iteration_row(iteration))).collect();
+    let mut sections = String::new();
+    if !rows.is_empty() {
+        sections += &format!("<h3>Newton steps</h3>{}", table(&text::ITERATION_HEADER, rows));
+    }
+    if solution.starts.len() > 1 {
+        let rows = solution.starts.iter().enumerate();
+        let rows = rows.map(|(i, start)| cells("td", &text::start_row(i, start))).collect();
+        sections += &format!("<h3>Starts</h3>{}", table(&text::START_HEADER, rows));
+    }
+    sections
+}

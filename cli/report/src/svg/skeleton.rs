@@ -1,0 +1,137 @@
+//! The robot as a stick figure: points in the world frame and lines between them.
+
+use costate::robot::{JointKind, Robot};
+use costate_control::Trajectory;
+
+/// x, y, z in the world frame (m).
+pub type Point = [f64; 3];
+
+/// The meaning of a line of the figure.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Part {
+    /// From the origin of the world frame to a joint on the base.
+    Base,
+    /// Between two joints, or from the last joint to the centre of mass of its link.
+    Link,
+    /// The displacement of a prismatic joint.
+    Slide,
+}
+
+impl Part {
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Base => "base",
+            Self::Link => "link",
+            Self::Slide => "slide",
+        }
+    }
+}
+
+/// Point 0 is the origin of the world frame. Point 1 + 2 i is the origin of the frame of joint i at q = 0 of
+/// this joint, point 2 + 2 i its origin at the actual position; for a revolute joint both are the same. The
+/// centres of mass of the links without a child follow.
+pub struct Skeleton<'a> {
+    robot: &'a Robot,
+    leaves: Vec<usize>,
+    /// Two points and the meaning of the line between them.
+    pub lines: Vec<(usize, usize, Part)>,
+    /// The points whose path is drawn: one for each link without a child.
+    pub tips: Vec<usize>,
+}
+
+/// Shorter lines are omitted (m).
+const SHORTEST: f64 = 1e-9;
+
+/// The point of joint i before its displacement.
+fn placed(i: usize) -> usize {
+    1 + 2 * i
+}
+
+/// The point of joint i after its displacement.
+pub fn moved(i: usize) -> usize {
+    2 + 2 * i
+}
+
+impl<'a> Skeleton<'a> {
+    pub fn new(robot: &'a Robot) -> Self {
+        let n = robot.joints().len();
+        let carries = |i: usize| robot.joints().iter().any(|joint| joint.parent == Some(i));
+        let leaves: Vec<usize> = (0..n).filter(|&i| !carries(i)).collect();
+        let mut lines = Vec::new();
+        for (i, joint) in robot.joints().iter().enumerate() {
+            let length = joint.placement.translation.norm();
+            let (from, part) = joint.parent.map_or((0, Part::Base), |parent| (moved(parent), Part::Link));
+            if length > SHORTEST {
+                lines.push((from, placed(i), part));
+            }
+            if joint.kind == JointKind::Prismatic {
+                lines.push((placed(i), moved(i), Part::Slide));
+            }
+        }
+        let mut tips = Vec::new();
+        for (k, &leaf) in leaves.iter().enumerate() {
+            let tip = 1 + 2 * n + k;
+            let has_length = robot.joints()[leaf].inertia.com.norm() > SHORTEST;
+            tips.push(if has_length { tip } else { moved(leaf) });
+            if has_length {
+                lines.push((moved(leaf), tip, Part::Link));
+            }
+        }
+        Self { robot, leaves, lines, tips }
+    }
+
+    /// All points at q (rad, m); all zero if q has the wrong length.
+    pub fn points(&self, q: &[f64]) -> Vec<Point> {
+        let joints = self.robot.joints();
+        let mut points = vec![[0.0; 3]; 1 + 2 * joints.len() + self.leaves.len()];
+        let Ok(poses) = self.robot.poses(q) else { return points };
+        for (i, (joint, pose)) in joints.iter().zip(&poses).enumerate() {
+            let frame = joint.parent.map_or(joint.placement, |p| poses[p].then(&joint.placement));
+            points[placed(i)] = frame.translation.into();
+            points[moved(i)] = pose.translation.into();
+        }
+        for (k, &leaf) in self.leaves.iter().enumerate() {
+            let pose = &poses[leaf];
+            points[1 + 2 * joints.len() + k] =
+                (pose.rotation * joints[leaf].inertia.com + pose.translation).into();
+        }
+        points
+    }
+}
+
+/// The points of the figure at `count` times from start to end; poses that are not finite are omitted.
+pub fn film(skeleton: &Skeleton<'_>, motion: &Trajectory, count: usize) -> Vec<Vec<Point>> {
+    let [first, .., last] = motion.t[..] else {
+        return motion.q.iter().map(|q| skeleton.points(q)).collect();
+    };
+    let time = |k: usize| first + (last - first) * k as f64 / (count - 1) as f64;
+    let point = |k: usize| motion.at(time(k).clamp(first, last));
+    let frames = (0..count).filter_map(point).map(|point| skeleton.points(&point.q));
+    frames.filter(|points| points.iter().flatten().all(|x| x.is_finite())).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use costate::robot::{JointSpec, LinkInertia, Placement};
+
+    #[test]
+    fn a_cart_with_a_pole_has_a_slide_and_a_link() {
+        let cart =
+            JointSpec::prismatic("cart").axis([1.0, 0.0, 0.0]).carrying(LinkInertia::point(1.0, [0.0; 3]));
+        let pole = JointSpec::revolute("pole").on("cart").axis([0.0, 1.0, 0.0]);
+        let pole = pole.carrying(LinkInertia::point(1.0, [0.0, 0.0, 0.5]));
+        let lift = Placement::from_xyz_rpy([0.0, 0.0, 0.2], [0.0; 3]);
+        let robot = Robot::builder("cart pole").joint(cart).joint(pole.placed(lift)).build().unwrap();
+        let skeleton = Skeleton::new(&robot);
+        let parts: Vec<_> = skeleton.lines.iter().map(|line| line.2).collect();
+        assert_eq!(parts, [Part::Slide, Part::Link, Part::Link]);
+        let points = skeleton.points(&[0.7, std::f64::consts::FRAC_PI_2]);
+        let expected =
+            [[0.0; 3], [0.0; 3], [0.7, 0.0, 0.0], [0.7, 0.0, 0.2], [0.7, 0.0, 0.2], [1.2, 0.0, 0.2]];
+        for (point, expected) in points.iter().zip(&expected) {
+            assert!(point.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-15), "{points:?}");
+        }
+        assert_eq!(skeleton.tips, [5]);
+    }
+}

@@ -1,0 +1,214 @@
+//! A solution in words: what is minimised, how it ended and why, rows of tables.
+
+use crate::advice::advice;
+use crate::figures::{Needed, time_is_free};
+use crate::numbers::{scientific, short};
+use costate_control::{Iteration, Method, Problem, RelaxedLimit, Solution, StartResult, Status, Verify};
+
+/// What is minimised: `minimum of T + 1/2 u'Ru, final time free, actuation bounded, limits kept`. Bounds and
+/// limits that the motion does not satisfy are left out.
+pub fn criterion(problem: &Problem, solution: &Solution) -> String {
+    let status = &solution.motion.status;
+    let effort = problem.cost.effort.iter().any(|&r| r != 0.0);
+    let time = match problem.cost.time {
+        0.0 => None,
+        1.0 => Some("T".to_owned()),
+        weight => Some(format!("{} T", short(weight, 6))),
+    };
+    let energy = problem.cost.has_energy();
+    let costs = |list: &Option<Vec<f64>>| list.as_ref().is_some_and(|list| list.iter().any(|&w| w != 0.0));
+    let (rate, jerk) = (costs(&problem.cost.torque_rate), costs(&problem.cost.jerk));
+    let terms = [
+        time,
+        effort.then(|| "\u{222b} \u{bd} \u{3a3} r\u{1d62} u\u{1d62}\u{b2} dt".to_owned()),
+        energy.then(|| "\u{222b} \u{3a3} e\u{1d62} (\u{3c4}\u{1d62} v\u{1d62})\u{207a} dt".to_owned()),
+        rate.then(|| "\u{222b} \u{bd} \u{3a3} w\u{1d62} (d\u{3c4}\u{1d62}/dt)\u{b2} dt".to_owned()),
+        jerk.then(|| "\u{222b} \u{bd} \u{3a3} w\u{1d62} (da\u{1d62}/dt)\u{b2} dt".to_owned()),
+    ];
+    let terms: Vec<_> = terms.into_iter().flatten().collect();
+    let minimum = match terms.is_empty() {
+        true => "motion without a cost".into(),
+        false => format!("minimum of {}", terms.join(" + ")),
+    };
+    let time = if time_is_free(problem) { "final time free" } else { "final time fixed" };
+    let exceeded = matches!(status, Status::BoundsNotReached | Status::LimitsNotKept | Status::Infeasible);
+    let within_bounds = problem.bounds.is_some() && !exceeded;
+    let bounds = if within_bounds { ", actuation bounded" } else { "" };
+    let penalty = if problem.penalty.is_some() { ", with penalties" } else { "" };
+    let kept = !solution.limits.is_empty() && solution.limits.violations().next().is_none();
+    let limits = if kept { ", limits kept" } else { "" };
+    format!("{minimum}, {time}{bounds}{penalty}{limits}")
+}
+
+/// A status in words.
+pub fn status(status: &Status) -> String {
+    match status {
+        Status::ConvergedSmoothed => "converged, smoothed control".into(),
+        status => spaced(status.name()),
+    }
+}
+
+/// Why a motion is not a solution, and what to do; `None` for a solution.
+pub fn explanation(problem: &Problem, solution: &Solution) -> Option<String> {
+    let status = &solution.motion.status;
+    let best = "the motion is the best iterate so far, not a solution";
+    Some(match status {
+        status if status.is_solved() => return None,
+        Status::BoundsNotReached => match Needed::new(problem, solution) {
+            Some(Needed { joint, factor, time, u, bound }) => format!(
+                "no motion within the bounds was found: the bounds of joint '{joint}' would have to be {factor} \
+                 times as wide, {u} instead of {bound} at t = {time}; widen bounds.u_min and bounds.u_max, or {}",
+                longer(problem)
+            ),
+            None => status.to_string(),
+        },
+        Status::LimitsNotKept => {
+            let exceeded: Vec<_> = exceeded(solution).collect();
+            match exceeded.is_empty() {
+                true => status.to_string(),
+                false => format!(
+                    "no motion that keeps all limits was found: {}; widen them, {}, or raise solver.starts",
+                    exceeded.join("; "),
+                    longer(problem)
+                ),
+            }
+        }
+        Status::Infeasible => infeasible(solution),
+        Status::NotVerified if solution.motion.verification == Verify::None => {
+            "the motion was not verified, as asked for: it may be a solution".into()
+        }
+        Status::PathOnly => status.to_string(),
+        status if solution.trajectory.t.is_empty() => format!("no motion was found: {status}"),
+        Status::Cancelled => format!("interrupted: {best}"),
+        Status::TimeLimit => {
+            format!("the time limit was reached: {best}; raise solver.time_limit or --time-limit")
+        }
+        status => {
+            let reason = advice(problem, solution).unwrap_or_else(|| status.to_string());
+            format!("the motion is the best iterate, not a solution: {reason}")
+        }
+    })
+}
+
+/// That the torques of a solution do not lead the robot to its end without a correction.
+pub fn needs_feedback(solution: &Solution) -> Option<String> {
+    let direct = solution.options.method == Method::Direct && !is_polished(solution);
+    let by_parts = direct && solution.motion.shooting_defect.is_finite();
+    (by_parts && solution.motion.status.is_solved()).then(|| {
+        "errors grow along this motion: torques alone, repeated without feedback, lead the robot elsewhere; \
+         track the positions, or use the gains of --feedback; rotors (robot.armature) calm light wrists"
+            .into()
+    })
+}
+
+/// Whether the extremal is shown.
+fn is_polished(solution: &Solution) -> bool {
+    solution.polish.as_ref().is_some_and(|report| report.outcome.is_polished())
+}
+
+/// How the robot gets more time.
+fn longer(problem: &Problem) -> &'static str {
+    if time_is_free(problem) { "raise time.guess" } else { "raise time.final" }
+}
+
+/// Most limits that have to give in one sentence; the one that gives most comes first.
+const MOST_LIMITS: usize = 4;
+
+/// What would have to give so that a motion exists.
+fn infeasible(solution: &Solution) -> String {
+    let status = &solution.motion.status;
+    let Some(found) = solution.limits.infeasible.as_ref().filter(|found| !found.limits.is_empty()) else {
+        return status.to_string();
+    };
+    let gives = |limit: &RelaxedLimit| {
+        let (amount, unit) = (short(limit.amount, 4), &limit.unit);
+        let when = format!("at t = {} s", short(limit.time, 4));
+        if limit.kind == "task" {
+            return format!("the {} gives by {amount} {unit} ({when})", limit.name);
+        }
+        let whose =
+            if limit.name == "all joints" { limit.name.clone() } else { format!("joint '{}'", limit.name) };
+        let what = if limit.kind == "torque_speed" { "torque" } else { &limit.kind };
+        let from = limit.limit.map_or_else(String::new, |limit| format!("{} {unit} ", short(limit, 4)));
+        format!("the {what} limit {from}of {whose} gives by {amount} {unit} ({when})")
+    };
+    let mut limits: Vec<_> = found.limits.iter().take(MOST_LIMITS).map(gives).collect();
+    let more = found.limits.len().saturating_sub(MOST_LIMITS);
+    if more > 0 {
+        limits.push(format!("{more} more give too (limits.infeasible of --json has all)"));
+    }
+    let later = found.final_time.map_or_else(String::new, |time| {
+        format!("; with a final time of {} s a motion keeps all limits", short(time, 4))
+    });
+    let least = found
+        .least_time
+        .map_or_else(String::new, |time| format!("; none does in less than {} s", short(time, 4)));
+    let certain = match found.is_global {
+        true => "",
+        false => "; this holds for motions nearby only, another guess (solver.starts) may find one",
+    };
+    format!("no motion keeps all limits unless {}{least}{later}{certain}", limits.join(" and "))
+}
+
+/// For each kind of limits that is exceeded: which joint, tool or body, where, by how much.
+fn exceeded(solution: &Solution) -> impl Iterator<Item = String> {
+    solution.limits.violations().map(|(kind, worst)| {
+        let (name, unit, time) = (&worst.name, &worst.unit, short(worst.time, 4));
+        if kind == "task" {
+            return format!("the {name} is off by {} {unit} at t = {time} s", short(worst.excess, 4));
+        }
+        let (value, limit) = (short(worst.value, 4), short(worst.limit, 4));
+        let whose = if name == "all joints" { name.clone() } else { format!("joint '{name}'") };
+        // Where a motor drives fast, its torque is limited to less.
+        let what = match kind {
+            "torque_speed" => "torque",
+            "torque_rate" => "rate of the torque",
+            kind => kind,
+        };
+        format!(
+            "the {what} of {whose} would have to be {value} {unit} instead of {limit} {unit} at t = {time} s"
+        )
+    })
+}
+
+/// A search that ended before all of its starts were tried.
+pub fn skipped_starts(solution: &Solution) -> Option<String> {
+    let (tried, all) = (solution.starts.len(), solution.options.starts);
+    (1..all).contains(&tried).then(|| format!("the search ended during start {tried} of {all}"))
+}
+
+/// A name without underscores.
+pub fn spaced(name: &str) -> String {
+    name.replace('_', " ")
+}
+
+/// Header of the table of iterations.
+pub const ITERATION_HEADER: [&str; 7] =
+    ["phase", "nodes", "iteration", "residual", "step", "final time (s)", "cost"];
+
+/// A row of the table of iterations.
+pub fn iteration_row(iteration: &Iteration) -> Vec<String> {
+    vec![
+        iteration.phase.to_string(),
+        iteration.nodes.to_string(),
+        iteration.number.to_string(),
+        scientific(iteration.residual),
+        short(iteration.step, 3),
+        short(iteration.final_time, 7),
+        short(iteration.cost, 9),
+    ]
+}
+
+/// Header of the table of starts.
+pub const START_HEADER: [&str; 3] = ["start", "status", "cost and penalties"];
+
+/// A row of the table of starts; `index` counts from 0.
+pub fn start_row(index: usize, start: &StartResult) -> Vec<String> {
+    vec![(index + 1).to_string(), status(&start.status), short(start.total, 12)]
+}
+
+/// With a capital letter.
+pub fn sentence(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}

@@ -1,0 +1,354 @@
+"""Problems of optimal motions."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from os import PathLike, fspath
+from typing import TYPE_CHECKING, Any, Literal
+
+from . import _run
+from ._branch import Branch
+from ._costate import Robot, _Problem
+from ._errors import Interrupted, ProblemError
+from ._solution import Solution
+from ._tables import text_of
+
+if TYPE_CHECKING:
+    from ._resolve import Resolve
+
+    _Path = str | PathLike[str]
+
+
+# What a number or a list stands for, where a table can be given.
+_SHORT = {"start": "q", "end": "q", "cost": "effort", "time": "final", "periodic": "shift", "actuation": "gain"}
+_TABLES = (
+    *("robot", "start", "end", "via", "periodic", "time", "cost", "actuation", "bounds", "limits", "penalty"),
+    *("keep", "obstacle", "collision", "start_from", "solver"),
+)
+
+
+class Problem:
+    """Find the cheapest motion of a robot from its start to its end, within all limits.
+
+    A problem has the tables of a problem file of the command ``costate optimize``, as nested dictionaries with the
+    same keys; ``docs/optimize.md`` describes them all. Each of them is a keyword here. Where one number or list says
+    most, it can stand for the table: ``start=q`` and ``end=q`` for positions, ``time=T`` for a fixed final time,
+    ``cost=weights`` for the weights of the squared torques, ``limits=True`` for the limits of the robot. Lists have one
+    entry for each of ``robot.joint_names`` and can be arrays. Units are rad, m, kg, s, N m, N and W.
+
+    A problem never changes. Problems with equal robots, tables and options are equal; a pickle contains the robot.
+
+    Parameters
+    ----------
+    robot : Robot
+        The robot. With ``robot={"payload": {...}}`` in ``tables`` it is changed first.
+    tables : dict, optional
+        All tables by their names; keywords add to them.
+    start, end : dict or array (n)
+        Where the motion begins and ends: ``q``, ``v`` (0), ``a``, ``q_free``, ``v_free``, ``tool``.
+    time : dict or float
+        ``{"final": T}``, or ``{"free": True, "guess": T}`` for a free final time (s).
+    cost : dict or array (n)
+        ``effort``, ``time``, ``energy``, ``torque_rate``, ``jerk``, ``tool``, ``reference``.
+    limits : dict or bool
+        Hard limits: ``q_min``, ``q_max``, ``v_max``, ``a_max``, ``torque_max``, ``power_max``, ...; ``from_robot``.
+    via, keep, obstacle : list of dict
+        Places on the way; what tools keep; what the robot keeps away from, with the bodies of ``collision``.
+    bounds, penalty, actuation, periodic, collision, solver, start_from : dict
+        The other tables.
+    folder : path, optional
+        Where relative paths in the tables begin.
+
+    Raises
+    ------
+    ProblemError
+        With ``key``, the key at fault.
+
+    Examples
+    --------
+    >>> import costate
+    >>> builder = costate.Robot.builder("cart", gravity=[0, 0, 0])
+    >>> robot = builder.prismatic("rail", axis=[1, 0, 0], mass=2).build()
+    >>> problem = costate.Problem(robot, start=[0.0], end=[1.0], time=1.0, cost=[1.0])
+    >>> round(problem.solve().cost, 6)  # 6 (m d)^2/T^3
+    24.0
+    """
+
+    __slots__ = ("_core",)
+    _core: _Problem
+
+    def __init__(
+        self,
+        robot: Robot,
+        tables: Mapping[str, Any] | None = None,
+        *,
+        start: Mapping[str, Any] | Sequence[float] | None = None,
+        end: Mapping[str, Any] | Sequence[float] | None = None,
+        time: Mapping[str, Any] | float | None = None,
+        cost: Mapping[str, Any] | Sequence[float] | None = None,
+        limits: Mapping[str, Any] | bool | None = None,
+        bounds: Mapping[str, Any] | None = None,
+        penalty: Mapping[str, Any] | None = None,
+        actuation: Mapping[str, Any] | Sequence[float] | None = None,
+        via: Sequence[Mapping[str, Any]] | None = None,
+        periodic: Mapping[str, Any] | Sequence[float] | bool | None = None,
+        keep: Sequence[Mapping[str, Any]] | Mapping[str, Any] | None = None,
+        obstacle: Sequence[Mapping[str, Any]] | Mapping[str, Any] | None = None,
+        collision: Mapping[str, Any] | None = None,
+        solver: Mapping[str, Any] | None = None,
+        start_from: Mapping[str, Any] | None = None,
+        folder: _Path = "",
+    ) -> None:
+        given: dict[str, Any] = {"start": start, "end": end, "time": time, "cost": cost, "limits": limits}
+        given |= {"bounds": bounds, "penalty": penalty, "actuation": actuation, "via": via, "periodic": periodic}
+        given |= {"keep": keep, "obstacle": obstacle, "collision": collision, "solver": solver}
+        given |= {"start_from": start_from}
+        all_tables = dict(tables or {})
+        for name, value in given.items():
+            if value is None:
+                continue
+            if name in all_tables:
+                error = ProblemError(f"{name}: given twice, by name and in `tables`; keep one of the two")
+                error.key = name
+                raise error
+            all_tables[name] = value
+        text = text_of({name: _table(name, value) for name, value in all_tables.items()})
+        self._set(_Problem.of_robot(robot, text, fspath(folder)))
+
+    def _set(self, core: _Problem) -> None:
+        object.__setattr__(self, "_core", core)
+
+    @classmethod
+    def _of(cls, core: _Problem) -> Problem:
+        problem = cls.__new__(cls)
+        problem._set(core)
+        return problem
+
+    @classmethod
+    def from_file(cls, path: _Path, *, friction: bool = False, strict: bool = False) -> Problem:
+        """Read a problem file with the robot that it names, as ``costate optimize`` does.
+
+        Parameters
+        ----------
+        path : path
+            The problem file (TOML). Paths in it are relative to its folder.
+        friction, strict : bool
+            As in `Robot.from_file`.
+
+        Raises
+        ------
+        ProblemError
+            With ``path``, ``line`` and ``key``.
+        OSError
+            Where the file cannot be read.
+        """
+        return cls._of(_Problem.from_file(fspath(path), friction, strict))
+
+    @classmethod
+    def from_text(
+        cls,
+        text: str,
+        robot: Robot | None = None,
+        *,
+        folder: _Path = "",
+        friction: bool = False,
+        strict: bool = False,
+    ) -> Problem:
+        """Read the text of a problem file.
+
+        Parameters
+        ----------
+        text : str
+            The text (TOML).
+        robot : Robot, optional
+            The robot, in the place of one that the text names.
+        folder : path
+            Where relative paths in the text begin.
+        friction, strict : bool
+            As in `Robot.from_file`, for a robot that the text names.
+        """
+        if robot is not None:
+            return cls._of(_Problem.of_robot(robot, text, fspath(folder)))
+        return cls._of(_Problem.from_text(text, fspath(folder), friction, strict))
+
+    @property
+    def robot(self) -> Robot:
+        """The robot that moves, with the changes of ``[robot]``."""
+        return self._core.robot()
+
+    @property
+    def text(self) -> str:
+        """The text of the problem file, or of the tables that were given."""
+        return self._core.text
+
+    @property
+    def options(self) -> dict[str, Any]:
+        """The options of the solver, all of them."""
+        options: dict[str, Any] = json.loads(self._core.options_json())
+        return options
+
+    def solve(
+        self,
+        *,
+        tolerance: float | None = None,
+        starts: int | None = None,
+        seed: int | None = None,
+        threads: int | None = None,
+        nodes: int | None = None,
+        time_limit: float | None = None,
+        method: Literal["direct", "collocation", "shooting"] | None = None,
+        verify: Literal["full", "factors", "none"] | None = None,
+        polish: Literal["auto"] | bool | None = None,
+        machine_code: Literal["later", "at_once", "never"] | None = None,
+        jacobian: Literal["exact", "differences", "without_hessian"] | None = None,
+        coordinates: Literal["hamiltonian", "lagrangian"] | None = None,
+        start_from: Solution | _Path | None = None,
+        progress: _run._Progress = None,
+        on_interrupt: Literal["raise", "return"] = "raise",
+        stage_times: bool = False,
+    ) -> Solution:
+        """Solve the problem.
+
+        Without the interpreter's lock, on a thread of its own. Debug records of the logger ``"costate"`` tell each
+        Newton step, an info record how the solve ended. Ctrl-C ends it before its next Newton step, and the best
+        motion so far is kept; a second Ctrl-C does not wait for that.
+
+        Parameters
+        ----------
+        tolerance, starts, seed, threads, nodes, time_limit, method, verify, polish, machine_code, jacobian, coordinates
+            Options in the place of those of ``[solver]``, which ``docs/optimize.md`` describes: ``tolerance`` of the
+            cost (1e-6), number of guesses ``starts`` (1), ``time_limit`` in s.
+        start_from : Solution or path, optional
+            Begins at this motion, of a robot with these joints, or at one that was saved.
+        progress : None, True or function
+            True shows a bar (of tqdm, if installed). A function is called with each `Iteration`, on this thread; if it
+            returns something true the solve ends with the status ``"cancelled"``.
+        on_interrupt : {"raise", "return"}
+            After Ctrl-C raise `Interrupted`, a KeyboardInterrupt with the best motion in ``solution``; or return it.
+        stage_times : bool
+            Measure where the time goes.
+
+        Returns
+        -------
+        Solution
+            Its ``status`` says how it ended. An unsolved problem is no error: ``solution.check()`` makes it one.
+
+        Raises
+        ------
+        ProblemError
+            With ``key``: an option out of range, or a problem that the method does not take.
+        Interrupted
+            After Ctrl-C.
+        """
+        _run.check_on_interrupt(on_interrupt)
+        options: dict[str, Any] = {"tolerance": tolerance, "starts": starts, "seed": seed, "threads": threads}
+        options |= {"nodes": nodes, "time_limit": time_limit, "method": method, "verify": verify, "polish": polish}
+        options |= {"machine_code": machine_code, "jacobian": jacobian, "coordinates": coordinates}
+        show = _run.logger.isEnabledFor(10)
+        collect = show or progress not in (None, False)
+        run = self._core.begin(text_of(options), _start(start_from), collect=collect, times=stage_times)
+        found, interrupted = _run.finish(run, progress, show)
+        solution = Solution._of(found, self)
+        figures = (solution.status, solution.cost, solution.final_time, solution.seconds)
+        _run.logger.info("%s, cost %.9g, T %.6g s, solved in %.3g s", *figures)
+        for warning in solution.warnings:
+            _run.logger.warning("%s", warning)
+        if interrupted and on_interrupt == "raise":
+            raise Interrupted(solution)
+        return solution
+
+    def with_parameter(self, parameter: str, value: float) -> Problem:
+        """The problem with another value of one of its numbers.
+
+        Parameters
+        ----------
+        parameter : {"final_time", "gravity", "armature", "bounds", "penalty_weight"}
+            T (s), the weight of the penalties, or a factor of gravity, of the armature, of the distance of the bounds.
+        value : float
+            The value.
+
+        Raises
+        ------
+        ProblemError
+            Where the problem has no such number, or must not have this value.
+        """
+        return Problem._of(self._core.with_parameter(parameter, value))
+
+    def follow(
+        self,
+        parameter: str,
+        first: float,
+        last: float,
+        *,
+        start_from: Solution | _Path | None = None,
+        progress: _run._Progress = None,
+        on_interrupt: Literal["raise", "return"] = "raise",
+        **options: Any,
+    ) -> Branch:
+        """Follow the solution by collocation while a parameter changes, around turning points: `--continue`.
+
+        Parameters
+        ----------
+        parameter : str
+            One of `with_parameter`, or "smoothing".
+        first, last : float
+            Its values.
+        start_from, progress, on_interrupt, **options
+            As in `solve`.
+
+        Returns
+        -------
+        Branch
+            Its ``end`` says whether the last value was reached.
+        """
+        _run.check_on_interrupt(on_interrupt)
+        show = _run.logger.isEnabledFor(10)
+        collect = show or progress not in (None, False)
+        run = self._core.follow(parameter, first, last, text_of(options), _start(start_from), collect=collect)
+        found, interrupted = _run.finish(run, progress, show)
+        branch = Branch._of(run.branch(), found, self, parameter, first)
+        if interrupted and on_interrupt == "raise":
+            raise Interrupted(branch.solution)
+        return branch
+
+    def resolve(self, **options: Any) -> Resolve:
+        """Prepare the problem for being solved again and again: ``Resolve(self, **options)``."""
+        from ._resolve import Resolve
+
+        return Resolve(self, **options)
+
+    def __setattr__(self, name: str, value: object) -> None:
+        raise AttributeError(f"a Problem does not change: {name}")
+
+    def __eq__(self, other: object) -> bool:
+        return self._core == other._core if isinstance(other, Problem) else NotImplemented
+
+    def __hash__(self) -> int:
+        return hash(self._core)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (Problem._of, (self._core,))
+
+    def __repr__(self) -> str:
+        robot = self._core.robot()
+        return f"Problem({robot.name!r}, n={robot.n})"
+
+
+def _start(given: Solution | _Path | None) -> Any:
+    return given._core if isinstance(given, Solution) else given and fspath(given)
+
+
+def _table(name: str, value: Any) -> Any:
+    """A table, where a number or a list stood for it."""
+    if name not in _TABLES:
+        error = ProblemError(f"{name}: unknown key; the keys here are {', '.join(_TABLES)}")
+        error.key = name
+        raise error
+    if isinstance(value, bool) and name == "limits":
+        return {"from_robot": value}
+    if isinstance(value, bool) and name == "periodic":
+        return {} if value else None
+    if name in _SHORT and not isinstance(value, Mapping):
+        return {_SHORT[name]: value}
+    return value

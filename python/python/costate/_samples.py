@@ -1,0 +1,142 @@
+"""Motions at many times: samples, feedback, and derivatives of the cost."""
+
+from __future__ import annotations
+
+import json
+from os import PathLike
+from pathlib import Path as _Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from ._costate import _Samples
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    _Array = NDArray[np.float64]
+
+
+class Sensitivity(NamedTuple):
+    """How the least cost changes with a parameter of the robot.
+
+    Attributes
+    ----------
+    name : str
+        The parameter, such as ``"elbow.mass"``.
+    value : float
+        Its value in the model.
+    derivative : float
+        dJ/dtheta.
+    """
+
+    name: str
+    value: float
+    derivative: float
+
+
+class Samples:
+    """A motion at many times: rows are times, columns joints.
+
+    Attributes
+    ----------
+    t : array (N)
+        Times (s).
+    q, v, a : array (N, n)
+        Positions, rates and accelerations.
+    tau : array (N, n)
+        Torques and forces at the joints (N m, N), cut to their limits.
+    u : array (N, n)
+        Controls, before the gain.
+    phase : array of int (N)
+        The phase of each time, from 1; empty without vias.
+    joint_names : list of str
+        The joints.
+    """
+
+    def __init__(self, core: _Samples, joint_names: list[str]) -> None:
+        self._core = core
+        self.joint_names = joint_names
+        self.t: _Array = core.array("t")
+        self.q: _Array = core.array("q")
+        self.v: _Array = core.array("v")
+        self.a: _Array = core.array("a")
+        self.tau: _Array = core.array("tau")
+        self.u: _Array = core.array("u")
+        self.phase: NDArray[np.int64] = core.array("phase")
+
+    def to_csv(self, path: str | PathLike[str] | None = None) -> str:
+        """The table that ``costate optimize --sample-to`` writes; also into a file, where one is given.
+
+        Columns are ``t``, then ``q_JOINT``, ``v_JOINT``, ``a_JOINT``, ``tau_JOINT``, ``u_JOINT`` for all joints.
+        """
+        text = self._core.csv()
+        if path is not None:
+            _Path(path).write_text(text, encoding="utf-8")
+        return text
+
+    def to_dataframe(self) -> Any:
+        """The same as a data frame of pandas, which must be installed."""
+        import pandas as pd  # type: ignore[import-untyped,import-not-found,unused-ignore]
+
+        columns: dict[str, Any] = {"t": self.t}
+        for name in ("q", "v", "a", "tau", "u"):
+            rows = getattr(self, name)
+            columns.update({f"{name}_{joint}": rows[:, k] for k, joint in enumerate(self.joint_names)})
+        if len(self.phase):
+            columns["phase"] = self.phase
+        return pd.DataFrame(columns)
+
+    def __len__(self) -> int:
+        return len(self.t)
+
+    def __repr__(self) -> str:
+        ends = f", {self.t[0]:.6g} to {self.t[-1]:.6g} s" if len(self.t) else ""
+        return f"Samples({len(self.t)} times{ends}, n={len(self.joint_names)})"
+
+
+class Gains:
+    """The optimal feedback of a motion over time, and its derivatives by limits.
+
+    A state that is off by (dq, dv) at the time ``t[k]`` is led to the end at the least cost by
+    ``tau[k] + gain_q[k] @ dq + gain_v[k] @ dv``, as long as the same limits are active.
+
+    Attributes
+    ----------
+    t : array (N)
+        Times (s).
+    q, v, tau : array (N, n)
+        The motion there.
+    gain_q, gain_v : array (N, n, n)
+        dtau/dq and dtau/dv.
+    cost_by_start, final_time_by_start : array (2n)
+        dJ/dx and dT/dx, x = (q, v) at the start.
+    final_time : float
+        T (s).
+    derivatives : dict
+        ``t``, and ``parameters``: for each limit of each joint ``name``, ``joint``, ``cost``, ``final_time``, and
+        ``q``, ``v``, ``tau`` (arrays) at ``t``, at the same part of the time.
+    """
+
+    def __init__(self, text: str) -> None:
+        self._text = text
+        found = json.loads(text)
+        n = len(found["joints"])
+        self.final_time: float = found["final_time"]
+        self.t: _Array = np.array(found["t"])
+        self.q, self.v, self.tau = (np.array(found[name]).reshape(-1, n) for name in ("q", "v", "tau"))
+        self.gain_q, self.gain_v = (np.array(found[name]).reshape(-1, n, n) for name in ("gain_q", "gain_v"))
+        self.cost_by_start, self.final_time_by_start = (
+            np.array(found[name]) for name in ("cost_by_start", "final_time_by_start")
+        )
+        self.derivatives: dict[str, Any] = found["derivatives"]
+        self.derivatives["t"] = np.array(self.derivatives["t"])
+        for parameter in self.derivatives["parameters"]:
+            parameter.update({name: np.array(parameter[name]) for name in ("q", "v", "tau")})
+
+    def to_json(self) -> str:
+        """The JSON object that ``costate optimize --feedback`` writes."""
+        return self._text
+
+    def __repr__(self) -> str:
+        return f"Gains({len(self.t)} times, n={self.q.shape[1]})"

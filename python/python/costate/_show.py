@@ -1,0 +1,77 @@
+"""Solutions as text, tables and pictures."""
+
+from __future__ import annotations
+
+from html import escape
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from ._costate import Robot
+    from ._samples import Samples
+    from ._solution import Solution
+
+
+def _rows(solution: Solution) -> list[tuple[str, str]]:
+    rows = [("status", solution.status.replace("_", " "))]
+    if len(solution.t):
+        rows += [("cost", f"{solution.cost:.12g}"), ("final time", f"{solution.final_time:.10g} s")]
+    if len(solution.errors) == 1:
+        rows.append(("error of the cost", f"{solution.errors[0]:.1e} relative, estimated"))
+    if np.isfinite(solution.end_defect):
+        rows.append(("end defect", f"{solution.end_defect:.1e}"))
+    for kind, use in solution.limits.items():
+        worst = use.get("worst")
+        where = f", {worst['joint']} at {worst['time']:.4g} s" if worst else ""
+        active = len({(span["joint"], span["side"]) for span in use["active"]})
+        text = f"exceeded by {use['at_points']:.1e}{where}; {active} active"
+        rows.append((kind.replace("_", " ") + " limits", text))
+    found = solution.infeasible or {}
+    for limit in found.get("limits", []):
+        amount = f"{limit['amount']:.4g} {limit['unit']} at {limit['time']:.4g} s"
+        rows.append(("would have to give", f"{limit['kind']} of {limit['joint']} ({limit['side']}) by {amount}"))
+    if found.get("final_time"):
+        rows.append(("or in a time of", f"{found['final_time']:.4g} s"))
+    return [*rows, ("Newton iterations", str(solution.newton_iterations))]
+
+
+def text(solution: Solution) -> str:
+    """Figures line by line, and why it is no solution."""
+    lines = [f"{name:<20}{value}" for name, value in _rows(solution)]
+    return "\n".join(lines if solution.solved else [*lines, solution.message])
+
+
+def html(solution: Solution) -> str:
+    """The same as a table."""
+    rows = "".join(f"<tr><th>{escape(name)}</th><td>{escape(value)}</td></tr>" for name, value in _rows(solution))
+    note = "" if solution.solved else f"<p>{escape(solution.message)}</p>"
+    return f"<div><b>{escape(solution.problem.robot.name)}</b><table>{rows}</table>{note}</div>"
+
+
+def plot(samples: Samples, robot: Robot, axes: Any) -> Any:
+    """q, v, a and tau over time on four axes."""
+    import matplotlib.pyplot as plt  # type: ignore[import-untyped,import-not-found,unused-ignore]
+
+    if axes is None:
+        _, grid = plt.subplots(2, 2, sharex=True, figsize=(10, 6), layout="constrained")
+        axes = grid.ravel()
+    limits = {
+        "q": robot.position_limits,
+        "v": robot.velocity_limits * [[-1], [1]],
+        "tau": robot.effort_limits * [[-1], [1]],
+    }
+    titles = {"q": "q (rad, m)", "v": "v (rad/s, m/s)", "a": "a (rad/s², m/s²)", "tau": "tau (N m, N)"}
+    for ax, (name, title) in zip(axes, titles.items(), strict=True):
+        rows = getattr(samples, name)
+        for k, joint in enumerate(samples.joint_names):
+            (line,) = ax.plot(samples.t, rows[:, k], label=joint)
+            near = np.ptp(rows) if len(rows) else 0.0
+            for limit in limits.get(name, np.empty((0, robot.n)))[:, k]:
+                if np.isfinite(limit) and np.abs(rows[:, k] - limit).min() < 0.3 * near:
+                    ax.axhline(limit, color=line.get_color(), linestyle=":", linewidth=1)
+        ax.set_title(title, loc="left", fontsize="medium")
+    axes[0].legend(fontsize="small")
+    for ax in axes[2:]:
+        ax.set_xlabel("t (s)")
+    return axes

@@ -1,0 +1,243 @@
+"""Robots in CasADi: functions with exact Jacobians and Hessians, without a compiler.
+
+Each function is a ``casadi.Function`` that CasADi loads from costate's own library, and calls without Python. Its
+first and second derivatives are functions of the library too: nothing is differenced, and nothing is expanded into a
+graph. It can be called with numbers and with ``MX`` symbols, mapped over threads, and used by ``Opti`` and
+``nlpsol`` with the exact Hessian. It cannot be called with ``SX`` symbols.
+
+A state that cannot be evaluated (a number that is not finite, a singular mass matrix) is an error of CasADi, which
+solvers such as IPOPT answer with a shorter step.
+
+Functions are pickled with the text of their robot. At most 64 of them exist at once in a process; one that was
+made twice counts once, derivatives and maps count with their function.
+
+>>> import casadi, costate, costate.casadi
+>>> builder = costate.Robot.builder("pendulum")
+>>> robot = builder.revolute("hinge", axis=[0, 1, 0], mass=1, com=[0, 0, -1]).build()
+>>> a = costate.casadi.dynamics(robot)
+>>> a(0.1, 0.0, 0.0)
+DM(-0.979366)
+>>> q = casadi.MX.sym("q")
+>>> casadi.Function("a_qq", [q], [casadi.hessian(a(q, 0, 0), q)[0]])(0.1)
+DM(0.979366)
+"""
+
+from __future__ import annotations
+
+import base64
+import pickle
+from typing import Any, Literal
+
+from . import _costate
+from ._costate import Dynamics, Robot, _abi_source, _casadi_calls, _casadi_slots, _CasadiSlot
+
+__all__ = ["calls", "dynamics", "frame", "inverse_dynamics", "slots", "source", "step"]
+
+
+def dynamics(robot: Robot) -> Any:
+    """Forward dynamics (q, v, tau) -> a.
+
+    Parameters
+    ----------
+    robot : Robot
+        The robot; q, v, tau and a have n entries in the order of ``robot.joint_names`` (rad, m, N m, N).
+
+    Returns
+    -------
+    casadi.Function
+        Its derivatives are those of `costate.Dynamics` in (q, v, tau).
+
+    Raises
+    ------
+    CostateError
+        Where all functions that CasADi can refer to are in use.
+
+    Examples
+    --------
+    >>> import costate, costate.casadi
+    >>> robot = costate.Robot.builder("cart").prismatic("rail", axis=[1, 0, 0], mass=2).build()
+    >>> a = costate.casadi.dynamics(robot)
+    >>> a(0, 0, 4), a.jacobian()(0, 0, 4, 0)[2]
+    (DM(2), DM(0.5))
+    """
+    return _function("dynamics", robot)
+
+
+def inverse_dynamics(robot: Robot) -> Any:
+    """Inverse dynamics (q, v, a) -> tau.
+
+    Parameters
+    ----------
+    robot : Robot
+        The robot; it may have a singular mass matrix.
+
+    Returns
+    -------
+    casadi.Function
+        Its derivatives are those of `costate.Dynamics.rnea`.
+
+    Examples
+    --------
+    >>> import costate, costate.casadi
+    >>> robot = costate.Robot.builder("cart").prismatic("rail", axis=[1, 0, 0], mass=2).build()
+    >>> costate.casadi.inverse_dynamics(robot)(0, 0, 2)
+    DM(4)
+    """
+    return _function("inverse_dynamics", robot)
+
+
+def step(
+    robot: Robot | Dynamics,
+    scheme: Literal["rk4", "midpoint", "verlet", "semi_implicit_euler"],
+    dt: float,
+) -> Any:
+    """One time step (x, tau) -> x_next under constant torques.
+
+    Parameters
+    ----------
+    robot : Robot or Dynamics
+        A robot, for x = (q, v), or dynamics with their coordinates: ``Dynamics(robot, "qp")`` for x = (q, p).
+    scheme : {"rk4", "midpoint", "verlet", "semi_implicit_euler"}
+        As in `costate.Step`.
+    dt : float
+        Duration (s).
+
+    Returns
+    -------
+    casadi.Function
+        Its derivatives are those of `costate.Step`: one call where a scheme that is written in CasADi calls the
+        dynamics and their derivatives at every stage.
+
+    Examples
+    --------
+    >>> import costate, costate.casadi
+    >>> robot = costate.Robot.builder("cart").prismatic("rail", axis=[1, 0, 0], mass=2).build()
+    >>> costate.casadi.step(robot, "rk4", 0.5)([0, 1], 4)  # 0.5 s at 2 m/s^2
+    DM([0.75, 2])
+    """
+    if isinstance(robot, Dynamics):
+        return _function("step", robot.robot, robot.coordinates, scheme, dt)
+    return _function("step", robot, "qv", scheme, dt)
+
+
+def frame(robot: Robot, name: str) -> Any:
+    """Pose of a frame, q -> (R, x): orientation (3, 3) and position (3) in m, both in the world.
+
+    Parameters
+    ----------
+    robot : Robot
+        The robot.
+    name : str
+        One of ``robot.frame_names``.
+
+    Returns
+    -------
+    casadi.Function
+        With exact first and second derivatives of both.
+
+    Examples
+    --------
+    >>> import costate, costate.casadi
+    >>> robot = costate.Robot.builder("arm").revolute("hinge", axis=[0, 1, 0], mass=1, com=[1, 0, 0]).build()
+    >>> R, x = costate.casadi.frame(robot.add_frame("tip", "hinge", [2, 0, 0]), "tip")(0)
+    >>> x
+    DM([2, 0, 0])
+    """
+    return _function("frame", robot, "qv", name)
+
+
+def source(
+    robot: Robot,
+    scheme: Literal["rk4", "semi_implicit_euler"] | None = None,
+    dt: float = 0.0,
+    *,
+    limit: int = 25_000,
+) -> str:
+    """C source of the same functions, for ``casadi.external`` where costate is not installed.
+
+    Parameters
+    ----------
+    robot : Robot
+        The robot, whose constants become numbers of the source.
+    scheme : {"rk4", "semi_implicit_euler"}, optional
+        Adds ``ROBOT_step`` of this scheme, for x = (q, v).
+    dt : float
+        Its duration (s).
+    limit : int
+        Most operations of a function.
+
+    Returns
+    -------
+    str
+        ``ROBOT_fd(q, v, tau) -> a`` and ``ROBOT_id(q, v, a) -> tau`` with their derivatives, ROBOT the name of the
+        robot in small letters. Compile it with ``cc -O3 -shared -fPIC FILE.c -o FILE.so -lm``.
+
+    Raises
+    ------
+    CodegenError
+        Where a function is longer than the limit.
+
+    Examples
+    --------
+    >>> import costate, costate.casadi
+    >>> robot = costate.Robot.builder("cart").prismatic("rail", axis=[1, 0, 0], mass=2).build()
+    >>> "int jac_adj1_cart_fd(" in costate.casadi.source(robot)
+    True
+    """
+    return _abi_source(robot, "casadi", scheme, float(dt), limit)
+
+
+def calls(function: Any) -> dict[str, int]:
+    """How often CasADi has evaluated a function of this module and its derivatives, in this process.
+
+    Parameters
+    ----------
+    function : casadi.Function
+        What one of the functions above returned.
+
+    Returns
+    -------
+    dict
+        ``"f"``, its Jacobian ``"jac_f"``, its adjoint y'f_z ``"adj1_f"``, and the Jacobian of that with the contracted
+        Hessian y'f_zz, ``"jac_adj1_f"``.
+
+    Examples
+    --------
+    >>> import costate, costate.casadi
+    >>> robot = costate.Robot.builder("cart").prismatic("rail", axis=[1, 0, 0], mass=2).build()
+    >>> a = costate.casadi.dynamics(robot)
+    >>> _ = a(0, 0, 1), a(0, 0, 2), a.jacobian()(0, 0, 1, 0)
+    >>> costate.casadi.calls(a)
+    {'f': 2, 'jac_f': 1, 'adj1_f': 0, 'jac_adj1_f': 0}
+    """
+    return dict(zip(("f", "jac_f", "adj1_f", "jac_adj1_f"), _casadi_calls(function.name())))
+
+
+def slots() -> tuple[int, int]:
+    """How many functions CasADi refers to, and how many it can refer to at once.
+
+    Examples
+    --------
+    >>> import costate.casadi
+    >>> costate.casadi.slots()[1]
+    64
+    """
+    return _casadi_slots()
+
+
+def _function(kind: str, robot: Robot, coordinates: str = "qv", name: str = "", dt: float = 0.0) -> Any:
+    try:
+        import casadi
+    except ImportError as error:
+        raise ImportError("costate.casadi needs CasADi 3.6.7 or later: pip install casadi") from error
+    if not isinstance(robot, Robot):
+        raise TypeError(f"robot is a {type(robot).__name__}; give a costate.Robot")
+    given = (kind, robot, coordinates, name, float(dt))
+    # What a pickle of the function contains: CasADi passes it to the library of the process that reads it.
+    text = base64.b64encode(pickle.dumps(given, 4)).decode()
+    slot = _CasadiSlot(given, text)
+    return casadi.external(slot.name, _costate.__file__, {"config_args": [text]})
+
+
+def _read(text: str) -> Any:
+    return pickle.loads(base64.b64decode(text))

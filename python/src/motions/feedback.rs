@@ -1,0 +1,50 @@
+//! The optimal feedback of a motion that is solved again.
+
+use super::arrays::{matrices, numbers};
+use crate::errors::argument;
+use costate_control::Feedback;
+use numpy::PyArray1;
+use pyo3::prelude::*;
+
+/// Derivatives of a motion by its ends.
+#[pyclass(frozen, name = "_Feedback", module = "costate._costate")]
+pub struct FeedbackCore(pub Feedback);
+
+#[pymethods]
+impl FeedbackCore {
+    /// Numbers by their name.
+    fn array<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
+        let Self(feedback) = self;
+        let n = feedback.dof();
+        let all = |part: &dyn Fn(usize) -> Vec<f64>| -> Vec<f64> {
+            (0..feedback.points()).flat_map(part).collect()
+        };
+        let vector = |numbers: &[f64]| Ok(PyArray1::from_slice(py, numbers).into_any());
+        let (numbers, shape) = match name {
+            "t" => return vector(&all(&|point| vec![feedback.time(point)])),
+            "final_time_by_start" => return vector(feedback.time_by_start()),
+            "final_time_by_end" => return vector(feedback.time_by_end()),
+            "cost_gradient" => return vector(feedback.cost_gradient()),
+            "cost_hessian" => (feedback.cost_hessian().to_vec(), [2 * n, 2 * n]),
+            "states_by_start" => (all(&|point| feedback.states_by_start(point).to_vec()), [2 * n, 2 * n]),
+            "states_by_end" => (all(&|point| feedback.states_by_end(point).to_vec()), [2 * n, 2 * n]),
+            "torques_by_start" => (all(&|point| feedback.torques_by_start(point).to_vec()), [n, 2 * n]),
+            "torques_by_end" => (all(&|point| feedback.torques_by_end(point).to_vec()), [n, 2 * n]),
+            _ => return Err(argument(py, "name", format!("there is no array '{name}'"))),
+        };
+        Ok(matrices(py, numbers, shape)?.into_any())
+    }
+
+    /// K at times (s); None where something is free at the start.
+    fn gain<'py>(&self, py: Python<'py>, times: &Bound<'py, PyAny>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        let n = self.0.dof();
+        let times = numbers(times, "times", None)?;
+        let mut all = vec![0.0; 2 * n * n * times.len()];
+        for (&t, gain) in times.iter().zip(all.chunks_exact_mut(2 * n * n)) {
+            if !self.0.gain(t, gain) {
+                return Ok(None);
+            }
+        }
+        Ok(Some(matrices(py, all, [n, 2 * n])?.into_any()))
+    }
+}

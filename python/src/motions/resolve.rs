@@ -1,0 +1,207 @@
+//! A problem that is solved again and again.
+
+use super::arrays::{matrix, numbers};
+use super::feedback::FeedbackCore;
+use super::raise;
+use crate::errors::{argument, evaluation};
+use costate::robot::LinkInertia;
+use costate_control::{
+    Budget, MotionParameter, Obstacle, Payload, Reference, Resolve, ResolveError, ResolveStatus,
+};
+use pyo3::prelude::*;
+use std::sync::{Mutex, PoisonError};
+use std::time::Duration;
+
+/// A solver whose calls wait for each other, without the interpreter's lock.
+#[pyclass(frozen, name = "_Resolve", module = "costate._costate")]
+pub struct ResolveCore {
+    inner: Mutex<Resolve>,
+    n: usize,
+}
+
+/// What solving again gave: status, steps, cost, gap, violation, whether limits are kept, seconds.
+type Resolved = (&'static str, usize, f64, f64, f64, bool, f64);
+
+/// Derivatives of cost, T, states (points, 2n) and torques (points, n).
+type Derivative<'py> = (f64, f64, Bound<'py, PyAny>, Bound<'py, PyAny>);
+
+impl ResolveCore {
+    pub fn new(inner: Resolve) -> Self {
+        Self { n: inner.dof(), inner: Mutex::new(inner) }
+    }
+
+    /// Runs `work` once no other call uses the solver.
+    fn with<R: Send>(&self, py: Python<'_>, work: impl FnOnce(&mut Resolve) -> R + Send) -> R {
+        py.detach(|| work(&mut self.inner.lock().unwrap_or_else(PoisonError::into_inner)))
+    }
+
+    /// The same for what can be refused.
+    fn set(
+        &self,
+        py: Python<'_>,
+        work: impl FnOnce(&mut Resolve) -> Result<(), ResolveError> + Send,
+    ) -> PyResult<()> {
+        self.with(py, work).map_err(|error| raise::resolve(py, error))
+    }
+}
+
+#[pymethods]
+impl ResolveCore {
+    fn set_start(&self, py: Python<'_>, q: &Bound<'_, PyAny>, v: &Bound<'_, PyAny>) -> PyResult<()> {
+        let (q, v) = (numbers(q, "q", Some(self.n))?, numbers(v, "v", Some(self.n))?);
+        self.set(py, |motion| motion.set_start(&q, &v))
+    }
+
+    fn set_end(&self, py: Python<'_>, q: &Bound<'_, PyAny>, v: &Bound<'_, PyAny>) -> PyResult<()> {
+        let (q, v) = (numbers(q, "q", Some(self.n))?, numbers(v, "v", Some(self.n))?);
+        self.set(py, |motion| motion.set_end(&q, &v))
+    }
+
+    /// The position of a tool: at the start, at the end or of a cost.
+    fn set_tool(&self, py: Python<'_>, of: &str, number: usize, xyz: &Bound<'_, PyAny>) -> PyResult<()> {
+        let xyz = numbers(xyz, "xyz", Some(3))?;
+        let xyz = [xyz[0], xyz[1], xyz[2]];
+        self.set(py, |motion| match of {
+            "start" => motion.set_start_tool(number, xyz),
+            "end" => motion.set_end_tool(number, xyz),
+            _ => motion.set_tool_cost(number, xyz),
+        })
+    }
+
+    /// The text of a table `[[obstacle]]`.
+    fn set_obstacle(&self, py: Python<'_>, number: usize, text: &str) -> PyResult<()> {
+        let obstacle = Obstacle::from_text(text).map_err(|error| raise::file(py, &error))?;
+        self.set(py, |motion| motion.set_obstacle(number, &obstacle.shape))
+    }
+
+    /// The text of a table `[[cost.reference]]`.
+    fn set_reference(&self, py: Python<'_>, number: usize, text: &str) -> PyResult<()> {
+        let reference = Reference::from_text(text).map_err(|error| raise::file(py, &error))?;
+        self.set(py, |motion| motion.set_reference(number, &reference))
+    }
+
+    fn set_start_time(&self, py: Python<'_>, time: f64) -> PyResult<()> {
+        self.set(py, |motion| motion.set_start_time(time))
+    }
+
+    fn advance(&self, py: Python<'_>, dt: f64) {
+        self.with(py, |motion| motion.advance(dt));
+    }
+
+    /// With at most so many Newton steps and seconds; with the limits of the options where neither is given.
+    fn solve(&self, py: Python<'_>, steps: Option<usize>, seconds: Option<f64>) -> PyResult<Resolved> {
+        let time = match seconds {
+            Some(seconds) => {
+                let time = Duration::try_from_secs_f64(seconds).ok().filter(|time| !time.is_zero());
+                let message = "seconds must be a positive number";
+                Some(time.ok_or_else(|| argument(py, "seconds", message.into()))?)
+            }
+            None => None,
+        };
+        let found = self.with(py, |motion| match (steps, time) {
+            (None, None) => motion.solve(),
+            (steps, time) => {
+                let budget = Budget::steps(steps.unwrap_or(usize::MAX));
+                motion.solve_again(time.map_or(budget, |time| budget.within(time)))
+            }
+        });
+        let found = found.map_err(|error| evaluation(py, error))?;
+        let status = match found.status {
+            ResolveStatus::Solved => "solved",
+            ResolveStatus::Iterations => "iterations",
+            ResolveStatus::OutOfTime => "out_of_time",
+            _ => "no_progress",
+        };
+        let (kept, seconds) = (found.keeps_limits(), found.time.as_secs_f64());
+        Ok((status, found.iterations, found.cost, found.gap, found.violation, kept, seconds))
+    }
+
+    fn final_time(&self, py: Python<'_>) -> f64 {
+        self.with(py, |motion| motion.final_time().unwrap_or(f64::NAN))
+    }
+
+    /// q, v and a at times (s), 3n numbers each.
+    fn states<'py>(&self, py: Python<'py>, times: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        let times = numbers(times, "times", None)?;
+        let rows = self.with(py, |motion| {
+            let row = |&t: &f64| {
+                let mut z = vec![0.0; 3 * self.n];
+                motion.state_at(t, &mut z).map(|()| z)
+            };
+            times.iter().map(row).collect::<Result<Vec<_>, _>>()
+        });
+        Ok(matrix(py, &rows.map_err(|error| raise::resolve(py, error))?, 3 * self.n)?.into_any())
+    }
+
+    /// Torques at times (s), n numbers each.
+    fn torques<'py>(&self, py: Python<'py>, times: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        let times = numbers(times, "times", None)?;
+        let rows = self.with(py, |motion| {
+            let row = |&t: &f64| {
+                let mut torques = vec![0.0; self.n];
+                motion.torques_at(t, &mut torques).map(|()| torques)
+            };
+            times.iter().map(row).collect::<Result<Vec<_>, _>>()
+        });
+        Ok(matrix(py, &rows.map_err(|error| raise::resolve(py, error))?, self.n)?.into_any())
+    }
+
+    fn feedback(&self, py: Python<'_>) -> PyResult<Option<FeedbackCore>> {
+        let found = self.with(py, |motion| motion.feedback().map(|found| found.cloned()));
+        Ok(found.map_err(|error| evaluation(py, error))?.map(FeedbackCore))
+    }
+
+    /// Derivatives by a limit of a joint: of cost, T, states (points, 2n) and torques (points, n).
+    fn derivative_by_limit<'py>(
+        &self,
+        py: Python<'py>,
+        limit: &str,
+        joint: usize,
+    ) -> PyResult<Option<Derivative<'py>>> {
+        let parameter = match limit {
+            "q_min" => MotionParameter::PositionMin(joint),
+            "q_max" => MotionParameter::PositionMax(joint),
+            "v_max" => MotionParameter::VelocityMax(joint),
+            "a_max" => MotionParameter::AccelerationMax(joint),
+            "torque_max" => MotionParameter::TorqueMax(joint),
+            "power_max" => MotionParameter::PowerMax(joint),
+            _ => {
+                let message = format!(
+                    "there is no limit '{limit}'; give q_min, q_max, v_max, a_max, torque_max or power_max"
+                );
+                return Err(argument(py, "limit", message));
+            }
+        };
+        self.derivative_by(py, &parameter)
+    }
+
+    /// The same by the mass of a body that a frame carries: its mass, centre and six entries of inertia.
+    fn derivative_by_mass<'py>(
+        &self,
+        py: Python<'py>,
+        frame: &str,
+        mass: f64,
+        com: [f64; 3],
+        inertia: [f64; 6],
+    ) -> PyResult<Option<Derivative<'py>>> {
+        let payload = Payload::new(frame, LinkInertia::from_entries(mass, com, inertia));
+        self.derivative_by(py, &MotionParameter::PayloadMass(payload))
+    }
+}
+
+impl ResolveCore {
+    fn derivative_by<'py>(
+        &self,
+        py: Python<'py>,
+        parameter: &MotionParameter,
+    ) -> PyResult<Option<Derivative<'py>>> {
+        let found = self.with(py, |motion| motion.derivative_by(parameter));
+        let Some(found) = found.map_err(|error| raise::resolve(py, error))? else { return Ok(None) };
+        let rows = |numbers: &[f64], columns: usize| {
+            let rows: Vec<Vec<f64>> = numbers.chunks_exact(columns).map(<[f64]>::to_vec).collect();
+            PyResult::Ok(matrix(py, &rows, columns)?.into_any())
+        };
+        let (states, torques) = (rows(&found.states, 2 * self.n)?, rows(&found.torques, self.n)?);
+        Ok(Some((found.cost, found.final_time, states, torques)))
+    }
+}

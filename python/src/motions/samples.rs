@@ -1,0 +1,48 @@
+//! Samples of a motion.
+
+use super::arrays::matrix;
+use crate::errors::argument;
+use costate_control::Samples;
+use numpy::PyArray1;
+use pyo3::prelude::*;
+
+/// Samples of a motion, and the names of the joints.
+#[pyclass(frozen, name = "_Samples", module = "costate._costate")]
+pub struct SamplesCore {
+    samples: Samples,
+    joints: Vec<String>,
+}
+
+impl SamplesCore {
+    /// Of joints with these names.
+    pub fn new(samples: Samples, joints: Vec<String>) -> Self {
+        Self { samples, joints }
+    }
+}
+
+#[pymethods]
+impl SamplesCore {
+    /// One of t, q, v, a, tau, u and phase.
+    fn array<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
+        let Samples { t, q, v, a, tau, u, phase, .. } = &self.samples;
+        let rows = match name {
+            "t" => return Ok(PyArray1::from_slice(py, t).into_any()),
+            "phase" => {
+                let phase = phase.iter().map(|&phase| phase as i64);
+                return Ok(PyArray1::from_iter(py, phase).into_any());
+            }
+            "q" => q,
+            "v" => v,
+            "a" => a,
+            "tau" => tau,
+            "u" => u,
+            _ => return Err(argument(py, "name", format!("there is no array '{name}'"))),
+        };
+        Ok(matrix(py, rows, self.joints.len())?.into_any())
+    }
+
+    /// The table in CSV.
+    fn csv(&self) -> String {
+        self.samples.to_csv(&self.joints)
+    }
+}

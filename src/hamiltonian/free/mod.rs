@@ -1,0 +1,114 @@
+//! Robots with floating and spherical joints.
+//!
+//! q has [`Tree::nq`] entries, v, p, u and all derivatives have n: p is conjugate to v, so that the momentum
+//! of a floating joint is that of all that it moves, about the origin of the moved frame, in its axes. State
+//! derivatives are those by xi and p, with q (+) xi the configuration moved by `exp(xi)` on the right
+//! ([`ConfigurationSpace`](crate::configuration::ConfigurationSpace)): the left-trivialised tangent. F is
+//! the rate (v, p'), and y'F_xx the Hessian of `y . F(q (+) xi, p + dp)` at zero, components of F and y
+//! being those in the tangent space at either point. It is symmetric.
+
+mod part;
+#[cfg(test)]
+mod tests;
+
+use crate::matrix::{Matrix, filled};
+use crate::robot::Tree;
+use crate::scalar::Scalar;
+use part::Part;
+
+/// What the state equation needs besides that of the chains of joints.
+#[derive(Clone, Debug)]
+pub(super) struct Free<S: Scalar> {
+    pub(super) parts: Vec<Part<S>>,
+    /// p in the chart, u without that of free joints.
+    pub(super) p: Vec<S>,
+    pub(super) u: Vec<S>,
+    /// y of the chart in the axes of the frames, and in those of the parents.
+    pub(super) y: Vec<S>,
+    pub(super) y_chart: Vec<S>,
+    pub(super) mass_matrix: Matrix<S>,
+}
+
+impl<S: Scalar> Free<S> {
+    /// `None` for a robot without such joints.
+    pub fn where_any(tree: &Tree) -> Option<Box<Self>> {
+        let n = tree.dof();
+        let parts: Vec<Part<S>> = tree.free().iter().map(Part::new).collect();
+        (!parts.is_empty()).then(|| {
+            Box::new(Self {
+                parts,
+                p: filled(S::zero(), n),
+                u: filled(S::zero(), n),
+                y: filled(S::zero(), 2 * n),
+                y_chart: filled(S::zero(), 2 * n),
+                mass_matrix: Matrix::zeros(n, n),
+            })
+        })
+    }
+
+    pub(super) fn set_configuration(&mut self, q: &[S]) {
+        self.parts.iter_mut().for_each(|part| part.frame.set_configuration(q));
+    }
+
+    /// A momentum, or a velocity, in the axes of the chart.
+    pub(super) fn set_momentum(&mut self, p: &[S]) {
+        self.p.copy_from_slice(p);
+        for part in &mut self.parts {
+            part.set_momentum(p);
+            part.frame.outward(&mut self.p);
+        }
+    }
+
+    pub(super) fn set_actuation(&mut self, u: &[S]) {
+        self.u.copy_from_slice(u);
+        for (at, m) in self.parts.iter().map(Part::place) {
+            self.u[at..at + m].fill(S::zero());
+        }
+    }
+
+    /// F of the chart becomes that of the tangent space.
+    pub(super) fn finish_rate(&mut self, f: &mut [S], u: &[S]) {
+        let n = u.len();
+        for part in &mut self.parts {
+            part.finish_rate(f);
+            let (at, m) = part.place();
+            f[n + at..n + at + m].iter_mut().zip(&u[at..at + m]).for_each(|(f, &u)| *f += u);
+        }
+    }
+
+    /// F_x of the chart by (xi, pi), in the axes of the frames.
+    pub(super) fn prepare_jacobian(&self, f_x: &mut Matrix<S>) {
+        self.turn_blocks(f_x);
+        self.parts.iter().for_each(|part| part.spread_columns(f_x));
+    }
+
+    pub(super) fn turn_blocks(&self, matrix: &mut Matrix<S>) {
+        let n = matrix.rows() / 2;
+        for part in &self.parts {
+            for block in [[0, 0], [0, n], [n, 0], [n, n]] {
+                part.frame.turn_block(matrix, block, n);
+            }
+        }
+    }
+
+    pub(super) fn set_mass_matrix(&mut self, mass_matrix: &Matrix<S>) -> &Matrix<S> {
+        self.mass_matrix.copy_from(mass_matrix);
+        let n = mass_matrix.rows();
+        self.parts.iter().for_each(|part| part.frame.turn_block(&mut self.mass_matrix, [0, 0], n));
+        &self.mass_matrix
+    }
+
+    /// The costate of the chart.
+    pub(super) fn set_costate(&mut self, y: &[S]) {
+        self.y.copy_from_slice(y);
+        for part in &self.parts {
+            part.costate(&mut self.y);
+        }
+        self.y_chart.copy_from_slice(&self.y);
+        let (y_q, y_p) = self.y_chart.split_at_mut(y.len() / 2);
+        for part in &self.parts {
+            part.frame.outward(y_q);
+            part.frame.outward(y_p);
+        }
+    }
+}

@@ -1,0 +1,221 @@
+//! F, F_x and y'F_xx of one floating or spherical joint, from those in its chart.
+//!
+//! In the chart the state is (q, p_c) with `p_c = A' pi`, and the rate of the momentum pi of the moved frame
+//!
+//! $$ \dot \pi = A^{-T} (F^p - (A\_q[v])^T \pi), \qquad \nu = A v, \qquad v = F^q $$
+//!
+//! so that `y'F = alpha . F^q + beta . F^p` with `beta = A^-1 y_pi`, `alpha_k = (A' y_xi)_k - pi . A_k
+//! beta`. F, F_x and y'F_xx are derivatives of this at the centre of the chart by (xi, pi): those of F^q and
+//! F^p come from the chain of joints, those of alpha, beta and A are products with constants, and touch rows
+//! and columns of this joint only.
+
+use crate::configuration::{ChartFrame, MOST};
+use crate::matrix::{Matrix, dot};
+use crate::robot::FreeFrame;
+use crate::scalar::Scalar;
+
+/// What is kept of one joint between the steps of an evaluation.
+#[derive(Clone, Debug)]
+pub(crate) struct Part<S> {
+    pub frame: ChartFrame<S>,
+    /// pi, v and F^p in the chart, and the rate of pi without actuation.
+    momentum: [S; MOST],
+    velocity: [S; MOST],
+    force: [S; MOST],
+    rate: [S; MOST],
+}
+
+impl<S: Scalar> Part<S> {
+    pub fn new(free: &FreeFrame) -> Self {
+        let zero = [S::zero(); MOST];
+        Self { frame: ChartFrame::new(free), momentum: zero, velocity: zero, force: zero, rate: zero }
+    }
+
+    /// Its first coordinate and how many there are.
+    pub fn place(&self) -> (usize, usize) {
+        self.frame.place()
+    }
+
+    pub fn set_momentum(&mut self, p: &[S]) {
+        self.momentum = self.frame.entries(p);
+    }
+
+    /// F in the tangent space from F in the chart, both without the actuation of this joint.
+    pub fn finish_rate(&mut self, f: &mut [S]) {
+        let (f_q, f_p) = f.split_at_mut(f.len() / 2);
+        self.frame.inward(f_q);
+        self.frame.inward(f_p);
+        let (at, m) = self.place();
+        self.velocity = self.frame.entries(f_q);
+        self.force = self.frame.entries(f_p);
+        self.rate = self.force;
+        for e in &self.frame.chart.first {
+            self.rate[e.column] -= (self.velocity[e.by[0]] * self.momentum[e.row]).times(e.value);
+        }
+        f_p[at..at + m].copy_from_slice(&self.rate[..m]);
+    }
+
+    /// `dp_c = dpi + K dxi`: adds the columns of p, times K, to those of q.
+    pub fn spread_columns(&self, matrix: &mut Matrix<S>) {
+        let (at, n) = (self.place().0, matrix.columns() / 2);
+        for e in &self.frame.chart.first {
+            let factor = self.momentum[e.row].times(e.value);
+            let (to, from) = (at + e.by[0], n + at + e.column);
+            for i in 0..matrix.rows() {
+                let row = matrix.row_mut(i);
+                row[to] += factor * row[from];
+            }
+        }
+    }
+
+    /// The same for rows.
+    pub fn spread_rows(&self, matrix: &mut Matrix<S>) {
+        let (at, n) = (self.place().0, matrix.columns() / 2);
+        for e in &self.frame.chart.first {
+            let factor = self.momentum[e.row].times(e.value);
+            let (to, from) = (at + e.by[0], n + at + e.column);
+            let (row, source) = matrix.row_mut_and_below(to, from);
+            row.iter_mut().zip(source).for_each(|(entry, &source)| *entry += factor * source);
+        }
+    }
+
+    /// F_x of the tangent space from the derivative of F in the chart by (xi, pi).
+    pub fn finish_jacobian(&self, f_x: &mut Matrix<S>) {
+        let (at, n) = (self.place().0, f_x.columns() / 2);
+        let Self { frame: ChartFrame { chart, .. }, momentum, velocity, rate, .. } = self;
+        for e in &chart.first {
+            let [i] = e.by;
+            let factor = momentum[e.row].times(-e.value);
+            let (row, source) = f_x.row_mut_and_above(n + at + e.column, at + i);
+            row.iter_mut().zip(source).for_each(|(entry, &source)| *entry += factor * source);
+            row[n + at + e.row] -= velocity[i].times(e.value);
+            row[at + i] -= rate[e.row].times(e.value);
+        }
+        for e in &chart.second {
+            let [i, j] = e.by;
+            f_x[(n + at + e.column, at + j)] -= (velocity[i] * momentum[e.row]).times(e.value);
+        }
+        for e in &chart.first {
+            f_x[(at + e.row, at + e.by[0])] += velocity[e.column].times(e.value);
+        }
+    }
+
+    /// The costate (alpha, beta) of the chart at its centre, from one of the tangent space.
+    pub fn costate(&self, y: &mut [S]) {
+        let at = self.place().0;
+        let (y_q, y_p) = y.split_at_mut(y.len() / 2);
+        for e in &self.frame.chart.first {
+            y_q[at + e.by[0]] -= (self.momentum[e.row] * y_p[at + e.column]).times(e.value);
+        }
+    }
+
+    /// Adds what y'F_xx has besides `y_c'F_c,xx` in the variables (xi, pi), of y and y_c in the axes of the
+    /// frame; `f_x` is the derivative of F in the chart by (xi, pi).
+    pub fn curve(&self, [y, y_c]: [&[S]; 2], f_x: &Matrix<S>, y_f_xx: &mut Matrix<S>) {
+        let (at, m) = self.place();
+        let n = f_x.columns() / 2;
+        let Self { frame: ChartFrame { chart, .. }, momentum: pi, velocity: v, force, .. } = self;
+        let zero = [S::zero(); MOST];
+        let (mut lg, mut l) = (zero, zero);
+        lg[..m].copy_from_slice(&y[at..at + m]);
+        l[..m].copy_from_slice(&y[n + at..n + at + m]);
+        let product =
+            |column: usize| (0..2 * n).fold(S::zero(), |sum, i| y_c[i].mul_add(f_x[(i, column)], sum));
+        // Derivatives of beta and alpha by coordinates i and j, and of alpha by pi.
+        let (mut b1, mut b2) = ([zero; MOST], [[zero; MOST]; MOST]);
+        for e in &chart.first {
+            b1[e.by[0]][e.row] -= l[e.column].times(e.value);
+        }
+        for e in &chart.second {
+            b2[e.by[0]][e.by[1]][e.row] -= l[e.column].times(e.value);
+        }
+        let angles = m - 3..m;
+        for e in &chart.first {
+            let [i] = e.by;
+            for j in angles.clone() {
+                let (along_i, along_j) = (b1[j][e.column].times(e.value), i);
+                b2[along_j][j][e.row] -= along_i;
+                b2[j][along_j][e.row] -= along_i;
+            }
+        }
+        let (mut a1, mut by_momentum) = ([zero; MOST], [zero; MOST]);
+        for e in &chart.first {
+            let [k] = e.by;
+            a1[k][e.column] += lg[e.row].times(e.value);
+            by_momentum[e.row][k] -= l[e.column].times(e.value);
+            for i in angles.clone() {
+                a1[i][k] -= (pi[e.row] * b1[i][e.column]).times(e.value);
+            }
+        }
+        for e in &chart.second {
+            let [k, i] = e.by;
+            a1[i][k] -= (pi[e.row] * l[e.column]).times(e.value);
+        }
+        // Second derivatives, contracted with F, and those of p_c and q with y_c'F_c,x.
+        let (mut square, mut mixed) = ([zero; MOST], [zero; MOST]);
+        for i in angles.clone() {
+            for j in angles.clone() {
+                square[i][j] = dot(&b2[i][j], force);
+            }
+        }
+        let mut pull = zero;
+        pull[..m].iter_mut().enumerate().for_each(|(c, pull)| *pull = product(n + at + c));
+        for e in &chart.first {
+            let [k] = e.by;
+            mixed[k][e.row] += pull[e.column].times(e.value);
+            for i in angles.clone() {
+                mixed[i][e.row] -= (v[k] * b1[i][e.column]).times(e.value);
+                for j in angles.clone() {
+                    square[i][j] -= (pi[e.row] * v[k] * b2[i][j][e.column]).times(e.value);
+                }
+            }
+        }
+        for e in &chart.second {
+            let [i, j] = e.by;
+            let weight = lg[e.row] * v[e.column] + pull[e.column] * pi[e.row];
+            square[i][j] += weight.times(e.value);
+            // As A_ki: k is the coordinate of v.
+            mixed[j][e.row] -= (v[i] * l[e.column]).times(e.value);
+            for other in angles.clone() {
+                let weight = (pi[e.row] * v[i] * b1[other][e.column]).times(e.value);
+                square[j][other] -= weight;
+                square[other][j] -= weight;
+            }
+        }
+        for e in &chart.third {
+            let [k, i, j] = e.by;
+            square[i][j] -= (pi[e.row] * v[k] * l[e.column]).times(e.value);
+        }
+        for e in &chart.retraction {
+            let k = e.row;
+            let slope = product(at + k) + dot(&a1[k], v) + dot(&b1[k], force);
+            square[e.column][e.by[0]] += slope.times(e.value);
+        }
+        for (i, (square, mixed)) in square[..m].iter().zip(&mixed).enumerate() {
+            for (j, (&square, &mixed)) in square[..m].iter().zip(mixed).enumerate() {
+                y_f_xx[(at + i, at + j)] += square;
+                y_f_xx[(at + i, n + at + j)] += mixed;
+                y_f_xx[(n + at + j, at + i)] += mixed;
+            }
+        }
+        // Products of first derivatives.
+        for k in 0..m {
+            for i in angles.clone() {
+                add_both(y_f_xx, f_x.row(at + k), at + i, a1[i][k]);
+                add_both(y_f_xx, f_x.row(n + at + k), at + i, b1[i][k]);
+            }
+            for (r, factors) in by_momentum[..m].iter().enumerate() {
+                add_both(y_f_xx, f_x.row(at + k), n + at + r, factors[k]);
+            }
+        }
+    }
+}
+
+/// Adds `factor row` to row i and to column i.
+fn add_both<S: Scalar>(matrix: &mut Matrix<S>, row: &[S], i: usize, factor: S) {
+    for (j, &entry) in row.iter().enumerate() {
+        let term = factor * entry;
+        matrix[(i, j)] += term;
+        matrix[(j, i)] += term;
+    }
+}

@@ -1,0 +1,158 @@
+//! Inverse and forward dynamics of robots with floating and spherical joints, by kernels one and two.
+
+use super::free::Free;
+use super::inverse::{torque, torque_jacobian};
+use super::{ForwardDynamicsLinearisation, InverseDynamicsLinearisation, Lagrangian};
+use crate::error::EvalError;
+use crate::kernels::{check_configuration, check_entries};
+use crate::matrix::{Matrix, add_scaled};
+use crate::scalar::Scalar;
+
+impl<S: Scalar> Lagrangian<S> {
+    /// Arguments of a robot with free joints: q of nq entries, the others of n.
+    fn check_free(&self, q: &[S], others: &[(&'static str, &[S])]) -> Result<(), EvalError> {
+        if !self.tree.wrenches().is_empty() {
+            self.tree.refuse_free()?;
+        }
+        check_configuration(&self.tree, q)?;
+        let n = self.tree.dof();
+        others.iter().try_for_each(|&(what, values)| check_entries(&self.tree, what, values, n))
+    }
+
+    /// Runs a step with what the free joints need.
+    fn with_free(
+        &mut self,
+        step: impl FnOnce(&mut Self, &mut Free<S>) -> Result<(), EvalError>,
+    ) -> Result<(), EvalError> {
+        let Some(mut free) = self.free.take() else { return Ok(()) };
+        let outcome = step(self, &mut free);
+        self.free = Some(free);
+        outcome
+    }
+
+    /// Kernel one at (q, v), and M in the axes of the frames.
+    fn set_kernel(&mut self, free: &mut Free<S>, q: &[S], v: &[S]) -> Result<(), EvalError> {
+        free.set_state(q, v);
+        self.kernel.set_position(&self.tree, q)?;
+        self.kernel.set_velocity(&self.tree, &free.v_chain)?;
+        self.kernel.second_order(&self.tree);
+        let n = v.len();
+        free.mass_matrix.copy_from(self.kernel.mass_matrix());
+        free.frames.iter().for_each(|frame| frame.turn_block(&mut free.mass_matrix, [0, 0], n));
+        Ok(())
+    }
+
+    /// tau at the acceleration of the chart, in the axes of the frames.
+    fn take_torque_free(&mut self, free: &Free<S>) {
+        torque(&self.tree, &self.kernel, |entry| entry, (&free.v_chain, &free.a_chain), &mut self.tau);
+        free.frames.iter().for_each(|frame| frame.inward(&mut self.tau));
+    }
+
+    /// tau_q and tau_v in the tangent space, after [`take_torque_free`](Self::take_torque_free).
+    fn take_jacobian_free(&mut self, free: &Free<S>, v: &[S]) -> Result<(), EvalError> {
+        self.along.differentiate(&self.tree, &self.kernel, &free.v_chain, &free.a_chain)?;
+        let kernels = (&self.kernel, &self.along);
+        let slots = (&mut self.tau_q, &mut self.tau_v);
+        torque_jacobian(&self.tree, kernels, |entry| entry, &free.v_chain, slots);
+        free.finish_jacobian(v, &self.tau, [&mut self.tau_q, &mut self.tau_v]);
+        Ok(())
+    }
+
+    /// Fills (v, nu') and factors M.
+    fn accelerate_free(&mut self, free: &mut Free<S>, [q, v, u]: [&[S]; 3]) -> Result<(), EvalError> {
+        let n = v.len();
+        self.set_kernel(free, q, v)?;
+        let size_of = |k| self.kernel.size_of_entry(&self.tree, k);
+        let singular = |k: usize| EvalError::SingularMassMatrix { joint: self.tree.name(k).into() };
+        self.factor.factor(self.kernel.mass_matrix(), size_of).map_err(singular)?;
+        free.a_chain.fill(S::zero());
+        torque(&self.tree, &self.kernel, |entry| entry, (&free.v_chain, &free.a_chain), &mut self.tau);
+        let (rate_q, a) = self.rate.split_at_mut(n);
+        rate_q.copy_from_slice(v);
+        a.copy_from_slice(u);
+        free.frames.iter().for_each(|frame| frame.outward(a));
+        a.iter_mut().zip(&self.tau).for_each(|(a, &tau)| *a -= tau);
+        self.factor.solve(a);
+        free.finish_acceleration(v, a);
+        Ok(())
+    }
+
+    #[inline(never)]
+    pub(super) fn inverse_dynamics_free(&mut self, [q, v, a]: [&[S]; 3]) -> Result<&[S], EvalError> {
+        self.check_free(q, &[("v", v), ("a", a)])?;
+        self.with_free(|this, free| {
+            this.set_kernel(free, q, v)?;
+            free.set_acceleration(v, a);
+            this.take_torque_free(free);
+            Ok(())
+        })?;
+        Ok(&self.tau)
+    }
+
+    #[inline(never)]
+    pub(super) fn linearise_inverse_dynamics_free(
+        &mut self,
+        [q, v, a]: [&[S]; 3],
+    ) -> Result<InverseDynamicsLinearisation<'_, S>, EvalError> {
+        self.check_free(q, &[("v", v), ("a", a)])?;
+        self.with_free(|this, free| {
+            this.set_kernel(free, q, v)?;
+            free.set_acceleration(v, a);
+            this.take_torque_free(free);
+            this.take_jacobian_free(free, v)
+        })?;
+        let tau_a = self.free.as_ref().map_or(self.kernel.mass_matrix(), |free| &free.mass_matrix);
+        Ok(InverseDynamicsLinearisation { tau: &self.tau, tau_q: &self.tau_q, tau_v: &self.tau_v, tau_a })
+    }
+
+    /// `(v, nu')`.
+    #[inline(never)]
+    pub(super) fn evaluate_free(&mut self, [q, v, u]: [&[S]; 3]) -> Result<&[S], EvalError> {
+        self.check_free(q, &[("v", v), ("u", u)])?;
+        self.with_free(|this, free| this.accelerate_free(free, [q, v, u]))?;
+        Ok(&self.rate)
+    }
+
+    #[inline(never)]
+    pub(super) fn linearise_forward_dynamics_free(
+        &mut self,
+        [q, v, u]: [&[S]; 3],
+    ) -> Result<ForwardDynamicsLinearisation<'_, S>, EvalError> {
+        self.check_free(q, &[("v", v), ("u", u)])?;
+        let n = v.len();
+        self.with_free(|this, free| {
+            this.accelerate_free(free, [q, v, u])?;
+            free.set_acceleration(v, &this.rate[n..]);
+            this.take_torque_free(free);
+            this.take_jacobian_free(free, v)?;
+            this.factor.inverse(&mut free.inverse);
+            free.frames.iter().for_each(|frame| frame.turn_block(&mut free.inverse, [0, 0], n));
+            for i in 0..n {
+                let (weights, row) = (free.inverse.row(i), this.a_z.row_mut(i));
+                row.fill(S::zero());
+                let (in_q, rest) = row.split_at_mut(n);
+                let (in_v, in_u) = rest.split_at_mut(n);
+                for (k, &weight) in weights.iter().enumerate() {
+                    add_scaled(in_q, -weight, this.tau_q.row(k));
+                    add_scaled(in_v, -weight, this.tau_v.row(k));
+                }
+                in_u.copy_from_slice(weights);
+            }
+            Ok(())
+        })?;
+        Ok(self.forward_jacobian())
+    }
+
+    pub(super) fn mass_matrix_free(&mut self, q: &[S]) -> Result<&Matrix<S>, EvalError> {
+        self.check_free(q, &[])?;
+        self.with_free(|this, free| {
+            let n = this.tree.dof();
+            free.frames.iter_mut().for_each(|frame| frame.set_configuration(q));
+            this.kernel.set_position(&this.tree, q)?;
+            free.mass_matrix.copy_from(this.kernel.mass_matrix());
+            free.frames.iter().for_each(|frame| frame.turn_block(&mut free.mass_matrix, [0, 0], n));
+            Ok(())
+        })?;
+        Ok(self.free.as_ref().map_or(self.kernel.mass_matrix(), |free| &free.mass_matrix))
+    }
+}

@@ -1,0 +1,52 @@
+//! Floating and spherical joints in the frames of a tree.
+
+use super::free::{FreeJoint, FreeKind};
+use crate::scalar::Scalar;
+use crate::spatial::Quaternion;
+use nalgebra::{Matrix3, Rotation3, UnitQuaternion};
+
+/// A floating or spherical joint: which entries belong to it, and how its quaternion turns the frame of the
+/// first of its revolute joints.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct FreeFrame {
+    pub name: String,
+    pub kind: FreeKind,
+    /// Its first entry of q.
+    pub position: usize,
+    /// Its first entry of v.
+    pub coordinate: usize,
+    /// Index of the joint that it turns.
+    pub turned: usize,
+    /// Quaternions before and after that of q.
+    around: [[f64; 4]; 2],
+}
+
+impl FreeFrame {
+    /// In axes that have not been chosen yet.
+    pub fn new(free: &FreeJoint) -> Self {
+        let FreeJoint { name, kind, position, coordinate, turned } = free.clone();
+        Self { name, kind, position, coordinate, turned, around: [[0.0, 0.0, 0.0, 1.0]; 2] }
+    }
+
+    /// With the axes of the turned joint: `x_aligned = aligned x_original`, and the offset of its angle.
+    ///
+    /// With B = aligned', a rotation R before the joint becomes `Rz(offset) B' R B` after the constant part
+    /// of its transform.
+    pub fn aligned(self, aligned: &Matrix3<f64>, offset: f64) -> Self {
+        let axes = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(*aligned));
+        let turn = UnitQuaternion::from_axis_angle(&nalgebra::Vector3::z_axis(), offset);
+        Self { around: [(turn * axes).coords.into(), axes.inverse().coords.into()], ..self }
+    }
+
+    /// Its quaternion in a configuration.
+    pub fn quaternion<S: Scalar>(&self, q: &[S]) -> Quaternion<S> {
+        let at = self.position + self.kind.slides();
+        Quaternion::new([q[at], q[at + 1], q[at + 2], q[at + 3]])
+    }
+
+    /// How the frame of the turned joint is oriented.
+    pub fn orientation<S: Scalar>(&self, q: &[S]) -> Quaternion<S> {
+        let [before, after] = self.around.map(Quaternion::constant);
+        before.then_after(self.quaternion(q)).then_after(after)
+    }
+}

@@ -1,0 +1,226 @@
+//! Floating and spherical joints: descriptions, what is refused, and the numbers of Pinocchio.
+
+use costate::EvalError;
+use costate::configuration::ConfigurationSpace;
+use costate::hamiltonian::{DualPass, FullHessian, Hamiltonian};
+use costate::kinematics::Kinematics;
+use costate::lagrangian::{Lagrangian, LagrangianSecondOrder};
+use costate::robot::{
+    FreeKind, Friction, JointSpec, Limits, LinkInertia, LoadOptions, Robot, RobotError, Spring, Tree, file,
+    urdf,
+};
+use costate::tensors::Christoffel;
+use nalgebra::{DMatrix, DVector, Matrix3};
+use serde::Deserialize;
+use std::path::Path;
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+fn body() -> LinkInertia {
+    LinkInertia::about_com(2.0, [0.1, -0.2, 0.3], Matrix3::from_diagonal(&[0.2, 0.3, 0.25].into()))
+}
+
+fn drone() -> Robot {
+    Robot::builder("drone").joint(JointSpec::floating("root").carrying(body())).build().unwrap()
+}
+
+/// One line of `free_joints_pinocchio.jsonl`; joints in the order of Pinocchio.
+#[derive(Deserialize)]
+struct Case {
+    robot: String,
+    names: Vec<String>,
+    q: Vec<f64>,
+    v: Vec<f64>,
+    tau: Vec<f64>,
+    #[serde(rename = "M")]
+    mass: Vec<Vec<f64>>,
+    a: Vec<f64>,
+    a_q: Vec<Vec<f64>>,
+    a_v: Vec<Vec<f64>>,
+    a_tau: Vec<Vec<f64>>,
+}
+
+/// For each entry of q and of v the entry of Pinocchio.
+fn places(robot: &Robot, names: &[String]) -> [Vec<usize>; 2] {
+    let kind = |name: &str| robot.free_joints().iter().find(|free| free.name == name).map(|free| free.kind);
+    let (mut starts, mut at) = (Vec::new(), [0, 0]);
+    for name in names {
+        starts.push(at);
+        let [nq, nv] = kind(name).map_or([1, 1], |kind| [kind.positions(), kind.dof()]);
+        at = [at[0] + nq, at[1] + nv];
+    }
+    let (mut q, mut v) = (Vec::new(), Vec::new());
+    let mut seen = Vec::new();
+    for joint in robot.joints() {
+        let name = joint.free.as_ref().map_or(&joint.name, |part| &part.joint);
+        if seen.contains(&name) {
+            continue;
+        }
+        seen.push(name);
+        let [from_q, from_v] = starts[names.iter().position(|other| other == name).unwrap()];
+        let [nq, nv] = kind(name).map_or([1, 1], |kind| [kind.positions(), kind.dof()]);
+        q.extend(from_q..from_q + nq);
+        v.extend(from_v..from_v + nv);
+    }
+    [q, v]
+}
+
+#[test]
+fn mass_matrix_and_accelerations_are_those_of_pinocchio() {
+    let text = std::fs::read_to_string(root().join("tests/fixtures/free_joints_pinocchio.jsonl")).unwrap();
+    let cases: Vec<Case> = text.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    assert_eq!(cases.len(), 4);
+    for case in &cases {
+        let options = LoadOptions::default().floating_base(case.robot.ends_with("urdf"));
+        let mut robot = Robot::from_file_with(root().join(&case.robot), options).unwrap();
+        if options.floating_base {
+            let moments = Matrix3::from_diagonal(&[0.3, 0.4, 0.35].into());
+            let payload = LinkInertia::about_com(5.0, [0.1, -0.05, 0.2], moments);
+            robot = robot.with_payload("root_joint", &payload).unwrap();
+        }
+        let [to_q, to_v] = places(&robot, &case.names);
+        assert_eq!((to_q.len(), to_v.len()), (robot.nq(), robot.dof()), "{}", case.robot);
+        assert_eq!((to_q.len(), to_v.len()), (case.q.len(), case.v.len()), "{}", case.robot);
+        let pick = |from: &[f64], to: &[usize]| to.iter().map(|&i| from[i]).collect::<Vec<f64>>();
+        let (q, v, u) = (pick(&case.q, &to_q), pick(&case.v, &to_v), pick(&case.tau, &to_v));
+        let n = v.len();
+        let mut hamiltonian = Hamiltonian::<f64>::new(&robot);
+        let mass = hamiltonian.mass_matrix(&q).unwrap().view().to_nalgebra();
+        let expected = DMatrix::from_fn(n, n, |i, j| case.mass[to_v[i]][to_v[j]]);
+        assert!((&mass - &expected).amax() < 1e-12 * expected.amax(), "{}", case.robot);
+        let p = hamiltonian.momentum(&q, &v).unwrap().to_vec();
+        let linear = hamiltonian.linearise(&q, &p, &u).unwrap();
+        // v = M^-1 p along the motion.
+        let f = DVector::from_column_slice(linear.f());
+        let a = linear.matrix().to_nalgebra().rows(0, n) * &f;
+        let expected = DVector::from_vec(pick(&case.a, &to_v));
+        assert!((&a - &expected).amax() < 1e-10 * expected.amax(), "{}: {a} {expected}", case.robot);
+        assert!((f.rows(0, n) - DVector::from_column_slice(&v)).amax() < 1e-11);
+        let mut lagrangian = Lagrangian::<f64>::new(&robot);
+        let found = DVector::from_column_slice(lagrangian.forward_dynamics(&q, &v, &u).unwrap());
+        assert!((&found - &expected).amax() < 1e-10 * expected.amax(), "{}: {found} {expected}", case.robot);
+        let back = DVector::from_column_slice(lagrangian.inverse_dynamics(&q, &v, found.as_slice()).unwrap());
+        assert!((back - DVector::from_column_slice(&u)).amax() < 1e-10 * expected.amax(), "{}", case.robot);
+        let linear = lagrangian.linearise_forward_dynamics(&q, &v, &u).unwrap();
+        let found = [linear.a_q(), linear.a_v(), linear.a_u()].map(|block| block.to_nalgebra());
+        for (k, (found, expected)) in found.iter().zip([&case.a_q, &case.a_v, &case.a_tau]).enumerate() {
+            let expected = DMatrix::from_fn(n, n, |i, j| expected[to_v[i]][to_v[j]]);
+            let error = (found - &expected).amax();
+            assert!(error < 1e-9 * expected.amax(), "{}: {k}: {error} of {}", case.robot, expected.amax());
+        }
+    }
+}
+
+#[test]
+fn a_free_joint_is_a_chain_of_which_the_last_moves_the_link() {
+    let robot = drone();
+    let names: Vec<&str> = robot.joints().iter().map(|joint| joint.name.as_str()).collect();
+    assert_eq!(names, ["root_x", "root_y", "root_z", "root_rx", "root_ry", "root"]);
+    assert_eq!((robot.dof(), robot.nq(), robot.warnings()), (6, 7, &[][..]));
+    let [free] = robot.free_joints() else { panic!("{:?}", robot.free_joints()) };
+    assert_eq!((free.kind, free.position, free.coordinate, free.turned), (FreeKind::Floating, 0, 0, 3));
+    assert_eq!(robot.frame("root").unwrap().joint, Some(5));
+}
+
+#[test]
+fn the_same_robot_is_read_from_toml_and_urdf() {
+    let toml = r#"
+        name = "drone"
+        [[joint]]
+        name = "root"
+        type = "floating"
+        mass = 2.0
+        com = [0.1, -0.2, 0.3]
+        inertia = { xx = 0.2, yy = 0.3, zz = 0.25 }
+    "#;
+    let toml = file::parse(toml, LoadOptions::default()).unwrap();
+    let inertial = r#"<inertial><origin xyz="0.1 -0.2 0.3"/><mass value="2"/>
+        <inertia ixx="0.2" iyy="0.3" izz="0.25" ixy="0" ixz="0" iyz="0"/></inertial>"#;
+    let whole = format!(
+        r#"<robot name="drone"><link name="world"/><link name="body">{inertial}</link>
+        <joint name="root" type="floating"><parent link="world"/><child link="body"/></joint></robot>"#
+    );
+    let options = LoadOptions::default();
+    let of_urdf = urdf::parse(&whole, options.quaternions(true)).unwrap();
+    assert_eq!(of_urdf.warnings(), []);
+    assert_eq!(urdf::parse(&whole, options).unwrap().nq(), 6, "six joints unless asked for");
+    // A robot whose root link floats needs a joint: here a fixed one.
+    let alone = format!(
+        r#"<robot name="drone"><link name="body">{inertial}</link><link name="tool"/>
+        <joint name="mount" type="fixed"><parent link="body"/><child link="tool"/></joint></robot>"#
+    );
+    let base = urdf::parse(&alone, options.floating_base(true)).unwrap();
+    assert!(urdf::parse(&alone, options).is_err(), "nothing moves");
+    let expected = drone();
+    let (q, p) = ([0.3, 1.0, -0.4, 0.5, -0.5, 0.5, 0.5], [1.0, 0.4, -0.3, 0.2, 0.8, -0.5]);
+    let rate = |robot: &Robot| Hamiltonian::<f64>::new(robot).evaluate(&q, &p, &[0.0; 6]).unwrap().to_vec();
+    for robot in [toml, of_urdf, base] {
+        assert_eq!(rate(&robot), rate(&expected), "{:?}", robot.joints());
+    }
+}
+
+#[test]
+fn what_a_free_joint_cannot_have_is_refused_by_name() {
+    let build =
+        |spec: JointSpec| Robot::builder("r").joint(spec.carrying(body())).build().unwrap_err().to_string();
+    let floating = || JointSpec::floating("root");
+    let limits = Limits { lower: -1.0, ..Limits::default() };
+    let refused = [
+        build(floating().armature(0.1)),
+        build(floating().limits(limits)),
+        build(floating().spring(Spring { stiffness: 1.0, rest: 0.0 })),
+        build(floating().friction(Friction { viscous: 1.0, ..Friction::none() })),
+        build(floating().mimicking("other", 1.0, 0.0)),
+    ];
+    assert!(refused.iter().all(|message| message.contains("'root'")), "{refused:?}");
+    let follower = JointSpec::revolute("a").on("root").carrying(body()).mimicking("root", 1.0, 0.0);
+    let error = Robot::builder("r").joint(floating().carrying(body())).joint(follower).build().unwrap_err();
+    assert!(matches!(error, RobotError::UnsupportedMimic { .. }), "{error}");
+    let robot = drone();
+    let edits = [
+        robot.lock(&[("root_rx", 0.0)]).err(),
+        robot.reduced_to(&["root"], &[0.0; 6]).err(),
+        robot.with_joint_armature("root", 1.0).err(),
+        robot.with_friction("root_x", Friction::none()).err(),
+        robot.with_limits("root", limits).err(),
+    ];
+    for error in edits.map(Option::unwrap) {
+        assert!(matches!(&error, RobotError::FreeJoint { joint, .. } if joint == "root"), "{error}");
+    }
+}
+
+#[test]
+fn what_does_not_take_free_joints_says_so() {
+    let robot = drone();
+    let (q, p, y) = (ConfigurationSpace::new(&robot).neutral(), [0.1; 6], [0.2; 12]);
+    let tree = || Tree::from(&robot);
+    let mut outcomes = vec![
+        Lagrangian::<f64>::new(&robot).gravity(&q).map(drop),
+        LagrangianSecondOrder::<f64>::new(&robot).contract(&q, &p, &p, &y).map(drop),
+        Kinematics::<f64>::new(&robot).set_position(&p).map(drop),
+        DualPass::<f64>::new(&robot).contract(&q, &p, &p, &y).map(drop),
+        FullHessian::<f64>::new(&robot).hessian_tensor(&q, &p).map(drop),
+        Hamiltonian::<f64, _>::with_route(tree(), Christoffel).evaluate(&q, &p, &p).map(drop),
+        Hamiltonian::<f64>::new(&robot).linearise_momentum(&q, &p).map(drop),
+        Hamiltonian::<f64>::new(&robot).linearise_velocity(&q, &p).map(drop),
+        robot.poses(&p).map(drop),
+        robot.joint_positions(&q).map(drop),
+    ];
+    let pulled = robot.with_wrench("root", Default::default()).unwrap();
+    outcomes.push(Hamiltonian::<f64>::new(&pulled).evaluate(&q, &p, &p).map(drop));
+    for (k, outcome) in outcomes.into_iter().enumerate() {
+        let error = outcome.unwrap_err();
+        assert!(matches!(&error, EvalError::FreeJoint { joint, .. } if joint == "root"), "{k}: {error}");
+    }
+    let mut hamiltonian = Hamiltonian::<f64>::new(&robot);
+    assert!(matches!(hamiltonian.evaluate(&p, &p, &p), Err(EvalError::FreeJoint { .. })));
+    assert!(matches!(hamiltonian.evaluate(&p[1..], &p, &p), Err(EvalError::WrongLength(_))));
+    let mut turned = q.clone();
+    turned[6] = 1.1;
+    assert!(matches!(hamiltonian.evaluate(&turned, &p, &p), Err(EvalError::NotUnit { .. })));
+    turned[6] = f64::NAN;
+    assert!(matches!(hamiltonian.evaluate(&turned, &p, &p), Err(EvalError::NonFinite { .. })));
+    hamiltonian.evaluate(&q, &p, &p).unwrap();
+}
