@@ -109,7 +109,8 @@ def test_only_numbers_are_converted(given):
 
 
 def test_the_hint_about_shapes_is_that_of_the_argument():
-    frame = costate.Dynamics(load("two_link.toml")).frame("joint:joint2")
+    robot = load("two_link.toml")
+    frame = costate.Dynamics(robot).frame(f"joint:{robot.joint_names[-1]}")
     with pytest.raises(costate.ArgumentError, match=r"w has the shape \[2\], not \(..., 3\).*axes x, y, z"):
         frame.position_hessian(np.zeros(2), np.zeros(2))
     with pytest.raises(costate.ArgumentError, match=r"q has the shape.*joint_names"):
