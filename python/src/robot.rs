@@ -196,6 +196,13 @@ impl Robot {
         self.inner.joints().iter().map(|joint| joint.name.as_str()).collect()
     }
 
+    /// For each of ``all_joint_names`` the joint before it in the tree; None for one on the base.
+    #[getter]
+    fn parents(&self) -> Vec<Option<&str>> {
+        let joints = self.inner.joints();
+        joints.iter().map(|joint| joint.parent.map(|parent| joints[parent].name.as_str())).collect()
+    }
+
     /// ``"revolute"`` or ``"prismatic"``, for each of ``joint_names``.
     #[getter]
     fn joint_kinds(&self) -> Vec<&str> {

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from dataclasses import dataclass
+from typing import Any
 
 from ._errors import CostateError
 
@@ -11,7 +12,8 @@ class WorkerDied(CostateError):
     """The process that computed a task of a sweep ended by itself."""
 
 
-class Outcome(NamedTuple):
+@dataclass(frozen=True)
+class Outcome:
     """What became of a task of `sweep`.
 
     Attributes

@@ -9,11 +9,13 @@ import time
 import traceback
 from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from functools import lru_cache
 from typing import Any, TypeAlias
 
 # Value, error, its traceback, seconds, attempts.
-Result: TypeAlias = "tuple[Any, Exception | None, str, float, int]"
+Result: TypeAlias = tuple[Any, Exception | None, str, float, int]
+
+# The function of the sweep that this process serves.
+_functions: dict[bytes, Callable[[Any], Any]] = {}
 
 
 def new_pool(workers: int) -> ProcessPoolExecutor:
@@ -27,10 +29,11 @@ def _begin() -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
-@lru_cache(4)
 def _function(text: bytes) -> Callable[[Any], Any]:
-    function: Callable[[Any], Any] = pickle.loads(text)
-    return function
+    if text not in _functions:
+        _functions.clear()
+        _functions[text] = pickle.loads(text)
+    return _functions[text]
 
 
 def readable(function: bytes) -> str | None:
