@@ -36,6 +36,7 @@ mod robot;
 mod schemes;
 mod table;
 mod time_step;
+mod timing;
 mod xla;
 
 use pyo3::prelude::*;

@@ -218,3 +218,18 @@ def test_dask_computes_the_same():
 def test_outcomes_are_pickled():
     (outcome,) = costate.sweep(square, [3], workers=1)
     assert pickle.loads(pickle.dumps(outcome)) == outcome
+
+
+def test_a_map_of_the_workspace_on_dask(monkeypatch, tmp_path, capsys):
+    pytest.importorskip("distributed")
+    pytest.importorskip("matplotlib")
+    monkeypatch.syspath_prepend(Path(__file__).parents[1] / "examples")
+    import workspace_map
+
+    picture = tmp_path / "map.png"
+    arguments = ["--grid", "3", "--dask", "--workers", "2", "--picture", str(picture)]
+    monkeypatch.setattr(sys, "argv", ["workspace_map.py", *arguments])
+    workspace_map.main()
+    printed = capsys.readouterr().out
+    assert printed.startswith("9 places, 3 of them out of reach, 6 motions solved"), printed
+    assert picture.read_bytes().startswith(b"\x89PNG")
