@@ -8,7 +8,9 @@ installed, and named where they are not. Batches of peers: loops over states for
 """
 
 import argparse
+import multiprocessing
 import os
+import queue
 import time
 import warnings
 from pathlib import Path
@@ -75,18 +77,16 @@ def with_costate(robot: costate.Robot) -> dict[str, float]:
     return {name: least(call) / BATCH for name, call in calls.items()}
 
 
-def with_pin(file: Path) -> dict[str, float]:
+def with_pin(file: Path):
     import pinocchio
 
     model = pinocchio.buildModelFromUrdf(str(file))
     data, q = model.createData(), np.full(model.nv, 0.3)
-    return {
-        "a": least(lambda: pinocchio.aba(model, data, q, q, q)),
-        "a, a_z": least(lambda: pinocchio.computeABADerivatives(model, data, q, q, q)),
-    }
+    yield "a", least(lambda: pinocchio.aba(model, data, q, q, q))
+    yield "a, a_z", least(lambda: pinocchio.computeABADerivatives(model, data, q, q, q))
 
 
-def differentiated(a, n: int) -> dict[str, float]:
+def differentiated(a, n: int):
     """Batches of a function (q, v, tau) -> a of JAX."""
     import jax
     import jax.numpy as jnp
@@ -95,14 +95,12 @@ def differentiated(a, n: int) -> dict[str, float]:
     of = lambda z: a(*jnp.split(z, 3))  # noqa: E731
     both = lambda z: (of(z), jax.jacfwd(of)(z))  # noqa: E731
     second = lambda z: (*both(z), jax.jacfwd(jax.jacrev(lambda z: of(z).sum()))(z))  # noqa: E731
-    times = {}
     for name, function in (("a", of), ("a, a_z", both), ("a, a_z, y'a_zz", second)):
         batch = jax.jit(jax.vmap(function))
-        times[name] = least(lambda batch=batch: jax.block_until_ready(batch(z))) / BATCH
-    return times
+        yield name, least(lambda batch=batch: jax.block_until_ready(batch(z))) / BATCH
 
 
-def with_adam(file: Path) -> dict[str, float]:
+def with_adam(file: Path):
     import jax.numpy as jnp
     from adam.jax import KinDynComputations
 
@@ -117,7 +115,7 @@ def with_adam(file: Path) -> dict[str, float]:
     return differentiated(a, n)
 
 
-def with_mjx(file: Path) -> dict[str, float]:
+def with_mjx(file: Path):
     import mujoco
     from mujoco import mjx
 
@@ -132,40 +130,65 @@ def with_mjx(file: Path) -> dict[str, float]:
     return differentiated(a, model.nv)
 
 
-def peers(robot: costate.Robot, file: Path) -> str:
+def times_of(run, file: Path, results) -> None:
+    """Runs in a process of its own."""
+    warnings.simplefilter("ignore")
     try:
-        import jax
+        if run is not with_pin:
+            import jax
 
-        jax.config.update("jax_enable_x64", True)
-        jax.config.update("jax_platforms", "cpu")
-    except ImportError:
-        pass
+            jax.config.update("jax_platforms", "cpu")
+            jax.config.update("jax_enable_x64", True)
+        for what, seconds in run(file):
+            results.put((what, seconds))
+    except Exception as error:
+        results.put((None, f"{type(error).__name__}: {(str(error).splitlines() or [''])[0][:90]}"))
+    else:
+        results.put((None, None))
+
+
+def peers(robot: costate.Robot, file: Path, limit: float) -> str:
+    """Packages whose derivatives take longer to compile and run than the limit (s) are named."""
+    context = multiprocessing.get_context("spawn")
     ours, rows, absent = with_costate(robot), [], []
     for name, run in (("pin", with_pin), ("adam", with_adam), ("MJX", with_mjx)):
-        try:
-            found = run(file)
-        except Exception as error:
-            absent.append(f"{name}: {type(error).__name__}: {str(error).splitlines()[0][:90] if str(error) else ''}")
-            continue
-        for what, seconds in found.items():
+        results = context.Queue()
+        process = context.Process(target=times_of, args=(run, file, results))
+        process.start()
+        end = time.monotonic() + limit
+        while True:
+            try:
+                what, seconds = results.get(timeout=max(0.0, end - time.monotonic()))
+            except queue.Empty:
+                absent.append(f"{name}: the rest took longer than {limit:.0f} s, most of it compiling")
+                break
+            if what is None:
+                absent.extend([f"{name}: {seconds}"] if seconds else [])
+                break
             ratio = seconds / ours[what]
             rows.append((ratio, f"| {what} | {name} | {seconds * 1e9:.0f} | {ours[what] * 1e9:.0f} | {ratio:.1f} |"))
-        print(name, found, flush=True)
+            print(rows[-1][1], flush=True)
+        process.kill()
+        process.join()
     text = f"| {BATCH} states | package | its time (ns a state) | costate (ns a state) | ratio |\n|---|---|--:|--:|--:|\n"
     text += "\n".join(row for _, row in sorted(rows)) + "\n"
-    return text + "".join(f"\nNot compared, {line}." for line in absent)
+    return text + "".join(f"\nNot compared: {line}." for line in absent)
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("robot", nargs="?", type=Path, default=ROOT / "robots" / "ur5.urdf")
     parser.add_argument("--states", type=int, default=1_000_000)
+    parser.add_argument("--limit", type=float, default=300, help="seconds for each other package")
     parser.add_argument("--write", action="store_true", help=f"write the tables into {PAGE.name}")
     given = parser.parse_args()
     warnings.simplefilter("ignore", costate.RobotWarning)
     robot = costate.Robot.from_file(given.robot)
-    text = f"{robot.name}, n = {robot.n}\n\n{peers(robot, given.robot)}\n\n{overhead(robot)}\n\n{batches(robot, given.states)}\n"
-    print(text)
+    parts = [f"{robot.name}, n = {robot.n}"]
+    for part in (lambda: overhead(robot), lambda: batches(robot, given.states), lambda: peers(robot, given.robot, given.limit)):
+        parts.append(part())
+        print(parts[-1], flush=True)
+    text = "\n\n".join(parts) + "\n"
     if given.write:
         page = PAGE.read_text()
         before, rest = page.split("<!-- times: begin -->\n")

@@ -1,9 +1,10 @@
 """A map of the workspace of a UR5: the least effort that it takes to bring the tool to each place.
 
-``python python/examples/workspace_map.py [--grid 12] [--workers 4] [--dask] [--parquet map.parquet] [--picture map.png]``
+``python python/examples/workspace_map.py [--grid 12] [--starts 3] [--workers 4] [--dask] [--parquet map.parquet] [--picture map.png]``
 
 The tool begins in front of the robot and comes to rest at the places of a vertical grid, in any orientation. The
-cost of a motion of one second is the integral of the squared torques, each divided by its limit. ``--dask`` computes on a
+cost of a motion of one second is the integral of the squared torques, each divided by its limit. A solve finds a local
+minimum: with ``--starts`` the best of several guesses counts. ``--dask`` computes on a
 ``LocalCluster``; with ``--parquet`` an interrupted map is continued.
 """
 
@@ -12,7 +13,7 @@ import os
 import sys
 import time
 import warnings
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 
 import costate
@@ -30,7 +31,7 @@ def robot() -> costate.Robot:
         return costate.Robot.from_file(ROBOT)
 
 
-def least_effort(place: tuple[float, float, float]) -> dict:
+def least_effort(place: tuple[float, float, float], starts: int = 1) -> dict:
     """The cheapest motion that ends with the tool at a place (x, y, z) in m."""
     arm = robot()
     row = {"x": place[0], "y": place[1], "z": place[2]}
@@ -41,7 +42,7 @@ def least_effort(place: tuple[float, float, float]) -> dict:
         if not (error.key or "").startswith("end.tool"):
             raise
         return row | {"status": "out_of_reach", "cost": None}
-    solution = problem.solve(threads=1)
+    solution = problem.solve(threads=1, starts=starts)
     return row | {"status": solution.status, "cost": solution.cost if solution.solved else None}
 
 
@@ -69,23 +70,25 @@ def draw(rows: list[dict], grid: int, file: Path) -> None:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--grid", type=int, default=12, help="places along each side")
+    parser.add_argument("--starts", type=int, default=1, help="guesses for each motion")
     parser.add_argument("--workers", type=int, help="processes")
     parser.add_argument("--dask", action="store_true", help="on a LocalCluster")
     parser.add_argument("--parquet", help="where results are kept")
     parser.add_argument("--picture", type=Path, help="where the map is drawn")
     given = parser.parse_args()
     tasks, options = places(given.grid), {"chunk": 2, "progress": sys.stderr.isatty(), "parquet": given.parquet}
+    function = partial(least_effort, starts=given.starts)
     start = time.perf_counter()
     if given.dask:
         from distributed import Client, LocalCluster
 
         settings = {"n_workers": given.workers, "threads_per_worker": 1, "dashboard_address": None}
         with LocalCluster(**settings) as cluster, Client(cluster) as client:
-            outcomes = costate.sweep(least_effort, tasks, client.get_executor(), **options)
+            outcomes = costate.sweep(function, tasks, client.get_executor(), **options)
             workers = len(cluster.workers)
     else:
         workers = given.workers or len(os.sched_getaffinity(0))
-        outcomes = costate.sweep(least_effort, tasks, workers=workers, **options)
+        outcomes = costate.sweep(function, tasks, workers=workers, **options)
     seconds = time.perf_counter() - start
     for outcome in outcomes:
         if not outcome.ok:

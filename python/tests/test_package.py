@@ -173,3 +173,12 @@ def test_pinocchio_computes_the_same(file, random):
     a = joints.v_from_pinocchio(pinocchio.aba(model, data, *there))
     assert_close(dynamics.aba(q, v, tau), a, 1e-9)
     assert_close(dynamics.rnea(q, v, tau), joints.v_from_pinocchio(pinocchio.rnea(model, data, *there)), 1e-10)
+
+
+def test_licences_of_others_are_up_to_date():
+    """What the wheel contains beside LICENSE-*; read offline from what cargo has."""
+    if shutil.which("cargo") is None:
+        pytest.skip("no cargo")
+    script = ROBOTS.parent / "python" / "update_licences.py"
+    done = subprocess.run([sys.executable, script, "--check"], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
