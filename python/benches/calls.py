@@ -1,10 +1,16 @@
-"""Times of calls from Python, beside Pinocchio's where ``pin`` is installed.
+"""Times of calls from Python: beside Rust, and beside pin, adam and MJX.
 
-``python python/benches/calls.py [ROBOT.urdf]``; the least of many repetitions. The overhead of a call is that of a
-pendulum, whose own work takes some tens of nanoseconds.
+``python python/benches/calls.py [ROBOT.urdf] [--states 1000000] [--write]``; the least of many repetitions in one run, on
+one thread where nothing else is said. Rust is the same function without objects of Python, in the same build
+(``Dynamics._seconds``). ``--write`` puts the tables into docs/python_calls.md. Peers are compared where they are
+installed, and named where they are not. Batches of peers: loops over states for pin, whose calls take one, ``jit`` of
+``vmap`` for adam and MJX, whose second derivatives are ``jacfwd(jacrev(y'a))``.
 """
 
-import sys
+import argparse
+import multiprocessing
+import os
+import queue
 import time
 import warnings
 from pathlib import Path
@@ -12,63 +18,181 @@ from pathlib import Path
 import costate
 import numpy as np
 
-BATCH = 20_000
+ROOT = Path(__file__).parents[2]
+PAGE = ROOT / "docs" / "python_calls.md"
+BATCH = 1024
 
 
-def least(call, repeat: int = 300, seconds: float = 0.5) -> float:
-    """The least time of a call in ns."""
-    best, end = float("inf"), time.perf_counter() + seconds
+def least(call, seconds: float = 0.4, at_most: float = 6.0) -> float:
+    """The least time of a call (s) in rounds that last at least a millisecond."""
+    call()
+    start = time.perf_counter()
+    call()
+    one = max(time.perf_counter() - start, 1e-7)
+    repeat = max(1, int(1e-3 / one))
+    best, end = float("inf"), time.perf_counter() + min(at_most, max(seconds, 3 * one))
     while time.perf_counter() < end:
         start = time.perf_counter()
         for _ in range(repeat):
             call()
         best = min(best, (time.perf_counter() - start) / repeat)
-    return best * 1e9
+    return best
 
 
-def calls(dynamics: costate.Dynamics, states: tuple[int, ...] = ()):
-    """Name and call of each method, at so many states."""
-    n, random = dynamics.n, np.random.default_rng(0)
-    q, v, tau = random.normal(size=(3, *states, n))
-    y, d = random.normal(size=(*states, 2 * n)), random.normal(size=(*states, 3 * n))
-    return {
-        "f": lambda: dynamics.f(q, v, tau),
-        "jacobian": lambda: dynamics.jacobian(q, v, tau),
-        "contract": lambda: dynamics.contract(q, v, tau, y),
-        "adjoint": lambda: dynamics.adjoint(q, v, tau, y),
-        "hvp": lambda: dynamics.hvp(q, v, tau, y, d),
-        "rnea": lambda: dynamics.rnea(q, v, tau),
-        "crba": lambda: dynamics.crba(q),
-    }
+def arguments(n: int, verb: str, states: tuple[int, ...]) -> list:
+    q = np.full((*states, n), 0.3)
+    return [q, q.copy(), q.copy()] + ([np.full((*states, 2 * n), 0.3)] if verb in ("contract", "adjoint", "hessian") else [])
+
+
+def overhead(robot: costate.Robot) -> str:
+    dynamics, rows = costate.Dynamics(robot), []
+    for verb in ("f", "aba", "rnea", "linearise", "jacobian", "hessian", "contract", "adjoint"):
+        given, method = arguments(robot.n, verb, ()), getattr(dynamics, verb)
+        ours, rust = least(lambda: method(*given)), dynamics._seconds(verb, 1, 300, False)
+        rows.append((ours - rust, f"| `{verb}` | {rust * 1e6:.2f} | {ours * 1e6:.2f} | {(ours - rust) * 1e6:.2f} |"))
+    rows.sort(reverse=True)
+    return "| one state | Rust (us) | Python (us) | overhead (us) |\n|---|--:|--:|--:|\n" + "\n".join(row for _, row in rows)
+
+
+def batches(robot: costate.Robot, states: int) -> str:
+    rows = []
+    for threads in (1, len(os.sched_getaffinity(0))):
+        dynamics = costate.Dynamics(robot, threads=threads)
+        for verb in ("f", "aba", "linearise", "adjoint"):
+            given, method = arguments(robot.n, verb, (states,)), getattr(dynamics, verb)
+            old, new = (dynamics._seconds(verb, states, 1, fresh) for fresh in (False, True))
+            ours = min(least(lambda: method(*given)) for _ in range(2))
+            figures = f"{old / states * 1e9:.0f} | {new / states * 1e9:.0f} | {ours / states * 1e9:.0f} | {ours / new:.2f}"
+            rows.append((ours / new, f"| `{verb}` | {threads} | {figures} |"))
+    rows.sort(reverse=True)
+    head = f"| {states:.0e} states | threads | Rust, memory at hand (ns a state) | Rust, new memory | Python | Python / Rust, new memory |\n"
+    return head + "|---|--:|--:|--:|--:|--:|\n" + "\n".join(row for _, row in rows)
+
+
+def with_costate(robot: costate.Robot) -> dict[str, float]:
+    dynamics = costate.Dynamics(robot, threads=1)
+    q, v, tau, y = arguments(robot.n, "contract", (BATCH,))
+    calls = {"a": lambda: dynamics.aba(q, v, tau), "a, a_z": lambda: dynamics.linearise(q, v, tau),
+             "a, a_z, y'a_zz": lambda: dynamics.contract(q, v, tau, y)}  # fmt: skip
+    return {name: least(call) / BATCH for name, call in calls.items()}
+
+
+def with_pin(file: Path):
+    import pinocchio
+
+    model = pinocchio.buildModelFromUrdf(str(file))
+    data, q = model.createData(), np.full(model.nv, 0.3)
+    yield "a", least(lambda: pinocchio.aba(model, data, q, q, q))
+    yield "a, a_z", least(lambda: pinocchio.computeABADerivatives(model, data, q, q, q))
+
+
+def differentiated(a, n: int):
+    """Batches of a function (q, v, tau) -> a of JAX."""
+    import jax
+    import jax.numpy as jnp
+
+    z = jnp.full((BATCH, 3 * n), 0.3)
+    of = lambda z: a(*jnp.split(z, 3))  # noqa: E731
+    both = lambda z: (of(z), jax.jacfwd(of)(z))  # noqa: E731
+    second = lambda z: (*both(z), jax.jacfwd(jax.jacrev(lambda z: of(z).sum()))(z))  # noqa: E731
+    for name, function in (("a", of), ("a, a_z", both), ("a, a_z, y'a_zz", second)):
+        batch = jax.jit(jax.vmap(function))
+        yield name, least(lambda batch=batch: jax.block_until_ready(batch(z))) / BATCH
+
+
+def with_adam(file: Path):
+    import jax.numpy as jnp
+    from adam.jax import KinDynComputations
+
+    robot = costate.Robot.from_file(file)
+    model = KinDynComputations(str(file), robot.joint_names)
+    n, base = robot.n, jnp.eye(4)
+
+    def a(q, v, tau):
+        mass = model.mass_matrix(base, q)[6:, 6:]
+        return jnp.linalg.solve(mass, tau - model.bias_force(base, q, jnp.zeros(6), v)[6:])
+
+    return differentiated(a, n)
+
+
+def with_mjx(file: Path):
+    import mujoco
+    from mujoco import mjx
+
+    model = mujoco.MjModel.from_xml_path(str(file))
+    model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONTACT | mujoco.mjtDisableBit.mjDSBL_CONSTRAINT
+    there = mjx.put_model(model)
+    data = mjx.make_data(there)
+
+    def a(q, v, tau):
+        return mjx.forward(there, data.replace(qpos=q, qvel=v, qfrc_applied=tau)).qacc
+
+    return differentiated(a, model.nv)
+
+
+def times_of(run, file: Path, results) -> None:
+    """Runs in a process of its own."""
+    warnings.simplefilter("ignore")
+    try:
+        if run is not with_pin:
+            import jax
+
+            jax.config.update("jax_platforms", "cpu")
+            jax.config.update("jax_enable_x64", True)
+        for what, seconds in run(file):
+            results.put((what, seconds))
+    except Exception as error:
+        results.put((None, f"{type(error).__name__}: {(str(error).splitlines() or [''])[0][:90]}"))
+    else:
+        results.put((None, None))
+
+
+def peers(robot: costate.Robot, file: Path, limit: float) -> str:
+    """Packages whose derivatives take longer to compile and run than the limit (s) are named."""
+    context = multiprocessing.get_context("spawn")
+    ours, rows, absent = with_costate(robot), [], []
+    for name, run in (("pin", with_pin), ("adam", with_adam), ("MJX", with_mjx)):
+        results = context.Queue()
+        process = context.Process(target=times_of, args=(run, file, results))
+        process.start()
+        end = time.monotonic() + limit
+        while True:
+            try:
+                what, seconds = results.get(timeout=max(0.0, end - time.monotonic()))
+            except queue.Empty:
+                absent.append(f"{name}: the rest took longer than {limit:.0f} s, most of it compiling")
+                break
+            if what is None:
+                absent.extend([f"{name}: {seconds}"] if seconds else [])
+                break
+            ratio = seconds / ours[what]
+            rows.append((ratio, f"| {what} | {name} | {seconds * 1e9:.0f} | {ours[what] * 1e9:.0f} | {ratio:.1f} |"))
+            print(rows[-1][1], flush=True)
+        process.kill()
+        process.join()
+    text = f"| {BATCH} states | package | its time (ns a state) | costate (ns a state) | ratio |\n|---|---|--:|--:|--:|\n"
+    text += "\n".join(row for _, row in sorted(rows)) + "\n"
+    return text + "".join(f"\nNot compared: {line}." for line in absent)
 
 
 def main() -> None:
-    file = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parents[2] / "robots" / "ur5.urdf"
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        robot = costate.Robot.from_file(file)
-    pendulum = costate.Robot.builder("pendulum").revolute("hinge", axis=[0, 1, 0], mass=1, com=[0, 0, -1]).build()
-    print(f"{robot.name}, n = {robot.n}; ns a state")
-    print(f"{'':12}{'overhead':>10}{'one state':>12}{'batch, 1 thread':>18}{'batch, threads':>18}")
-    columns = [
-        calls(costate.Dynamics(pendulum)),
-        calls(costate.Dynamics(robot)),
-        calls(costate.Dynamics(robot, threads=1), (BATCH,)),
-        calls(costate.Dynamics(robot), (BATCH,)),
-    ]
-    for name in columns[0]:
-        one = [least(of[name]) for of in columns[:2]]
-        many = [least(of[name], 1) / BATCH for of in columns[2:]]
-        print(f"{name:12}{one[0]:10.0f}{one[1]:12.0f}{many[0]:18.1f}{many[1]:18.1f}")
-    try:
-        import pinocchio
-    except ImportError:
-        return
-    model = pinocchio.buildModelFromUrdf(str(file))
-    data, (q, v, tau) = model.createData(), np.random.default_rng(0).normal(size=(3, model.nv))
-    if model.nq == model.nv:
-        print(f"pin {pinocchio.__version__}: aba {least(lambda: pinocchio.aba(model, data, q, v, tau)):.0f}, ", end="")
-        print(f"its derivatives {least(lambda: pinocchio.computeABADerivatives(model, data, q, v, tau)):.0f}")
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("robot", nargs="?", type=Path, default=ROOT / "robots" / "ur5.urdf")
+    parser.add_argument("--states", type=int, default=1_000_000)
+    parser.add_argument("--limit", type=float, default=300, help="seconds for each other package")
+    parser.add_argument("--write", action="store_true", help=f"write the tables into {PAGE.name}")
+    given = parser.parse_args()
+    warnings.simplefilter("ignore", costate.RobotWarning)
+    robot = costate.Robot.from_file(given.robot)
+    parts = [f"{robot.name}, n = {robot.n}"]
+    for part in (lambda: overhead(robot), lambda: batches(robot, given.states), lambda: peers(robot, given.robot, given.limit)):
+        parts.append(part())
+        print(parts[-1], flush=True)
+    text = "\n\n".join(parts) + "\n"
+    if given.write:
+        page = PAGE.read_text()
+        before, rest = page.split("<!-- times: begin -->\n")
+        PAGE.write_text(f"{before}<!-- times: begin -->\n{text}<!-- times: end -->{rest.split('<!-- times: end -->')[1]}")
 
 
 if __name__ == "__main__":

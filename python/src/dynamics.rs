@@ -7,7 +7,6 @@ use crate::kinematics::{BODY_VERBS, BodyVerb, of_robot};
 use crate::methods::methods;
 use crate::quantities::Verb;
 use crate::robot::Robot;
-use crate::xla::registered;
 use costate::Coordinates;
 use costate::codegen::{CodegenError as NoQuantity, Quantity};
 use costate::robot;
@@ -126,11 +125,16 @@ impl Dynamics {
         verb: Verb,
         arguments: [&Bound<'py, PyAny>; N],
     ) -> PyResult<Bound<'py, PyAny>> {
-        let function = match self.functions[verb as usize].get() {
-            Some(function) => function,
-            None => self.prepare(py, verb)?,
-        };
-        function.call(py, arguments, self.settings)
+        self.function(py, verb)?.call(py, arguments, self.settings)
+    }
+
+    /// The function of arrays of a method.
+    #[inline]
+    pub fn function(&self, py: Python<'_>, verb: Verb) -> PyResult<&Arc<Function>> {
+        match self.functions[verb as usize].get() {
+            Some(function) => Ok(function),
+            None => self.prepare(py, verb),
+        }
     }
 
     #[cold]
@@ -223,22 +227,8 @@ methods! {
 
         /// How a method computes one state: machine code, or the generic code and why.
         fn backend(&self, py: Python<'_>, verb: &str) -> PyResult<String> {
-            let found = Verb::ALL.into_iter().find(|known| known.name() == verb).ok_or_else(|| {
-                let names = Verb::ALL.map(Verb::name).join(", ");
-                argument(py, "verb", format!("'{verb}' has no backend; give one of {names}"))
-            })?;
+            let found = Verb::of_name(py, verb)?;
             Ok(self.engine(py, found.quantity(self.coordinates))?.backend)
-        }
-
-        /// The number by which XLA calls a method; for `costate.jax`.
-        fn _xla(&self, py: Python<'_>, verb: &str) -> PyResult<i64> {
-            let found = Verb::ALL.into_iter().find(|known| known.name() == verb);
-            let found = found.ok_or_else(|| argument(py, "verb", format!("no method '{verb}'")))?;
-            let function = match self.functions[found as usize].get() {
-                Some(function) => function,
-                None => self.prepare(py, found)?,
-            };
-            Ok(registered(function, self.settings))
         }
 
         fn __eq__(&self, other: &Self) -> bool {

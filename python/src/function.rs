@@ -1,10 +1,11 @@
 //! A function of arrays: its arguments are read, all states are evaluated, its results are new arrays.
 
 use crate::arrays::{Axes, Source, Target, allocate, read_all};
+use crate::call::Call;
 use crate::cores::Core;
 use crate::errors::Failure;
 use crate::failures::{Failures, report};
-use crate::plan::{Argument, Entries, Number, Plan};
+use crate::plan::Plan;
 use costate::robot::Robot;
 use costate_jit::JitLanes;
 use pyo3::prelude::*;
@@ -43,8 +44,8 @@ pub struct Engine {
 /// What one thread computes with: a core, and buffers for one state and for four.
 pub struct Workspace {
     core: Box<dyn Core>,
-    one: Vec<f64>,
-    four: Vec<[f64; 4]>,
+    pub one: Vec<f64>,
+    pub four: Vec<[f64; 4]>,
 }
 
 impl Workspace {
@@ -113,15 +114,6 @@ pub struct Function {
     engine: Arc<Engine>,
     /// The robot whose joints the entries of arguments belong to.
     robot: Arc<Robot>,
-}
-
-/// The states of one call.
-struct Call<'a> {
-    plan: &'a Plan,
-    robot: &'a Robot,
-    sources: &'a [Source],
-    targets: &'a [Target],
-    axes: Axes,
 }
 
 impl Function {
@@ -241,107 +233,4 @@ impl Function {
             failures
         })
     }
-}
-
-impl Call<'_> {
-    /// Evaluates one state; its results are not-a-number where that fails.
-    #[inline]
-    fn one(&self, workspace: &mut Workspace, state: usize, failures: &mut Failures) {
-        let Self { plan, sources, targets, axes, .. } = self;
-        let buffer = workspace.state(plan);
-        let mut finite = true;
-        for place in &plan.places {
-            let to = &mut buffer[place.at..place.at + place.length];
-            sources[place.argument].copy(axes, state, place.start, to);
-            finite &= all_finite(to);
-        }
-        let done = match finite {
-            true => workspace.evaluate(plan),
-            false => Err(self.not_finite(workspace.state(plan))),
-        };
-        let buffer = workspace.state(plan);
-        for (output, target) in plan.outputs.iter().zip(*targets) {
-            // SAFETY: each state of a call is evaluated once, by one thread.
-            let result = unsafe { target.of(state) };
-            match done {
-                Ok(()) => output.write(buffer, 0, result),
-                Err(_) => result.fill(f64::NAN),
-            }
-        }
-        if let Err(failure) = done {
-            failures.add(state, failure);
-        }
-    }
-
-    /// The first number of a state that is not finite, in the order of the arguments.
-    #[cold]
-    fn not_finite(&self, buffer: &[f64]) -> Failure {
-        let Self { plan, robot, .. } = self;
-        let found = plan.places.iter().find_map(|place| {
-            let numbers = &buffer[place.at..place.at + place.length];
-            Some((place, place.start + numbers.iter().position(|number| !number.is_finite())?))
-        });
-        // One of them is: the caller has looked.
-        let (argument, index) = found.map_or((0, 0), |(place, index)| (place.argument, index));
-        let Argument { name, entries, .. } = plan.arguments[argument];
-        let joint = match entries {
-            Entries::Joints => robot.independent_joints().nth(index % robot.dof().max(1)),
-            Entries::Axes => None,
-        };
-        Failure::NonFinite { argument: name, index, joint: joint.map(|joint| joint.name.clone()) }
-    }
-
-    /// Evaluates these states in fours, the last one repeated where they are not a multiple of four. States
-    /// that are not certain are evaluated one by one.
-    fn by_fours(
-        &self,
-        lanes: &JitLanes,
-        workspace: &mut Workspace,
-        states: std::ops::Range<usize>,
-        failures: &mut Failures,
-    ) {
-        let Self { plan, sources, targets, axes, .. } = self;
-        if workspace.four.len() < plan.size() {
-            workspace.four.resize(plan.size(), [0.0; 4]);
-        }
-        let mut start = states.start;
-        while start < states.end {
-            let buffer = &mut workspace.four[..plan.size()];
-            buffer[crate::plan::ONE] = <[f64; 4]>::ONE;
-            let mut finite = [true; 4];
-            for (lane, finite) in finite.iter_mut().enumerate() {
-                let state = (start + lane).min(states.end - 1);
-                for place in &plan.places {
-                    let numbers = &mut workspace.one[..place.length];
-                    sources[place.argument].copy(axes, state, place.start, numbers);
-                    // The machine code looks at its own arguments.
-                    *finite &= place.at >= plan.core_inputs.start || all_finite(numbers);
-                    let to = &mut buffer[place.at..place.at + place.length];
-                    to.iter_mut().zip(&*numbers).for_each(|(to, from)| to.set(lane, *from));
-                }
-            }
-            workspace.one[crate::plan::ONE] = 1.0;
-            let (inputs, outputs) = buffer.split_at_mut(plan.core_outputs.start);
-            let certain = lanes.evaluate(&inputs[plan.core_inputs.clone()], outputs).unwrap_or([false; 4]);
-            let end = states.end.min(start + <[f64; 4]>::STATES);
-            for state in start..end {
-                if !(certain[state - start] && finite[state - start]) {
-                    self.one(workspace, state, failures);
-                    continue;
-                }
-                let buffer = &workspace.four[..plan.size()];
-                for (output, target) in plan.outputs.iter().zip(*targets) {
-                    // SAFETY: each state of a call is evaluated once, by one thread.
-                    output.write(buffer, state - start, unsafe { target.of(state) });
-                }
-            }
-            start = end;
-        }
-    }
-}
-
-/// Whether every number is finite: `0 x` is 0 if x is finite, and not a number otherwise.
-#[inline]
-fn all_finite(numbers: &[f64]) -> bool {
-    numbers.iter().fold(0.0, |sum, number| sum + 0.0 * number) == 0.0
 }

@@ -1,16 +1,19 @@
 //! The compiled module of the Python package `costate`: robots, dynamics and time steps on NumPy arrays.
 //!
-//! A call passes through these modules: `arrays` reads the arguments and allocates the results, `function`
-//! evaluates all states on lanes and threads, `plan` says where arguments and results lie, `cores` computes
-//! one state; `xla` takes the arrays of JAX instead. `quantities` lists what is computed of the dynamics,
-//! `kinematics` of frames, `schemes` of time steps. `robot` with `edits`, `builder` and its `recipe`,
-//! `dynamics`, `frame` and `time_step` are the classes that Python sees. `motions` is what its classes for
-//! optimal motions are made of, `casadi` exports functions to CasADi.
+//! A call passes through these modules: `arrays` reads the arguments with their leading `axes` and allocates
+//! the results, `function` evaluates all states on threads, `call` those of one thread on lanes, `plan` says
+//! where arguments and results lie, `cores` computes one state; `xla` takes the arrays of JAX instead.
+//! `quantities` lists what is computed of the dynamics, `kinematics` of frames, `schemes` of time steps.
+//! `robot` with `edits`, `builder` and its `recipe`, `dynamics`, `frame` and `time_step` are the classes that
+//! Python sees. `motions` is what its classes for optimal motions are made of, `casadi` exports functions to
+//! CasADi.
 
 #![deny(unsafe_op_in_unsafe_fn, clippy::undocumented_unsafe_blocks)]
 
 mod arrays;
+mod axes;
 mod builder;
+mod call;
 mod casadi;
 mod check;
 mod codegen;
@@ -33,6 +36,7 @@ mod robot;
 mod schemes;
 mod table;
 mod time_step;
+mod timing;
 mod xla;
 
 use pyo3::prelude::*;

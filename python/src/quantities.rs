@@ -2,9 +2,11 @@
 //!
 //! z = (q, v, tau) or (q, p, tau); f is dx/dt, 2n numbers; J = df/dz, 2n x 3n; H = d2(y'f)/dz2, 3n x 3n.
 
+use crate::errors::argument;
 use crate::plan::{ONE, Piece, Plan, PlanBuilder};
 use costate::Coordinates;
 use costate::codegen::Quantity;
+use pyo3::prelude::*;
 
 /// The methods of `Dynamics` that evaluate a quantity of `costate::codegen`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,6 +42,18 @@ impl Verb {
         Self::Crba,
         Self::Energy,
     ];
+
+    /// The method of this name.
+    ///
+    /// # Errors
+    /// `ArgumentError` with all names.
+    pub fn of_name(py: Python<'_>, name: &str) -> PyResult<Self> {
+        let found = Self::ALL.into_iter().find(|known| known.name() == name);
+        found.ok_or_else(|| {
+            let names = Self::ALL.map(Self::name).join(", ");
+            argument(py, "verb", format!("'{name}' has no backend; give one of {names}"))
+        })
+    }
 
     /// The name of the method.
     pub fn name(self) -> &'static str {

@@ -110,9 +110,13 @@ impl Robot {
     #[pyo3(signature = (path, *, friction = false, strict = false))]
     pub fn from_file(py: Python<'_>, path: PathBuf, friction: bool, strict: bool) -> PyResult<Self> {
         let options = LoadOptions::default().friction(friction).strict(strict);
-        let raise = |error| errors::robot(py, &error);
-        let file = RobotText::from_file(&path).map_err(raise)?;
-        let read = file.robot(options).map_err(raise)?;
+        // Other threads run meanwhile: a pipe may wait for one of them.
+        let read = py.detach(|| {
+            let file = RobotText::from_file(&path)?;
+            let robot = file.robot(options)?;
+            Ok((file, robot))
+        });
+        let (file, read) = read.map_err(|error| errors::robot(py, &error))?;
         // A pickle contains the text: the file need not be where it is read.
         let (text, format) = (file.as_str(), file.format().name());
         let recipe = Recipe::default().then(py, "from_text", named!(py, text, format, friction, strict));
@@ -190,6 +194,13 @@ impl Robot {
     #[getter]
     fn all_joint_names(&self) -> Vec<&str> {
         self.inner.joints().iter().map(|joint| joint.name.as_str()).collect()
+    }
+
+    /// For each of ``all_joint_names`` the joint before it in the tree; None for one on the base.
+    #[getter]
+    fn parents(&self) -> Vec<Option<&str>> {
+        let joints = self.inner.joints();
+        joints.iter().map(|joint| joint.parent.map(|parent| joints[parent].name.as_str())).collect()
     }
 
     /// ``"revolute"`` or ``"prismatic"``, for each of ``joint_names``.

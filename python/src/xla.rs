@@ -7,7 +7,9 @@
 mod frame;
 
 use crate::arrays::{Axes, Source, Target};
+use crate::dynamics::Dynamics;
 use crate::function::{Function, Settings};
+use crate::quantities::Verb;
 use frame::{ApiError, CallFrame, Code};
 use pyo3::prelude::*;
 use std::sync::{Arc, PoisonError, RwLock};
@@ -82,4 +84,13 @@ fn call(frame: &CallFrame) -> Result<(), String> {
         targets.push(unsafe { Target::dense(buffer.data.cast(), expected.length) });
     }
     function.compute(&sources, &targets, axes, settings).message(&axes, settings.nan)
+}
+
+#[pymethods]
+impl Dynamics {
+    /// The number by which XLA calls a method; for `costate.jax`.
+    fn _xla(&self, py: Python<'_>, verb: &str) -> PyResult<i64> {
+        let function = self.function(py, Verb::of_name(py, verb)?)?;
+        Ok(registered(function, self.settings()))
+    }
 }

@@ -7,7 +7,6 @@ from conftest import assert_close, central_differences, load
 
 pytest.importorskip("scipy")
 import costate.scipy
-import scipy.optimize
 
 
 class Counted:

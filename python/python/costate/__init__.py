@@ -32,12 +32,14 @@ from ._errors import (
     StateWarning,
     StepNotSolved,
 )
+from ._outcomes import Outcome, WorkerDied
 from ._pinocchio import JointMap
 from ._problem import Problem
 from ._resolve import Feedback, MotionDerivative, Resolve, Resolved
 from ._run import Iteration
 from ._samples import Gains, Samples, Sensitivity
 from ._solution import Solution
+from ._sweep import sweep
 
 __all__ = [
     "ArgumentError",
@@ -56,6 +58,7 @@ __all__ = [
     "MotionDerivative",
     "MotionError",
     "NonFiniteState",
+    "Outcome",
     "Problem",
     "ProblemError",
     "ProblemWarning",
@@ -73,9 +76,11 @@ __all__ = [
     "StateWarning",
     "Step",
     "StepNotSolved",
+    "WorkerDied",
     "__version__",
     "check",
     "codegen",
+    "sweep",
 ]
 
 # The names of classes in messages and pickles.

@@ -12,20 +12,12 @@ from ._branch import Branch
 from ._costate import Robot, _Problem
 from ._errors import Interrupted, ProblemError
 from ._solution import Solution
-from ._tables import text_of
+from ._tables import table_of, text_of
 
 if TYPE_CHECKING:
     from ._resolve import Resolve
 
     _Path = str | PathLike[str]
-
-
-# What a number or a list stands for, where a table can be given.
-_SHORT = {"start": "q", "end": "q", "cost": "effort", "time": "final", "periodic": "shift", "actuation": "gain"}
-_TABLES = (
-    *("robot", "start", "end", "via", "periodic", "time", "cost", "actuation", "bounds", "limits", "penalty"),
-    *("keep", "obstacle", "collision", "start_from", "solver"),
-)
 
 
 class Problem:
@@ -113,7 +105,7 @@ class Problem:
                 error.key = name
                 raise error
             all_tables[name] = value
-        text = text_of({name: _table(name, value) for name, value in all_tables.items()})
+        text = text_of({name: table_of(name, value) for name, value in all_tables.items()})
         self._set(_Problem.of_robot(robot, text, fspath(folder)))
 
     def _set(self, core: _Problem) -> None:
@@ -337,18 +329,3 @@ class Problem:
 
 def _start(given: Solution | _Path | None) -> Any:
     return given._core if isinstance(given, Solution) else given and fspath(given)
-
-
-def _table(name: str, value: Any) -> Any:
-    """A table, where a number or a list stood for it."""
-    if name not in _TABLES:
-        error = ProblemError(f"{name}: unknown key; the keys here are {', '.join(_TABLES)}")
-        error.key = name
-        raise error
-    if isinstance(value, bool) and name == "limits":
-        return {"from_robot": value}
-    if isinstance(value, bool) and name == "periodic":
-        return {} if value else None
-    if name in _SHORT and not isinstance(value, Mapping):
-        return {_SHORT[name]: value}
-    return value

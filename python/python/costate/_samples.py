@@ -17,6 +17,12 @@ if TYPE_CHECKING:
     _Array = NDArray[np.float64]
 
 
+def fixed(array: _Array) -> _Array:
+    """The array, which cannot be written to any more."""
+    array.flags.writeable = False
+    return array
+
+
 class Sensitivity(NamedTuple):
     """How the least cost changes with a parameter of the robot.
 

@@ -10,6 +10,13 @@ from typing import Any
 
 from ._errors import ProblemError
 
+# What a number or a list stands for, where a table can be given.
+_SHORT = {"start": "q", "end": "q", "cost": "effort", "time": "final", "periodic": "shift", "actuation": "gain"}
+_TABLES = (
+    *("robot", "start", "end", "via", "periodic", "time", "cost", "actuation", "bounds", "limits", "penalty"),
+    *("keep", "obstacle", "collision", "start_from", "solver"),
+)
+
 
 def text_of(tables: Mapping[str, Any]) -> str:
     """Write dictionaries, lists, numbers, texts and truth values as TOML; arrays count as lists, None as not given.
@@ -51,3 +58,18 @@ def _value(value: object, path: str) -> str:
     )
     error.key = path
     raise error
+
+
+def table_of(name: str, value: Any) -> Any:
+    """A table, where a number or a list stood for it."""
+    if name not in _TABLES:
+        error = ProblemError(f"{name}: unknown key; the keys here are {', '.join(_TABLES)}")
+        error.key = name
+        raise error
+    if isinstance(value, bool) and name == "limits":
+        return {"from_robot": value}
+    if isinstance(value, bool) and name == "periodic":
+        return {} if value else None
+    if name in _SHORT and not isinstance(value, Mapping):
+        return {_SHORT[name]: value}
+    return value

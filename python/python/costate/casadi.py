@@ -26,10 +26,13 @@ from __future__ import annotations
 
 import base64
 import pickle
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from . import _costate
 from ._costate import Dynamics, Robot, _abi_source, _casadi_calls, _casadi_slots, _CasadiSlot
+
+if TYPE_CHECKING:
+    from ._costate import _Scheme
 
 __all__ = ["calls", "dynamics", "frame", "inverse_dynamics", "slots", "source", "step"]
 
@@ -88,7 +91,7 @@ def inverse_dynamics(robot: Robot) -> Any:
 
 def step(
     robot: Robot | Dynamics,
-    scheme: Literal["rk4", "midpoint", "verlet", "semi_implicit_euler"],
+    scheme: _Scheme,
     dt: float,
 ) -> Any:
     """One time step (x, tau) -> x_next under constant torques.

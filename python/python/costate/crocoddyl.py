@@ -12,8 +12,8 @@ from typing import Any
 
 try:
     import crocoddyl
-except ImportError as error:  # pragma: no cover
-    raise ImportError("costate.crocoddyl needs Crocoddyl: pip install crocoddyl") from error
+except ImportError as _error:  # pragma: no cover
+    raise ImportError("costate.crocoddyl needs Crocoddyl: pip install crocoddyl") from _error
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -64,7 +64,8 @@ class ActionModel(crocoddyl.ActionModelAbstract):  # type: ignore[misc,unused-ig
     ) -> None:
         n = step.dynamics.n
         crocoddyl.ActionModelAbstract.__init__(self, crocoddyl.StateVector(2 * n), n, 1)
-        self.step, self.exact, self.costate = step, exact, None
+        self.step, self.exact = step, exact
+        self.costate: Any = None
         self.goal = _weights("goal", goal, 2 * n)
         self.r, self.q = _weights("effort", effort, n), _weights("deviation", deviation, 2 * n)
 

@@ -8,35 +8,43 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Callable
-from functools import cache
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 try:
     import jax
     import jax.numpy as jnp
-except ImportError as error:  # pragma: no cover
-    raise ImportError("costate.jax needs JAX: pip install jax") from error
+except ImportError as _error:  # pragma: no cover
+    raise ImportError("costate.jax needs JAX: pip install jax") from _error
 import numpy as np
 
 from ._costate import Dynamics, Step, _xla_handler
 from ._errors import argument_error
 
+if TYPE_CHECKING:
+    from ._costate import _Scheme
+
+    _Order = Literal["any", "reverse"]
+
 __all__ = ["Model"]
 
 _TARGET = "costate"
-_Order = Literal["any", "reverse"]
 _Function = Callable[[Any, Any, Any], Any]
+_targets: set[str] = set()
 
 
-@cache
 def _register() -> None:
+    if _TARGET in _targets:
+        return
     handler = ctypes.CFUNCTYPE(ctypes.c_void_p, ctypes.c_void_p)(_xla_handler())
-    jax.ffi.register_ffi_target(_TARGET, jax.ffi.pycapsule(handler), platform="cpu")
+    capsule: Callable[[Any], Any] = jax.ffi.pycapsule
+    jax.ffi.register_ffi_target(_TARGET, capsule(handler), platform="cpu")
+    _targets.add(_TARGET)
 
 
 def _checked(name: str, value: Any, length: int) -> Any:
     """An array of doubles (..., length)."""
-    if not jax.config.jax_enable_x64:
+    config: Any = jax.config
+    if not config.jax_enable_x64:
         raise argument_error(
             name, 'JAX computes in float32 here, and costate in float64: call jax.config.update("jax_enable_x64", True)'
         )
@@ -61,8 +69,10 @@ def _call(owner: Dynamics | Step, verb: str, shape: tuple[int, ...]) -> Callable
     def call(*arguments: Any) -> Any:
         leading = jnp.broadcast_shapes(*(argument.shape[:-1] for argument in arguments))
         whole = [jnp.broadcast_to(argument, leading + argument.shape[-1:]) for argument in arguments]
-        result = jax.ShapeDtypeStruct(leading + shape, jnp.float64)
-        return jax.ffi.ffi_call(_TARGET, result, vmap_method="broadcast_all")(*whole, function=number)
+        struct: Callable[..., Any] = jax.ShapeDtypeStruct
+        result = struct(leading + shape, jnp.float64)
+        target: Callable[..., Any] = jax.ffi.ffi_call(_TARGET, result, vmap_method="broadcast_all")
+        return target(*whole, function=number)
 
     return call
 
@@ -106,7 +116,7 @@ def _differentiable(names: tuple[str, str, str], n: int, calls: tuple[Any, Any, 
 
     value = jax.custom_jvp(value_of)
     value.defjvp(lambda at, along: (value(*at), _times(jacobian(*at), jnp.concatenate(along, -1))))
-    function = value
+    function: Any = value
     if order == "reverse":
         function = jax.custom_vjp(value)
         function.defvjp(
@@ -201,6 +211,6 @@ class Model:
         """Inverse dynamics: the torques (..., n), as `Dynamics.rnea`."""
         return self._rnea(q, v, a)
 
-    def step(self, scheme: str, dt: float) -> _Function:
+    def step(self, scheme: _Scheme, dt: float) -> _Function:
         """One time step: a function of (q, v, tau) whose result is the next state (..., 2n), as `Step.f`."""
         return self._function(Step(self.dynamics, scheme, dt), ("f", "jacobian", "hessian"), 2 * self.dynamics.n)

@@ -7,6 +7,7 @@ principle with their Jacobian.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -213,10 +214,12 @@ class Transcription:
             shape = (self.n_constraints, count)
             return coo_matrix((self.jacobian(w), self.jacobianstructure()), shape=shape).tocsr()
 
-        constraint = NonlinearConstraint(
-            self.constraints, 0.0, 0.0, jac=jacobian, hess=lambda w, y: whole(self.hessian(w, y, 0.0))
-        )
-        constraints: list[Any] = [constraint]
+        def curvature(w: _Array, y: _Array) -> Any:
+            return whole(self.hessian(w, y, 0.0))
+
+        # SciPy calls `hess` with the multipliers too, which the types of scipy-stubs do not know.
+        constraint: Callable[..., Any] = NonlinearConstraint
+        constraints = [constraint(self.constraints, 0.0, 0.0, jac=jacobian, hess=curvature)]
         fixed = np.flatnonzero(self.lower == self.upper)
         if fixed.size:
             chosen = coo_matrix((np.ones(fixed.size), (np.arange(fixed.size), fixed)), shape=(fixed.size, count))
@@ -227,7 +230,8 @@ class Transcription:
         bounds = None if np.isinf(lower).all() and np.isinf(upper).all() else Bounds(lower, upper)
         nothing = np.zeros(self.n_constraints)
         cost_hessian = whole(self.hessian(self.guess(), nothing, 1.0))
-        return minimize(
+        solve: Callable[..., Any] = minimize
+        return solve(
             self.objective,
             self.guess() if guess is None else np.asarray(guess, dtype=float),
             jac=self.gradient,

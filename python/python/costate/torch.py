@@ -8,16 +8,19 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 try:
     import torch
-except ImportError as error:  # pragma: no cover
-    raise ImportError("costate.torch needs PyTorch: pip install torch") from error
+except ImportError as _error:  # pragma: no cover
+    raise ImportError("costate.torch needs PyTorch: pip install torch") from _error
 import numpy as np
 
 from ._costate import Dynamics, Step
 from ._errors import argument_error
+
+if TYPE_CHECKING:
+    from ._costate import _Scheme
 
 __all__ = ["Model"]
 
@@ -135,7 +138,8 @@ def _function(methods: _Methods, names: tuple[str, str, str] = ("q", "v", "tau")
         n = methods.n
         given = [_checked(name, tensor, n) for name, tensor in zip(names, arguments, strict=True)]
         try:
-            leading = torch.broadcast_shapes(*(tensor.shape[:-1] for tensor in given))
+            shapes = (tensor.shape[:-1] for tensor in given)
+            leading = torch.broadcast_shapes(*shapes)  # type: ignore[no-untyped-call,unused-ignore]
         except RuntimeError as error:
             message = f"the leading axes of {', '.join(names)} cannot be broadcast: {error}"
             raise argument_error(names[0], message) from None
@@ -188,9 +192,8 @@ class Model:
         def jacobian(*z: Any) -> Any:
             return at.jacobian(*z)[..., n:, :]
 
-        def hessian(*z_y: Any) -> Any:
-            *z, y = z_y
-            return at.hessian(*z, np.concatenate([np.zeros_like(y), y], axis=-1))
+        def hessian(q: Any, v: Any, tau: Any, y: Any) -> Any:
+            return at.hessian(q, v, tau, np.concatenate([np.zeros_like(y), y], axis=-1))
 
         self._aba = _function(_Methods(n, at.aba, jacobian, hessian))
 
@@ -206,7 +209,7 @@ class Model:
         """Inverse dynamics: the torques (..., n), as `Dynamics.rnea`."""
         return self._rnea(q, v, a)
 
-    def step(self, scheme: str, dt: float) -> _Function:
+    def step(self, scheme: _Scheme, dt: float) -> _Function:
         """One time step: a function of (q, v, tau) whose result is the next state (..., 2n), as `Step.f`."""
         step = Step(self.dynamics, scheme, dt)
         return _function(_Methods(self.dynamics.n, step.f, step.jacobian, step.hessian))

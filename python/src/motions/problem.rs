@@ -120,7 +120,7 @@ impl ProblemCore {
     fn from_file(class: &Bound<'_, PyType>, path: PathBuf, friction: bool, strict: bool) -> PyResult<Self> {
         let py = class.py();
         let load = LoadOptions::default().strict(strict).friction(friction);
-        let file = ProblemFile::read(&path, load).map_err(|error| raise::file(py, &error))?;
+        let file = py.detach(|| ProblemFile::read(&path, load)).map_err(|error| raise::file(py, &error))?;
         Self::read_with(py, file, friction)
     }
 
@@ -135,7 +135,8 @@ impl ProblemCore {
     ) -> PyResult<Self> {
         let py = class.py();
         let load = LoadOptions::default().strict(strict).friction(friction);
-        let file = ProblemFile::from_text(text, folder, load).map_err(|error| raise::file(py, &error))?;
+        let file = py.detach(|| ProblemFile::from_text(text, folder, load));
+        let file = file.map_err(|error| raise::file(py, &error))?;
         Self::read_with(py, file, friction)
     }
 

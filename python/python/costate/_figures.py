@@ -1,0 +1,196 @@
+"""What a solution says about itself: how it ended, and its figures."""
+
+from __future__ import annotations
+
+import json
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+from ._costate import _Solution
+from ._errors import MotionError
+from ._run import Iteration
+from ._samples import fixed
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+    from typing_extensions import Self
+
+    from ._problem import Problem
+
+    _Array = NDArray[np.float64]
+
+
+class Figures:
+    """The part of `Solution` without the motion."""
+
+    _core: _Solution
+    _problem: Problem
+
+    # How it ended.
+
+    @property
+    def problem(self) -> Problem:
+        """The problem."""
+        return self._problem
+
+    @property
+    def status(self) -> str:
+        """How it ended: ``"converged"``, ``"infeasible"``, ``"time_limit"``, ...; see ``docs/optimize.md``."""
+        return self._core.status
+
+    @property
+    def message(self) -> str:
+        """The status in words, with what to do."""
+        return self._core.message
+
+    @property
+    def solved(self) -> bool:
+        """Whether the motion is a solution, of the problem or of its smoothed form."""
+        return self._core.solved
+
+    @property
+    def converged(self) -> bool:
+        """Whether all checks hold: the status is ``"converged"``."""
+        return self.status == "converged"
+
+    def check(self) -> Self:
+        """This solution; a `MotionError` with its message unless it is ``solved``."""
+        if not self.solved:
+            raise MotionError(f"{self.status}: {self.message}")
+        return self
+
+    # Figures.
+
+    @cached_property
+    def _figures(self) -> dict[str, Any]:
+        figures: dict[str, Any] = json.loads(self._core.figures_json())
+        return figures
+
+    def _number(self, key: str) -> float:
+        value = self._figures.get(key)
+        return float("nan") if value is None else float(value)
+
+    @property
+    def cost(self) -> float:
+        """J, without penalties; infinite where there is no motion."""
+        return self._core.cost
+
+    @property
+    def penalty_cost(self) -> float:
+        """The integral of the penalties."""
+        return self._number("penalty_cost")
+
+    @property
+    def final_time(self) -> float:
+        """T (s)."""
+        return self._core.final_time
+
+    @property
+    def seconds(self) -> float:
+        """How long solving took (s); not a number for a solution that was read from a file."""
+        return self._core.seconds
+
+    @property
+    def verification(self) -> str:
+        """How the motion was verified: "full", "factors" or "none"."""
+        return str(self._figures["verification"])
+
+    @property
+    def end_defect(self) -> float:
+        """Largest miss at the end when the motion is integrated again (rad, m, rad/s, m/s); NaN unless it was."""
+        return self._number("end_defect")
+
+    @property
+    def shooting_defect(self) -> float:
+        """Largest relative miss of segments with their costates; NaN unless they were integrated again."""
+        return self._number("shooting_defect")
+
+    @property
+    def hamiltonian_mean(self) -> float:
+        """Mean of H*; dJ/dT = -H*."""
+        return self._number("hamiltonian")
+
+    @property
+    def hamiltonian_drift(self) -> float:
+        """Largest deviation from the mean, relative to the largest sum of magnitudes in y'f - l."""
+        return self._number("hamiltonian_drift")
+
+    @property
+    def certificate(self) -> str:
+        """What the second variation shows: "local_minimum", "not_minimal" or "not_checked"."""
+        return str(self._figures["certificate"])
+
+    @property
+    def conjugate_time(self) -> float | None:
+        """The first conjugate time (s), if there is one."""
+        time: float | None = self._figures["conjugate_time"]
+        return time
+
+    @property
+    def switches(self) -> list[float]:
+        """Times (s) at which a control reaches or leaves a bound."""
+        switches: list[float] = self._figures["switches"]
+        return switches
+
+    @property
+    def via_times(self) -> list[float]:
+        """Times of the vias (s)."""
+        return list(self._figures.get("via_times", []))
+
+    @property
+    def limits(self) -> dict[str, Any]:
+        """How the motion uses its limits, by "position", "rate", "acceleration", "torque", "jerk", "torque_rate", "power",
+        "torque_speed" and "task", where they are limited.
+
+        Each holds the largest violation ``at_points`` and ``between`` them, the ``worst`` one (``joint``, ``time``,
+        ``excess``, ``unit``, ``value``, ``limit``), and the spans ``active`` (``joint``, ``side``, ``from``, ``to``).
+        """
+        return {kind: use for kind, use in self._figures.get("limits", {}).items() if kind != "infeasible"}
+
+    @property
+    def infeasible(self) -> dict[str, Any] | None:
+        """With the status "infeasible": the ``limits`` that would have to give (``kind``, ``joint``, ``side``, ``time``,
+        ``amount``, ``unit``, ``limit``), a ``final_time`` with which a motion was found, the ``least_time``, and whether
+        it is proven (``is_global``).
+        """
+        found: dict[str, Any] | None = self._figures.get("limits", {}).get("infeasible")
+        return found
+
+    @property
+    def polish(self) -> dict[str, Any] | None:
+        """Whether the motion is that of the direct method or its polished form: ``outcome``, ``cause``, ..."""
+        found: dict[str, Any] | None = self._figures.get("polish")
+        return found
+
+    @property
+    def starts(self) -> list[dict[str, Any]]:
+        """``total`` cost and ``status`` of each start."""
+        starts: list[dict[str, Any]] = self._figures["starts"]
+        return starts
+
+    @property
+    def newton_iterations(self) -> int:
+        """Newton steps, over all meshes and starts."""
+        return int(self._figures["newton_iterations"])
+
+    @cached_property
+    def iterations(self) -> list[Iteration]:
+        """The Newton steps."""
+        return [Iteration._make(step) for step in self._core.iterations()]
+
+    @cached_property
+    def errors(self) -> _Array:
+        """Estimated errors: of the cost, relative to it; of an extremal of each component of z = (q, p, y_q, y_p)."""
+        return fixed(self._core.errors())
+
+    @property
+    def stage_times(self) -> dict[str, float] | None:
+        """Seconds of the stages of the direct method, with ``stage_times=True``."""
+        found = self._core.stage_times()
+        return None if found is None else dict(found)
+
+    @property
+    def warnings(self) -> list[str]:
+        """Limits of the robot that the motion exceeds because it was not asked to keep them."""
+        return self._core.warnings()

@@ -1,0 +1,121 @@
+//! The states of a call: their numbers are read, evaluated one by one or in fours, and written.
+
+use crate::arrays::{Axes, Source, Target};
+use crate::errors::Failure;
+use crate::failures::Failures;
+use crate::function::Workspace;
+use crate::plan::{Argument, Entries, Number, Plan};
+use costate::robot::Robot;
+use costate_jit::JitLanes;
+
+/// The states of one call.
+pub struct Call<'a> {
+    pub plan: &'a Plan,
+    pub robot: &'a Robot,
+    pub sources: &'a [Source],
+    pub targets: &'a [Target],
+    pub axes: Axes,
+}
+
+impl Call<'_> {
+    /// Evaluates one state; its results are not-a-number where that fails.
+    #[inline]
+    pub fn one(&self, workspace: &mut Workspace, state: usize, failures: &mut Failures) {
+        let Self { plan, sources, targets, axes, .. } = self;
+        let buffer = workspace.state(plan);
+        let mut finite = true;
+        for place in &plan.places {
+            let to = &mut buffer[place.at..place.at + place.length];
+            sources[place.argument].copy(axes, state, place.start, to);
+            finite &= all_finite(to);
+        }
+        let done = match finite {
+            true => workspace.evaluate(plan),
+            false => Err(self.not_finite(workspace.state(plan))),
+        };
+        let buffer = workspace.state(plan);
+        for (output, target) in plan.outputs.iter().zip(*targets) {
+            // SAFETY: each state of a call is evaluated once, by one thread.
+            let result = unsafe { target.of(state) };
+            match done {
+                Ok(()) => output.write(buffer, 0, result),
+                Err(_) => result.fill(f64::NAN),
+            }
+        }
+        if let Err(failure) = done {
+            failures.add(state, failure);
+        }
+    }
+
+    /// The first number of a state that is not finite, in the order of the arguments.
+    #[cold]
+    fn not_finite(&self, buffer: &[f64]) -> Failure {
+        let Self { plan, robot, .. } = self;
+        let found = plan.places.iter().find_map(|place| {
+            let numbers = &buffer[place.at..place.at + place.length];
+            Some((place, place.start + numbers.iter().position(|number| !number.is_finite())?))
+        });
+        // One of them is: the caller has looked.
+        let (argument, index) = found.map_or((0, 0), |(place, index)| (place.argument, index));
+        let Argument { name, entries, .. } = plan.arguments[argument];
+        let joint = match entries {
+            Entries::Joints => robot.independent_joints().nth(index % robot.dof().max(1)),
+            Entries::Axes => None,
+        };
+        Failure::NonFinite { argument: name, index, joint: joint.map(|joint| joint.name.clone()) }
+    }
+
+    /// Evaluates these states in fours, the last one repeated where they are not a multiple of four. States
+    /// that are not certain are evaluated one by one.
+    pub fn by_fours(
+        &self,
+        lanes: &JitLanes,
+        workspace: &mut Workspace,
+        states: std::ops::Range<usize>,
+        failures: &mut Failures,
+    ) {
+        let Self { plan, sources, targets, axes, .. } = self;
+        if workspace.four.len() < plan.size() {
+            workspace.four.resize(plan.size(), [0.0; 4]);
+        }
+        let mut start = states.start;
+        while start < states.end {
+            let buffer = &mut workspace.four[..plan.size()];
+            buffer[crate::plan::ONE] = <[f64; 4]>::ONE;
+            let mut finite = [true; 4];
+            for (lane, finite) in finite.iter_mut().enumerate() {
+                let state = (start + lane).min(states.end - 1);
+                for place in &plan.places {
+                    let numbers = &mut workspace.one[..place.length];
+                    sources[place.argument].copy(axes, state, place.start, numbers);
+                    // The machine code looks at its own arguments.
+                    *finite &= place.at >= plan.core_inputs.start || all_finite(numbers);
+                    let to = &mut buffer[place.at..place.at + place.length];
+                    to.iter_mut().zip(&*numbers).for_each(|(to, from)| to.set(lane, *from));
+                }
+            }
+            workspace.one[crate::plan::ONE] = 1.0;
+            let (inputs, outputs) = buffer.split_at_mut(plan.core_outputs.start);
+            let certain = lanes.evaluate(&inputs[plan.core_inputs.clone()], outputs).unwrap_or([false; 4]);
+            let end = states.end.min(start + <[f64; 4]>::STATES);
+            for state in start..end {
+                if !(certain[state - start] && finite[state - start]) {
+                    self.one(workspace, state, failures);
+                    continue;
+                }
+                let buffer = &workspace.four[..plan.size()];
+                for (output, target) in plan.outputs.iter().zip(*targets) {
+                    // SAFETY: each state of a call is evaluated once, by one thread.
+                    output.write(buffer, state - start, unsafe { target.of(state) });
+                }
+            }
+            start = end;
+        }
+    }
+}
+
+/// Whether every number is finite: `0 x` is 0 if x is finite, and not a number otherwise.
+#[inline]
+fn all_finite(numbers: &[f64]) -> bool {
+    numbers.iter().fold(0.0, |sum, number| sum + 0.0 * number) == 0.0
+}
