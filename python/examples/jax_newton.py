@@ -32,7 +32,7 @@ if __name__ == "__main__":
         # Directions of negative curvature are descended too.
         size, directions = jnp.linalg.eigh(H)
         change = -directions @ ((directions.T @ g) / jnp.maximum(jnp.abs(size), 1e-6))
-        length = 1.0
+        length = min(1.0, 10 / float(jnp.linalg.norm(change)))
         while value(tau + length * change) > J + 1e-4 * length * (g @ change) + 1e-14 * J:
             length /= 2
         tau = tau + length * change

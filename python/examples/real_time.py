@@ -6,12 +6,13 @@ import costate
 import numpy as np
 
 ROBOTS = Path(__file__).parents[2] / "robots"
+V_MAX = [np.inf, 7.0]  # rad/s
 
 if __name__ == "__main__":
     arm = costate.Robot.from_file(ROBOTS / "two_link.toml")
 
     def problem(start, v, end):
-        limits = {"v_max": [np.inf, 7.0], "from_robot": False}
+        limits = {"v_max": V_MAX, "from_robot": False}
         return costate.Problem(arm, start={"q": start, "v": v}, end=end, time=1.0, cost=[1.0, 1.0], limits=limits)
 
     q, v, end = np.zeros(2), np.zeros(2), np.array([1.5, 1.5])
@@ -23,6 +24,7 @@ if __name__ == "__main__":
     for period in range(20):
         q, v, _ = motion.state(0.01)  # what the robot measures after 10 ms
         q = q + 1e-3 * np.sin(period)  # it is never quite where it should be
+        v = np.clip(v, np.negative(V_MAX), V_MAX)
         end = end + [0.004, -0.002]
         motion.set_start(q, v)
         motion.set_end(end, np.zeros(2))

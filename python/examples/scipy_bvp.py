@@ -7,12 +7,22 @@ import costate.scipy
 import numpy as np
 
 ROBOTS = Path(__file__).parents[2] / "robots"
-START, GOAL = np.zeros(4), np.array([0.8, -0.6, 0.0, 0.0])
+START, GOAL = np.zeros(4), np.array([0.4, -0.3, 0.0, 0.0])
+
+
+def guess(dynamics, nodes=20):
+    """A cubic from start to goal with its torques, which are costates of p: from a straight line without any the
+    iteration ends at another extremal, which costs more."""
+    t, way = np.linspace(0, 1, nodes)[:, None], GOAL[:2] - START[:2]
+    q, v, a = START[:2] + (3 - 2 * t) * t**2 * way, 6 * t * (1 - t) * way, (6 - 12 * t) * way
+    return np.concatenate([q, dynamics.momentum(q, v), 0 * q, dynamics.rnea(q, v, a)], axis=1).T
+
 
 if __name__ == "__main__":
     robot = costate.Robot.from_file(ROBOTS / "two_link.toml")
-    extremal = costate.scipy.Extremal(costate.Dynamics(robot, "qp"), START, GOAL)
-    solution = extremal.solve(1.0, tol=1e-8, max_nodes=20000)
+    dynamics = costate.Dynamics(robot, "qp")
+    extremal = costate.scipy.Extremal(dynamics, START, GOAL)
+    solution = extremal.solve(1.0, guess(dynamics), tol=1e-8, max_nodes=20000)
     assert solution.status == 0, solution.message
     times = np.linspace(0, 1, 2001)
     z = solution.sol(times)
