@@ -1,6 +1,10 @@
 """Settings of Sphinx for the guide: all pages of docs/, the guide in front."""
 
+from pathlib import Path
+
 import costate
+from docutils import nodes
+from sphinx import addnodes
 
 project = "costate"
 copyright = "the authors of costate"
@@ -9,7 +13,26 @@ extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.mathjax", "numpyd
 root_doc = "guide/index"
 html_theme = "furo"
 html_title = f"costate {version}"
-exclude_patterns = ["guide/README.md"]
-myst_enable_extensions = ["dollarmath", "deflist"]
+exclude_patterns = ["guide/README.md", "guide/notebooks"]
+myst_enable_extensions = ["dollarmath"]
 myst_heading_anchors = 4
-suppress_warnings = []
+autodoc_member_order = "bysource"
+numpydoc_show_class_members = False
+
+DOCS = Path(__file__).parents[1]
+
+
+def plain_links(app, doctree):
+    """Links to files of the repository that are no pages become their words; `.ci/documents` checks the files."""
+    for link in list(doctree.findall(addnodes.pending_xref)):
+        target = link.get("reftarget", "").split("#")[0]
+        if link.get("refdomain") == "doc":
+            file = DOCS / f"{target.lstrip('/')}.md"
+        else:
+            file = (DOCS / app.env.docname).parent / target
+        if target and DOCS not in file.resolve().parents and (file.exists() or file.resolve().exists()):
+            link.replace_self(nodes.inline("", "", *link.children))
+
+
+def setup(app):
+    app.connect("doctree-read", plain_links)
