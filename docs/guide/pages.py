@@ -13,7 +13,7 @@ from pathlib import Path
 
 GUIDE = Path(__file__).parent
 ROOT = GUIDE.parents[1]
-PAGES = [*sorted(GUIDE.glob("*.md")), ROOT / "docs" / "casadi.md", ROOT / "python" / "README.md"]
+PAGES = [*sorted(GUIDE.glob("*.md")), ROOT / "docs" / "casadi.md"]
 
 
 def needs(page: Path) -> list[str]:
