@@ -9,12 +9,11 @@ from sphinx import addnodes
 project = "costate"
 copyright = "the authors of costate"
 version = release = costate.__version__
-extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.mathjax", "numpydoc"]
+extensions = ["myst_parser", "sphinx.ext.autodoc", "numpydoc"]
 root_doc = "guide/index"
 html_theme = "furo"
 html_title = f"costate {version}"
 exclude_patterns = ["guide/README.md", "guide/notebooks"]
-myst_enable_extensions = ["dollarmath"]
 myst_heading_anchors = 4
 autodoc_member_order = "bysource"
 numpydoc_show_class_members = False
@@ -26,11 +25,9 @@ def plain_links(app, doctree):
     """Links to files of the repository that are no pages become their words; `.ci/documents` checks the files."""
     for link in list(doctree.findall(addnodes.pending_xref)):
         target = link.get("reftarget", "").split("#")[0]
-        if link.get("refdomain") == "doc":
-            file = DOCS / f"{target.lstrip('/')}.md"
-        else:
-            file = (DOCS / app.env.docname).parent / target
-        if target and DOCS not in file.resolve().parents and (file.exists() or file.resolve().exists()):
+        suffix = ".md" if link.get("refdomain") == "doc" else ""
+        file = ((DOCS / app.env.docname).parent / f"{target}{suffix}").resolve()
+        if target and DOCS not in file.parents and file.exists():
             link.replace_self(nodes.inline("", "", *link.children))
 
 
