@@ -1,5 +1,6 @@
 """Settings of Sphinx for the guide: all pages of docs/, the guide in front."""
 
+import importlib.util
 from pathlib import Path
 
 import costate
@@ -17,6 +18,9 @@ exclude_patterns = ["guide/README.md", "guide/notebooks"]
 myst_heading_anchors = 4
 autodoc_member_order = "bysource"
 numpydoc_show_class_members = False
+# The reference of their modules does not need them.
+friends = ("casadi", "crocoddyl", "jax", "scipy", "torch")
+autodoc_mock_imports = [name for name in friends if importlib.util.find_spec(name) is None]
 
 DOCS = Path(__file__).parents[1]
 
