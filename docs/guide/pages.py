@@ -43,11 +43,10 @@ def prepare(folder: Path) -> None:
     """What blocks find in their folder."""
     for name in ("robots", "examples"):
         (folder / name).symlink_to(ROOT / name, target_is_directory=True)
-    (folder / "pictures").mkdir()
 
 
 def run(page: Path, folder: Path) -> None:
-    """Runs all blocks in one namespace; the pictures are then in `folder/pictures`."""
+    """Runs all blocks in one namespace; their pictures are then in the folder."""
     import matplotlib
 
     matplotlib.use("Agg")
@@ -82,7 +81,7 @@ def main(arguments: list[str]) -> None:
             print(f"{page.name}: {len(blocks(page))} blocks")
             run(page, folder)
             for picture in pictures(page):
-                made = folder / "pictures" / picture
+                made = folder / picture
                 if write:
                     text = re.sub(r"\n\s*<metadata>.*?</metadata>", "", made.read_text(encoding="utf-8"), flags=re.S)
                     (GUIDE / "pictures" / picture).write_text(text, encoding="utf-8")
