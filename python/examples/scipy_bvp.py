@@ -5,6 +5,7 @@ from pathlib import Path
 import costate
 import costate.scipy
 import numpy as np
+from scipy.integrate import trapezoid
 
 ROBOTS = Path(__file__).parents[2] / "robots"
 START, GOAL = np.zeros(4), np.array([0.4, -0.3, 0.0, 0.0])
@@ -27,7 +28,7 @@ if __name__ == "__main__":
     times = np.linspace(0, 1, 2001)
     z = solution.sol(times)
     tau = extremal.torques(z)
-    J = np.trapezoid(0.5 * (tau**2).sum(axis=0), times)
+    J = trapezoid(0.5 * (tau**2).sum(axis=0), times)
     # H = y'f - 1/2 |tau|^2 is constant along an extremal.
     H = (z[4:] * extremal.fun(None, z)[:4]).sum(axis=0) - 0.5 * (tau**2).sum(axis=0)
     print(f"cost {J:.8g} on {len(solution.x)} nodes; H = {H.mean():.6g}, drift {np.ptp(H):.1e}")

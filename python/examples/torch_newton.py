@@ -42,7 +42,7 @@ if __name__ == "__main__":
         if g.abs().max() < 1e-6:
             break
         slope = g.detach()
-        d = newton_direction(slope, lambda p: torch.autograd.grad(g, tau, p, retain_graph=True)[0])
+        d = newton_direction(slope, lambda p, g=g, tau=tau: torch.autograd.grad(g, tau, p, retain_graph=True)[0])
         with torch.no_grad():
             length = 1.0
             while cost(tau + length * d) > J + 1e-4 * length * (slope * d).sum() + 1e-14 * J:
