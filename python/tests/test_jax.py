@@ -120,3 +120,26 @@ def test_what_does_not_fit_is_refused(dynamics):
             model.f(np.zeros(2), np.zeros(2), np.zeros(2))
     finally:
         jax.config.update("jax_enable_x64", True)
+
+
+def test_second_derivatives_through_a_loop(dynamics, random):
+    """A motion of several steps by ``lax.scan``: its Hessian is that of the same steps written one after the other."""
+    tau = random.normal(size=(2, 2))
+    for order, way in [("any", jax.hessian), ("reverse", lambda f: jax.jacfwd(jax.grad(f)))]:
+        step = costate.jax.Model(dynamics, order).step("rk4", 0.05)
+
+        def scanned(tau):
+            x, _ = jax.lax.scan(lambda x, u: (step(x[:2], x[2:], u), None), jnp.ones(4), tau)
+            return (x**2).sum()
+
+        def written(tau):
+            x = jnp.ones(4)
+            for u in tau:
+                x = step(x[:2], x[2:], u)
+            return (x**2).sum()
+
+        exact = way(written)(tau)
+        assert_close(jax.jit(way(scanned))(tau), exact, 1e-12)
+    assert_close(jax.jit(way(jax.checkpoint(scanned)))(tau), exact, 1e-12)
+    slope = central_differences(lambda z: np.asarray(jax.grad(scanned)(z.reshape(2, 2))).ravel(), tau.ravel())
+    assert_close(np.reshape(exact, (4, 4)), slope, 1e-6)

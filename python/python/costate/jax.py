@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING, Any, Literal
 try:
     import jax
     import jax.numpy as jnp
+    from jax.extend.core import Primitive
+    from jax.interpreters import ad, batching, mlir
 except ImportError as _error:  # pragma: no cover
     raise ImportError("costate.jax needs JAX: pip install jax") from _error
 import numpy as np
@@ -77,6 +79,31 @@ def _call(owner: Dynamics | Step, verb: str, shape: tuple[int, ...]) -> Callable
     return call
 
 
+def _primitive(name: str, function: Callable[..., Any], jvp: Callable[[Any, Any], tuple[Any, Any]]) -> Callable[..., Any]:
+    """A function of arrays (..., k) as a primitive with this rule for forward derivatives.
+
+    ``jax.custom_jvp`` would do outside of loops alone: the derivative of ``lax.scan`` forgets its rule.
+    """
+    primitive = Primitive(f"costate_{name}")
+    primitive.def_impl(jax.jit(function))
+
+    def shape_of(*arguments: Any) -> Any:
+        result = jax.eval_shape(function, *(jax.ShapeDtypeStruct(a.shape, a.dtype) for a in arguments))
+        return arguments[0].update(shape=result.shape, dtype=result.dtype, weak_type=False)
+
+    def mapped(arguments: Any, axes: Any) -> tuple[Any, int]:
+        pairs = zip(arguments, axes, strict=True)
+        front = (a[None] if axis is None else jnp.moveaxis(a, axis, 0) for a, axis in pairs)
+        return primitive.bind(*front), 0
+
+    primitive.def_abstract_eval(shape_of)
+    mlir.register_lowering(primitive, mlir.lower_fun(function, multiple_results=False))
+    batching.primitive_batchers[primitive] = mapped
+    ad.primitive_jvps[primitive] = lambda at, along: jvp(at, [ad.instantiate_zeros(part) for part in along])
+    call: Callable[..., Any] = primitive.bind
+    return call
+
+
 def _times(matrix: Any, vector: Any) -> Any:
     return jnp.einsum("...ij,...j->...i", matrix, vector)
 
@@ -85,37 +112,32 @@ def _differentiable(names: tuple[str, str, str], n: int, calls: tuple[Any, Any, 
     """A function of three vectors (n) with m results, of its value, Jacobian (m, 3n) and contracted Hessian (3n, 3n)."""
     value_of, jacobian_of, hessian_of = calls
 
-    @jax.custom_jvp
-    def hessian(a: Any, b: Any, c: Any, y: Any) -> Any:
-        return hessian_of(a, b, c, y)
+    hessian = _primitive("hessian", hessian_of, _no_third)
 
-    hessian.defjvp(_no_third)
-
-    @jax.custom_jvp
-    def jacobian(a: Any, b: Any, c: Any) -> Any:
-        return jacobian_of(a, b, c)
-
-    @jacobian.defjvp
-    def _(at: Any, along: Any) -> Any:
+    def jacobian_change(at: Any, along: Any) -> Any:
         # One contraction for each result: all of them in one call.
         leading = jnp.broadcast_shapes(*(part.shape[:-1] for part in at))
         rows = [jnp.broadcast_to(part, leading + (n,))[..., None, :] for part in at]
         tensor = hessian(*rows, jnp.broadcast_to(jnp.eye(m), leading + (m, m)))
         return jacobian(*at), jnp.einsum("...ijk,...k->...ij", tensor, jnp.concatenate(along, -1))
 
-    @jax.custom_jvp
-    def adjoint(a: Any, b: Any, c: Any, y: Any) -> Any:
-        return jnp.einsum("...i,...ij->...j", y, jacobian_of(a, b, c))
+    jacobian = _primitive("jacobian", jacobian_of, jacobian_change)
 
-    @adjoint.defjvp
-    def _(at: Any, along: Any) -> Any:
+    def adjoint_change(at: Any, along: Any) -> Any:
         *z, y = at
         matrix, second = jacobian(*z), hessian(*z, y)
         change = _times(second, jnp.concatenate(along[:3], -1)) + jnp.einsum("...i,...ij->...j", along[3], matrix)
         return jnp.einsum("...i,...ij->...j", y, matrix), change
 
-    value = jax.custom_jvp(value_of)
-    value.defjvp(lambda at, along: (value(*at), _times(jacobian(*at), jnp.concatenate(along, -1))))
+    def adjoint_of(a: Any, b: Any, c: Any, y: Any) -> Any:
+        return jnp.einsum("...i,...ij->...j", y, jacobian_of(a, b, c))
+
+    adjoint = _primitive("adjoint", adjoint_of, adjoint_change)
+
+    def value_change(at: Any, along: Any) -> Any:
+        return value(*at), _times(jacobian(*at), jnp.concatenate(along, -1))
+
+    value = _primitive("value", value_of, value_change)
     function: Any = value
     if order == "reverse":
         function = jax.custom_vjp(value)

@@ -1,0 +1,93 @@
+"""Runs the Python blocks of the guide's pages: `python docs/guide/pages.py [--write] [PAGE ...]`.
+
+With `--write`, the pictures that they save become those of the guide.
+"""
+
+import importlib.util
+import os
+import re
+import sys
+import tempfile
+import warnings
+from pathlib import Path
+
+GUIDE = Path(__file__).parent
+ROOT = GUIDE.parents[1]
+PAGES = [*sorted(GUIDE.glob("*.md")), ROOT / "docs" / "casadi.md"]
+
+
+def needs(page: Path) -> list[str]:
+    """The packages without which a page cannot run."""
+    found = re.match(r"<!-- needs: (.*) -->", page.read_text(encoding="utf-8"))
+    return found[1].split(", ") if found else ["casadi"] if page.name == "casadi.md" else []
+
+
+def missing(page: Path) -> list[str]:
+    return [name for name in needs(page) if importlib.util.find_spec(name) is None]
+
+
+def blocks(page: Path) -> list[tuple[int, str]]:
+    """The Python blocks of a page with the lines before each."""
+    text = page.read_text(encoding="utf-8")
+    return [
+        (text.count("\n", 0, found.start(1)), found[1]) for found in re.finditer(r"^```python\n(.*?)^```$", text, re.M | re.S)
+    ]
+
+
+def pictures(page: Path) -> list[str]:
+    """The pictures that a page shows."""
+    return re.findall(r"\]\(pictures/([a-z_]+\.svg)\)", page.read_text(encoding="utf-8"))
+
+
+def prepare(folder: Path) -> None:
+    """What blocks find in their folder."""
+    for name in ("robots", "examples"):
+        (folder / name).symlink_to(ROOT / name, target_is_directory=True)
+
+
+def run(page: Path, folder: Path) -> None:
+    """Runs all blocks in one namespace; their pictures are then in the folder."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+
+    style = {"svg.hashsalt": "costate", "svg.fonttype": "none", "font.family": "sans-serif", "figure.figsize": (6.4, 3.6)}
+    style |= {"figure.constrained_layout.use": True, "axes.spines.top": False, "axes.spines.right": False}
+    plt.rcParams.update(style | {"axes.grid": True, "grid.alpha": 0.3, "figure.facecolor": "white"})
+    before = Path.cwd()
+    os.chdir(folder)
+    names: dict[str, object] = {"__name__": "__page__"}
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            for line, code in blocks(page):
+                exec(compile("\n" * line + code, str(page), "exec"), names)
+    finally:
+        os.chdir(before)
+        plt.close("all")
+
+
+def main(arguments: list[str]) -> None:
+    write = "--write" in arguments
+    chosen = [Path(name).resolve() for name in arguments if name != "--write"] or PAGES
+    for page in chosen:
+        if missing(page):
+            print(f"{page.name}: not run, without {', '.join(missing(page))}")
+            continue
+        with tempfile.TemporaryDirectory() as name:
+            folder = Path(name)
+            prepare(folder)
+            print(f"{page.name}: {len(blocks(page))} blocks")
+            run(page, folder)
+            for picture in pictures(page):
+                made = folder / picture
+                if write:
+                    text = re.sub(r"\n\s*<metadata>.*?</metadata>", "", made.read_text(encoding="utf-8"), flags=re.S)
+                    (GUIDE / "pictures" / picture).write_text(text, encoding="utf-8")
+                elif not made.exists():
+                    raise SystemExit(f"{page.name}: no block saves {picture}")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

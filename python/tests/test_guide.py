@@ -1,0 +1,77 @@
+"""The guide in `docs/guide`: its Python blocks run in order, notebooks are executed, blocks in Rust are those compiled."""
+
+import importlib.util
+import os
+import re
+from pathlib import Path
+
+import pytest
+
+GUIDE = Path(__file__).parents[2] / "docs" / "guide"
+NOTEBOOKS = sorted((GUIDE / "notebooks").glob("*.ipynb"))
+
+
+def _pages():
+    spec = importlib.util.spec_from_file_location("pages", GUIDE / "pages.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+pages = _pages()
+
+
+@pytest.mark.parametrize("page", pages.PAGES, ids=lambda page: page.stem)
+def test_blocks_of_a_page(page, tmp_path):
+    if not pages.blocks(page):
+        pytest.skip("no Python on this page")
+    for name in ("matplotlib", *pages.needs(page)):
+        pytest.importorskip(name)
+    pages.prepare(tmp_path)
+    pages.run(page, tmp_path)
+    made = {path.name for path in tmp_path.glob("*.svg")}
+    assert made == set(pages.pictures(page))
+    assert all((GUIDE / "pictures" / name).exists() for name in made)
+
+
+def test_every_picture_is_shown():
+    shown = {name for page in pages.PAGES for name in pages.pictures(page)}
+    assert {path.name for path in (GUIDE / "pictures").iterdir()} == shown
+
+
+def test_each_page_is_in_the_contents():
+    listed = re.findall(r"^[a-z_]+$", (GUIDE / "index.md").read_text(), re.M)
+    assert sorted(listed) == sorted(page.stem for page in GUIDE.glob("*.md") if page.stem not in ("index", "README"))
+
+
+def test_rust_on_the_page_is_the_program_that_is_compiled():
+    program = re.sub(r"\s+", " ", (GUIDE.parents[1] / "examples" / "tour.rs").read_text())
+    found = re.findall(r"^```rust\n(.*?)^```$", (GUIDE / "rust.md").read_text(), re.M | re.S)
+    assert len(found) >= 5
+    for block in found:
+        assert re.sub(r"\s+", " ", block).strip() in program
+
+
+def test_there_are_notebooks_without_outputs():
+    nbformat = pytest.importorskip("nbformat")
+    assert {path.name for path in NOTEBOOKS} >= {"tour.ipynb", "limits.ipynb"}
+    for path in NOTEBOOKS:
+        notebook = nbformat.read(path, 4)
+        nbformat.validate(notebook)
+        assert not any(cell.get("outputs") for cell in notebook.cells)
+
+
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_a_notebook_is_executed(path, monkeypatch):
+    for name in ("matplotlib", "nbformat", "ipykernel"):
+        pytest.importorskip(name)
+    nbclient = pytest.importorskip("nbclient")
+    import nbformat
+
+    monkeypatch.setitem(os.environ, "MPLBACKEND", "module://matplotlib_inline.backend_inline")
+    notebook = nbformat.read(path, 4)
+    resources = {"metadata": {"path": str(path.parent)}}
+    nbclient.NotebookClient(notebook, timeout=120, kernel_name="python3", resources=resources).execute()
+    outputs = [output for cell in notebook.cells for output in cell.get("outputs", ())]
+    assert any("image/png" in output.get("data", {}) for output in outputs)
+    assert not any(output.get("name") == "stderr" for output in outputs)
