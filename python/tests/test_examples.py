@@ -39,5 +39,6 @@ def test_program(path, monkeypatch, capsys):
     for name in packages(path):
         pytest.importorskip(name)
     monkeypatch.syspath_prepend(str(EXAMPLES))
+    monkeypatch.setattr("sys.argv", [str(path)])
     runpy.run_path(str(path), run_name="__main__")
     assert capsys.readouterr().out

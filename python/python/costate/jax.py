@@ -84,11 +84,12 @@ def _primitive(name: str, function: Callable[..., Any], jvp: Callable[[Any, Any]
 
     ``jax.custom_jvp`` would do outside of loops alone: the derivative of ``lax.scan`` forgets its rule.
     """
-    primitive = Primitive(f"costate_{name}")
+    primitive: Any = Primitive(f"costate_{name}")
     primitive.def_impl(jax.jit(function))
 
     def shape_of(*arguments: Any) -> Any:
-        result = jax.eval_shape(function, *(jax.ShapeDtypeStruct(a.shape, a.dtype) for a in arguments))
+        struct: Callable[..., Any] = jax.ShapeDtypeStruct
+        result = jax.eval_shape(function, *(struct(a.shape, a.dtype) for a in arguments))
         return arguments[0].update(shape=result.shape, dtype=result.dtype, weak_type=False)
 
     def mapped(arguments: Any, axes: Any) -> tuple[Any, int]:
@@ -99,7 +100,8 @@ def _primitive(name: str, function: Callable[..., Any], jvp: Callable[[Any, Any]
     primitive.def_abstract_eval(shape_of)
     mlir.register_lowering(primitive, mlir.lower_fun(function, multiple_results=False))
     batching.primitive_batchers[primitive] = mapped
-    ad.primitive_jvps[primitive] = lambda at, along: jvp(at, [ad.instantiate_zeros(part) for part in along])
+    zeros: Callable[..., Any] = ad.instantiate_zeros
+    ad.primitive_jvps[primitive] = lambda at, along: jvp(at, [zeros(part) for part in along])
     call: Callable[..., Any] = primitive.bind
     return call
 
