@@ -25,7 +25,7 @@ use costate::dynamics::{Cost, Dynamics, QuadraticCost};
 ///     fn outputs(&self) -> usize { 2 }
 ///     fn workspace<S: Scalar>(&self) {}
 ///     fn evaluate<S: Scalar>(&self, _: &mut (), z: &[S], f: &mut [S]) -> Result<(), Self::Error> {
-///         (f[0], f[1]) = (z[2].cos(), z[2].sin() + S::from_f64(0.6));
+///         (f[0], f[1]) = (z[2].sin_cos().1, z[2].sin_cos().0 + S::from_f64(0.6));
 ///         Ok(())
 ///     }
 /// }

@@ -30,9 +30,9 @@ impl Function for Model {
     fn evaluate<S: Scalar>(&self, _: &mut (), z: &[S], f: &mut [S]) -> Result<(), Self::Error> {
         match self {
             Self::Cart => (f[0], f[1]) = (z[1], z[2]),
-            Self::Pendulum => (f[0], f[1]) = (z[1], z[2] - S::from_f64(9.81) * z[0].sin()),
-            Self::Sine => f[0] = z[1].sin() - z[0],
-            Self::Boat => (f[0], f[1]) = (z[2].cos(), z[2].sin() + S::from_f64(0.6)),
+            Self::Pendulum => (f[0], f[1]) = (z[1], z[2] - S::from_f64(9.81) * z[0].sin_cos().0),
+            Self::Sine => f[0] = z[1].sin_cos().0 - z[0],
+            Self::Boat => (f[0], f[1]) = (z[2].sin_cos().1, z[2].sin_cos().0 + S::from_f64(0.6)),
         }
         Ok(())
     }
@@ -82,7 +82,7 @@ fn a_limited_rate_costs_what_parabolas_say() {
         .with_state_limits(&[-FREE, -FREE], &[FREE, 1.2])
         .unwrap();
     let motion = solve(&mut task);
-    let v = 1.2;
+    let v = 1.2_f64;
     let b = 1.5 * (v - 1.0) / v;
     // Twice the integral of u^2/2, u = (2 v / b) (1 - t / b).
     let cost = (2.0 * v / b).powi(2) * b / 3.0;
