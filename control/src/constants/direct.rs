@@ -81,6 +81,9 @@ pub const CLOSE_TO_EQUATIONS: f64 = 1e-5;
 /// Cost of torques that have none, for the first motion: at their limits it is this part of the cost of
 /// time.
 pub const SMOOTHING: f64 = 1.0;
+/// Least time itself is given up where meshes have more nodes than this: torques that do not matter jump on
+/// each of them. More are tried where a cost of torques does not help either.
+pub const NODES_OF_LEAST_TIME: usize = 2001;
 /// Where least time itself is not solved, this cost becomes smaller by this factor, ..
 pub const LESS_EFFORT: f64 = 0.1;
 /// .. until what it can cost in time is below the tolerance, at the latest at this part of that. ..

@@ -21,7 +21,8 @@ pub struct SolverOptions {
     pub method: Method,
     /// Nodes of the first mesh; of every mesh in multiple shooting.
     pub nodes: usize,
-    /// Most nodes.
+    /// Most nodes. Least time by the direct method takes fewer, and tries a cost of torques that becomes
+    /// smaller, before it takes these.
     pub max_nodes: usize,
     /// Most Newton steps on one mesh.
     pub max_iterations: usize,

@@ -4,6 +4,7 @@ use super::around::around_obstacles;
 use super::meshes::{Refined, refine};
 use super::prepare::{Dynamics, interior};
 use super::with_effort::{Smoothing, WithEffort, with_effort};
+use crate::constants::direct as constants;
 use crate::direct::interior::iterate::Interior;
 use crate::direct::outcome::found::{Found, found};
 use crate::direct::outcome::report::report;
@@ -58,15 +59,22 @@ impl Direct<'_> {
         }
         let mut resolution = Resolution::default();
         let (is_given, guess) = (self.saved.is_some(), interior.spline.clone());
-        let refined = refine(problem, self.options, is_given, &mut interior, &mut resolution, recorder)?;
+        let eases = interior.needs_smoothing() && self.options.verify != Verify::None;
+        let most = if eases { constants::NODES_OF_LEAST_TIME } else { usize::MAX };
+        let few = self.options.clone().with_max_nodes(self.options.max_nodes.min(most));
+        let mut refined = refine(problem, &few, is_given, &mut interior, &mut resolution, recorder)?;
         interior.figures.iterations += steps;
         let is_hard = !(refined.status.is_converged() || refined.status.is_interruption())
-            && refined.infeasible.is_none()
-            && self.options.verify != Verify::None;
-        if is_hard && interior.needs_smoothing() {
+            && refined.infeasible.is_none();
+        if is_hard && eases {
             let steps = interior.figures.iterations;
-            let found = with_effort((problem, self.rows), self.options, &guess, recorder)?;
-            if let Some(WithEffort { interior: mut eased, resolution, refined, smoothing }) = found {
+            let found = with_effort((problem, self.rows), &few, &guess, recorder)?;
+            let is_solved = |found: &WithEffort| found.refined.status.is_solved();
+            let goes_on = refined.status == Status::MeshLimit && few.max_nodes < self.options.max_nodes;
+            if goes_on && !found.as_ref().is_some_and(is_solved) {
+                // What few nodes do not solve either way, more may.
+                refined = refine(problem, self.options, true, &mut interior, &mut resolution, recorder)?;
+            } else if let Some(WithEffort { interior: mut eased, resolution, refined, smoothing }) = found {
                 eased.figures.iterations += steps;
                 eased.clock = std::mem::take(&mut interior.clock);
                 return self.finish(&mut eased, &resolution, refined, smoothing, recorder);
