@@ -27,6 +27,7 @@ mod constants;
 mod continuation;
 mod cubics;
 mod direct;
+mod direct_states;
 mod extremal;
 mod gains;
 mod numerics;
@@ -51,6 +52,8 @@ pub use continuation::{
 pub use direct::{
     Budget, Feedback, MotionDerivative, MotionParameter, Resolve, ResolveError, ResolveStatus, Resolved,
 };
+pub use direct_states::problem::{DirectDynamics, DirectDynamicsError};
+pub use direct_states::solution::StateMotion;
 pub use extremal::dynamics::DynamicsExtremal;
 pub use extremal::dynamics::problem::{DynamicsProblem, DynamicsProblemError, EndState};
 pub use extremal::generated::{GeneratedEquations, GeneratedExtremal};

@@ -66,7 +66,7 @@ impl Filter {
 }
 
 /// Whether a trial is better in one respect by a part of the infeasibility of another iterate.
-pub(super) fn is_better(trial: &Figure, than: &Figure, mu: f64, rounding: f64) -> bool {
+pub(crate) fn is_better(trial: &Figure, than: &Figure, mu: f64, rounding: f64) -> bool {
     trial.theta <= (1.0 - constants::DECREASE) * than.theta
         || trial.value(mu) <= than.value(mu) - constants::DECREASE * than.theta + rounding
 }

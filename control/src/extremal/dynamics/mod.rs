@@ -3,7 +3,7 @@
 mod controls;
 mod guess;
 pub(crate) mod problem;
-mod response;
+pub(crate) mod response;
 
 use crate::extremal::actuation::Actuation;
 use crate::extremal::component_ends::{ComponentEnds, GivenComponents};
@@ -117,7 +117,7 @@ impl<D: Dynamics<f64>, C: Cost<f64>> DynamicsExtremal<D, C> {
         problem: &DynamicsProblem,
     ) -> Result<Self, DynamicsProblemError> {
         let (states, controls) = (model.states(), model.controls());
-        problem.check(states, controls, running_cost.is_some())?;
+        problem.check(states, controls, running_cost.is_some(), false)?;
         // A costate without symmetry finds every second derivative in u.
         let y: Vec<f64> = (1..=states).map(|i| (i as f64).sqrt()).collect();
         let all = model.contract(&problem.start.x, &vec![0.0; controls], &y).map_err(eval_error)?;

@@ -132,6 +132,7 @@ impl DynamicsProblem {
         states: usize,
         controls: usize,
         running_cost: bool,
+        cost_of_controls: bool,
     ) -> Result<(), DynamicsProblemError> {
         use DynamicsProblemError as Error;
         let length = |field, found: usize, expected| {
@@ -182,7 +183,7 @@ impl DynamicsProblem {
             let bounds = self.bounds.as_ref();
             bounds.is_some_and(|bounds| bounds.u_min[i].is_finite() && bounds.u_max[i].is_finite())
         };
-        if let Some(control) = (0..controls).find(|&i| effort[i] == 0.0 && !bounded(i)) {
+        if let Some(control) = (0..controls).find(|&i| effort[i] == 0.0 && !bounded(i) && !cost_of_controls) {
             return Err(Error::UnboundedEffort { control });
         }
         let costs = running_cost

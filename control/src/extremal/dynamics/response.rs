@@ -51,7 +51,7 @@ pub(super) fn is_affine(all: &Contraction<'_, f64>) -> bool {
 }
 
 /// The error of a model, as it is where it is one of a robot.
-pub(super) fn eval_error<E: Error + 'static>(error: E) -> EvalError {
+pub(crate) fn eval_error<E: Error + 'static>(error: E) -> EvalError {
     let any: &(dyn Error + 'static) = &error;
     any.downcast_ref::<EvalError>().cloned().unwrap_or_else(|| EvalError::Model { reason: error.to_string() })
 }

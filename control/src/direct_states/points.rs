@@ -1,0 +1,68 @@
+//! Radau's points, and the unknowns of a mesh.
+
+/// Points of an interval.
+pub(super) const POINTS: usize = 3;
+
+/// Radau's points in (0, 1], their weights, and derivatives of Lagrange's polynomials through 0 and them.
+pub(super) struct Radau {
+    /// 0 and the points.
+    pub places: [f64; POINTS + 1],
+    pub weights: [f64; POINTS],
+    /// Row j: derivatives at point j of the polynomials of 0 and of the points.
+    pub slopes: [[f64; POINTS + 1]; POINTS],
+}
+
+impl Radau {
+    pub fn new() -> Self {
+        let root = 6.0_f64.sqrt();
+        let places = [0.0, (4.0 - root) / 10.0, (4.0 + root) / 10.0, 1.0];
+        let weights = [(16.0 - root) / 36.0, (16.0 + root) / 36.0, 1.0 / 9.0];
+        let slopes = std::array::from_fn(|j| lagrange(&places, places[j + 1]).1);
+        Self { places, weights, slopes }
+    }
+}
+
+/// Values and derivatives at `s` of Lagrange's polynomials through these places.
+pub(super) fn lagrange<const N: usize>(places: &[f64; N], s: f64) -> ([f64; N], [f64; N]) {
+    let (mut values, mut slopes) = ([0.0; N], [0.0; N]);
+    for i in 0..N {
+        let (mut value, mut slope) = (1.0, 0.0);
+        for j in (0..N).filter(|&j| j != i) {
+            let width = places[i] - places[j];
+            slope = (slope * (s - places[j]) + value) / width;
+            value *= (s - places[j]) / width;
+        }
+        (values[i], slopes[i]) = (value, slope);
+    }
+    (values, slopes)
+}
+
+/// Where the unknowns are: x at the start, (x, u) at each point, T.
+#[derive(Clone, Copy)]
+pub(super) struct Layout {
+    pub n: usize,
+    pub m: usize,
+    pub intervals: usize,
+}
+
+impl Layout {
+    /// First index of point j of interval k.
+    pub fn point(&self, k: usize, j: usize) -> usize {
+        self.n + (k * POINTS + j) * (self.n + self.m)
+    }
+
+    /// First index of x at node k.
+    pub fn node(&self, k: usize) -> usize {
+        if k == 0 { 0 } else { self.point(k - 1, POINTS - 1) }
+    }
+
+    /// Index of T.
+    pub fn time(&self) -> usize {
+        self.point(self.intervals, 0)
+    }
+
+    /// Number of unknowns.
+    pub fn count(&self) -> usize {
+        self.time() + 1
+    }
+}
