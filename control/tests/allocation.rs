@@ -5,8 +5,8 @@
 use costate::robot::Robot;
 use costate::scalar::Scalar;
 use costate_control::{
-    BoundSide, Bounds, ControlLaw, Extremal, LagrangianExtremal, Penalty, Problem, RobotExtremal,
-    RunningCost, SideChange, UserTerm,
+    BoundSide, Bounds, ControlLaw, DirectDynamics, DynamicsProblem, EndState, Extremal, FinalTime,
+    LagrangianExtremal, Penalty, Problem, RobotExtremal, RunningCost, SideChange, SolverOptions, UserTerm,
 };
 use costate_test_support::allocations::{Counting, allocations};
 
@@ -63,4 +63,27 @@ fn the_equations_and_ends_of_an_extremal_allocate_nothing() {
             );
         }
     }
+}
+
+#[test]
+fn newton_steps_of_the_direct_method_for_models_allocate_nothing() {
+    let robot = robot("two_link.toml");
+    let (start, end) = (EndState::fixed(&[0.0; 4]), EndState::fixed(&[1.5, 1.5, 0.0, 0.0]));
+    let problem = DynamicsProblem::new(start, end, FinalTime::Fixed(1.0), 2);
+    let none = [f64::INFINITY; 4];
+    let mut task = DirectDynamics::new(costate::lagrangian::LagrangianSecondOrder::new(&robot), &problem)
+        .unwrap()
+        .with_state_limits(&none.map(|none| -none), &[none[0], none[1], none[2], 7.0])
+        .unwrap();
+    let mut count = |steps: usize| {
+        let mut options = SolverOptions::default();
+        options.max_iterations = steps;
+        let mut motion = None;
+        let all = allocations(|| motion = Some(task.solve(&options)));
+        let motion = motion.unwrap();
+        assert_eq!((motion.iterations, motion.status.name()), (steps, "iteration_limit"));
+        all
+    };
+    // What is left is the set-up and the report.
+    assert_eq!(count(3), count(6));
 }

@@ -3,8 +3,8 @@
 use crate::arrays::{Axes, Source, Target};
 use crate::errors::Failure;
 use crate::failures::Failures;
-use crate::function::Workspace;
 use crate::plan::{Argument, Entries, Number, Plan};
+use crate::workspace::Workspace;
 use costate::robot::Robot;
 use costate_jit::JitLanes;
 

@@ -3,9 +3,9 @@
 use crate::arrays::{Axes, Source, Target, allocate, read_all};
 use crate::call::Call;
 use crate::cores::Core;
-use crate::errors::Failure;
 use crate::failures::{Failures, report};
 use crate::plan::Plan;
+use crate::workspace::Workspace;
 use costate::robot::Robot;
 use costate_jit::JitLanes;
 use pyo3::prelude::*;
@@ -41,31 +41,6 @@ pub struct Engine {
     short: bool,
 }
 
-/// What one thread computes with: a core, and buffers for one state and for four.
-pub struct Workspace {
-    core: Box<dyn Core>,
-    pub one: Vec<f64>,
-    pub four: Vec<[f64; 4]>,
-}
-
-impl Workspace {
-    /// The numbers of one state; its arguments are written here.
-    #[inline]
-    pub fn state(&mut self, plan: &Plan) -> &mut [f64] {
-        &mut self.one[..plan.size()]
-    }
-
-    /// Evaluates that state.
-    ///
-    /// # Errors
-    /// Why it is refused.
-    #[inline]
-    pub fn evaluate(&mut self, plan: &Plan) -> Result<(), Failure> {
-        let (inputs, outputs) = self.one[..plan.size()].split_at_mut(plan.core_outputs.start);
-        self.core.evaluate(&inputs[plan.core_inputs.clone()], outputs)
-    }
-}
-
 impl Engine {
     /// An engine whose workspaces `core` makes.
     pub fn new(core: impl Fn() -> Box<dyn Core> + Send + Sync + 'static) -> Self {
@@ -96,12 +71,8 @@ impl Engine {
     #[inline]
     pub fn with<R>(&self, plan: &Plan, work: impl FnOnce(&mut Workspace) -> R) -> R {
         let free = self.free.lock().unwrap_or_else(PoisonError::into_inner).pop();
-        let mut workspace =
-            free.unwrap_or_else(|| Workspace { core: (self.new_core)(), one: Vec::new(), four: Vec::new() });
-        if workspace.one.len() < plan.size() {
-            workspace.one.resize(plan.size(), 0.0);
-        }
-        workspace.one[crate::plan::ONE] = 1.0;
+        let mut workspace = free.unwrap_or_else(|| Workspace::new((self.new_core)()));
+        workspace.fit(plan);
         let result = work(&mut workspace);
         self.free.lock().unwrap_or_else(PoisonError::into_inner).push(workspace);
         result

@@ -37,6 +37,7 @@ mod schemes;
 mod table;
 mod time_step;
 mod timing;
+mod workspace;
 mod xla;
 
 use pyo3::prelude::*;

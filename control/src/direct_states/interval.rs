@@ -26,7 +26,27 @@ pub(super) struct Interval {
     /// Hessian and gradient by (dx, dT, dU).
     pub q: Vec<f64>,
     pub q_1: Vec<f64>,
+}
+
+/// What condensing an interval needs besides.
+pub(super) struct Scratch {
+    lu: Vec<f64>,
     exchanges: Vec<usize>,
+    rows: Vec<f64>,
+    product: Vec<f64>,
+}
+
+impl Scratch {
+    pub fn new(n: usize, m: usize) -> Self {
+        let (c, w, y) = (POINTS * n, n + m, n + 1 + POINTS * m);
+        let zeros = |count| vec![0.0; count];
+        Self {
+            lu: zeros(c * c),
+            exchanges: vec![0; c],
+            rows: zeros(w * (y + 1)),
+            product: zeros(w * (y + 1)),
+        }
+    }
 }
 
 impl Interval {
@@ -46,23 +66,23 @@ impl Interval {
             condensed: zeros(c * (y + 1)),
             q: zeros(y * y),
             q_1: zeros(y),
-            exchanges: vec![0; c],
         }
     }
 
     /// Eliminates the states at the points, with this much added to the Hessian's diagonal. False if the
     /// defects do not determine them.
-    pub fn condense(&mut self, layout: &Layout, radau: &Radau, damping: f64) -> bool {
+    pub fn condense(&mut self, layout: &Layout, radau: &Radau, damping: f64, scratch: &mut Scratch) -> bool {
         let (n, m) = (layout.n, layout.m);
         let (c, w, y) = (POINTS * n, n + m, n + 1 + POINTS * m);
-        let mut lu = self.by_states.clone();
+        let Scratch { lu, exchanges, rows, product } = scratch;
+        lu.copy_from_slice(&self.by_states);
         self.inverse.fill(0.0);
         (0..c).for_each(|i| self.inverse[i * c + i] = 1.0);
-        if !lu::eliminate(&mut lu, c, c, &mut self.exchanges) {
+        if !lu::eliminate(lu, c, c, exchanges) {
             return false;
         }
-        lu::follow(&lu, c, c, &self.exchanges, &mut self.inverse, c);
-        lu::substitute(&lu, c, c, &mut self.inverse, c);
+        lu::follow(lu, c, c, exchanges, &mut self.inverse, c);
+        lu::substitute(lu, c, c, &mut self.inverse, c);
         self.condensed.fill(0.0);
         for (row, inverse) in self.condensed.chunks_exact_mut(y + 1).zip(self.inverse.chunks_exact(c)) {
             for (i, &part) in inverse.iter().enumerate() {
@@ -76,7 +96,6 @@ impl Interval {
         }
         self.q.fill(0.0);
         self.q_1.fill(0.0);
-        let (mut rows, mut product) = (vec![0.0; w * (y + 1)], vec![0.0; w * (y + 1)]);
         for j in 0..POINTS {
             rows.fill(0.0);
             rows[..n * (y + 1)].copy_from_slice(&self.condensed[j * n * (y + 1)..(j + 1) * n * (y + 1)]);

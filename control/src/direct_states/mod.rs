@@ -9,9 +9,9 @@
 //! The end of an interval has an error of order five. A primal-dual interior-point method keeps
 //! the bounds on x and u at the points (A. Waechter, L. T. Biegler, Mathematical Programming 106, 2006). Its
 //! Newton equations have the exact Hessian: the second derivatives of $\lambda_j^\top f$, contracted by
-//! the model. The defects of an interval give $dX$ by $(dx_k, dT, dU)$, and what is left is a linear-quadratic
-//! problem over the nodes with state (x, T) and control $(U_1, U_2, U_3)$, solved by Riccati's recursion in
-//! O(N n^3). Fixed components of the end are squares with a multiplier. All Cholesky factors of the
+//! the model. The defects of an interval give $dX$ by $(dx_k, dT, dU)$, and what is left is a
+//! linear-quadratic problem over the nodes with state (x, T) and control $(U_1, U_2, U_3)$, solved by
+//! Riccati's recursion in O(N n^3). Fixed components of the end are squares with a multiplier. All Cholesky factors of the
 //! recursion exist if and only if the Hessian plus these squares is positive definite along the linearised
 //! defects, so that the last step also tells a minimum on the mesh from a saddle.
 //!
@@ -19,22 +19,31 @@
 //! |---|---|
 //! | [`problem`] | what is asked for, and what is refused |
 //! | [`points`] | Radau's points, unknowns and their bounds |
+//! | [`running_cost`], [`evaluate`] | cost, defects and their derivatives |
 //! | [`interval`] | derivatives of one interval, and its condensation |
-//! | [`recursion`] | Riccati's recursion, and the step |
-//! | [`interior`] | the iteration on one mesh |
-//! | [`refine`] | estimated errors, the next mesh |
-//! | [`solve`] | from a problem to a motion, and its verification |
+//! | [`recursion`] | Riccati's recursion |
+//! | [`newton`] | Newton's step |
+//! | [`interior`], [`iterate`] | the iterate on one mesh, and the iteration |
+//! | [`refine`], [`cost_error`] | estimated errors, the next mesh |
+//! | [`solve`] | from a problem to a motion |
+//! | [`outcome`] | verification |
 //! | [`solution`] | the motion |
 //!
 //! The filter is that of [`direct`](crate::direct). Its loop is not: that one is written for distances of
 //! splines in q and a border of times, here states, controls and defects are unknowns of their own.
 
+mod cost_error;
+mod evaluate;
 mod interior;
 mod interval;
+mod iterate;
+mod newton;
+mod outcome;
 mod points;
 pub(crate) mod problem;
 mod recursion;
 mod refine;
+mod running_cost;
 pub(crate) mod solution;
 mod solve;
 #[cfg(test)]

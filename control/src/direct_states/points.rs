@@ -1,5 +1,7 @@
 //! Radau's points, and the unknowns of a mesh.
 
+use crate::numerics::lagrange;
+
 /// Points of an interval.
 pub(super) const POINTS: usize = 3;
 
@@ -17,24 +19,9 @@ impl Radau {
         let root = 6.0_f64.sqrt();
         let places = [0.0, (4.0 - root) / 10.0, (4.0 + root) / 10.0, 1.0];
         let weights = [(16.0 - root) / 36.0, (16.0 + root) / 36.0, 1.0 / 9.0];
-        let slopes = std::array::from_fn(|j| lagrange(&places, places[j + 1]).1);
+        let slopes = std::array::from_fn(|j| lagrange::slopes(&places, places[j + 1]));
         Self { places, weights, slopes }
     }
-}
-
-/// Values and derivatives at `s` of Lagrange's polynomials through these places.
-pub(super) fn lagrange<const N: usize>(places: &[f64; N], s: f64) -> ([f64; N], [f64; N]) {
-    let (mut values, mut slopes) = ([0.0; N], [0.0; N]);
-    for i in 0..N {
-        let (mut value, mut slope) = (1.0, 0.0);
-        for j in (0..N).filter(|&j| j != i) {
-            let width = places[i] - places[j];
-            slope = (slope * (s - places[j]) + value) / width;
-            value *= (s - places[j]) / width;
-        }
-        (values[i], slopes[i]) = (value, slope);
-    }
-    (values, slopes)
 }
 
 /// Where the unknowns are: x at the start, (x, u) at each point, T.

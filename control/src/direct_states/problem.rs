@@ -33,7 +33,8 @@ use costate::dynamics::{Cost, Dynamics, QuadraticCost};
 /// let (start, end) = (EndState::fixed(&[0.0, 0.0]), EndState::fixed(&[1.0, 0.0]));
 /// let cost = Objective::new(1.0, vec![1e-12]);
 /// let problem = DynamicsProblem::new(start, end, FinalTime::Free { guess: 1.0 }, 1).with_cost(cost);
-/// let motion = DirectDynamics::new(Automatic::<Boat>::new(Boat), &problem)?.solve(&SolverOptions::default());
+/// let mut task = DirectDynamics::new(Automatic::<Boat>::new(Boat), &problem)?;
+/// let motion = task.solve(&SolverOptions::default());
 /// // It heads against the current by sin u = -0.6, and cos u = 0.8 is left.
 /// assert!(motion.status.is_converged() && (motion.final_time - 1.25).abs() < 1e-6);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -125,8 +126,8 @@ impl<D: Dynamics<f64>, C: Cost<f64>> DirectDynamics<D, C> {
         Ok(Self { model, cost, problem: problem.clone(), x_limits, u_limits })
     }
 
-    /// With limits $x_{min} \le x \le x_{max}$, infinite for none. They hold at the points;
-    /// [`StateMotion::largest_violation`](crate::StateMotion::largest_violation) tells what is exceeded between.
+    /// With limits $x_{min} \le x \le x_{max}$, infinite for none. They hold at the points; what is exceeded
+    /// between them is [`largest_violation`](crate::StateMotion::largest_violation).
     ///
     /// # Errors
     /// Lists of the wrong length, limits that leave nothing, and fixed components of an end beyond them.

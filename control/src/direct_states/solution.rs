@@ -27,14 +27,20 @@ pub struct StateMotion {
     pub defect: f64,
     /// Where the largest defect is (s).
     pub defect_time: f64,
+    /// Largest distance from a fixed component of the end, in its unit; 0 where the end is met.
+    pub end_missed: f64,
+    /// This component, an index in x. None where the end is met to rounding.
+    pub missed_component: Option<usize>,
     /// Largest estimated error of x over an interval, relative to the largest value of the component.
     pub error: f64,
-    /// Largest distance by which a limit of x or u is exceeded at the points or between them.
+    /// Largest excess of a limit of x between the points, relative to the largest value of the component. At
+    /// the points, and those of u, limits are kept.
     pub largest_violation: f64,
-    /// Difference of J to that of the mesh before, relative.
+    /// Difference of J to that of the mesh before, relative; of a motion that converged, that has twice the
+    /// widths.
     pub cost_change: f64,
-    /// Largest difference at the end of an interval, or of the motion where that is less, when u is integrated
-    /// independently; relative to the largest value of the component.
+    /// What the end is missed by when u is integrated independently, or where that is less the end of each
+    /// interval; relative to the largest value of the component.
     pub end_error: f64,
     /// What is known of second order.
     pub certificate: Certificate,
@@ -42,4 +48,31 @@ pub struct StateMotion {
     pub iterations: usize,
     /// Intervals of the last mesh.
     pub intervals: usize,
+}
+
+impl StateMotion {
+    /// Nothing known yet.
+    pub(super) fn new() -> Self {
+        Self {
+            status: Status::MeshLimit,
+            cost: f64::NAN,
+            final_time: f64::NAN,
+            t: Vec::new(),
+            x: Vec::new(),
+            u: Vec::new(),
+            y: Vec::new(),
+            hamiltonian: Vec::new(),
+            defect: 0.0,
+            defect_time: 0.0,
+            end_missed: 0.0,
+            missed_component: None,
+            error: f64::INFINITY,
+            largest_violation: f64::INFINITY,
+            cost_change: f64::INFINITY,
+            end_error: f64::INFINITY,
+            certificate: Certificate::NotChecked,
+            iterations: 0,
+            intervals: 0,
+        }
+    }
 }

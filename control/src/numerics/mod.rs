@@ -3,6 +3,7 @@
 pub(crate) mod almost_block_diagonal;
 pub(crate) mod bordered;
 pub(crate) mod chain;
+pub(crate) mod cholesky;
 pub(crate) mod dormand_prince;
 pub(crate) mod knots;
 pub(crate) mod lagrange;

@@ -129,7 +129,8 @@ impl Resolution {
     /// metric of the effort; the square of the polynomial has the mean 1/7.
     ///
     /// Where accelerations are continuous this holds for rates of torques and for jerks, and torques differ
-    /// by the integral of the polynomial, whose square has the mean 1/630, times the width.
+    /// by the integral of the polynomial, whose square has the mean 1/630, times the width. On coarse meshes
+    /// that is too little: hence a factor.
     fn estimate<D: PointDynamics>(&mut self, interior: &Interior<D>) {
         let (spline, n) = (&interior.spline, interior.spline.dof);
         let shape = spline.mesh.shape;
@@ -152,7 +153,7 @@ impl Resolution {
                     effort(i) * length * length / 630.0 + of(torque, i) + of(jerk, n + i)
                 }
             });
-            *error = 0.5 * length * squares.sum::<f64>();
+            *error = constants::SAFETY * 0.5 * length * squares.sum::<f64>();
         }
     }
 
@@ -184,7 +185,7 @@ impl Resolution {
             let fine: f64 = (0..BETWEEN.len()).map(|at| weight(at) * between(at)).sum();
             let [of_rates, finer] = self.rates.costs(k, points, &running.rates);
             let (coarse, fine) = (coarse + of_rates, length * (fine + finer));
-            *error += (fine - length * coarse).abs();
+            *error += constants::SAFETY * (fine - length * coarse).abs();
             self.cost += fine;
         }
     }

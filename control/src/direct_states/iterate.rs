@@ -1,0 +1,161 @@
+//! The iteration on one mesh.
+
+use super::interior::Interior;
+use super::problem::DirectDynamics;
+use crate::constants::{direct as shared, states as constants};
+use crate::direct::{Figure, is_better};
+use crate::options::SolverOptions;
+use crate::status::Status;
+use costate::EvalError;
+use costate::dynamics::{Cost, Dynamics};
+use std::time::Instant;
+
+impl Interior {
+    /// Iterates until the error of the problem is below this tolerance.
+    pub fn solve<D: Dynamics<f64>, C: Cost<f64>>(
+        &mut self,
+        task: &mut DirectDynamics<D, C>,
+        tolerance: f64,
+        options: &SolverOptions,
+        deadline: Option<Instant>,
+    ) -> Result<(), Status> {
+        let failed = |error: EvalError| Status::EvaluationFailed(error.into());
+        let mut now = self.figure(task, &self.w).map_err(failed)?;
+        self.cost = now.cost;
+        if !(now.value(self.mu).is_finite() && now.theta.is_finite()) {
+            let reason =
+                "f or the cost is not finite along the guess: give another start, end or time".to_string();
+            return Err(failed(EvalError::Model { reason }));
+        }
+        let mut restarts = 0;
+        for _ in 0..options.max_iterations {
+            if deadline.is_some_and(|deadline| Instant::now() >= deadline) {
+                return Err(Status::TimeLimit);
+            }
+            let stationarity = self.linearise(task).map_err(failed)?;
+            if self.error(0.0, stationarity, now.theta) <= tolerance && self.iterations > 0 {
+                return Ok(());
+            }
+            let least = constants::LEAST_BARRIER * tolerance;
+            while self.mu > least
+                && self.error(self.mu, stationarity, now.theta) <= constants::CENTRED * self.mu
+            {
+                let lower = (constants::BARRIER_DOWN * self.mu).min(self.mu.powf(constants::BARRIER_POWER));
+                self.mu = lower.max(least);
+                self.filter.clear();
+            }
+            if !self.find_step(task) {
+                return Err(Status::Singular);
+            }
+            self.iterations += 1;
+            let [primal, dual] = self.lengths();
+            if let Some((new, length)) = self.search(task, &now, primal) {
+                now = new;
+                self.accept(length, dual);
+                self.cost = now.cost;
+                continue;
+            }
+            if self.error(0.0, stationarity, now.theta) <= constants::ACCEPTABLE * tolerance {
+                return Ok(());
+            }
+            restarts += 1;
+            if restarts > constants::RESTARTS {
+                return Err(Status::NewtonFailed);
+            }
+            // Multipliers far off curve the model wrongly: begin them anew.
+            self.filter.clear();
+            self.lambda.fill(0.0);
+            self.nu.fill(0.0);
+            self.mu = (constants::RESTART_BARRIER * self.mu).min(constants::BARRIER);
+        }
+        Err(Status::IterationLimit)
+    }
+
+    /// Steps of the multipliers of limits, and the parts of both steps that stay inside.
+    fn lengths(&mut self) -> [f64; 2] {
+        let boundary = (1.0 - self.mu).max(constants::BOUNDARY);
+        let [mut primal, mut dual] = [1.0_f64; 2];
+        let work = &mut self.work;
+        for i in 0..work.step.len() {
+            let sides = [
+                (self.w[i] - self.low[i], self.z_low[i], work.step[i], &mut work.dz_low[i]),
+                (self.high[i] - self.w[i], self.z_high[i], -work.step[i], &mut work.dz_high[i]),
+            ];
+            for (slack, z, step, dz) in sides {
+                if slack.is_finite() {
+                    *dz = (self.mu - z * step) / slack - z;
+                    if step < 0.0 {
+                        primal = primal.min(-boundary * slack / step);
+                    }
+                    if *dz < 0.0 {
+                        dual = dual.min(-boundary * z / *dz);
+                    }
+                }
+            }
+        }
+        [primal, dual]
+    }
+
+    /// The longest part of the step that the filter accepts, and its figure.
+    fn search<D: Dynamics<f64>, C: Cost<f64>>(
+        &mut self,
+        task: &mut DirectDynamics<D, C>,
+        now: &Figure,
+        longest: f64,
+    ) -> Option<(Figure, f64)> {
+        let (slope, old) = (self.slope(task), now.value(self.mu));
+        let rounding = shared::ROUNDING * old.abs().max(1.0);
+        let mut length = longest;
+        while length >= constants::SHORTEST * longest {
+            let mut trial = std::mem::take(&mut self.work.trial);
+            for ((trial, w), step) in trial.iter_mut().zip(&self.w).zip(&self.work.step) {
+                *trial = w + length * step;
+            }
+            let figure = self.figure(task, &trial);
+            self.work.trial = trial;
+            if let Ok(new) = figure {
+                let value = new.value(self.mu);
+                let promise = length * (-slope).max(0.0).powf(shared::OF_DESCENT);
+                let descends = slope < 0.0
+                    && now.theta < constants::NEARLY_FEASIBLE
+                    && promise > now.theta.powf(shared::OF_INFEASIBILITY);
+                let is_feasible = new.theta <= constants::FEASIBLE && now.theta <= constants::FEASIBLE;
+                let is_fine = if descends || is_feasible {
+                    value <= old + shared::ARMIJO * length * slope.min(0.0) + rounding
+                } else {
+                    is_better(&new, now, self.mu, rounding)
+                };
+                // Not true for NaN.
+                if value.is_finite() && is_fine && self.filter.accepts(&new, self.mu, rounding) {
+                    if !descends {
+                        self.filter.add(*now);
+                    }
+                    return Some((new, length));
+                }
+            }
+            length *= 0.5;
+        }
+        None
+    }
+
+    /// Takes the trial, and the multipliers that belong to it.
+    fn accept(&mut self, primal: f64, dual: f64) {
+        let work = &mut self.work;
+        self.w.copy_from_slice(&work.trial);
+        let multipliers = self.lambda.iter_mut().zip(&work.lambda).chain(self.nu.iter_mut().zip(&work.nu));
+        multipliers.for_each(|(old, new)| *old += primal * (new - *old));
+        for i in 0..self.w.len() {
+            let sides = [
+                (&mut self.z_low[i], work.dz_low[i], self.w[i] - self.low[i]),
+                (&mut self.z_high[i], work.dz_high[i], self.high[i] - self.w[i]),
+            ];
+            for (z, dz, slack) in sides {
+                if slack.is_finite() {
+                    // Waechter and Biegler, equation 16.
+                    let centre = self.mu / slack;
+                    *z = (*z + dual * dz).clamp(centre / shared::FAR, shared::FAR * centre);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,106 @@
+//! Newton's step by condensation and recursion.
+
+use super::interior::Interior;
+use super::points::{Layout, POINTS};
+use super::problem::DirectDynamics;
+use crate::constants::{direct as shared, states as constants};
+
+impl Interior {
+    /// Solves Newton's equations for the step of w and the new multipliers, which are left in the workspace.
+    /// The Hessian is damped until it is positive definite along the linearised defects. False if it cannot
+    /// be.
+    pub(super) fn find_step<D, C>(&mut self, task: &DirectDynamics<D, C>) -> bool {
+        self.add_barriers();
+        for i in 0..self.layout.n {
+            let size = self.size(i);
+            self.work.end_weights[i] =
+                constants::END_WEIGHT * self.cost.abs().max(constants::LEAST_COST) / (size * size);
+        }
+        let mut damping = 0.0;
+        while !self.factorise(task, damping) {
+            damping = if damping == 0.0 {
+                (self.damping / constants::DAMPING_DOWN).max(shared::DAMPING)
+            } else {
+                constants::DAMPING_UP * damping
+            };
+            if damping > constants::MOST_DAMPING {
+                return false;
+            }
+        }
+        self.definite = damping == 0.0;
+        if damping > 0.0 {
+            self.damping = damping;
+        }
+        self.go_forward(damping);
+        true
+    }
+
+    /// Adds the barriers of the points to their derivatives.
+    fn add_barriers(&mut self) {
+        let layout = self.layout;
+        let size = layout.n + layout.m;
+        for k in 0..layout.intervals {
+            for j in 0..POINTS {
+                for i in 0..size {
+                    let (curvature, force) = self.barrier(layout.point(k, j) + i);
+                    self.intervals[k].hessian[(j * size + i) * size + i] += curvature;
+                    self.intervals[k].gradient[j * size + i] += force;
+                }
+            }
+        }
+    }
+
+    /// Condenses the intervals and goes back over the nodes, to (dx, dT) at the start.
+    fn factorise<D, C>(&mut self, task: &DirectDynamics<D, C>, damping: f64) -> bool {
+        let layout = self.layout;
+        let Layout { n, intervals, .. } = layout;
+        let z = n + 1;
+        let (p, p_1) = self.recursion.end();
+        p.fill(0.0);
+        p_1.fill(0.0);
+        for &i in &self.fixed {
+            let missed = self.w[layout.node(intervals) + i] - task.problem.end.x[i];
+            p[i * z + i] = self.work.end_weights[i];
+            p_1[i] = self.nu[i] + self.work.end_weights[i] * missed;
+        }
+        let scratch = &mut self.work.scratch;
+        let is_condensed = self
+            .intervals
+            .iter_mut()
+            .all(|interval| interval.condense(&layout, &self.radau, damping, scratch));
+        if !is_condensed || !self.recursion.go_back(&layout, &self.intervals) {
+            return false;
+        }
+        for at in 0..self.free.len() {
+            let i = self.free[at];
+            let (unknown, weight) = if i == n { (layout.time(), task.problem.cost.time) } else { (i, 0.0) };
+            let (curvature, force) = self.barrier(unknown);
+            let (p, p_1) = self.recursion.start();
+            p[i * z + i] += curvature + damping;
+            p_1[i] += force + weight;
+        }
+        self.recursion.first(&self.free, &mut self.work.state)
+    }
+
+    /// Steps of all unknowns and multipliers from that of the start.
+    fn go_forward(&mut self, damping: f64) {
+        let layout = self.layout;
+        let Layout { n, intervals, .. } = layout;
+        let (z, work) = (n + 1, &mut self.work);
+        work.step[..n].copy_from_slice(&work.state[..n]);
+        work.step[layout.time()] = work.state[n];
+        for k in 0..intervals {
+            work.y[..z].copy_from_slice(&work.state);
+            self.recursion.controls(k, &mut work.y);
+            let range = layout.point(k, 0)..layout.point(k + 1, 0);
+            self.intervals[k].expand(&layout, &work.y, &mut work.step[range.clone()]);
+            work.state[..n].copy_from_slice(&work.step[layout.node(k + 1)..][..n]);
+            self.recursion.gradient(k + 1, &work.state, &mut work.after);
+            let out = &mut work.lambda[k * POINTS * n..(k + 1) * POINTS * n];
+            let dt = work.state[n];
+            self.intervals[k].multipliers(&layout, &work.step[range], dt, damping, &work.after, out);
+        }
+        work.nu.fill(0.0);
+        self.fixed.iter().for_each(|&i| work.nu[i] = work.after[i]);
+    }
+}
