@@ -94,7 +94,10 @@ def losses(figures):
         elif not ours["solved"]:
             rows.append((1 if theirs["solved"] else 3, [row["task"], "not solved", reason(ours), reason(theirs)]))
         elif above is not None and above > goals.NEAR:
-            rows.append((2, [row["task"], f"cost {above:.1e} above the best known", reason(ours), reason(theirs)]))
+            text = f"cost {above:.1e} above the best known"
+            if row.get("starts") is not None:
+                text += f", from {goals.STARTS} starts {row['starts'] / row['best'] - 1:.0e}"
+            rows.append((2, [row["task"], text, reason(ours), reason(theirs)]))
         elif not theirs["solved"]:
             rows.append((4, [row["task"], "solved by costate only", reason(ours), reason(theirs)]))
     for kind, found in refused.items():

@@ -11,9 +11,9 @@
 //! Newton equations have the exact Hessian: the second derivatives of $\lambda_j^\top f$, contracted by
 //! the model. The defects of an interval give $dX$ by $(dx_k, dT, dU)$, and what is left is a
 //! linear-quadratic problem over the nodes with state (x, T) and control $(U_1, U_2, U_3)$, solved by
-//! Riccati's recursion in O(N n^3). Fixed components of the end are squares with a multiplier. All Cholesky factors of the
-//! recursion exist if and only if the Hessian plus these squares is positive definite along the linearised
-//! defects, so that the last step also tells a minimum on the mesh from a saddle.
+//! Riccati's recursion in O(N n^3). Fixed components of the end are squares with a multiplier. All Cholesky
+//! factors of the recursion exist if and only if the Hessian plus these squares is positive definite along
+//! the linearised defects, so that the last step also tells a minimum on the mesh from a saddle.
 //!
 //! | file | content |
 //! |---|---|
