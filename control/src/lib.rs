@@ -53,7 +53,7 @@ pub use direct::{
     Budget, Feedback, MotionDerivative, MotionParameter, Resolve, ResolveError, ResolveStatus, Resolved,
 };
 pub use direct_states::problem::{DirectDynamics, DirectDynamicsError};
-pub use direct_states::solution::StateMotion;
+pub use direct_states::solution::{StateMotion, StateStep};
 pub use extremal::dynamics::DynamicsExtremal;
 pub use extremal::dynamics::problem::{DynamicsProblem, DynamicsProblemError, EndState};
 pub use extremal::generated::{GeneratedEquations, GeneratedExtremal};

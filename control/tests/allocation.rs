@@ -81,7 +81,7 @@ fn newton_steps_of_the_direct_method_for_models_allocate_nothing() {
         let mut motion = None;
         let all = allocations(|| motion = Some(task.solve(&options)));
         let motion = motion.unwrap();
-        assert_eq!((motion.iterations, motion.status.name()), (steps, "iteration_limit"));
+        assert_eq!((motion.steps.len(), motion.status.name()), (steps, "iteration_limit"));
         all
     };
     // What is left is the set-up and the report.

@@ -12,8 +12,11 @@ BENT = 3
 NEAR = 1e-4
 # .. so many starts tell whether costate finds the best one.
 STARTS = 16
-# Largest violation between points of a motion whose cost counts, in parts of the range, unless costate's own is larger.
-BETWEEN = 1e-4
+# Largest violation between points of a motion whose cost counts, in parts of the range: one that cuts a corner is no cheaper
+# motion. Torques overshoot where they jump, which changes the cost little.
+BETWEEN, BETWEEN_JUMPS = 1e-4, 1e-2
+# Classes whose torques are limited.
+JUMPING = "bcg"
 # Largest gap at which the cost of an answer counts as it is.
 CLOSE = 1e-6
 # A solver that took longer than this (s) is not repeated.
@@ -86,8 +89,7 @@ class Comparison:
         peer = self.peers[first]
         coarse = [answer for label, answer in answers.items() if sides[label]["solved"] and label not in others]
         solved = [side for side in sides.values() if side["solved"]]
-        # What cuts through a limit between the points is no cheaper motion.
-        most = max([BETWEEN] + [sides[label]["between"] for label in self.ours if sides[label]["solved"]])
+        most = BETWEEN_JUMPS if task.kind in JUMPING else BETWEEN
         costs = [side["cost"] for side in solved if side["gap"] <= CLOSE and side["between"] <= most]
         if any(answer.seconds > LONG for label, answer in answers.items() if label in self.peers):
             coarse = []

@@ -1,5 +1,5 @@
-//! The direct method for models of a user ([`crate::direct_states`]). It shares with [`super::direct`] what both
-//! need: the filter, the descent that is asked for, narrowest intervals, verification.
+//! The direct method for models of a user ([`crate::direct_states`]). It shares with [`super::direct`] what
+//! both need: the filter, the descent that is asked for, narrowest intervals, verification.
 
 /// Intervals of the first mesh.
 pub const INTERVALS: usize = 20;

@@ -4,13 +4,14 @@ use super::interior::Interior;
 use super::points::POINTS;
 use crate::numerics::lagrange;
 
-/// Integral over (0, 1) of the square of the cubic that vanishes at Radau's points and is 1 at 0: it is half the
-/// difference of Legendre's polynomials of degrees three and two, so (1/7 + 1/5) / 4.
+/// Integral over (0, 1) of the square of the cubic that vanishes at Radau's points and is 1 at 0: it is half
+/// the difference of Legendre's polynomials of degrees three and two, so (1/7 + 1/5) / 4.
 const MEAN_SQUARE: f64 = 3.0 / 35.0;
 
 impl Interior {
-    /// Where u is smooth, the optimal one differs on interval k by about a cubic that vanishes at the points. u is
-    /// exact at the end of the interval before, so that the jump at the node is the value of the cubic there:
+    /// Where u is smooth, the optimal one differs on interval k by about a cubic that vanishes at the points.
+    /// u is exact at the end of the interval before, so that the jump at the node is the value of the cubic
+    /// there:
     ///
     /// $$ \Delta J_k = \tfrac12 h T \Delta u^\top H_{uu} \Delta u \int_0^1 c(s)^2 ds $$
     ///

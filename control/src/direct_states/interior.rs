@@ -38,7 +38,8 @@ pub(super) struct Interior {
     /// Whether the last Newton matrix was positive definite without damping.
     pub definite: bool,
     pub cost: f64,
-    pub iterations: usize,
+    /// Error of the conditions of first order.
+    pub residual: f64,
 }
 
 /// Vectors that a step needs.
@@ -147,7 +148,7 @@ impl Interior {
             damping: 0.0,
             definite: false,
             cost: f64::NAN,
-            iterations: 0,
+            residual: f64::INFINITY,
             widths,
             w,
             low,

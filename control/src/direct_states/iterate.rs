@@ -2,6 +2,7 @@
 
 use super::interior::Interior;
 use super::problem::DirectDynamics;
+use super::solution::StateStep;
 use crate::constants::{direct as shared, states as constants};
 use crate::direct::{Figure, is_better};
 use crate::options::SolverOptions;
@@ -18,6 +19,7 @@ impl Interior {
         tolerance: f64,
         options: &SolverOptions,
         deadline: Option<Instant>,
+        steps: &mut Vec<StateStep>,
     ) -> Result<(), Status> {
         let failed = |error: EvalError| Status::EvaluationFailed(error.into());
         let mut now = self.figure(task, &self.w).map_err(failed)?;
@@ -28,12 +30,14 @@ impl Interior {
             return Err(failed(EvalError::Model { reason }));
         }
         let mut restarts = 0;
-        for _ in 0..options.max_iterations {
+        steps.reserve(options.max_iterations);
+        for number in 0..options.max_iterations {
             if deadline.is_some_and(|deadline| Instant::now() >= deadline) {
                 return Err(Status::TimeLimit);
             }
             let stationarity = self.linearise(task).map_err(failed)?;
-            if self.error(0.0, stationarity, now.theta) <= tolerance && self.iterations > 0 {
+            self.residual = self.error(0.0, stationarity, now.theta);
+            if self.residual <= tolerance && number > 0 {
                 return Ok(());
             }
             let least = constants::LEAST_BARRIER * tolerance;
@@ -47,15 +51,23 @@ impl Interior {
             if !self.find_step(task) {
                 return Err(Status::Singular);
             }
-            self.iterations += 1;
             let [primal, dual] = self.lengths();
-            if let Some((new, length)) = self.search(task, &now, primal) {
+            let found = self.search(task, &now, primal);
+            steps.push(StateStep {
+                intervals: self.layout.intervals,
+                residual: self.residual,
+                infeasibility: now.theta,
+                cost: now.cost,
+                barrier: self.mu,
+                length: found.map_or(0.0, |(_, length)| length),
+            });
+            if let Some((new, length)) = found {
                 now = new;
                 self.accept(length, dual);
                 self.cost = now.cost;
                 continue;
             }
-            if self.error(0.0, stationarity, now.theta) <= constants::ACCEPTABLE * tolerance {
+            if self.residual <= constants::ACCEPTABLE * tolerance {
                 return Ok(());
             }
             restarts += 1;

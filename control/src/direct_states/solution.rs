@@ -44,10 +44,31 @@ pub struct StateMotion {
     pub end_error: f64,
     /// What is known of second order.
     pub certificate: Certificate,
+    /// Error of the conditions of first order on the last mesh: of stationarity and complementarity, in parts
+    /// of the multipliers, and sum of the defects.
+    pub residual: f64,
     /// Newton steps on all meshes.
-    pub iterations: usize,
+    pub steps: Vec<StateStep>,
     /// Intervals of the last mesh.
     pub intervals: usize,
+}
+
+/// A step of Newton's method.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct StateStep {
+    /// Intervals of the mesh.
+    pub intervals: usize,
+    /// Error of the conditions of first order before the step, as [`StateMotion::residual`].
+    pub residual: f64,
+    /// Sum of the defects and of what the end is missed by, before the step.
+    pub infeasibility: f64,
+    /// Cost before the step.
+    pub cost: f64,
+    /// Barrier.
+    pub barrier: f64,
+    /// Part of the step that was taken; 0 where none was accepted.
+    pub length: f64,
 }
 
 impl StateMotion {
@@ -71,7 +92,8 @@ impl StateMotion {
             cost_change: f64::INFINITY,
             end_error: f64::INFINITY,
             certificate: Certificate::NotChecked,
-            iterations: 0,
+            residual: f64::INFINITY,
+            steps: Vec::new(),
             intervals: 0,
         }
     }

@@ -18,7 +18,8 @@ impl<D: Dynamics<f64>, C: Cost<f64>> DirectDynamics<D, C> {
     /// Of the options `tolerance`, `max_nodes`, `max_iterations` and `time_limit` are used. A motion is
     /// [`Converged`](Status::Converged) where all of these hold:
     ///
-    /// - the conditions of first order hold on the mesh to a hundredth of the tolerance;
+    /// - the conditions of first order hold on the mesh to a twentieth of the tolerance, or, where rounding
+    ///   hides progress, to five times the tolerance: [`StateMotion::residual`];
     /// - on a mesh of twice the widths the cost differs by less than the tolerance, relative;
     /// - errors of x, estimated between the points, and the end that is reached when u is integrated
     ///   independently, differ by less than 0.3 times the root of the tolerance, relative to the largest
@@ -60,9 +61,9 @@ impl<D: Dynamics<f64>, C: Cost<f64>> DirectDynamics<D, C> {
         let failed = |error: EvalError| Status::EvaluationFailed(error.into());
         let (mut is_halved, mut last) = (false, f64::NAN);
         for _ in 0..constants::MESHES {
-            let solved =
-                mesh.solve(self, constants::PART_OF_TOLERANCE * options.tolerance, options, deadline);
-            motion.iterations += mesh.iterations;
+            let tolerance = constants::PART_OF_TOLERANCE * options.tolerance;
+            let solved = mesh.solve(self, tolerance, options, deadline, &mut motion.steps);
+            motion.residual = mesh.residual;
             solved?;
             let between = mesh.between(self).map_err(failed)?;
             motion.error = between.errors.iter().fold(0.0, |most: f64, error| most.max(*error));

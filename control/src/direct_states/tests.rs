@@ -57,14 +57,14 @@ const FREE: f64 = f64::INFINITY;
 fn solve(task: &mut DirectDynamics<Automatic<Model>>) -> StateMotion {
     let motion = task.solve(&SolverOptions::default());
     println!(
-        "{:?} J {:.9} T {:.9} error {:.1e} end {:.1e} change {:.1e} steps {} intervals {} {:?} violation {:.1e}",
+        "{:?} J {:.9} T {:.9} error {:.1e} end {:.1e} change {:.1e} steps {} on {} {:?} violation {:.1e}",
         motion.status,
         motion.cost,
         motion.final_time,
         motion.error,
         motion.end_error,
         motion.cost_change,
-        motion.iterations,
+        motion.steps.len(),
         motion.intervals,
         motion.certificate,
         motion.largest_violation
