@@ -9,7 +9,7 @@
 //! A\_w = \begin{pmatrix} \cos b \cos c & \sin c & 0 \\\\ -\cos b \sin c & \cos c & 0 \\\\
 //! \sin b & 0 & 1 \end{pmatrix} $$
 //!
-//! A = 1 at the centre. What is needed are constants: the first three derivatives of A and Phi.
+//! A = 1 at the centre. What is needed are constants: the first three derivatives of A and of A^-1, and Phi.
 
 use crate::robot::FreeKind;
 
@@ -22,13 +22,21 @@ pub(crate) struct Entry<const K: usize> {
     pub value: f64,
 }
 
-/// The constants of one kind of joint.
-#[derive(Clone, Debug)]
-pub(crate) struct Chart {
-    /// `A_q`, `A_qq` and `A_qqq`.
+/// The first three derivatives of a matrix by the coordinates, at the centre.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Jet {
     pub first: Vec<Entry<1>>,
     pub second: Vec<Entry<2>>,
     pub third: Vec<Entry<3>>,
+}
+
+/// The constants of one kind of joint.
+#[derive(Clone, Debug)]
+pub(crate) struct Chart {
+    /// A.
+    pub twist: Jet,
+    /// A^-1.
+    pub rates: Jet,
     /// Phi: row the coordinate; column and `by` the two components of xi.
     pub retraction: Vec<Entry<1>>,
 }
@@ -112,21 +120,38 @@ fn angular() -> [[Polynomial; 3]; 3] {
     ]
 }
 
+/// `A^-1 = 1 - N + N^2 - N^3` with `N = A - 1`, to degree 3.
+fn inverse(of: &[[Polynomial; 3]; 3]) -> [[Polynomial; 3]; 3] {
+    let identity = |i: usize, j: usize| if i == j { Polynomial::one() } else { Polynomial(Vec::new()) };
+    let square =
+        |entry: &dyn Fn(usize, usize) -> Polynomial| [0, 1, 2].map(|i| [0, 1, 2].map(|j| entry(i, j)));
+    let n = square(&|i, j| of[i][j].clone().plus(-1.0, &identity(i, j)));
+    // Horner's rule.
+    let mut found = square(&identity);
+    for _ in 0..3 {
+        found = square(&|i, j| {
+            (0..3).fold(identity(i, j), |sum, k| sum.plus(-1.0, &n[i][k].times(&found[k][j])))
+        });
+    }
+    found
+}
+
 impl Chart {
     pub fn new(kind: FreeKind) -> Self {
         let slides = kind.slides();
-        let mut chart =
-            Self { first: Vec::new(), second: Vec::new(), third: Vec::new(), retraction: Vec::new() };
-        for (r, row) in angular().iter().enumerate() {
-            for (c, entry) in row.iter().enumerate() {
-                chart.add(slides, (slides + r, slides + c), entry);
-            }
+        let mut chart = Self { twist: Jet::default(), rates: Jet::default(), retraction: Vec::new() };
+        let map = angular();
+        let places = (0..3).flat_map(|r| (0..3).map(move |c| (r, c)));
+        let back = inverse(&map);
+        for (r, c) in places.clone() {
+            chart.twist.add(slides, (slides + r, slides + c), &map[r][c]);
+            chart.rates.add(slides, (slides + r, slides + c), &back[r][c]);
         }
         if kind == FreeKind::Floating {
-            for (r, row) in rotation().iter().enumerate() {
-                for (c, entry) in row.iter().enumerate() {
-                    chart.add(slides, (c, r), entry);
-                }
+            let turn = rotation();
+            for (r, c) in places {
+                chart.twist.add(slides, (c, r), &turn[r][c]);
+                chart.rates.add(slides, (r, c), &turn[r][c]);
             }
             // t = rho + 1/2 theta x rho.
             for (i, j, k) in [(0, 1, 2), (1, 2, 0), (2, 0, 1)] {
@@ -145,8 +170,10 @@ impl Chart {
         self.retraction.push(Entry { row, column: i, by: [j], value });
         self.retraction.push(Entry { row, column: j, by: [i], value });
     }
+}
 
-    /// All derivatives of an entry of A.
+impl Jet {
+    /// All derivatives of an entry.
     fn add(&mut self, slides: usize, (row, column): (usize, usize), entry: &Polynomial) {
         for i in 0..3 {
             push(&mut self.first, (row, column), slides, [i], entry);
@@ -178,7 +205,7 @@ mod tests {
     use super::*;
     use nalgebra::{Matrix3, Rotation3, Vector3};
 
-    /// A to third order, and the twist of the moved frame by its rotation matrices.
+    /// A and its inverse to third order, and the twist of the moved frame by its rotation matrices.
     #[test]
     fn the_constants_are_those_of_the_rotation() {
         let chart = Chart::new(FreeKind::Floating);
@@ -192,17 +219,23 @@ mod tests {
         expected.fixed_view_mut::<3, 3>(0, 0).copy_from(&r.transpose());
         let columns = [(ry * rz).transpose() * x, rz.transpose() * y, z];
         expected.fixed_view_mut::<3, 3>(3, 3).copy_from(&Matrix3::from_columns(&columns));
-        let mut found = nalgebra::Matrix6::<f64>::identity();
         let at = |i: usize| q[i - 3];
-        for e in &chart.first {
-            found[(e.row, e.column)] += e.value * at(e.by[0]);
-        }
-        for e in &chart.second {
-            found[(e.row, e.column)] += e.value * at(e.by[0]) * at(e.by[1]) / 2.0;
-        }
-        for e in &chart.third {
-            found[(e.row, e.column)] += e.value * at(e.by[0]) * at(e.by[1]) * at(e.by[2]) / 6.0;
-        }
+        let value = |jet: &Jet| {
+            let mut found = nalgebra::Matrix6::<f64>::identity();
+            for e in &jet.first {
+                found[(e.row, e.column)] += e.value * at(e.by[0]);
+            }
+            for e in &jet.second {
+                found[(e.row, e.column)] += e.value * at(e.by[0]) * at(e.by[1]) / 2.0;
+            }
+            for e in &jet.third {
+                found[(e.row, e.column)] += e.value * at(e.by[0]) * at(e.by[1]) * at(e.by[2]) / 6.0;
+            }
+            found
+        };
+        let (found, back) = (value(&chart.twist), value(&chart.rates));
         assert!((found - expected).amax() < h.powi(4), "{}", found - expected);
+        let expected = expected.try_inverse().unwrap();
+        assert!((back - expected).amax() < h.powi(4), "{}", back - expected);
     }
 }

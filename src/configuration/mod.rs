@@ -11,6 +11,8 @@ mod chart;
 mod chart_frame;
 mod exponential;
 #[cfg(test)]
+pub(crate) mod samples;
+#[cfg(test)]
 mod tests;
 
 pub(crate) use chart_frame::{ChartFrame, MOST};

@@ -10,7 +10,7 @@ use crate::scalar::Scalar;
 
 impl<S: Scalar> Lagrangian<S> {
     /// Arguments of a robot with free joints: q of nq entries, the others of n.
-    fn check_free(&self, q: &[S], others: &[(&'static str, &[S])]) -> Result<(), EvalError> {
+    pub(super) fn check_free(&self, q: &[S], others: &[(&'static str, &[S])]) -> Result<(), EvalError> {
         if !self.tree.wrenches().is_empty() {
             self.tree.refuse_free()?;
         }
@@ -36,30 +36,33 @@ impl<S: Scalar> Lagrangian<S> {
         self.kernel.set_position(&self.tree, q)?;
         self.kernel.set_velocity(&self.tree, &free.v_chain)?;
         self.kernel.second_order(&self.tree);
-        let n = v.len();
-        free.mass_matrix.copy_from(self.kernel.mass_matrix());
-        free.frames.iter().for_each(|frame| frame.turn_block(&mut free.mass_matrix, [0, 0], n));
+        let mass_matrix = self.kernel.mass_matrix();
+        free.set_mass_matrix(|i, j| mass_matrix[(i, j)]);
         Ok(())
     }
 
     /// tau at the acceleration of the chart, in the axes of the frames.
     fn take_torque_free(&mut self, free: &Free<S>) {
         torque(&self.tree, &self.kernel, |entry| entry, (&free.v_chain, &free.a_chain), &mut self.tau);
-        free.frames.iter().for_each(|frame| frame.inward(&mut self.tau));
+        free.inward(&mut self.tau);
     }
 
     /// tau_q and tau_v in the tangent space, after [`take_torque_free`](Self::take_torque_free).
-    fn take_jacobian_free(&mut self, free: &Free<S>, v: &[S]) -> Result<(), EvalError> {
+    fn take_jacobian_free(&mut self, free: &Free<S>) -> Result<(), EvalError> {
         self.along.differentiate(&self.tree, &self.kernel, &free.v_chain, &free.a_chain)?;
         let kernels = (&self.kernel, &self.along);
         let slots = (&mut self.tau_q, &mut self.tau_v);
         torque_jacobian(&self.tree, kernels, |entry| entry, &free.v_chain, slots);
-        free.finish_jacobian(v, &self.tau, [&mut self.tau_q, &mut self.tau_v]);
+        free.finish_jacobian(&self.tau, [&mut self.tau_q, &mut self.tau_v]);
         Ok(())
     }
 
     /// Fills (v, nu') and factors M.
-    fn accelerate_free(&mut self, free: &mut Free<S>, [q, v, u]: [&[S]; 3]) -> Result<(), EvalError> {
+    pub(super) fn accelerate_free(
+        &mut self,
+        free: &mut Free<S>,
+        [q, v, u]: [&[S]; 3],
+    ) -> Result<(), EvalError> {
         let n = v.len();
         self.set_kernel(free, q, v)?;
         let size_of = |k| self.kernel.size_of_entry(&self.tree, k);
@@ -70,10 +73,10 @@ impl<S: Scalar> Lagrangian<S> {
         let (rate_q, a) = self.rate.split_at_mut(n);
         rate_q.copy_from_slice(v);
         a.copy_from_slice(u);
-        free.frames.iter().for_each(|frame| frame.outward(a));
+        free.outward(a);
         a.iter_mut().zip(&self.tau).for_each(|(a, &tau)| *a -= tau);
         self.factor.solve(a);
-        free.finish_acceleration(v, a);
+        free.finish_acceleration(a);
         Ok(())
     }
 
@@ -82,7 +85,7 @@ impl<S: Scalar> Lagrangian<S> {
         self.check_free(q, &[("v", v), ("a", a)])?;
         self.with_free(|this, free| {
             this.set_kernel(free, q, v)?;
-            free.set_acceleration(v, a);
+            free.set_acceleration(a);
             this.take_torque_free(free);
             Ok(())
         })?;
@@ -97,9 +100,9 @@ impl<S: Scalar> Lagrangian<S> {
         self.check_free(q, &[("v", v), ("a", a)])?;
         self.with_free(|this, free| {
             this.set_kernel(free, q, v)?;
-            free.set_acceleration(v, a);
+            free.set_acceleration(a);
             this.take_torque_free(free);
-            this.take_jacobian_free(free, v)
+            this.take_jacobian_free(free)
         })?;
         let tau_a = self.free.as_ref().map_or(self.kernel.mass_matrix(), |free| &free.mass_matrix);
         Ok(InverseDynamicsLinearisation { tau: &self.tau, tau_q: &self.tau_q, tau_v: &self.tau_v, tau_a })
@@ -122,35 +125,40 @@ impl<S: Scalar> Lagrangian<S> {
         let n = v.len();
         self.with_free(|this, free| {
             this.accelerate_free(free, [q, v, u])?;
-            free.set_acceleration(v, &this.rate[n..]);
+            free.set_acceleration(&this.rate[n..]);
             this.take_torque_free(free);
-            this.take_jacobian_free(free, v)?;
-            this.factor.inverse(&mut free.inverse);
-            free.frames.iter().for_each(|frame| frame.turn_block(&mut free.inverse, [0, 0], n));
-            for i in 0..n {
-                let (weights, row) = (free.inverse.row(i), this.a_z.row_mut(i));
-                row.fill(S::zero());
-                let (in_q, rest) = row.split_at_mut(n);
-                let (in_v, in_u) = rest.split_at_mut(n);
-                for (k, &weight) in weights.iter().enumerate() {
-                    add_scaled(in_q, -weight, this.tau_q.row(k));
-                    add_scaled(in_v, -weight, this.tau_v.row(k));
-                }
-                in_u.copy_from_slice(weights);
-            }
+            this.take_jacobian_free(free)?;
+            this.solve_jacobian_free(free);
             Ok(())
         })?;
         Ok(self.forward_jacobian())
     }
 
+    /// Fills a_z from tau_q and tau_v; M is factored.
+    pub(super) fn solve_jacobian_free(&mut self, free: &mut Free<S>) {
+        let n = self.tree.dof();
+        self.factor.inverse(&mut free.inverse);
+        free.parts.iter().for_each(|part| part.frame.turn_block(&mut free.inverse, [0, 0], n));
+        for i in 0..n {
+            let (weights, row) = (free.inverse.row(i), self.a_z.row_mut(i));
+            row.fill(S::zero());
+            let (in_q, rest) = row.split_at_mut(n);
+            let (in_v, in_u) = rest.split_at_mut(n);
+            for (k, &weight) in weights.iter().enumerate() {
+                add_scaled(in_q, -weight, self.tau_q.row(k));
+                add_scaled(in_v, -weight, self.tau_v.row(k));
+            }
+            in_u.copy_from_slice(weights);
+        }
+    }
+
     pub(super) fn mass_matrix_free(&mut self, q: &[S]) -> Result<&Matrix<S>, EvalError> {
         self.check_free(q, &[])?;
         self.with_free(|this, free| {
-            let n = this.tree.dof();
-            free.frames.iter_mut().for_each(|frame| frame.set_configuration(q));
+            free.set_configuration(q);
             this.kernel.set_position(&this.tree, q)?;
-            free.mass_matrix.copy_from(this.kernel.mass_matrix());
-            free.frames.iter().for_each(|frame| frame.turn_block(&mut free.mass_matrix, [0, 0], n));
+            let mass_matrix = this.kernel.mass_matrix();
+            free.set_mass_matrix(|i, j| mass_matrix[(i, j)]);
             Ok(())
         })?;
         Ok(self.free.as_ref().map_or(self.kernel.mass_matrix(), |free| &free.mass_matrix))

@@ -24,6 +24,7 @@ mod dynamics;
 mod forward;
 mod free;
 mod free_dynamics;
+mod free_second_order;
 mod inverse;
 mod legendre_transform;
 mod newton_euler;

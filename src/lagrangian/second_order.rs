@@ -4,8 +4,7 @@
 use super::inverse::{torque, torque_jacobian};
 use super::{InverseDynamicsContraction, InverseDynamicsLinearisation, Lagrangian, LagrangianContraction};
 use crate::error::EvalError;
-use crate::hamiltonian::check;
-use crate::kernels::{KernelOne, KernelTwo, friction_of};
+use crate::kernels::{KernelOne, KernelTwo, check_entries, friction_of};
 use crate::matrix::{Matrix, filled};
 use crate::robot::{Robot, Tree};
 use crate::scalar::{Scalar, Tangent};
@@ -33,18 +32,18 @@ use crate::scalar::{Scalar, Tangent};
 /// factorisation is differentiated.
 #[derive(Clone, Debug)]
 pub struct LagrangianSecondOrder<S: Scalar> {
-    first: Lagrangian<S>,
-    kernel: KernelOne<Tangent<S>>,
-    along: KernelTwo<Tangent<S>>,
+    pub(super) first: Lagrangian<S>,
+    pub(super) kernel: KernelOne<Tangent<S>>,
+    pub(super) along: KernelTwo<Tangent<S>>,
     q: Vec<Tangent<S>>,
     v: Vec<Tangent<S>>,
     direction_q: Vec<Tangent<S>>,
-    direction_v: Vec<Tangent<S>>,
-    w: Vec<S>,
-    tau_a: Matrix<S>,
-    w_tau_zz: Matrix<S>,
-    xx: Matrix<S>,
-    uq: Matrix<S>,
+    pub(super) direction_v: Vec<Tangent<S>>,
+    pub(super) w: Vec<S>,
+    pub(super) tau_a: Matrix<S>,
+    pub(super) w_tau_zz: Matrix<S>,
+    pub(super) xx: Matrix<S>,
+    pub(super) uq: Matrix<S>,
 }
 
 impl<S: Scalar> LagrangianSecondOrder<S> {
@@ -55,13 +54,13 @@ impl<S: Scalar> LagrangianSecondOrder<S> {
 
     /// As [`new`](Self::new), from an existing [`Tree`].
     pub fn from_tree(tree: Tree) -> Self {
-        let n = tree.dof();
+        let (n, nq) = (tree.dof(), tree.nq());
         let zero = Tangent::zero();
         Self {
             kernel: KernelOne::new(&tree),
             along: KernelTwo::new(&tree),
             first: Lagrangian::from_tree(tree),
-            q: filled(zero, n),
+            q: filled(zero, nq),
             v: filled(zero, n),
             direction_q: filled(zero, n),
             direction_v: filled(zero, n),
@@ -108,6 +107,9 @@ impl<S: Scalar> LagrangianSecondOrder<S> {
         a: &[S],
         w: &[S],
     ) -> Result<InverseDynamicsContraction<'_, S>, EvalError> {
+        if self.first.free.is_some() {
+            return self.contract_inverse_dynamics_free([q, v, a, w]);
+        }
         self.first.check(&[("q", q), ("v", v), ("a", a), ("w", w)])?;
         self.first.rate[q.len()..].copy_from_slice(a);
         self.w.copy_from_slice(w);
@@ -135,6 +137,9 @@ impl<S: Scalar> LagrangianSecondOrder<S> {
         u: &[S],
         y: &[S],
     ) -> Result<LagrangianContraction<'_, S>, EvalError> {
+        if self.first.free.is_some() {
+            return self.contract_forward_dynamics_free([q, v, u, y]);
+        }
         self.first.check(&[("q", q), ("v", v), ("u", u), ("y", y)])?;
         self.first.accelerate(q, v, u)?;
         self.w.copy_from_slice(y);
@@ -162,26 +167,34 @@ impl<S: Scalar> LagrangianSecondOrder<S> {
         y: &[S],
     ) -> Result<LagrangianContraction<'_, S>, EvalError> {
         let n = self.dof();
-        check(self.first.tree(), "y", y, 2 * n)?;
+        check_entries(self.first.tree(), "y", y, 2 * n)?;
         self.contract_forward_dynamics(q, v, u, &y[n..])
     }
 
     /// The dual pass at (q, v), with the acceleration of the first-order workspace, and the Hessian of w.tau
     /// from it.
     fn differentiate(&mut self, q: &[S], v: &[S]) -> Result<(), EvalError> {
-        let (tree, a) = (&self.first.tree, self.first.acceleration());
+        for i in 0..v.len() {
+            self.direction_v[i] = Tangent::new(self.first.acceleration()[i], S::zero());
+        }
+        self.pass(q, v)?;
+        self.first.subtract_wrench_curvature(q, &self.w, &mut self.w_tau_zz);
+        Ok(())
+    }
+
+    /// The dual pass at (q, v), with the acceleration in `direction_v`.
+    pub(super) fn pass(&mut self, q: &[S], v: &[S]) -> Result<(), EvalError> {
+        let tree = &self.first.tree;
+        self.q.iter_mut().zip(q).for_each(|(dual, &q)| *dual = Tangent::new(q, S::zero()));
         for (i, &w) in self.w.iter().enumerate() {
-            self.q[i] = Tangent::new(q[i], S::zero());
             self.v[i] = Tangent::new(v[i], w);
             self.direction_q[i] = Tangent::new(v[i], -w);
-            self.direction_v[i] = Tangent::new(a[i], S::zero());
         }
         self.kernel.set_position(tree, &self.q)?;
         self.kernel.set_velocity(tree, &self.v)?;
         self.kernel.second_order(tree);
         self.along.differentiate(tree, &self.kernel, &self.direction_q, &self.direction_v)?;
         self.fill_torque_hessian(v);
-        self.first.subtract_wrench_curvature(q, &self.w, &mut self.w_tau_zz);
         Ok(())
     }
 
@@ -232,7 +245,7 @@ impl<S: Scalar> LagrangianSecondOrder<S> {
     /// `y'a_zz = -Z' (w.tau)_zz Z`, Z with the rows (1, 0, 0), (0, 1, 0), a_z; of its products only
     /// `K = a_z' B` is not trivial. It is added to the rows of z and the columns of q, and its transpose to
     /// the transposed block.
-    fn transform(&mut self) {
+    pub(super) fn transform(&mut self) {
         let n = self.w.len();
         let (h, xx, uq) = (&self.w_tau_zz, &mut self.xx, &mut self.uq);
         for i in 0..2 * n {

@@ -49,7 +49,7 @@ impl<S: Scalar> Part<S> {
         self.velocity = self.frame.entries(f_q);
         self.force = self.frame.entries(f_p);
         self.rate = self.force;
-        for e in &self.frame.chart.first {
+        for e in &self.frame.chart.twist.first {
             self.rate[e.column] -= (self.velocity[e.by[0]] * self.momentum[e.row]).times(e.value);
         }
         f_p[at..at + m].copy_from_slice(&self.rate[..m]);
@@ -58,7 +58,7 @@ impl<S: Scalar> Part<S> {
     /// `dp_c = dpi + K dxi`: adds the columns of p, times K, to those of q.
     pub fn spread_columns(&self, matrix: &mut Matrix<S>) {
         let (at, n) = (self.place().0, matrix.columns() / 2);
-        for e in &self.frame.chart.first {
+        for e in &self.frame.chart.twist.first {
             let factor = self.momentum[e.row].times(e.value);
             let (to, from) = (at + e.by[0], n + at + e.column);
             for i in 0..matrix.rows() {
@@ -71,7 +71,7 @@ impl<S: Scalar> Part<S> {
     /// The same for rows.
     pub fn spread_rows(&self, matrix: &mut Matrix<S>) {
         let (at, n) = (self.place().0, matrix.columns() / 2);
-        for e in &self.frame.chart.first {
+        for e in &self.frame.chart.twist.first {
             let factor = self.momentum[e.row].times(e.value);
             let (to, from) = (at + e.by[0], n + at + e.column);
             let (row, source) = matrix.row_mut_and_below(to, from);
@@ -83,7 +83,7 @@ impl<S: Scalar> Part<S> {
     pub fn finish_jacobian(&self, f_x: &mut Matrix<S>) {
         let (at, n) = (self.place().0, f_x.columns() / 2);
         let Self { frame: ChartFrame { chart, .. }, momentum, velocity, rate, .. } = self;
-        for e in &chart.first {
+        for e in &chart.twist.first {
             let [i] = e.by;
             let factor = momentum[e.row].times(-e.value);
             let (row, source) = f_x.row_mut_and_above(n + at + e.column, at + i);
@@ -91,11 +91,11 @@ impl<S: Scalar> Part<S> {
             row[n + at + e.row] -= velocity[i].times(e.value);
             row[at + i] -= rate[e.row].times(e.value);
         }
-        for e in &chart.second {
+        for e in &chart.twist.second {
             let [i, j] = e.by;
             f_x[(n + at + e.column, at + j)] -= (velocity[i] * momentum[e.row]).times(e.value);
         }
-        for e in &chart.first {
+        for e in &chart.twist.first {
             f_x[(at + e.row, at + e.by[0])] += velocity[e.column].times(e.value);
         }
     }
@@ -104,7 +104,7 @@ impl<S: Scalar> Part<S> {
     pub fn costate(&self, y: &mut [S]) {
         let at = self.place().0;
         let (y_q, y_p) = y.split_at_mut(y.len() / 2);
-        for e in &self.frame.chart.first {
+        for e in &self.frame.chart.twist.first {
             y_q[at + e.by[0]] -= (self.momentum[e.row] * y_p[at + e.column]).times(e.value);
         }
     }
@@ -123,14 +123,14 @@ impl<S: Scalar> Part<S> {
             |column: usize| (0..2 * n).fold(S::zero(), |sum, i| y_c[i].mul_add(f_x[(i, column)], sum));
         // Derivatives of beta and alpha by coordinates i and j, and of alpha by pi.
         let (mut b1, mut b2) = ([zero; MOST], [[zero; MOST]; MOST]);
-        for e in &chart.first {
+        for e in &chart.twist.first {
             b1[e.by[0]][e.row] -= l[e.column].times(e.value);
         }
-        for e in &chart.second {
+        for e in &chart.twist.second {
             b2[e.by[0]][e.by[1]][e.row] -= l[e.column].times(e.value);
         }
         let angles = m - 3..m;
-        for e in &chart.first {
+        for e in &chart.twist.first {
             let [i] = e.by;
             for j in angles.clone() {
                 let (along_i, along_j) = (b1[j][e.column].times(e.value), i);
@@ -139,7 +139,7 @@ impl<S: Scalar> Part<S> {
             }
         }
         let (mut a1, mut by_momentum) = ([zero; MOST], [zero; MOST]);
-        for e in &chart.first {
+        for e in &chart.twist.first {
             let [k] = e.by;
             a1[k][e.column] += lg[e.row].times(e.value);
             by_momentum[e.row][k] -= l[e.column].times(e.value);
@@ -147,7 +147,7 @@ impl<S: Scalar> Part<S> {
                 a1[i][k] -= (pi[e.row] * b1[i][e.column]).times(e.value);
             }
         }
-        for e in &chart.second {
+        for e in &chart.twist.second {
             let [k, i] = e.by;
             a1[i][k] -= (pi[e.row] * l[e.column]).times(e.value);
         }
@@ -160,7 +160,7 @@ impl<S: Scalar> Part<S> {
         }
         let mut pull = zero;
         pull[..m].iter_mut().enumerate().for_each(|(c, pull)| *pull = product(n + at + c));
-        for e in &chart.first {
+        for e in &chart.twist.first {
             let [k] = e.by;
             mixed[k][e.row] += pull[e.column].times(e.value);
             for i in angles.clone() {
@@ -170,7 +170,7 @@ impl<S: Scalar> Part<S> {
                 }
             }
         }
-        for e in &chart.second {
+        for e in &chart.twist.second {
             let [i, j] = e.by;
             let weight = lg[e.row] * v[e.column] + pull[e.column] * pi[e.row];
             square[i][j] += weight.times(e.value);
@@ -182,7 +182,7 @@ impl<S: Scalar> Part<S> {
                 square[other][j] -= weight;
             }
         }
-        for e in &chart.third {
+        for e in &chart.twist.third {
             let [k, i, j] = e.by;
             square[i][j] -= (pi[e.row] * v[k] * l[e.column]).times(e.value);
         }

@@ -2,58 +2,12 @@
 //! joints away from their singular pose, and by what motions conserve.
 
 use crate::configuration::ConfigurationSpace;
+use crate::configuration::samples::{link, placed, robots, state};
 use crate::hamiltonian::{Hamiltonian, HamiltonianSecondOrder};
-use crate::robot::{Friction, JointSpec, LinkInertia, Placement, Robot};
+use crate::robot::{Friction, JointSpec, Robot};
 use crate::scalar::Scalar;
-use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, UnitQuaternion, Vector3};
+use nalgebra::{DMatrix, DVector, Rotation3, UnitQuaternion, Vector3};
 use num_dual::{Dual64, HyperDual64};
-
-fn link(k: f64) -> LinkInertia {
-    let inertia = Matrix3::new(0.5, 0.02, -0.1, 0.02, 0.7, 0.05, -0.1, 0.05, 0.6);
-    LinkInertia::about_com(1.0 + 0.3 * k, [0.2 * k, -0.3, 0.1 + 0.1 * k], inertia * (0.3 + 0.1 * k))
-}
-
-fn placed(x: f64) -> Placement {
-    Placement::from_xyz_rpy([x, 0.3, -0.2], [1.0 - x, x, 2.0 * x])
-}
-
-/// Robots with free joints at the root and beyond, on slides, on branches, with mimics and friction.
-fn robots() -> Vec<Robot> {
-    let joint = |name: &str, k: f64| JointSpec::revolute(name).placed(placed(k)).carrying(link(k));
-    let slide = |name: &str, k: f64| JointSpec::prismatic(name).placed(placed(k)).carrying(link(k));
-    let floating = |name: &str, k: f64| JointSpec::floating(name).placed(placed(k)).carrying(link(k));
-    let ball = |name: &str, k: f64| JointSpec::spherical(name).placed(placed(k)).carrying(link(k));
-    let rub = Friction { viscous: 0.3, coulomb: 0.4, coulomb_velocity: 0.5 };
-    let builders = [
-        Robot::builder("body").joint(floating("root", 0.4)),
-        Robot::builder("ball").joint(ball("root", 0.4)),
-        Robot::builder("legs")
-            .joint(floating("root", 0.0))
-            .joint(joint("a", 0.3).on("root").axis([0.3, -0.5, 0.8]))
-            .joint(joint("b", 0.6).on("a").friction(rub))
-            .joint(slide("c", -0.4).on("root").axis([0.0, 1.0, 0.0]))
-            .joint(joint("d", 0.2).on("c").mimicking("a", -0.7, 0.2)),
-        Robot::builder("inside")
-            .joint(joint("a", 0.3).axis([0.3, -0.5, 0.8]))
-            .joint(ball("wrist", 0.5).on("a"))
-            .joint(slide("c", -0.4).on("wrist").axis([1.0, 1.0, 0.0]))
-            .joint(floating("load", 0.7).on("c"))
-            .joint(joint("d", 0.1).on("load").friction(rub))
-            .joint(ball("tail", 0.8).on("wrist")),
-    ];
-    builders.map(|builder| builder.gravity([0.7, -1.0, -9.81]).build().unwrap()).into()
-}
-
-/// A configuration, a momentum and a costate.
-fn state(space: &ConfigurationSpace) -> [Vec<f64>; 4] {
-    let n = space.dof();
-    let wave = |scale: f64, from: f64, count: usize| -> Vec<f64> {
-        (0..count).map(|i| scale * (from + 1.7 * i as f64).sin()).collect()
-    };
-    let mut q = space.neutral();
-    space.integrate(&space.neutral(), &wave(1.4, 0.3, n), &mut q).unwrap();
-    [q, wave(2.0, 1.1, n), wave(3.0, -0.4, n), wave(1.0, 2.0, 2 * n)]
-}
 
 /// F at (q (+) xi, p + dp).
 fn displaced<S: Scalar>(robot: &Robot, [q, p, u]: [&[f64]; 3], x: &[S]) -> Vec<S> {
@@ -89,7 +43,8 @@ fn derivatives_are_those_of_hyper_dual_numbers_through_the_retraction() {
                 found.iter().enumerate().for_each(|(k, f)| expected_x[(k, i)] = f.eps1);
                 if (i, j) == (0, 0) {
                     let error = found.iter().zip(&f).map(|(a, b)| (a.re - b).abs()).fold(0.0, f64::max);
-                    assert!(error < 1e-12, "{}: F: {error}", robot.name());
+                    let size = f.iter().fold(1.0, |most: f64, f| most.max(f.abs()));
+                    assert!(error < 1e-12 * size, "{}: F: {error} of {size}", robot.name());
                 }
             }
         }

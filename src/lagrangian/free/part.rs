@@ -1,0 +1,211 @@
+//! Derivatives of inverse dynamics by the motion of one floating or spherical joint.
+
+use crate::configuration::{ChartFrame, MOST};
+use crate::matrix::{Matrix, add_scaled};
+use crate::robot::FreeFrame;
+use crate::scalar::Scalar;
+
+type Square<S> = [[S; MOST]; MOST];
+
+/// What is kept of one joint between the steps of an evaluation.
+#[derive(Clone, Debug)]
+pub(crate) struct Part<S> {
+    pub frame: ChartFrame<S>,
+    /// nu and nu'.
+    velocity: [S; MOST],
+    acceleration: [S; MOST],
+    /// `dv = dnu + v_q dxi`, `da = dnu' + a_v dnu + a_q dxi`.
+    v_q: Square<S>,
+    a_v: Square<S>,
+    a_q: Square<S>,
+    /// Derivatives of `w.tau` by v and a of the chart.
+    by_velocity: [S; MOST],
+    by_acceleration: [S; MOST],
+}
+
+impl<S: Scalar> Part<S> {
+    pub fn new(free: &FreeFrame) -> Self {
+        let zero = [S::zero(); MOST];
+        Self {
+            frame: ChartFrame::new(free),
+            velocity: zero,
+            acceleration: zero,
+            v_q: [zero; MOST],
+            a_v: [zero; MOST],
+            a_q: [zero; MOST],
+            by_velocity: zero,
+            by_acceleration: zero,
+        }
+    }
+
+    pub fn set_velocity(&mut self, v: &[S]) {
+        let nu = self.frame.entries(v);
+        let zero = [[S::zero(); MOST]; MOST];
+        (self.velocity, self.v_q, self.a_v) = (nu, zero, zero);
+        for e in &self.frame.chart.rates.first {
+            let [i] = e.by;
+            let along = nu[e.column].times(e.value);
+            self.v_q[e.row][i] += along;
+            self.a_v[e.row][i] += along;
+            self.a_v[e.row][e.column] += nu[i].times(e.value);
+        }
+    }
+
+    /// Adds `B_q[nu] nu` to the acceleration nu'.
+    pub fn set_acceleration(&mut self, acceleration: &[S], a: &mut [S]) {
+        self.acceleration = self.frame.entries(acceleration);
+        self.add_bias(S::one(), a);
+        let Self { velocity: nu, acceleration, v_q, a_q, .. } = self;
+        *a_q = [[S::zero(); MOST]; MOST];
+        for e in &self.frame.chart.rates.first {
+            let [i] = e.by;
+            a_q[e.row][i] += acceleration[e.column].times(e.value);
+            add_scaled(&mut a_q[e.row], nu[e.column].times(e.value), &v_q[i]);
+        }
+        for e in &self.frame.chart.rates.second {
+            let [i, j] = e.by;
+            a_q[e.row][j] += (nu[i] * nu[e.column]).times(e.value);
+        }
+    }
+
+    /// The opposite of [`set_acceleration`](Self::set_acceleration).
+    pub fn finish_acceleration(&self, a: &mut [S]) {
+        self.add_bias(S::from_f64(-1.0), a);
+    }
+
+    fn add_bias(&self, factor: S, a: &mut [S]) {
+        let (at, _) = self.frame.place();
+        let nu = &self.velocity;
+        for e in &self.frame.chart.rates.first {
+            a[at + e.row] += factor * (nu[e.by[0]] * nu[e.column]).times(e.value);
+        }
+    }
+
+    /// A row of derivatives by (xi, nu, nu') from one by (q, v, a), of n entries each; those by a remain.
+    pub fn spread(&self, [in_q, in_v]: [&mut [S]; 2], in_a: &[S]) {
+        let (at, m) = self.frame.place();
+        for k in 0..m {
+            let (by_v, by_a) = (in_v[at + k], in_a[at + k]);
+            add_scaled(&mut in_q[at..at + m], by_v, &self.v_q[k]);
+            add_scaled(&mut in_q[at..at + m], by_a, &self.a_q[k]);
+        }
+        for k in 0..m {
+            add_scaled(&mut in_v[at..at + m], in_a[at + k], &self.a_v[k]);
+        }
+    }
+
+    /// Columns and rows of a matrix of 3n.
+    pub fn spread_hessian(&self, matrix: &mut Matrix<S>) {
+        let ((at, m), n) = (self.frame.place(), matrix.rows() / 3);
+        for i in 0..3 * n {
+            let (in_q, rest) = matrix.row_mut(i).split_at_mut(n);
+            let (in_v, in_a) = rest.split_at_mut(n);
+            self.spread([in_q, in_v], in_a);
+        }
+        let [q, v, a] = [at, n + at, 2 * n + at];
+        for (to, from, factors) in [(q, v, &self.v_q), (q, a, &self.a_q), (v, a, &self.a_v)] {
+            for (k, factors) in factors[..m].iter().enumerate() {
+                for (i, &factor) in factors[..m].iter().enumerate() {
+                    let (row, source) = matrix.row_mut_and_below(to + i, from + k);
+                    add_scaled(row, factor, source);
+                }
+            }
+        }
+    }
+
+    /// `tau = B' tau_c`: what tau_q has besides the derivatives of tau_c.
+    pub fn turn_force(&self, tau: &[S], tau_q: &mut Matrix<S>) {
+        let (at, _) = self.frame.place();
+        for e in &self.frame.chart.rates.first {
+            tau_q[(at + e.column, at + e.by[0])] += tau[at + e.row].times(e.value);
+        }
+    }
+
+    /// Takes w'tau_v and w'M by the chart's v and a.
+    pub fn set_slopes(&mut self, w: &[S], tau_v: &Matrix<S>, mass_matrix: &Matrix<S>) {
+        let (at, m) = self.frame.place();
+        let product =
+            |matrix: &Matrix<S>, k| (0..w.len()).fold(S::zero(), |sum, i| w[i].mul_add(matrix[(i, k)], sum));
+        for k in 0..m {
+            self.by_velocity[k] = product(tau_v, at + k);
+            self.by_acceleration[k] = product(mass_matrix, at + k);
+        }
+    }
+
+    /// Adds what the Hessian of `w.tau` has besides that of tau_c in the variables (xi, nu, nu'): second
+    /// derivatives of q, v, a and `B w`, and products of first derivatives of these; the Jacobian is that of
+    /// tau_c.
+    pub fn curve(&self, [tau, w]: [&[S]; 2], jacobian: [&Matrix<S>; 3], hessian: &mut Matrix<S>) {
+        let ((at, m), n) = (self.frame.place(), tau.len());
+        let (tau, own) = (self.frame.entries(tau), self.frame.entries(w));
+        let Self { velocity: nu, acceleration, v_q, by_velocity, by_acceleration: force, .. } = self;
+        let (rates, zero) = (&self.frame.chart.rates, [[S::zero(); MOST]; MOST]);
+        // Blocks (xi, xi), (xi, nu), (xi, nu') and (nu, nu); B w by xi, and what multiplies v in a.
+        let (mut square, mut in_v, mut in_a, mut both) = (zero, zero, zero, zero);
+        let (mut w_q, mut slope) = (zero, *by_velocity);
+        for e in &rates.first {
+            let [i] = e.by;
+            w_q[e.row][i] += own[e.column].times(e.value);
+            slope[i] += (force[e.row] * nu[e.column]).times(e.value);
+        }
+        for e in &rates.first {
+            let [i] = e.by;
+            let push = force[e.row].times(e.value);
+            in_v[i][e.column] += slope[e.row].times(e.value);
+            in_a[i][e.column] += push;
+            both[i][e.column] += push;
+            both[e.column][i] += push;
+            for (in_v, &along) in in_v[..m].iter_mut().zip(&v_q[i]) {
+                in_v[e.column] += push * along;
+            }
+        }
+        for e in &rates.second {
+            let [i, j] = e.by;
+            let weight = slope[e.row] * nu[e.column]
+                + tau[e.row] * own[e.column]
+                + force[e.row] * acceleration[e.column];
+            square[i][j] += weight.times(e.value);
+            let push = force[e.row].times(e.value);
+            in_v[j][i] += push * nu[e.column];
+            in_v[j][e.column] += push * nu[i];
+            for l in 0..m {
+                let term = push * nu[e.column] * v_q[i][l];
+                square[j][l] += term;
+                square[l][j] += term;
+            }
+        }
+        for e in &rates.third {
+            let [i, j, l] = e.by;
+            square[j][l] += (force[e.row] * nu[i] * nu[e.column]).times(e.value);
+        }
+        let mut pull = [S::zero(); MOST];
+        for (k, pull) in pull[..m].iter_mut().enumerate() {
+            *pull = (0..n).fold(S::zero(), |sum, i| w[i].mul_add(jacobian[0][(i, at + k)], sum));
+            *pull += (0..m).fold(S::zero(), |sum, row| tau[row].mul_add(w_q[row][k], sum));
+        }
+        for e in &self.frame.chart.retraction {
+            square[e.column][e.by[0]] += pull[e.row].times(e.value);
+        }
+        for i in 0..m {
+            for j in 0..m {
+                hessian[(at + i, at + j)] += square[i][j];
+                hessian[(n + at + i, n + at + j)] += both[i][j];
+                for (column, entry) in [(n, in_v[i][j]), (2 * n, in_a[i][j])] {
+                    hessian[(at + i, column + at + j)] += entry;
+                    hessian[(column + at + j, at + i)] += entry;
+                }
+            }
+        }
+        for (k, w_q) in w_q[..m].iter().enumerate() {
+            for (i, &factor) in w_q[..m].iter().enumerate() {
+                for (block, matrix) in jacobian.iter().enumerate() {
+                    for (j, &entry) in matrix.row(at + k).iter().enumerate() {
+                        let term = factor * entry;
+                        hessian[(at + i, block * n + j)] += term;
+                        hessian[(block * n + j, at + i)] += term;
+                    }
+                }
+            }
+        }
+    }
+}
