@@ -23,7 +23,7 @@ impl Interior {
         let at_0 = lagrange::values(&[a, b, c], 0.0);
         let mut jump = vec![0.0; m];
         let mut errors = vec![0.0; self.layout.intervals];
-        for k in 1..self.layout.intervals {
+        for (k, error) in errors.iter_mut().enumerate().skip(1) {
             for (i, jump) in jump.iter_mut().enumerate() {
                 let u = |k: usize, j: usize| self.w[self.layout.point(k, j) + n + i];
                 let first: f64 = (0..POINTS).map(|j| at_0[j] * u(k, j)).sum();
@@ -35,7 +35,7 @@ impl Interior {
             for (i, row) in hessian[n * size..size * size].chunks_exact(size).enumerate() {
                 square += jump[i] * row[n..].iter().zip(&jump).map(|(h, jump)| h * jump).sum::<f64>();
             }
-            errors[k] = 0.5 * MEAN_SQUARE * square.abs() / self.radau.weights[0];
+            *error = 0.5 * MEAN_SQUARE * square.abs() / self.radau.weights[0];
         }
         // The first interval has none before it.
         if let [first, second, ..] = errors.as_mut_slice() {

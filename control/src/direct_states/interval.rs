@@ -113,9 +113,9 @@ impl Interval {
             }
             for a in 0..w {
                 let (row, out) = (&rows[a * (y + 1)..], &product[a * (y + 1)..]);
-                for r in 0..y {
-                    add_scaled(&mut self.q[r * y..(r + 1) * y], row[r], &out[..y]);
-                    self.q_1[r] += row[r] * out[y];
+                for (r, &value) in row[..y].iter().enumerate() {
+                    add_scaled(&mut self.q[r * y..(r + 1) * y], value, &out[..y]);
+                    self.q_1[r] += value * out[y];
                 }
                 // The cross terms of T with what the states do.
                 add_scaled(&mut self.q[n * y..(n + 1) * y], cross[a], &row[..y]);
