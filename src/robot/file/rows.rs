@@ -1,5 +1,6 @@
 //! The keys of a robot in TOML.
 
+use super::constraints::ConstraintTable;
 use crate::robot::dh::DhRow;
 use crate::robot::link::LinkInertia;
 use nalgebra::Matrix3;
@@ -22,6 +23,8 @@ pub(super) struct RobotFile {
     pub(super) frames: Vec<FrameRow>,
     #[serde(default, rename = "wrench")]
     pub(super) wrenches: Vec<WrenchRow>,
+    #[serde(default, rename = "constraint")]
+    pub(super) constraints: Vec<ConstraintTable>,
 }
 
 #[derive(Deserialize)]

@@ -8,7 +8,10 @@
 //! original frames.
 
 mod build;
+mod constraint;
 mod free;
+
+pub(crate) use constraint::TreeConstraintKind;
 
 use super::branches::Branches;
 use super::free_frame::FreeFrame;
@@ -17,6 +20,7 @@ use super::joint_frame::JointFrame;
 use super::joint_map::{JointMap, Row};
 use super::tree_frame::TreeFrame;
 use super::wrench::AppliedWrench;
+use constraint::TreeConstraint;
 use nalgebra::Matrix3;
 
 /// The model that the kernels run on; built from a [`Robot`](super::Robot) once.
@@ -35,6 +39,7 @@ pub struct Tree {
     joint_map: Option<JointMap>,
     frames: Vec<TreeFrame>,
     wrenches: Vec<AppliedWrench>,
+    constraints: Vec<TreeConstraint>,
     free: Vec<FreeFrame>,
     world: Matrix3<f64>,
 }
