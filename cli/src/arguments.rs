@@ -96,7 +96,8 @@ impl RobotArguments {
         read(&mut input, format)
     }
 
-    /// Reads a robot of joints of one degree of freedom, without constraints, and writes its warnings to standard error.
+    /// Reads a robot of joints of one degree of freedom, without constraints, and writes its warnings to
+    /// standard error.
     ///
     /// # Errors
     /// As [`load`](Self::load); [`RobotError::FreeJoint`], [`RobotError::Constrained`].

@@ -3,7 +3,9 @@
 use crate::arguments::RobotArguments;
 use crate::report::{Table, fixed, title};
 use crate::{Outcome, terminal};
-use costate::robot::{AppliedWrench, Constraint, Frame, FrameKind, Joint, Limits, Mimic, Robot, WrenchAxes, printable};
+use costate::robot::{
+    AppliedWrench, Constraint, Frame, FrameKind, Joint, Limits, Mimic, Robot, WrenchAxes, printable,
+};
 use serde_json::{Value, json};
 use std::io::Write;
 use std::ops::Index;
@@ -91,7 +93,8 @@ fn as_json(robot: &Robot, with_frames: bool) -> Value {
         "warnings": robot.warnings().iter().map(ToString::to_string).collect::<Vec<_>>(),
     });
     if let (false, Value::Object(fields)) = (robot.constraints().is_empty(), &mut value) {
-        let one = |constraint: &Constraint| json!({ "name": constraint.name, "rows": constraint.kind.rows() });
+        let one =
+            |constraint: &Constraint| json!({ "name": constraint.name, "rows": constraint.kind.rows() });
         fields.insert("constraints".into(), robot.constraints().iter().map(one).collect());
     }
     if let (true, Value::Object(fields)) = (with_frames, &mut value) {

@@ -1,7 +1,7 @@
 //! F_x of the constrained state equation, accelerations and forces.
 
-use super::linearisation::ConstrainedLinearisation;
 use super::ConstrainedHamiltonian;
+use super::linearisation::ConstrainedLinearisation;
 use crate::matrix::{add_scaled, dot};
 use crate::scalar::Scalar;
 

@@ -1,8 +1,8 @@
 //! Derivatives of g along a motion.
 //!
-//! With `(mu . g)_qq` at hand, `(J v)_q` is the derivative of J along v, and `(mu . J v)_qq` that of
-//! `(mu . g)_qq` for constant mu. Both are tangents of the same code. Their own derivatives along (dq, dv, dmu)
-//! are tangents of tangents: with q + a v + b dq + a b dv and mu + b dmu, the coefficients of b and a b.
+//! With `(mu . g)_qq` at hand, `(J v)_q` is the derivative of J along v, and `(mu . J v)_qq` that of `(mu .
+//! g)_qq` for constant mu. Both are tangents of the same code. Their own derivatives along (dq, dv, dmu) are
+//! tangents of tangents: with q + a v + b dq + a b dv and mu + b dmu, the coefficients of b and a b.
 
 use super::Constraints;
 use crate::matrix::{Matrix, filled};

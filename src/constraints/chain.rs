@@ -2,8 +2,8 @@
 //!
 //! Seen from its second frame, the first frame of a constraint is the tip of a chain: the joints from the
 //! second frame inward to where the paths meet, with opposite axes, then outward to the first frame. Joints
-//! that move both frames do not count. As in [`kinematics`](crate::kinematics), with the columns (w; c) of the
-//! chain in axes of the second frame, s nearer to it than t,
+//! that move both frames do not count. As in [`kinematics`](crate::kinematics), with the columns (w; c) of
+//! the chain in axes of the second frame, s nearer to it than t,
 //!
 //! ```text
 //! r_,s = c_s      r_,st = w_s x c_t      w_t,s = w_s x w_t      w_s,t = 0
@@ -54,7 +54,8 @@ impl<S: Scalar> Chain<S> {
             rate: sign * rows[joint].ratio,
         };
         let inward = inward.into_iter().map(|joint| link(joint, -1.0));
-        let links: Vec<Link> = inward.chain(outward.into_iter().rev().map(|joint| link(joint, 1.0))).collect();
+        let links: Vec<Link> =
+            inward.chain(outward.into_iter().rev().map(|joint| link(joint, 1.0))).collect();
         Self {
             frames,
             columns: filled(Motion::zero(), links.len()),
@@ -80,8 +81,8 @@ impl<S: Scalar> Chain<S> {
         self.links.iter().zip(&self.columns).map(|(link, column)| (link.coordinate, *column))
     }
 
-    /// Calls for each pair s, t of joints, s not beyond t, once: with the coordinates, the columns, and whether
-    /// both are one joint.
+    /// Calls for each pair s, t of joints, s not beyond t, once: with the coordinates, the columns, and
+    /// whether both are one joint.
     pub fn for_pairs(&self, mut of: impl FnMut([usize; 2], [Motion<S>; 2], bool)) {
         for (t, (j, outer)) in self.columns().enumerate() {
             for (s, (i, inner)) in self.columns().take(t + 1).enumerate() {

@@ -13,8 +13,8 @@ const STILL: f64 = 1e-18;
 ///
 /// Where a row of J depends on those before it, its pivot vanishes: it is left out, and its multiplier is
 /// zero. What remains is the matrix of a robot without that row, with all its derivatives. (A small number in
-/// place of the zero block would change v by as much in proportion, and its derivatives would have to be those
-/// of a constant.) No branch depends on a value.
+/// place of the zero block would change v by as much in proportion, and its derivatives would have to be
+/// those of a constant.) No branch depends on a value.
 #[derive(Clone, Debug)]
 pub(super) struct Kkt<S: Scalar> {
     /// `A' = J M^-1`, k x n.
@@ -150,14 +150,16 @@ mod tests {
         let body = LinkInertia::about_com(1.0, [0.2, 0.1, 0.0], nalgebra::Matrix3::identity());
         let joint = |name: &str| JointSpec::revolute(name).carrying(body);
         let robot = Robot::builder("arm").joint(joint("a")).joint(joint("b").on("a").axis([0.0, 1.0, 0.0]));
-        let robot = robot.joint(joint("c").on("b")).joint(joint("d").on("c").axis([1.0, 0.0, 0.0])).build().unwrap();
+        let robot =
+            robot.joint(joint("c").on("b")).joint(joint("d").on("c").axis([1.0, 0.0, 0.0])).build().unwrap();
         let tree = Tree::from(&robot);
         let mut kernel = KernelOne::<f64>::new(&tree);
         kernel.set_position(&tree, &[0.3, -0.8, 0.5, 1.0]).unwrap();
         let mut factor = Factor::new(&tree);
         factor.factor(kernel.mass_matrix(), |k| kernel.size_of_entry(&tree, k)).unwrap();
-        // Row 1 is still, row 3 is a sum of rows 0 and 2.
-        let rows = [[1.0, -0.5, 0.2, 0.7], [0.0, 1e-17, 0.0, 0.0], [0.3, 1.0, 0.0, -1.0], [0.6, -3.0, 0.4, 3.4]];
+        // Row 1 is still, row 3 is twice the difference of rows 0 and 2.
+        let rows =
+            [[1.0, -0.5, 0.2, 0.7], [0.0, 1e-17, 0.0, 0.0], [0.3, 1.0, 0.0, -1.0], [1.4, -3.0, 0.4, 3.4]];
         let mut jacobian = Matrix::zeros(4, 4);
         rows.iter().enumerate().for_each(|(i, row)| jacobian.row_mut(i).copy_from_slice(row));
         let mut kkt = Kkt::new(4, 4);

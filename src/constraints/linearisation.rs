@@ -8,8 +8,8 @@ use crate::scalar::Scalar;
 pub struct ConstrainedRate<'a, S> {
     /// `dx/dt`, 2n: v, then dp/dt.
     pub f: &'a [S],
-    /// The multipliers, k: impulses of the constraints since mu was zero, in axes of their second frames (N s,
-    /// N m s).
+    /// The multipliers, k: impulses of the constraints since mu was zero, in axes of their second frames (N
+    /// s, N m s).
     pub mu: &'a [S],
 }
 
@@ -70,11 +70,11 @@ impl<'a, S: Scalar> ConstrainedLinearisation<'a, S> {
         self.acceleration
     }
 
-    /// `lambda = mu_x F`, k: the forces that act on the joints as `J'lambda`. A row of a position is a force (N)
-    /// on the link of the first frame, at its origin, along an axis of the second frame; a row of a distance
-    /// a force (N) that pushes the points apart; a row of an orientation, where it is closed, a moment (N m)
-    /// about an axis of the second frame; [`Constraints::wrench`](super::Constraints::wrench) gives both as
-    /// vectors.
+    /// `lambda = mu_x F`, k: the forces that act on the joints as `J'lambda`. A row of a position is a force
+    /// (N) on the link of the first frame, at its origin, along an axis of the second frame; a row of a
+    /// distance a force (N) that pushes the points apart; a row of an orientation, where it is closed, a
+    /// moment (N m) about an axis of the second frame; [`Constraints::wrench`](super::Constraints::wrench)
+    /// gives both as vectors.
     pub fn lambda(&self) -> &'a [S] {
         self.lambda
     }

@@ -6,8 +6,8 @@
 //! constraints; [`ConstrainedHamiltonianSecondOrder`] adds y'F_xx and its product with a vector.
 //!
 //! The transform is that of impetus and striction (J. H. Maddocks, R. L. Pego, "An unconstrained Hamiltonian
-//! formulation for incompressible fluid flow", Communications in Mathematical Physics 170 (1995) 207-217), for
-//! rigid bodies. It is right for holonomic constraints only: J must be a gradient.
+//! formulation for incompressible fluid flow", Communications in Mathematical Physics 170 (1995) 207-217),
+//! for rigid bodies. It is right for holonomic constraints only: J must be a gradient.
 
 mod assembly;
 mod blocks;
@@ -17,12 +17,15 @@ mod hamiltonian;
 mod held;
 mod kkt;
 mod linearisation;
+#[cfg(test)]
+mod loop_tests;
 mod projection;
 mod quaternion;
 mod rows;
 #[cfg(test)]
 mod samples;
 mod second_order;
+mod state;
 #[cfg(test)]
 mod tests;
 

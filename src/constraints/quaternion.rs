@@ -99,7 +99,8 @@ mod tests {
                     assert!((found - expected.eps1).abs() < 1e-14, "{s}");
                 }
                 let found = plain.curvature(Vec3::constant(nu), seen(s), seen(t));
-                let expected: f64 = nu.iter().zip(expected.to_array()).map(|(nu, psi)| nu * psi.eps1eps2).sum();
+                let expected: f64 =
+                    nu.iter().zip(expected.to_array()).map(|(nu, psi)| nu * psi.eps1eps2).sum();
                 assert!((found - expected).abs() < 1e-14, "{s} {t}: {found} {expected}");
             }
         }

@@ -12,8 +12,8 @@ use std::ops::Range;
 /// Workspace for the constraints g(q) of a robot, k rows; no call allocates.
 ///
 /// The rows are those of the [constraints](Robot::constraints), one after the other. Coordinates are as in
-/// [`Hamiltonian`](crate::hamiltonian::Hamiltonian): q has n entries (rad, m). Rows of positions and distances
-/// are in m, rows of orientations and couplings of revolute joints in rad.
+/// [`Hamiltonian`](crate::hamiltonian::Hamiltonian): q has n entries (rad, m). Rows of positions and
+/// distances are in m, rows of orientations and couplings of revolute joints in rad.
 ///
 /// ```
 /// use costate::constraints::Constraints;
@@ -144,10 +144,10 @@ impl<S: Scalar> Constraints<S> {
         &self.hessian
     }
 
-    /// Force (N) and moment (N m) that constraint `k` of [`Robot::constraints`] exerts on the link of its first
-    /// frame, at the origin of that frame, in axes of the second frame, for the multipliers lambda of all rows.
-    /// The link of the second frame gets the opposite. `None` for a coupling, whose multiplier is the
-    /// generalised force at a joint of factor 1 (N m, N), and for a k that does not exist.
+    /// Force (N) and moment (N m) that constraint `k` of [`Robot::constraints`] exerts on the link of its
+    /// first frame, at the origin of that frame, in axes of the second frame, for the multipliers lambda of
+    /// all rows. The link of the second frame gets the opposite. `None` for a coupling, whose multiplier is
+    /// the generalised force at a joint of factor 1 (N m, N), and for a k that does not exist.
     pub fn wrench(&self, k: usize, lambda: &[S]) -> Option<(/* force */ [S; 3], /* moment */ [S; 3])> {
         let rows = self.rows.get(k)?.clone();
         let [force, moment] = self.held[k].wrench(lambda.get(rows)?)?;
@@ -183,11 +183,19 @@ mod tests {
                     let g = judge.values();
                     for (r, value) in g.iter().enumerate() {
                         assert!((value.re - ours.values()[r]).abs() < 1e-14);
-                        assert!((value.eps1 - ours.jacobian()[(r, i)]).abs() < 1e-13, "{}: J {r} {i}", robot.name());
+                        assert!(
+                            (value.eps1 - ours.jacobian()[(r, i)]).abs() < 1e-13,
+                            "{}: J {r} {i}",
+                            robot.name()
+                        );
                     }
                     let expected: f64 = g.iter().zip(&mu).map(|(g, mu)| g.eps1eps2 * mu).sum();
                     for found in [hessian[(i, j)], hessian[(j, i)]] {
-                        assert!((found - expected).abs() < 1e-13, "{}: {i} {j}: {found} {expected}", robot.name());
+                        assert!(
+                            (found - expected).abs() < 1e-13,
+                            "{}: {i} {j}: {found} {expected}",
+                            robot.name()
+                        );
                     }
                 }
             }

@@ -30,6 +30,11 @@ fn tree() -> Robot {
         .unwrap()
 }
 
+/// The four-bar linkage of `robots/four_bar.toml`.
+pub(super) fn four_bar() -> Robot {
+    Robot::from_file(concat!(env!("CARGO_MANIFEST_DIR"), "/robots/four_bar.toml")).unwrap()
+}
+
 /// Every kind of constraint alone, and some together.
 pub(super) fn looped() -> Vec<Robot> {
     use ConstraintRow::{TurnX, TurnZ, X, Z};

@@ -14,8 +14,9 @@ use crate::scalar::Scalar;
 /// H_c is an extremal value over s = (v, mu), so that its third derivatives need only the response s_x of
 /// [`ConstrainedHamiltonian`]:
 ///
-/// $$ y^T F\_{xx} = -E^T \left( D\_{\tilde w} \begin{pmatrix} L\_{qq} - (\mu \cdot J v)\_{qq} & PP^T \\\\ PP & MM
-/// \end{pmatrix} \right) E, \qquad E = \begin{pmatrix} 1 & 0 \\\\ s\_q & s\_p \end{pmatrix}, \qquad
+/// $$ y^T F\_{xx} = -E^T \left( D\_{\tilde w} \begin{pmatrix}
+/// L\_{qq} - (\mu \cdot J v)\_{qq} & PP^T \\\\ PP & MM \end{pmatrix} \right) E,
+/// \qquad E = \begin{pmatrix} 1 & 0 \\\\ s\_q & s\_p \end{pmatrix}, \qquad
 /// \tilde w = (w\_q, s\_x w) $$
 ///
 /// with `w = (-y_p, y_q + D_v y_p)` and the curvature `V' (y_p . D_vv) V` of friction. D_w~ of M, P and L_qq
@@ -189,7 +190,8 @@ impl<S: Scalar> ConstrainedHamiltonianSecondOrder<S> {
     /// `-(dLL_qq + s_x' pull + pull' s_x)`, both triangles.
     fn congruence(&mut self) {
         let n = self.dof();
-        let Self { first, along, changing: Changing { blocks, .. }, pull: [pull_v, pull_mu], y_f_xx, .. } = self;
+        let Self { first, along, changing: Changing { blocks, .. }, pull: [pull_v, pull_mu], y_f_xx, .. } =
+            self;
         y_f_xx.fill_zero();
         for i in 0..n {
             for j in 0..=i {

@@ -96,7 +96,9 @@ impl Robot {
                 let both = [seat(frames, &frame)?, seat(frames, &to)?];
                 let [frame, to] = self.two_links(both).map_err(bad)?;
                 if !(is_moderate(length) && length > 0.0) {
-                    return Err(bad("its length must be positive and finite; pin the points to each other for 0"));
+                    return Err(bad(
+                        "its length must be positive and finite; pin the points to each other for 0",
+                    ));
                 }
                 ConstraintKind::Distance { frame, to, length }
             }
@@ -182,7 +184,8 @@ mod tests {
         says(ConstraintSpec::coupling("gear", &[("a", 0.0)], 0.0), "zero");
         says(ConstraintSpec::coupling("gear", &[], 0.0), "no joint");
         says(ConstraintSpec::coupling("gear", &[("z", 1.0)], 0.0), "'z'");
-        let bad = Placement { translation: nalgebra::Vector3::new(f64::NAN, 0.0, 0.0), ..Placement::identity() };
+        let bad =
+            Placement { translation: nalgebra::Vector3::new(f64::NAN, 0.0, 0.0), ..Placement::identity() };
         says(ConstraintSpec::pinned("loop", "a", "world").placed(bad), "placement");
         let closed = arm().with_constraint(ConstraintSpec::pinned("loop", "c", "world")).unwrap();
         let error = closed.with_constraint(ConstraintSpec::pinned("loop", "b", "world")).unwrap_err();

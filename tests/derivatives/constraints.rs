@@ -26,7 +26,8 @@ fn closed(case: &Case, choices: &[Choice], friction: bool) -> Robot {
     let robot = case.robot();
     let robot = if friction { robot } else { robot.without_friction() };
     let joints = robot.joints().len();
-    let name = |k: usize| if k % (joints + 1) == joints { "world".into() } else { format!("j{}", k % (joints + 1)) };
+    let name =
+        |k: usize| if k % (joints + 1) == joints { "world".into() } else { format!("j{}", k % (joints + 1)) };
     choices.iter().enumerate().fold(robot, |robot, (k, &(kind, frames, rows, at, turned))| {
         let (frame, to) = (name(frames), name(frames / (joints + 1)));
         let called = format!("c{k}");

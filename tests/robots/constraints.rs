@@ -60,7 +60,11 @@ fn every_key_arrives() {
 #[test]
 fn the_delta_robot_closes_where_its_geometry_says() {
     let delta = robot("delta.toml");
-    assert!(delta.warnings().iter().all(|warning| !warning.to_string().contains("arm")), "{:?}", delta.warnings());
+    assert!(
+        delta.warnings().iter().all(|warning| !warning.to_string().contains("arm")),
+        "{:?}",
+        delta.warnings()
+    );
     let mut h = ConstrainedHamiltonian::<f64>::new(&delta);
     let reach = (0.4573 - 0.115) / (2.0 * 3.0_f64.sqrt());
     for angle in [0.0, 0.3, 0.9] {
@@ -71,7 +75,8 @@ fn the_delta_robot_closes_where_its_geometry_says() {
         let height = -0.112 * f64::sin(angle) - (0.232_f64.powi(2) - across * across).sqrt();
         assert!(q[3].abs() < 1e-12 && q[4].abs() < 1e-12 && (q[5] - height).abs() < 1e-11, "{q:?} {height}");
         // dz / d(angle) of the closed form; at rest the torques that hold are those of virtual work.
-        let slope = -0.112 * f64::cos(angle) - across * 0.112 * f64::sin(angle) / (0.232_f64.powi(2) - across * across).sqrt();
+        let slope = -0.112 * f64::cos(angle)
+            - across * 0.112 * f64::sin(angle) / (0.232_f64.powi(2) - across * across).sqrt();
         let weight = -9.81 * (3.0 * 0.125 * 0.0672 * f64::cos(angle) - 0.275 * slope);
         let torque = weight / 3.0;
         let all = h.linearise(&q, &[0.0; 6], &[torque, torque, torque, 0.0, 0.0, 0.0]).unwrap();
@@ -91,11 +96,24 @@ fn the_delta_robot_closes_where_its_geometry_says() {
 #[test]
 fn one_linkage_opened_at_two_places_moves_alike() {
     let four_bar = robot("four_bar.toml");
-    let text = std::fs::read_to_string(format!("{}/robots/four_bar.toml", env!("CARGO_MANIFEST_DIR"))).unwrap();
+    let text =
+        std::fs::read_to_string(format!("{}/robots/four_bar.toml", env!("CARGO_MANIFEST_DIR"))).unwrap();
     // The rocker stands on its pivot, x from the pivot to the coupler: its centre of mass is in the middle.
-    let text = text.replacen("name = \"rocker\"\ndh = { a = 1.2 }", "name = \"rocker\"\nparent = \"world\"\ndh = { a = 1.3 }", 1);
-    let text = text.replacen("name = \"rocker_tip\"\nparent = \"rocker\"", "name = \"rocker_tip\"\nparent = \"rocker\"", 1);
-    let text = text.replacen("name = \"pivot\"\nplacement = { xyz = [1.3, 0.0, 0.0] }", "name = \"pivot\"\nparent = \"coupler\"\nplacement = { xyz = [1.2, 0.0, 0.0] }", 1);
+    let text = text.replacen(
+        "name = \"rocker\"\ndh = { a = 1.2 }",
+        "name = \"rocker\"\nparent = \"world\"\ndh = { a = 1.3 }",
+        1,
+    );
+    let text = text.replacen(
+        "name = \"rocker_tip\"\nparent = \"rocker\"",
+        "name = \"rocker_tip\"\nparent = \"rocker\"",
+        1,
+    );
+    let text = text.replacen(
+        "name = \"pivot\"\nplacement = { xyz = [1.3, 0.0, 0.0] }",
+        "name = \"pivot\"\nparent = \"coupler\"\nplacement = { xyz = [1.2, 0.0, 0.0] }",
+        1,
+    );
     let other = parse(&text, LoadOptions::default()).unwrap();
     let [mut first, mut second] = [&four_bar, &other].map(ConstrainedHamiltonian::<f64>::new);
     let mut q = [1.0, -0.6, -2.0];

@@ -12,8 +12,8 @@ use crate::robot::wrench::{Wrench, WrenchAxes};
 /// Adds the frames of a file to its robot, in their order, then the wrenches and constraints.
 ///
 /// # Errors
-/// Those of [`Robot::with_frame`], [`Robot::with_wrench`] and [`Robot::with_constraint`], with the line of the
-/// row;
+/// Those of [`Robot::with_frame`], [`Robot::with_wrench`] and [`Robot::with_constraint`], with the line of
+/// the row;
 /// [`RobotError::Strict`] for wrenches without effect, if the options refuse warnings.
 pub(super) fn attach(
     robot: Robot,
@@ -31,8 +31,7 @@ pub(super) fn attach(
     let specs = file.constraints.iter().enumerate();
     let specs = specs.map(|(k, table)| table.spec().map_err(|error| at(error, start(k))));
     let specs = specs.collect::<Result<Vec<_>, RobotError>>()?;
-    let robot =
-        robot.with_constraints(specs.into_iter()).map_err(|(k, error)| at(error, start(k)))?;
+    let robot = robot.with_constraints(specs.into_iter()).map_err(|(k, error)| at(error, start(k)))?;
     options.refuse(robot.warnings())?;
     Ok(robot)
 }

@@ -1,9 +1,8 @@
 //! Constraints of a robot in TOML.
 
-use super::rows::PlacementNumbers;
+use super::placement::PlacementNumbers;
 use crate::robot::constraint::{ConstraintRow, ConstraintSpec};
 use crate::robot::error::RobotError;
-use crate::robot::link::Placement;
 use crate::robot::printable::printable;
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -127,10 +126,7 @@ impl ConstraintTable {
                 ConstraintSpec::coupling(name, &terms, self.constant.unwrap_or_default())
             }
         };
-        let placed = |numbers: Option<PlacementNumbers>| {
-            let PlacementNumbers { xyz, rpy } = numbers.unwrap_or_default();
-            Placement::from_xyz_rpy(xyz, rpy)
-        };
+        let placed = |numbers: Option<PlacementNumbers>| numbers.unwrap_or_default().placement();
         Ok(spec.placed(placed(self.placement)).to_placed(placed(self.to_placement)))
     }
 }

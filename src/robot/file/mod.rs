@@ -57,6 +57,7 @@
 mod attached;
 mod constraints;
 mod explain;
+mod placement;
 mod rows;
 mod size;
 

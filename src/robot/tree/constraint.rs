@@ -1,7 +1,5 @@
 //! Constraints in the frames of a tree.
 
-use super::Tree;
-use crate::error::EvalError;
 use crate::robot::constraint::{ConstraintFrame, ConstraintKind, ConstraintRow};
 use crate::robot::joint_map::{Row, scaled};
 use crate::robot::model::Robot;
@@ -39,7 +37,8 @@ pub(super) fn constraints(robot: &Robot, frames: &[TreeFrame], rows: &[Row]) -> 
             TreeConstraintKind::Distance { frames: [seat(frame), seat(to)], length: *length }
         }
         ConstraintKind::Coupling { terms, constant } => {
-            let of = |&(joint, factor): &(usize, f64)| (rows[joint].coordinate, scaled(rows[joint].ratio, factor));
+            let of =
+                |&(joint, factor): &(usize, f64)| (rows[joint].coordinate, scaled(rows[joint].ratio, factor));
             let offset: f64 = terms.iter().map(|&(joint, factor)| factor * rows[joint].offset).sum();
             TreeConstraintKind::Coupling {
                 terms: terms.iter().map(of).collect(),
@@ -49,19 +48,4 @@ pub(super) fn constraints(robot: &Robot, frames: &[TreeFrame], rows: &[Row]) -> 
     };
     let all = robot.constraints().iter();
     all.map(|one| TreeConstraint { name: one.name.clone(), kind: kind(&one.kind) }).collect()
-}
-
-impl Tree {
-    /// The constraints, as in [`Robot::constraints`].
-    pub(crate) fn constraints(&self) -> &[TreeConstraint] {
-        &self.constraints
-    }
-
-    /// [`EvalError::Constrained`] if there are any.
-    pub(crate) fn refuse_constraints(&self) -> Result<(), EvalError> {
-        match self.constraints.first() {
-            None => Ok(()),
-            Some(constraint) => Err(EvalError::Constrained { constraint: constraint.name.clone() }),
-        }
-    }
 }

@@ -20,6 +20,7 @@ use super::joint_frame::JointFrame;
 use super::joint_map::{JointMap, Row};
 use super::tree_frame::TreeFrame;
 use super::wrench::AppliedWrench;
+use crate::error::EvalError;
 use constraint::TreeConstraint;
 use nalgebra::Matrix3;
 
@@ -83,6 +84,19 @@ impl Tree {
     /// The wrenches from outside, as in [`Robot::wrenches`](super::Robot::wrenches).
     pub fn wrenches(&self) -> &[AppliedWrench] {
         &self.wrenches
+    }
+
+    /// The constraints, as in [`Robot::constraints`](super::Robot::constraints).
+    pub(crate) fn constraints(&self) -> &[TreeConstraint] {
+        &self.constraints
+    }
+
+    /// [`EvalError::Constrained`] if there are any.
+    pub(crate) fn refuse_constraints(&self) -> Result<(), EvalError> {
+        match self.constraints.first() {
+            None => Ok(()),
+            Some(constraint) => Err(EvalError::Constrained { constraint: constraint.name.clone() }),
+        }
     }
 
     /// The joints that move joint `i`, itself first, then its parent, to the base; none for `None`.
