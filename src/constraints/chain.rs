@@ -31,6 +31,8 @@ pub(super) struct Chain<S> {
     links: Vec<Link>,
     /// `(w; c)` at unit rate of the coordinate.
     columns: Vec<Motion<S>>,
+    /// Squares of the sizes of their linear parts.
+    sizes: Vec<S>,
     /// Position of the first frame.
     pub position: Vec3<S>,
     /// Its orientation, by rows.
@@ -59,6 +61,7 @@ impl<S: Scalar> Chain<S> {
         Self {
             frames,
             columns: filled(Motion::zero(), links.len()),
+            sizes: filled(S::zero(), links.len()),
             links,
             position: Vec3::zero(),
             rotation: [Vec3::zero(); 3],
@@ -69,11 +72,23 @@ impl<S: Scalar> Chain<S> {
     pub fn place(&mut self, kinematics: &Kinematics<S>) {
         let [first, second]: [Seat<S>; 2] = self.frames.map(|frame| kinematics.seat(&frame));
         (self.position, self.rotation) = second.pose(&first);
-        for (column, link) in self.columns.iter_mut().zip(&self.links) {
-            let Motion { angular, linear } = kinematics.column_seen(link.joint, &second, self.position);
+        let columns = self.columns.iter_mut().zip(&mut self.sizes);
+        for ((column, size), link) in columns.zip(&self.links) {
+            let (seen, square) = kinematics.column_seen(link.joint, &second, self.position);
             let at_rate = |a: Vec3<S>| Vec3::from(a.to_array().map(|entry| scaled(link.rate, entry)));
-            *column = Motion { angular: at_rate(angular), linear: at_rate(linear) };
+            *column = Motion { angular: at_rate(seen.angular), linear: at_rate(seen.linear) };
+            *size = scaled(link.rate * link.rate, square);
         }
+    }
+
+    /// Coordinates, and squares of the sizes of the angular and linear parts of their columns.
+    pub fn sizes(&self) -> impl Iterator<Item = (usize, [S; 2])> + '_ {
+        let turning = |column: &Motion<S>| column.angular.dot(column.angular);
+        let columns = self.columns.iter().zip(&self.sizes);
+        self.links
+            .iter()
+            .zip(columns)
+            .map(move |(link, (column, &size))| (link.coordinate, [turning(column), size]))
     }
 
     /// Coordinates and columns, from the second frame on.

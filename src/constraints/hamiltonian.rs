@@ -202,6 +202,7 @@ impl<S: Scalar> ConstrainedHamiltonian<S> {
         let singular = |k: usize| EvalError::SingularMassMatrix { joint: tree.name(k).into() };
         factor.factor(kernel.mass_matrix(), |k| kernel.size_of_entry(tree, k)).map_err(singular)?;
         self.rows.place(q);
+        self.kkt.set_sizes(self.rows.sizes(), self.kernel.mass_matrix());
         self.kkt.factor(&self.factor, self.rows.jacobian());
         Ok(())
     }

@@ -95,6 +95,30 @@ impl<S: Scalar> Held<S> {
         }
     }
 
+    /// Adds to the squares of what the rounding errors of its rows of J are in proportion to.
+    pub fn add_sizes(&self, sizes: &mut Matrix<S>, first: usize) {
+        match self {
+            Self::Pose { chain, rows, .. } => {
+                for (coordinate, [turning, moving]) in chain.sizes() {
+                    for (k, row) in rows.iter().enumerate() {
+                        sizes[(first + k, coordinate)] += if row.component().1 { turning } else { moving };
+                    }
+                }
+            }
+            Self::Distance { chain, length } => {
+                let square = chain.position.dot(chain.position).times(1.0 / (length * length));
+                for (coordinate, [_, moving]) in chain.sizes() {
+                    sizes[(first, coordinate)] += square * moving;
+                }
+            }
+            Self::Coupling { terms, .. } => {
+                for &(coordinate, factor) in terms {
+                    sizes[(first, coordinate)] += S::from_f64(factor * factor);
+                }
+            }
+        }
+    }
+
     /// Adds its part of `(mu . g)_qq` for the weights of its rows: for a pair s, t, s not beyond t,
     ///
     /// ```text

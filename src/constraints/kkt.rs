@@ -6,8 +6,9 @@ use crate::scalar::Scalar;
 
 /// A pivot below this part of its diagonal entry belongs to a redundant row.
 pub(super) const REDUNDANT: f64 = 1e-10;
-/// A diagonal entry below this part of the largest one belongs to a row that no motion changes.
-const STILL: f64 = 1e-18;
+/// A pivot below this part of the square of its row's natural size belongs to a row that is nothing but
+/// rounding: no motion changes it.
+const STILL: f64 = 1e-24;
 
 /// `(M, -J'; -J, 0)` by its Schur complement `C = J M^-1 J' = L D L'`.
 ///
@@ -24,6 +25,8 @@ pub(super) struct Kkt<S: Scalar> {
     /// D^-1, zero for redundant rows.
     inverse_pivots: Vec<S>,
     pivots: Vec<S>,
+    /// What pivots of rows that count exceed.
+    least: Vec<S>,
     /// 1 for rows that are kept, 0 for redundant ones.
     pub kept: Vec<S>,
 }
@@ -35,11 +38,21 @@ impl<S: Scalar> Kkt<S> {
             lower: Matrix::zeros(k, k),
             inverse_pivots: filled(S::zero(), k),
             pivots: filled(S::zero(), k),
+            least: filled(S::zero(), k),
             kept: filled(S::zero(), k),
         }
     }
 
-    /// Takes J, with M factored.
+    /// Takes the squares of the sizes of the entries of J, and M.
+    pub fn set_sizes(&mut self, sizes: &Matrix<S>, mass_matrix: &Matrix<S>) {
+        for (i, least) in self.least.iter_mut().enumerate() {
+            let terms = sizes.row(i).iter().enumerate();
+            let sum = terms.fold(S::zero(), |sum, (j, &size)| sum + size * mass_matrix[(j, j)].recip());
+            *least = sum.times(STILL);
+        }
+    }
+
+    /// Takes J, with M factored, after the sizes.
     pub fn factor(&mut self, factor: &Factor<S>, jacobian: &Matrix<S>) {
         for i in 0..self.pivots.len() {
             let row = self.response.row_mut(i);
@@ -62,13 +75,10 @@ impl<S: Scalar> Kkt<S> {
     #[inline(never)]
     fn decompose(&mut self, jacobian: &Matrix<S>) {
         let k = self.pivots.len();
-        let mut largest = S::zero();
         for i in 0..k {
             for j in i..k {
                 self.lower[(i, j)] = dot(jacobian.row(i), self.response.row(j));
             }
-            let diagonal = self.lower[(i, i)];
-            largest = S::select(largest.less(diagonal), diagonal, largest);
         }
         for i in 0..k {
             let mut pivot = self.lower[(i, i)];
@@ -81,7 +91,7 @@ impl<S: Scalar> Kkt<S> {
                 self.lower[(i, j)] = entry;
                 pivot -= entry * entry * self.pivots[j];
             }
-            let least = self.lower[(i, i)].times(REDUNDANT) + largest.times(STILL);
+            let least = self.lower[(i, i)].times(REDUNDANT) + self.least[i];
             let keeps = least.less(pivot);
             let safe = S::select(keeps, pivot, S::one());
             self.pivots[i] = S::select(keeps, pivot, S::zero());
@@ -163,6 +173,9 @@ mod tests {
         let mut jacobian = Matrix::zeros(4, 4);
         rows.iter().enumerate().for_each(|(i, row)| jacobian.row_mut(i).copy_from_slice(row));
         let mut kkt = Kkt::new(4, 4);
+        let mut sizes = Matrix::zeros(4, 4);
+        (0..16).for_each(|at| sizes[(at / 4, at % 4)] = 1.0);
+        kkt.set_sizes(&sizes, kernel.mass_matrix());
         kkt.factor(&factor, &jacobian);
         assert_eq!(kkt.kept, [1.0, 0.0, 1.0, 0.0]);
         let m = kernel.mass_matrix().view().to_nalgebra();

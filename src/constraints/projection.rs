@@ -120,6 +120,7 @@ impl ConstrainedHamiltonian<f64> {
             *weight = if held { 0.0 } else { inertia.max(f64::MIN_POSITIVE).recip() };
         }
         self.rows.place(q);
+        self.kkt.set_sizes(self.rows.sizes(), self.kernel.mass_matrix());
         self.kkt.factor_diagonal(weights, self.rows.jacobian());
         Ok(())
     }

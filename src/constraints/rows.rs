@@ -36,6 +36,7 @@ pub struct Constraints<S: Scalar> {
     rows: Vec<Range<usize>>,
     values: Vec<S>,
     jacobian: Matrix<S>,
+    sizes: Matrix<S>,
     hessian: Matrix<S>,
 }
 
@@ -63,6 +64,7 @@ impl<S: Scalar> Constraints<S> {
             rows,
             values: filled(S::zero(), k),
             jacobian: Matrix::zeros(k, n),
+            sizes: Matrix::zeros(k, n),
             hessian: Matrix::zeros(n, n),
         }
     }
@@ -108,6 +110,15 @@ impl<S: Scalar> Constraints<S> {
             held.place(&self.kinematics, q, &mut self.values[rows.clone()]);
             held.add_gradients(&mut self.jacobian, rows.start);
         }
+    }
+
+    /// Squares of what the rounding errors of J are in proportion to, at the position of the last call, k x n.
+    pub(super) fn sizes(&mut self) -> &Matrix<S> {
+        self.sizes.fill_zero();
+        for (held, rows) in self.held.iter().zip(&self.rows) {
+            held.add_sizes(&mut self.sizes, rows.start);
+        }
+        &self.sizes
     }
 
     /// g, k: zero where the loops are closed.

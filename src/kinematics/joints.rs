@@ -43,15 +43,18 @@ impl<S: Scalar> Kinematics<S> {
         Seat { axes: frame, origin: point.position }
     }
 
-    /// What a joint does to a point at unit rate, seen from a frame: `(w ; w x (at - o))` or `(0 ; z)`.
-    pub(crate) fn column_seen(&self, joint: usize, from: &Seat<S>, at: Vec3<S>) -> Motion<S> {
+    /// What a joint does to a point at unit rate, seen from a frame: `(w ; w x (at - o))` or `(0 ; z)`; and the
+    /// square of the size that its rounding errors are in proportion to.
+    pub(crate) fn column_seen(&self, joint: usize, from: &Seat<S>, at: Vec3<S>) -> (Motion<S>, S) {
         let body = &self.bodies[joint];
         let axis = from.direction(body.axis());
         match self.tree.joints()[joint].kind {
             JointKind::Revolute => {
-                Motion { angular: axis, linear: axis.cross(at - from.point(body.position)) }
+                let origin = from.point(body.position);
+                let motion = Motion { angular: axis, linear: axis.cross(at - origin) };
+                (motion, at.dot(at) + origin.dot(origin))
             }
-            JointKind::Prismatic => Motion { angular: Vec3::zero(), linear: axis },
+            JointKind::Prismatic => (Motion { angular: Vec3::zero(), linear: axis }, S::one()),
         }
     }
 }
