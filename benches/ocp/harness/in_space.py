@@ -84,7 +84,7 @@ VALUES = (
     Value("a ball of 0.05 m at the tip beside a box", 53.55413, **ALONG, rows=lambda q, v: [(beside_box(q), 0.05**2, INF)]),
     Value("balls of 0.3 and 0.5 m at the tip and at the base", 46.009469, (0.0, 2.2), (1.5, 2.2),
           rows=lambda q, v: [(ca.sumsqr(tip(q)), 0.8**2, INF)]),
-    Value("all limits of a UR5", 0.0, **UR5, elements=80),
+    Value("all limits of a UR5", 0.01226013763, **UR5, elements=80),
     Value("all limits of a Panda", 0.0, **PANDA, elements=80),
 )
 

@@ -4,12 +4,13 @@
 //! The values are those of `bash benches/ocp/run --values` (`benches/ocp/harness/in_space.py`): direct
 //! collocation on Radau's points in CasADi with IPOPT, the conditions written out for the arm (angles of links
 //! as sums of joint angles, lines as differences of coordinates), 320 elements of three points each. Values of
-//! 160 elements differ by less than a relative 2e-6, of the box in the way by 2e-5.
+//! 160 elements differ by less than a relative 2e-6, of the box in the way by 2e-5. Those of whole arms are from
+//! 80 elements.
 
 use costate::robot::{LoadOptions, Placement, Robot};
 use costate_control::{
-    BodyPairs, Collision, Keep, Kept, LinkCapsule, MotionLimits, Obstacle, Polish, Problem, ProblemFile,
-    Shape, Solution, Solver, SolverOptions, Status, Task, Tool, ToolCost, ToolPose,
+    BodyPairs, Collision, Keep, Kept, LinkCapsule, MotionLimits, Objective, Obstacle, Polish, Problem,
+    ProblemFile, Shape, Solution, Solver, SolverOptions, Status, Task, Tool, ToolCost, ToolPose,
 };
 use nalgebra::{Rotation3, Vector3};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
@@ -126,4 +127,24 @@ fn two_bodies_of_the_robot() {
     let base = LinkCapsule::sphere("world", 0.5).with_name("base");
     let task = Task::default().with_collision(Collision::of(vec![ball(0.3), base]).with_pairs(pair));
     check(&arm([0.0, 2.2], [1.5, 2.2], task), 46.009469, 2e-6);
+}
+
+/// Between points a limit may be exceeded by 1e-4 of its range, which saves a little.
+#[test]
+fn all_limits_of_arms() {
+    let file = ProblemFile::read("../examples/problems/ur5_limits.toml", LoadOptions::default());
+    let ur5 = file.unwrap().problem;
+    let (from, to) = ([0.0, -0.5, 0.0, -2.2, 0.0, 1.7, 0.8], [1.2, 0.3, -0.4, -1.6, 0.5, 2.2, 0.2]);
+    let mut panda = Problem::rest_to_rest(Robot::from_file("../robots/panda.urdf").unwrap(), &from, &to, 1.0);
+    let (arm, wrist) = (1.3211785e-4, 6.9444444e-3);
+    panda.cost = Objective::new(0.0, vec![arm, arm, arm, arm, wrist, wrist, wrist]);
+    for (problem, value, joints) in [(ur5, 0.01226014, 5), (panda, 0.0445801, 6)] {
+        let solution = check(&problem, value, 3e-5);
+        let rate = solution.limits.rate.unwrap();
+        assert!(rate.at_points < 1e-8 && rate.between < 6e-4, "{rate:?}");
+        let mut names: Vec<_> = rate.active.iter().map(|span| &span.name).collect();
+        names.sort();
+        names.dedup();
+        assert_eq!(names.len(), joints, "{names:?}");
+    }
 }

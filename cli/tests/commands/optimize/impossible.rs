@@ -32,12 +32,18 @@ fn what_cannot_be_done_is_told_with_what_has_to_give() {
     let slow = arm("[[keep]]\nkind = \"speed\"\nframe = \"tool0\"\nspeed = 0.5\n");
     missing.check(&slow, IMPOSSIBLE, None, &["the speed of the tool 'tool0' gives by", "m/s (at t = "]);
     // Too fast to stop before its limit.
-    let fast = with("q = [0.0, 0.0]", "q = [0.0, 0.0]\nv = [0.0, 6.0]");
-    let stops = "[limits]\nfrom_robot = false\nq_max = [inf, 0.55]\ntorque_max = [4.0, 4.0]\n";
-    missing.check(&(fast + stops), IMPOSSIBLE, None, &["position limit 0.55 rad of joint 'elbow' gives by"]);
+    let fast = with("q = [0.0, 0.0]", "q = [0.0, 0.0]\nv = [0.0, 1.0]").replace("[1.0, 0.5]", "[0.0, 0.1]");
+    let narrow = "[limits]\nfrom_robot = false\nq_min = [-0.001, -9.0]\nq_max = [0.001, 0.101]\n\
+                  torque_max = [4.0, 2.0]\n";
+    missing.check(
+        &(fast + narrow),
+        IMPOSSIBLE,
+        None,
+        &["position limit 0.101 rad of joint 'elbow' gives by"],
+    );
     // A ball on the way of the upper arm, which has no room behind it.
-    let blocked = limits("q_min = [-0.5, -3.0]\nq_max = [2.0, 3.0]")
-        + "[[obstacle]]\nname = \"ball\"\nkind = \"sphere\"\nxyz = [0.44, 0.24, 0.0]\nradius = 0.08\n\
+    let blocked = limits("q_min = [-0.5, -3.0]\nq_max = [2.0, 3.0]\ntorque_max = [60.0, 60.0]")
+        + "[[obstacle]]\nname = \"ball\"\nkind = \"sphere\"\nxyz = [0.44, 0.24, 0.0]\nradius = 0.15\n\
            [collision]\ncapsules = \"auto\"\nradius = 0.03\n";
     missing.check(
         &blocked,
@@ -52,8 +58,8 @@ fn what_cannot_be_done_is_told_with_what_has_to_give() {
             + &format!("[limits]\nfrom_robot = false\n{lines}\n")
     };
     for (lines, parts) in [
-        ("jerk_max = [5.0, inf]", &["jerk limit", "5 rad/s^3", "'shoulder'"][..]),
-        ("torque_rate_max = [5.0, 5.0]", &["torque rate limit", "5 N m/s"]),
+        ("jerk_max = [5.0, 1e4]", &["jerk", "5 rad/s^3", "'shoulder'"][..]),
+        ("torque_rate_max = [5.0, 5.0]", &["torque", "5 N m/s", "'shoulder'"]),
     ] {
         missing.check(&at_rest(lines), IMPOSSIBLE, None, parts);
     }

@@ -15,14 +15,14 @@ fn vias() -> [Via; 2] {
     [first, Via::at(&[0.8, -0.2]).with_v(&[0.1, 0.2]).with_time(0.6)]
 }
 
-/// Steps after the first one, once there is room for what only some steps need.
+/// Steps after the first ones, in which there comes to be room for what only some steps need.
 fn steps_allocate_nothing<D: PointDynamics>(mut interior: Interior<D>, what: &str) {
     interior.reserve(&mut Again::new(2));
-    let first = interior.iterate(1e-9, 1, |_, _| None).unwrap();
+    let first = interior.iterate(1e-9, 4, |_, _| None).unwrap();
     assert_eq!(first, End::IterationLimit, "{what}");
     let before = interior.figures.iterations;
     let found = allocations(|| {
-        let _ = interior.iterate(1e-9, 25, |_, _| None).unwrap();
+        let _ = interior.iterate(1e-9, 20, |_, _| None).unwrap();
     });
     let steps = interior.figures.iterations - before;
     assert!(found == 0 && steps > 3, "{what}: {found} allocations in {steps} steps");
