@@ -5,7 +5,7 @@
 //! collocation on Radau's points in CasADi with IPOPT, the conditions written out for the arm (angles of links
 //! as sums of joint angles, lines as differences of coordinates), 320 elements of three points each. Values of
 //! 160 elements differ by less than a relative 2e-6, of the box in the way by 2e-5. Those of whole arms are from
-//! 80 elements.
+//! 160 elements; 80 differ by 2e-8 and 1.2e-5.
 
 use costate::robot::{LoadOptions, Placement, Robot};
 use costate_control::{
@@ -55,15 +55,19 @@ fn solve(problem: &Problem) -> Solution {
     Solver::new(problem, SolverOptions::default().with_polish(Polish::Never)).unwrap().solve()
 }
 
-/// Solved with this cost, at its limits for a while if it has any.
 fn check(problem: &Problem, value: f64, part: f64) -> Solution {
     let solution = solve(problem);
+    verdict(&solution, value, part);
+    solution
+}
+
+/// Solved with this cost, at its limits for a while if it has any.
+fn verdict(solution: &Solution, value: f64, part: f64) {
     let cost = solution.total();
     assert_eq!(solution.motion.status, Status::Converged, "{cost} {:?}", solution.limits);
     assert!((cost / value - 1.0).abs() < part, "{cost} instead of {value}");
     let task = solution.limits.task.as_ref();
     assert!(task.is_none_or(|usage| usage.at_points < 1e-7 && !usage.active.is_empty()), "{task:?}");
-    solution
 }
 
 #[test]
@@ -100,7 +104,10 @@ fn a_direction_and_an_orientation_within_an_angle() {
         Kept::Axis { axis, along, angle: 1.2 },
         Kept::Orientation { rotation: turned(FRAC_PI_4), angle: 1.2 },
     ] {
-        check(&arm([0.0, 0.0], [FRAC_PI_2, 0.0], keeping(kept)), 292.1224, 3e-6);
+        // From the straight way a minimum of 585.99 is nearest.
+        let problem = arm([0.0, 0.0], [FRAC_PI_2, 0.0], keeping(kept));
+        let options = SolverOptions::default().with_polish(Polish::Never).with_starts(4);
+        verdict(&Solver::new(&problem, options).unwrap().solve(), 292.1224, 3e-6);
     }
 }
 
@@ -138,7 +145,7 @@ fn all_limits_of_arms() {
     let mut panda = Problem::rest_to_rest(Robot::from_file("../robots/panda.urdf").unwrap(), &from, &to, 1.0);
     let (arm, wrist) = (1.3211785e-4, 6.9444444e-3);
     panda.cost = Objective::new(0.0, vec![arm, arm, arm, arm, wrist, wrist, wrist]);
-    for (problem, value, joints) in [(ur5, 0.01226014, 5), (panda, 0.0445801, 6)] {
+    for (problem, value, joints) in [(ur5, 0.01226014, 5), (panda, 0.04458063, 6)] {
         let solution = check(&problem, value, 3e-5);
         let rate = solution.limits.rate.unwrap();
         assert!(rate.at_points < 1e-8 && rate.between < 6e-4, "{rate:?}");
