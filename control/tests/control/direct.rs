@@ -141,15 +141,6 @@ fn limits_of_positions_and_torques() {
     assert!(totals.len() == 4 && best == solution.total(), "{totals:?}");
     assert!(totals.iter().all(|&total| total < (1.0 + 1e-6) * best), "{totals:?}");
 
-    // Less room behind. The value is that of `python
-    // benches/ocp/harness/main.py --values`.
-    problem.limits = MotionLimits::none().with_q_min(vec![-0.2]);
-    let narrow = solve_with(&problem, SolverOptions::default().with_starts(4));
-    check(&problem, &narrow, 27.844211, 1e-6);
-    assert!(violation(&narrow, [0.2, INF, INF, INF]) <= 1e-8, "{:?}", narrow.limits);
-    let active = &narrow.limits.position.as_ref().unwrap().active;
-    assert!(active.iter().all(|span| span.side == "min") && !active.is_empty(), "{active:?}");
-
     check(&arm, &arm_solution, 22.5760933, 1e-4);
     assert!(violation(&arm_solution, [1.0, 6.0, INF, 10.0]) <= 1e-8, "{:?}", arm_solution.limits);
     for kind in ["position", "rate", "torque"] {

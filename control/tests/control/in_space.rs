@@ -1,5 +1,5 @@
-//! What tools keep and cost, obstacles and pairs of bodies, all limits of an arm: the costs that an
-//! independent program finds.
+//! What tools keep and cost, obstacles and pairs of bodies, limits of positions and all limits of an arm: the
+//! costs that an independent program finds.
 //!
 //! The values are those of `bash benches/ocp/run --values` (`benches/ocp/harness/in_space.py`): direct
 //! collocation on Radau's points in CasADi with IPOPT, the conditions written out for the arm (angles of links
@@ -13,7 +13,7 @@ use costate_control::{
     ProblemFile, Shape, Solution, Solver, SolverOptions, Status, Task, Tool, ToolCost, ToolPose,
 };
 use nalgebra::{Rotation3, Vector3};
-use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
 const FREE: f64 = f64::INFINITY;
 
@@ -134,6 +134,20 @@ fn two_bodies_of_the_robot() {
     let base = LinkCapsule::sphere("world", 0.5).with_name("base");
     let task = Task::default().with_collision(Collision::of(vec![ball(0.3), base]).with_pairs(pair));
     check(&arm([0.0, 2.2], [1.5, 2.2], task), 46.009469, 2e-6);
+}
+
+/// The value is that of `values.py`, by the same command.
+#[test]
+fn a_pendulum_with_little_room_behind() {
+    let robot = Robot::from_file("../robots/pendulum.toml").unwrap();
+    let swing = Problem::rest_to_rest(robot, &[0.0], &[PI], 3.0)
+        .with_limits(MotionLimits::none().with_q_min(vec![-0.2]));
+    let options = SolverOptions::default().with_polish(Polish::Never).with_starts(4);
+    let solution = Solver::new(&swing, options).unwrap().solve();
+    verdict(&solution, 27.844211, 1e-6);
+    let position = solution.limits.position.unwrap();
+    assert!(position.at_points < 1e-9 && position.active.iter().all(|span| span.side == "min"));
+    assert!(!position.active.is_empty());
 }
 
 /// Between points a limit may be exceeded by 1e-4 of its range, which saves a little.
