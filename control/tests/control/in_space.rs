@@ -2,10 +2,10 @@
 //! costs that an independent program finds.
 //!
 //! The values are those of `bash benches/ocp/run --values` (`benches/ocp/harness/in_space.py`): direct
-//! collocation on Radau's points in CasADi with IPOPT, the conditions written out for the arm (angles of links
-//! as sums of joint angles, lines as differences of coordinates), 320 elements of three points each. Values of
-//! 160 elements differ by less than a relative 2e-6, of the box in the way by 2e-5. Those of whole arms are from
-//! 160 elements; 80 differ by 2e-8 and 1.2e-5.
+//! collocation on Radau's points in CasADi with IPOPT, the conditions written out for the arm (angles of
+//! links as sums of joint angles, lines as differences of coordinates), 320 elements of three points each.
+//! Values of 160 elements differ by less than a relative 2e-6, of the box in the way by 2e-5. Those of whole
+//! arms are from 160 elements; 80 differ by 2e-8 and 1.2e-5.
 
 use costate::robot::{LoadOptions, Placement, Robot};
 use costate_control::{

@@ -8,8 +8,8 @@ use crate::problem::limits::JointLimits;
 
 impl Resolve {
     /// The next solve keeps another value of a limit that the problem has: the least or largest position of a
-    /// joint (rad, m), or the largest magnitude of its rate, acceleration, torque or power, or of the power of
-    /// all. Violations stay in parts of the range that the limit had at first.
+    /// joint (rad, m), or the largest magnitude of its rate, acceleration, torque or power, or of the power
+    /// of all. Violations stay in parts of the range that the limit had at first.
     ///
     /// # Errors
     /// [`ResolveError::NoLimit`]: a joint without this limit, or with a torque that falls with its speed;
