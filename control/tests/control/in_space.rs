@@ -158,6 +158,7 @@ fn all_limits_of_arms() {
     let (from, to) = ([0.0, -0.5, 0.0, -2.2, 0.0, 1.7, 0.8], [1.2, 0.3, -0.4, -1.6, 0.5, 2.2, 0.2]);
     let mut panda = Problem::rest_to_rest(Robot::from_file("../robots/panda.urdf").unwrap(), &from, &to, 1.0);
     let (arm, wrist) = (1.3211785e-4, 6.9444444e-3);
+    panda.limits = MotionLimits::default().with_from_robot(true);
     panda.cost = Objective::new(0.0, vec![arm, arm, arm, arm, wrist, wrist, wrist]);
     for (problem, value, joints) in [(ur5, 0.01226014, 5), (panda, 0.04458063, 6)] {
         let solution = check(&problem, value, 3e-5);

@@ -41,16 +41,19 @@ fn what_cannot_be_done_is_told_with_what_has_to_give() {
         None,
         &["position limit 0.101 rad of joint 'elbow' gives by"],
     );
-    // A ball on the way of the upper arm, which has no room behind it.
-    let blocked = limits("q_min = [-0.5, -3.0]\nq_max = [2.0, 3.0]\ntorque_max = [60.0, 60.0]")
-        + "[[obstacle]]\nname = \"ball\"\nkind = \"sphere\"\nxyz = [0.44, 0.24, 0.0]\nradius = 0.15\n\
-           [collision]\ncapsules = \"auto\"\nradius = 0.03\n";
-    missing.check(
-        &blocked,
-        IMPOSSIBLE,
-        None,
-        &["the clearance of 'shoulder' from 'ball' gives by", " m (at t = "],
-    );
+    // Between a ball and the edge of the strip in which the tip stays there is no room for it.
+    let strip = with(
+        "",
+        "[[keep]]\nkind = \"plane\"\nframe = \"joint:elbow\"\noffset = [1, 0, 0]\n\
+         through = [1.2, 0, 0]\nnormal = [1, 0, 0]\ndistance = 0.05\n\
+         [[obstacle]]\nname = \"ball\"\nkind = \"sphere\"\nxyz = [1.32, 0, 0]\nradius = 0.1\n\
+         [[collision.capsule]]\nname = \"tip\"\nframe = \"joint:elbow\"\nfrom = [1, 0, 0]\nradius = 0.1\n\
+         [limits]\nfrom_robot = false\ntorque_max = [30.0, 30.0]\nv_max = [9.0, 9.0]",
+    )
+    .replace("q = [0.0, 0.0]", "q = [-1.299129, 1.670964]")
+    .replace("q = [1.0, 0.5]", "q = [-0.371834, 1.670964]");
+    let parts = ["the clearance of 'tip' from 'ball' gives by 0.02", " m (at t = 0."];
+    missing.check(&strip, IMPOSSIBLE, None, &parts);
     // A radian in a second, without accelerations at the ends.
     let at_rest = |lines: &str| {
         let text = with("q = [0.0, 0.0]", "q = [0.0, 0.0]\na = [0.0, 0.0]");
