@@ -19,10 +19,16 @@ fn options(intervals: usize, tolerance: f64) -> SolverOptions {
     options.with_tolerance(tolerance).with_nodes(3 * intervals + 1)
 }
 
+/// A UR5 with rotors, whose motions have few minima.
+fn ur5() -> Robot {
+    let robot = Robot::from_file("../robots/ur5.urdf").unwrap();
+    let joints: Vec<String> = robot.joints().iter().map(|joint| joint.name.clone()).collect();
+    joints.iter().fold(robot, |robot, joint| robot.with_joint_armature(joint, 1.0).unwrap())
+}
+
 /// The direction of the tool at the end, and how the camera on the wrist looks.
 fn looking(end: &ToolOrientation, cost: &ToolOrientation) -> Problem {
-    let robot = Robot::from_file("../robots/ur5.urdf").unwrap();
-    let mut arm = Problem::rest_to_rest(robot, &AT, &AT, 1.0).with_limits(MotionLimits::none());
+    let mut arm = Problem::rest_to_rest(ur5(), &AT, &AT, 1.0).with_limits(MotionLimits::none());
     arm.cost = Objective::new(0.0, vec![1e-4, 1e-4, 1e-4, 1e-3, 1e-3, 1e-3]);
     arm.end.q_free = (0..6).collect();
     let pose = |frame: &str, to: &ToolOrientation| match to {
@@ -39,7 +45,7 @@ fn looking(end: &ToolOrientation, cost: &ToolOrientation) -> Problem {
 #[test]
 fn orientations_of_tools_change() {
     let axis = |along: [f64; 3]| ToolOrientation::Axis { axis: [0.0, 0.0, 1.0], along };
-    let robot = Robot::from_file("../robots/ur5.urdf").unwrap();
+    let robot = ur5();
     let mut kinematics = Kinematics::<f64>::new(&robot);
     kinematics.set_state(&AT, &[0.0; 6]).unwrap();
     let own = kinematics.pose(robot.frame_index("forearm_link").unwrap()).unwrap().rotation;
