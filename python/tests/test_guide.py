@@ -2,9 +2,11 @@
 
 import importlib.util
 import os
+import pkgutil
 import re
 from pathlib import Path
 
+import costate
 import pytest
 
 GUIDE = Path(__file__).parents[2] / "docs" / "guide"
@@ -42,6 +44,16 @@ def test_every_picture_is_shown():
 def test_each_page_is_in_the_contents():
     listed = re.findall(r"^[a-z_]+$", (GUIDE / "index.md").read_text(), re.M)
     assert sorted(listed) == sorted(page.stem for page in GUIDE.glob("*.md") if page.stem not in ("index", "README"))
+
+
+def test_the_reference_has_everything_public():
+    """All names of `costate.__all__`, and every module that is not private, once; nothing else."""
+    page = (GUIDE / "api_python.md").read_text()
+    listed = re.findall(r"^\.\. auto(?:class|function|exception):: (\w+)$", page, re.M)
+    assert sorted(listed) == sorted(set(costate.__all__) - {"__version__"})
+    modules = re.findall(r"^\.\. automodule:: costate\.(\w+)\n   :members:$", page, re.M)
+    public = [name for _, name, _ in pkgutil.iter_modules(costate.__path__) if not name.startswith("_")]
+    assert sorted(modules) == sorted(public)
 
 
 def test_rust_on_the_page_is_the_program_that_is_compiled():
