@@ -6,7 +6,7 @@ extension in target/release:
 - every file that the compiler read for the extension is in it, byte for byte (cargo lists them in ``lib_costate.d``);
 - every module, stub and test of the package is in it;
 - its manifests are complete: cargo resolves the workspace that it holds without a network, to versions of Cargo.lock;
-- the licences that the recipe for conda names are at these places, and the recipe has the fields of its format.
+- the licences that the recipe for conda names are at these places, and rattler-build accepts its fields.
 
 It shows that the files are there. That they build is shown by ``pip install target/sdist/*.tar.gz``, once for a release.
 """
@@ -59,12 +59,15 @@ def manifests(inside: Path) -> list[str]:
 def recipe(inside: Path) -> list[str]:
     """What is wrong with the recipe for conda."""
     try:
-        import yaml
+        from rattler_build import RecipeParseError, Stage0Recipe
     except ImportError:
-        print("PyYAML is not installed: the recipe for conda is not checked")
+        print("py-rattler-build is not installed: the recipe for conda is not checked")
         return []
-    content = yaml.safe_load((ROOT / "python" / "conda" / "recipe.yaml").read_text(encoding="utf-8"))
-    wrong = [f"recipe.yaml has no {key}" for key in ("package", "source", "build", "requirements", "tests", "about") if key not in content]
+    try:
+        content = Stage0Recipe.from_file(ROOT / "python" / "conda" / "recipe.yaml").to_dict()
+    except RecipeParseError as error:
+        return [f"recipe.yaml: {error}"]
+    wrong = []
     version = re.search(r"^Version: (.*)$", (inside / "PKG-INFO").read_text(encoding="utf-8"), re.M)
     if version is None or content["context"]["version"] != version[1]:
         wrong.append(f"recipe.yaml has the version {content['context']['version']}, the sdist {version and version[1]}")

@@ -56,6 +56,18 @@ def test_the_reference_has_everything_public():
     assert sorted(modules) == sorted(public)
 
 
+def test_links_to_the_rust_reference_are_crates_of_the_library():
+    """In the built guide they lead beside it, to what `cargo doc` wrote."""
+    page = (GUIDE / "api_rust.md").read_text()
+    linked = re.findall(r'href="\.\./\.\./doc/(\w+)/index\.html"', page)
+    root = GUIDE.parents[1]
+    folders = {"costate": "", "costate_control": "control", "costate_jit": "jit"}
+    folders |= {"costate_report": "cli/report", "costate_comparison": "cli/comparison"}
+    assert linked == list(folders)
+    for name, folder in folders.items():
+        assert f'name = "{name.replace("_", "-")}"' in (root / folder / "Cargo.toml").read_text()
+
+
 def test_rust_on_the_page_is_the_program_that_is_compiled():
     program = re.sub(r"\s+", " ", (GUIDE.parents[1] / "examples" / "tour.rs").read_text())
     found = re.findall(r"^```rust\n(.*?)^```$", (GUIDE / "rust.md").read_text(), re.M | re.S)

@@ -67,8 +67,8 @@ class Stage:
         if kind == "box":
             corners = np.array(np.meshgrid([-0.5, 0.5], [-0.5, 0.5], [-0.5, 0.5], indexing="ij")).reshape(3, 8).T
             sides = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
-            faces = [part for a, b, c, d in sides for part in ((a, b, c), (a, c, d))]
-            return corners * np.array(shape["size"]), np.array(faces, dtype=np.uint32)
+            halves = [part for a, b, c, d in sides for part in ((a, b, c), (a, c, d))]
+            return corners * np.array(shape["size"]), np.array(halves, dtype=np.uint32)
         return None
 
 

@@ -1,4 +1,4 @@
-//! What a page hands on and how it looks: pan, full screen, speeds, files, shades, pictures of models and obstacles.
+//! What a page hands on and how it looks: pan, full screen, speeds, files, shades, models, obstacles.
 
 use super::{Case, assert_silent, browser};
 use costate_control::Solution;
@@ -107,7 +107,7 @@ fn what_is_beyond_a_limit_is_shaded() {
     assert_silent(&page);
 }
 
-/// A UR5 with its visual models, one that goes round an obstacle: pictures for people to look at (`target/tmp/pages`).
+/// A UR5 with its visual models, and one that goes round an obstacle: pictures for people to look at.
 #[test]
 fn visual_models_and_obstacles_are_shown_in_narrow_dark_windows() {
     let Some(mut page) = browser("models") else { return };
