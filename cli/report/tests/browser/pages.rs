@@ -38,9 +38,7 @@ fn the_menu_of_speeds_is_kept() {
     let Some(mut page) = browser("speeds") else { return };
     page.show(&Case::phases().file, (1000, 800), "light");
     for speed in [0.1, 0.5] {
-        page.value(&format!(
-            "costateReport.setTime(0); const menu = document.getElementById('speed'); menu.value = '{speed}'; menu.value"
-        ));
+        page.value(&format!("costateReport.setTime(0); document.getElementById('speed').value = '{speed}'"));
         page.click("#play");
         page.wait("costateReport.time() > 0");
         // By the clock of the page, over a while.
@@ -97,10 +95,12 @@ fn what_is_beyond_a_limit_is_shaded() {
     let Some(mut page) = browser("shades") else { return };
     page.show(&Case::hasty().file, (1000, 800), "light");
     let shades = "document.querySelectorAll('[data-plot=rates] .beyond').length";
-    assert!(page.value(shades).as_u64().unwrap() > 0);
-    // They belong to their curves.
+    let all = page.value(shades).as_u64().unwrap();
+    assert!(all > 0);
+    // They belong to their curves: the first joint turns too fast.
     page.click("#joints .chip");
-    assert_eq!(page.value(shades), 0);
+    let without = page.value(shades).as_u64().unwrap();
+    assert!(without < all, "{without} of {all} shades are left");
     // This one keeps its limits.
     page.show(&Case::phases().file, (1000, 800), "light");
     assert_eq!(page.value("document.querySelectorAll('[data-plot=rates] .beyond').length"), 0);
