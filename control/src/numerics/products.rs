@@ -3,7 +3,7 @@
 use super::tiles::{ROWS, in_tiles, subtract, with_rows};
 use std::ops::Range;
 
-/// A tile minus the products of `factors`, one slice a row of the tile, and of the columns from `j` of `from`.
+/// A tile minus the products of `factors`, one slice a row of the tile, and of columns from `j` of `from`.
 #[inline(always)]
 fn minus_products<const FUSED: bool, const R: usize, const C: usize>(
     mut tile: [[f64; C]; R],
