@@ -103,18 +103,14 @@ impl<S: Scalar> Kkt<S> {
     /// `x <- C^-1 x`, k, zero for redundant rows.
     pub fn solve_schur(&self, x: &mut [S]) {
         for i in 0..x.len() {
-            let mut sum = x[i];
-            for j in 0..i {
-                sum -= self.lower[(i, j)] * x[j];
-            }
+            let row = self.lower.row(i)[..i].iter().zip(&*x);
+            let sum = row.fold(x[i], |sum, (&entry, &x)| sum - entry * x);
             x[i] = sum * self.kept[i];
         }
         for i in (0..x.len()).rev() {
-            let mut sum = x[i] * self.inverse_pivots[i];
-            for j in i + 1..x.len() {
-                sum -= self.lower[(j, i)] * x[j];
-            }
-            x[i] = sum * self.kept[i];
+            let after = x.iter().enumerate().skip(i + 1);
+            let start = x[i] * self.inverse_pivots[i];
+            x[i] = after.fold(start, |sum, (j, &x)| sum - self.lower[(j, i)] * x) * self.kept[i];
         }
     }
 

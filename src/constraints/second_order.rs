@@ -125,9 +125,9 @@ impl<S: Scalar> ConstrainedHamiltonianSecondOrder<S> {
         for (i, entry) in product_q.iter_mut().enumerate() {
             *entry = dot(blocks.bend.row(i), d_q) - dot(along.l_qq().row(i), d_q);
         }
-        for i in 0..n {
-            add_scaled(product_q, -dv[i], along.l_vq().row(i));
-            add_scaled(product_q, dv[i], blocks.curvature.row(i));
+        for (i, &dv) in dv.iter().enumerate() {
+            add_scaled(product_q, -dv, along.l_vq().row(i));
+            add_scaled(product_q, dv, blocks.curvature.row(i));
         }
         for (i, &dmu) in dmu.iter().enumerate() {
             add_scaled(product_q, dmu, blocks.slope.row(i));

@@ -105,11 +105,6 @@ fn one_linkage_opened_at_two_places_moves_alike() {
         1,
     );
     let text = text.replacen(
-        "name = \"rocker_tip\"\nparent = \"rocker\"",
-        "name = \"rocker_tip\"\nparent = \"rocker\"",
-        1,
-    );
-    let text = text.replacen(
         "name = \"pivot\"\nplacement = { xyz = [1.3, 0.0, 0.0] }",
         "name = \"pivot\"\nparent = \"coupler\"\nplacement = { xyz = [1.2, 0.0, 0.0] }",
         1,
