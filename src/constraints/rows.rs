@@ -112,7 +112,8 @@ impl<S: Scalar> Constraints<S> {
         }
     }
 
-    /// Squares of what the rounding errors of J are in proportion to, at the position of the last call, k x n.
+    /// Squares of what the rounding errors of J are in proportion to, at the position of the last call, k x
+    /// n.
     pub(super) fn sizes(&mut self) -> &Matrix<S> {
         self.sizes.fill_zero();
         for (held, rows) in self.held.iter().zip(&self.rows) {

@@ -43,8 +43,8 @@ impl<S: Scalar> Kinematics<S> {
         Seat { axes: frame, origin: point.position }
     }
 
-    /// What a joint does to a point at unit rate, seen from a frame: `(w ; w x (at - o))` or `(0 ; z)`; and the
-    /// square of the size that its rounding errors are in proportion to.
+    /// What a joint does to a point at unit rate, seen from a frame: `(w ; w x (at - o))` or `(0 ; z)`; and
+    /// the square of the size that its rounding errors are in proportion to.
     pub(crate) fn column_seen(&self, joint: usize, from: &Seat<S>, at: Vec3<S>) -> (Motion<S>, S) {
         let body = &self.bodies[joint];
         let axis = from.direction(body.axis());
