@@ -141,7 +141,16 @@ fn gains_with_active_limits_of_torques_are_those_of_solving_again() {
         for (found, expected) in gain.iter().zip(expected) {
             assert!((found - expected).abs() < 0.04 * size, "{tolerance}: {gain:?} {expected:?}");
         }
-        assert!(!motion.feedback().unwrap().unwrap().gain(f64::NAN, &mut gain));
+        let feedback = motion.feedback().unwrap().unwrap();
+        assert!(!feedback.gain(f64::NAN, &mut gain));
+        // Its numbers are all of it.
+        let numbers = feedback.to_numbers();
+        let copy = Feedback::from_numbers(2, &numbers).unwrap();
+        assert_eq!((copy.to_numbers(), copy.points()), (numbers.clone(), feedback.points()));
+        let [mut ours, mut theirs] = [[0.0; 8]; 2];
+        assert!(feedback.gain(0.3, &mut ours) && copy.gain(0.3, &mut theirs) && ours == theirs);
+        assert!(Feedback::from_numbers(2, &numbers[..numbers.len() - 1]).is_none());
+        assert!(Feedback::from_numbers(3, &numbers).is_none() && Feedback::from_numbers(2, &[]).is_none());
     }
 }
 

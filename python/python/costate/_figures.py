@@ -118,7 +118,11 @@ class Figures:
 
     @property
     def certificate(self) -> str:
-        """What the second variation shows: "local_minimum", "not_minimal" or "not_checked"."""
+        """What the second variation shows.
+
+        "local_minimum": a strict one; "local_minimum_on_mesh": one among the polynomials of the mesh, of the direct method;
+        "not_minimal", "not_checked".
+        """
         return str(self._figures["certificate"])
 
     @property

@@ -35,6 +35,25 @@ impl FeedbackCore {
         Ok(matrices(py, numbers, shape)?.into_any())
     }
 
+    /// All numbers, from which `of` makes the same.
+    fn numbers<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_vec(py, self.0.to_numbers())
+    }
+
+    /// Number of joints.
+    #[getter]
+    fn n(&self) -> usize {
+        self.0.dof()
+    }
+
+    /// Of n joints, with these numbers.
+    #[staticmethod]
+    fn of(n: usize, given: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let found = Feedback::from_numbers(n, &numbers(given, "numbers", None)?);
+        let refused = || argument(given.py(), "numbers", "these are not the numbers of a feedback".into());
+        found.map(Self).ok_or_else(refused)
+    }
+
     /// K at times (s); None where something is free at the start.
     fn gain<'py>(&self, py: Python<'py>, times: &Bound<'py, PyAny>) -> PyResult<Option<Bound<'py, PyAny>>> {
         let n = self.0.dof();

@@ -68,6 +68,43 @@ impl Feedback {
         self.exchanges.resize(2 * n, 0);
     }
 
+    /// All its numbers one after the other, to keep them or to send them to another process.
+    pub fn to_numbers(&self) -> Vec<f64> {
+        let head = [self.nodes.len() as f64, f64::from(u8::from(self.has_gain)), self.time];
+        let mut copy = self.clone();
+        [&head[..], &self.nodes]
+            .into_iter()
+            .chain(copy.lists().map(|list| &**list))
+            .flatten()
+            .copied()
+            .collect()
+    }
+
+    /// The feedback of n joints with these [numbers](Self::to_numbers); `None` where their count does not
+    /// fit.
+    pub fn from_numbers(dof: usize, numbers: &[f64]) -> Option<Self> {
+        let (&[count, has_gain, time], rest) = numbers.split_first_chunk()?;
+        let (nodes, mut rest) = rest.split_at_checked(count as usize)?;
+        let mut feedback = Self { has_gain: has_gain == 1.0, ..Self::default() };
+        if nodes.len() < 2 || dof == 0 || rest.len() / nodes.len() < dof {
+            return None;
+        }
+        feedback.resize(dof, nodes, time);
+        for list in feedback.lists() {
+            let (here, behind) = rest.split_at_checked(list.len())?;
+            list.copy_from_slice(here);
+            rest = behind;
+        }
+        rest.is_empty().then_some(feedback)
+    }
+
+    /// The lists of derivatives.
+    fn lists(&mut self) -> impl Iterator<Item = &mut Vec<f64>> {
+        let Self { states_by, torques_by, time_by, gains, cost_x, cost_xx, .. } = self;
+        let by_ends = [states_by, torques_by, time_by].into_iter().flatten();
+        by_ends.chain([gains, cost_x, cost_xx])
+    }
+
     /// Number of joints, n.
     pub fn dof(&self) -> usize {
         self.dof

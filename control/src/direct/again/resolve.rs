@@ -19,6 +19,7 @@ use costate::EvalError;
 use costate::lagrangian::Lagrangian;
 use costate::robot::Robot;
 use std::fmt;
+use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
 /// A problem that is solved again and again on one mesh, with other starts, ends, goals, references and
@@ -171,8 +172,12 @@ impl Resolve {
     /// # Errors
     /// [`EvalError`] where the motion cannot be evaluated.
     pub fn solve(&mut self) -> Result<Resolved, EvalError> {
-        let budget = Budget { iterations: self.options.max_iterations, time: self.options.time_limit };
-        self.solve_again(budget)
+        self.solve_again(self.budget())
+    }
+
+    /// The limits on steps and time of the options.
+    pub fn budget(&self) -> Budget {
+        Budget { iterations: self.options.max_iterations, time: self.options.time_limit }
     }
 
     /// Solves the problem with what was set since the last time.
@@ -181,8 +186,37 @@ impl Resolve {
     /// [`EvalError`] where the motion cannot be evaluated; the next solve begins anew then, at the motion
     /// that was shown last.
     pub fn solve_again(&mut self, budget: Budget) -> Result<Resolved, EvalError> {
+        self.solve_until(budget, || ControlFlow::Continue(()))
+    }
+
+    /// The same with a callback after each Newton step; [`ControlFlow::Break`] ends the solve with the
+    /// status [`Cancelled`](ResolveStatus::Cancelled) and the best motion so far.
+    ///
+    /// ```
+    /// # use costate::robot::Robot;
+    /// # use costate_control::{Cancel, Problem, Resolve, ResolveStatus, SolverOptions};
+    /// # use std::ops::ControlFlow;
+    /// # std::env::set_current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))?;
+    /// # let robot = Robot::from_file("robots/two_link.toml")?;
+    /// let problem = Problem::rest_to_rest(robot, &[0.0, 0.0], &[1.0, 0.5], 1.0);
+    /// let mut motion = Resolve::new(&problem, SolverOptions::default())?;
+    /// let cancel = Cancel::new(); // another thread has a clone
+    /// cancel.cancel();
+    /// let stop = || if cancel.is_cancelled() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
+    /// let found = motion.solve_until(motion.budget(), stop)?;
+    /// assert_eq!((found.status, found.iterations), (ResolveStatus::Cancelled, 1));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`solve_again`](Self::solve_again).
+    pub fn solve_until(
+        &mut self,
+        budget: Budget,
+        mut listener: impl FnMut() -> ControlFlow<()>,
+    ) -> Result<Resolved, EvalError> {
         let began = Instant::now();
-        let found = self.try_again(budget, began);
+        let found = self.try_again(budget, began, &mut listener);
         if found.is_err() {
             (self.started, self.factorised) = (false, false);
             // What cannot be evaluated is no guess.
@@ -193,7 +227,12 @@ impl Resolve {
         found
     }
 
-    fn try_again(&mut self, budget: Budget, began: Instant) -> Result<Resolved, EvalError> {
+    fn try_again(
+        &mut self,
+        budget: Budget,
+        began: Instant,
+        listener: &mut dyn FnMut() -> ControlFlow<()>,
+    ) -> Result<Resolved, EvalError> {
         let states = self.states.each_ref().map(|state| &state[..]);
         if self.started {
             self.interior.follow(states, self.factorised, &mut self.again)?;
@@ -215,7 +254,7 @@ impl Resolve {
             let now = Instant::now();
             *longest = (*longest).max(now - last);
             last = now;
-            if cancel.as_ref().is_some_and(Cancel::is_cancelled) {
+            if listener().is_break() || cancel.as_ref().is_some_and(Cancel::is_cancelled) {
                 return Some(Interruption::Cancelled);
             }
             deadline.filter(|&deadline| now + *longest > deadline).map(|_| Interruption::TimeLimit)
@@ -227,8 +266,8 @@ impl Resolve {
             End::Solved => ResolveStatus::Solved,
             End::IterationLimit => ResolveStatus::Iterations,
             End::NoProgress => ResolveStatus::NoProgress,
+            End::Interrupted(Interruption::TimeLimit) => ResolveStatus::OutOfTime,
             End::Interrupted(Interruption::Cancelled) => ResolveStatus::Cancelled,
-            End::Interrupted(_) => ResolveStatus::OutOfTime,
         };
         if status == ResolveStatus::Solved {
             // The last step is known, and the next solve begins after it. It is shown if limits are kept
