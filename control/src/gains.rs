@@ -20,7 +20,8 @@ type Rows = Vec<Vec<f64>>;
 /// `costate optimize --feedback` writes.
 ///
 /// A state that is off by (dq, dv) at the time t is led to the end at the least cost by
-/// `tau + gain_q dq + gain_v dv`, as long as the same limits are active ([`Feedback`]).
+/// `tau + gain_q dq + gain_v dv`, as long as the same limits are active ([`Feedback`]). Where accelerations
+/// are continuous the gains are those of jerks: `gain_q dq + gain_v dv + gain_a da`.
 ///
 /// ```
 /// use costate_control::{Gains, Problem, Solver, SolverOptions};
@@ -56,9 +57,13 @@ pub struct Gains {
     pub gain_q: Vec<Rows>,
     /// dtau/dv (N m s/rad, N s/m), n x n at each time.
     pub gain_v: Vec<Rows>,
-    /// Derivatives of the cost by the state at the start, (q, v).
+    /// Where accelerations are continuous: djerk/da (1/s), n x n at each time; the two others are djerk/dq
+    /// and djerk/dv then. Else empty.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub gain_a: Vec<Rows>,
+    /// Derivatives of the cost by the state at the start, (q, v), with continuous accelerations (q, v, a).
     pub cost_by_start: Vec<f64>,
-    /// Derivatives of T by the state at the start, (q, v).
+    /// Derivatives of T by the state at the start, the same.
     pub final_time_by_start: Vec<f64>,
     /// How the motion changes with its limits.
     pub derivatives: LimitDerivatives,
@@ -122,9 +127,6 @@ pub enum GainError {
     /// The matrix of Newton's method is not positive definite.
     #[error("the motion is no strict minimum, so that there is no feedback")]
     NoMinimum,
-    /// Positions or rates are free at the start.
-    #[error("something is free at the start, so that states on the way do not tell the start")]
-    FreeStart,
 }
 
 impl Gains {
@@ -139,7 +141,7 @@ impl Gains {
         }
         let mut motion = solved(problem, solution)?;
         let feedback = motion.feedback()?.cloned().ok_or(GainError::NoMinimum)?;
-        let n = feedback.dof();
+        let (n, m) = (feedback.dof(), feedback.state());
         let time = motion.final_time().unwrap_or(0.0);
         let points: Vec<f64> = (0..feedback.points()).map(|p| feedback.time(p)).collect();
         let t = match rate {
@@ -161,25 +163,29 @@ impl Gains {
             tau: Vec::new(),
             gain_q: Vec::new(),
             gain_v: Vec::new(),
+            gain_a: Vec::new(),
             cost_by_start: feedback.cost_gradient().to_vec(),
             final_time_by_start: feedback.time_by_start().to_vec(),
             derivatives: LimitDerivatives { t: points, parameters: parameters(problem, &mut motion)? },
             t,
         };
-        let (mut z, mut torques, mut gain) = (vec![0.0; 3 * n], vec![0.0; n], vec![0.0; 2 * n * n]);
+        let (mut z, mut torques, mut gain) = (vec![0.0; 3 * n], vec![0.0; n], vec![0.0; n * m]);
         for &t in &gains.t {
             motion.state_at(t, &mut z)?;
             motion.torques_at(t, &mut torques)?;
             if !gain_at(&feedback, t, &mut gain) {
-                return Err(GainError::FreeStart);
+                return Err(GainError::NoMinimum);
             }
             gains.q.push(z[..n].to_vec());
             gains.v.push(z[n..2 * n].to_vec());
             gains.tau.push(torques.clone());
-            let half =
-                |first: usize| gain.chunks_exact(2 * n).map(|row| row[first..first + n].to_vec()).collect();
-            gains.gain_q.push(half(0));
-            gains.gain_v.push(half(n));
+            let part =
+                |first: usize| gain.chunks_exact(m).map(|row| row[first..first + n].to_vec()).collect();
+            gains.gain_q.push(part(0));
+            gains.gain_v.push(part(n));
+            if m > 2 * n {
+                gains.gain_a.push(part(2 * n));
+            }
         }
         Ok(gains)
     }
@@ -193,7 +199,8 @@ fn solved(problem: &Problem, solution: &Solution) -> Result<Resolve, GainError> 
         return Ok(near);
     }
     let limits = problem.limits.clone().with_from_robot(problem.keeps_robot_limits());
-    let nodes = options.nodes.max(3 * INTERVALS + 1);
+    let points = if problem.first_of_rates().is_some() { 4 } else { 3 };
+    let nodes = options.nodes.max(points * INTERVALS + 1);
     let mut even = Resolve::new(&problem.clone().with_limits(limits), options.with_nodes(nodes))?;
     match even.solve()?.status {
         ResolveStatus::Solved => Ok(even),
@@ -209,13 +216,15 @@ fn gain_at(feedback: &Feedback, t: f64, gain: &mut [f64]) -> bool {
 /// Derivatives by all limits that the joints have.
 fn parameters(problem: &Problem, motion: &mut Resolve) -> Result<Vec<LimitDerivative>, GainError> {
     type Limit = (&'static str, fn(usize) -> MotionParameter);
-    const LIMITS: [Limit; 6] = [
+    const LIMITS: [Limit; 8] = [
         ("limits.q_min", MotionParameter::PositionMin),
         ("limits.q_max", MotionParameter::PositionMax),
         ("limits.v_max", MotionParameter::VelocityMax),
         ("limits.a_max", MotionParameter::AccelerationMax),
         ("limits.torque_max", MotionParameter::TorqueMax),
         ("limits.power_max", MotionParameter::PowerMax),
+        ("limits.jerk_max", MotionParameter::JerkMax),
+        ("limits.torque_rate_max", MotionParameter::TorqueRateMax),
     ];
     let names = problem.robot.independent_joints().map(|joint| joint.name.clone());
     let mut all = Vec::new();
@@ -228,8 +237,8 @@ fn parameters(problem: &Problem, motion: &mut Resolve) -> Result<Vec<LimitDeriva
                     Err(error) => return Err(error.into()),
                 };
             let n = motion.dof();
-            let rows =
-                |first: usize| states.chunks_exact(2 * n).map(|x| x[first..first + n].to_vec()).collect();
+            let m = n * states.len() / torques.len();
+            let rows = |first: usize| states.chunks_exact(m).map(|x| x[first..first + n].to_vec()).collect();
             all.push(LimitDerivative {
                 name: limit.into(),
                 joint: name.clone(),

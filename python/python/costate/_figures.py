@@ -118,7 +118,7 @@ class Figures:
 
     @property
     def certificate(self) -> str:
-        """What the second variation shows: "local_minimum", "not_minimal" or "not_checked"."""
+        """What the second variation shows: "local_minimum", "not_minimal", "not_checked"; of the mesh "local_minimum_on_mesh", "saddle_on_mesh"."""
         return str(self._figures["certificate"])
 
     @property

@@ -53,22 +53,23 @@ class Resolved(NamedTuple):
 class Feedback:
     """Derivatives of an optimal motion by its ends: neighbouring optimal feedback.
 
-    x = (q, v) has 2n entries; points are those of the mesh. A motion that starts at x_0 + dx_0 has at the same part of
-    its time the state x + states_by_start dx_0 and the torques tau + torques_by_start dx_0.
+    x = (q, v) has m = 2n entries, with continuous accelerations x = (q, v, a) has m = 3n; points are those of the mesh.
+    A motion that starts at x_0 + dx_0 has at the same part of the time of its phase the state x + states_by_start dx_0
+    and the torques tau + torques_by_start dx_0.
 
     Attributes
     ----------
     t : array (P)
         Times of the points (s).
-    states_by_start, states_by_end : array (P, 2n, 2n)
+    states_by_start, states_by_end : array (P, m, m)
         Derivatives of x.
-    torques_by_start, torques_by_end : array (P, n, 2n)
+    torques_by_start, torques_by_end : array (P, n, m)
         Derivatives of the torques.
-    final_time_by_start, final_time_by_end : array (2n)
+    final_time_by_start, final_time_by_end : array (m)
         Derivatives of T; zero where it is fixed.
-    cost_gradient : array (2n)
+    cost_gradient : array (m)
         dJ/dx_0.
-    cost_hessian : array (2n, 2n)
+    cost_hessian : array (m, m)
         Second derivatives of the least cost by the start.
     """
 
@@ -85,9 +86,10 @@ class Feedback:
         self.cost_hessian: _Array = core.array("cost_hessian")[0]
 
     def gain(self, t: float | _Vector) -> _Array | None:
-        """K at times t (s): dtau = K dx, (n, 2n), or (N, n, 2n) for N times. None where something is free at the start.
+        """K at times t (s): dtau = K dx, (n, m), or (N, n, m) for N times. None at a time that is NaN.
 
-        Gains grow without bound towards a given end; that of 98 % of the time is held.
+        With continuous accelerations K is that of jerks. Gains grow without bound towards given ends and vias; those
+        of 98 % of the time of a phase are held.
         """
         found = self._core.gain(np.atleast_1d(np.asarray(t, float)))
         return None if found is None else found[0] if np.ndim(t) == 0 else found
@@ -100,8 +102,8 @@ class MotionDerivative(NamedTuple):
     ----------
     cost, final_time : float
         dJ/dtheta and dT/dtheta.
-    states : array (P, 2n)
-        Derivatives of (q, v) at the same part of the time.
+    states : array (P, m)
+        Derivatives of (q, v), with continuous accelerations (q, v, a), at the same part of the time of a phase.
     torques : array (P, n)
         Derivatives of the torques.
     """
@@ -116,8 +118,7 @@ class Resolve:
     """A problem that is solved again and again on one mesh, as a controller needs it.
 
     The mesh has (nodes - 1)/3 equal intervals. Each solve begins at the motion that is optimal for the new ends to
-    first order. The limits of the robot are kept unless the problem says otherwise. Jerks, torque rates, given
-    accelerations, vias and periodic motions are refused.
+    first order. The limits of the robot are kept unless the problem says otherwise.
 
     Several threads may use one object: calls wait for each other, without the interpreter's lock, and the motion is
     that of the last solve. A thread with motions of its own needs its own object. Ctrl-C is handled after a solve;
@@ -175,6 +176,18 @@ class Resolve:
         """End the next solve at these positions and rates (n)."""
         self._core.set_end(q, v)
 
+    def set_via(self, number: int, q: _Vector, v: _Vector) -> None:
+        """Move a via (from 0) to these positions and rates (n); those that are free do not count."""
+        self._core.set_via(number, q, v)
+
+    def set_start_acceleration(self, a: _Vector) -> None:
+        """Start the next solve with these accelerations (n), where the problem gives them."""
+        self._core.set_acceleration(False, a)
+
+    def set_end_acceleration(self, a: _Vector) -> None:
+        """End the next solve with these accelerations (n), where the problem gives them."""
+        self._core.set_acceleration(True, a)
+
     def set_start_tool(self, number: int, xyz: _Vector) -> None:
         """Move a tool of the start (from 0) to this position (m); coordinates that are free stay so."""
         self._core.set_tool("start", number, xyz)
@@ -203,7 +216,7 @@ class Resolve:
         self._core.set_start_time(time)
 
     def advance(self, dt: float) -> None:
-        """Begin the next solve at the motion of the last one from ``dt`` (s) on."""
+        """Begin the next solve at the motion of the last one from ``dt`` (s) on; vias stay on the clock."""
         self._core.advance(dt)
 
     def solve(self, *, steps: int | None = None, seconds: float | None = None) -> Resolved:
@@ -251,7 +264,7 @@ class Resolve:
 
         Parameters
         ----------
-        limit : {"q_min", "q_max", "v_max", "a_max", "torque_max", "power_max"}
+        limit : {"q_min", "q_max", "v_max", "a_max", "torque_max", "power_max", "jerk_max", "torque_rate_max"}
             The limit.
         joint : str or int
             The joint, by name or from 0.

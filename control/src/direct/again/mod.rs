@@ -9,6 +9,7 @@ mod motion_at;
 pub(super) mod motion_derivative;
 pub(super) mod neighbours;
 pub(super) mod parameter_columns;
+mod phase_gains;
 pub(super) mod resolve;
 pub(super) mod resolve_error;
 pub(super) mod resolved;
