@@ -148,6 +148,9 @@ fn direct_figures(problem: &Problem, solution: &Solution) -> Vec<(&'static str, 
     if motion.certificate == Certificate::LocalMinimumOnMesh {
         figures.push(("local minimum", ON_MESH.into()));
     }
+    if motion.certificate == Certificate::SaddleOnMesh {
+        figures.push(("local minimum", format!("no: a saddle {ON_MESH}, motions nearby cost less")));
+    }
     figures
 }
 
@@ -191,6 +194,9 @@ fn defect(value: f64, done: Verify, unit: &str) -> String {
     match done {
         _ if value.is_finite() => format!("{} {unit}", scientific(value)),
         Verify::Full => "the integration stopped".into(),
+        (None, Certificate::SaddleOnMesh) => {
+            format!("not checked; before the polish a saddle {ON_MESH}")
+        }
         _ => "not checked".into(),
     }
 }
