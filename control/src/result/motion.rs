@@ -37,8 +37,8 @@ pub enum Certificate {
     /// A conjugate time lies before T: motions nearby cost less.
     NotMinimal,
     /// Not shown: of extremals free ends, controls that reach a bound, a smoothed control, rounding that
-    /// hides the answer; of motions of the direct method second derivatives whose smallest eigenvalue is about zero;
-    /// motions that are not converged or not verified.
+    /// hides the answer; of motions of the direct method second derivatives whose smallest eigenvalue is
+    /// about zero; motions that are not converged or not verified.
     NotChecked,
 }
 

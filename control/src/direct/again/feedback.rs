@@ -29,7 +29,8 @@ use crate::numerics::lagrange::values;
 ///
 /// The derivatives come from the factorised equations of Newton's method by a substitution for each column,
 /// without an evaluation of the dynamics. Gains after a via, and those of motions whose start is not all
-/// given, need the equations of the rest of the motion, which are factorised once for each phase. A. E. Bryson, Y.-C. Ho, Applied Optimal Control, 1975, section 6.4.
+/// given, need the equations of the rest of the motion, which are factorised once for each phase.
+/// A. E. Bryson, Y.-C. Ho, Applied Optimal Control, 1975, section 6.4.
 #[derive(Clone, Debug, Default)]
 pub struct Feedback {
     dof: usize,

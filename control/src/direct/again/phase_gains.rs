@@ -18,7 +18,7 @@ use crate::numerics::lu::eliminate;
 impl Ends {
     /// What is given at the ends of phases where all of the state at the start of a phase is, and its time.
     /// The end of a periodic motion is where it is.
-    fn from_phase(&self, phase: usize) -> Self {
+    fn behind(&self, phase: usize) -> Self {
         let mut ends = self.clone();
         ends.given[phase].fill(true);
         if self.is_periodic {
@@ -37,7 +37,7 @@ impl<D: PointDynamics> Interior<D> {
         let is_whole = !self.ends.is_periodic && self.ends.given[0].iter().all(|given| *given);
         let mut given = std::mem::take(&mut feedback.given);
         if given.len() != phases {
-            given = (0..phases).map(|phase| self.ends.from_phase(phase)).collect();
+            given = (0..phases).map(|phase| self.ends.behind(phase)).collect();
         }
         for phase in (if is_whole { 1 } else { 0 }..phases).rev() {
             std::mem::swap(&mut self.ends, &mut given[phase]);

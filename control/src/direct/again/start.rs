@@ -131,9 +131,10 @@ impl<D: PointDynamics> Interior<D> {
         let last = old.mesh.ends()[1];
         let place = |s: f64| first + rest * s;
         // The via after the first phase stays.
-        for k in 0..if old.mesh.phases() > 1 { last } else { last + 1 } {
+        let moving = if old.mesh.phases() > 1 { last } else { last + 1 };
+        for (k, &s) in nodes.iter().enumerate().take(moving) {
             let state = &mut new.unknowns[node * k..node * (k + 1)];
-            beyond(old, place(nodes[k]), rest, &mut again.z);
+            beyond(old, place(s), rest, &mut again.z);
             state.copy_from_slice(&again.z[..node]);
             if old.mesh.is_end(k) {
                 // The time becomes shorter by the same factor.
