@@ -20,8 +20,7 @@ type Rows = Vec<Vec<f64>>;
 /// `costate optimize --feedback` writes.
 ///
 /// A state that is off by (dq, dv) at the time t is led to the end at the least cost by
-/// `tau + gain_q dq + gain_v dv`, as long as the same limits are active ([`Feedback`]). Where accelerations
-/// are continuous the gains are those of jerks: `gain_q dq + gain_v dv + gain_a da`.
+/// `tau + gain_q dq + gain_v dv`, as long as the same limits are active ([`Feedback`]).
 ///
 /// ```
 /// use costate_control::{Gains, Problem, Solver, SolverOptions};
@@ -57,11 +56,7 @@ pub struct Gains {
     pub gain_q: Vec<Rows>,
     /// dtau/dv (N m s/rad, N s/m), n x n at each time.
     pub gain_v: Vec<Rows>,
-    /// Where accelerations are continuous: djerk/da (1/s), n x n at each time; the two others are djerk/dq
-    /// and djerk/dv then. Else empty.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub gain_a: Vec<Rows>,
-    /// Derivatives of the cost by the state at the start, (q, v), with continuous accelerations (q, v, a).
+    /// Derivatives of the cost by the state at the start, (q, v).
     pub cost_by_start: Vec<f64>,
     /// Derivatives of T by the state at the start, the same.
     pub final_time_by_start: Vec<f64>,
@@ -124,6 +119,12 @@ pub enum GainError {
     /// Solving again did not come to an end.
     #[error("the motion is not solved on a mesh of its own; try another tolerance or more nodes")]
     NotSolved,
+    /// Accelerations are continuous: no gains are computed.
+    #[error(
+        "there are no gains where accelerations are continuous (jerks, rates of torques or accelerations are \
+         limited, cost something or are given); Resolve solves such a motion again"
+    )]
+    Continuous,
     /// The matrix of Newton's method is not positive definite.
     #[error("the motion is no strict minimum, so that there is no feedback")]
     NoMinimum,
@@ -138,6 +139,9 @@ impl Gains {
     pub fn new(problem: &Problem, solution: &Solution, rate: Option<f64>) -> Result<Self, GainError> {
         if solution.trajectory.t.len() < 2 {
             return Err(GainError::NoMotion);
+        }
+        if problem.first_of_rates().is_some() {
+            return Err(GainError::Continuous);
         }
         let mut motion = solved(problem, solution)?;
         let feedback = motion.feedback()?.cloned().ok_or(GainError::NoMinimum)?;
@@ -163,7 +167,6 @@ impl Gains {
             tau: Vec::new(),
             gain_q: Vec::new(),
             gain_v: Vec::new(),
-            gain_a: Vec::new(),
             cost_by_start: feedback.cost_gradient().to_vec(),
             final_time_by_start: feedback.time_by_start().to_vec(),
             derivatives: LimitDerivatives { t: points, parameters: parameters(problem, &mut motion)? },
@@ -183,9 +186,6 @@ impl Gains {
                 |first: usize| gain.chunks_exact(m).map(|row| row[first..first + n].to_vec()).collect();
             gains.gain_q.push(part(0));
             gains.gain_v.push(part(n));
-            if m > 2 * n {
-                gains.gain_a.push(part(2 * n));
-            }
         }
         Ok(gains)
     }
@@ -199,8 +199,7 @@ fn solved(problem: &Problem, solution: &Solution) -> Result<Resolve, GainError> 
         return Ok(near);
     }
     let limits = problem.limits.clone().with_from_robot(problem.keeps_robot_limits());
-    let points = if problem.first_of_rates().is_some() { 4 } else { 3 };
-    let nodes = options.nodes.max(points * INTERVALS + 1);
+    let nodes = options.nodes.max(3 * INTERVALS + 1);
     let mut even = Resolve::new(&problem.clone().with_limits(limits), options.with_nodes(nodes))?;
     match even.solve()?.status {
         ResolveStatus::Solved => Ok(even),

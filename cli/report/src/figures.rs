@@ -194,9 +194,6 @@ fn defect(value: f64, done: Verify, unit: &str) -> String {
     match done {
         _ if value.is_finite() => format!("{} {unit}", scientific(value)),
         Verify::Full => "the integration stopped".into(),
-        (None, Certificate::SaddleOnMesh) => {
-            format!("not checked; before the polish a saddle {ON_MESH}")
-        }
         _ => "not checked".into(),
     }
 }
@@ -214,6 +211,9 @@ fn conjugate(problem: &Problem, motion: &Motion) -> String {
         (None, Certificate::LocalMinimum) => "none: a local minimum".into(),
         (None, Certificate::LocalMinimumOnMesh) => {
             format!("not checked; before the polish a local minimum {ON_MESH}")
+        }
+        (None, Certificate::SaddleOnMesh) => {
+            format!("not checked; before the polish a saddle {ON_MESH}")
         }
         _ => "not checked".into(),
     }

@@ -174,7 +174,8 @@ fn nothing_is_allocated_after_the_first_solve() {
             steps += motion.solve_again(Budget::steps(30)).unwrap().iterations;
             motion.torques_at(0.0, &mut [0.0; 2]).unwrap();
             if let Some(feedback) = motion.feedback().unwrap() {
-                assert!(feedback.gain(0.3, &mut gain));
+                let is_smooth = feedback.state() > 4;
+                assert_eq!(feedback.gain(0.3, &mut gain), !is_smooth);
             }
         };
         again(0);

@@ -188,9 +188,6 @@ fn rest(problem: &Problem, motion: &Resolve, t: f64, vias: usize, change: (usize
     }
     left.vias.drain(..vias);
     left.start = BoundaryState::fixed(&z[..2], &z[2..4]);
-    if problem.cost.jerk.is_some() {
-        left.start = left.start.with_a(&z[4..]);
-    }
     left.periodic = None;
     left.end = BoundaryState::fixed(&end[..2], &end[2..4]);
     left.time = match problem.time {
@@ -200,17 +197,12 @@ fn rest(problem: &Problem, motion: &Resolve, t: f64, vias: usize, change: (usize
     left
 }
 
-/// The torques at the start of a motion; the jerks where they cost something.
+/// The torques at the start of a motion.
 fn controls(problem: &Problem) -> Vec<f64> {
     let mut motion = Resolve::new(problem, options(121, 1e-11)).unwrap();
     assert_eq!(motion.solve().unwrap().status, ResolveStatus::Solved);
     let mut tau = vec![0.0; 2];
     motion.torques_at(0.0, &mut tau).unwrap();
-    if problem.cost.jerk.is_some() {
-        let (step, mut a) = (1e-4, [[0.0; 6]; 3]);
-        a.iter_mut().enumerate().for_each(|(k, z)| motion.state_at(step * k as f64, z).unwrap());
-        return (4..6).map(|i| (4.0 * a[1][i] - 3.0 * a[0][i] - a[2][i]) / (2.0 * step)).collect();
-    }
     tau
 }
 
@@ -218,14 +210,10 @@ fn controls(problem: &Problem) -> Vec<f64> {
 #[test]
 fn gains_are_those_of_the_rest_of_the_motion() {
     let none = MotionLimits::none;
-    let costly =
-        |problem: Problem| problem.with_cost(Objective::new(0.0, vec![1.0; 2]).with_jerk(vec![1e-3; 2]));
     // Times, and how many vias are over.
     for (name, problem, times) in [
         ("vias", with_vias(none(), false), vec![(0.2, 0), (0.9, 1)]),
         ("periodic, free", periodic(none(), false), vec![(0.4, 0), (1.2, 0)]),
-        ("jerks", at_rest(costly(arm(none()))), vec![(0.0, 0), (0.4, 0)]),
-        ("free accelerations", costly(arm(none())), vec![(0.3, 0)]),
         ("vias, free time", with_vias(none(), true), vec![(0.1, 0)]),
     ] {
         let mut motion = Resolve::new(&problem, options(121, 1e-11)).unwrap();

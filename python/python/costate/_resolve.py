@@ -86,9 +86,9 @@ class Feedback:
         self.cost_hessian: _Array = core.array("cost_hessian")[0]
 
     def gain(self, t: float | _Vector) -> _Array | None:
-        """K at times t (s): dtau = K dx, (n, m), or (N, n, m) for N times. None at a time that is NaN.
+        """K at times t (s): dtau = K dx, (n, m), or (N, n, m) for N times. None with continuous accelerations.
 
-        With continuous accelerations K is that of jerks. Gains grow without bound towards given ends and vias; those
+        Gains grow without bound towards given ends and vias; those
         of 98 % of the time of a phase are held.
         """
         found = self._core.gain(np.atleast_1d(np.asarray(t, float)))

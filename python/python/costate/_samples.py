@@ -114,11 +114,9 @@ class Gains:
     q, v, tau : array (N, n)
         The motion there.
     gain_q, gain_v : array (N, n, n)
-        dtau/dq and dtau/dv; with continuous accelerations djerk/dq and djerk/dv.
-    gain_a : array (N, n, n), or None
-        With continuous accelerations djerk/da.
+        dtau/dq and dtau/dv.
     cost_by_start, final_time_by_start : array (2n)
-        dJ/dx and dT/dx, x = (q, v) at the start; (3n) and (q, v, a) with continuous accelerations.
+        dJ/dx and dT/dx, x = (q, v) at the start.
     final_time : float
         T (s).
     derivatives : dict
@@ -134,7 +132,6 @@ class Gains:
         self.t: _Array = np.array(found["t"])
         self.q, self.v, self.tau = (np.array(found[name]).reshape(-1, n) for name in ("q", "v", "tau"))
         self.gain_q, self.gain_v = (np.array(found[name]).reshape(-1, n, n) for name in ("gain_q", "gain_v"))
-        self.gain_a: _Array | None = np.array(found["gain_a"]).reshape(-1, n, n) if "gain_a" in found else None
         self.cost_by_start, self.final_time_by_start = (
             np.array(found[name]) for name in ("cost_by_start", "final_time_by_start")
         )

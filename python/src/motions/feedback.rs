@@ -35,7 +35,7 @@ impl FeedbackCore {
         Ok(matrices(py, numbers, shape)?.into_any())
     }
 
-    /// K at times (s); None at a time that is NaN.
+    /// K at times (s); None where accelerations are continuous.
     fn gain<'py>(&self, py: Python<'py>, times: &Bound<'py, PyAny>) -> PyResult<Option<Bound<'py, PyAny>>> {
         let (n, m) = (self.0.dof(), self.0.state());
         let times = numbers(times, "times", None)?;

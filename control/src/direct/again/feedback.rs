@@ -18,8 +18,8 @@ use crate::numerics::lagrange::values;
 ///
 /// with x_0 all of the state at the start of the phase, also where the problem leaves some of it free, and
 /// derivatives at constant time where a later time is given, so that the time that is left matters. Where
-/// accelerations are continuous the control is the jerk: K is that of jerks, n x 3n. The end of a periodic
-/// motion is led to where that of this motion is. All this holds
+/// accelerations are continuous there is no gain: the control is the jerk then, and X is too ill-conditioned
+/// to tell it. The end of a periodic motion is led to where that of this motion is. All this holds
 /// as long as the same limits are active. Limits are those of the barrier problem at the gap at which the
 /// motion was solved, or at a wider one where that is so stiff that rounding would show: an active limit is
 /// an equation to about 1e-5. K next to the ends of arcs at limits is as good as the mesh: that of a two-link
@@ -160,10 +160,10 @@ impl Feedback {
     }
 
     /// Writes K(t), n x m, at time t (s): a parabola through Gauss's points of each interval. False, and
-    /// nothing is written, where `gain` has not n m entries or t is NaN; t beyond the ends counts as that of
-    /// the end.
+    /// nothing is written, where `gain` has not n m entries, t is NaN or accelerations are continuous; t
+    /// beyond the ends counts as that of the end.
     pub fn gain(&self, t: f64, gain: &mut [f64]) -> bool {
-        if self.dof == 0 || gain.len() != self.dof * self.state || t.is_nan() {
+        if self.state != 2 * self.dof || self.dof == 0 || gain.len() != self.dof * self.state || t.is_nan() {
             return false;
         }
         let (mut phase, mut rest) = (0, t.max(0.0));
