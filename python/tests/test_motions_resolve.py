@@ -188,12 +188,24 @@ def test_the_rest_of_an_optimal_motion_is_optimal(arm):
     again = motion.solve(steps=20)
     assert again.status == "solved" and abs(motion.final_time - (whole - 0.1)) < 1e-3
     assert motion.problem == problem
+def test_jerks_and_vias(arm):
+    problem = problem_of(arm, [0, 0], [1, 1], limits={"jerk_max": [100.0, 100.0]})
+    motion = problem.resolve(nodes=33)
+    assert motion.solve().status == "solved"
+    feedback = motion.feedback()
+    assert feedback.states_by_start.shape[1:] == (6, 6) and feedback.gain(0.3) is None
+    assert motion.derivative_by("jerk_max", 0).states.shape[1:] == (6,)
+    with pytest.raises(costate.ArgumentError, match="free"):
+        motion.set_start_acceleration([0.0, 0.0])
+    motion = problem_of(arm, [0, 0], [1, 1], via=[{"q": [0.3, 0.6]}]).resolve(nodes=37)
+    assert motion.solve().status == "solved"
+    motion.set_via(0, [0.35, 0.6], [0.0, 0.0])
+    assert motion.solve().status == "solved"
+    with pytest.raises(costate.ArgumentError):
+        motion.set_via(1, [0.35, 0.6], [0.0, 0.0])
 
 
 def test_what_cannot_be_solved_again(arm):
-    with pytest.raises(costate.ProblemError) as caught:
-        problem_of(arm, [0, 0], [1, 1], limits={"jerk_max": [100.0, 100.0]}).resolve()
-    assert caught.value.key == "limits.jerk_max"
     with pytest.raises(costate.ProblemError) as caught:
         problem_of(arm, [0, 0], [1, 1]).resolve(nodes=1)
     assert caught.value.key == "solver.nodes"

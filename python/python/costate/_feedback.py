@@ -49,23 +49,23 @@ class Resolved(NamedTuple):
 class Feedback:
     """Derivatives of an optimal motion by its ends: neighbouring optimal feedback.
 
-    x = (q, v) has 2n entries; points are those of the mesh. A motion that starts at x_0 + dx_0 has at the same part of
-    its time the state x + states_by_start dx_0 and the torques tau + torques_by_start dx_0. Feedbacks with equal numbers
+    x = (q, v) has m = 2n entries, with continuous accelerations x = (q, v, a) has m = 3n; points are those of the mesh. A
+    motion that starts at x_0 + dx_0 has at the same part of the time of its phase the state x + states_by_start dx_0 and the torques tau + torques_by_start dx_0. Feedbacks with equal numbers
     are equal. A. E. Bryson, Y.-C. Ho, Applied Optimal Control, 1975, section 6.4.
 
     Attributes
     ----------
     t : array (P)
         Times of the points (s).
-    states_by_start, states_by_end : array (P, 2n, 2n)
+    states_by_start, states_by_end : array (P, m, m)
         Derivatives of x.
-    torques_by_start, torques_by_end : array (P, n, 2n)
+    torques_by_start, torques_by_end : array (P, n, m)
         Derivatives of the torques.
-    final_time_by_start, final_time_by_end : array (2n)
+    final_time_by_start, final_time_by_end : array (m)
         Derivatives of T; zero where it is fixed.
-    cost_gradient : array (2n)
+    cost_gradient : array (m)
         dJ/dx_0.
-    cost_hessian : array (2n, 2n)
+    cost_hessian : array (m, m)
         Second derivatives of the least cost by the start.
     """
 
@@ -84,7 +84,7 @@ class Feedback:
     def gain(self, t: ArrayLike) -> _Array | None:
         """The gain K of dtau = K dx.
 
-        Gains grow without bound towards a given end; that of 98 % of the time is held.
+        Gains grow without bound towards given ends and vias; those of 98 % of the time of a phase are held.
 
         Parameters
         ----------
@@ -93,8 +93,8 @@ class Feedback:
 
         Returns
         -------
-        ndarray (n, 2n) or (N, n, 2n), or None
-            In N m/rad, N m s/rad, N/m, N s/m; None where something is free at the start.
+        ndarray (n, m) or (N, n, m), or None
+            In N m/rad, N m s/rad, N/m, N s/m; None with continuous accelerations.
         """
         found = self._core.gain(np.atleast_1d(np.asarray(t, float)))
         return None if found is None else found[0] if np.ndim(t) == 0 else found

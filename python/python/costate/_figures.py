@@ -120,8 +120,8 @@ class Figures:
     def certificate(self) -> str:
         """What the second variation shows.
 
-        "local_minimum": a strict one; "local_minimum_on_mesh": one among the polynomials of the mesh, of the direct method;
-        "not_minimal", "not_checked".
+        "local_minimum": a strict one; "not_minimal"; "not_checked". Of the direct method, among the polynomials of the mesh:
+        "local_minimum_on_mesh", "saddle_on_mesh".
         """
         return str(self._figures["certificate"])
 

@@ -100,8 +100,7 @@ class Motion(Figures):
     def feedback(self, rate: float | None = None) -> Gains:
         """The gains of the optimal feedback, and derivatives by limits.
 
-        The problem is solved once more, on the mesh of the motion or on equal intervals. Jerks, torque rates, given
-        accelerations and vias are refused.
+        The problem is solved once more, on the mesh of the motion or on equal intervals.
 
         Parameters
         ----------
@@ -118,7 +117,7 @@ class Motion(Figures):
         ProblemError
             For a problem that it is not computed for.
         MotionError
-            Where the motion is no strict minimum, or something is free at the start.
+            Where the motion is no strict minimum.
 
         References
         ----------

@@ -24,8 +24,7 @@ class Resolve(Settings):
     """A problem that is solved again and again on one mesh, as a controller needs it.
 
     The mesh has (nodes - 1)/3 equal intervals. Each solve begins at the motion that is optimal for the new ends to
-    first order. The limits of the robot are kept unless the problem says otherwise. Jerks, torque rates, given
-    accelerations, vias and periodic motions are refused.
+    first order. The limits of the robot are kept unless the problem says otherwise.
 
     Several threads may use one object: calls wait for each other, without the interpreter's lock, and the motion is
     that of the last solve. A thread with motions of its own needs its own object.
@@ -86,7 +85,7 @@ class Resolve(Settings):
         return self._problem
 
     def advance(self, dt: float) -> None:
-        """Begin the next solve at the motion of the last one from a later time on.
+        """Begin the next solve at the motion of the last one from a later time on; vias stay on the clock.
 
         Parameters
         ----------
@@ -206,7 +205,7 @@ class Resolve(Settings):
 
         Parameters
         ----------
-        limit : {"q_min", "q_max", "v_max", "a_max", "torque_max", "power_max"}
+        limit : {"q_min", "q_max", "v_max", "a_max", "torque_max", "power_max", "jerk_max", "torque_rate_max"}
             The limit.
         joint : str or int
             The joint, by name or from 0.

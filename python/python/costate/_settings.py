@@ -55,6 +55,53 @@ class Settings:
         """
         self._set("set_end", None, copied(q), copied(v))
 
+    def set_via(self, number: int, q: ArrayLike, v: ArrayLike) -> None:
+        """Move a via; components that are free do not count.
+
+        Parameters
+        ----------
+        number : int
+            Which of ``[[via]]``, from 0.
+        q, v : array_like (n)
+            Positions (rad, m) and rates (rad/s, m/s).
+
+        Raises
+        ------
+        ArgumentError
+            For a via that the problem has not, and for numbers beyond their limits.
+        """
+        self._set("set_via", number, number, copied(q), copied(v))
+
+    def set_start_acceleration(self, a: ArrayLike) -> None:
+        """Start the next solve with other accelerations.
+
+        Parameters
+        ----------
+        a : array_like (n)
+            In rad/s^2, m/s^2.
+
+        Raises
+        ------
+        ArgumentError
+            Where the problem leaves them free.
+        """
+        self._set("set_acceleration", False, False, copied(a))
+
+    def set_end_acceleration(self, a: ArrayLike) -> None:
+        """End the next solve with other accelerations.
+
+        Parameters
+        ----------
+        a : array_like (n)
+            In rad/s^2, m/s^2.
+
+        Raises
+        ------
+        ArgumentError
+            Where the problem leaves them free.
+        """
+        self._set("set_acceleration", True, True, copied(a))
+
     def set_start_tool(self, number: int, xyz: ArrayLike) -> None:
         """Move a tool of the start; coordinates that are free stay so.
 

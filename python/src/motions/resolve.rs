@@ -87,6 +87,26 @@ impl ResolveCore {
         self.set(py, |motion| motion.set_end(&q, &v))
     }
 
+    fn set_via(
+        &self,
+        py: Python<'_>,
+        number: usize,
+        q: &Bound<'_, PyAny>,
+        v: &Bound<'_, PyAny>,
+    ) -> PyResult<()> {
+        let (q, v) = (numbers(q, "q", Some(self.n))?, numbers(v, "v", Some(self.n))?);
+        self.set(py, |motion| motion.set_via(number, &q, &v))
+    }
+
+    /// Accelerations at the start, or at the end.
+    fn set_acceleration(&self, py: Python<'_>, at_end: bool, a: &Bound<'_, PyAny>) -> PyResult<()> {
+        let a = numbers(a, "a", Some(self.n))?;
+        self.set(py, |motion| match at_end {
+            true => motion.set_end_acceleration(&a),
+            false => motion.set_start_acceleration(&a),
+        })
+    }
+
     /// The position of a tool: at the start, at the end or of a cost.
     fn set_tool(&self, py: Python<'_>, of: &str, number: usize, xyz: &Bound<'_, PyAny>) -> PyResult<()> {
         let xyz = numbers(xyz, "xyz", Some(3))?;
@@ -202,9 +222,12 @@ impl ResolveCore {
             "a_max" => MotionParameter::AccelerationMax(joint),
             "torque_max" => MotionParameter::TorqueMax(joint),
             "power_max" => MotionParameter::PowerMax(joint),
+            "jerk_max" => MotionParameter::JerkMax(joint),
+            "torque_rate_max" => MotionParameter::TorqueRateMax(joint),
             _ => {
                 let message = format!(
-                    "there is no limit '{limit}'; give q_min, q_max, v_max, a_max, torque_max or power_max"
+                    "there is no limit '{limit}'; give q_min, q_max, v_max, a_max, torque_max, \
+                     power_max, jerk_max or torque_rate_max"
                 );
                 return Err(argument(py, "limit", message));
             }
@@ -238,7 +261,8 @@ impl ResolveCore {
             let rows: Vec<Vec<f64>> = numbers.chunks_exact(columns).map(<[f64]>::to_vec).collect();
             PyResult::Ok(matrix(py, &rows, columns)?.into_any())
         };
-        let (states, torques) = (rows(&found.states, 2 * self.n)?, rows(&found.torques, self.n)?);
+        let state = self.n * found.states.len() / found.torques.len();
+        let (states, torques) = (rows(&found.states, state)?, rows(&found.torques, self.n)?);
         Ok(Some((found.cost, found.final_time, states, torques)))
     }
 }
