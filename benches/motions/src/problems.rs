@@ -77,8 +77,8 @@ pub fn panda() -> Result<Problem, Failure> {
         .with_limits(MotionLimits::none().with_from_robot(true)))
 }
 
-/// A robot with the inertias of rotors turns from rest to rest in 1 s, at the price of its torques in parts of their
-/// limits.
+/// A robot with the inertias of rotors turns from rest to rest in 1 s, at the price of its torques in parts
+/// of their limits.
 pub fn between<const N: usize>(file: &str, from: [f64; N], to: [f64; N]) -> Result<Problem, Failure> {
     let robot = Robot::from_file(format!("{ROOT}/robots/{file}"))?;
     let rotor = |i: usize| if i < 3 { 1.0 } else { 0.2 };

@@ -1,8 +1,8 @@
 //! Elimination of the nodes, one after the other.
 //!
-//! In the order y_0, y_1, q_0, y_2, q_1, .. each q follows all controls that it meets. Then the pivots of every q
-//! are positive and those of every y are negative if and only if the motion is a local minimum on its mesh: the
-//! pivots up to q_k are those of the motion that ends at node k + 1.
+//! In the order y_0, y_1, q_0, y_2, q_1, .. each q follows all controls that it meets. Then the pivots of
+//! every q are positive and those of every y are negative if and only if the motion is a local minimum on its
+//! mesh: the pivots up to q_k are those of the motion that ends at node k + 1.
 
 use super::linear::{Rows, WrongSign, add, backward, factorise, forward, negate, subtract};
 

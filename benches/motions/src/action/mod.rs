@@ -173,8 +173,8 @@ fn collocation(problem: &Problem, start: &Trajectory, n: usize) -> Result<Run, F
     Ok(Run { cost: motion.cost, steps })
 }
 
-/// The action form on n equal intervals. A step computes what one of collocation does: factors, two corrections
-/// and the equations at the new motion.
+/// The action form on n equal intervals. A step computes what one of collocation does: factors, two
+/// corrections and the equations at the new motion.
 fn action(problem: &Problem, start: &Trajectory, n: usize) -> Result<Run, Stopped> {
     let mut action = at(problem, start, n, DISTURBED);
     let mut steps = Vec::new();

@@ -4,8 +4,8 @@
 //!
 //! S = integral of L_q.y + L_v.y' + y.D + sum b^2 y^2 / (2 r),   y the costate y_p of the momenta
 //!
-//! With q and y polynomials of degree 3 on each interval and Lobatto's four points, the equations are the derivatives
-//! of one number: their matrix is symmetric, and consists of kernels one and two.
+//! With q and y polynomials of degree 3 on each interval and Lobatto's four points, the equations are the
+//! derivatives of one number: their matrix is symmetric, and consists of kernels one and two.
 
 use super::fronts::{Front, Given, Rest};
 use super::interval::{Interval, Work};
