@@ -5,8 +5,8 @@
 //! where arguments and results lie, `cores` computes one state; `xla` takes the arrays of JAX instead.
 //! `quantities` lists what is computed of the dynamics, `kinematics` of frames, `schemes` of time steps.
 //! `robot` with `edits`, `builder` and its `recipe`, `dynamics`, `frame` and `time_step` are the classes that
-//! Python sees. `motions` is what its classes for optimal motions are made of, `casadi` exports functions to
-//! CasADi.
+//! Python sees, `look` their visual models. `motions` is what its classes for optimal motions are made of,
+//! `casadi` exports functions to CasADi.
 
 #![deny(unsafe_op_in_unsafe_fn, clippy::undocumented_unsafe_blocks)]
 
@@ -27,6 +27,7 @@ mod failures;
 mod frame;
 mod function;
 mod kinematics;
+mod look;
 mod methods;
 mod motions;
 mod plan;
@@ -75,7 +76,7 @@ mod _costate {
     #[pymodule_export]
     use crate::time_step::Step;
     #[pymodule_export]
-    use crate::xla::_xla_handler;
+    use crate::xla::{_xla_calls, _xla_handler};
     #[pymodule_export]
     #[expect(non_upper_case_globals, reason = "its name in Python")]
     const __version__: &str = env!("CARGO_PKG_VERSION");

@@ -1,6 +1,7 @@
 //! The class `Robot`.
 
 use crate::errors::{self, RobotWarning, argument};
+use crate::look::Look;
 use crate::recipe::{Recipe, is_rebuilding, named};
 use crate::table;
 use costate::robot::{self, Limits, LoadOptions, RobotFormat, RobotText};
@@ -31,6 +32,8 @@ use std::sync::Arc;
 pub struct Robot {
     inner: Arc<robot::Robot>,
     recipe: Arc<Recipe>,
+    /// Its visual models, if it was read from a URDF; no part of what is compared.
+    pub look: Option<Arc<Look>>,
 }
 
 impl Robot {
@@ -58,11 +61,15 @@ impl Robot {
         }
         let new = |warning: &&robot::Warning| !is_rebuilding() && !known.contains(warning);
         for warning in robot.warnings().iter().filter(new) {
-            let text = format!("robot '{}': {warning}", robot.name());
-            let text = CString::new(text.replace('\0', " "))?;
+            let text = CString::new(format!("robot '{}': {warning}", robot.name()).replace('\0', " "))?;
             PyErr::warn(py, &py.get_type::<RobotWarning>(), &text, 1)?;
         }
-        Ok(Self { inner: Arc::new(robot), recipe: Arc::new(recipe) })
+        Ok(Self { inner: Arc::new(robot), recipe: Arc::new(recipe), look: None })
+    }
+
+    /// The same with these visual models.
+    pub fn looking_like(self, look: Option<Arc<Look>>) -> Self {
+        Self { look, ..self }
     }
 
     /// The robot after a change, which is noted in its recipe.
@@ -74,7 +81,8 @@ impl Robot {
         change: impl FnOnce(&robot::Robot) -> Result<robot::Robot, robot::RobotError>,
     ) -> PyResult<Self> {
         let robot = change(&self.inner).map_err(|error| errors::robot(py, &error))?;
-        Self::warned(py, robot, self.recipe.then(py, name, arguments), self.inner.warnings())
+        let recipe = self.recipe.then(py, name, arguments);
+        Ok(Self::warned(py, robot, recipe, self.inner.warnings())?.looking_like(self.look.clone()))
     }
 
     /// One number for each joint of q.
@@ -118,9 +126,10 @@ impl Robot {
         });
         let (file, read) = read.map_err(|error| errors::robot(py, &error))?;
         // A pickle contains the text: the file need not be where it is read.
+        let look = Look::new(file.as_str(), file.format(), Some(&path));
         let (text, format) = (file.as_str(), file.format().name());
         let recipe = Recipe::default().then(py, "from_text", named!(py, text, format, friction, strict));
-        Self::warned(py, read, recipe, &[])
+        Ok(Self::warned(py, read, recipe, &[])?.looking_like(look))
     }
 
     /// Reads the text of a URDF or of a robot in TOML.
@@ -154,8 +163,9 @@ impl Robot {
         let options = LoadOptions::default().friction(friction).strict(strict);
         let read = robot::Robot::read(text.as_bytes(), kind, options);
         let read = read.map_err(|error| errors::robot(py, &error))?;
+        let look = Look::new(&text, kind, None);
         let recipe = Recipe::default().then(py, "from_text", named!(py, text, format, friction, strict));
-        Self::warned(py, read, recipe, &[])
+        Ok(Self::warned(py, read, recipe, &[])?.looking_like(look))
     }
 
     /// The robot of a problem, with the changes that the problem makes; for pickles.

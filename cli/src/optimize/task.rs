@@ -2,7 +2,7 @@
 
 use crate::terminal;
 use costate::robot::LoadOptions;
-use costate_control::{Problem, ProblemFile, Resolve, SolverOptions, Trajectory};
+use costate_control::{Payload, Problem, ProblemFile, Resolve, SolverOptions, Trajectory};
 use std::error::Error;
 use std::path::{Path, PathBuf};
 
@@ -11,6 +11,8 @@ pub struct Task {
     pub problem: Problem,
     pub options: SolverOptions,
     pub start_from: Option<Trajectory>,
+    /// What the robot carries by the problem file.
+    pub payloads: Vec<Payload>,
     /// The text of the file.
     pub text: String,
     /// The robot file.
@@ -39,7 +41,7 @@ impl Task {
         let start_from = saved.map(|saved| saved.trajectory);
         let inputs = [Some(path), file.robot_path.as_deref(), file.start_from.as_deref()];
         let inputs = inputs.into_iter().flatten().map(Path::to_path_buf).collect();
-        let ProblemFile { problem, options, text, robot_path, .. } = file;
-        Ok(Self { problem, options, start_from, text, robot_path, inputs })
+        let ProblemFile { problem, options, payloads, text, robot_path, .. } = file;
+        Ok(Self { problem, options, start_from, payloads, text, robot_path, inputs })
     }
 }

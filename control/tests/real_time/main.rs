@@ -9,6 +9,7 @@ mod feedback;
 mod motion_derivative;
 mod resolve;
 mod sensitivity;
+mod settings;
 mod solved;
 
 #[global_allocator]

@@ -178,9 +178,12 @@ fn what_no_motion_can_meet_is_refused() {
     );
     says(
         motion.set_end(&[0.0, 0.0, 7.0, 0.0, 0.0, 0.0], &[0.0; 6]).unwrap_err(),
-        "q at the end of joint 2 is 7",
+        "q at the end of joint 'elbow_joint' is 7",
     );
-    says(motion.set_start(&[0.0; 6], &[4.0; 6]).unwrap_err(), "v at the start of joint 0 is 4");
+    says(
+        motion.set_start(&[0.0; 6], &[4.0; 6]).unwrap_err(),
+        "v at the start of joint 'shoulder_pan_joint' is 4",
+    );
     assert!(motion.feedback().unwrap().is_none(), "nothing is solved yet");
     assert_eq!(motion.final_time(), None);
     assert_eq!(motion.torques_at(0.1, &mut [0.0; 6]), Err(ResolveError::NotSolved));

@@ -3,7 +3,6 @@
 use super::parameter_columns::Column;
 use super::resolve::Resolve;
 use super::resolve_error::ResolveError;
-use crate::direct::limits::side::{Limited, Side};
 use crate::direct::points::values::{PointDynamics, RobotPoints};
 use crate::numerics::chain::dot;
 use crate::problem::Payload;
@@ -26,6 +25,9 @@ pub enum MotionParameter {
     TorqueMax(usize),
     /// The largest power of a joint, in both directions (W).
     PowerMax(usize),
+    /// The largest power of all joints together, in both directions (W); of a robot with one joint ask for
+    /// [`PowerMax`](Self::PowerMax).
+    TotalPowerMax,
     /// The mass of a body that the robot carries, with its centre and the shape of its inertia (kg).
     PayloadMass(Payload),
 }
@@ -94,20 +96,9 @@ impl Resolve {
                 heavier = Some(points);
             }
             limit => {
-                let (limited, joint, sign, moves) = of_limit(limit);
-                let row = |side: &Side| side.limited == limited && side.joint == joint;
-                let sides = self.interior.barrier.sides();
-                let falls = limited == Limited::Torque
-                    && sides.iter().any(|side| {
-                        side.limited == Limited::TorqueSpeed
-                            && self.interior.model.powers.joint(side.joint) == Some(joint)
-                    });
-                let is_side =
-                    |side: &Side| row(side) && !side.is_equation && (sign == 0.0 || side.sign == sign);
-                if falls || !sides.iter().any(is_side) {
-                    return Err(ResolveError::NoLimit { kind: limited.name(), joint });
-                }
-                self.interior.limit_column(|side| if is_side(side) { moves } else { 0.0 }, &mut column);
+                let (sides, _) = self.sides_of(limit)?;
+                let moves = if matches!(limit, MotionParameter::PositionMin(_)) { -1.0 } else { 1.0 };
+                self.interior.limit_column(|side| if sides.has(side) { moves } else { 0.0 }, &mut column);
             }
         }
         self.interior.respond_to(&mut column);
@@ -127,21 +118,6 @@ impl Resolve {
             }
         }
         Ok(Some(found))
-    }
-}
-
-/// What a parameter limits, the joint, the sign of its side (0 for both), and by what the distance to it
-/// changes.
-fn of_limit(parameter: &MotionParameter) -> (Limited, usize, f64, f64) {
-    match parameter {
-        MotionParameter::PositionMin(joint) => (Limited::Position, *joint, 1.0, -1.0),
-        MotionParameter::PositionMax(joint) => (Limited::Position, *joint, -1.0, 1.0),
-        MotionParameter::VelocityMax(joint) => (Limited::Rate, *joint, 0.0, 1.0),
-        MotionParameter::AccelerationMax(joint) => (Limited::Acceleration, *joint, 0.0, 1.0),
-        MotionParameter::PowerMax(joint) => (Limited::Power, *joint, 0.0, 1.0),
-        MotionParameter::TorqueMax(joint) => (Limited::Torque, *joint, 0.0, 1.0),
-        // Has no side.
-        MotionParameter::PayloadMass(_) => (Limited::Torque, usize::MAX, 0.0, 0.0),
     }
 }
 

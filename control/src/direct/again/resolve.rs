@@ -11,6 +11,7 @@ use crate::options::{Method, SolverOptions};
 use crate::problem::error::ProblemError;
 use crate::problem::limits::JointLimits;
 use crate::problem::{BoundaryState, Problem};
+use crate::progress::Cancel;
 use crate::result::trajectory::Trajectory;
 use crate::solve::recorder::Interruption;
 use crate::task::build::TaskRows;
@@ -67,6 +68,7 @@ pub struct Resolve {
     damping: f64,
     /// Longest time of a Newton step.
     longest: Duration,
+    cancel: Option<Cancel>,
     pub(super) started: bool,
     /// Whether the equations are factorised near the iterate.
     pub(super) factorised: bool,
@@ -130,10 +132,23 @@ impl Resolve {
             z: vec![0.0; 3 * n],
             damping: 0.0,
             longest: Duration::ZERO,
+            cancel: None,
             started: false,
             factorised: false,
             options,
         })
+    }
+
+    /// Stops each solve before its next Newton step, with [`ResolveStatus::Cancelled`], once `cancel` says
+    /// so. With another handle, or `None`, later solves go on.
+    pub fn set_cancel(&mut self, cancel: Option<Cancel>) {
+        self.cancel = cancel;
+    }
+
+    /// The name of a joint, or its index from 0 if there is no such joint.
+    pub(super) fn joint_name(&self, joint: usize) -> String {
+        let found = self.robot.independent_joints().nth(joint);
+        found.map_or_else(|| joint.to_string(), |joint| joint.name.clone())
     }
 
     /// Number of joints, n.
@@ -193,13 +208,16 @@ impl Resolve {
         self.interior.damping = self.damping;
         self.damping *= constants::DAMPING_DOWN;
         let (shown, longest, damping) = (&mut self.shown, &mut self.longest, &mut self.damping);
-        let mut last = Instant::now();
+        let (cancel, mut last) = (&self.cancel, Instant::now());
         let watch = |iterate: &mut Interior<Dynamics>, _: f64| {
             shown.offer(iterate);
             *damping = iterate.damping;
             let now = Instant::now();
             *longest = (*longest).max(now - last);
             last = now;
+            if cancel.as_ref().is_some_and(Cancel::is_cancelled) {
+                return Some(Interruption::Cancelled);
+            }
             deadline.filter(|&deadline| now + *longest > deadline).map(|_| Interruption::TimeLimit)
         };
         let end = self.interior.iterate(self.options.tolerance, budget.iterations.max(1), watch)?;
@@ -209,6 +227,7 @@ impl Resolve {
             End::Solved => ResolveStatus::Solved,
             End::IterationLimit => ResolveStatus::Iterations,
             End::NoProgress => ResolveStatus::NoProgress,
+            End::Interrupted(Interruption::Cancelled) => ResolveStatus::Cancelled,
             End::Interrupted(_) => ResolveStatus::OutOfTime,
         };
         if status == ResolveStatus::Solved {

@@ -56,6 +56,7 @@ impl Resolve {
                 }
                 let [low, high] = if group == 0 { limits.q } else { [-limits.v, limits.v] };
                 if !(low..=high).contains(&value) {
+                    let joint = self.joint_name(joint);
                     return Err(ResolveError::Outside { what, joint, value, low, high });
                 }
             }

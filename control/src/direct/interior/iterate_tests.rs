@@ -25,7 +25,7 @@ pub(in crate::direct) fn started(shape: Shape) -> Interior<PhaseDynamics<RobotPo
 }
 
 /// The same with these vias.
-fn started_with(shape: Shape, vias: &[Via]) -> Interior<PhaseDynamics<RobotPoints>> {
+pub(in crate::direct) fn started_with(shape: Shape, vias: &[Via]) -> Interior<PhaseDynamics<RobotPoints>> {
     let robot = Robot::from_file("../robots/two_link.toml").unwrap();
     let mut problem = Problem::rest_to_rest(robot, &[0.0, 0.0], &[1.0, -0.7], 1.2);
     problem.time = FinalTime::Free { guess: 1.2 };

@@ -187,7 +187,9 @@ impl Relaxation {
             return;
         }
         let size = spline.unknowns.len();
-        self.work = Work::new(spline.dof, [0; 2]);
+        if self.work.z_t.len() != 3 * spline.dof {
+            self.work = Work::new(spline.dof, [0; 2]);
+        }
         let count = self.give.len();
         self.border.reset(count);
         self.by_times.resize_with(count, Vec::new);
