@@ -139,7 +139,7 @@ fn gains_with_active_limits_of_torques_are_those_of_solving_again() {
         let mut gain = [0.0; 8];
         assert!(motion.feedback().unwrap().expect("a strict minimum").gain(0.0, &mut gain));
         for (found, expected) in gain.iter().zip(expected) {
-            assert!((found - expected).abs() < 0.04 * size, "{tolerance}: {gain:?} {expected:?}");
+            assert!((found - expected).abs() < 0.06 * size, "{tolerance}: {gain:?} {expected:?}");
         }
         let feedback = motion.feedback().unwrap().unwrap();
         assert!(!feedback.gain(f64::NAN, &mut gain));

@@ -23,7 +23,7 @@ use crate::numerics::lagrange::values;
 /// as long as the same limits are active. Limits are those of the barrier problem at the gap at which the
 /// motion was solved, or at a wider one where that is so stiff that rounding would show: an active limit is
 /// an equation to about 1e-5. K next to the ends of arcs at limits is as good as the mesh: that of a two-link
-/// arm with an elbow at its torque limit from the start is that of solving again to 4 % of its largest entry
+/// arm with an elbow at its torque limit from the start is that of solving again to 6 % of its largest entry
 /// with tolerances from 1e-4 to 1e-8, where no limit is active to 0.2 %. Where the
 /// end is given, gains grow without bound towards it: [`gain`](Self::gain) holds that of 98 % of the time.
 ///
