@@ -58,7 +58,7 @@ pub struct Gains {
     pub gain_v: Vec<Rows>,
     /// Derivatives of the cost by the state at the start, (q, v).
     pub cost_by_start: Vec<f64>,
-    /// Derivatives of T by the state at the start, (q, v).
+    /// Derivatives of T by the state at the start, the same.
     pub final_time_by_start: Vec<f64>,
     /// How the motion changes with its limits.
     pub derivatives: LimitDerivatives,
@@ -120,12 +120,15 @@ pub enum GainError {
     /// Solving again did not come to an end.
     #[error("the motion is not solved on a mesh of its own; try another tolerance or more nodes")]
     NotSolved,
+    /// Accelerations are continuous: no gains are computed.
+    #[error(
+        "there are no gains where accelerations are continuous (jerks, rates of torques or accelerations are \
+         limited, cost something or are given); Resolve solves such a motion again"
+    )]
+    Continuous,
     /// The matrix of Newton's method is not positive definite.
     #[error("the motion is no strict minimum, so that there is no feedback")]
     NoMinimum,
-    /// Positions or rates are free at the start.
-    #[error("something is free at the start, so that states on the way do not tell the start")]
-    FreeStart,
 }
 
 impl Gains {
@@ -152,9 +155,12 @@ impl Gains {
         if solution.trajectory.t.len() < 2 {
             return Err(GainError::NoMotion);
         }
+        if problem.first_of_rates().is_some() {
+            return Err(GainError::Continuous);
+        }
         let mut motion = solved(problem, solution)?;
         let feedback = motion.feedback()?.cloned().ok_or(GainError::NoMinimum)?;
-        let n = feedback.dof();
+        let (n, m) = (feedback.dof(), feedback.state());
         let time = motion.final_time().unwrap_or(0.0);
         let points: Vec<f64> = (0..feedback.points()).map(|p| feedback.time(p)).collect();
         let t = match rate {
@@ -184,20 +190,20 @@ impl Gains {
             },
             t,
         };
-        let (mut z, mut torques, mut gain) = (vec![0.0; 3 * n], vec![0.0; n], vec![0.0; 2 * n * n]);
+        let (mut z, mut torques, mut gain) = (vec![0.0; 3 * n], vec![0.0; n], vec![0.0; n * m]);
         for &t in &gains.t {
             motion.state_at(t, &mut z)?;
             motion.torques_at(t, &mut torques)?;
             if !gain_at(&feedback, t, &mut gain) {
-                return Err(GainError::FreeStart);
+                return Err(GainError::NoMinimum);
             }
             gains.q.push(z[..n].to_vec());
             gains.v.push(z[n..2 * n].to_vec());
             gains.tau.push(torques.clone());
-            let half =
-                |first: usize| gain.chunks_exact(2 * n).map(|row| row[first..first + n].to_vec()).collect();
-            gains.gain_q.push(half(0));
-            gains.gain_v.push(half(n));
+            let part =
+                |first: usize| gain.chunks_exact(m).map(|row| row[first..first + n].to_vec()).collect();
+            gains.gain_q.push(part(0));
+            gains.gain_v.push(part(n));
         }
         Ok(gains)
     }
@@ -231,13 +237,15 @@ fn parameters(
     motion: &mut Resolve,
 ) -> Result<Vec<LimitDerivative>, GainError> {
     type Limit = (&'static str, fn(usize) -> MotionParameter);
-    const LIMITS: [Limit; 6] = [
+    const LIMITS: [Limit; 8] = [
         ("limits.q_min", MotionParameter::PositionMin),
         ("limits.q_max", MotionParameter::PositionMax),
         ("limits.v_max", MotionParameter::VelocityMax),
         ("limits.a_max", MotionParameter::AccelerationMax),
         ("limits.torque_max", MotionParameter::TorqueMax),
         ("limits.power_max", MotionParameter::PowerMax),
+        ("limits.jerk_max", MotionParameter::JerkMax),
+        ("limits.torque_rate_max", MotionParameter::TorqueRateMax),
     ];
     let mut asked: Vec<(&'static str, String, MotionParameter)> = Vec::new();
     for (index, joint) in problem.robot.independent_joints().enumerate() {
@@ -259,7 +267,8 @@ fn parameters(
             Err(error) => return Err(error.into()),
         };
         let n = motion.dof();
-        let rows = |first: usize| states.chunks_exact(2 * n).map(|x| x[first..first + n].to_vec()).collect();
+        let m = n * states.len() / torques.len();
+        let rows = |first: usize| states.chunks_exact(m).map(|x| x[first..first + n].to_vec()).collect();
         all.push(LimitDerivative {
             name: name.into(),
             joint,

@@ -1,8 +1,9 @@
 //! The compiled module of the Python package `costate`: robots, dynamics and time steps on NumPy arrays.
 //!
-//! A call passes through these modules: `arrays` reads the arguments with their leading `axes` and allocates
-//! the results, `function` evaluates all states on threads, `call` those of one thread on lanes, `plan` says
-//! where arguments and results lie, `cores` computes one state; `xla` takes the arrays of JAX instead.
+//! A call passes through these modules: `arrays` reads the arguments with their leading `axes`, `results`
+//! makes the arrays of results or takes those of the caller, `function` evaluates all states on threads until
+//! one of the `signals` comes, `call` those of one thread on lanes, `plan` says where arguments and results
+//! lie, `cores` computes one state and four; `xla` takes the arrays of JAX instead.
 //! `quantities` lists what is computed of the dynamics, `kinematics` of frames, `schemes` of time steps.
 //! `robot` with `edits`, `builder` and its `recipe`, `dynamics`, `frame` and `time_step` are the classes that
 //! Python sees, `look` their visual models. `motions` is what its classes for optimal motions are made of,
@@ -20,7 +21,9 @@ mod codegen;
 mod cores;
 mod descriptions;
 mod dynamics;
+mod dynamics_verbs;
 mod edits;
+mod engine;
 mod engines;
 mod errors;
 mod failures;
@@ -31,10 +34,13 @@ mod look;
 mod methods;
 mod motions;
 mod plan;
+mod properties;
 mod quantities;
 mod recipe;
+mod results;
 mod robot;
 mod schemes;
+mod signals;
 mod table;
 mod time_step;
 mod timing;

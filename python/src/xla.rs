@@ -6,10 +6,11 @@
 
 mod frame;
 
-use crate::arrays::{Axes, Source, Target};
+use crate::arrays::{Axes, Source};
 use crate::dynamics::Dynamics;
 use crate::function::{Function, Settings};
 use crate::quantities::Verb;
+use crate::results::Target;
 use frame::{ApiError, CallFrame, Code};
 use pyo3::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};

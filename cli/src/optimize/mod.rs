@@ -32,7 +32,7 @@ const NOT_SOLVED: u8 = 3;
 
 pub fn run(arguments: &Arguments) -> Outcome {
     let load = LoadOptions::default().strict(arguments.strict).friction(arguments.friction);
-    let mut task = Task::read(&arguments.problem, load, arguments.feedback.is_some())?;
+    let mut task = Task::read(&arguments.problem, load)?;
     if let Some(limit) = arguments.time_limit {
         task.options = task.options.with_time_limit(limit);
     }

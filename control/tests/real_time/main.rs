@@ -6,6 +6,8 @@ use costate_test_support::allocations::Counting;
 
 mod costates;
 mod feedback;
+mod kinds;
+mod kinds_feedback;
 mod motion_derivative;
 mod resolve;
 mod sensitivity;

@@ -10,6 +10,7 @@ use costate_control::{
 };
 use costate_test_support::allocations::allocations;
 use std::f64::consts::PI;
+use std::ops::ControlFlow;
 use std::time::Duration;
 
 fn options(intervals: usize, tolerance: f64) -> SolverOptions {
@@ -122,6 +123,19 @@ fn budgets_are_kept_and_the_best_motion_is_shown() {
     motion.set_end(&arm.end.q, &[0.0; 6]).unwrap();
     let none = motion.solve_again(Budget::steps(50).within(Duration::ZERO)).unwrap();
     assert_eq!((none.status, none.iterations), (ResolveStatus::OutOfTime, 1));
+    // A listener ends it too, and nothing is allocated for that.
+    motion.set_end(&far, &[0.0; 6]).unwrap();
+    let (mut steps, mut stopped) = (0, None);
+    let found = allocations(|| {
+        let stop = || {
+            steps += 1;
+            if steps == 2 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        };
+        stopped = Some(motion.solve_until(Budget::steps(50), stop).unwrap());
+    });
+    let stopped = stopped.unwrap();
+    assert_eq!((found, stopped.status, stopped.iterations), (0, ResolveStatus::Cancelled, 2));
+    motion.set_end(&arm.end.q, &[0.0; 6]).unwrap();
     let rest = motion.solve_again(Budget::steps(50)).unwrap();
     assert_eq!((rest.status, rest.keeps_limits()), (ResolveStatus::Solved, true));
 }

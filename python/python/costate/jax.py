@@ -268,17 +268,95 @@ class Model:
         return _differentiable(names, n, (value, jacobian, hessian), m, self.order, _numbers(value, jacobian, hessian))
 
     def f(self, q: Any, v: Any, tau: Any) -> Any:
-        """The state equation dx/dt (..., 2n), as `Dynamics.f`."""
+        """The state equation dx/dt, as `Dynamics.f`.
+
+        Parameters
+        ----------
+        q : array_like (..., n)
+            Positions (rad, m).
+        v : array_like (..., n)
+            Velocities (rad/s, m/s); with the coordinates ``"qp"`` the momenta p.
+        tau : array_like (..., n)
+            Torques and forces (N m, N).
+
+        Returns
+        -------
+        jax.Array (..., 2n)
+            Equation (9) or (17), (19).
+
+        Raises
+        ------
+        ArgumentError
+            For another type or shape.
+        """
         return self._f(q, v, tau)
 
     def aba(self, q: Any, v: Any, tau: Any) -> Any:
-        """Forward dynamics: the accelerations (..., n), as `Dynamics.aba`."""
+        """Forward dynamics, as `Dynamics.aba`.
+
+        Parameters
+        ----------
+        q : array_like (..., n)
+            Positions (rad, m).
+        v : array_like (..., n)
+            Velocities (rad/s, m/s), in either coordinates.
+        tau : array_like (..., n)
+            Torques and forces (N m, N).
+
+        Returns
+        -------
+        jax.Array (..., n)
+            Accelerations (rad/s^2, m/s^2).
+
+        Raises
+        ------
+        ArgumentError
+            For another type or shape.
+        """
         return self._aba(q, v, tau)
 
     def rnea(self, q: Any, v: Any, a: Any) -> Any:
-        """Inverse dynamics: the torques (..., n), as `Dynamics.rnea`."""
+        """Inverse dynamics, as `Dynamics.rnea`.
+
+        Parameters
+        ----------
+        q : array_like (..., n)
+            Positions (rad, m).
+        v : array_like (..., n)
+            Velocities (rad/s, m/s), in either coordinates.
+        a : array_like (..., n)
+            Accelerations (rad/s^2, m/s^2).
+
+        Returns
+        -------
+        jax.Array (..., n)
+            Torques and forces (N m, N).
+
+        Raises
+        ------
+        ArgumentError
+            For another type or shape.
+        """
         return self._rnea(q, v, a)
 
     def step(self, scheme: _Scheme, dt: float) -> _Function:
-        """One time step: a function of (q, v, tau) whose result is the next state (..., 2n), as `Step.f`."""
+        """One time step, as `Step.f`.
+
+        Parameters
+        ----------
+        scheme : {"rk4", "midpoint", "verlet", "semi_implicit_euler"}
+            As in `Step`.
+        dt : float
+            Duration (s).
+
+        Returns
+        -------
+        callable
+            A function of (q, v, tau) whose result is the next state (..., 2n).
+
+        Raises
+        ------
+        ArgumentError
+            As `Step`.
+        """
         return self._function(Step(self.dynamics, scheme, dt), ("f", "jacobian", "hessian"), 2 * self.dynamics.n)

@@ -76,14 +76,32 @@ fn limits_have_derivatives() {
 }
 
 #[test]
+fn other_kinds_of_motions_have_feedback() {
+    let via = "[[via]]\nq = [0.5, 1.0]\n[cost]";
+    let found = |text: &str| {
+        let file = folder("feedback_kinds").join("feedback.json");
+        let path = file.to_str().unwrap();
+        let output = optimize("feedback_kinds", text, &["--feedback", path, "--sample", "100Hz"]);
+        assert!(output.status.success(), "{output:?}");
+        let found: Value = serde_json::from_str(&std::fs::read_to_string(&file).unwrap()).unwrap();
+        assert_eq!(found["t"].as_array().unwrap().len(), 101, "{found}");
+        found
+    };
+    assert!(found(&two_link().replace("[cost]", via)).get("gain_q").is_some());
+    assert!(found(&two_link().replace("[end]", "q_free = [1]\n[end]")).get("gain_q").is_some());
+}
+
+#[test]
 fn what_has_no_feedback_is_told() {
     let says = |text: &str, words: &str| {
         let output = optimize("feedback_refused", text, &["--feedback", "-"]);
         let message = String::from_utf8_lossy(&output.stderr).into_owned();
         assert!(!output.status.success() && message.contains(words), "{message}");
     };
-    says(&two_link().replace("effort = [1.0, 1.0]", "effort = [1.0, 1.0]\njerk = [0.1, 0.1]"), "cost.jerk");
-    says(&two_link().replace("[end]", "q_free = [1]\n[end]"), "something is free at the start");
+    says(&two_link().replace("effort = [1.0, 1.0]", "effort = [1.0, 1.0]\njerk = [0.1, 0.1]"), "continuous");
+    // No motion.
+    let fast = "effort = [1.0, 1.0]\n[limits]\nv_max = [0.5, 0.5]";
+    says(&two_link().replace("effort = [1.0, 1.0]", fast), "feedback");
 }
 
 /// Masses that are carried by the problem file and the power of all joints are among the parameters.

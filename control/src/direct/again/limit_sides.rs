@@ -40,21 +40,22 @@ impl Resolve {
             Of::VelocityMax(joint) => (Limited::Rate, Some(*joint), 0.0),
             Of::AccelerationMax(joint) => (Limited::Acceleration, Some(*joint), 0.0),
             Of::TorqueMax(joint) => (Limited::Torque, Some(*joint), 0.0),
+            Of::JerkMax(joint) => (Limited::Jerk, Some(*joint), 0.0),
+            Of::TorqueRateMax(joint) => (Limited::TorqueRate, Some(*joint), 0.0),
             Of::PowerMax(joint) => (Limited::Power, Some(*joint), 0.0),
             Of::TotalPowerMax => (Limited::Power, None, 0.0),
             Of::PayloadMass(_) => return Err(ResolveError::NotALimit),
         };
-        let (sides, powers) = (self.interior.barrier.sides(), &self.interior.model.powers);
+        let (sides, powers) = (|| self.interior.barrier.all_sides(), &self.interior.model.powers);
         let is_of = |side: &Side, joint: Option<usize>| match side.limited {
             Limited::Power | Limited::TorqueSpeed => powers.joint(side.joint) == joint,
             _ => Some(side.joint) == joint,
         };
         let falls = limited == Limited::Torque
-            && sides.iter().any(|side| side.limited == Limited::TorqueSpeed && is_of(side, joint));
-        let found =
-            sides.iter().find(|side| side.limited == limited && is_of(side, joint)).filter(|_| !falls);
+            && sides().any(|side| side.limited == Limited::TorqueSpeed && is_of(side, joint));
+        let found = sides().find(|side| side.limited == limited && is_of(side, joint)).filter(|_| !falls);
         let of = found.map(|side| LimitSides { limited, row: side.joint, sign });
-        match of.filter(|of| sides.iter().any(|side| of.has(side))) {
+        match of.filter(|of| sides().any(|side| of.has(side))) {
             Some(of) => Ok((of, joint)),
             None => {
                 let joint = joint.map_or_else(|| "all".into(), |joint| self.joint_name(joint));

@@ -12,6 +12,7 @@ pub(super) mod neighbours;
 mod orientations;
 mod other_limits;
 pub(super) mod parameter_columns;
+mod phase_gains;
 pub(super) mod resolve;
 pub(super) mod resolve_error;
 pub(super) mod resolved;

@@ -8,8 +8,8 @@ use crate::problem::limits::JointLimits;
 
 impl Resolve {
     /// The next solve keeps another value of a limit that the problem has: the least or largest position of a
-    /// joint (rad, m), or the largest magnitude of its rate, acceleration, torque or power, or of the power
-    /// of all. Violations stay in parts of the range that the limit had at first.
+    /// joint (rad, m), or the largest magnitude of its rate, acceleration, jerk, torque, rate of torque or
+    /// power, or of the power of all. Violations stay in parts of the range that the limit had at first.
     ///
     /// # Errors
     /// [`ResolveError::NoLimit`]: a joint without this limit, or with a torque that falls with its speed;
@@ -54,6 +54,8 @@ impl Resolve {
             MotionParameter::AccelerationMax(_) => limits.a = value,
             MotionParameter::TorqueMax(_) => limits.torque = [-value, value],
             MotionParameter::PowerMax(_) => limits.power = value,
+            MotionParameter::JerkMax(_) => limits.jerk = value,
+            MotionParameter::TorqueRateMax(_) => limits.torque_rate = value,
             MotionParameter::TotalPowerMax | MotionParameter::PayloadMass(_) => {}
         }
         limits

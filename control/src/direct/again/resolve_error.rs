@@ -89,6 +89,15 @@ pub enum ResolveError {
     /// What a motion depends on and is no limit: a payload.
     #[error("a payload is no limit; prepare the problem anew with another one")]
     NotALimit,
+    /// The end of a periodic motion, which follows its start.
+    #[error("the end of a periodic motion follows its start; set the start")]
+    Periodic,
+    /// Accelerations that the problem leaves free.
+    #[error("{what}: it is free in the problem; give BoundaryState::a there")]
+    FreeAcceleration {
+        /// What it is.
+        what: &'static str,
+    },
     /// A limit that a joint does not have, or a torque limit that falls with the speed.
     #[error(
         "{kind} of joint '{joint}': there is no such limit, or it is a torque limit that falls with the speed"

@@ -178,7 +178,11 @@ fn steps_are_those_of_the_linearised_conditions(mut interior: Interior<PhaseDyna
 
 #[test]
 fn products_after_a_correction_are_those_that_it_aims_at() {
-    let mut interior = started(Shape::Quartic);
+    [Shape::Quartic, Shape::Quintic].into_iter().for_each(corrections_reach_their_aims);
+}
+
+fn corrections_reach_their_aims(shape: Shape) {
+    let mut interior = started(shape);
     interior.refresh().unwrap();
     interior.assemble();
     assert!(interior.factorise(1.0));
