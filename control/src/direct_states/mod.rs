@@ -18,6 +18,7 @@
 //! | file | content |
 //! |---|---|
 //! | [`problem`] | what is asked for, and what is refused |
+//! | [`guess`] | where the iteration begins, and the size of the cost |
 //! | [`points`] | Radau's points, unknowns and their bounds |
 //! | [`running_cost`], [`evaluate`] | cost, defects and their derivatives |
 //! | [`interval`] | derivatives of one interval, and its condensation |
@@ -34,10 +35,13 @@
 
 mod cost_error;
 mod evaluate;
+mod guess;
 mod interior;
 mod interval;
 mod iterate;
 mod newton;
+#[cfg(test)]
+mod newton_tests;
 mod outcome;
 mod points;
 pub(crate) mod problem;
@@ -46,5 +50,3 @@ mod refine;
 mod running_cost;
 pub(crate) mod solution;
 mod solve;
-#[cfg(test)]
-mod tests;
