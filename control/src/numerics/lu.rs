@@ -41,8 +41,8 @@ fn eliminate_panels<const FUSED: bool>(
         let end = (first + PANEL).min(columns);
         let (above, below) = a.split_at_mut(first * width);
         subtract_own_products::<FUSED>(below, above, width, first..end);
-        for c in first..end {
-            if !pivot::<FUSED>(a, width, c, end, &mut exchanges[c]) {
+        for (c, exchange) in exchanges.iter_mut().enumerate().take(end).skip(first) {
+            if !pivot::<FUSED>(a, width, c, end, exchange) {
                 return false;
             }
         }

@@ -89,7 +89,7 @@ pub(super) fn refine(
     let least = constants::PART_OF_TOLERANCE * tolerance;
     let mut precision = least.max(constants::FIRST_PRECISION);
     let (mut mesh, mut left, mut mended) = (0, 0, Mended::default());
-    // Limits neither give nor move where accelerations are continuous.
+    // Limits do not move where accelerations are continuous.
     let smooth = interior.spline.mesh.shape.is_smooth();
     interior.clock.lap(Stage::Preparation);
     while mesh < constants::MESHES {
@@ -120,7 +120,6 @@ pub(super) fn refine(
             && figures.violation > constants::VIOLATION_ACCEPTED
             && restorations < constants::RESTORATIONS
             && !unresolved
-            && !smooth
         {
             restorations += 1;
             match restore(problem, interior, &guess, gap, options, recorder)? {
@@ -140,7 +139,6 @@ pub(super) fn refine(
         let error = (resolution.error() + figures.gap) / figures.size;
         let violated = figures.violation > constants::VIOLATION_ACCEPTED;
         let accurate = error <= tolerance && resolution.violation() <= constants::VIOLATION_BETWEEN;
-        // Limits do not move where accelerations are continuous.
         let moves = end == End::Solved && !unresolved && !smooth && {
             let loss = resolution.loss() / figures.size;
             // A motion that is not verified is one to begin with.
