@@ -18,7 +18,7 @@
 //! | file | content |
 //! |---|---|
 //! | [`problem`] | what is asked for, and what is refused |
-//! | [`guess`] | where the iteration begins, and the size of the cost |
+//! | [`guess`], [`begin`] | where the iteration begins, and the size of the cost |
 //! | [`points`] | Radau's points, unknowns and their bounds |
 //! | [`running_cost`], [`evaluate`] | cost, defects and their derivatives |
 //! | [`interval`] | derivatives of one interval, and its condensation |
@@ -33,6 +33,7 @@
 //! The filter is that of [`direct`](crate::direct). Its loop is not: that one is written for distances of
 //! splines in q and a border of times, here states, controls and defects are unknowns of their own.
 
+mod begin;
 mod cost_error;
 mod evaluate;
 mod guess;

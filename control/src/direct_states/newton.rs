@@ -11,8 +11,8 @@ impl Interior {
     /// The Hessian is damped until it is positive definite along the linearised defects.
     ///
     /// # Errors
-    /// Singular if the defects do not determine the states of an interval, which no damping changes; failed if
-    /// no damping makes the Hessian positive definite.
+    /// Singular if the defects do not determine the states of an interval, which no damping changes; failed
+    /// if no damping makes the Hessian positive definite.
     pub(super) fn find_step<D, C>(&mut self, task: &DirectDynamics<D, C>) -> Result<(), Status> {
         self.add_barriers();
         for i in 0..self.layout.n {

@@ -35,7 +35,8 @@ impl Function for Any {
 
 type Task = DirectDynamics<Automatic<Any>, QuadraticCost>;
 
-/// A mesh of three intervals with random derivatives; one component of the start is free, one of the end, and T.
+/// A mesh of three intervals with random derivatives; one component of the start is free, one of the end,
+/// and T.
 fn random(seed: u64) -> (Task, Interior) {
     let start = EndState::fixed(&[0.1, 0.2, -0.3]).with_free(&[1]);
     let end = EndState::fixed(&[1.0, 0.0, 0.5]).with_free(&[2]);

@@ -22,8 +22,8 @@ impl<D: Dynamics<f64>, C: Cost<f64>> DirectDynamics<D, C> {
         whole.min(self.missed_by_parts(mesh, mesh.time() / shared::PARTS, deadline))
     }
 
-    /// Sum of the distances from the motion, relative to its sizes, after each `part` (s), integrated from its
-    /// own start. Infinite where a part cannot be integrated, or not in time.
+    /// Sum of the distances from the motion, relative to its sizes, after each `part` (s), integrated from
+    /// its own start. Infinite where a part cannot be integrated, or not in time.
     fn missed_by_parts(&mut self, mesh: &Interior, part: f64, deadline: Option<Instant>) -> f64 {
         let Layout { n, m, intervals } = mesh.layout;
         let sizes = mesh.sizes();

@@ -25,8 +25,8 @@ pub struct StateMotion {
     pub y: Vec<Vec<f64>>,
     /// $H^\ast$ at these times without the weight of time: constant, and equal to $c_t$ where T is free.
     pub hamiltonian: Vec<f64>,
-    /// Largest residual of the equations of collocation at a point, in the units of x: what $x'$ differs from f
-    /// by, times the width of the interval.
+    /// Largest residual of the equations of collocation at a point, in the units of x: what $x'$ differs from
+    /// f by, times the width of the interval.
     pub defect: f64,
     /// Start of the interval where that is (s).
     pub defect_time: f64,
@@ -104,8 +104,8 @@ impl StateMotion {
         }
     }
 
-    /// (x, u) at time t (s), cut to [0, T]: x by the cubic of its interval, u by the parabola through its three
-    /// points, cut to its limits. A node belongs to the interval before it.
+    /// (x, u) at time t (s), cut to [0, T]: x by the cubic of its interval, u by the parabola through its
+    /// three points, cut to its limits. A node belongs to the interval before it.
     pub fn sample_at(&self, t: f64) -> (Vec<f64>, Vec<f64>) {
         let t = t.max(0.0).min(self.final_time);
         let after = self.t.partition_point(|&time| time < t).clamp(1, self.t.len() - 1);

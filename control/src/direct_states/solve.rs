@@ -16,9 +16,9 @@ use std::time::Instant;
 impl<D: Dynamics<f64>, C: Cost<f64>> DirectDynamics<D, C> {
     /// Solves the problem from a straight line between its ends, or from the guess that was given.
     ///
-    /// Of the options `tolerance`, `max_nodes`, `max_iterations` and `time_limit` are used. Errors of the cost
-    /// are relative to |J|, but to no less than 1e-4 of its size along the guess: what c_t, l and controls of
-    /// size 1 (or half of their range, where that is less) cost there. A motion is
+    /// Of the options `tolerance`, `max_nodes`, `max_iterations` and `time_limit` are used. Errors of the
+    /// cost are relative to |J|, but to no less than 1e-4 of its size along the guess: what c_t, l and
+    /// controls of size 1 (or half of their range, where that is less) cost there. A motion is
     /// [`Converged`](Status::Converged) where all of these hold:
     ///
     /// - the conditions of first order hold on the mesh to a twentieth of the tolerance, or, where rounding
@@ -26,9 +26,9 @@ impl<D: Dynamics<f64>, C: Cost<f64>> DirectDynamics<D, C> {
     /// - the logarithms of the barrier cost less than a twentieth of the tolerance;
     /// - on a mesh of twice the widths the cost differs by less than the tolerance;
     /// - errors of x, estimated between the points, are less than 0.3 times the root of the tolerance,
-    ///   relative to the largest values along the motion: the cost is stationary. So is what the end is missed
-    ///   by when u is integrated independently, or else the sum of what 20 parts of the motion miss, each
-    ///   integrated from its own start: errors of unstable motions grow exponentially;
+    ///   relative to the largest values along the motion: the cost is stationary. So is what the end is
+    ///   missed by when u is integrated independently, or else the sum of what 20 parts of the motion miss,
+    ///   each integrated from its own start: errors of unstable motions grow exponentially;
     /// - limits of x are exceeded halfway between the points by less than 1e-4 of the largest value.
     ///
     /// With any other status the motion is the last iterate; [`StateMotion::defect`] and

@@ -61,9 +61,9 @@ impl Bordered {
     /// From `K^-1 f` and g to x and y. The entries of x stand in two lists, one after the other.
     pub fn finish(&self, x: [&mut [f64]; 2], y: &mut [f64]) {
         let (count, [first, second]) = (self.count, x);
-        for i in 0..count {
-            let (of_first, of_second) = self.columns[i].split_at(first.len());
-            y[i] = y[i] - dot(of_first, first) - dot(of_second, second);
+        for (y, column) in y.iter_mut().zip(&self.columns[..count]) {
+            let (of_first, of_second) = column.split_at(first.len());
+            *y = *y - dot(of_first, first) - dot(of_second, second);
         }
         cholesky::solve(&self.factor, count, y);
         for (y, solved) in y.iter().zip(&self.solved) {

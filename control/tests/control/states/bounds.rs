@@ -51,8 +51,8 @@ fn a_dragged_cart_keeps_what_its_estimates_promise() {
     costs(&motion, 2.0 * y.ln() / c + c);
 }
 
-/// Least effort over a distance 1 in a time 1 with |u| <= b: u = b until s, falls linearly to -b at 1 - s, with
-/// s^2 - s + 3/b = 1/2 and J = b^2 s + b^2 (1 - 2 s)/6.
+/// Least effort over a distance 1 in a time 1 with |u| <= b: u = b until s, falls linearly to -b at 1 - s,
+/// with s^2 - s + 3/b = 1/2 and J = b^2 s + b^2 (1 - 2 s)/6.
 #[test]
 fn two_forces_keep_bounds_of_their_own() {
     let bounds = [5.0, 4.5];

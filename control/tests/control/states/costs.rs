@@ -74,8 +74,8 @@ fn a_model_may_have_no_controls() {
     assert!(motion.u.iter().all(Vec::is_empty));
 }
 
-/// x' = u, l = u^2/2 - 8 x^2, x = 0 at both ends of a time 1, |x| <= 1: rest is stationary, but a sine of half
-/// a period, u^2/2 = pi^2/2 cos^2, costs less. In a time of 0.7 rest is best (4 T < pi).
+/// x' = u, l = u^2/2 - 8 x^2, x = 0 at both ends, |x| <= 1: rest is stationary, but half a period of a sine
+/// costs less where pi^2/T^2 < 16: in a time of 1, not in 0.7.
 #[test]
 fn a_saddle_has_no_certificate() {
     for (time, certificate) in [(1.0, Certificate::NotChecked), (0.7, Certificate::LocalMinimumOnMesh)] {

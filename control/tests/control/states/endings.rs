@@ -24,8 +24,8 @@ fn a_model_that_cannot_be_evaluated_is_told() {
     assert_eq!(motion.status.name(), "evaluation_failed", "{:?}", motion.status);
 }
 
-/// The best motion of x' = sqrt(x) + u is a parabola, x = c + (t - 1/2)^2/4, and J = c/2 + 1/48. Newton's steps
-/// lead below zero, where f is not a number.
+/// The best motion of x' = sqrt(x) + u is a parabola, x = c + (t - 1/2)^2/4, and J = c/2 + 1/48. Newton's
+/// steps lead below zero, where f is not a number.
 #[test]
 fn steps_to_where_f_is_undefined_are_refused() {
     let c = 0.004;
