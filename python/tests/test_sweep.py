@@ -7,13 +7,16 @@ import signal
 import subprocess
 import sys
 import time
+from collections import Counter
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from pathlib import Path
+from types import SimpleNamespace
 
 import costate
 import numpy as np
 import pytest
 from conftest import pendulum
+from costate import _workers
 
 
 def square(x):
@@ -54,6 +57,29 @@ def third_time(path):
     if os.path.getsize(path) < 3:
         raise OSError("not yet")
     return "done"
+
+
+def counted(task):
+    """Notes that it is called."""
+    number, file = task
+    with open(file, "a") as calls:
+        calls.write(f"{number}\n")
+    return number
+
+
+def killer_at_the_end(task):
+    """The last task kills its worker."""
+    number, last, _ = task
+    counted((number, task[2]))
+    if number == last:
+        time.sleep(0.05)
+        os.kill(os.getpid(), signal.SIGKILL)
+    time.sleep(0.01)
+    return number
+
+
+def leaves(x):
+    sys.exit(x)
 
 
 def lambda_of(x):
@@ -112,6 +138,85 @@ def test_a_task_that_kills_its_worker_is_the_only_one_that_fails():
     assert not any(outcome.ok for outcome in outcomes[4:])
 
 
+@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no signal that kills")
+@pytest.mark.parametrize("killer", [20, 59])
+def test_only_a_suspect_that_runs_alone_is_counted(tmp_path, killer):
+    """Others are called once, or twice where they ran beside it; none is called a third time."""
+    file = tmp_path / "calls"
+    outcomes = costate.sweep(killer_at_the_end, [(k, killer, str(file)) for k in range(60)], workers=2, chunk=1)
+    assert [outcome.value for outcome in outcomes] == [k if k != killer else None for k in range(60)]
+    assert isinstance(outcomes[killer].error, costate.WorkerDied) and outcomes[killer].attempts == 3
+    calls = Counter(map(int, file.read_text().split()))
+    assert calls.pop(killer) == 4 and max(calls.values()) <= 2
+    assert sum(calls.values()) - len(calls) <= 2 * 2
+
+
+def test_a_task_that_leaves_python_fails_alone():
+    with ThreadPoolExecutor(1) as threads:
+        for executor in (None, threads):
+            (outcome,) = costate.sweep(leaves, [3], executor, workers=1)
+            assert not outcome.ok and str(outcome.error) == "SystemExit: 3" and "in leaves" in outcome.traceback
+
+
+def test_chunks_leave_work_for_all():
+    """Chunks that are not given are small where there are few tasks."""
+    sizes = []
+
+    class Watched(ThreadPoolExecutor):
+        def submit(self, call, function, tasks, *rest):
+            sizes.append(len(tasks))
+            return super().submit(call, function, tasks, *rest)
+
+    for count, expected in [(6, [1] * 6), (32, [4] * 8), (200, [8] * 25)]:
+        sizes.clear()
+        with Watched(2) as threads:
+            costate.sweep(square, range(count), threads)
+        assert sizes == expected
+
+
+def test_windows_has_at_most_61_processes(monkeypatch):
+    assert _workers.processes(100) == 100 and _workers.processes(None) >= 1
+    monkeypatch.setattr("costate._workers.os", SimpleNamespace(name="nt", cpu_count=lambda: 96))
+    assert _workers.processes(100) == _workers.processes(None) == 61 and _workers.processes(3) == 3
+
+
+ORPHANS = """
+import os, sys, time, costate
+def noted(x):
+    open(f"{sys.argv[1]}/{os.getpid()}", "w").close()
+    time.sleep(0.1)
+if __name__ == "__main__":
+    costate.sweep(noted, range(2000), workers=2, chunk=1)
+"""
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no signal that kills")
+def test_workers_end_with_a_process_that_is_killed(tmp_path):
+    script, folder = tmp_path / "orphans.py", tmp_path / "pids"
+    folder.mkdir()
+    script.write_text(ORPHANS)
+    process = subprocess.Popen([sys.executable, script, folder], stderr=subprocess.DEVNULL)
+    end = time.monotonic() + 60
+    while len(os.listdir(folder)) < 2 and time.monotonic() < end:
+        time.sleep(0.05)
+    workers = [int(name) for name in os.listdir(folder)]
+    assert len(workers) == 2
+    process.kill()
+    process.wait(30)
+    end = time.monotonic() + 10
+    while (left := [pid for pid in workers if alive(pid)]) and time.monotonic() < end:
+        time.sleep(0.05)
+    for pid in left:
+        os.kill(pid, signal.SIGKILL)
+    assert not left
+
+
+def alive(pid):
+    """Whether a process runs; one that has ended waits for whoever adopted it."""
+    done = subprocess.run(["ps", "-o", "stat=", "-p", str(pid)], capture_output=True, text=True).stdout.strip()
+    return bool(done) and not done.startswith("Z")
+
+
 def test_what_cannot_be_sent_is_said():
     with pytest.raises(costate.ArgumentError, match="top of a module") as raised:
         costate.sweep(lambda x: x, [1], workers=1)
@@ -145,92 +250,41 @@ def test_motions_are_those_of_one_process():
         assert outcome.value == least_effort(q)
 
 
-def test_results_in_a_file(tmp_path):
-    parquet = pytest.importorskip("pyarrow.parquet")
-    path = tmp_path / "results.parquet"
-    costate.sweep(picky, range(10), workers=2, parquet=path)
-    rows = parquet.read_table(path).to_pylist()
-    assert [row["index"] for row in rows] == list(range(10)) and rows[4]["square"] == 16 and rows[4]["pair"] == [4, -4]
-    assert rows[3]["square"] is None and rows[3]["error"] == "ValueError: not 3"
-    assert os.listdir(tmp_path) == ["results.parquet"]
-    # What is there is not computed again; what failed is. Tasks can be added.
-    seen = []
-    again = costate.sweep(picky, range(12), workers=1, parquet=path, progress=seen.append)
-    assert sorted(outcome.index for outcome in seen) == [3, 8, 10, 11]
-    assert again[4].value == {"square": 16, "pair": [4, -4]} and again[5].value["name"] == "odd" and again[11].ok
-    with pytest.raises(costate.ArgumentError, match="other tasks"):
-        costate.sweep(picky, range(1, 9), workers=1, parquet=path)
-    parquet.write_table(parquet.read_table(path).select(["square"]), tmp_path / "foreign.parquet")
-    with pytest.raises(costate.ArgumentError, match="no file of a sweep"):
-        costate.sweep(picky, range(3), workers=1, parquet=tmp_path / "foreign.parquet")
-
-
-SLOW = """
-import sys, time, costate
-def slow(x):
-    time.sleep(0.2)
-    return x
-if __name__ == "__main__":
-    costate.sweep(slow, range(1000), workers=2, chunk=1, parquet=sys.argv[1])
-"""
-
-
-@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no signal that kills")
-@pytest.mark.parametrize("how", ["SIGINT", "SIGKILL"])
-def test_an_interrupted_sweep_keeps_its_results(tmp_path, how):
-    parquet = pytest.importorskip("pyarrow.parquet")
-    path, script = tmp_path / "slow.parquet", tmp_path / "slow.py"
-    script.write_text(SLOW)
-    process = subprocess.Popen([sys.executable, script, path], stderr=subprocess.DEVNULL, start_new_session=True)
-    parts = tmp_path / "slow.parquet.parts"
-    end = time.monotonic() + 60
-    while not list(parts.glob("*.parquet")) and time.monotonic() < end:
-        time.sleep(0.05)
-    # Ctrl-C reaches all processes of a terminal.
-    os.killpg(process.pid, getattr(signal, how))
-    process.wait(30)
-    if how == "SIGINT":
-        found = parquet.read_table(path).to_pylist()
-        assert not parts.exists()
-    else:
-        found = [row for part in sorted(parts.glob("*.parquet")) for row in parquet.read_table(part).to_pylist()]
-        assert not path.exists()
-    assert 0 < len(found) < 1000 and all(row["value"] == row["index"] for row in found)
-    seen = []
-    with ThreadPoolExecutor(4) as threads:
-        outcomes = costate.sweep(square, range(1000), threads, parquet=path, progress=seen.append)
-    done = {row["index"] for row in found}
-    assert {outcome.index for outcome in seen} == set(range(1000)) - done
-    assert [outcome.value for outcome in outcomes] == [k if k in done else k * k for k in range(1000)]
-    assert os.listdir(tmp_path / ".") and not parts.exists()
-
-
-def test_dask_computes_the_same():
+@pytest.fixture(scope="module")
+def client():
+    """One cluster for all tests; what a worker ran when it died is not tried again by Dask itself."""
     distributed = pytest.importorskip("distributed")
+    import dask
+
+    with dask.config.set({"distributed.scheduler.allowed-failures": 0}):
+        with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
+            with distributed.Client(cluster) as client:
+                yield client
+
+
+def test_dask_computes_the_same(client):
     tasks = [0.2, 0.4, 0.6, 0.8]
-    with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
-        with distributed.Client(cluster) as client:
-            there = costate.sweep(least_effort, tasks, client.get_executor(), chunk=2)
-            failing = costate.sweep(picky, range(10), client.get_executor(), chunk=3)
+    there = costate.sweep(least_effort, tasks, client.get_executor(), chunk=2)
+    failing = costate.sweep(picky, range(10), client.get_executor(), chunk=3)
     assert [outcome.value for outcome in there] == [least_effort(q) for q in tasks]
     assert [outcome.index for outcome in failing if not outcome.ok] == [3, 8] and str(failing[8].error) == "not 8"
 
 
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no signal that kills")
-def test_nothing_is_lost_when_a_worker_of_dask_is_killed(tmp_path):
-    distributed = pytest.importorskip("distributed")
-    import dask
-
+def test_nothing_is_lost_when_a_worker_of_dask_is_killed(client, tmp_path):
     mark = tmp_path / "killed"
-    # Dask makes new workers; what was lost with one is sent again, task by task.
-    with dask.config.set({"distributed.scheduler.allowed-failures": 0}):
-        with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
-            with distributed.Client(cluster) as client:
-                outcomes = costate.sweep(killed_once, [(k, str(mark)) for k in range(40)], client.get_executor(), chunk=4)
-                assert mark.exists() and [outcome.value for outcome in outcomes] == list(range(40))
-                outcomes = costate.sweep(killed_always, range(12), client.get_executor(), chunk=4)
+    # Dask makes new workers; the tasks that were running are sent again, one by one.
+    outcomes = costate.sweep(killed_once, [(k, str(mark)) for k in range(40)], client.get_executor(), chunk=4)
+    assert mark.exists() and [outcome.value for outcome in outcomes] == list(range(40))
+    outcomes = costate.sweep(killed_always, range(12), client.get_executor(), chunk=4)
     assert [outcome.value for outcome in outcomes] == [k if k != 5 else None for k in range(12)]
     assert isinstance(outcomes[5].error, costate.WorkerDied)
+
+
+def test_dask_calls_equal_tasks_each_time(client, tmp_path):
+    file = str(tmp_path / "calls")
+    outcomes = costate.sweep(counted, [(1, file)] * 6, client.get_executor(), chunk=1)
+    assert len(outcomes) == 6 and os.path.getsize(file) == 6 * len("1\n")
 
 
 def test_outcomes_are_pickled():

@@ -2,27 +2,35 @@
 
 from __future__ import annotations
 
+import dataclasses
 import hashlib
 import io
+import json
 import os
 import pickle
 import time
+import warnings
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
+from uuid import uuid4
 
 from ._errors import ArgumentError, argument_error
 from ._outcomes import Outcome
 
 # Seconds after which new results are kept.
 _PAUSE = 2.0
-_OWN = ("index", "key", "error", "seconds", "attempts")
+_OWN = ("index", "key", "error", "seconds", "attempts", "columns")
+# Marks columns whose values are JSON text.
+_JSON = {b"costate": b"json"}
 
 
 class Table:
     """Results of a sweep in a Parquet file.
 
     New ones go into files of a folder beside it, each of which is written under another name first; the file itself is
-    made of them at the end in the same way. At every time a reader finds whole files.
+    made of them at the end in the same way. At every time a reader finds whole files. Other processes may write there
+    too: names are unique, and only what this one has written or read is removed.
     """
 
     def __init__(self, path: str, tasks: list[Any]) -> None:
@@ -32,29 +40,33 @@ class Table:
         except ImportError as error:
             raise ImportError("parquet= needs pyarrow: pip install pyarrow") from error
         self.path, self.parts = Path(path), Path(f"{path}.parts")
-        self.tasks, self.keys = tasks, [_key(task) for task in tasks]
+        self.tasks, self.keys = tasks, [_task_key(index, task) for index, task in enumerate(tasks)]
         self.new: list[dict[str, Any]] = []
         self.kept = time.monotonic()
-        self.number = 0
-        self.rows = self._read()
+        # What is removed at the end, with what a process has left that was killed while it wrote.
+        self.used, self.changed = sorted(self.parts.glob("*.new")), False
+        self.rows: dict[int, dict[str, Any]] = {}
+        parts = sorted(self.parts.glob("*.parquet"))
+        for file in ([self.path] if self.path.exists() else []) + parts:
+            self.rows |= {row["index"]: row for row in self._read(file)}
+        self.used += parts
 
-    def _read(self) -> dict[int, dict[str, Any]]:
-        """What was found before, by task."""
+    def _read(self, file: Path, longer: bool = False) -> Iterator[dict[str, Any]]:
+        """The rows of a file, which may have more tasks if so."""
         from pyarrow import parquet
 
-        rows: dict[int, dict[str, Any]] = {}
-        parts = sorted(self.parts.glob("*.parquet"))
-        self.number = len(parts)
-        for file in ([self.path] if self.path.exists() else []) + parts:
+        try:
             table = parquet.read_table(file)
-            if not set(_OWN) <= set(table.column_names):
-                raise self._wrong(f"{file} is no file of a sweep")
-            # Nulls are keys that the result of this task does not have.
-            for row in table.to_pylist():
-                if row["index"] >= len(self.keys) or row["key"] != self.keys[row["index"]]:
-                    raise self._wrong(f"{file} has results of other tasks")
-                rows[row["index"]] = {name: value for name, value in row.items() if value is not None}
-        return rows
+        except FileNotFoundError:
+            return  # Another process has just made the file of its parts.
+        if not set(_OWN) <= set(table.column_names):
+            raise self._wrong(f"{file} is no file of a sweep")
+        texts = [field.name for field in table.schema if _JSON.items() <= (field.metadata or {}).items()]
+        for row in table.to_pylist():
+            more = row["index"] >= len(self.keys)
+            if not longer if more else row["key"] != self.keys[row["index"]]:
+                raise self._wrong(f"{file} has results of other tasks")
+            yield row | {name: json.loads(row[name]) for name in texts if row[name] is not None}
 
     def _wrong(self, what: str) -> ArgumentError:
         return argument_error("parquet", f"{what}; give another path, or remove it")
@@ -63,67 +75,130 @@ class Table:
         """The tasks that need not be computed again."""
         found = {}
         for index, row in self.rows.items():
-            if "error" not in row:
-                value: Any = {name: of for name, of in row.items() if name not in _OWN}
-                value = value.get("value") if set(value) <= {"value"} else value
-                figures = row.get("seconds", float("nan")), row["attempts"]
-                found[index] = Outcome(index, self.tasks[index], value, None, "", *figures)
+            if row["error"] is None:
+                names = row["columns"]
+                value = row.get("value") if names is None else {name: row.get(name) for name in names}
+                found[index] = Outcome(index, self.tasks[index], value, None, "", row["seconds"], row["attempts"])
         return found
 
     def add(self, outcome: Outcome) -> None:
         """One more result."""
-        value = outcome.value
-        row = {str(name): _plain(of) for name, of in value.items()} if isinstance(value, dict) else {"value": _plain(value)}
+        try:
+            value = _plain(outcome.value)
+        except RecursionError:
+            value = repr(outcome.value)
+        named = isinstance(value, dict)
+        row = dict(value) if named else {"value": value}
         clash = [name for name in row if name in _OWN]
         if clash:
             raise argument_error("function", f"a result has the key {clash[0]!r}, which parquet= uses; rename it")
-        error = outcome.error
+        error = None if outcome.error is None else f"{type(outcome.error).__name__}: {outcome.error}"
         row |= {"index": outcome.index, "key": self.keys[outcome.index], "seconds": outcome.seconds}
-        row |= {"attempts": outcome.attempts, "error": None if error is None else f"{type(error).__name__}: {error}"}
-        self.new.append({name: of for name, of in row.items() if of is not None})
+        row |= {"attempts": outcome.attempts, "columns": list(value) if named else None}
+        row["error"] = None if error is None else error.encode("utf-8", "backslashreplace").decode()
+        self.rows[outcome.index] = row
+        self.new.append(row)
+        self.tick()
+
+    def tick(self) -> None:
+        """Keeps what is new when it is time to."""
         if time.monotonic() - self.kept > _PAUSE:
             self._keep()
 
     def _keep(self) -> None:
-        if self.new:
-            self.parts.mkdir(exist_ok=True, parents=True)
-            _write(self.parts / f"{self.number:06}.parquet", self.new)
-            self.number += 1
-            self.rows.update((row["index"], row) for row in self.new)
-            self.new = []
         self.kept = time.monotonic()
+        if self.new:
+            part = self.parts / f"{time.time_ns():020}-{os.getpid()}-{uuid4().hex}.parquet"
+            try:
+                self._write(part, self.new)
+            except Exception as error:  # Tried again later: the results are what counts.
+                warnings.warn(f"results cannot be kept in {part} ({error})", RuntimeWarning, stacklevel=2)
+                return
+            self.used.append(part)
+            self.new, self.changed = [], True
 
     def close(self) -> None:
         """Makes the file of all results."""
         self._keep()
-        if self.number:
-            _write(self.path, [self.rows[index] for index in sorted(self.rows)])
-            for part in self.parts.glob("*.parquet"):
-                part.unlink()
+        if not (self.changed or self.new or self.used) and self.path.exists():
+            return
+        try:
+            if self.path.exists():
+                # Another process may have written it since.
+                self.rows = {row["index"]: row for row in self._read(self.path, True)} | self.rows
+            self._write(self.path, [self.rows[index] for index in sorted(self.rows)])
+        except Exception as error:
+            text = f"{self.path} cannot be written ({error}); what was kept is in {self.parts}, where the same call finds it"
+            warnings.warn(text, RuntimeWarning, stacklevel=3)
+            return
+        for part in self.used:
+            part.unlink(missing_ok=True)
+        try:
             self.parts.rmdir()
-            self.number = 0
+        except OSError:
+            pass  # It has files of others.
+
+    def _write(self, path: Path, rows: list[dict[str, Any]]) -> None:
+        """Replaces a file."""
+        import pyarrow
+        from pyarrow import parquet
+
+        self.parts.mkdir(exist_ok=True, parents=True)
+        new = self.parts / f"{uuid4().hex}.new"
+        try:
+            with open(new, "wb") as file:
+                parquet.write_table(pyarrow.table(*_columns(rows)), file)
+                file.flush()
+                os.fsync(file.fileno())
+            os.replace(new, path)
+        finally:
+            new.unlink(missing_ok=True)
 
 
-def _write(path: Path, rows: list[dict[str, Any]]) -> None:
-    """Replaces a file."""
+def _columns(rows: list[dict[str, Any]]) -> tuple[list[Any], Any]:
+    """Arrays of Arrow and their schema."""
     import pyarrow
-    from pyarrow import parquet
 
-    others = sorted({name for row in rows for name in row} - set(_OWN))
-    columns = {name: pyarrow.array([row.get(name) for row in rows]) for name in ("index", "key", "seconds", "attempts")}
-    columns["error"] = pyarrow.array([row.get("error") for row in rows], pyarrow.string())
-    columns |= {name: pyarrow.array([row.get(name) for row in rows]) for name in others}
-    new = path.with_name(f"{path.name}.new")
-    with open(new, "wb") as file:
-        parquet.write_table(pyarrow.table(columns), file)
-        file.flush()
-        os.fsync(file.fileno())
-    os.replace(new, path)
+    types = {"index": pyarrow.int64(), "key": pyarrow.string(), "seconds": pyarrow.float64()}
+    types |= {"attempts": pyarrow.int64(), "error": pyarrow.string(), "columns": pyarrow.list_(pyarrow.string())}
+    arrays = [pyarrow.array([row[name] for row in rows], of) for name, of in types.items()]
+    fields = [pyarrow.field(name, of) for name, of in types.items()]
+    for name in sorted({name for row in rows for name in row} - set(_OWN)):
+        values, marks = [row.get(name) for row in rows], None
+        try:
+            array = pyarrow.array(values)
+            # Structs have all keys in all rows, and without keys they cannot be written.
+            typed = "struct<" not in str(array.type)
+        except Exception:  # Of many kinds: no such type, several types, too large.
+            typed = False
+        if not typed:
+            texts = [None if value is None else json.dumps(value, default=repr) for value in values]
+            array, marks = pyarrow.array(texts, pyarrow.string()), _JSON
+        arrays.append(array)
+        fields.append(pyarrow.field(name, array.type, metadata=marks))
+    return arrays, pyarrow.schema(fields)
 
 
 def _plain(value: Any) -> Any:
-    """Arrays and numbers of NumPy as lists and numbers."""
-    return value.tolist() if hasattr(value, "tolist") else value
+    """Arrays and numbers of NumPy as lists and numbers, keys as text."""
+    if hasattr(value, "tolist") and not isinstance(value, type):
+        value = value.tolist()
+    if isinstance(value, dict):
+        return {str(name): _plain(of) for name, of in value.items()}
+    if isinstance(value, (list, tuple, set, frozenset)):
+        return [_plain(of) for of in value]
+    return value
+
+
+def _task_key(index: int, task: Any) -> str:
+    try:
+        return _key(task)
+    except Exception as error:
+        raise argument_error(
+            "tasks",
+            f"task {index} cannot be pickled ({error}), so its result cannot be found again in a file; give tasks of "
+            "numbers, text and arrays, or leave out parquet=",
+        ) from None
 
 
 def _key(task: Any) -> str:
@@ -131,5 +206,21 @@ def _key(task: Any) -> str:
     text = io.BytesIO()
     pickler = pickle.Pickler(text, 4)
     pickler.fast = True  # Without references to what was pickled before.
-    pickler.dump(task)
+    pickler.dump(_ordered(task))
     return hashlib.sha256(text.getvalue()).hexdigest()[:16]
+
+
+def _ordered(task: Any) -> Any:
+    """The same with sets in an order that all processes have: that of text in a set changes with each."""
+    if isinstance(task, (set, frozenset)):
+        return "set", tuple(sorted(_key(of) for of in task))
+    if type(task) in (list, tuple):
+        return type(task)(_ordered(of) for of in task)
+    if isinstance(task, tuple) and type(task).__reduce__ is object.__reduce__:
+        return type(task).__qualname__, tuple(_ordered(of) for of in task)
+    if type(task) is dict:
+        return {_ordered(name): _ordered(of) for name, of in task.items()}
+    own = dataclasses.is_dataclass(task) and not isinstance(task, type) and type(task).__reduce__ is object.__reduce__
+    if own and hasattr(task, "__dict__"):
+        return type(task).__qualname__, _ordered(vars(task))
+    return task

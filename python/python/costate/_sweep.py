@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import os
-import pickle
 from collections import deque
 from collections.abc import Callable, Iterable
-from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
+from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Future, wait
+from contextlib import suppress
 from os import PathLike, fspath
 from typing import Any
 
@@ -15,13 +14,16 @@ from ._errors import argument_error
 from ._outcomes import Outcome, WorkerDied
 from ._parquet import Table
 from ._progress import Counter
+from ._runners import Given, Pool
 
 __all__ = ["sweep"]
 
-# How often a task is tried again when its worker dies.
+# How often a task that runs alone is tried again when its worker dies.
 _LIVES = 2
-# Chunks that another executor holds at once.
-_WINDOW = 1024
+# Seconds after which results are kept though none comes.
+_TICK = 1.0
+# Most tasks of a chunk that is not given, and chunks that each worker gets at least.
+_CHUNK, _SHARE = 8, 4
 
 
 def sweep(
@@ -30,15 +32,15 @@ def sweep(
     executor: Any = None,
     *,
     workers: int | None = None,
-    chunk: int = 8,
+    chunk: int | None = None,
     retries: int = 0,
     progress: bool | Callable[[Outcome], Any] | None = None,
     parquet: str | PathLike[str] | None = None,
 ) -> list[Outcome]:
     """Call a function with each of many tasks, on a pool of processes or on a cluster.
 
-    A task that raises does not end the sweep: its outcome has the error. A task whose worker dies is tried again, alone
-    and up to twice. Ctrl-C ends the sweep; with ``parquet`` its results are kept, and the same call goes on.
+    A task that raises does not end the sweep: its outcome has the error. When a worker dies, the tasks that were running
+    are called again, one at a time; one that ends three workers while it runs alone fails with `WorkerDied`. Ctrl-C ends the sweep; with ``parquet`` its results are kept, and the same call goes on.
 
     Parameters
     ----------
@@ -51,18 +53,21 @@ def sweep(
         Where the calls run, such as ``client.get_executor()`` of Dask. Unless given, new processes of this machine
         (start method "spawn": a script needs ``if __name__ == "__main__":``).
     workers : int, optional
-        Processes of that pool; as many as the process may use processors unless given.
-    chunk : int
-        Tasks that are sent at once; more of them where a task takes milliseconds.
+        Processes of that pool; as many as the process may use processors unless given, and at most 61 on Windows.
+    chunk : int, optional
+        Tasks that are sent at once; more of them where a task takes milliseconds. Unless given, up to 8, and fewer where
+        each worker would get less than four times; one where the size of the executor is not known.
     retries : int
         How often a task that raises is tried again.
     progress : None, True or function
         True shows a bar (of tqdm, if installed). A function is called with each `Outcome` as it comes.
     parquet : path, optional
         A file of results, with pyarrow installed: ``index``, ``key`` (a digest of the task), ``error``, ``seconds``,
-        ``attempts``, and one column for each key of the dictionaries that the function returns; other results are in
-        ``value``. They are kept every few seconds beside it, in ``PATH.parts``, and the file is replaced at the end.
-        Tasks whose results are there are not computed again; failed ones are.
+        ``attempts``, ``columns`` (the keys of the result), and one column for each key of the dictionaries that the
+        function returns; other results are in ``value``. They are kept every few seconds beside it, in ``PATH.parts``,
+        and the file is replaced at the end. Tasks whose results are there are not computed again, though the function
+        may be another one; failed ones are. What is read back: keys are text, arrays and tuples are lists, and what
+        Arrow has no type for is what its JSON text says, with ``repr`` of other objects.
 
     Returns
     -------
@@ -72,7 +77,8 @@ def sweep(
     Raises
     ------
     ArgumentError
-        For a function that cannot be pickled, and a file that holds something else.
+        For a function that cannot be pickled, a file that holds something else, and, with ``parquet``, a task that
+        cannot be pickled.
     WorkerDied
         Where a new process cannot start at all.
 
@@ -85,194 +91,123 @@ def sweep(
     >>> [outcome.value for outcome in outcomes], outcomes[1].error
     ([2.0, None, 3.0], ValueError('math domain error'))
     """
-    for name, value, least in (("chunk", chunk, 1), ("retries", retries, 0), ("workers", workers or 1, 1)):
-        if value < least:
+    for name, value, least in (("chunk", chunk, 1), ("retries", retries, 0), ("workers", workers, 1)):
+        if value is not None and value < least:
             raise argument_error(name, f"{name} is {value}; at least {least} is needed")
     tasks = list(tasks)
     table = None if parquet is None else Table(fspath(parquet), tasks)
-    runner: _Pool | _Given
+    runner: Pool | Given
     if executor is None:
-        runner = _Pool(function, workers or _processors(), retries)
+        runner = Pool(function, _workers.processes(workers), retries)
     else:
-        runner = _Given(function, executor, retries)
+        runner = Given(function, executor, retries)
     found: dict[int, Outcome] = {} if table is None else table.known()
     bar = Counter(progress is True, len(tasks), len(found))
 
-    def keep(outcome: Outcome) -> None:
-        found[outcome.index] = outcome
+    def keep(outcome: Outcome, told: bool = True) -> None:
+        if outcome.index in found:
+            return
         if table is not None:
             table.add(outcome)
+        found[outcome.index] = outcome
         bar.add(outcome.error is not None)
-        if callable(progress):
+        if told and callable(progress):
             progress(outcome)
 
     left = [index for index in range(len(tasks)) if index not in found]
+    if chunk is None:
+        chunk = max(1, min(_CHUNK, len(left) // (_SHARE * runner.workers))) if runner.workers else 1
+    chunks = [left[k : k + chunk] for k in range(0, len(left), chunk)]
     try:
-        _drive(runner, tasks, [left[k : k + chunk] for k in range(0, len(left), chunk)], keep)
+        try:
+            _drive(runner, tasks, chunks, keep, table)
+        finally:
+            bar.close()
+            if table is not None:
+                table.close()
     except BaseException:
         runner.stop()
         raise
-    finally:
-        bar.close()
-        if table is not None:
-            table.close()
     runner.close()
     return [found[index] for index in range(len(tasks))]
 
 
-def _processors() -> int:
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
-
-
-class _Given:
-    """An executor of the caller."""
-
-    alone = False  # Whether tasks that may have killed a worker run one by one.
-    window = _WINDOW
-
-    def __init__(self, function: Callable[[Any], Any], executor: Executor, retries: int) -> None:
-        self.executor, self.function, self.retries = executor, function, retries
-        self.running: set[Future[Any]] = set()
-
-    def submit(self, tasks: list[Any]) -> Future[Any]:
-        future = self.executor.submit(_workers.many, self.function, tasks, self.retries)
-        self.running.add(future)
-        future.add_done_callback(self.running.discard)
-        return future
-
-    def results(self, future: Future[Any]) -> list[_workers.Result]:
-        results: list[_workers.Result] = future.result()
-        return results
-
-    def broken(self) -> None:
-        """Nothing to do: the next submission says whether the executor still works."""
-
-    def stop(self) -> None:
-        for future in list(self.running):
-            future.cancel()
-
-    def close(self) -> None:
-        """The executor belongs to the caller."""
-
-
-class _Pool:
-    """Processes of our own, made again when one of them dies."""
-
-    alone = True
-
-    def __init__(self, function: Callable[[Any], Any], workers: int, retries: int) -> None:
-        try:
-            self.function = pickle.dumps(function)
-        except Exception as error:
-            raise _no_function(function, str(error)) from None
-        self.given = function
-        self.workers, self.retries, self.window = workers, retries, 2 * workers
-        self.executor: Executor | None = None
-
-    def submit(self, tasks: list[Any]) -> Future[Any]:
-        if self.executor is None:
-            self.executor = _workers.new_pool(self.workers)
-            try:
-                fault = self.executor.submit(_workers.readable, self.function).result()
-            except BrokenExecutor:
-                raise WorkerDied(
-                    "a new process ended before its first task; a script that calls sweep needs the line "
-                    'if __name__ == "__main__": before what it does'
-                ) from None
-            if fault is not None:
-                raise _no_function(self.given, fault)
-        return self.executor.submit(_workers.many_pickled, self.function, _pickled(tasks), self.retries)
-
-    def results(self, future: Future[Any]) -> list[_workers.Result]:
-        return [_workers.unpickled(result) for result in future.result()]
-
-    def broken(self) -> None:
-        if self.executor is not None:
-            self.executor.shutdown(wait=False)
-        self.executor = None
-
-    def stop(self) -> None:
-        if self.executor is not None:
-            # Their tasks are not waited for.
-            for process in list((getattr(self.executor, "_processes", None) or {}).values()):
-                process.terminate()
-            self.executor.shutdown(wait=True, cancel_futures=True)
-
-    def close(self) -> None:
-        if self.executor is not None:
-            self.executor.shutdown()
-
-
-def _pickled(tasks: list[Any]) -> list[bytes | Exception]:
-    texts: list[bytes | Exception] = []
-    for task in tasks:
-        try:
-            texts.append(pickle.dumps(task))
-        except Exception as error:
-            texts.append(TypeError(f"the task cannot be pickled: {error}"))
-    return texts
-
-
-def _no_function(function: object, reason: str) -> Exception:
-    name = getattr(function, "__qualname__", repr(function))
-    return argument_error(
-        "function",
-        f"function {name} cannot be sent to other processes ({reason}); define it at the top of a module that they can "
-        "import, without lambda, or give an executor that takes it, such as client.get_executor() of Dask",
-    )
-
-
 def _drive(
-    runner: _Pool | _Given, tasks: list[Any], chunks: list[list[int]], keep: Callable[[Outcome], None]
+    runner: Pool | Given,
+    tasks: list[Any],
+    chunks: list[list[int]],
+    keep: Callable[..., None],
+    table: Table | None,
 ) -> None:
     """Run chunks of tasks (their indices) until each task has an outcome."""
     waiting = deque(chunks)
     suspects: deque[int] = deque()  # Their worker died, perhaps because of another task.
     deaths: dict[int, int] = {}
     running: dict[Future[Any], list[int]] = {}
+    single = False  # Whether what runs is one suspect.
 
-    def start(chunk: list[int]) -> None:
+    def start(chunk: list[int]) -> bool:
         try:
             running[runner.submit([tasks[index] for index in chunk])] = chunk
         except BrokenExecutor as error:
             if not runner.alone:
                 for index in chunk:
                     keep(Outcome.failed(index, tasks[index], error))
-                return
+                return True
             runner.broken()
-            waiting.appendleft(chunk)
+            if single:
+                suspects.appendleft(chunk[0])
+            else:
+                waiting.appendleft(chunk)
+            return False
+        return True
 
-    while waiting or suspects or running:
-        single = bool(suspects) and not running
-        if single:
-            start([suspects.popleft()])
-        while waiting and not suspects and len(running) < runner.window:
-            start(waiting.popleft())
-        if not running:
-            continue
-        done, _ = wait(running, return_when=FIRST_COMPLETED)
-        if runner.alone and any(isinstance(future.exception(), BrokenExecutor) for future in done):
-            done, _ = wait(running)  # All of them have ended with the pool.
-            runner.broken()
-        for future in done:
-            chunk = running.pop(future)
-            try:
-                results = runner.results(future)
-            except Exception as error:
-                guilty = single or not runner.alone
-                for index in chunk:
-                    deaths[index] = deaths.get(index, 0) + guilty
-                    if deaths[index] > _LIVES:
-                        keep(Outcome.failed(index, tasks[index], _death(error), deaths[index]))
-                    elif runner.alone:
-                        suspects.append(index)
-                    else:
-                        waiting.appendleft([index])
-                continue
+    def finish(future: Future[Any]) -> None:
+        chunk = running[future]
+        try:
+            results = runner.results(future)
+        except Exception as error:
+            guilty = single or not runner.alone
+            for index in chunk:
+                deaths[index] = deaths.get(index, 0) + guilty
+                if deaths[index] > _LIVES:
+                    keep(Outcome.failed(index, tasks[index], _death(error), deaths[index]))
+                elif runner.alone:
+                    suspects.append(index)
+                else:
+                    waiting.appendleft([index])
+        else:
             for index, result in zip(chunk, results, strict=True):
                 keep(Outcome(index, tasks[index], *result))
+        del running[future]
+
+    try:
+        while waiting or suspects or running:
+            if not running:
+                single = bool(suspects)
+                if single:
+                    start([suspects.popleft()])
+            while waiting and not suspects and not single and len(running) < runner.window:
+                if not start(waiting.popleft()):
+                    break
+            if not running:
+                continue
+            done, _ = wait(running, timeout=_TICK, return_when=FIRST_COMPLETED)
+            if runner.alone and any(isinstance(future.exception(), BrokenExecutor) for future in done):
+                done, _ = wait(running)  # All of them have ended with the pool.
+                runner.broken()
+            for future in done:
+                finish(future)
+            if table is not None:
+                table.tick()
+    except BaseException:
+        # What has come in the meantime is not lost.
+        for future, chunk in running.items():
+            with suppress(Exception):
+                if future.done() and not future.cancelled() and future.exception() is None:
+                    for index, result in zip(chunk, runner.results(future), strict=True):
+                        keep(Outcome(index, tasks[index], *result), False)
+        raise
 
 
 def _death(error: Exception) -> Exception:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import multiprocessing
+import os
 import pickle
 import signal
+import threading
 import time
 import traceback
 from collections.abc import Callable, Sequence
@@ -18,6 +20,17 @@ Result: TypeAlias = tuple[Any, Exception | None, str, float, int]
 _functions: dict[bytes, Callable[[Any], Any]] = {}
 
 
+# The pool of Python cannot wait for more processes there.
+_MOST_ON_WINDOWS = 61
+
+
+def processes(given: int | None) -> int:
+    """How many processes a pool has: as many as this one may use processors unless given."""
+    if given is None:
+        given = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    return min(given, _MOST_ON_WINDOWS) if os.name == "nt" else given
+
+
 def new_pool(workers: int) -> ProcessPoolExecutor:
     """Processes that have copied nothing of this one: threads and locks do not survive a fork."""
     context = multiprocessing.get_context("spawn")
@@ -27,6 +40,15 @@ def new_pool(workers: int) -> ProcessPoolExecutor:
 def _begin() -> None:
     # Ctrl-C reaches all processes of a terminal; the one that sweeps decides.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+
+
+def _end_with_parent() -> None:
+    # A process that is killed cannot end its workers.
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)
 
 
 def _function(text: bytes) -> Callable[[Any], Any]:
@@ -45,8 +67,8 @@ def readable(function: bytes) -> str | None:
     return None
 
 
-def many(function: Callable[[Any], Any], tasks: Sequence[Any], retries: int) -> list[Result]:
-    """Results of tasks, one after the other."""
+def many(function: Callable[[Any], Any], tasks: Sequence[Any], retries: int, call: str = "") -> list[Result]:
+    """Results of tasks, one after the other. Executors such as Dask's take calls with equal arguments for one."""
     return [_one(function, task, retries) for task in tasks]
 
 
@@ -83,12 +105,14 @@ def _one(function: Callable[[Any], Any], task: Any, retries: int) -> Result:
     for attempt in range(1, retries + 2):
         try:
             return function(task), None, "", time.perf_counter() - start, attempt
-        except Exception as error:
+        except KeyboardInterrupt:
+            raise
+        except BaseException as error:  # sys.exit() too ends a task, and not the sweep.
             found, text = _portable(error), traceback.format_exc()
     return None, found, text, time.perf_counter() - start, attempt
 
 
-def _portable(error: Exception) -> Exception:
+def _portable(error: BaseException) -> Exception:
     """The error without its frames, or its words where it cannot be pickled."""
     try:
         copy = pickle.loads(pickle.dumps(error))
