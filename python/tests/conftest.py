@@ -10,8 +10,8 @@ from interface import Recorder
 
 ROBOTS = Path(__file__).parents[2] / "robots"
 
-
 RECORDER = Recorder()
+RAN: set[str] = set()  # Files whose tests other processes ran.
 
 
 def pytest_configure() -> None:
@@ -19,16 +19,28 @@ def pytest_configure() -> None:
 
 
 def pytest_terminal_summary(terminalreporter) -> None:
-    """What of the public interface the tests have called, in this process."""
+    """What of the public interface the tests have called, in all processes."""
     terminalreporter.write_line(RECORDER.summary())
 
 
 def pytest_sessionfinish(session, exitstatus) -> None:
-    """All of it must be called where all tests ran."""
-    files = {item.path.name for item in session.items}
+    """All of it must be called where all tests ran; processes of pytest-xdist tell the one that started them."""
+    if hasattr(session.config, "workeroutput"):
+        files = sorted({item.path.name for item in session.items})
+        session.config.workeroutput |= {"called": sorted(RECORDER.called), "files": files}
+        return
+    files = RAN | {item.path.name for item in getattr(session, "items", ())}
     everything = files >= {path.name for path in Path(__file__).parent.glob("test_*.py")} and not session.config.option.keyword
     if everything and exitstatus == 0 and RECORDER.missing():
         session.exitstatus = 1
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_testnodedown(node, error) -> None:
+    """What a process of pytest-xdist has called."""
+    output = getattr(node, "workeroutput", {})
+    RECORDER.called.update(output.get("called", ()))
+    RAN.update(output.get("files", ()))
 
 
 def load(name: str) -> costate.Robot:

@@ -11,8 +11,6 @@ from interface import arguments, documented, function_of, modules, public, retur
 
 # Made by other methods alone: their attributes are described.
 MADE_BY_OTHERS = {"Branch", "Feedback", "Gains", "Samples"}
-# Their arguments are described in words.
-IN_WORDS = {"Solution.plot", "Solution.save", "Solution.to_dataframe", "Solution.to_html"}
 
 
 def test_sections_are_found():
@@ -41,8 +39,6 @@ def wanting():
     compiled, count = returns(), 0
     for name, _, thing in public():
         made = inspect.isclass(thing)
-        if name in IN_WORDS:
-            continue
         if not (made or callable(thing) or isinstance(thing, (staticmethod, classmethod))):
             continue
         if made and (name in MADE_BY_OTHERS or issubclass(thing, BaseException) and "__init__" not in vars(thing)):

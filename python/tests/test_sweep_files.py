@@ -115,8 +115,9 @@ def test_any_result_is_kept(tmp_path):
 def test_a_file_that_cannot_be_written_loses_nothing(tmp_path):
     path = tmp_path / "results.parquet"
     path.with_name("results.parquet.parts").write_text("a file where the folder would be")
-    with ThreadPoolExecutor(1) as threads, pytest.warns(RuntimeWarning, match="cannot be written"):
-        outcomes = costate.sweep(square, range(5), threads, parquet=path)
+    with ThreadPoolExecutor(1) as threads, pytest.warns(RuntimeWarning, match="cannot be kept"):
+        with pytest.warns(RuntimeWarning, match="cannot be written"):
+            outcomes = costate.sweep(square, range(5), threads, parquet=path)
     assert [outcome.value for outcome in outcomes] == [0, 1, 4, 9, 16]
 
 

@@ -1,6 +1,7 @@
 """Motions in a browser: against a server of viser, without a browser."""
 
 import json
+import threading
 import time
 
 import costate
@@ -65,6 +66,25 @@ def test_play_runs_to_the_end(solution, server):
     while controls["robot: play"].value and time.monotonic() < end:
         time.sleep(0.02)
     assert controls["robot: t (s)"].value == pytest.approx(solution.final_time) and not controls["robot: play"].value
+
+
+def players():
+    return [thread for thread in threading.enumerate() if thread.name == "robot: play"]
+
+
+def test_one_thread_plays_until_the_server_stops(solution):
+    server = viser.ViserServer(host="127.0.0.1", port=18180, verbose=False)
+    solution.to_viser(rate=20.0, server=server)
+    play = handles(server)[1]["robot: play"]
+    for value in (True, False, True, False, True):  # Within a picture.
+        play.value = value
+    time.sleep(0.3)
+    assert len(players()) == 1
+    server.stop()
+    end = time.monotonic() + 10
+    while players() and time.monotonic() < end:
+        time.sleep(0.02)
+    assert players() == [] and play.value
 
 
 def test_quaternions_of_all_rotations(random):

@@ -21,8 +21,8 @@ class Resolved(NamedTuple):
     ----------
     status : str
         "solved" to the tolerance; else "iterations" or "out_of_time" where the budget was used up, "cancelled" after
-        Ctrl-C, or "no_progress".
-        The motion is then the cheapest iterate that keeps all limits, or the one that exceeds them least.
+        Ctrl-C, or "no_progress". The motion is then the cheapest iterate that keeps all limits, or the one that exceeds
+        them least.
     iterations : int
         Newton steps.
     cost : float
@@ -50,8 +50,8 @@ class Feedback:
     """Derivatives of an optimal motion by its ends: neighbouring optimal feedback.
 
     x = (q, v) has m = 2n entries, with continuous accelerations x = (q, v, a) has m = 3n; points are those of the mesh. A
-    motion that starts at x_0 + dx_0 has at the same part of the time of its phase the state x + states_by_start dx_0 and the torques tau + torques_by_start dx_0. Feedbacks with equal numbers
-    are equal. A. E. Bryson, Y.-C. Ho, Applied Optimal Control, 1975, section 6.4.
+    motion that starts at x_0 + dx_0 has at the same part of the time of its phase the state x + states_by_start dx_0 and
+    the torques tau + torques_by_start dx_0. Feedbacks with equal numbers are equal. A. E. Bryson, Y.-C. Ho, Applied Optimal Control, 1975, section 6.4.
 
     Attributes
     ----------
@@ -99,7 +99,6 @@ class Feedback:
         found = self._core.gain(np.atleast_1d(np.asarray(t, float)))
         return None if found is None else found[0] if np.ndim(t) == 0 else found
 
-
     @classmethod
     def _of(cls, n: int, numbers: _Array) -> Feedback:
         return cls(_Feedback.of(n, numbers))
@@ -123,8 +122,8 @@ class MotionDerivative(NamedTuple):
     ----------
     cost, final_time : float
         dJ/dtheta and dT/dtheta.
-    states : array (P, 2n)
-        Derivatives of (q, v) at the same part of the time.
+    states : array (P, m)
+        Derivatives of x at the same part of the time, with x and m as there.
     torques : array (P, n)
         Derivatives of the torques.
     """

@@ -35,6 +35,18 @@ class Files(Motion):
         """Write the solution: JSON into ``.json``, a table of samples at a rate (Hz) into ``.csv``.
 
         ``start_from`` of `Problem.solve` and of a problem file, and `load`, read the JSON.
+
+        Parameters
+        ----------
+        path : path
+            The file, whose name ends in ``.json`` or ``.csv``.
+        rate : float
+            Samples in a second (Hz), for ``.csv`` alone.
+
+        Raises
+        ------
+        ArgumentError
+            For another ending, ``.csv`` without a rate, and ``.json`` with one.
         """
         end = _Path(path).suffix.lower()
         if end not in (".json", ".csv") or (end == ".csv") != (rate is not None):
@@ -64,6 +76,11 @@ class Files(Motion):
             A URDF whose visual models are shown instead.
         package_path : sequence of paths
             Folders in which ``package://`` is looked for, before those above the URDF.
+
+        Returns
+        -------
+        str
+            The page.
         """
         page, missing = self._core.html(self._problem.robot, urdf, list(package_path))
         for text in missing:
@@ -73,7 +90,23 @@ class Files(Motion):
         return page
 
     def to_dataframe(self, rate: float | None = None) -> Any:
-        """Samples as a data frame of pandas: at a rate (Hz), or about 200 of them."""
+        """Samples as a data frame of pandas, as `Samples.to_dataframe` has them.
+
+        Parameters
+        ----------
+        rate : float, optional
+            Samples in a second (Hz); about 200 samples unless given.
+
+        Returns
+        -------
+        pandas.DataFrame
+            A row for each time.
+
+        Raises
+        ------
+        MotionError
+            Where there is no motion.
+        """
         return self._samples(rate).to_dataframe()
 
     def _samples(self, rate: float | None) -> Samples:
@@ -91,7 +124,17 @@ class Files(Motion):
         rate : float, optional
             Samples in a second (Hz); about 200 samples unless given.
         axes : array of matplotlib axes (4), optional
-            Where to draw.
+            Where to draw; a new figure unless given.
+
+        Returns
+        -------
+        array of matplotlib axes (4)
+            Those of q, v, a and tau.
+
+        Raises
+        ------
+        MotionError
+            Where there is no motion.
         """
         return _show.plot(self._samples(rate), self._problem.robot, axes)
 

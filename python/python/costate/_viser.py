@@ -146,16 +146,22 @@ def show(samples: Samples, robot: Robot, stage: Stage, server: Any, name: str, l
         for ghost in ghosts:
             ghost.root.visible = shown.value
 
-    def play(_: Any = None) -> None:
-        if playing.value:
-            threading.Thread(target=run, daemon=True).start()
+    latest = [0]  # The number of the thread that moves the slider: others end.
+    served = getattr(getattr(server, "_websock_server", None), "_server_thread", None)
 
-    def run() -> None:
+    def play(_: Any = None) -> None:
+        latest[0] += 1
+        if playing.value:
+            threading.Thread(target=run, args=(latest[0],), daemon=True, name=f"{name}: play").start()
+
+    def run(number: int) -> None:
         if time_slider.value >= duration:
             time_slider.value = 0.0
         before = time.perf_counter()
-        while playing.value:
+        while playing.value and number == latest[0]:
             time.sleep(1 / _RATE)
+            if number != latest[0] or (served is not None and not served.is_alive()):
+                return
             now = time.perf_counter()
             at, before = time_slider.value + now - before, now
             time_slider.value = at % duration if loop else min(at, duration)
