@@ -291,10 +291,3 @@ def test_examples_of_docstrings():
 
     results = doctest.testmod(cc, extraglobs={})
     assert results.attempted > 20 and results.failed == 0
-
-
-def test_the_example_of_the_page(monkeypatch, capsys):
-    monkeypatch.chdir(ROBOTS.parent)
-    page = (ROBOTS.parent / "docs" / "casadi.md").read_text()
-    exec(page.split("```python\n")[1].split("```")[0], {})
-    assert "Solve_Succeeded" in capsys.readouterr().out

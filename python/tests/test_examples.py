@@ -8,6 +8,8 @@ import pytest
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 PROGRAMS = sorted(EXAMPLES.glob("*.py"))
+# What they are given here; the rest runs as it is.
+ARGUMENTS = {"workspace_map": ["--grid", "3", "--workers", "2"]}
 OWN = {path.stem for path in PROGRAMS} | {"costate", "pathlib"}
 
 
@@ -39,6 +41,6 @@ def test_program(path, monkeypatch, capsys):
     for name in packages(path):
         pytest.importorskip(name)
     monkeypatch.syspath_prepend(str(EXAMPLES))
-    monkeypatch.setattr("sys.argv", [str(path)])
+    monkeypatch.setattr("sys.argv", [str(path), *ARGUMENTS.get(path.stem, ())])
     runpy.run_path(str(path), run_name="__main__")
     assert capsys.readouterr().out

@@ -39,7 +39,7 @@ def test_both_modes_and_both_orders(dynamics, name, coordinates, random):
     assert_close(forward, differences, 1e-7)
     assert_close(reverse, forward, 1e-13)
     y = random.normal(size=len(forward))
-    slope = lambda z: y @ jax.jacfwd(function)(z)
+    slope = jax.jit(lambda z: y @ jax.jacfwd(function)(z))
     expected = central_differences(lambda z: np.asarray(slope(z)), z)
     cost = lambda z: y @ function(z)
     once = of(functions(dynamics, "reverse")[name])
@@ -51,7 +51,7 @@ def test_both_modes_and_both_orders(dynamics, name, coordinates, random):
         "one contraction": jax.jacfwd(jax.grad(lambda z: y @ once(z))),
         "one contraction, reversed": jax.jacrev(jax.grad(lambda z: y @ once(z))),
     }
-    exact = jax.hessian(cost)(z)
+    exact = jax.jit(jax.hessian(cost))(z)
     assert_close(exact, expected, 1e-6)
     for hessian in ways.values():
         assert_close(jax.jit(hessian)(z), exact, 1e-12)
@@ -169,8 +169,9 @@ def test_second_derivatives_through_a_loop(dynamics, random):
                 x = step(x[:2], x[2:], u)
             return (x**2).sum()
 
-        exact = way(written)(tau)
+        exact = jax.jit(way(written))(tau)
         assert_close(jax.jit(way(scanned))(tau), exact, 1e-12)
     assert_close(jax.jit(way(jax.checkpoint(scanned)))(tau), exact, 1e-12)
-    slope = central_differences(lambda z: np.asarray(jax.grad(scanned)(z.reshape(2, 2))).ravel(), tau.ravel())
+    gradient = jax.jit(jax.grad(scanned))
+    slope = central_differences(lambda z: np.asarray(gradient(z.reshape(2, 2))).ravel(), tau.ravel())
     assert_close(np.reshape(exact, (4, 4)), slope, 1e-6)

@@ -8,15 +8,17 @@ import subprocess
 import sys
 import time
 from collections import Counter
-from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
+from threading import Timer
 from types import SimpleNamespace
 
 import costate
 import numpy as np
 import pytest
 from conftest import pendulum
-from costate import _workers
+from costate import _sweep, _workers
 
 
 def square(x):
@@ -67,15 +69,35 @@ def counted(task):
     return number
 
 
-def killer_at_the_end(task):
-    """The last task kills its worker."""
-    number, last, _ = task
-    counted((number, task[2]))
-    if number == last:
-        time.sleep(0.05)
-        os.kill(os.getpid(), signal.SIGKILL)
-    time.sleep(0.01)
-    return number
+class Fragile:
+    """A pool that task 20 ends after a while, with all that runs beside it; other tasks are quicker."""
+
+    alone, window = True, 4
+
+    def __init__(self):
+        self.running, self.calls, self.beside = {}, Counter(), []
+
+    def submit(self, tasks):
+        future, (task,) = Future(), tasks
+        self.running[future] = task
+        self.calls[task] += 1
+        self.beside.append(sorted(self.running.values()))
+        Timer(0.2 if task == 20 else 0.01, self.end, [future, task]).start()
+        return future
+
+    def end(self, future, task):
+        if task == 20:
+            for other in list(self.running):
+                self.running.pop(other)
+                other.set_exception(BrokenProcessPool("killed"))
+        elif self.running.pop(future, None) is not None:
+            future.set_result([(task, None, "", 0.0, 1)])
+
+    def results(self, future):
+        return future.result()
+
+    def broken(self):
+        pass
 
 
 def leaves(x):
@@ -138,17 +160,14 @@ def test_a_task_that_kills_its_worker_is_the_only_one_that_fails():
     assert not any(outcome.ok for outcome in outcomes[4:])
 
 
-@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no signal that kills")
-@pytest.mark.parametrize("killer", [20, 59])
-def test_only_a_suspect_that_runs_alone_is_counted(tmp_path, killer):
-    """Others are called once, or twice where they ran beside it; none is called a third time."""
-    file = tmp_path / "calls"
-    outcomes = costate.sweep(killer_at_the_end, [(k, killer, str(file)) for k in range(60)], workers=2, chunk=1)
-    assert [outcome.value for outcome in outcomes] == [k if k != killer else None for k in range(60)]
-    assert isinstance(outcomes[killer].error, costate.WorkerDied) and outcomes[killer].attempts == 3
-    calls = Counter(map(int, file.read_text().split()))
-    assert calls.pop(killer) == 4 and max(calls.values()) <= 2
-    assert sum(calls.values()) - len(calls) <= 2 * 2
+def test_only_a_suspect_that_runs_alone_is_counted():
+    """Nothing starts beside a suspect, though it is the last one, and only its own deaths are counted."""
+    runner, found = Fragile(), {}
+    _sweep._drive(runner, list(range(60)), [[k] for k in range(60)], lambda of: found.update({of.index: of}))
+    assert [found[k].value for k in range(60)] == [k if k != 20 else None for k in range(60)]
+    assert isinstance(found[20].error, costate.WorkerDied) and found[20].attempts == 3 and runner.calls.pop(20) == 4
+    assert max(runner.calls.values()) <= 2
+    assert sum(running == [20] for running in runner.beside) >= 3
 
 
 def test_a_task_that_leaves_python_fails_alone():

@@ -137,7 +137,7 @@ def _drive(
     tasks: list[Any],
     chunks: list[list[int]],
     keep: Callable[..., None],
-    table: Table | None,
+    table: Table | None = None,
 ) -> None:
     """Run chunks of tasks (their indices) until each task has an outcome."""
     waiting = deque(chunks)
