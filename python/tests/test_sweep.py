@@ -2,7 +2,6 @@
 
 import os
 import pickle
-import re
 import signal
 import subprocess
 import sys
@@ -81,7 +80,8 @@ class Fragile:
         future, (task,) = Future(), tasks
         self.running[future] = task
         self.calls[task] += 1
-        self.beside.append(sorted(self.running.values()))
+        if self.calls[20] > 1 and 20 in self.running.values():
+            self.beside.append(sorted(self.running.values()))
         Timer(0.2 if task == 20 else 0.01, self.end, [future, task]).start()
         return future
 
@@ -167,7 +167,7 @@ def test_only_a_suspect_that_runs_alone_is_counted():
     assert [found[k].value for k in range(60)] == [k if k != 20 else None for k in range(60)]
     assert isinstance(found[20].error, costate.WorkerDied) and found[20].attempts == 3 and runner.calls.pop(20) == 4
     assert max(runner.calls.values()) <= 2
-    assert sum(running == [20] for running in runner.beside) >= 3
+    assert runner.beside == [[20]] * 3
 
 
 def test_a_task_that_leaves_python_fails_alone():
@@ -309,21 +309,3 @@ def test_dask_calls_equal_tasks_each_time(client, tmp_path):
 def test_outcomes_are_pickled():
     (outcome,) = costate.sweep(square, [3], workers=1)
     assert pickle.loads(pickle.dumps(outcome)) == outcome
-
-
-def test_a_map_of_the_workspace_on_dask(monkeypatch, tmp_path, capsys):
-    pytest.importorskip("distributed")
-    pytest.importorskip("matplotlib")
-    monkeypatch.syspath_prepend(Path(__file__).parents[1] / "examples")
-    import workspace_map
-
-    picture = tmp_path / "map.png"
-    arguments = ["--grid", "3", "--dask", "--workers", "2", "--picture", str(picture)]
-    monkeypatch.setattr(sys, "argv", ["workspace_map.py", *arguments])
-    workspace_map.main()
-    printed = capsys.readouterr().out
-    away, solved = map(int, re.match(r"9 places, (\d) of them out of reach, (\d) motions solved", printed).groups())
-    assert 0 < solved <= 9 - away and away > 0
-    # The corner of the grid near the base costs what it costs here.
-    assert workspace_map.least_effort((0.05, 0.2, -0.2))["status"] == "converged"
-    assert picture.read_bytes().startswith(b"\x89PNG")

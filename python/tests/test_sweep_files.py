@@ -1,6 +1,7 @@
 """Results of sweeps in files: they are kept, whatever they are and however the sweep ends."""
 
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -212,3 +213,21 @@ def test_tasks_that_no_file_can_know_are_named(tmp_path):
     with pytest.raises(costate.ArgumentError, match="task 1 cannot be pickled") as raised:
         costate.sweep(square, [1, lambda: 2], parquet=tmp_path / "results.parquet")
     assert raised.value.argument == "tasks" and os.listdir(tmp_path) == []
+
+
+def test_a_map_of_the_workspace_on_dask(monkeypatch, tmp_path, capsys):
+    pytest.importorskip("distributed")
+    pytest.importorskip("matplotlib")
+    monkeypatch.syspath_prepend(Path(__file__).parents[1] / "examples")
+    import workspace_map
+
+    picture = tmp_path / "map.png"
+    arguments = ["--grid", "3", "--dask", "--workers", "2", "--picture", str(picture)]
+    monkeypatch.setattr(sys, "argv", ["workspace_map.py", *arguments])
+    workspace_map.main()
+    printed = capsys.readouterr().out
+    away, solved = map(int, re.match(r"9 places, (\d) of them out of reach, (\d) motions solved", printed).groups())
+    assert 0 < solved <= 9 - away and away > 0
+    # The corner of the grid near the base costs what it costs here.
+    assert workspace_map.least_effort((0.05, 0.2, -0.2))["status"] == "converged"
+    assert picture.read_bytes().startswith(b"\x89PNG")
