@@ -82,7 +82,7 @@ class Fragile:
         self.calls[task] += 1
         if self.calls[20] > 1 and 20 in self.running.values():
             self.beside.append(sorted(self.running.values()))
-        Timer(0.2 if task == 20 else 0.01, self.end, [future, task]).start()
+        Timer(0.05 if task == 20 else 0.01, self.end, [future, task]).start()
         return future
 
     def end(self, future, task):
@@ -96,8 +96,7 @@ class Fragile:
     def results(self, future):
         return future.result()
 
-    def broken(self):
-        pass
+    def broken(self): ...
 
 
 def leaves(x):
