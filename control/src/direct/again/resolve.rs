@@ -198,7 +198,8 @@ impl Resolve {
             shown.offer(iterate);
             *damping = iterate.damping;
             let now = Instant::now();
-            *longest = (*longest).max(now - last);
+            // One step that the system held up does not count for ever.
+            *longest = longest.mul_f64(constants::FADES).max(now - last);
             last = now;
             deadline.filter(|&deadline| now + *longest > deadline).map(|_| Interruption::TimeLimit)
         };
