@@ -49,12 +49,7 @@ pub struct Controller {
 impl Controller {
     /// Solves the problem for the first time, which may take as long as it likes; later plans take at most so
     /// many Newton steps, and stop early enough to be ready after the part `share` of the period, if any.
-    pub fn new(
-        arm: &Arm,
-        period: f64,
-        steps: usize,
-        share: Option<f64>,
-    ) -> Result<Self, Box<dyn Error>> {
+    pub fn new(arm: &Arm, period: f64, steps: usize, share: Option<f64>) -> Result<Self, Box<dyn Error>> {
         let n = arm.q.len();
         // Torques count in parts of their limits.
         let limits = || arm.robot.independent_joints().map(|joint| joint.limits);
