@@ -70,8 +70,8 @@ impl Report {
         Ok(())
     }
 
-    /// Adds another run of the same: its plans are the same, unless their time was over, and where one of them
-    /// took longer, another program ran.
+    /// Adds another run of the same: its plans are the same, unless their time was over, and where one of
+    /// them took longer, another program ran.
     pub fn repeat(&mut self, other: &Self) {
         self.times.extend(&other.times);
         self.least.iter_mut().zip(&other.times).for_each(|(least, &time)| *least = (*least).min(time));

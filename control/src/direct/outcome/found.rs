@@ -175,8 +175,8 @@ impl<'a> Rows<'a> {
         }
     }
 
-    /// M v, and costates of (q, v) as those of (q, p): `y_p = M^-1 y_v`, `y_q` less `P' y_p`, P the derivative
-    /// of M v by q. `None`, and nothing is changed, where M is nearly singular.
+    /// M v, and costates of (q, v) as those of (q, p): `y_p = M^-1 y_v`, `y_q` less `P' y_p`, P the
+    /// derivative of M v by q. `None`, and nothing is changed, where M is nearly singular.
     fn map(&mut self, q: &[f64], v: &[f64], costate: &mut [f64]) -> Result<Option<Vec<f64>>, EvalError> {
         let (n, map) = (q.len(), self.momentum.linearise_momentum(q, v)?);
         self.mass.clear();
