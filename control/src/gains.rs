@@ -1,8 +1,8 @@
 //! The gains of the optimal feedback and derivatives by limits, in tables over time.
 
 use crate::direct::{Feedback, MotionDerivative, MotionParameter, Resolve, ResolveError, ResolveStatus};
-use crate::problem::Problem;
 use crate::problem::error::ProblemError;
+use crate::problem::{Payload, Problem};
 use crate::result::solution::{RobotNames, Solution};
 use costate::EvalError;
 use serde::{Deserialize, Serialize};
@@ -58,7 +58,7 @@ pub struct Gains {
     pub gain_v: Vec<Rows>,
     /// Derivatives of the cost by the state at the start, (q, v).
     pub cost_by_start: Vec<f64>,
-    /// Derivatives of T by the state at the start, (q, v).
+    /// Derivatives of T by the state at the start, the same.
     pub final_time_by_start: Vec<f64>,
     /// How the motion changes with its limits.
     pub derivatives: LimitDerivatives,
@@ -70,17 +70,18 @@ pub struct Gains {
 pub struct LimitDerivatives {
     /// Times of the rows (s): the points of the motion.
     pub t: Vec<f64>,
-    /// One for each limit of each joint.
+    /// One for each limit of each joint, for the power of all, and for each payload.
     pub parameters: Vec<LimitDerivative>,
 }
 
-/// How a motion changes with a limit of a joint; rows are at the same part of the time.
+/// How a motion changes with a limit, or with the mass of a payload; rows are at the same part of the time.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct LimitDerivative {
-    /// The limit as the key of a problem file, such as `limits.torque_max`.
+    /// The limit as the key of a problem file, such as `limits.torque_max`; `robot.payload.mass` for a
+    /// payload.
     pub name: String,
-    /// Name of the joint.
+    /// Name of the joint, `all joints` for the power of all; of a payload the frame that carries it.
     pub joint: String,
     /// dJ/dtheta.
     pub cost: f64,
@@ -119,12 +120,15 @@ pub enum GainError {
     /// Solving again did not come to an end.
     #[error("the motion is not solved on a mesh of its own; try another tolerance or more nodes")]
     NotSolved,
+    /// Accelerations are continuous: no gains are computed.
+    #[error(
+        "there are no gains where accelerations are continuous (jerks, rates of torques or accelerations are \
+         limited, cost something or are given); Resolve solves such a motion again"
+    )]
+    Continuous,
     /// The matrix of Newton's method is not positive definite.
     #[error("the motion is no strict minimum, so that there is no feedback")]
     NoMinimum,
-    /// Positions or rates are free at the start.
-    #[error("something is free at the start, so that states on the way do not tell the start")]
-    FreeStart,
 }
 
 impl Gains {
@@ -134,12 +138,29 @@ impl Gains {
     /// # Errors
     /// [`GainError`].
     pub fn new(problem: &Problem, solution: &Solution, rate: Option<f64>) -> Result<Self, GainError> {
+        Self::with_payloads(problem, solution, rate, &[])
+    }
+
+    /// The same with the derivatives by the masses of these payloads, which the robot carries already: their
+    /// centres and shapes stay. Those that no joint moves and those without mass are left out.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn with_payloads(
+        problem: &Problem,
+        solution: &Solution,
+        rate: Option<f64>,
+        payloads: &[Payload],
+    ) -> Result<Self, GainError> {
         if solution.trajectory.t.len() < 2 {
             return Err(GainError::NoMotion);
         }
+        if problem.first_of_rates().is_some() {
+            return Err(GainError::Continuous);
+        }
         let mut motion = solved(problem, solution)?;
         let feedback = motion.feedback()?.cloned().ok_or(GainError::NoMinimum)?;
-        let n = feedback.dof();
+        let (n, m) = (feedback.dof(), feedback.state());
         let time = motion.final_time().unwrap_or(0.0);
         let points: Vec<f64> = (0..feedback.points()).map(|p| feedback.time(p)).collect();
         let t = match rate {
@@ -163,23 +184,26 @@ impl Gains {
             gain_v: Vec::new(),
             cost_by_start: feedback.cost_gradient().to_vec(),
             final_time_by_start: feedback.time_by_start().to_vec(),
-            derivatives: LimitDerivatives { t: points, parameters: parameters(problem, &mut motion)? },
+            derivatives: LimitDerivatives {
+                t: points,
+                parameters: parameters(problem, payloads, &mut motion)?,
+            },
             t,
         };
-        let (mut z, mut torques, mut gain) = (vec![0.0; 3 * n], vec![0.0; n], vec![0.0; 2 * n * n]);
+        let (mut z, mut torques, mut gain) = (vec![0.0; 3 * n], vec![0.0; n], vec![0.0; n * m]);
         for &t in &gains.t {
             motion.state_at(t, &mut z)?;
             motion.torques_at(t, &mut torques)?;
             if !gain_at(&feedback, t, &mut gain) {
-                return Err(GainError::FreeStart);
+                return Err(GainError::NoMinimum);
             }
             gains.q.push(z[..n].to_vec());
             gains.v.push(z[n..2 * n].to_vec());
             gains.tau.push(torques.clone());
-            let half =
-                |first: usize| gain.chunks_exact(2 * n).map(|row| row[first..first + n].to_vec()).collect();
-            gains.gain_q.push(half(0));
-            gains.gain_v.push(half(n));
+            let part =
+                |first: usize| gain.chunks_exact(m).map(|row| row[first..first + n].to_vec()).collect();
+            gains.gain_q.push(part(0));
+            gains.gain_v.push(part(n));
         }
         Ok(gains)
     }
@@ -206,40 +230,54 @@ fn gain_at(feedback: &Feedback, t: f64, gain: &mut [f64]) -> bool {
     feedback.gain(t, gain) && gain.iter().all(|entry| entry.is_finite())
 }
 
-/// Derivatives by all limits that the joints have.
-fn parameters(problem: &Problem, motion: &mut Resolve) -> Result<Vec<LimitDerivative>, GainError> {
+/// Derivatives by all limits that the joints have, by the power of all, and by masses.
+fn parameters(
+    problem: &Problem,
+    payloads: &[Payload],
+    motion: &mut Resolve,
+) -> Result<Vec<LimitDerivative>, GainError> {
     type Limit = (&'static str, fn(usize) -> MotionParameter);
-    const LIMITS: [Limit; 6] = [
+    const LIMITS: [Limit; 8] = [
         ("limits.q_min", MotionParameter::PositionMin),
         ("limits.q_max", MotionParameter::PositionMax),
         ("limits.v_max", MotionParameter::VelocityMax),
         ("limits.a_max", MotionParameter::AccelerationMax),
         ("limits.torque_max", MotionParameter::TorqueMax),
         ("limits.power_max", MotionParameter::PowerMax),
+        ("limits.jerk_max", MotionParameter::JerkMax),
+        ("limits.torque_rate_max", MotionParameter::TorqueRateMax),
     ];
-    let names = problem.robot.independent_joints().map(|joint| joint.name.clone());
+    let mut asked: Vec<(&'static str, String, MotionParameter)> = Vec::new();
+    for (index, joint) in problem.robot.independent_joints().enumerate() {
+        asked.extend(LIMITS.map(|(name, parameter)| (name, joint.name.clone(), parameter(index))));
+    }
+    asked.push(("limits.total_power_max", "all joints".into(), MotionParameter::TotalPowerMax));
+    let mass =
+        |of: &Payload| ("robot.payload.mass", of.frame.clone(), MotionParameter::PayloadMass(of.clone()));
+    asked.extend(payloads.iter().map(mass));
     let mut all = Vec::new();
-    for (joint, name) in names.enumerate() {
-        for (limit, parameter) in LIMITS {
-            let MotionDerivative { cost, final_time, states, torques, .. } =
-                match motion.derivative_by(&parameter(joint)) {
-                    Ok(Some(found)) => found,
-                    Ok(None) | Err(ResolveError::NoLimit { .. }) => continue,
-                    Err(error) => return Err(error.into()),
-                };
-            let n = motion.dof();
-            let rows =
-                |first: usize| states.chunks_exact(2 * n).map(|x| x[first..first + n].to_vec()).collect();
-            all.push(LimitDerivative {
-                name: limit.into(),
-                joint: name.clone(),
-                cost,
-                final_time,
-                q: rows(0),
-                v: rows(n),
-                tau: torques.chunks_exact(n).map(<[f64]>::to_vec).collect(),
-            });
-        }
+    for (name, joint, parameter) in asked {
+        let MotionDerivative { cost, final_time, states, torques, .. } = match motion
+            .derivative_by(&parameter)
+        {
+            Ok(Some(found)) => found,
+            // Nor where no joint moves a payload, or where it has no mass.
+            Ok(None)
+            | Err(ResolveError::NoLimit { .. } | ResolveError::Payload(_) | ResolveError::NoMass) => continue,
+            Err(error) => return Err(error.into()),
+        };
+        let n = motion.dof();
+        let m = n * states.len() / torques.len();
+        let rows = |first: usize| states.chunks_exact(m).map(|x| x[first..first + n].to_vec()).collect();
+        all.push(LimitDerivative {
+            name: name.into(),
+            joint,
+            cost,
+            final_time,
+            q: rows(0),
+            v: rows(n),
+            tau: torques.chunks_exact(n).map(<[f64]>::to_vec).collect(),
+        });
     }
     Ok(all)
 }

@@ -6,6 +6,7 @@ With `--write`, the pictures that they save become those of the guide.
 import importlib.util
 import os
 import re
+import subprocess
 import sys
 import tempfile
 import warnings
@@ -13,7 +14,7 @@ from pathlib import Path
 
 GUIDE = Path(__file__).parent
 ROOT = GUIDE.parents[1]
-PAGES = [*sorted(GUIDE.glob("*.md")), ROOT / "docs" / "casadi.md"]
+PAGES = [*sorted(GUIDE.glob("*.md")), ROOT / "docs" / "casadi.md", ROOT / "docs" / "sweeps.md"]
 
 
 def needs(page: Path) -> list[str]:
@@ -27,16 +28,15 @@ def missing(page: Path) -> list[str]:
 
 
 def blocks(page: Path) -> list[tuple[int, str]]:
-    """The Python blocks of a page with the lines before each."""
+    """The Python blocks of a page with the lines before each, without those that say that they are not run."""
     text = page.read_text(encoding="utf-8")
-    return [
-        (text.count("\n", 0, found.start(1)), found[1]) for found in re.finditer(r"^```python\n(.*?)^```$", text, re.M | re.S)
-    ]
+    found = re.finditer(r"^(<!-- not run: .* -->\n)?```python\n(.*?)^```$", text, re.M | re.S)
+    return [(text.count("\n", 0, block.start(2)), block[2]) for block in found if not block[1]]
 
 
 def pictures(page: Path) -> list[str]:
     """The pictures that a page shows."""
-    return re.findall(r"\]\(pictures/([a-z_]+\.svg)\)", page.read_text(encoding="utf-8"))
+    return re.findall(r"\]\((?:guide/)?pictures/([a-z_]+\.svg)\)", page.read_text(encoding="utf-8"))
 
 
 def prepare(folder: Path) -> None:
@@ -57,13 +57,20 @@ def run(page: Path, folder: Path) -> None:
     plt.rcParams.update(style | {"axes.grid": True, "grid.alpha": 0.3, "figure.facecolor": "white"})
     before = Path.cwd()
     os.chdir(folder)
+    sys.path.insert(0, str(folder))
     names: dict[str, object] = {"__name__": "__page__"}
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             for line, code in blocks(page):
-                exec(compile("\n" * line + code, str(page), "exec"), names)
+                # A block that begins with the name of a file is a program, and a module for the blocks after it.
+                if program := re.match(r"# (\w+\.py)\n", code):
+                    (folder / program[1]).write_text(code, encoding="utf-8")
+                    subprocess.run([sys.executable, program[1]], cwd=folder, check=True)
+                else:
+                    exec(compile("\n" * line + code, str(page), "exec"), names)
     finally:
+        sys.path.remove(str(folder))
         os.chdir(before)
         plt.close("all")
 

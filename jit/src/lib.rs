@@ -2,7 +2,9 @@
 //!
 //! [`Compiled`] turns a [`Program`](costate::codegen::Program) into machine code in memory, without a
 //! compiler. [`JitQuantity`] does so for a quantity of a robot. Where that is not possible it uses the
-//! generic code, and its [`Backend`] has the reason.
+//! generic code, and its [`Backend`] has the reason. [`JitLanes`] evaluates four states at once. [`JitModel`]
+//! is a model for optimisers and time steps, for one state or for four (`fours`), [`JitVelocityModel`] the
+//! same for steps that need f = (v, a).
 //!
 //! The modules in the order of their work: `step` has the steps of a program, `pairs` joins those of two
 //! equal sides of a robot; `plan` and `order` divide the steps into stages between function calls and sort
@@ -22,6 +24,7 @@ mod code;
 mod compiled;
 mod emit;
 mod error;
+mod fours;
 mod functions;
 mod lanes;
 mod limit;
@@ -37,15 +40,18 @@ mod quantity;
 mod registers;
 mod step;
 mod translate;
+mod velocities;
 mod widest;
 
 pub use costate::codegen::{OPERATIONS_PER_STEP, Shape};
 
 pub use compiled::{Compiled, supported};
 pub use error::JitError;
+pub use fours::Fours;
 pub use lanes::JitLanes;
 pub use limit::{DEFAULT_LIMIT, LANES_LIMIT, limit_of};
-pub use model::{JitModel, JitVelocityModel};
+pub use model::{JitLanesModel, JitModel};
 pub use number::JitNumber;
 pub use quantity::{Backend, JitQuantity};
+pub use velocities::JitVelocityModel;
 pub use widest::{widest, widest_fused};

@@ -1,18 +1,20 @@
-//! A robot as a model by machine code.
+//! A robot as a model by machine code, for one state and for four.
 
+use crate::error::JitError;
+use crate::fours::{Fours, Quantities};
 use crate::quantity::{Backend, JitQuantity};
 use costate::codegen::{CodegenError, Coordinates, Quantity};
 use costate::dynamics::{Contraction, Dynamics, Linearisation, Structure};
 use costate::matrix::Matrix;
 use costate::robot::Robot;
-use costate::step::VelocityForm;
+use costate::scalar::{F64x4, Scalar};
 use costate::{EvalError, LengthError};
 
 /// [`Dynamics`] of a robot in either coordinates, x = (q, p) or (q, v): f, its Jacobians and contracted
 /// Hessians by machine code, or by the generic code where there is none.
 ///
 /// For optimisers and for [time steps](costate::step), as [`JitQuantity`] is for single quantities; a clone
-/// is a workspace for another thread.
+/// is a workspace for another thread. [`JitLanesModel`] is the same for four states at once.
 ///
 /// ```
 /// use costate::codegen::Coordinates;
@@ -27,23 +29,29 @@ use costate::{EvalError, LengthError};
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug)]
-pub struct JitModel {
+pub struct JitModel<S: Scalar = f64, Q = [JitQuantity; 3]> {
     coordinates: Coordinates,
     n: usize,
-    quantities: [JitQuantity; 3],
-    inputs: Vec<f64>,
-    outputs: Vec<f64>,
-    f: Vec<f64>,
-    f_x: Matrix<f64>,
-    f_u: Matrix<f64>,
-    xx: Matrix<f64>,
-    ux: Matrix<f64>,
+    quantities: Q,
+    inputs: Vec<S>,
+    outputs: Vec<S>,
+    f: Vec<S>,
+    f_x: Matrix<S>,
+    f_u: Matrix<S>,
+    xx: Matrix<S>,
+    ux: Matrix<S>,
 }
 
-/// Positions in [`JitModel::quantities`].
+/// A [`JitModel`] for four states at once: [`JitModel::over_lanes`] makes it.
+pub type JitLanesModel = JitModel<F64x4, Fours>;
+
+/// Positions of the quantities.
 const VALUE: usize = 0;
 const FIRST: usize = 1;
 const SECOND: usize = 2;
+
+/// The quantities in the order of their positions.
+const QUANTITIES: [Quantity; 3] = [Quantity::F, Quantity::FX, Quantity::YFXX];
 
 impl JitModel {
     /// Records and compiles f, f_x and y'f_xx.
@@ -51,37 +59,80 @@ impl JitModel {
     /// # Errors
     /// [`CodegenError`]; all three are defined in both coordinates.
     pub fn new(robot: &Robot, coordinates: Coordinates) -> Result<Self, CodegenError> {
-        let n = robot.dof();
-        let of = |quantity| JitQuantity::new(robot, quantity, coordinates);
-        let quantities = [of(Quantity::F)?, of(Quantity::FX)?, of(Quantity::YFXX)?];
-        let (mut f_x, mut f_u) = (Matrix::zeros(2 * n, 2 * n), Matrix::zeros(2 * n, n));
-        for i in 0..n {
-            match coordinates {
-                Coordinates::Hamiltonian => f_u[(n + i, i)] = 1.0,
-                Coordinates::Lagrangian => f_x[(i, n + i)] = 1.0,
-            }
-        }
-        Ok(Self {
-            coordinates,
-            n,
-            inputs: vec![0.0; quantities[SECOND].inputs()],
-            outputs: vec![0.0; quantities[SECOND].outputs()],
-            quantities,
-            f: vec![0.0; 2 * n],
-            f_x,
-            f_u,
-            xx: Matrix::zeros(2 * n, 2 * n),
-            ux: Matrix::zeros(n, n),
-        })
+        Ok(Self::of(robot.dof(), coordinates, quantities(robot, coordinates)?))
     }
 
     /// How f, its Jacobians and its contracted Hessian are computed.
     pub fn backends(&self) -> [Backend<'_>; 3] {
         self.quantities.each_ref().map(JitQuantity::backend)
     }
+}
+
+impl JitLanesModel {
+    /// Records and compiles f, f_x and y'f_xx for four states at once, each lane one of them; or says why
+    /// there is no machine code.
+    ///
+    /// A [batch](costate::batch) of it evaluates any number of states, a [step](costate::step) of it steps
+    /// from four. Where machine code is not certain of a state, the [quantities](JitQuantity) of one state
+    /// compute it; an error is that of the first lane that has one.
+    ///
+    /// ```
+    /// use costate::batch::{Batch, Model};
+    /// use costate::codegen::Coordinates;
+    /// use costate::robot::Robot;
+    /// use costate_jit::JitModel;
+    /// # std::env::set_current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))?;
+    /// let robot = Robot::from_file("robots/two_link.toml")?;
+    /// if let Ok(model) = JitModel::over_lanes(&robot, Coordinates::Lagrangian)? {
+    ///     let (x, u, mut f) = (vec![0.2; 100 * 4], vec![0.0; 100 * 2], vec![0.0; 100 * 4]);
+    ///     assert!(Batch::new(Model(model)).evaluate(&x, &u, &mut f)?.is_empty());
+    /// }
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`CodegenError`] as [`JitModel::new`].
+    pub fn over_lanes(
+        robot: &Robot,
+        coordinates: Coordinates,
+    ) -> Result<Result<Self, JitError>, CodegenError> {
+        let one = quantities(robot, coordinates)?;
+        let fours = Fours::new(robot, QUANTITIES, coordinates, one)?;
+        Ok(fours.map(|fours| Self::of(robot.dof(), coordinates, fours)))
+    }
+}
+
+/// The quantities of one state.
+fn quantities(robot: &Robot, coordinates: Coordinates) -> Result<[JitQuantity; 3], CodegenError> {
+    let [f, f_x, y_f_xx] = QUANTITIES.map(|quantity| JitQuantity::new(robot, quantity, coordinates));
+    Ok([f?, f_x?, y_f_xx?])
+}
+
+impl<S: Scalar, Q: Quantities<S>> JitModel<S, Q> {
+    fn of(n: usize, coordinates: Coordinates, quantities: Q) -> Self {
+        let (mut f_x, mut f_u) = (Matrix::zeros(2 * n, 2 * n), Matrix::zeros(2 * n, n));
+        for i in 0..n {
+            match coordinates {
+                Coordinates::Hamiltonian => f_u[(n + i, i)] = S::one(),
+                Coordinates::Lagrangian => f_x[(i, n + i)] = S::one(),
+            }
+        }
+        Self {
+            coordinates,
+            n,
+            inputs: vec![S::zero(); 5 * n],
+            outputs: vec![S::zero(); quantities.outputs(SECOND)],
+            quantities,
+            f: vec![S::zero(); 2 * n],
+            f_x,
+            f_u,
+            xx: Matrix::zeros(2 * n, 2 * n),
+            ux: Matrix::zeros(n, n),
+        }
+    }
 
     /// Evaluates one of the quantities and takes f.
-    fn run(&mut self, which: usize, x: &[f64], u: &[f64], y: &[f64]) -> Result<(), EvalError> {
+    fn run(&mut self, which: usize, x: &[S], u: &[S], y: &[S]) -> Result<(), EvalError> {
         let n = self.n;
         for (what, expected, found) in [("x", 2 * n, x.len()), ("u", n, u.len())] {
             LengthError::check(what, expected, found)?;
@@ -89,9 +140,8 @@ impl JitModel {
         self.inputs[..2 * n].copy_from_slice(x);
         self.inputs[2 * n..3 * n].copy_from_slice(u);
         self.inputs[3 * n..3 * n + y.len()].copy_from_slice(y);
-        let quantity = &mut self.quantities[which];
-        let outputs = &mut self.outputs[..quantity.outputs()];
-        quantity.evaluate(&self.inputs[..3 * n + y.len()], outputs)?;
+        let outputs = &mut self.outputs[..self.quantities.outputs(which)];
+        self.quantities.evaluate(which, &self.inputs[..3 * n + y.len()], outputs)?;
         match self.coordinates {
             Coordinates::Hamiltonian => self.f.copy_from_slice(&self.outputs[..2 * n]),
             Coordinates::Lagrangian => {
@@ -122,20 +172,20 @@ impl JitModel {
         }
     }
 
-    fn first(&self) -> Linearisation<'_, f64> {
+    fn first(&self) -> Linearisation<'_, S> {
         Linearisation { f: &self.f, f_x: self.f_x.view(), f_u: self.f_u.view() }
     }
 }
 
 /// All entries, row by row.
-fn take(matrix: &mut Matrix<f64>, entries: &[f64]) {
+fn take<S: Scalar>(matrix: &mut Matrix<S>, entries: &[S]) {
     let columns = matrix.columns();
     for (i, row) in entries.chunks_exact(columns.max(1)).enumerate() {
         matrix.row_mut(i).copy_from_slice(row);
     }
 }
 
-impl Dynamics<f64> for JitModel {
+impl<S: Scalar, Q: Quantities<S>> Dynamics<S> for JitModel<S, Q> {
     type Error = EvalError;
 
     fn states(&self) -> usize {
@@ -157,18 +207,18 @@ impl Dynamics<f64> for JitModel {
         }
     }
 
-    fn evaluate(&mut self, x: &[f64], u: &[f64]) -> Result<&[f64], EvalError> {
+    fn evaluate(&mut self, x: &[S], u: &[S]) -> Result<&[S], EvalError> {
         self.run(VALUE, x, u, &[])?;
         Ok(&self.f)
     }
 
-    fn linearise(&mut self, x: &[f64], u: &[f64]) -> Result<Linearisation<'_, f64>, EvalError> {
+    fn linearise(&mut self, x: &[S], u: &[S]) -> Result<Linearisation<'_, S>, EvalError> {
         self.run(FIRST, x, u, &[])?;
         self.take_jacobians();
         Ok(self.first())
     }
 
-    fn contract(&mut self, x: &[f64], u: &[f64], y: &[f64]) -> Result<Contraction<'_, f64>, EvalError> {
+    fn contract(&mut self, x: &[S], u: &[S], y: &[S]) -> Result<Contraction<'_, S>, EvalError> {
         let n = self.n;
         LengthError::check("y", 2 * n, y.len())?;
         let y = if self.coordinates == Coordinates::Lagrangian { &y[n..] } else { y };
@@ -186,70 +236,5 @@ impl Dynamics<f64> for JitModel {
             ux: lagrangian.then(|| self.ux.view()),
             uu: None,
         })
-    }
-}
-
-/// A [`JitModel`] in (q, v), with f = (v, a), for [steps](costate::step) that need this form.
-///
-/// ```
-/// use costate::robot::Robot;
-/// use costate::step::{SemiImplicitEuler, Step};
-/// use costate_jit::JitVelocityModel;
-/// # std::env::set_current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))?;
-/// let robot = Robot::from_file("robots/two_link.toml")?;
-/// let mut step = SemiImplicitEuler::new(JitVelocityModel::new(&robot)?);
-/// let next = step.evaluate(&[0.3, -0.8, 1.0, 0.5], &[0.2, 0.0], 0.01)?;
-/// assert_eq!(next[0], 0.3 + 0.01 * next[2]);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-///
-/// A model in (q, p) does not have it:
-///
-/// ```compile_fail,E0277
-/// # use costate::{codegen::Coordinates, robot::Robot, step::SemiImplicitEuler};
-/// # let robot = Robot::from_file("robots/two_link.toml").unwrap();
-/// let model = costate_jit::JitModel::new(&robot, Coordinates::Hamiltonian).unwrap();
-/// SemiImplicitEuler::new(model);
-/// ```
-#[derive(Clone, Debug)]
-pub struct JitVelocityModel(JitModel);
-
-impl JitVelocityModel {
-    /// Records and compiles f, f_x and y'f_xx in (q, v).
-    ///
-    /// # Errors
-    /// As [`JitModel::new`].
-    pub fn new(robot: &Robot) -> Result<Self, CodegenError> {
-        JitModel::new(robot, Coordinates::Lagrangian).map(Self)
-    }
-}
-
-impl VelocityForm<f64> for JitVelocityModel {}
-
-impl Dynamics<f64> for JitVelocityModel {
-    type Error = EvalError;
-
-    fn states(&self) -> usize {
-        self.0.states()
-    }
-
-    fn controls(&self) -> usize {
-        self.0.controls()
-    }
-
-    fn structure(&self) -> Structure {
-        self.0.structure()
-    }
-
-    fn evaluate(&mut self, x: &[f64], u: &[f64]) -> Result<&[f64], EvalError> {
-        self.0.evaluate(x, u)
-    }
-
-    fn linearise(&mut self, x: &[f64], u: &[f64]) -> Result<Linearisation<'_, f64>, EvalError> {
-        self.0.linearise(x, u)
-    }
-
-    fn contract(&mut self, x: &[f64], u: &[f64], y: &[f64]) -> Result<Contraction<'_, f64>, EvalError> {
-        self.0.contract(x, u, y)
     }
 }

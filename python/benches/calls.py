@@ -1,8 +1,9 @@
 """Times of calls from Python: beside Rust, and beside pin, adam and MJX.
 
 ``python python/benches/calls.py [ROBOT.urdf] [--states 1000000] [--write]``; the least of many repetitions in one run, on
-one thread where nothing else is said. Rust is the same function without objects of Python, in the same build
-(``Dynamics._seconds``). ``--write`` puts the tables into docs/python_calls.md. Peers are compared where they are
+one thread where nothing else is said. Rust is, for one state and for several threads, the same
+function without objects of Python (``Dynamics._seconds``), and for batches on one thread ``costate::batch`` as a user of
+Rust calls it (``Dynamics._batch_seconds``), all in the same build with results in memory that is there. ``--write`` puts the tables into docs/python_calls.md. Peers are compared where they are
 installed, and named where they are not. Batches of peers: loops over states for pin, whose calls take one, ``jit`` of
 ``vmap`` for adam and MJX, whose second derivatives are ``jacfwd(jacrev(y'a))``.
 """
@@ -54,19 +55,32 @@ def overhead(robot: costate.Robot) -> str:
     return "| one state | Rust (us) | Python (us) | overhead (us) |\n|---|--:|--:|--:|\n" + "\n".join(row for _, row in rows)
 
 
+def memory(results) -> np.ndarray | tuple:
+    """Arrays for results like these, whose pages are there."""
+    arrays = tuple(np.zeros_like(array) for array in (results if isinstance(results, tuple) else (results,)))
+    return arrays if isinstance(results, tuple) else arrays[0]
+
+
 def batches(robot: costate.Robot, states: int) -> str:
+    """Beside ``costate::batch`` of Rust, the faster of machine code and generic code over lanes, on one thread."""
     rows = []
     for threads in (1, len(os.sched_getaffinity(0))):
         dynamics = costate.Dynamics(robot, threads=threads)
-        for verb in ("f", "aba", "linearise", "adjoint"):
-            given, method = arguments(robot.n, verb, (states,)), getattr(dynamics, verb)
-            old, new = (dynamics._seconds(verb, states, 1, fresh) for fresh in (False, True))
-            ours = min(least(lambda: method(*given)) for _ in range(2))
-            figures = f"{old / states * 1e9:.0f} | {new / states * 1e9:.0f} | {ours / states * 1e9:.0f} | {ours / new:.2f}"
-            rows.append((ours / new, f"| `{verb}` | {threads} | {figures} |"))
+        for verb in ("f", "linearise", "adjoint", "hessian", "contract"):
+            # Results of a batch of Hessians take 324 numbers a state for six joints.
+            count = states if verb in ("f", "linearise", "adjoint") else max(1, states // 10)
+            given, method = arguments(robot.n, verb, (count,)), getattr(dynamics, verb)
+            out = memory(method(*given))
+            ours = min(least(lambda: method(*given, out=out)) for _ in range(2))
+            new = min(least(lambda: method(*given)) for _ in range(2))
+            del out
+            machine, generic = dynamics._batch_seconds(verb, count, 1) if threads == 1 else (None, float("nan"))
+            rust = min(generic, machine or generic) if threads == 1 else dynamics._seconds(verb, count, 1, False)
+            times = " | ".join(f"{time / count * 1e9:.0f}" for time in (rust, ours, new))
+            rows.append((ours / rust, f"| `{verb}` | {count:.0e} | {threads} | {times} | {ours / rust:.2f} |"))
     rows.sort(reverse=True)
-    head = f"| {states:.0e} states | threads | Rust, memory at hand (ns a state) | Rust, new memory | Python | Python / Rust, new memory |\n"
-    return head + "|---|--:|--:|--:|--:|--:|\n" + "\n".join(row for _, row in rows)
+    head = "| batch | states | threads | Rust (ns a state) | Python with `out=` | Python, new arrays | Python with `out=` / Rust |\n"
+    return head + "|---|--:|--:|--:|--:|--:|--:|\n" + "\n".join(row for _, row in rows)
 
 
 def with_costate(robot: costate.Robot) -> dict[str, float]:

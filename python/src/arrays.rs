@@ -1,18 +1,14 @@
-//! NumPy arrays in and out: their checks, their leading axes, and numbers by states.
+//! NumPy arrays in: their checks, their leading axes, and numbers by states.
 
 pub use crate::axes::Axes;
 use crate::axes::MOST_AXES;
 use crate::errors::argument;
-use crate::plan::{Argument, Entries, Output};
-use numpy::npyffi::{NPY_TYPES, NpyTypes, PY_ARRAY_API, get_type_object};
-use numpy::{
-    Element, PyArrayDescrMethods, PyArrayDyn, PyArrayMethods, PyUntypedArray, PyUntypedArrayMethods,
-};
+use crate::plan::{Argument, Entries};
+use numpy::npyffi::NPY_TYPES;
+use numpy::{PyArrayDescrMethods, PyArrayDyn, PyArrayMethods, PyUntypedArray, PyUntypedArrayMethods};
 use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
-use std::ffi::c_int;
-use std::ptr::null_mut;
 
 /// The arrays of a call, whose memory is read.
 pub type Held<'py, const N: usize> = [Option<Bound<'py, PyUntypedArray>>; N];
@@ -163,8 +159,9 @@ fn converted<'py>(given: &Bound<'py, PyAny>, expected: &Argument) -> PyResult<Bo
     Ok(array.cast_into::<PyUntypedArray>()?)
 }
 
+/// Whether its numbers are doubles of this processor.
 #[inline]
-fn is_float64(array: &Bound<'_, PyUntypedArray>) -> bool {
+pub fn is_float64(array: &Bound<'_, PyUntypedArray>) -> bool {
     let kind = array.dtype();
     kind.num() == NPY_TYPES::NPY_DOUBLE as i32 && kind.is_native_byteorder() != Some(false)
 }
@@ -202,69 +199,4 @@ fn wrong_layout(array: &Bound<'_, PyUntypedArray>, expected: &Argument) -> PyErr
          steps); pass numpy.ascontiguousarray({name})"
     );
     argument(array.py(), name, message)
-}
-
-/// The memory of a new result array.
-#[derive(Clone, Copy)]
-pub struct Target {
-    data: *mut f64,
-    length: usize,
-}
-
-// SAFETY: threads write different states, see `of`.
-unsafe impl Send for Target {}
-// SAFETY: as above.
-unsafe impl Sync for Target {}
-
-impl Target {
-    /// Memory for `length` numbers of each state.
-    ///
-    /// # Safety
-    /// It is there, and nobody else's, as long as it is used.
-    pub unsafe fn dense(data: *mut f64, length: usize) -> Self {
-        Self { data, length }
-    }
-
-    /// The numbers of one state.
-    ///
-    /// # Safety
-    /// The state is one of the array, the array is alive, and nobody else uses this state.
-    #[inline]
-    #[expect(clippy::mut_from_ref, reason = "the caller promises that no other reference is alive")]
-    pub unsafe fn of(&self, state: usize) -> &mut [f64] {
-        // SAFETY: the promise of the caller.
-        unsafe { std::slice::from_raw_parts_mut(self.data.add(state * self.length), self.length) }
-    }
-}
-
-/// A new array for a result at all states. It is not initialised: every state must be written.
-///
-/// # Errors
-/// `MemoryError`, or `ValueError` where the size is no number of bytes.
-#[inline]
-pub fn allocate<'py>(py: Python<'py>, axes: &Axes, output: &Output) -> PyResult<(Bound<'py, PyAny>, Target)> {
-    let mut shape = [0; MOST_AXES + 2];
-    let count = axes.count + output.shape.len();
-    shape[..axes.count].copy_from_slice(axes.shape());
-    shape[axes.count..count].copy_from_slice(&output.shape);
-    // SAFETY: NumPy takes the reference to the type and reads `count` lengths, which are those of arrays or
-    // of a robot and so no larger than `npy_intp`; without strides and data it allocates in C order. It
-    // returns a new reference, or none and sets an exception. Doubles need no initialisation before they are
-    // written, and all are written before Python sees the array.
-    let array = unsafe {
-        let array = PY_ARRAY_API.PyArray_NewFromDescr(
-            py,
-            get_type_object(py, NpyTypes::PyArray_Type),
-            f64::get_dtype(py).into_dtype_ptr(),
-            count as c_int,
-            shape.as_mut_ptr().cast(),
-            null_mut(),
-            null_mut(),
-            0,
-            null_mut(),
-        );
-        Bound::from_owned_ptr_or_err(py, array)?.cast_into_unchecked::<PyArrayDyn<f64>>()
-    };
-    let data = array.data();
-    Ok((array.into_any(), Target { data, length: output.length }))
 }

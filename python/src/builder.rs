@@ -9,13 +9,22 @@ use costate::robot::{
     Spring,
 };
 use pyo3::prelude::*;
+use pyo3::types::PyTuple;
 use std::sync::{Mutex, PoisonError};
 
 /// Builds a robot joint by joint; made by `Robot.builder`.
 ///
 /// Each method returns the builder. Joint frames: ``xyz`` (m) and ``rpy`` (rad, fixed axes, as in a URDF)
 /// place the frame of the joint in the frame of the joint ``on`` (in the world without one); ``axis``,
-/// ``com`` and ``inertia`` are in the frame of the joint.
+/// ``com`` and ``inertia`` are in the frame of the joint. Builders with equal calls are equal; a copy is a
+/// builder of its own.
+///
+/// Parameters
+/// ----------
+/// name : str
+///     Name of the robot.
+/// gravity : sequence of float
+///     In the world (m/s^2).
 ///
 /// Examples
 /// --------
@@ -63,20 +72,25 @@ macro_rules! joint_methods {
             ///     Its name; that of its link too.
             /// on : str, optional
             ///     The joint that carries it; the world unless given.
-            /// xyz, rpy, axis : sequences of three numbers
+            /// xyz, rpy, axis : sequence of float
             ///     Placement of its frame, and the direction of its axis.
-            /// mass, com, inertia
+            /// mass, com, inertia : float, sequence of float
             ///     Of its link: kg, m, and xx, yy, zz, xy, xz, yz about the centre of mass (kg m^2).
             /// armature : float
             ///     Rotor inertia (kg m^2, kg).
-            /// stiffness, rest
+            /// stiffness, rest : float
             ///     Of a spring: N m/rad or N/m, rad or m.
-            /// viscous, coulomb
+            /// viscous, coulomb : float
             ///     Friction: N m s/rad or N s/m, N m or N.
             /// lower, upper, velocity, effort : float, optional
             ///     Limits: rad or m, rad/s or m/s, N m or N.
             /// mimic : (str, float, float), optional
             ///     The joint that it follows, ratio and offset.
+            ///
+            /// Returns
+            /// -------
+            /// RobotBuilder
+            ///     This one.
             #[pyo3(signature = (name, *, on = None, xyz = [0.0; 3], rpy = [0.0; 3], axis = [0.0, 0.0, 1.0],
                 mass = 0.0, com = [0.0; 3], inertia = None, armature = 0.0, stiffness = 0.0, rest = 0.0,
                 viscous = 0.0, coulomb = 0.0, lower = None, upper = None, velocity = None, effort = None,
@@ -135,6 +149,20 @@ macro_rules! joint_methods {
             }
 
             /// Adds a frame that is fixed to the link of a joint, or to another frame.
+            ///
+            /// Parameters
+            /// ----------
+            /// name : str
+            ///     Its name.
+            /// on : str
+            ///     The joint or frame that carries it.
+            /// xyz, rpy : sequence of float
+            ///     Its placement there (m; rad, fixed axes).
+            ///
+            /// Returns
+            /// -------
+            /// RobotBuilder
+            ///     This one.
             #[pyo3(signature = (name, on, *, xyz = [0.0; 3], rpy = [0.0; 3]))]
             fn frame<'py>(
                 slf: Shared<'py>,
@@ -149,6 +177,11 @@ macro_rules! joint_methods {
             }
 
             /// The robot, checked.
+            ///
+            /// Returns
+            /// -------
+            /// Robot
+            ///     Another one each time; the builder can go on.
             ///
             /// Raises
             /// ------
@@ -168,3 +201,19 @@ joint_methods!(
     revolute: "Adds a revolute joint with its link.",
     prismatic: "Adds a prismatic joint with its link."
 );
+
+#[pymethods]
+impl RobotBuilder {
+    fn __eq__(&self, py: Python<'_>, other: &Self) -> PyResult<bool> {
+        // One lock at a time: a builder is compared with itself too.
+        let calls = |of: &Self| of.state.lock().unwrap_or_else(PoisonError::into_inner).1.copy(py);
+        let (ours, theirs) = (calls(self), calls(other));
+        ours.equals(py, &theirs)
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyTuple>> {
+        let py = slf.py();
+        let calls = slf.get().state.lock().unwrap_or_else(PoisonError::into_inner).1.copy(py);
+        calls.reduce(py.get_type::<Robot>())
+    }
+}

@@ -1,12 +1,12 @@
 //! The states of a call: their numbers are read, evaluated one by one or in fours, and written.
 
-use crate::arrays::{Axes, Source, Target};
+use crate::arrays::{Axes, Source};
 use crate::errors::Failure;
 use crate::failures::Failures;
 use crate::plan::{Argument, Entries, Number, Plan};
+use crate::results::Target;
 use crate::workspace::Workspace;
 use costate::robot::Robot;
-use costate_jit::JitLanes;
 
 /// The states of one call.
 pub struct Call<'a> {
@@ -69,7 +69,6 @@ impl Call<'_> {
     /// that are not certain are evaluated one by one.
     pub fn by_fours(
         &self,
-        lanes: &JitLanes,
         workspace: &mut Workspace,
         states: std::ops::Range<usize>,
         failures: &mut Failures,
@@ -88,15 +87,14 @@ impl Call<'_> {
                 for place in &plan.places {
                     let numbers = &mut workspace.one[..place.length];
                     sources[place.argument].copy(axes, state, place.start, numbers);
-                    // The machine code looks at its own arguments.
+                    // Lanes look at their own arguments.
                     *finite &= place.at >= plan.core_inputs.start || all_finite(numbers);
                     let to = &mut buffer[place.at..place.at + place.length];
                     to.iter_mut().zip(&*numbers).for_each(|(to, from)| to.set(lane, *from));
                 }
             }
             workspace.one[crate::plan::ONE] = 1.0;
-            let (inputs, outputs) = buffer.split_at_mut(plan.core_outputs.start);
-            let certain = lanes.evaluate(&inputs[plan.core_inputs.clone()], outputs).unwrap_or([false; 4]);
+            let certain = workspace.evaluate_four(plan);
             let end = states.end.min(start + <[f64; 4]>::STATES);
             for state in start..end {
                 if !(certain[state - start] && finite[state - start]) {

@@ -2,6 +2,7 @@
 
 use crate::errors::{Failure, argument};
 use crate::robot::Robot;
+use crate::signals::Signals;
 use costate::codegen::{Coordinates, Quantity};
 use costate::derivative::{DerivativeError, Figure, StateReport, Verdict, worse};
 use costate::hamiltonian::Hamiltonian;
@@ -22,18 +23,23 @@ const WELL_CONDITIONED: f64 = 1e3;
 /// One row: quantity, method, difference, bound, and whether it agrees; None: rounding leaves too few digits.
 type Row = (&'static str, &'static str, f64, f64, Option<bool>);
 
-/// The worst figure of each comparison over all states (q, v, tau, y), and how many states were left out
-/// because M is singular there.
+/// The rows, how many states were looked at and how many of these left out, and Ctrl-C.
+type Found = (Vec<Row>, usize, usize, Option<Py<PyAny>>);
+
+/// The worst figure of each comparison over all states (q, v, tau, y), how many states were looked at, how
+/// many of these were left out because M is singular there, and the exception of a signal that ended it.
 #[pyfunction]
-pub fn _compare(py: Python<'_>, robot: &Robot, states: Vec<[Vec<f64>; 4]>) -> PyResult<(Vec<Row>, usize)> {
+pub fn _compare(py: Python<'_>, robot: &Robot, states: Vec<[Vec<f64>; 4]>) -> PyResult<Found> {
     let n = robot.model().dof();
     for [q, v, tau, y] in &states {
         if [q.len(), v.len(), tau.len(), y.len()] != [n, n, n, 2 * n] {
             return Err(argument(py, "states", "a state is q, v, tau (n each) and y (2n)".into()));
         }
     }
-    let compared = py.detach(|| compare(robot.model(), &states));
-    let (report, left_out) = compared.map_err(|(state, failure)| failure.raise(py, vec![state]))?;
+    let mut signals = Signals::default();
+    let compared = py.detach(|| compare(robot.model(), &states, &mut signals));
+    let (report, seen, left_out) = compared.map_err(|(state, failure)| failure.raise(py, vec![state]))?;
+    let raised = signals.raised().map(|raised| raised.into_value(py).into_any());
     let row = |figure: &Figure| {
         let agrees = match figure.verdict(1.0) {
             Verdict::Agrees => Some(true),
@@ -48,12 +54,12 @@ pub fn _compare(py: Python<'_>, robot: &Robot, states: Vec<[Vec<f64>; 4]>) -> Py
         };
         (report.figures, machine.map(row))
     });
-    Ok((figures.iter().map(row).chain(machine).collect(), left_out))
+    Ok((figures.iter().map(row).chain(machine).collect(), seen, left_out, raised))
 }
 
 /// The worst report, with the difference of machine code and its bound where they are closest or farthest
-/// beyond, if there is machine code; and how many states were left out.
-type Compared = (Option<AtState>, usize);
+/// beyond, if there is machine code; how many states were looked at, and how many left out.
+type Compared = (Option<AtState>, usize, usize);
 
 /// What computes the quantities that are compared.
 struct Compare {
@@ -64,8 +70,13 @@ struct Compare {
     codes: [Option<JitQuantity>; 2],
 }
 
-/// Compares all states; the number of a state that cannot be evaluated comes with its error.
-fn compare(robot: &robot::Robot, states: &[[Vec<f64>; 4]]) -> Result<Compared, (usize, Failure)> {
+/// Compares all states, or those before a signal; the number of a state that cannot be evaluated comes with
+/// its error.
+fn compare(
+    robot: &robot::Robot,
+    states: &[[Vec<f64>; 4]],
+    signals: &mut Signals,
+) -> Result<Compared, (usize, Failure)> {
     let codes = [None, Some(0)].map(|limit| {
         let of = (Quantity::YFXX, Coordinates::Hamiltonian);
         match limit {
@@ -78,6 +89,9 @@ fn compare(robot: &robot::Robot, states: &[[Vec<f64>; 4]]) -> Result<Compared, (
     let mut all = Compare { routes: Routes::new(robot), steps: StepRoutes::new(robot), hamiltonian, codes };
     let (mut worst, mut left_out) = (None::<(StateReport, Option<[f64; 2]>)>, 0);
     for (index, state) in states.iter().enumerate() {
+        if signals.came() {
+            return Ok((worst, index, left_out));
+        }
         let Some((report, machine)) = all.at(state).map_err(|failure| (index, failure))? else {
             left_out += 1;
             continue;
@@ -87,7 +101,7 @@ fn compare(robot: &robot::Robot, states: &[[Vec<f64>; 4]]) -> Result<Compared, (
             Some((before, of)) => (before.with_worse_of(&report), nearer(of, machine)),
         });
     }
-    Ok((worst, left_out))
+    Ok((worst, states.len(), left_out))
 }
 
 /// The figures of a state, and those of machine code, if there is any.

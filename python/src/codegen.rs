@@ -32,6 +32,13 @@ use pyo3::prelude::*;
 /// str
 ///     The source.
 ///
+/// Raises
+/// ------
+/// ArgumentError
+///     For an unknown quantity, coordinates or language.
+/// CodegenError
+///     For a quantity that is not defined in these coordinates.
+///
 /// Examples
 /// --------
 /// >>> import costate

@@ -1,10 +1,10 @@
 //! The class `Dynamics`.
 
+use crate::engine::Engine;
 use crate::engines::engine_of;
 use crate::errors::{CodegenError, argument};
-use crate::function::{Engine, Function, Settings};
+use crate::function::{Function, Settings};
 use crate::kinematics::{BODY_VERBS, BodyVerb, of_robot};
-use crate::methods::methods;
 use crate::quantities::Verb;
 use crate::robot::Robot;
 use costate::Coordinates;
@@ -20,8 +20,10 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 /// With ``coordinates="qv"`` the state is x = (q, v), with ``"qp"`` it is x = (q, p), p = M v the conjugate
 /// momenta, and ``v`` below stands for p. z = (q, v, tau) has 3n entries, f = dx/dt has 2n. All arguments are
 /// float64 arrays (or sequences of numbers) with any leading batch axes, which are broadcast; they are not
-/// copied. Batches run on machine code for four states at once and on threads, without the interpreter's
-/// lock. Do not write to arguments while another thread computes with them.
+/// copied. Results are new arrays or, with ``out=``, arrays of the caller: large batches then need no new
+/// memory, whose pages the system would clear first. Batches run over lanes of four states, most of them on
+/// machine code, and on threads, without the interpreter's lock. Do not write to arguments, or read results,
+/// while another thread computes with them. Numbers of equations are those of the reference.
 ///
 /// Parameters
 /// ----------
@@ -35,6 +37,16 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 ///     `StateWarning`. All other states are computed.
 /// threads : int, optional
 ///     Most threads for a batch; as many as the process may use unless given.
+///
+/// Raises
+/// ------
+/// ArgumentError
+///     For another value of an option.
+///
+/// References
+/// ----------
+/// G. Bessonnet, P. Sardain, Optimal dynamics of actuated kinematic chains. Part 1, European Journal of
+/// Mechanics A/Solids 24 (2005) 452-471. It leaves open second derivatives: they follow from the 2n + 1 rule.
 ///
 /// Examples
 /// --------
@@ -118,14 +130,16 @@ impl Dynamics {
         Ok(known)
     }
 
+    /// Calls a method.
     #[inline]
-    fn call<'py, const N: usize>(
+    pub fn call<'py, const N: usize>(
         &self,
         py: Python<'py>,
         verb: Verb,
         arguments: [&Bound<'py, PyAny>; N],
+        out: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.function(py, verb)?.call(py, arguments, self.settings)
+        self.function(py, verb)?.call(py, arguments, out, self.settings)
     }
 
     /// The function of arrays of a method.
@@ -144,167 +158,147 @@ impl Dynamics {
         Ok(self.functions[verb as usize].get_or_init(|| Arc::new(Function::new(plan, engine, self.shared()))))
     }
 
-    fn of_robot<'py, const N: usize>(
+    /// Calls a method for the robot as a whole.
+    pub fn of_robot<'py, const N: usize>(
         &self,
         py: Python<'py>,
         verb: BodyVerb,
         arguments: [&Bound<'py, PyAny>; N],
+        out: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let function = self.bodies[verb as usize].get_or_init(|| of_robot(self.shared(), verb));
-        function.call(py, arguments, self.settings)
+        function.call(py, arguments, out, self.settings)
     }
 }
 
-methods! {
-    impl Dynamics {
-        #[new]
-        #[pyo3(signature = (robot, coordinates = "qv", *, on_error = "raise", threads = None))]
-        fn new(
-            py: Python<'_>,
-            robot: Robot,
-            coordinates: &str,
-            on_error: &str,
-            threads: Option<usize>,
-        ) -> PyResult<Self> {
-            let nan = match on_error {
-                "raise" => false,
-                "nan" => true,
-                _ => {
-                    let message = format!("unknown on_error '{on_error}'; give 'raise' or 'nan'");
-                    return Err(argument(py, "on_error", message));
-                }
-            };
-            let none = || argument(py, "threads", "threads is 0; at least one thread computes".into());
-            let threads = threads.map(|count| NonZero::new(count).ok_or_else(none)).transpose()?;
-            Ok(Self {
-                coordinates: coordinates_of(py, coordinates)?,
-                robot,
-                settings: Settings { nan, threads },
-                engines: Mutex::default(),
-                functions: Default::default(),
-                bodies: Default::default(),
-            })
-        }
-
-        /// The robot.
-        #[getter]
-        fn robot(&self) -> Robot {
-            self.robot.clone()
-        }
-
-        /// Number of joints that move by themselves.
-        #[getter]
-        fn n(&self) -> usize {
-            self.model().dof()
-        }
-
-        /// ``"qv"`` or ``"qp"``.
-        #[getter]
-        fn coordinates(&self) -> &str {
-            match self.coordinates {
-                Coordinates::Lagrangian => "qv",
-                Coordinates::Hamiltonian => "qp",
+#[pymethods]
+impl Dynamics {
+    #[new]
+    #[pyo3(signature = (robot, coordinates = "qv", *, on_error = "raise", threads = None))]
+    fn new(
+        py: Python<'_>,
+        robot: Robot,
+        coordinates: &str,
+        on_error: &str,
+        threads: Option<usize>,
+    ) -> PyResult<Self> {
+        let nan = match on_error {
+            "raise" => false,
+            "nan" => true,
+            _ => {
+                let message = format!("unknown on_error '{on_error}'; give 'raise' or 'nan'");
+                return Err(argument(py, "on_error", message));
             }
-        }
+        };
+        let none = || argument(py, "threads", "threads is 0; at least one thread computes".into());
+        let threads = threads.map(|count| NonZero::new(count).ok_or_else(none)).transpose()?;
+        Ok(Self {
+            coordinates: coordinates_of(py, coordinates)?,
+            robot,
+            settings: Settings { nan, threads },
+            engines: Mutex::default(),
+            functions: Default::default(),
+            bodies: Default::default(),
+        })
+    }
 
-        /// ``"raise"`` or ``"nan"``.
-        #[getter]
-        fn on_error(&self) -> &str {
-            if self.settings.nan { "nan" } else { "raise" }
-        }
+    /// The robot.
+    #[getter]
+    fn robot(&self) -> Robot {
+        self.robot.clone()
+    }
 
-        /// Most threads for a batch; None: as many as the process may use.
-        #[getter]
-        fn threads(&self) -> Option<usize> {
-            self.settings.threads.map(NonZero::get)
-        }
+    /// Number of joints that move by themselves.
+    #[getter]
+    fn n(&self) -> usize {
+        self.model().dof()
+    }
 
-        /// A frame by its name, see `Frame`.
-        #[pyo3(signature = (name, axes = "local_world_aligned"))]
-        fn frame<'py>(slf: &Bound<'py, Self>, name: &str, axes: &str) -> PyResult<Bound<'py, PyAny>> {
-            slf.py().import("costate._costate")?.getattr("Frame")?.call1((slf, name, axes))
-        }
-
-        /// How a method computes one state: machine code, or the generic code and why.
-        fn backend(&self, py: Python<'_>, verb: &str) -> PyResult<String> {
-            let found = Verb::of_name(py, verb)?;
-            Ok(self.engine(py, found.quantity(self.coordinates))?.backend)
-        }
-
-        fn __eq__(&self, other: &Self) -> bool {
-            let same = self.coordinates == other.coordinates && self.settings == other.settings;
-            same && self.model() == other.model()
-        }
-
-        fn __hash__(&self) -> u64 {
-            self.robot.__hash__() ^ u64::from(self.coordinates == Coordinates::Lagrangian)
-        }
-
-        fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
-            let (py, this) = (slf.py(), slf.get());
-            let keywords = PyDict::new(py);
-            keywords.set_item("on_error", this.on_error())?;
-            keywords.set_item("threads", this.threads())?;
-            let partial = py.import("functools")?.getattr("partial")?;
-            let class = partial.call((slf.get_type(),), Some(&keywords))?;
-            Ok((class, (this.robot.clone(), this.coordinates()).into_pyobject(py)?))
-        }
-
-        fn __repr__(&self) -> String {
-            format!("Dynamics({:?}, coordinates={:?}, n={})", self.model().name(), self.coordinates(), self.n())
+    /// ``"qv"`` or ``"qp"``.
+    #[getter]
+    fn coordinates(&self) -> &str {
+        match self.coordinates {
+            Coordinates::Lagrangian => "qv",
+            Coordinates::Hamiltonian => "qp",
         }
     }
 
-    /// The state equation f = dx/dt (..., 2n): (v, a), or (v, dp/dt) in (q, p). Equations (9) and (17).
-    f(q, v, tau) = call Verb::F;
+    /// ``"raise"`` or ``"nan"``.
+    #[getter]
+    fn on_error(&self) -> &str {
+        if self.settings.nan { "nan" } else { "raise" }
+    }
 
-    /// The Jacobian df/dz (..., 2n, 3n), z = (q, v, tau). Rows are entries of f.
-    jacobian(q, v, tau) = call Verb::Jacobian;
+    /// Most threads for a batch; None: as many as the process may use.
+    #[getter]
+    fn threads(&self) -> Option<usize> {
+        self.settings.threads.map(NonZero::get)
+    }
 
-    /// The contracted Hessian d2(y'f)/dz2 (..., 3n, 3n) for a costate y (..., 2n); symmetric.
-    hessian(q, v, tau, y) = call Verb::Hessian;
+    /// A frame of the robot.
+    ///
+    /// Parameters
+    /// ----------
+    /// name : str
+    ///     One of ``robot.frame_names``.
+    /// axes : {"local", "world", "local_world_aligned"}
+    ///     Axes and point of six-vectors, see `Frame`.
+    ///
+    /// Returns
+    /// -------
+    /// Frame
+    ///     ``Frame(self, name, axes)``.
+    ///
+    /// Raises
+    /// ------
+    /// RobotError
+    ///     For a frame that the robot has not.
+    #[pyo3(signature = (name, axes = "local_world_aligned"))]
+    fn frame<'py>(slf: &Bound<'py, Self>, name: &str, axes: &str) -> PyResult<Bound<'py, PyAny>> {
+        slf.py().import("costate._costate")?.getattr("Frame")?.call1((slf, name, axes))
+    }
 
-    /// f and its Jacobian in one pass: what `f` and `jacobian` return.
-    linearise(q, v, tau) = call Verb::Linearise;
+    /// How a method computes one state.
+    ///
+    /// Parameters
+    /// ----------
+    /// verb : str
+    ///     Name of a method, such as ``"hessian"``.
+    ///
+    /// Returns
+    /// -------
+    /// str
+    ///     Machine code with its length, or the generic code and why.
+    ///
+    /// Raises
+    /// ------
+    /// ArgumentError
+    ///     For another name.
+    fn backend(&self, py: Python<'_>, verb: &str) -> PyResult<String> {
+        let found = Verb::of_name(py, verb)?;
+        Ok(self.engine(py, found.quantity(self.coordinates))?.backend)
+    }
 
-    /// f, its Jacobian and the contracted Hessian in one pass: what `f`, `jacobian` and `hessian` return.
-    contract(q, v, tau, y) = call Verb::Contract;
+    fn __eq__(&self, other: &Self) -> bool {
+        let same = self.coordinates == other.coordinates && self.settings == other.settings;
+        same && self.model() == other.model()
+    }
 
-    /// The product y' df/dz (..., 3n) of a costate y (..., 2n) and the Jacobian.
-    adjoint(q, v, tau, y) = call Verb::Adjoint;
+    fn __hash__(&self) -> u64 {
+        self.robot.__hash__() ^ u64::from(self.coordinates == Coordinates::Lagrangian)
+    }
 
-    /// The product of the contracted Hessian and a direction d (..., 3n) of z: (..., 3n).
-    hvp(q, v, tau, y, d) = call Verb::Hvp;
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
+        let (py, this) = (slf.py(), slf.get());
+        let keywords = PyDict::new(py);
+        keywords.set_item("on_error", this.on_error())?;
+        keywords.set_item("threads", this.threads())?;
+        let partial = py.import("functools")?.getattr("partial")?;
+        let class = partial.call((slf.get_type(),), Some(&keywords))?;
+        Ok((class, (this.robot.clone(), this.coordinates()).into_pyobject(py)?))
+    }
 
-    /// Forward dynamics: the accelerations a (..., n) under tau, for velocities v in either coordinates.
-    aba(q, v, tau) = call Verb::Aba;
-
-    /// Inverse dynamics: the torques tau (..., n) for accelerations a, for velocities v in either
-    /// coordinates.
-    rnea(q, v, a) = call Verb::Rnea;
-
-    /// The Jacobian of inverse dynamics in (q, v, a): (..., n, 3n).
-    rnea_jacobian(q, v, a) = call Verb::RneaJacobian;
-
-    /// The second derivatives of w'tau in (q, v, a): (..., 3n, 3n), for weights w (..., n).
-    rnea_hessian(q, v, a, w) = call Verb::RneaHessian;
-
-    /// The mass matrix M (..., n, n) with armature; both triangles.
-    crba(q) = call Verb::Crba;
-
-    /// Kinetic and potential energy (...) in J, for velocities v in either coordinates.
-    energy(q, v) = call Verb::Energy;
-
-    /// The conjugate momenta p = M v (..., n) in kg m^2/s, kg m/s.
-    momentum(q, v) = of_robot BodyVerb::Momentum;
-
-    /// The velocities v of conjugate momenta p: M v = p.
-    velocity(q, p) = of_robot BodyVerb::Velocity;
-
-    /// The centre of mass of all links that move (..., 3), in the world (m).
-    centre_of_mass(q) = of_robot BodyVerb::CentreOfMass;
-
-    /// Angular and linear momentum about the centre of mass (..., 6), and the matrix A (..., 6, n) whose
-    /// product with v it is; axes of the world.
-    centroidal_momentum(q, v) = of_robot BodyVerb::CentroidalMomentum;
+    fn __repr__(&self) -> String {
+        format!("Dynamics({:?}, coordinates={:?}, n={})", self.model().name(), self.coordinates(), self.n())
+    }
 }

@@ -10,7 +10,22 @@ use pyo3::types::PyDict;
 
 #[pymethods]
 impl Robot {
-    /// The robot that remains when joints are held: positions (rad, m) by their names.
+    /// The robot that remains when joints are held.
+    ///
+    /// Parameters
+    /// ----------
+    /// positions : dict
+    ///     Positions (rad, m) by names of joints.
+    ///
+    /// Returns
+    /// -------
+    /// Robot
+    ///     Another robot; this one does not change.
+    ///
+    /// Raises
+    /// ------
+    /// RobotError
+    ///     For an unknown joint, one that mimics another one, or a position that is not finite.
     fn lock(&self, py: Python<'_>, positions: &Bound<'_, PyDict>) -> PyResult<Self> {
         let positions: Vec<(String, f64)> = positions
             .iter()
@@ -24,7 +39,24 @@ impl Robot {
         self.changed(py, "lock", named, |robot| robot.lock(&held))
     }
 
-    /// The robot of these joints; all others are held at q (n; 0 unless given).
+    /// The robot of these joints; all others are held.
+    ///
+    /// Parameters
+    /// ----------
+    /// joints : list of str
+    ///     The joints that remain.
+    /// q : array_like (n), optional
+    ///     Positions (rad, m) at which others are held; 0 unless given.
+    ///
+    /// Returns
+    /// -------
+    /// Robot
+    ///     Another robot; this one does not change.
+    ///
+    /// Raises
+    /// ------
+    /// RobotError
+    ///     For an unknown joint, or a wrong number of positions.
     #[pyo3(signature = (joints, q = None))]
     fn reduced_to(&self, py: Python<'_>, joints: Vec<String>, q: Option<Vec<f64>>) -> PyResult<Self> {
         let arguments = named!(py, joints, q);
@@ -33,8 +65,28 @@ impl Robot {
         self.changed(py, "reduced_to", arguments, |robot| robot.reduced_to(&joints, &q))
     }
 
-    /// The robot with a rigid body on a frame: mass (kg), centre of mass (m) and inertia xx, yy, zz, xy, xz,
-    /// yz about it (kg m^2), in the axes of the frame.
+    /// The robot with a rigid body on a frame.
+    ///
+    /// Parameters
+    /// ----------
+    /// frame : str
+    ///     One of ``frame_names``.
+    /// mass : float
+    ///     In kg.
+    /// com : sequence of float
+    ///     Centre of mass (m) in the frame.
+    /// inertia : sequence of float, optional
+    ///     xx, yy, zz, xy, xz, yz about the centre of mass (kg m^2) in axes of the frame; 0 unless given.
+    ///
+    /// Returns
+    /// -------
+    /// Robot
+    ///     Another robot; this one does not change.
+    ///
+    /// Raises
+    /// ------
+    /// RobotError
+    ///     For an unknown frame, or a body that cannot be.
     #[pyo3(signature = (frame, mass, com = [0.0; 3], inertia = None))]
     fn with_payload(
         &self,
@@ -49,7 +101,26 @@ impl Robot {
         self.changed(py, "with_payload", arguments, |robot| robot.with_payload(&frame, &body))
     }
 
-    /// The robot with one more frame, placed by xyz (m) and rpy (rad) in the frame ``on``.
+    /// The robot with one more frame.
+    ///
+    /// Parameters
+    /// ----------
+    /// name : str
+    ///     Its name.
+    /// on : str
+    ///     The joint or frame that carries it.
+    /// xyz, rpy : sequence of float
+    ///     Its placement there (m; rad, fixed axes).
+    ///
+    /// Returns
+    /// -------
+    /// Robot
+    ///     Another robot; this one does not change.
+    ///
+    /// Raises
+    /// ------
+    /// RobotError
+    ///     For a name that is taken, or an unknown frame.
     #[pyo3(signature = (name, on, xyz = [0.0; 3], rpy = [0.0; 3]))]
     fn add_frame(
         &self,
@@ -64,19 +135,71 @@ impl Robot {
         self.changed(py, "add_frame", arguments, |robot| robot.with_frame(frame))
     }
 
-    /// The robot under another gravity (m/s^2), in the world.
+    /// The robot under another gravity.
+    ///
+    /// Parameters
+    /// ----------
+    /// gravity : sequence of float
+    ///     In the world (m/s^2).
+    ///
+    /// Returns
+    /// -------
+    /// Robot
+    ///     Another robot; this one does not change.
+    ///
+    /// Raises
+    /// ------
+    /// RobotError
+    ///     For a number that is not finite.
     fn with_gravity(&self, py: Python<'_>, gravity: [f64; 3]) -> PyResult<Self> {
         self.changed(py, "with_gravity", named!(py, gravity), |robot| robot.with_gravity(gravity))
     }
 
-    /// The robot with another armature of a joint (kg m^2, kg).
+    /// The robot with another armature of a joint.
+    ///
+    /// Parameters
+    /// ----------
+    /// joint : str
+    ///     The joint.
+    /// armature : float
+    ///     Rotor inertia at the joint (kg m^2, kg).
+    ///
+    /// Returns
+    /// -------
+    /// Robot
+    ///     Another robot; this one does not change.
+    ///
+    /// Raises
+    /// ------
+    /// RobotError
+    ///     For an unknown joint, or a negative armature.
     fn with_armature(&self, py: Python<'_>, joint: String, armature: f64) -> PyResult<Self> {
         let arguments = named!(py, joint, armature);
         self.changed(py, "with_armature", arguments, |robot| robot.with_joint_armature(&joint, armature))
     }
 
-    /// The robot with other friction of a joint: -viscous v - coulomb tanh(v / coulomb_velocity), the last
-    /// one 0.01 rad/s or m/s unless given.
+    /// The robot with other friction of a joint: -viscous v - coulomb tanh(v / coulomb_velocity).
+    ///
+    /// Parameters
+    /// ----------
+    /// joint : str
+    ///     The joint.
+    /// viscous : float
+    ///     In N m s/rad, N s/m.
+    /// coulomb : float
+    ///     In N m, N.
+    /// coulomb_velocity : float, optional
+    ///     In rad/s, m/s; 0.01 unless given.
+    ///
+    /// Returns
+    /// -------
+    /// Robot
+    ///     Another robot; this one does not change.
+    ///
+    /// Raises
+    /// ------
+    /// RobotError
+    ///     For an unknown joint, or a number that cannot be.
     #[pyo3(signature = (joint, viscous = 0.0, coulomb = 0.0, coulomb_velocity = None))]
     fn with_friction(
         &self,
@@ -93,6 +216,29 @@ impl Robot {
     }
 
     /// The robot with other limits of a joint; those that are not given stay.
+    ///
+    /// Parameters
+    /// ----------
+    /// joint : str
+    ///     The joint.
+    /// lower, upper : float, optional
+    ///     Positions (rad, m).
+    /// velocity : float, optional
+    ///     Largest speed (rad/s, m/s).
+    /// effort : float, optional
+    ///     Largest torque or force (N m, N).
+    ///
+    /// Returns
+    /// -------
+    /// Robot
+    ///     Another robot; this one does not change.
+    ///
+    /// Raises
+    /// ------
+    /// RobotError
+    ///     For an unknown joint, or limits that cannot be.
+    /// ArgumentError
+    ///     Where no limit is given.
     #[pyo3(signature = (joint, *, lower = None, upper = None, velocity = None, effort = None))]
     fn with_limits(
         &self,

@@ -11,6 +11,7 @@ mod classes {
     pyo3::import_exception!(costate._errors, ArgumentError);
     pyo3::import_exception!(costate._errors, CodegenError);
     pyo3::import_exception!(costate._errors, CostateError);
+    pyo3::import_exception!(costate._errors, Interrupted);
     pyo3::import_exception!(costate._errors, NonFiniteState);
     pyo3::import_exception!(costate._errors, RobotError);
     pyo3::import_exception!(costate._errors, RobotWarning);
@@ -20,7 +21,7 @@ mod classes {
     pyo3::import_exception!(costate._errors, StepNotSolved);
 }
 
-pub use classes::{CodegenError, CostateError, RobotWarning, StateWarning};
+pub use classes::{CodegenError, CostateError, Interrupted, RobotWarning, StateWarning};
 
 /// The same error with one more attribute; if that fails, the error of the failure.
 pub fn with<'py>(py: Python<'py>, error: PyErr, name: &str, value: impl IntoPyObject<'py>) -> PyErr {

@@ -1,18 +1,18 @@
-//! A function of arrays: its arguments are read, all states are evaluated, its results are new arrays.
+//! A function of arrays: its arguments are read, all states are evaluated, its results are arrays.
 
-use crate::arrays::{Axes, Source, Target, allocate, read_all};
+use crate::arrays::{Axes, Source, read_all};
 use crate::call::Call;
-use crate::cores::Core;
+use crate::engine::Engine;
 use crate::failures::{Failures, report};
 use crate::plan::Plan;
-use crate::workspace::Workspace;
+use crate::results::{Target, allocate, given};
+use crate::signals::{Signals, with_reached};
 use costate::robot::Robot;
-use costate_jit::JitLanes;
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 use std::num::NonZero;
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 /// Fewer states are evaluated one by one, on the calling thread.
 const FEW: usize = 16;
@@ -30,55 +30,6 @@ pub struct Settings {
     pub threads: Option<NonZero<usize>>,
 }
 
-/// What computes a quantity: workspaces for any number of threads, and code for four states at once.
-pub struct Engine {
-    new_core: Box<dyn Fn() -> Box<dyn Core> + Send + Sync>,
-    /// Workspaces that nobody uses.
-    free: Mutex<Vec<Workspace>>,
-    new_lanes: Box<dyn Fn() -> Option<JitLanes> + Send + Sync>,
-    lanes: OnceLock<Option<JitLanes>>,
-    /// Whether one state takes so little time that others need not be let in meanwhile.
-    short: bool,
-}
-
-impl Engine {
-    /// An engine whose workspaces `core` makes.
-    pub fn new(core: impl Fn() -> Box<dyn Core> + Send + Sync + 'static) -> Self {
-        Self {
-            new_core: Box::new(core),
-            free: Mutex::default(),
-            new_lanes: Box::new(|| None),
-            lanes: OnceLock::new(),
-            short: false,
-        }
-    }
-
-    /// The same with machine code for four states, which is made for the first batch.
-    pub fn with_lanes(self, lanes: impl Fn() -> Option<JitLanes> + Send + Sync + 'static) -> Self {
-        Self { new_lanes: Box::new(lanes), ..self }
-    }
-
-    /// The same, saying whether one state takes a few microseconds at most.
-    pub fn short(self, short: bool) -> Self {
-        Self { short, ..self }
-    }
-
-    fn lanes(&self) -> Option<&JitLanes> {
-        self.lanes.get_or_init(|| (self.new_lanes)()).as_ref()
-    }
-
-    /// Runs `work` with a workspace that nobody else uses.
-    #[inline]
-    pub fn with<R>(&self, plan: &Plan, work: impl FnOnce(&mut Workspace) -> R) -> R {
-        let free = self.free.lock().unwrap_or_else(PoisonError::into_inner).pop();
-        let mut workspace = free.unwrap_or_else(|| Workspace::new((self.new_core)()));
-        workspace.fit(plan);
-        let result = work(&mut workspace);
-        self.free.lock().unwrap_or_else(PoisonError::into_inner).push(workspace);
-        result
-    }
-}
-
 /// A function of arrays with N arguments.
 pub struct Function {
     plan: Plan,
@@ -92,50 +43,77 @@ impl Function {
         Self { plan, engine, robot }
     }
 
-    /// Evaluates the function at all states of its arguments: one array, or a tuple of them.
+    /// Evaluates the function at all states of its arguments: one array, or a tuple of them; new ones, or
+    /// those of the caller.
     ///
     /// # Errors
-    /// `ArgumentError`, and `StateError` unless the settings ask for not-a-number.
+    /// `ArgumentError`, `StateError` unless the settings ask for not-a-number, `Interrupted`.
     pub fn call<'py, const N: usize>(
         &self,
         py: Python<'py>,
-        given: [&Bound<'py, PyAny>; N],
+        arguments: [&Bound<'py, PyAny>; N],
+        out: Option<&Bound<'py, PyAny>>,
         settings: Settings,
     ) -> PyResult<Bound<'py, PyAny>> {
         let plan = &self.plan;
-        let (_arguments, sources, axes) = read_all(py, given, &plan.arguments)?;
-        if let [output] = plan.outputs.as_slice() {
+        let (held, sources, axes) = read_all(py, arguments, &plan.arguments)?;
+        if let ([output], None) = (plan.outputs.as_slice(), out) {
             let (array, target) = allocate(py, &axes, output)?;
-            self.evaluate(py, &sources, &[target], axes, settings)?;
+            self.evaluate(py, &sources, &[target], axes, settings, || Ok(array.clone()))?;
             return Ok(array);
         }
-        let new: Vec<_> =
-            plan.outputs.iter().map(|output| allocate(py, &axes, output)).collect::<PyResult<_>>()?;
-        let (arrays, targets): (Vec<_>, Vec<_>) = new.into_iter().unzip();
-        self.evaluate(py, &sources, &targets, axes, settings)?;
-        Ok(PyTuple::new(py, arrays)?.into_any())
+        let results = match out {
+            Some(out) => given(out, &axes, &plan.outputs, (&plan.arguments, &held))?,
+            None => plan.outputs.iter().map(|output| allocate(py, &axes, output)).collect::<PyResult<_>>()?,
+        };
+        let (arrays, targets): (Vec<_>, Vec<_>) = results.into_iter().unzip();
+        let all = || match arrays.as_slice() {
+            [array] => Ok(array.clone()),
+            _ => Ok(PyTuple::new(py, &arrays)?.into_any()),
+        };
+        self.evaluate(py, &sources, &targets, axes, settings, all)?;
+        all()
     }
 
     #[inline]
-    fn evaluate(
+    fn evaluate<'py>(
         &self,
-        py: Python<'_>,
+        py: Python<'py>,
         sources: &[Source],
         targets: &[Target],
         axes: Axes,
         settings: Settings,
+        results: impl Fn() -> PyResult<Bound<'py, PyAny>>,
     ) -> PyResult<()> {
-        let failures = if self.engine.short && axes.states() < FEW {
-            self.compute(sources, targets, axes, settings)
-        } else {
-            py.detach(|| self.compute(sources, targets, axes, settings))
-        };
-        report(py, &axes, failures, settings.nan)
+        let states = axes.states();
+        if states < FEW {
+            let failures = if self.engine.short {
+                self.compute(sources, targets, axes, settings)
+            } else {
+                py.detach(|| self.compute(sources, targets, axes, settings))
+            };
+            return report(py, &axes, failures, settings.nan);
+        }
+        let mut signals = Signals::default();
+        let (failures, done) =
+            py.detach(|| self.many(&self.all(sources, targets, axes), settings, Some(&mut signals)));
+        match signals.raised() {
+            None => report(py, &axes, failures, settings.nan),
+            Some(raised) => {
+                let words =
+                    format!("interrupted after {done} of {states} states; .reached has their results");
+                Err(with_reached(py, raised, results()?, words))
+            }
+        }
     }
 
     /// What it reads and writes.
     pub fn plan(&self) -> &Plan {
         &self.plan
+    }
+
+    fn all<'a>(&'a self, sources: &'a [Source], targets: &'a [Target], axes: Axes) -> Call<'a> {
+        Call { plan: &self.plan, robot: &self.robot, sources, targets, axes }
     }
 
     /// Evaluates all states, whose numbers are where the sources and targets of each argument and result say.
@@ -147,61 +125,79 @@ impl Function {
         axes: Axes,
         settings: Settings,
     ) -> Failures {
-        let Self { plan, robot, engine } = self;
         let states = axes.states();
-        let call = Call { plan, robot, sources, targets, axes };
+        let call = self.all(sources, targets, axes);
         if states >= FEW {
-            return self.many(&call, states, settings);
+            return self.many(&call, settings, None).0;
         }
-        engine.with(plan, |workspace| {
+        self.engine.with(&self.plan, |workspace| {
             let mut failures = Failures::default();
             (0..states).for_each(|state| call.one(workspace, state, &mut failures));
             failures
         })
     }
 
-    /// Evaluates many states on lanes and threads. Which states are evaluated together does not depend on
-    /// the number of threads.
-    fn many(&self, call: &Call<'_>, states: usize, settings: Settings) -> Failures {
-        let lanes = self.engine.lanes();
-        let next = AtomicUsize::new(0);
-        let work = || {
+    /// Evaluates many states on lanes and threads, until a signal comes. Which states are evaluated together
+    /// does not depend on the number of threads. With the number of states that were reached; the results of
+    /// all others are not-a-number.
+    fn many(&self, call: &Call<'_>, settings: Settings, signals: Option<&mut Signals>) -> (Failures, usize) {
+        let states = call.axes.states();
+        let (next, stopped) = (AtomicUsize::new(0), AtomicBool::new(false));
+        let work = |mut signals: Option<&mut Signals>| {
             self.engine.with(call.plan, |workspace| {
+                let has_lanes = self.engine.lanes(workspace);
                 let mut failures = Failures::default();
                 loop {
+                    // Only the thread that called from Python looks.
+                    if signals.as_mut().is_some_and(|signals| signals.came()) {
+                        stopped.store(true, Ordering::Relaxed);
+                    }
+                    if stopped.load(Ordering::Relaxed) {
+                        return failures;
+                    }
                     let start = next.fetch_add(CHUNK, Ordering::Relaxed);
                     if start >= states {
                         return failures;
                     }
                     let end = states.min(start + CHUNK);
-                    match lanes {
-                        Some(lanes) => call.by_fours(lanes, workspace, start..end, &mut failures),
-                        None => (start..end).for_each(|state| call.one(workspace, state, &mut failures)),
+                    match has_lanes {
+                        true => call.by_fours(workspace, start..end, &mut failures),
+                        false => (start..end).for_each(|state| call.one(workspace, state, &mut failures)),
                     }
                 }
             })
         };
-        let numbers: usize = call.plan.outputs.iter().map(|output| output.length).sum::<usize>()
-            + call.plan.arguments.iter().map(|argument| argument.length).sum::<usize>();
+        let failures = match self.threads(states, settings) {
+            1 => work(signals),
+            // Threads live as long as the call: none is missing in a process that was forked.
+            threads => std::thread::scope(|scope| {
+                let helper = || std::thread::Builder::new().spawn_scoped(scope, || work(None)).ok();
+                let helpers: Vec<_> = (1..threads).map_while(|_| helper()).collect();
+                let mut failures = work(signals);
+                for helper in helpers {
+                    match helper.join() {
+                        Ok(found) => failures.join(found),
+                        Err(panic) => std::panic::resume_unwind(panic),
+                    }
+                }
+                failures
+            }),
+        };
+        let done = next.into_inner().min(states);
+        for target in call.targets {
+            // SAFETY: no thread computes any more.
+            (done..states).for_each(|state| unsafe { target.of(state) }.fill(f64::NAN));
+        }
+        (failures, done)
+    }
+
+    /// How many threads so many states are worth.
+    fn threads(&self, states: usize, settings: Settings) -> usize {
+        let Plan { outputs, arguments, .. } = &self.plan;
+        let numbers: usize = outputs.iter().map(|output| output.length).sum::<usize>()
+            + arguments.iter().map(|argument| argument.length).sum::<usize>();
         let worth = (numbers.saturating_mul(states) / WORTH_A_THREAD).min(states / CHUNK);
         let most = || std::thread::available_parallelism().map_or(1, NonZero::get);
-        let threads = if worth > 1 { settings.threads.map_or_else(most, NonZero::get).min(worth) } else { 1 };
-        if threads <= 1 {
-            return work();
-        }
-        // Threads live as long as the call: none is missing in a process that was forked.
-        std::thread::scope(|scope| {
-            let helpers: Vec<_> = (1..threads)
-                .map_while(|_| std::thread::Builder::new().spawn_scoped(scope, work).ok())
-                .collect();
-            let mut failures = work();
-            for helper in helpers {
-                match helper.join() {
-                    Ok(found) => failures.join(found),
-                    Err(panic) => std::panic::resume_unwind(panic),
-                }
-            }
-            failures
-        })
+        if worth > 1 { settings.threads.map_or_else(most, NonZero::get).min(worth) } else { 1 }
     }
 }

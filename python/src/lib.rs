@@ -1,12 +1,13 @@
 //! The compiled module of the Python package `costate`: robots, dynamics and time steps on NumPy arrays.
 //!
-//! A call passes through these modules: `arrays` reads the arguments with their leading `axes` and allocates
-//! the results, `function` evaluates all states on threads, `call` those of one thread on lanes, `plan` says
-//! where arguments and results lie, `cores` computes one state; `xla` takes the arrays of JAX instead.
+//! A call passes through these modules: `arrays` reads the arguments with their leading `axes`, `results`
+//! makes the arrays of results or takes those of the caller, `function` evaluates all states on threads until
+//! one of the `signals` comes, `call` those of one thread on lanes, `plan` says where arguments and results
+//! lie, `cores` computes one state and four; `xla` takes the arrays of JAX instead.
 //! `quantities` lists what is computed of the dynamics, `kinematics` of frames, `schemes` of time steps.
 //! `robot` with `edits`, `builder` and its `recipe`, `dynamics`, `frame` and `time_step` are the classes that
-//! Python sees. `motions` is what its classes for optimal motions are made of, `casadi` exports functions to
-//! CasADi.
+//! Python sees, `look` their visual models. `motions` is what its classes for optimal motions are made of,
+//! `casadi` exports functions to CasADi.
 
 #![deny(unsafe_op_in_unsafe_fn, clippy::undocumented_unsafe_blocks)]
 
@@ -20,20 +21,26 @@ mod codegen;
 mod cores;
 mod descriptions;
 mod dynamics;
+mod dynamics_verbs;
 mod edits;
+mod engine;
 mod engines;
 mod errors;
 mod failures;
 mod frame;
 mod function;
 mod kinematics;
+mod look;
 mod methods;
 mod motions;
 mod plan;
+mod properties;
 mod quantities;
 mod recipe;
+mod results;
 mod robot;
 mod schemes;
+mod signals;
 mod table;
 mod time_step;
 mod timing;
@@ -75,7 +82,7 @@ mod _costate {
     #[pymodule_export]
     use crate::time_step::Step;
     #[pymodule_export]
-    use crate::xla::_xla_handler;
+    use crate::xla::{_xla_calls, _xla_handler};
     #[pymodule_export]
     #[expect(non_upper_case_globals, reason = "its name in Python")]
     const __version__: &str = env!("CARGO_PKG_VERSION");

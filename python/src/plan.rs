@@ -1,8 +1,7 @@
 //! Where the arguments of a call go and where its results come from.
 //!
-//! All numbers of one state lie in one buffer: a one, numbers that are passed on, the arguments of the core
-//! and its results. A result array is described by [`Piece`]s of that buffer, so that the same description
-//! serves one state and four.
+//! All numbers of one state lie in one buffer: a one, numbers that are passed on, the arguments of the core,
+//! its results, products of these. [`Piece`]s of it make a result array, for one state as for four.
 
 use std::ops::Range;
 
@@ -29,8 +28,8 @@ pub struct Argument {
 
 impl Argument {
     /// One entry for each of n joints.
-    pub const fn of_joints(name: &'static str, n: usize) -> Self {
-        Self { name, length: n, entries: Entries::Joints }
+    pub const fn of_joints(name: &'static str, length: usize) -> Self {
+        Self { name, length, entries: Entries::Joints }
     }
 
     /// A vector in space.
@@ -53,8 +52,18 @@ pub struct Place {
 pub enum Piece {
     /// `length` numbers, each `from.1` places after the one before, to every `to.1`-th place.
     Move { to: (usize, usize), from: (usize, usize), length: usize },
-    /// Adds the sum of `length` products to one number.
+    /// Adds the sum of `length` products to one number, which no other kind of piece writes.
     Product { to: usize, a: (usize, usize), b: (usize, usize), length: usize },
+}
+
+/// A sum of products in the buffer, which is put at a place there or added to what is there.
+#[derive(Debug)]
+struct Product {
+    to: usize,
+    adds: bool,
+    a: (usize, usize),
+    b: (usize, usize),
+    length: usize,
 }
 
 /// A result array: its shape for one state.
@@ -62,9 +71,17 @@ pub enum Piece {
 pub struct Output {
     pub shape: Vec<usize>,
     pub length: usize,
-    pub pieces: Vec<Piece>,
-    /// Whether the pieces do not cover it, or add to it.
-    pub cleared: bool,
+    /// What is moved there; it is cleared before where that is not all of it.
+    moves: Vec<Move>,
+    cleared: bool,
+}
+
+/// As [`Piece::Move`].
+#[derive(Clone, Copy, Debug)]
+struct Move {
+    to: (usize, usize),
+    from: (usize, usize),
+    length: usize,
 }
 
 /// What a call reads and writes.
@@ -75,6 +92,9 @@ pub struct Plan {
     pub core_inputs: Range<usize>,
     pub core_outputs: Range<usize>,
     pub outputs: Vec<Output>,
+    /// Sums of products, behind the results of the core.
+    products: Vec<Product>,
+    size: usize,
 }
 
 impl Plan {
@@ -96,7 +116,19 @@ impl Plan {
 
     /// Numbers in the buffer of one state.
     pub fn size(&self) -> usize {
-        self.core_outputs.end
+        self.size
+    }
+
+    /// Computes the products of one state, or of four, once the core has its results.
+    #[inline]
+    pub fn multiply<T: Number>(&self, buffer: &mut [T]) {
+        for &Product { to, adds, a, b, length } in &self.products {
+            let mut sum = if adds { buffer[to] } else { T::ZERO };
+            for k in 0..length {
+                sum.add_product(buffer[a.0 + k * a.1], buffer[b.0 + k * b.1]);
+            }
+            buffer[to] = sum;
+        }
     }
 }
 
@@ -153,6 +185,8 @@ impl PlanBuilder {
             core_inputs: self.first..self.core,
             core_outputs: self.core..self.core + count,
             outputs: Vec::new(),
+            products: Vec::new(),
+            size: self.core + count,
         }
     }
 }
@@ -162,10 +196,34 @@ impl Plan {
     #[must_use]
     pub fn output(mut self, shape: &[usize], pieces: Vec<Piece>) -> Self {
         let length = shape.iter().product();
-        let adds = pieces.iter().any(|piece| matches!(piece, Piece::Product { .. }));
-        let covered: usize = pieces.iter().map(Piece::length).sum();
-        let cleared = adds || covered < length;
-        self.outputs.push(Output { shape: shape.to_vec(), length, pieces, cleared });
+        let mut moves: Vec<Move> = Vec::with_capacity(pieces.len());
+        // Where the products of this result are.
+        let mut sums: Vec<(usize, usize)> = Vec::new();
+        for piece in pieces {
+            match piece {
+                Piece::Move { to, from, length } => moves.push(Move { to, from, length }),
+                Piece::Product { to: place, a, b, length } => {
+                    let known = sums.iter().find(|(of, _)| *of == place).map(|(_, to)| *to);
+                    let to = known.unwrap_or(self.size);
+                    if known.is_none() {
+                        self.size += 1;
+                        sums.push((place, to));
+                        // Sums of neighbours are moved together.
+                        match moves.last_mut() {
+                            Some(Move { to: (start, 1), from: (from, 1), length })
+                                if (*start + *length, *from + *length) == (place, to) =>
+                            {
+                                *length += 1;
+                            }
+                            _ => moves.push(Move { to: (place, 1), from: (to, 1), length: 1 }),
+                        }
+                    }
+                    self.products.push(Product { to, adds: known.is_some(), a, b, length });
+                }
+            }
+        }
+        let cleared = moves.iter().map(|part| part.length).sum::<usize>() < length;
+        self.outputs.push(Output { shape: shape.to_vec(), length, moves, cleared });
         self
     }
 }
@@ -188,26 +246,22 @@ impl Piece {
     pub fn diagonal(to: usize, columns: usize, length: usize) -> Self {
         Self::Move { to: (to, columns + 1), from: (ONE, 0), length }
     }
-
-    fn length(&self) -> usize {
-        match self {
-            Self::Move { length, .. } => *length,
-            Self::Product { .. } => 1,
-        }
-    }
 }
 
 /// One number of one state, or of four.
 pub trait Number: Copy {
+    const ZERO: Self;
     const ONE: Self;
     /// States in one number.
     const STATES: usize;
     /// The number of one state.
     fn of(self, state: usize) -> f64;
     fn set(&mut self, state: usize, value: f64);
+    fn add_product(&mut self, a: Self, b: Self);
 }
 
 impl Number for f64 {
+    const ZERO: Self = 0.0;
     const ONE: Self = 1.0;
     const STATES: usize = 1;
     fn of(self, _: usize) -> f64 {
@@ -216,9 +270,13 @@ impl Number for f64 {
     fn set(&mut self, _: usize, value: f64) {
         *self = value;
     }
+    fn add_product(&mut self, a: Self, b: Self) {
+        *self += a * b;
+    }
 }
 
 impl Number for [f64; 4] {
+    const ZERO: Self = [0.0; 4];
     const ONE: Self = [1.0; 4];
     const STATES: usize = 4;
     fn of(self, state: usize) -> f64 {
@@ -226,6 +284,11 @@ impl Number for [f64; 4] {
     }
     fn set(&mut self, state: usize, value: f64) {
         self[state] = value;
+    }
+    fn add_product(&mut self, a: Self, b: Self) {
+        for state in 0..4 {
+            self[state] += a[state] * b[state];
+        }
     }
 }
 
@@ -235,22 +298,13 @@ impl Output {
         if self.cleared {
             result.fill(0.0);
         }
-        for piece in &self.pieces {
-            match *piece {
-                Piece::Move { to: (to, 1), from: (from, 1), length } => {
-                    let from = &buffer[from..from + length];
-                    result[to..to + length].iter_mut().zip(from).for_each(|(to, from)| *to = from.of(state));
-                }
-                Piece::Move { to, from, length } => {
-                    for k in 0..length {
-                        result[to.0 + k * to.1] = buffer[from.0 + k * from.1].of(state);
-                    }
-                }
-                Piece::Product { to, a, b, length } => {
-                    let term = |k: usize| buffer[a.0 + k * a.1].of(state) * buffer[b.0 + k * b.1].of(state);
-                    result[to] += (0..length).map(term).sum::<f64>();
-                }
+        for &Move { to, from, length } in &self.moves {
+            if (to.1, from.1) == (1, 1) {
+                let from = &buffer[from.0..from.0 + length];
+                result[to.0..to.0 + length].iter_mut().zip(from).for_each(|(to, from)| *to = from.of(state));
+                continue;
             }
+            (0..length).for_each(|k| result[to.0 + k * to.1] = buffer[from.0 + k * from.1].of(state));
         }
     }
 }

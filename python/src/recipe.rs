@@ -13,11 +13,25 @@ pub struct Recipe {
 }
 
 impl Recipe {
+    /// The same calls.
+    pub fn copy(&self, py: Python<'_>) -> Self {
+        Self { steps: self.steps.iter().map(|(name, of)| (*name, of.clone_ref(py))).collect() }
+    }
+
     /// The same calls, then one more.
     pub fn then(&self, py: Python<'_>, name: &'static str, arguments: Bound<'_, PyDict>) -> Self {
-        let mut steps: Vec<_> = self.steps.iter().map(|(name, of)| (*name, of.clone_ref(py))).collect();
-        steps.push((name, arguments.unbind()));
-        Self { steps }
+        let mut copy = self.copy(py);
+        copy.push(name, arguments);
+        copy
+    }
+
+    /// Whether the calls and their arguments are equal.
+    pub fn equals(&self, py: Python<'_>, other: &Self) -> PyResult<bool> {
+        let mut equal = self.steps.len() == other.steps.len();
+        for ((name, of), (other, theirs)) in self.steps.iter().zip(&other.steps) {
+            equal = equal && name == other && of.bind(py).eq(theirs)?;
+        }
+        Ok(equal)
     }
 
     /// One more call.

@@ -1,10 +1,10 @@
 //! The class `Robot`.
 
 use crate::errors::{self, RobotWarning, argument};
+use crate::look::Look;
 use crate::recipe::{Recipe, is_rebuilding, named};
 use crate::table;
-use costate::robot::{self, Limits, LoadOptions, RobotFormat, RobotText};
-use numpy::{PyArray1, PyArray2};
+use costate::robot::{self, LoadOptions, RobotFormat, RobotText};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use std::ffi::CString;
@@ -31,6 +31,8 @@ use std::sync::Arc;
 pub struct Robot {
     inner: Arc<robot::Robot>,
     recipe: Arc<Recipe>,
+    /// Its visual models, if it was read from a URDF; no part of what is compared.
+    pub look: Option<Arc<Look>>,
 }
 
 impl Robot {
@@ -58,11 +60,15 @@ impl Robot {
         }
         let new = |warning: &&robot::Warning| !is_rebuilding() && !known.contains(warning);
         for warning in robot.warnings().iter().filter(new) {
-            let text = format!("robot '{}': {warning}", robot.name());
-            let text = CString::new(text.replace('\0', " "))?;
+            let text = CString::new(format!("robot '{}': {warning}", robot.name()).replace('\0', " "))?;
             PyErr::warn(py, &py.get_type::<RobotWarning>(), &text, 1)?;
         }
-        Ok(Self { inner: Arc::new(robot), recipe: Arc::new(recipe) })
+        Ok(Self { inner: Arc::new(robot), recipe: Arc::new(recipe), look: None })
+    }
+
+    /// The same with these visual models.
+    pub fn looking_like(self, look: Option<Arc<Look>>) -> Self {
+        Self { look, ..self }
     }
 
     /// The robot after a change, which is noted in its recipe.
@@ -74,16 +80,8 @@ impl Robot {
         change: impl FnOnce(&robot::Robot) -> Result<robot::Robot, robot::RobotError>,
     ) -> PyResult<Self> {
         let robot = change(&self.inner).map_err(|error| errors::robot(py, &error))?;
-        Self::warned(py, robot, self.recipe.then(py, name, arguments), self.inner.warnings())
-    }
-
-    /// One number for each joint of q.
-    fn of_joints<'py>(
-        &self,
-        py: Python<'py>,
-        of: impl Fn(&robot::Joint) -> f64,
-    ) -> Bound<'py, PyArray1<f64>> {
-        PyArray1::from_iter(py, self.inner.independent_joints().map(of))
+        let recipe = self.recipe.then(py, name, arguments);
+        Ok(Self::warned(py, robot, recipe, self.inner.warnings())?.looking_like(self.look.clone()))
     }
 }
 
@@ -99,6 +97,11 @@ impl Robot {
     ///     Load ``<dynamics damping friction>`` of a URDF.
     /// strict : bool
     ///     Warnings that suggest a mistake are errors.
+    ///
+    /// Returns
+    /// -------
+    /// Robot
+    ///     With `RobotWarning` for what is unusual about it.
     ///
     /// Raises
     /// ------
@@ -118,9 +121,10 @@ impl Robot {
         });
         let (file, read) = read.map_err(|error| errors::robot(py, &error))?;
         // A pickle contains the text: the file need not be where it is read.
+        let look = Look::new(file.as_str(), file.format(), Some(&path));
         let (text, format) = (file.as_str(), file.format().name());
         let recipe = Recipe::default().then(py, "from_text", named!(py, text, format, friction, strict));
-        Self::warned(py, read, recipe, &[])
+        Ok(Self::warned(py, read, recipe, &[])?.looking_like(look))
     }
 
     /// Reads the text of a URDF or of a robot in TOML.
@@ -133,6 +137,16 @@ impl Robot {
     ///     Found by the first character unless given.
     /// friction, strict : bool
     ///     As in `from_file`.
+    ///
+    /// Returns
+    /// -------
+    /// Robot
+    ///     With `RobotWarning` for what is unusual about it.
+    ///
+    /// Raises
+    /// ------
+    /// RobotError
+    ///     With ``line`` and ``culprit``.
     #[staticmethod]
     #[pyo3(signature = (text, format = None, *, friction = false, strict = false))]
     fn from_text(
@@ -154,8 +168,9 @@ impl Robot {
         let options = LoadOptions::default().friction(friction).strict(strict);
         let read = robot::Robot::read(text.as_bytes(), kind, options);
         let read = read.map_err(|error| errors::robot(py, &error))?;
+        let look = Look::new(&text, kind, None);
         let recipe = Recipe::default().then(py, "from_text", named!(py, text, format, friction, strict));
-        Self::warned(py, read, recipe, &[])
+        Ok(Self::warned(py, read, recipe, &[])?.looking_like(look))
     }
 
     /// The robot of a problem, with the changes that the problem makes; for pickles.
@@ -164,7 +179,19 @@ impl Robot {
         Ok(problem.call_method0("robot")?.extract()?)
     }
 
-    /// Starts a robot without joints, see `RobotBuilder`; gravity in m/s^2.
+    /// Starts a robot without joints.
+    ///
+    /// Parameters
+    /// ----------
+    /// name : str
+    ///     Name of the robot.
+    /// gravity : sequence of float
+    ///     In the world (m/s^2).
+    ///
+    /// Returns
+    /// -------
+    /// RobotBuilder
+    ///     It adds joints and frames.
     #[staticmethod]
     #[pyo3(signature = (name, *, gravity = [0.0, 0.0, -9.81]))]
     fn builder<'py>(py: Python<'py>, name: &str, gravity: [f64; 3]) -> PyResult<Bound<'py, PyAny>> {
@@ -172,97 +199,22 @@ impl Robot {
         py.import("costate._costate")?.getattr("RobotBuilder")?.call((name,), Some(&keywords))
     }
 
-    /// Its name.
-    #[getter]
-    fn name(&self) -> &str {
-        self.inner.name()
-    }
-
-    /// Number of joints that mimic no other one: the length of q, v and tau.
-    #[getter]
-    fn n(&self) -> usize {
-        self.inner.dof()
-    }
-
-    /// The joints of q, v and tau, in their order.
-    #[getter]
-    fn joint_names(&self) -> Vec<&str> {
-        self.inner.independent_joints().map(|joint| joint.name.as_str()).collect()
-    }
-
-    /// All joints, with those that mimic others.
-    #[getter]
-    fn all_joint_names(&self) -> Vec<&str> {
-        self.inner.joints().iter().map(|joint| joint.name.as_str()).collect()
-    }
-
-    /// For each of ``all_joint_names`` the joint before it in the tree; None for one on the base.
-    #[getter]
-    fn parents(&self) -> Vec<Option<&str>> {
-        let joints = self.inner.joints();
-        joints.iter().map(|joint| joint.parent.map(|parent| joints[parent].name.as_str())).collect()
-    }
-
-    /// ``"revolute"`` or ``"prismatic"``, for each of ``joint_names``.
-    #[getter]
-    fn joint_kinds(&self) -> Vec<&str> {
-        self.inner.independent_joints().map(|joint| joint.kind.name()).collect()
-    }
-
-    /// The frames: the world, then those of joints, of links, and added ones.
-    #[getter]
-    fn frame_names(&self) -> Vec<&str> {
-        self.inner.frames().iter().map(|frame| frame.name.as_str()).collect()
-    }
-
-    /// Gravity in the world (3) in m/s^2.
-    #[getter]
-    fn gravity<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        PyArray1::from_slice(py, self.inner.gravity().as_slice())
-    }
-
-    /// Mass of all links that move (kg).
-    #[getter]
-    fn mass(&self) -> f64 {
-        self.inner.joints().iter().map(|joint| joint.inertia.mass).sum()
-    }
-
-    /// The armature matrix: a row for each of ``all_joint_names`` (kg m^2, kg).
-    #[getter]
-    fn armature<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let matrix = self.inner.armature_matrix();
-        let rows: Vec<Vec<f64>> = matrix.row_iter().map(|row| row.iter().copied().collect()).collect();
-        Ok(PyArray2::from_vec2(py, &rows)?)
-    }
-
-    /// Smallest and largest q (2, n) in rad, m; infinite where there is no limit.
-    #[getter]
-    fn position_limits<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let of = |side: fn(&Limits) -> f64| -> Vec<f64> {
-            self.inner.independent_joints().map(|joint| side(&joint.limits)).collect()
-        };
-        Ok(PyArray2::from_vec2(py, &[of(|limits| limits.lower), of(|limits| limits.upper)])?)
-    }
-
-    /// Largest speeds (n) in rad/s, m/s.
-    #[getter]
-    fn velocity_limits<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        self.of_joints(py, |joint| joint.limits.velocity)
-    }
-
-    /// Largest torques (n) in N m, N.
-    #[getter]
-    fn effort_limits<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        self.of_joints(py, |joint| joint.limits.effort)
-    }
-
-    /// What is unusual about it.
-    #[getter]
-    fn warnings(&self) -> Vec<String> {
-        self.inner.warnings().iter().map(ToString::to_string).collect()
-    }
-
-    /// Order and sign of the joints of a Pinocchio model, see `JointMap`.
+    /// Order and sign of the joints of a Pinocchio model.
+    ///
+    /// Parameters
+    /// ----------
+    /// model : pinocchio.Model
+    ///     With one joint for each of ``joint_names``, and no other.
+    ///
+    /// Returns
+    /// -------
+    /// JointMap
+    ///     It converts q, v and tau.
+    ///
+    /// Raises
+    /// ------
+    /// ArgumentError
+    ///     Where the joints of the two differ.
     fn map_to<'py>(slf: &Bound<'py, Self>, model: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         slf.py().import("costate._pinocchio")?.getattr("JointMap")?.call1((slf, model))
     }
@@ -291,7 +243,7 @@ impl Robot {
     }
 
     fn __repr__(&self) -> String {
-        format!("Robot('{}', n={})", robot::printable(self.name()), self.n())
+        format!("Robot('{}', n={})", robot::printable(self.inner.name()), self.inner.dof())
     }
 
     fn _repr_html_(&self) -> String {

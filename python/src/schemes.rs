@@ -1,47 +1,58 @@
 //! The schemes of time steps: what their cores compute, and the plans of their arrays.
 
-use crate::cores::{Core, Order, Writer, core_of};
-use crate::errors::argument;
+use crate::cores::{Order, Writer};
+use crate::errors::{Failure, argument};
 use crate::plan::{Piece, Plan, PlanBuilder};
 use costate::codegen::CodegenError;
 use costate::robot::Robot;
+use costate::scalar::{F64x4, Scalar};
 use costate::step::{
     ImplicitMidpoint, RungeKutta4, SemiImplicitEuler, Step as Scheme, StepError, StepLinearisation,
     StoermerVerlet,
 };
 use costate::{Coordinates, EvalError};
-use costate_jit::{JitModel, JitVelocityModel};
+use costate_jit::{JitLanesModel, JitModel, JitVelocityModel};
 use pyo3::prelude::*;
 
-/// A step of any scheme.
-pub type AnyStep = Box<dyn Scheme<f64, Error = StepError<EvalError>> + Send>;
+/// A step of any scheme, from one state or from four.
+pub type AnyStep<S = f64> = Box<dyn Scheme<S, Error = StepError<EvalError>> + Send>;
 
-/// How a scheme is built, by the coordinates that it needs.
+/// How a scheme is built for one state and for four, by the coordinates that it needs.
 #[derive(Clone, Copy)]
 pub enum Build {
-    Any(fn(JitModel) -> AnyStep),
-    Momenta(fn(JitModel) -> AnyStep),
-    Velocities(fn(JitVelocityModel) -> AnyStep),
+    Any(fn(JitModel) -> AnyStep, fn(JitLanesModel) -> AnyStep<F64x4>),
+    Momenta(fn(JitModel) -> AnyStep, fn(JitLanesModel) -> AnyStep<F64x4>),
+    Velocities(fn(JitVelocityModel) -> AnyStep, fn(JitVelocityModel<JitLanesModel>) -> AnyStep<F64x4>),
 }
 
 /// The name of a scheme, and how it is built.
 pub type Known = (&'static str, Build);
 
+/// A scheme by its name, the kind of its model and its type.
+macro_rules! scheme {
+    ($name:literal, $kind:ident, $scheme:ident) => {
+        ($name, Build::$kind(|model| Box::new($scheme::new(model)), |model| Box::new($scheme::new(model))))
+    };
+}
+
 /// All schemes.
 pub const SCHEMES: [Known; 4] = [
-    ("rk4", Build::Any(|model| Box::new(RungeKutta4::new(model)))),
-    ("midpoint", Build::Any(|model| Box::new(ImplicitMidpoint::new(model)))),
-    ("verlet", Build::Momenta(|model| Box::new(StoermerVerlet::new(model)))),
-    ("semi_implicit_euler", Build::Velocities(|model| Box::new(SemiImplicitEuler::new(model)))),
+    scheme!("rk4", Any, RungeKutta4),
+    scheme!("midpoint", Any, ImplicitMidpoint),
+    scheme!("verlet", Momenta, StoermerVerlet),
+    scheme!("semi_implicit_euler", Velocities, SemiImplicitEuler),
 ];
+
+/// Makes steps for another thread.
+pub type NewStep<S = f64> = Box<dyn Fn() -> AnyStep<S> + Send + Sync>;
 
 impl Build {
     /// The coordinates that it needs.
     pub fn needs(self) -> Option<Coordinates> {
         match self {
-            Self::Any(_) => None,
-            Self::Momenta(_) => Some(Coordinates::Hamiltonian),
-            Self::Velocities(_) => Some(Coordinates::Lagrangian),
+            Self::Any(..) => None,
+            Self::Momenta(..) => Some(Coordinates::Hamiltonian),
+            Self::Velocities(..) => Some(Coordinates::Lagrangian),
         }
     }
 
@@ -49,18 +60,28 @@ impl Build {
     ///
     /// # Errors
     /// As [`JitModel::new`].
-    pub fn steps(
-        self,
-        robot: &Robot,
-        coordinates: Coordinates,
-    ) -> Result<Box<dyn Fn() -> AnyStep + Send + Sync>, CodegenError> {
+    pub fn steps(self, robot: &Robot, coordinates: Coordinates) -> Result<NewStep, CodegenError> {
         Ok(match self {
-            Self::Any(build) | Self::Momenta(build) => {
+            Self::Any(build, _) | Self::Momenta(build, _) => {
                 let model = JitModel::new(robot, coordinates)?;
                 Box::new(move || build(model.clone()))
             }
-            Self::Velocities(build) => {
+            Self::Velocities(build, _) => {
                 let model = JitVelocityModel::new(robot)?;
+                Box::new(move || build(model.clone()))
+            }
+        })
+    }
+
+    /// The same for four states at once; none where there is no machine code for four.
+    pub fn lanes(self, robot: &Robot, coordinates: Coordinates) -> Option<NewStep<F64x4>> {
+        Some(match self {
+            Self::Any(_, build) | Self::Momenta(_, build) => {
+                let model = JitModel::over_lanes(robot, coordinates).ok()?.ok()?;
+                Box::new(move || build(model.clone()))
+            }
+            Self::Velocities(_, build) => {
+                let model = JitVelocityModel::over_lanes(robot).ok()?.ok()?;
                 Box::new(move || build(model.clone()))
             }
         })
@@ -184,28 +205,33 @@ impl Verb {
     }
 }
 
-/// A workspace that computes one step.
-pub fn core(step: AnyStep, dt: f64, order: Order, n: usize) -> Box<dyn Core> {
-    core_of(step, move |step, inputs, outputs| {
-        let (x, rest) = inputs.split_at(2 * n);
-        let (tau, y) = rest.split_at(n);
-        let writer = &mut Writer(outputs);
-        match order {
-            Order::Value => {
-                writer.put(step.evaluate(x, tau, dt)?);
-            }
-            Order::First => put_first(writer, step.linearise(x, tau, dt)?),
-            Order::Second => {
-                let second = step.contract(x, tau, dt, y)?;
-                put_first(writer, second.first);
-                second.hessian(writer.0);
-            }
+/// What a step computes: the next state, its derivative by dt, J and H, as far as the order says.
+pub fn evaluate<S: Scalar>(
+    step: &mut AnyStep<S>,
+    dt: f64,
+    order: Order,
+    inputs: &[S],
+    outputs: &mut [S],
+) -> Result<(), Failure> {
+    let states = step.states();
+    let (x, rest) = inputs.split_at(states);
+    let (tau, y) = rest.split_at(step.controls());
+    let (writer, dt) = (&mut Writer(outputs), S::from_f64(dt));
+    match order {
+        Order::Value => {
+            writer.put(step.evaluate(x, tau, dt)?);
         }
-        Ok(())
-    })
+        Order::First => put_first(writer, step.linearise(x, tau, dt)?),
+        Order::Second => {
+            let second = step.contract(x, tau, dt, y)?;
+            put_first(writer, second.first);
+            second.hessian(writer.0);
+        }
+    }
+    Ok(())
 }
 
-fn put_first(writer: &mut Writer<'_>, first: StepLinearisation<'_, f64>) {
+fn put_first<S: Scalar>(writer: &mut Writer<'_, S>, first: StepLinearisation<'_, S>) {
     writer.put(first.next).put(first.phi_h);
     let (jacobian, rest) = std::mem::take(&mut writer.0)
         .split_at_mut(first.next.len() * (first.phi_x.columns() + first.phi_u.columns()));

@@ -1,11 +1,14 @@
 //! The class `Step`.
 
+use crate::cores::{core_of, lanes_of};
 use crate::dynamics::Dynamics;
+use crate::engine::Engine;
 use crate::errors::{CodegenError, argument};
-use crate::function::{Engine, Function};
-use crate::methods::methods;
-use crate::schemes::{Known, SCHEMES, Verb, core, scheme_of};
+use crate::function::Function;
+use crate::methods::verbs;
+use crate::schemes::{Known, NewStep, SCHEMES, Verb, evaluate, scheme_of};
 use crate::xla::registered;
+use costate::scalar::F64x4;
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 use std::sync::{Arc, OnceLock};
@@ -25,6 +28,15 @@ use std::sync::{Arc, OnceLock};
 /// dt : float
 ///     Duration (s).
 ///
+/// Raises
+/// ------
+/// ArgumentError
+///     For another scheme, or one that needs other coordinates; for a duration that is not finite.
+///
+/// References
+/// ----------
+/// E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, 2006: sections I.1, II.1 and VI.3.
+///
 /// Examples
 /// --------
 /// >>> import costate
@@ -38,6 +50,8 @@ pub struct Step {
     scheme: Known,
     dt: f64,
     engines: [OnceLock<Arc<Engine>>; 3],
+    /// Makes steps from four states, once a batch has asked for it.
+    fours: Arc<OnceLock<Option<NewStep<F64x4>>>>,
     functions: [OnceLock<Arc<Function>>; Verb::ALL.len()],
 }
 
@@ -47,13 +61,14 @@ impl Step {
         py: Python<'py>,
         verb: Verb,
         arguments: [&Bound<'py, PyAny>; N],
+        out: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let dynamics = self.dynamics.get();
         let function = match self.functions[verb as usize].get() {
             Some(function) => function,
             None => self.prepare(py, verb)?,
         };
-        function.call(py, arguments, dynamics.settings())
+        function.call(py, arguments, out, dynamics.settings())
     }
 
     #[cold]
@@ -66,7 +81,17 @@ impl Step {
                 let ((_, build), dt) = (self.scheme, self.dt);
                 let steps = py.detach(|| build.steps(dynamics.model(), space));
                 let steps = steps.map_err(|error| CodegenError::new_err(error.to_string()))?;
-                let engine = Engine::new(move || core(steps(), dt, order, n));
+                let core = move || {
+                    core_of(steps(), move |step, inputs, outputs| evaluate(step, dt, order, inputs, outputs))
+                };
+                let (robot, fours) = (dynamics.shared(), self.fours.clone());
+                let lanes = move || {
+                    let new = fours.get_or_init(|| build.lanes(&robot, space)).as_ref()?;
+                    Some(lanes_of(new(), move |step, inputs, outputs| {
+                        evaluate(step, dt, order, inputs, outputs)
+                    }))
+                };
+                let engine = Engine::new(core).with_lanes(lanes);
                 self.engines[order as usize].get_or_init(|| Arc::new(engine)).clone()
             }
         };
@@ -75,91 +100,112 @@ impl Step {
     }
 }
 
-methods! {
-    impl Step {
-        #[new]
-        fn new(dynamics: &Bound<'_, Dynamics>, scheme: &str, dt: f64) -> PyResult<Self> {
-            let known = SCHEMES[scheme_of(dynamics.py(), scheme, dt, dynamics.get().space())?];
-            Ok(Self {
-                dynamics: dynamics.clone().unbind(),
-                scheme: known,
-                dt,
-                engines: Default::default(),
-                functions: Default::default(),
-            })
-        }
-
-        /// The dynamics.
-        #[getter]
-        fn dynamics(&self, py: Python<'_>) -> Py<Dynamics> {
-            self.dynamics.clone_ref(py)
-        }
-
-        /// The name of the scheme.
-        #[getter]
-        fn scheme(&self) -> &str {
-            self.scheme.0
-        }
-
-        /// Duration (s).
-        #[getter]
-        fn dt(&self) -> f64 {
-            self.dt
-        }
-
-        /// The number by which XLA calls a method; for `costate.jax`.
-        fn _xla(&self, py: Python<'_>, verb: &str) -> PyResult<i64> {
-            let found = Verb::ALL.into_iter().find(|known| known.name() == verb);
-            let found = found.ok_or_else(|| argument(py, "verb", format!("no method '{verb}'")))?;
-            let function = match self.functions[found as usize].get() {
-                Some(function) => function,
-                None => self.prepare(py, found)?,
-            };
-            Ok(registered(function, self.dynamics.get().settings()))
-        }
-
-        fn __eq__(&self, py: Python<'_>, other: &Self) -> PyResult<bool> {
-            let same = self.dynamics.bind(py).eq(&other.dynamics)?;
-            Ok(same && self.scheme.0 == other.scheme.0 && self.dt == other.dt)
-        }
-
-        fn __hash__(&self) -> u64 {
-            (self.dt + 0.0).to_bits() // equal durations: -0 + 0 is 0
-        }
-
-        fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
-            let (py, this) = (slf.py(), slf.get());
-            let arguments = (this.dynamics.clone_ref(py), this.scheme.0, this.dt);
-            Ok((slf.get_type().into_any(), arguments.into_pyobject(py)?))
-        }
-
-        fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
-            let dynamics = self.dynamics.bind(py).repr()?;
-            Ok(format!("Step({dynamics}, {:?}, dt={})", self.scheme.0, self.dt))
-        }
+#[pymethods]
+impl Step {
+    #[new]
+    fn new(dynamics: &Bound<'_, Dynamics>, scheme: &str, dt: f64) -> PyResult<Self> {
+        let known = SCHEMES[scheme_of(dynamics.py(), scheme, dt, dynamics.get().space())?];
+        Ok(Self {
+            dynamics: dynamics.clone().unbind(),
+            scheme: known,
+            dt,
+            engines: Default::default(),
+            fours: Arc::default(),
+            functions: Default::default(),
+        })
     }
 
-    /// The next state Phi (..., 2n).
-    f(q, v, tau) = call Verb::F;
+    /// The dynamics.
+    #[getter]
+    fn dynamics(&self, py: Python<'_>) -> Py<Dynamics> {
+        self.dynamics.clone_ref(py)
+    }
 
-    /// The Jacobian of Phi in z = (q, v, tau): (..., 2n, 3n).
-    jacobian(q, v, tau) = call Verb::Jacobian;
+    /// The name of the scheme.
+    #[getter]
+    fn scheme(&self) -> &str {
+        self.scheme.0
+    }
 
-    /// The second derivatives of y'Phi in z (..., 3n, 3n), y (..., 2n) the costate of the next state.
-    hessian(q, v, tau, y) = call Verb::Hessian;
+    /// Duration (s).
+    #[getter]
+    fn dt(&self) -> f64 {
+        self.dt
+    }
 
-    /// What `f` and `jacobian` return, in one pass.
-    linearise(q, v, tau) = call Verb::Linearise;
+    /// The number by which XLA calls a method; for `costate.jax`.
+    fn _xla(&self, py: Python<'_>, verb: &str) -> PyResult<i64> {
+        let found = Verb::ALL.into_iter().find(|known| known.name() == verb);
+        let found = found.ok_or_else(|| argument(py, "verb", format!("no method '{verb}'")))?;
+        let function = match self.functions[found as usize].get() {
+            Some(function) => function,
+            None => self.prepare(py, found)?,
+        };
+        Ok(registered(function, self.dynamics.get().settings()))
+    }
 
-    /// What `f`, `jacobian` and `hessian` return, in one pass.
-    contract(q, v, tau, y) = call Verb::Contract;
+    fn __eq__(&self, py: Python<'_>, other: &Self) -> PyResult<bool> {
+        let same = self.dynamics.bind(py).eq(&other.dynamics)?;
+        Ok(same && self.scheme.0 == other.scheme.0 && self.dt == other.dt)
+    }
 
-    /// The product y' dPhi/dz (..., 3n).
-    adjoint(q, v, tau, y) = call Verb::Adjoint;
+    fn __hash__(&self) -> u64 {
+        (self.dt + 0.0).to_bits() // equal durations: -0 + 0 is 0
+    }
 
-    /// The product of `hessian` and a direction d (..., 3n): (..., 3n).
-    hvp(q, v, tau, y, d) = call Verb::Hvp;
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
+        let (py, this) = (slf.py(), slf.get());
+        let arguments = (this.dynamics.clone_ref(py), this.scheme.0, this.dt);
+        Ok((slf.get_type().into_any(), arguments.into_pyobject(py)?))
+    }
 
-    /// The derivative of Phi by the duration dt (..., 2n).
-    dt_derivative(q, v, tau) = call Verb::ByTime;
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        let dynamics = self.dynamics.bind(py).repr()?;
+        Ok(format!("Step({dynamics}, {:?}, dt={})", self.scheme.0, self.dt))
+    }
+}
+
+verbs! {
+    impl Step;
+
+    /// The next state Phi.
+    f(q: q, v: state, tau: tau) -> one
+        "ndarray (..., 2n)\n    q and v after ``dt``; with ``\"qp\"`` q and p."
+        = call Verb::F;
+
+    /// The Jacobian of Phi by z = (q, v, tau).
+    jacobian(q: q, v: state, tau: tau) -> one
+        "ndarray (..., 2n, 3n)\n    Rows are entries of the next state."
+        = call Verb::Jacobian;
+
+    /// The second derivatives of y'Phi by z = (q, v, tau).
+    hessian(q: q, v: state, tau: tau, y: next) -> one
+        "ndarray (..., 3n, 3n)\n    Symmetric."
+        = call Verb::Hessian;
+
+    /// Phi and its Jacobian in one pass.
+    linearise(q: q, v: state, tau: tau) -> several
+        "next : ndarray (..., 2n)\n    As `f`.\nJ : ndarray (..., 2n, 3n)\n    As `jacobian`."
+        = call Verb::Linearise;
+
+    /// Phi, its Jacobian and the second derivatives of y'Phi in one pass.
+    contract(q: q, v: state, tau: tau, y: next) -> several
+        "next : ndarray (..., 2n)\n    As `f`.\nJ : ndarray (..., 2n, 3n)\n    As `jacobian`.\n\
+         H : ndarray (..., 3n, 3n)\n    As `hessian`."
+        = call Verb::Contract;
+
+    /// The product y' dPhi/dz.
+    adjoint(q: q, v: state, tau: tau, y: next) -> one
+        "ndarray (..., 3n)\n    The derivatives of y'Phi by q, v and tau."
+        = call Verb::Adjoint;
+
+    /// The product of the second derivatives of y'Phi and a direction.
+    hvp(q: q, v: state, tau: tau, y: next, d: d) -> one
+        "ndarray (..., 3n)\n    ``hessian(q, v, tau, y) @ d``."
+        = call Verb::Hvp;
+
+    /// The derivative of Phi by the duration.
+    dt_derivative(q: q, v: state, tau: tau) -> one
+        "ndarray (..., 2n)\n    dPhi/d(dt)."
+        = call Verb::ByTime;
 }

@@ -1,12 +1,13 @@
 //! The workspace of a thread.
 
-use crate::cores::Core;
+use crate::cores::{Core, Lanes};
 use crate::errors::Failure;
 use crate::plan::{ONE, Plan};
 
 /// What one thread computes with: a core, and buffers for one state and for four.
 pub struct Workspace {
     core: Box<dyn Core>,
+    lanes: Option<Box<dyn Lanes>>,
     pub one: Vec<f64>,
     pub four: Vec<[f64; 4]>,
 }
@@ -14,7 +15,25 @@ pub struct Workspace {
 impl Workspace {
     /// Without room for states yet.
     pub fn new(core: Box<dyn Core>) -> Self {
-        Self { core, one: Vec::new(), four: Vec::new() }
+        Self { core, lanes: None, one: Vec::new(), four: Vec::new() }
+    }
+
+    /// Makes what computes four states at once, unless it is there.
+    pub fn with_lanes(&mut self, new: impl FnOnce() -> Option<Box<dyn Lanes>>) -> bool {
+        if self.lanes.is_none() {
+            self.lanes = new();
+        }
+        self.lanes.is_some()
+    }
+
+    /// Evaluates four states; of which it is certain.
+    pub fn evaluate_four(&mut self, plan: &Plan) -> [bool; 4] {
+        let Some(lanes) = &mut self.lanes else { return [false; 4] };
+        let buffer = &mut self.four[..plan.size()];
+        let (inputs, outputs) = buffer[..plan.core_outputs.end].split_at_mut(plan.core_outputs.start);
+        let certain = lanes.evaluate(&inputs[plan.core_inputs.clone()], outputs);
+        plan.multiply(buffer);
+        certain
     }
 
     /// Makes room for one state of this plan.
@@ -38,7 +57,10 @@ impl Workspace {
     /// Why it is refused.
     #[inline]
     pub fn evaluate(&mut self, plan: &Plan) -> Result<(), Failure> {
-        let (inputs, outputs) = self.one[..plan.size()].split_at_mut(plan.core_outputs.start);
-        self.core.evaluate(&inputs[plan.core_inputs.clone()], outputs)
+        let buffer = &mut self.one[..plan.size()];
+        let (inputs, outputs) = buffer[..plan.core_outputs.end].split_at_mut(plan.core_outputs.start);
+        self.core.evaluate(&inputs[plan.core_inputs.clone()], outputs)?;
+        plan.multiply(buffer);
+        Ok(())
     }
 }

@@ -6,26 +6,44 @@
 
 mod frame;
 
-use crate::arrays::{Axes, Source, Target};
+use crate::arrays::{Axes, Source};
 use crate::dynamics::Dynamics;
 use crate::function::{Function, Settings};
 use crate::quantities::Verb;
+use crate::results::Target;
 use frame::{ApiError, CallFrame, Code};
 use pyo3::prelude::*;
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use std::sync::{Arc, PoisonError, RwLock};
 
 /// All functions that XLA may call. Compiled programs keep the numbers, so that none is ever removed.
-static FUNCTIONS: RwLock<Vec<(Arc<Function>, Settings)>> = RwLock::new(Vec::new());
+static FUNCTIONS: RwLock<Vec<Registered>> = RwLock::new(Vec::new());
+
+/// A function that XLA may call, and at how many states it was evaluated.
+#[derive(Clone)]
+struct Registered {
+    function: Arc<Function>,
+    settings: Settings,
+    states: Arc<AtomicU64>,
+}
 
 /// The number of a function in calls from XLA.
 pub fn registered(function: &Arc<Function>, settings: Settings) -> i64 {
     let mut all = FUNCTIONS.write().unwrap_or_else(PoisonError::into_inner);
-    let known = all.iter().position(|(known, of)| Arc::ptr_eq(known, function) && *of == settings);
+    let known =
+        all.iter().position(|known| Arc::ptr_eq(&known.function, function) && known.settings == settings);
     let index = known.unwrap_or(all.len());
     if known.is_none() {
-        all.push((function.clone(), settings));
+        all.push(Registered { function: function.clone(), settings, states: Arc::default() });
     }
     index as i64
+}
+
+/// At how many states XLA has evaluated a function, by its number.
+#[pyfunction]
+pub fn _xla_calls(number: usize) -> u64 {
+    let all = FUNCTIONS.read().unwrap_or_else(PoisonError::into_inner);
+    all.get(number).map_or(0, |found| found.states.load(Relaxed))
 }
 
 /// The address of the function that XLA calls.
@@ -53,7 +71,7 @@ unsafe extern "C" fn handler(frame: *mut CallFrame) -> *mut ApiError {
 
 fn call(frame: &CallFrame) -> Result<(), String> {
     let number = frame.number("function").ok_or("costate: the attribute `function` is missing")?;
-    let (function, settings) = {
+    let Registered { function, settings, states } = {
         let all = FUNCTIONS.read().unwrap_or_else(PoisonError::into_inner);
         let found = usize::try_from(number).ok().and_then(|index| all.get(index).cloned());
         found.ok_or("costate: this program was compiled in another process; compile it again")?
@@ -66,6 +84,7 @@ fn call(frame: &CallFrame) -> Result<(), String> {
     let leading = arguments.first().and_then(|argument| argument.shape.split_last());
     let leading = leading.map_or(&[][..], |(_, leading)| leading);
     let axes = Axes::new(leading);
+    states.fetch_add(leading.iter().product::<usize>() as u64, Relaxed);
     let mut sources = Vec::with_capacity(arguments.len());
     for (buffer, expected) in arguments.iter().zip(&plan.arguments) {
         if buffer.shape.split_last() != Some((&expected.length, leading)) {

@@ -6,8 +6,29 @@ from pathlib import Path
 import costate
 import numpy as np
 import pytest
+from interface import Recorder
 
 ROBOTS = Path(__file__).parents[2] / "robots"
+
+
+RECORDER = Recorder()
+
+
+def pytest_configure() -> None:
+    RECORDER.install()
+
+
+def pytest_terminal_summary(terminalreporter) -> None:
+    """What of the public interface the tests have called, in this process."""
+    terminalreporter.write_line(RECORDER.summary())
+
+
+def pytest_sessionfinish(session, exitstatus) -> None:
+    """All of it must be called where all tests ran."""
+    files = {item.path.name for item in session.items}
+    everything = files >= {path.name for path in Path(__file__).parent.glob("test_*.py")} and not session.config.option.keyword
+    if everything and exitstatus == 0 and RECORDER.missing():
+        session.exitstatus = 1
 
 
 def load(name: str) -> costate.Robot:

@@ -30,7 +30,8 @@ def test_the_exact_hessian_takes_fewer_iterations(step):
     exact, converged, models = solve(step, True)
     gauss_newton, also, _ = solve(step, False)
     assert converged and also
-    assert exact.iter < gauss_newton.iter
+    # The guide says 10 and 26.
+    assert exact.iter <= 12 and gauss_newton.iter >= 22
     assert abs(exact.cost - gauss_newton.cost) < 1e-8 * exact.cost
     assert all(model.costate is not None for model in models)
 

@@ -68,6 +68,7 @@ def test_frames_take_batches(moving):
 def test_added_frames_and_wrong_names(ur5):
     tip = ur5.add_frame("tip", "tool0", [0, 0, 0.12])
     dynamics = costate.Dynamics(tip)
+    assert dynamics.frame("tip").dynamics is dynamics and dynamics.frame("tip") == costate.Frame(dynamics, "tip")
     rotation, tool = dynamics.frame("tool0").pose(np.zeros(6))
     assert_close(dynamics.frame("tip").pose(np.zeros(6))[1], tool + 0.12 * rotation[:, 2], 1e-15)
     with pytest.raises(costate.RobotError, match="'tool0'") as raised:

@@ -2,9 +2,11 @@
 
 import importlib.util
 import os
+import pkgutil
 import re
 from pathlib import Path
 
+import costate
 import pytest
 
 GUIDE = Path(__file__).parents[2] / "docs" / "guide"
@@ -42,6 +44,28 @@ def test_every_picture_is_shown():
 def test_each_page_is_in_the_contents():
     listed = re.findall(r"^[a-z_]+$", (GUIDE / "index.md").read_text(), re.M)
     assert sorted(listed) == sorted(page.stem for page in GUIDE.glob("*.md") if page.stem not in ("index", "README"))
+
+
+def test_the_reference_has_everything_public():
+    """All names of `costate.__all__`, and every module that is not private, once; nothing else."""
+    page = (GUIDE / "api_python.md").read_text()
+    listed = re.findall(r"^\.\. auto(?:class|function|exception):: (\w+)$", page, re.M)
+    assert sorted(listed) == sorted(set(costate.__all__) - {"__version__"})
+    modules = re.findall(r"^\.\. automodule:: costate\.(\w+)\n   :members:$", page, re.M)
+    public = [name for _, name, _ in pkgutil.iter_modules(costate.__path__) if not name.startswith("_")]
+    assert sorted(modules) == sorted(public)
+
+
+def test_links_to_the_rust_reference_are_crates_of_the_library():
+    """In the built guide they lead beside it, to what `cargo doc` wrote."""
+    page = (GUIDE / "api_rust.md").read_text()
+    linked = re.findall(r'href="\.\./\.\./doc/(\w+)/index\.html"', page)
+    root = GUIDE.parents[1]
+    folders = {"costate": "", "costate_control": "control", "costate_jit": "jit"}
+    folders |= {"costate_report": "cli/report", "costate_comparison": "cli/comparison"}
+    assert linked == list(folders)
+    for name, folder in folders.items():
+        assert f'name = "{name.replace("_", "-")}"' in (root / folder / "Cargo.toml").read_text()
 
 
 def test_rust_on_the_page_is_the_program_that_is_compiled():

@@ -87,6 +87,37 @@ def test_costate_computes_every_derivative(dynamics):
     assert costate.jax.Model(dynamics).f is not model.f and dynamics._xla("f") == numbers[0]
 
 
+@pytest.mark.parametrize("order", ["any", "reverse"])
+def test_every_derivative_is_counted_where_it_is_computed(dynamics, order):
+    """The least that exact derivatives take, at run time: differences of values or Jacobians would need more."""
+    own = costate.Dynamics(dynamics.robot)
+    model = costate.jax.Model(own, order)
+    function, z = of(model.f), jnp.linspace(0, 1, 6)
+    assert costate.jax.calls(model.f) == {"value": 0, "jacobian": 0, "hessian": 0}
+    function(z).block_until_ready()
+    assert costate.jax.calls(model.f) == {"value": 1, "jacobian": 0, "hessian": 0}
+
+    def counted(program, z=z):
+        compiled = jax.jit(program).lower(z).compile()
+        before = costate.jax.calls(model.f)
+        jax.block_until_ready(compiled(z))
+        after = costate.jax.calls(model.f)
+        return [after[name] - before[name] for name in ("value", "jacobian", "hessian")]
+
+    y = jnp.ones(4)
+    cost = lambda z: y @ function(z)
+    value, jacobian, hessian = counted(jax.jacrev(function))
+    assert value == 0 and jacobian == 1 and hessian == 0
+    value, jacobian, hessian = counted(jax.jacfwd(jax.grad(cost)))
+    # All results have a contraction each unless only gradients are differentiated.
+    assert value == 0 and jacobian <= 1 and hessian == (1 if order == "reverse" else 4)
+    many = jnp.tile(z, (10, 1))
+    value, jacobian, hessian = counted(jax.vmap(jax.jacfwd(jax.grad(cost))), many)
+    assert hessian == (10 if order == "reverse" else 40)
+    with pytest.raises(costate.ArgumentError, match="costate.jax"):
+        costate.jax.calls(np.sin)
+
+
 def test_bad_states(dynamics):
     bad = jnp.zeros((20, 2)).at[7, 1].set(jnp.nan)
     model = costate.jax.Model(dynamics)

@@ -309,3 +309,18 @@ def test_a_time_limit_keeps_the_best_motion(ur5):
     problem = costate.Problem.from_file(PROBLEMS / "ur5_reach.toml")
     solution = problem.solve(time_limit=1e-3)
     assert solution.status == "time_limit" and not solution.solved
+
+
+def test_switches_and_penalties_are_told():
+    # A mass of 1 kg by 1 m with at most 1 N: T = 2 s, and the force turns round at half time.
+    solution = costate.Problem.from_file(ROBOTS.parent / "examples/problems/double_integrator_min_time.toml").solve()
+    assert abs(solution.final_time - 2) < 1e-6 and np.abs(np.array(solution.switches) - 1).max() < 1e-6
+    assert len(solution.switches) == 1 and solution.penalty_cost == 0
+    arm = load("two_link.toml")
+    penalty = {"weight": 1.0, "v_max": [2.0, 2.0]}
+    tables = {"start": [0, 0], "end": [1.5, 1.0], "time": 1.0, "cost": [1, 1], "limits": False}
+    direct, indirect = (
+        costate.Problem(arm, **tables, penalty=penalty).solve(method=method) for method in ("direct", "collocation")
+    )
+    assert direct.penalty_cost > 1 and abs(direct.penalty_cost - indirect.penalty_cost) < 1e-4 * direct.penalty_cost
+    assert costate.Problem(arm, **tables).solve().cost < direct.cost

@@ -149,10 +149,63 @@ def test_a_tool_follows_its_goal(ur5):
     assert near.solve().status == "solved"
 
 
+def test_a_start_and_a_cost_of_tools_move(ur5):
+    q, end = [0.0, -1.6, 1.8, -1.8, -1.57, 0.0], [0.3, -1.5, 1.7, -1.8, -1.57, 0.0]
+    frame = costate.Dynamics(ur5).frame("tool0")
+    xyz = frame.pose(q)[1]
+    drawn = {"frame": "tool0", "xyz": xyz + [0.0, 0.1, 0.0], "position_weight": 10.0}
+    start = {"q": q, "tool": {"frame": "tool0", "xyz": xyz}}
+    of = lambda start, drawn: costate.Problem(
+        ur5, start=start, end=end, time=1.0, cost={"effort": [1e-3] * 6, "tool": [drawn]}, limits=True
+    ).resolve(machine_code="at_once", tolerance=1e-5)
+    motion = of(start, drawn)
+    first = motion.solve().cost
+    other = xyz + [0.02, 0.0, 0.03]
+    motion.set_start_tool(0, other)
+    assert motion.solve().status == "solved" and np.abs(frame.pose(motion.state(0.0)[0])[1] - other).max() < 1e-9
+    motion.set_tool_cost(0, xyz + [0.0, 0.3, 0.0])
+    again = motion.solve()
+    anew = of(start | {"tool": start["tool"] | {"xyz": other}}, drawn | {"xyz": xyz + [0.0, 0.3, 0.0]}).solve()
+    assert again.status == anew.status == "solved" and abs(again.cost - anew.cost) < 1e-4 * anew.cost
+    assert again.cost > 1.5 * first
+    with pytest.raises(costate.ArgumentError):
+        motion.set_start_tool(1, xyz)
+    with pytest.raises(costate.ArgumentError):
+        motion.set_tool_cost(1, xyz)
+
+
+def test_the_rest_of_an_optimal_motion_is_optimal(arm):
+    problem = costate.Problem(
+        arm, start=[0, 0], end=[1.5, 1.0], time={"free": True, "guess": 2.0}, cost={"time": 20.0, "effort": [1, 1]},
+        limits={"torque_max": [12.0, 5.0], "from_robot": False},
+    )  # fmt: skip
+    motion = problem.resolve(tolerance=1e-6, nodes=73)
+    motion.solve()
+    whole = motion.final_time
+    q, v, _ = motion.state(0.1)
+    motion.advance(0.1)
+    motion.set_start(q, v)
+    again = motion.solve(steps=20)
+    assert again.status == "solved" and abs(motion.final_time - (whole - 0.1)) < 1e-3
+    assert motion.problem == problem
+def test_jerks_and_vias(arm):
+    problem = problem_of(arm, [0, 0], [1, 1], limits={"jerk_max": [100.0, 100.0]})
+    motion = problem.resolve(nodes=33)
+    assert motion.solve().status == "solved"
+    feedback = motion.feedback()
+    assert feedback.states_by_start.shape[1:] == (6, 6) and feedback.gain(0.3) is None
+    assert motion.derivative_by("jerk_max", 0).states.shape[1:] == (6,)
+    with pytest.raises(costate.ArgumentError, match="free"):
+        motion.set_start_acceleration([0.0, 0.0])
+    motion = problem_of(arm, [0, 0], [1, 1], via=[{"q": [0.3, 0.6]}]).resolve(nodes=37)
+    assert motion.solve().status == "solved"
+    motion.set_via(0, [0.35, 0.6], [0.0, 0.0])
+    assert motion.solve().status == "solved"
+    with pytest.raises(costate.ArgumentError):
+        motion.set_via(1, [0.35, 0.6], [0.0, 0.0])
+
+
 def test_what_cannot_be_solved_again(arm):
-    with pytest.raises(costate.ProblemError) as caught:
-        problem_of(arm, [0, 0], [1, 1], limits={"jerk_max": [100.0, 100.0]}).resolve()
-    assert caught.value.key == "limits.jerk_max"
     with pytest.raises(costate.ProblemError) as caught:
         problem_of(arm, [0, 0], [1, 1]).resolve(nodes=1)
     assert caught.value.key == "solver.nodes"

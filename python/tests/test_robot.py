@@ -109,6 +109,7 @@ def test_built_robots_are_those_of_files():
     builder = costate.Robot.builder("arm")
     builder.revolute("a", mass=1, com=[0.5, 0, 0]).revolute("b", on="a", xyz=[1, 0, 0], mass=2, com=[0.3, 0, 0])
     assert builder.build() == robot != pendulum()
+    assert robot.parents == [None, "a"]
     # The builder can go on.
     assert builder.prismatic("c", on="b", mass=1).build().n == 3
 

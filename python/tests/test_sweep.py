@@ -216,6 +216,23 @@ def test_dask_computes_the_same():
     assert [outcome.index for outcome in failing if not outcome.ok] == [3, 8] and str(failing[8].error) == "not 8"
 
 
+@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no signal that kills")
+def test_nothing_is_lost_when_a_worker_of_dask_is_killed(tmp_path):
+    distributed = pytest.importorskip("distributed")
+    import dask
+
+    mark = tmp_path / "killed"
+    # Dask makes new workers; what was lost with one is sent again, task by task.
+    with dask.config.set({"distributed.scheduler.allowed-failures": 0}):
+        with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
+            with distributed.Client(cluster) as client:
+                outcomes = costate.sweep(killed_once, [(k, str(mark)) for k in range(40)], client.get_executor(), chunk=4)
+                assert mark.exists() and [outcome.value for outcome in outcomes] == list(range(40))
+                outcomes = costate.sweep(killed_always, range(12), client.get_executor(), chunk=4)
+    assert [outcome.value for outcome in outcomes] == [k if k != 5 else None for k in range(12)]
+    assert isinstance(outcomes[5].error, costate.WorkerDied)
+
+
 def test_outcomes_are_pickled():
     (outcome,) = costate.sweep(square, [3], workers=1)
     assert pickle.loads(pickle.dumps(outcome)) == outcome

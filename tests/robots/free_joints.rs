@@ -198,7 +198,6 @@ fn what_does_not_take_free_joints_says_so() {
     let tree = || Tree::from(&robot);
     let mut outcomes = vec![
         Lagrangian::<f64>::new(&robot).gravity(&q).map(drop),
-        LagrangianSecondOrder::<f64>::new(&robot).contract(&q, &p, &p, &y).map(drop),
         Kinematics::<f64>::new(&robot).set_position(&p).map(drop),
         DualPass::<f64>::new(&robot).contract(&q, &p, &p, &y).map(drop),
         FullHessian::<f64>::new(&robot).hessian_tensor(&q, &p).map(drop),
@@ -223,4 +222,17 @@ fn what_does_not_take_free_joints_says_so() {
     turned[6] = f64::NAN;
     assert!(matches!(hamiltonian.evaluate(&turned, &p, &p), Err(EvalError::NonFinite { .. })));
     hamiltonian.evaluate(&q, &p, &p).unwrap();
+}
+
+/// dq/dt = v is linear in the tangent space: of a costate (y_q, y_v) only y_v counts.
+#[test]
+fn second_derivatives_of_the_state_are_those_of_accelerations() {
+    let robot = drone();
+    let (q, v, u) = (ConfigurationSpace::new(&robot).neutral(), [0.3, -0.2, 0.1, 0.5, -0.4, 0.6], [0.1; 6]);
+    let y: [f64; 12] = std::array::from_fn(|i| (1.0 + i as f64).sin());
+    let mut second = LagrangianSecondOrder::<f64>::new(&robot);
+    let state = second.contract(&q, &v, &u, &y).unwrap().to_matrix();
+    let accelerations = second.contract_forward_dynamics(&q, &v, &u, &y[6..]).unwrap().to_matrix();
+    assert_eq!(state.as_slice(), accelerations.as_slice());
+    assert!(state.as_slice().iter().any(|entry| entry.abs() > 1e-3));
 }

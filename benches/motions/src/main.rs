@@ -3,6 +3,7 @@
 //! `cargo run --release -p costate-motions` prints the tables; with `--write` they go to `BENCHMARKS.md` and
 //! the plots to `docs/`.
 
+mod action;
 mod clock;
 mod fit;
 mod measure;
@@ -16,21 +17,23 @@ mod stages;
 mod tables;
 
 use problems::{Failure, ROOT};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 const HELP: &str = "\
-costate-motions [--write] [--short]
+costate-motions [--action] [--write] [--short]
 
+  --action  the table of the action form alone
   --write   puts the tables into BENCHMARKS.md and the plots into docs/
   --short   few chains, short meshes, few repeats
 ";
 
 fn main() -> Result<(), Failure> {
-    let (mut write, mut short) = (false, false);
+    let (mut write, mut short, mut only_action) = (false, false, false);
     for argument in std::env::args().skip(1) {
         match argument.as_str() {
             "--write" => write = true,
             "--short" => short = true,
+            "--action" => only_action = true,
             "--help" => {
                 print!("{HELP}");
                 return Ok(());
@@ -38,20 +41,34 @@ fn main() -> Result<(), Failure> {
             other => return Err(format!("unknown argument {other}; see --help").into()),
         }
     }
+    let of_action = ("motions action", action::table(short)?);
+    if only_action {
+        println!("{}", of_action.1);
+        return if write { Ok(tables::put(&benchmarks(), of_action.0, &of_action.1)?) } else { Ok(()) };
+    }
     let (joints, of_joints) = scaling::joints(short)?;
     let (nodes, of_nodes) = scaling::nodes(short)?;
-    let texts =
-        [("motions stages", stages::table(short)?), ("motions joints", joints), ("motions nodes", nodes)];
+    let texts = [
+        ("motions stages", stages::table(short)?),
+        ("motions joints", joints),
+        ("motions nodes", nodes),
+        of_action,
+    ];
     for (name, text) in &texts {
         println!("\n{name}\n\n{text}");
     }
     if write {
         for (name, text) in &texts {
-            tables::put(&Path::new(ROOT).join("BENCHMARKS.md"), name, text)?;
+            tables::put(&benchmarks(), name, text)?;
         }
         for (file, plot) in [("motions_joints", of_joints), ("motions_nodes", of_nodes)] {
             std::fs::write(format!("{ROOT}/docs/{file}.svg"), plot.svg())?;
         }
     }
     Ok(())
+}
+
+/// The page with the tables.
+fn benchmarks() -> PathBuf {
+    Path::new(ROOT).join("BENCHMARKS.md")
 }

@@ -2,9 +2,10 @@
 
 use crate::robots::chain;
 use costate::lagrangian::Lagrangian;
-use costate::robot::{LoadOptions, Robot};
+use costate::robot::{Joint, LoadOptions, Robot};
 use costate_control::{MotionLimits, Objective, Problem, ProblemFile};
 use fastrand::Rng;
+use nalgebra::DMatrix;
 use std::error::Error;
 
 /// What a run may end with.
@@ -74,4 +75,16 @@ pub fn panda() -> Result<Problem, Failure> {
     Ok(problem
         .with_cost(Objective::new(0.0, effort.to_vec()))
         .with_limits(MotionLimits::none().with_from_robot(true)))
+}
+
+/// A robot with the inertias of rotors turns from rest to rest in 1 s, at the price of its torques in parts
+/// of their limits.
+pub fn between<const N: usize>(file: &str, from: [f64; N], to: [f64; N]) -> Result<Problem, Failure> {
+    let robot = Robot::from_file(format!("{ROOT}/robots/{file}"))?;
+    let rotor = |i: usize| if i < 3 { 1.0 } else { 0.2 };
+    let rotors = DMatrix::from_fn(N, N, |i, j| if i == j { rotor(i) } else { 0.0 });
+    let price = |joint: &Joint| 1.0 / (joint.limits.effort * joint.limits.effort);
+    let effort = robot.independent_joints().map(price).collect();
+    let problem = Problem::rest_to_rest(robot.with_armature(rotors)?, &from, &to, DURATION);
+    Ok(problem.with_cost(Objective::new(0.0, effort)))
 }

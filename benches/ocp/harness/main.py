@@ -12,6 +12,7 @@ from pathlib import Path
 
 import agreement
 import derivatives
+import in_space
 import inside
 import points
 import robots
@@ -126,7 +127,7 @@ def main():
     if options.source is None:
         costate = (options.costate or build()).resolve()
         if options.values:
-            kept = [part.check(ROOT, costate, the_peer(options)) for part in (derivatives, values, sensitivities)]
+            kept = [part.check(ROOT, costate, the_peer(options)) for part in (derivatives, values, sensitivities, in_space)]
             raise SystemExit(0 if all(kept) else 1)
         file = options.cache / "figures.jsonl"
         figures = run(options, costate, file)

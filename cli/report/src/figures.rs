@@ -148,6 +148,9 @@ fn direct_figures(problem: &Problem, solution: &Solution) -> Vec<(&'static str, 
     if motion.certificate == Certificate::LocalMinimumOnMesh {
         figures.push(("local minimum", ON_MESH.into()));
     }
+    if motion.certificate == Certificate::SaddleOnMesh {
+        figures.push(("local minimum", format!("no: a saddle {ON_MESH}, motions nearby cost less")));
+    }
     figures
 }
 
@@ -208,6 +211,9 @@ fn conjugate(problem: &Problem, motion: &Motion) -> String {
         (None, Certificate::LocalMinimum) => "none: a local minimum".into(),
         (None, Certificate::LocalMinimumOnMesh) => {
             format!("not checked; before the polish a local minimum {ON_MESH}")
+        }
+        (None, Certificate::SaddleOnMesh) => {
+            format!("not checked; before the polish a saddle {ON_MESH}")
         }
         _ => "not checked".into(),
     }

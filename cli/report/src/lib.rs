@@ -47,6 +47,16 @@ pub fn report(problem: &Problem, solution: &Solution, options: &ReportOptions) -
     page::text(&Motion::new(problem, solution, options))
 }
 
+/// What the stage of the report shows, as JSON, for other viewers.
+///
+/// `joints` is the tree with placements and axes. `bodies` have the `joint` that moves each, their placement
+/// `at` in its frame (rotation column by column, translation; m), `shape` and `colour`. `obstacles` and
+/// `regions` are those of the world, `meshes` the meshes of shapes by number, with bytes in base 64;
+/// `payloads` and `tools` follow.
+pub fn stage_json(problem: &Problem, solution: &Solution, options: &ReportOptions) -> String {
+    page::stage(&Motion::new(problem, solution, options))
+}
+
 /// Name and text of each figure as SVG: quantities over time, residuals, strobe pictures. Without a motion,
 /// only the residuals.
 pub fn figures_as_svg(problem: &Problem, solution: &Solution) -> Vec<(String, String)> {

@@ -38,7 +38,7 @@ pub struct Arguments {
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, requires = "sample")]
     pub sample_to: Option<PathBuf>,
     /// Write the gains of the optimal feedback, dtau/dq and dtau/dv, at the rate of --sample or at the points
-    /// of the motion, and its derivatives by the limits, as JSON
+    /// of the motion, and its derivatives by the limits and by the masses of payloads, as JSON
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, conflicts_with = "range")]
     pub feedback: Option<PathBuf>,
     /// Follow the solution while a parameter changes (indirect methods): final_time (s), or a factor of
@@ -52,6 +52,10 @@ pub struct Arguments {
     /// code that the first one compiled
     #[arg(long, value_name = "COUNT", value_parser = count, conflicts_with = "range")]
     pub repeat: Option<NonZeroUsize>,
+    /// Number of guesses from which the search begins, the first one and disturbed ones; the cheapest motion
+    /// is kept; overrides solver.starts of the problem file
+    #[arg(long, value_name = "COUNT", value_parser = count)]
+    pub starts: Option<NonZeroUsize>,
     /// Threads for several starts; by default as many as the processor runs at once; overrides solver.threads
     /// of the problem file
     #[arg(long, value_name = "COUNT", value_parser = count)]

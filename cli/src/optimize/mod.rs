@@ -32,9 +32,12 @@ const NOT_SOLVED: u8 = 3;
 
 pub fn run(arguments: &Arguments) -> Outcome {
     let load = LoadOptions::default().strict(arguments.strict).friction(arguments.friction);
-    let mut task = Task::read(&arguments.problem, load, arguments.feedback.is_some())?;
+    let mut task = Task::read(&arguments.problem, load)?;
     if let Some(limit) = arguments.time_limit {
         task.options = task.options.with_time_limit(limit);
+    }
+    if let Some(starts) = arguments.starts {
+        task.options = task.options.with_starts(starts.get());
     }
     if let Some(threads) = arguments.threads {
         task.options = task.options.with_threads(threads.get());
@@ -94,7 +97,7 @@ pub fn run(arguments: &Arguments) -> Outcome {
     if arguments.feedback.is_some() && !is_solved {
         terminal::warning("--feedback: nothing is written, since the motion is not solved");
     } else if arguments.feedback.is_some() && failed.is_none() {
-        let text = feedback::feedback(problem, &solution, arguments.sample);
+        let text = feedback::feedback(&task, &solution, arguments.sample);
         failed = text.and_then(|text| outputs.write_feedback(&text)).err();
     }
     let derivatives = match arguments.sensitivities {

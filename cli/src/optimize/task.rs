@@ -2,7 +2,7 @@
 
 use crate::terminal;
 use costate::robot::LoadOptions;
-use costate_control::{Problem, ProblemFile, Resolve, SolverOptions, Trajectory};
+use costate_control::{Payload, Problem, ProblemFile, SolverOptions, Trajectory};
 use std::error::Error;
 use std::path::{Path, PathBuf};
 
@@ -11,6 +11,8 @@ pub struct Task {
     pub problem: Problem,
     pub options: SolverOptions,
     pub start_from: Option<Trajectory>,
+    /// What the robot carries by the problem file.
+    pub payloads: Vec<Payload>,
     /// The text of the file.
     pub text: String,
     /// The robot file.
@@ -20,26 +22,19 @@ pub struct Task {
 }
 
 impl Task {
-    /// Reads a problem file, its robot and its saved motion; whether it also `feeds_back`.
+    /// Reads a problem file, its robot and its saved motion.
     ///
     /// # Errors
     /// [`ProblemFileError`](costate_control::ProblemFileError), with file, line and key; also for a saved
     /// motion that does not fit the robot.
-    pub fn read(path: &Path, load: LoadOptions, feeds_back: bool) -> Result<Self, Box<dyn Error>> {
+    pub fn read(path: &Path, load: LoadOptions) -> Result<Self, Box<dyn Error>> {
         let file = ProblemFile::read(path, load)?;
-        if feeds_back
-            && let Err(error) = Resolve::takes(&file.problem)
-            && let Some(key) = error.key()
-        {
-            let message = "--feedback does not take this; leave one of the two out";
-            return Err(file.refuse(key, message).into());
-        }
         let saved = file.saved_motion()?;
         saved.iter().flat_map(|saved| &saved.warning).for_each(terminal::warning);
         let start_from = saved.map(|saved| saved.trajectory);
         let inputs = [Some(path), file.robot_path.as_deref(), file.start_from.as_deref()];
         let inputs = inputs.into_iter().flatten().map(Path::to_path_buf).collect();
-        let ProblemFile { problem, options, text, robot_path, .. } = file;
-        Ok(Self { problem, options, start_from, text, robot_path, inputs })
+        let ProblemFile { problem, options, payloads, text, robot_path, .. } = file;
+        Ok(Self { problem, options, start_from, payloads, text, robot_path, inputs })
     }
 }

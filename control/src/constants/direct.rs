@@ -43,6 +43,10 @@ pub const LEAST_GAIN: f64 = 0.03;
 pub const DAMPING: f64 = 1e-6;
 /// With this damping, that of the effort itself, a step still tells whether there is anything to gain.
 pub const SOLVED_DAMPING: f64 = 1.0;
+/// How stiff squares of equations are made, in parts of what they are, to tell a saddle from a minimum.
+pub const STIFFNESSES: [f64; 3] = [1.0, 1e2, 1e4];
+/// With this damping, in parts of the effort, the matrix of a saddle is still not positive definite.
+pub const ROUNDED_INERTIA: f64 = 1e-6;
 /// Factor from one damping to the next larger one.
 pub const DAMPING_UP: f64 = 10.0;
 /// Factor from the damping of one step to the first one of the next.

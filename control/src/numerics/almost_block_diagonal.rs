@@ -73,6 +73,12 @@ impl AlmostBlockDiagonal {
         &mut self.panels[start..start + width]
     }
 
+    /// All rows of block `k`, m of them, to be written before [`factor`](Self::factor).
+    pub(crate) fn block_mut(&mut self, k: usize) -> &mut [f64] {
+        let (height, width) = (self.first + self.m, 2 * self.m);
+        &mut self.panels[(k * height + self.first) * width..(k + 1) * height * width]
+    }
+
     /// The conditions on the last node, row-major, to be written before [`factor`](Self::factor).
     pub fn right_mut(&mut self) -> &mut [f64] {
         &mut self.last[self.first * self.m..]

@@ -10,10 +10,11 @@ use super::chain::dot;
 /// from a factorisation of K: with the Cholesky factor of the dense $S = C - B^\top K^{-1} B$.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Bordered {
-    /// B.
+    /// B: the first columns, so many as were asked for.
     pub columns: Vec<Vec<f64>>,
     /// C, row by row.
     pub corner: Vec<f64>,
+    count: usize,
     /// K^-1 B.
     solved: Vec<Vec<f64>>,
     /// The lower factor of S.
@@ -24,7 +25,10 @@ impl Bordered {
     /// Empty columns, and room for C, which is zero. Allocates only if there are more columns than ever
     /// before.
     pub fn reset(&mut self, count: usize) {
-        self.columns.resize_with(count, Vec::new);
+        self.count = count;
+        if self.columns.len() < count {
+            self.columns.resize_with(count, Vec::new);
+        }
         self.columns.iter_mut().for_each(Vec::clear);
         self.corner.clear();
         self.corner.resize(count * count, 0.0);
@@ -33,9 +37,11 @@ impl Bordered {
     /// Factorises, where `solve` multiplies by K^-1. Whether S is positive definite: pivots that are not
     /// larger than the part `rounding` of the diagonal of C do not count as positive.
     pub fn factorise(&mut self, rounding: f64, mut solve: impl FnMut(&mut [f64])) -> bool {
-        let count = self.columns.len();
-        self.solved.resize_with(count, Vec::new);
-        for (solved, column) in self.solved.iter_mut().zip(&self.columns) {
+        let count = self.count;
+        if self.solved.len() < count {
+            self.solved.resize_with(count, Vec::new);
+        }
+        for (solved, column) in self.solved.iter_mut().zip(&self.columns[..count]) {
             solved.clone_from(column);
             solve(solved);
         }
@@ -65,7 +71,7 @@ impl Bordered {
 
     /// From `K^-1 f` and g to x and y. The entries of x stand in two lists, one after the other.
     pub fn finish(&self, x: [&mut [f64]; 2], y: &mut [f64]) {
-        let (count, [first, second]) = (self.columns.len(), x);
+        let (count, [first, second]) = (self.count, x);
         for i in 0..count {
             let (of_first, of_second) = self.columns[i].split_at(first.len());
             let known: f64 = (0..i).map(|j| self.factor[count * i + j] * y[j]).sum();

@@ -5,6 +5,7 @@ use super::tiles::{
 };
 use super::widest::widest_fused;
 use std::fmt;
+use std::ops::Range;
 
 /// A pivot was not positive: the matrix is not positive definite.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -110,14 +111,14 @@ impl ChainMatrix {
         self.node_rows.clone_from(&other.node_rows);
     }
 
-    /// Takes an interval of another matrix and the rows of its two nodes, as the only one.
-    pub fn copy_interval(&mut self, other: &Self, k: usize) {
+    /// Takes some intervals of another matrix and the rows of their nodes, as the only ones.
+    pub fn copy_intervals(&mut self, other: &Self, which: Range<usize>) {
         let (inner, node) = (self.inner * self.inner_width(), 2 * self.node * self.node);
-        self.intervals = 1;
+        self.intervals = which.len();
         self.inner_rows.clear();
-        self.inner_rows.extend_from_slice(&other.inner_rows[k * inner..(k + 1) * inner]);
+        self.inner_rows.extend_from_slice(&other.inner_rows[which.start * inner..which.end * inner]);
         self.node_rows.clear();
-        self.node_rows.extend_from_slice(&other.node_rows[k * node..(k + 2) * node]);
+        self.node_rows.extend_from_slice(&other.node_rows[which.start * node..(which.end + 1) * node]);
     }
 
     /// A += factor B.

@@ -9,5 +9,6 @@ pub(crate) mod knots;
 pub(crate) mod lagrange;
 pub(crate) mod lu;
 pub(crate) mod padded;
+mod products;
 mod tiles;
 pub(crate) mod widest;

@@ -26,7 +26,7 @@ fn part<const C: usize>(row: &[f64], j: usize) -> [f64; C] {
 
 /// `to -= factor from`.
 #[inline(always)]
-fn subtract<const FUSED: bool, const C: usize>(to: &mut [f64; C], factor: f64, from: &[f64; C]) {
+pub(super) fn subtract<const FUSED: bool, const C: usize>(to: &mut [f64; C], factor: f64, from: &[f64; C]) {
     for c in 0..C {
         to[c] = multiply_add::<FUSED>(-factor, from[c], to[c]);
     }
@@ -121,6 +121,7 @@ macro_rules! in_tiles {
         }
     }};
 }
+pub(super) use in_tiles;
 
 /// Rows 0 to `size` of U from those of A, `width` columns.
 #[inline(always)]

@@ -189,12 +189,6 @@ pub enum ProblemError {
         /// The field.
         key: Key,
     },
-    /// Jerks, rates of torques, given accelerations, vias or an end that follows the start, which
-    /// [`Resolve`](crate::Resolve) does not take.
-    NotAgain {
-        /// The field.
-        key: Key,
-    },
     /// A control that costs nothing and is not bounded on both sides.
     UnboundedEffort {
         /// The joint.
@@ -249,7 +243,6 @@ impl ProblemError {
             | Self::PhasesNeedDirect { key }
             | Self::TorqueSpeed { key, .. }
             | Self::RatesNeedDirect { key }
-            | Self::NotAgain { key }
             | Self::TaskNeedsDirect { key } => key,
             Self::NoMass { .. } => Key::ROBOT,
             Self::LimitsNeedDirect => Key::solver("method"),

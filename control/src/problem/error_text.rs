@@ -101,7 +101,6 @@ impl ProblemError {
             Self::TorqueSpeed { cause, .. } => cause.to_string(),
             Self::EnergyNeedsDirect => "a cost of energy is taken by method = \"direct\" only; choose it, or remove the cost".into(),
             Self::RatesNeedDirect { .. } => "this is taken by method = \"direct\" only; choose it, or remove it".into(),
-            Self::NotAgain { .. } => "Resolve does not take this; solve the problem with Solver, or remove it".into(),
             Self::UnboundedEffort { joint } => format!(
                 "the weight of joint '{joint}' is zero and its control is not bounded on both sides: give it a weight, \
                  finite bounds.u_min and bounds.u_max, or, with method = \"direct\", an entry of limits.torque_max",

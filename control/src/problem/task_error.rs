@@ -88,6 +88,8 @@ pub enum TaskError {
     NoPositions,
     /// An obstacle that shall move and has another shape or size.
     OtherShape,
+    /// An orientation that shall take the place of another one, and is of the other kind: all axes, or one.
+    OtherOrientation,
     /// A reference that shall take the place of another one, and is of something else: joints, another tool,
     /// other coordinates.
     OtherReference,
@@ -215,6 +217,9 @@ impl fmt::Display for TaskError {
             Self::OtherShape => {
                 f.write_str("has another shape or size than the obstacle that shall move; only places change")
             }
+            Self::OtherOrientation => f.write_str(
+                "is an orientation of the other kind; all axes stay all axes, one axis stays one axis",
+            ),
             Self::OtherReference => f.write_str(
                 "is a reference of something else than the one whose place it takes: joints, the tool and the coordinates that \
                  are given stay",

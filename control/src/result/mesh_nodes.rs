@@ -35,6 +35,12 @@ impl Trajectory {
         }
         Some(nodes)
     }
+
+    /// Whether its rows are those of a motion of the direct method whose accelerations are continuous.
+    pub(crate) fn has_continuous_accelerations(&self) -> bool {
+        let fits = |t: &[f64]| has_intervals(t, 4, 5) && !has_intervals(t, 5, 5);
+        !self.t.is_empty() && self.phases().all(|rows| self.t.get(rows).is_some_and(fits))
+    }
 }
 
 /// Whether intervals of `rows` times, one every `stride`, fill a phase, each with a time in its middle.
@@ -76,9 +82,12 @@ mod tests {
         let (first, second) = (times(&[0.5, 0.6, 1.0], &gauss), times(&[1.0, 2.0, 3.0, 5.0], &gauss));
         let expected = [0.0, 0.2, 1.0, 1.25, 1.5, 2.0];
         close(trajectory(first.clone(), Vec::new()).mesh_nodes(), &expected[..3]);
-        close(trajectory([first, second].concat(), vec![1.0]).mesh_nodes(), &expected);
+        close(trajectory([first.clone(), second].concat(), vec![1.0]).mesh_nodes(), &expected);
         let mut smooth = times(&[0.0, 1.0, 1.5, 4.0], &[0.0, 0.1727, 0.5, 0.8273]);
         smooth.push(4.0);
+        assert!(trajectory(smooth.clone(), Vec::new()).has_continuous_accelerations());
+        assert!(!trajectory(first.clone(), Vec::new()).has_continuous_accelerations());
+        assert!(!trajectory(Vec::new(), Vec::new()).has_continuous_accelerations());
         close(trajectory(smooth, Vec::new()).mesh_nodes(), &[0.0, 0.25, 0.375, 1.0]);
     }
 

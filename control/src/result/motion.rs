@@ -30,11 +30,15 @@ pub enum Certificate {
     /// active. Of a polished motion about which conjugate times say nothing: that of the direct motion it
     /// began with.
     LocalMinimumOnMesh,
+    /// A saddle among the motions of its mesh: stationary, but that Hessian has a negative eigenvalue, also
+    /// with a small damping, so that a motion nearby on the same mesh costs less, with the barrier of its
+    /// limits. Of the direct method. Disturb the guess (`starts`), or begin at another motion.
+    SaddleOnMesh,
     /// A conjugate time lies before T: motions nearby cost less.
     NotMinimal,
     /// Not shown: of extremals free ends, controls that reach a bound, a smoothed control, rounding that
-    /// hides the answer; of motions of the direct method second derivatives that are not positive definite;
-    /// motions that are not converged or not verified.
+    /// hides the answer; of motions of the direct method second derivatives whose smallest eigenvalue is
+    /// about zero; motions that are not converged or not verified.
     NotChecked,
 }
 

@@ -184,16 +184,32 @@ impl Solution {
         if found != expected && !trajectory.q.is_empty() {
             return Err(SampleError::OtherRobot { found, expected });
         }
-        let mut all = Vec::with_capacity(trajectory.t.len());
-        for (robot, nodes) in problem.robots().iter().zip(trajectory.phases()) {
+        Ok(trajectory.forward_dynamics(problem)?)
+    }
+}
+
+impl Trajectory {
+    /// Accelerations at the nodes by forward dynamics with the controls there.
+    fn forward_dynamics(&self, problem: &Problem) -> Result<Vec<Vec<f64>>, EvalError> {
+        let mut all = Vec::with_capacity(self.t.len());
+        for (robot, nodes) in problem.robots().iter().zip(self.phases()) {
             let mut model = Lagrangian::new(robot);
             for k in nodes {
-                let tau: Vec<f64> =
-                    trajectory.u[k].iter().zip(&problem.gain).map(|(u, gain)| gain * u).collect();
-                all.push(model.forward_dynamics(&trajectory.q[k], &trajectory.v[k], &tau)?.to_vec());
+                let tau: Vec<f64> = self.u[k].iter().zip(&problem.gain).map(|(u, gain)| gain * u).collect();
+                all.push(model.forward_dynamics(&self.q[k], &self.v[k], &tau)?.to_vec());
             }
         }
         Ok(all)
+    }
+
+    /// The same trajectory with accelerations, if it has none, from those of its torques; `None` if it has
+    /// some, or if they cannot be evaluated.
+    pub(crate) fn completed(&self, problem: &Problem) -> Option<Self> {
+        let n = problem.robot.dof();
+        let fits = self.q.iter().chain(&self.v).chain(&self.u).all(|row| row.len() == n);
+        let missing = self.accelerations().is_none() && fits && self.via_times.len() == problem.vias.len();
+        let accelerations = if missing { self.forward_dynamics(problem).ok()? } else { return None };
+        Some(self.clone().with_accelerations(accelerations))
     }
 }
 

@@ -1,6 +1,9 @@
 //! Running costs of tools.
 
 use super::functions::{PathFunction, TaskFunctions};
+use super::orient::orient;
+use crate::problem::task_error::TaskError;
+use crate::problem::tools::ToolOrientation;
 use costate::EvalError;
 
 /// `l(q, v) = 1/2 sum_k weight_k (g_k - g_k0)^2` with its derivatives; no call allocates.
@@ -40,6 +43,14 @@ impl ToolCosts {
     /// Changes the value at which a row costs nothing.
     pub fn set_value(&mut self, row: usize, value: f64) {
         self.functions.set_value(row, value);
+    }
+
+    /// Changes the orientation at which a tool costs nothing, whose first row this is.
+    ///
+    /// # Errors
+    /// As [`orient`].
+    pub fn orient(&mut self, row: usize, to: &ToolOrientation) -> Result<(), TaskError> {
+        orient(&mut self.functions, row, to)
     }
 
     /// Whether there are any.

@@ -103,6 +103,19 @@ impl TaskFunctions {
         }
     }
 
+    /// The tool whose rows begin here.
+    pub(super) fn tool_at(&mut self, row: usize) -> Option<&mut ToolFunction> {
+        let mut first = 0;
+        self.parts.iter_mut().find_map(|part| {
+            let begins = first;
+            first += part.rows();
+            match part {
+                Part::Tool(tool) if begins == row => Some(tool),
+                _ => None,
+            }
+        })
+    }
+
     /// [`values`](PathFunction::values) at v = 0.
     pub(super) fn values_at_rest(&mut self, q: &[f64], g: &mut [f64]) -> Result<(), EvalError> {
         let still = std::mem::take(&mut self.still);

@@ -17,6 +17,7 @@ pub(crate) mod costs;
 pub(crate) mod functions;
 mod given;
 mod kept;
+pub(crate) mod orient;
 mod placed;
 pub(crate) mod reach;
 pub(crate) mod references;

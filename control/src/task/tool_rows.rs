@@ -1,6 +1,7 @@
 //! What is asked of tools as functions with their rows.
 
-use super::given::{Given, direction, finite, frame_of};
+use super::given::{Given, finite, frame_of};
+use super::orient::oriented;
 use super::placed::Carried;
 use super::row::Row;
 use super::tool::{Quantity, ToolFunction};
@@ -72,18 +73,8 @@ impl Tools {
                 functions.push((ToolFunction { tool: tool.clone(), quantity }, rows));
             }
         }
-        let orientation = pose.orientation.as_ref().map(|orientation| match orientation {
-            ToolOrientation::Full(rotation) => Ok(Quantity::Orientation(*rotation)),
-            ToolOrientation::Axis { axis, along } => Ok(Quantity::direction(
-                direction(at.key("axis"), *axis)?,
-                direction(at.key("along"), *along)?,
-            )),
-        });
-        if let Some(quantity) = orientation.transpose()? {
-            if matches!(&quantity, Quantity::Orientation(r) if !r.matrix().iter().all(|entry| entry.is_finite()))
-            {
-                return Err(TaskError::NotARotation.at(at.key("rotation")));
-            }
+        if let Some(orientation) = &pose.orientation {
+            let quantity = oriented(at, orientation)?;
             functions.push(zero(tool, quantity, format!("orientation of the tool '{name}'")));
         }
         if functions.is_empty() {

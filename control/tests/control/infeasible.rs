@@ -4,7 +4,7 @@ use crate::sledge;
 use costate::robot::Robot;
 use costate_control::{
     Bounds, FinalTime, Infeasibility, Keep, Kept, MotionLimits, Phase, Polish, Problem, RelaxedLimit,
-    Solution, Solver, SolverOptions, Status, Task,
+    Solution, Solver, SolverOptions, Status, Task, Via,
 };
 use std::f64::consts::FRAC_PI_2;
 
@@ -118,6 +118,61 @@ fn a_proof_needs_no_motion() {
     assert!(lacks(&slides).is_global);
     let smooth = metre(MotionLimits::none().with_a_max(vec![1.0]).with_jerk_max(vec![1e4]));
     assert!(lacks(&smooth).is_global);
+}
+
+/// Jerks and rates of torques give as other limits do, and what else is limited with them.
+#[test]
+fn limits_give_where_accelerations_are_continuous() {
+    let none = MotionLimits::none;
+    let at_rest = |mut problem: Problem| {
+        problem.start = problem.start.with_a(&[0.0]);
+        problem.end = problem.end.with_a(&[0.0]);
+        problem
+    };
+    // From bound to bound: j = 32 d/T^3 from rest, 12 d/T^3 with any acceleration at the ends.
+    let cases = [
+        (at_rest(metre(none().with_jerk_max(vec![10.0]))), "jerk", "m/s^3", 22.0, 3.2_f64.cbrt()),
+        (metre(none().with_jerk_max(vec![3.0])), "jerk", "m/s^3", 9.0, 4.0_f64.cbrt()),
+        (at_rest(metre(none().with_torque_rate_max(vec![10.0]))), "torque_rate", "N/s", 22.0, 3.2_f64.cbrt()),
+    ];
+    for (problem, kind, unit, amount, time) in cases {
+        let found = lacks(&problem);
+        let limit = only(&found);
+        assert_eq!((&limit.kind[..], &limit.name[..], &limit.unit[..]), (kind, "x", unit));
+        close(limit.amount, amount, 1.5e-2);
+        close(found.final_time.unwrap(), time, 2e-2);
+    }
+    // Forces of 1 N where 4 N are needed, with jerks that hardly matter.
+    let found = lacks(&metre(none().with_torque_max(vec![1.0]).with_jerk_max(vec![1e3])));
+    let limit = only(&found);
+    assert_eq!(&limit.kind[..], "torque");
+    close(limit.amount, 3.0, 3e-2);
+    // The start is too fast to stop before the wall: |v| falls by a^2/2j while the brake comes on.
+    let wall = metre(none().with_q_max(vec![1.05]).with_jerk_max(vec![30.0]));
+    let wall = wall.with_time(FinalTime::Fixed(4.0));
+    let fast = |v: f64| {
+        let mut wall = at_rest(wall.clone());
+        wall.start.v = vec![v];
+        wall
+    };
+    assert!(solve(&fast(0.5)).motion.status.is_solved());
+    let found = lacks(&fast(4.0));
+    assert!(found.limits.iter().all(|limit| ["position", "jerk"].contains(&&limit.kind[..])), "{found:?}");
+}
+
+/// Two phases: the first one is too short for the limit of jerks.
+#[test]
+fn a_via_that_comes_too_early_is_told() {
+    let via = Via::at(&[0.5]).with_time(0.3);
+    let problem = metre(MotionLimits::none().with_jerk_max(vec![40.0])).with_via(via);
+    let mut problem = problem.with_time(FinalTime::Fixed(2.0));
+    problem.start = problem.start.with_a(&[0.0]);
+    let found = lacks(&problem);
+    let limit = only(&found);
+    // From rest: d = j t^3/6.
+    assert_eq!(&limit.kind[..], "jerk");
+    close(limit.amount, 6.0 * 0.5 / 0.3_f64.powi(3) - 40.0, 1e-2);
+    assert!(limit.time < 0.3 && found.final_time.is_none(), "{found:?}");
 }
 
 /// The elastic phase takes no more nodes and steps than the options allow.

@@ -13,6 +13,7 @@ mod dynamics;
 mod equations;
 mod extremals;
 mod free_start;
+mod in_space;
 mod infeasible;
 mod known;
 mod lagrangian;

@@ -1,6 +1,6 @@
 //! Problem files: every key, defaults, and errors.
 
-use costate::robot::{LoadOptions, Robot};
+use costate::robot::{Friction, LoadOptions, Robot};
 use costate_control::{
     BoundaryState, Bounds, Coordinates, FinalTime, JacobianRoute, Key, MachineCode, Method, Objective,
     Penalty, Polish, ProblemFile, ProblemFileCause, SolverOptions, Verify,
@@ -91,6 +91,48 @@ fn a_table_of_the_robot_changes_it() {
     ] {
         let error = read(&format!("{}{rest}", table.replacen(from, to, 1))).unwrap_err();
         assert!(error.starts_with(message), "{error}\n{message}");
+    }
+}
+
+/// What a URDF says about friction counts by one key, and friction of any file is left out by one key.
+#[test]
+fn friction_is_switched_on_and_off() {
+    let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("friction");
+    std::fs::create_dir_all(&folder).unwrap();
+    let urdf = "<robot name=\"rod\"><link name=\"base\"/><link name=\"rod\"><inertial><mass value=\"1\"/>\
+                <origin xyz=\"1 0 0\"/><inertia ixx=\"1\" iyy=\"1\" izz=\"1\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/>\
+                </inertial></link><joint name=\"pivot\" type=\"continuous\"><parent link=\"base\"/>\
+                <child link=\"rod\"/><axis xyz=\"0 1 0\"/><dynamics damping=\"0.3\" friction=\"0.2\"/></joint></robot>";
+    std::fs::write(folder.join("rod.urdf"), urdf).unwrap();
+    let rest = "[start]\nq = [0]\n[end]\nq = [1]\n[time]\nfinal = 2\n[cost]\neffort = [1]\n";
+    let text = |key: &str| format!("[robot]\nfile = \"rod.urdf\"\n{key}\n{rest}");
+    for (key, option, viscous, coulomb) in [
+        ("", false, 0.0, 0.0),
+        ("", true, 0.3, 0.2),
+        ("friction = true", false, 0.3, 0.2),
+        ("friction = true", true, 0.3, 0.2),
+        ("friction = false", true, 0.0, 0.0),
+        ("friction = false\narmature = { pivot = 0.1 }", true, 0.0, 0.0),
+        ("friction = { pivot = { viscous = 0.7 } }", true, 0.7, 0.0),
+    ] {
+        let load = LoadOptions::default().friction(option);
+        let robot = ProblemFile::from_text(&text(key), &folder, load).unwrap().problem.robot;
+        let friction = robot.joints()[0].friction;
+        assert_eq!((friction.viscous, friction.coulomb), (viscous, coulomb), "{key} {option}");
+    }
+    let error = ProblemFile::from_text(&text("friction = 3"), &folder, LoadOptions::default()).unwrap_err();
+    assert!(error.to_string().contains("robot.friction: give true, false or a table, not 3"), "{error}");
+    // An error of another change has its own key.
+    let wrong = text("friction = false\narmature = { pivo = 0.1 }");
+    let error = ProblemFile::from_text(&wrong, &folder, LoadOptions::default()).unwrap_err();
+    assert_eq!(error.key.as_deref(), Some("robot.armature"), "{error}");
+    // The same for a robot of the caller.
+    let robot = Robot::from_file("../robots/pendulum.toml").unwrap();
+    let robot = robot.with_friction("pivot", Friction { viscous: 0.4, ..Friction::default() }).unwrap();
+    for (key, viscous) in [("true", 0.4), ("false", 0.0)] {
+        let text = format!("[robot]\nfriction = {key}\n{rest}");
+        let found = ProblemFile::for_robot(&text, &robot, "").unwrap().problem.robot;
+        assert_eq!(found.joints()[0].friction.viscous, viscous, "{key}");
     }
 }
 

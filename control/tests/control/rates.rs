@@ -9,8 +9,8 @@ use costate::parameters::ParameterSet;
 use costate::robot::{LoadOptions, Robot};
 use costate_control::{
     ActiveLimit, BoundaryState, Continuation, ContinuationCause, FinalTime, LimitUse, Method, MotionLimits,
-    Objective, Parameter, PolishOutcome, Problem, ProblemError, ProblemFile, Resolve, SensitivityError,
-    Solution, Solver, SolverOptions, Status, cost_by_parameters,
+    Objective, Parameter, PolishOutcome, Problem, ProblemError, ProblemFile, SensitivityError, Solution,
+    Solver, SolverOptions, Status, cost_by_parameters,
 };
 use std::f64::consts::FRAC_PI_2;
 
@@ -75,7 +75,7 @@ fn check_samples(solution: &Solution, problem: &Problem, jerk_max: [f64; 2]) {
         for i in 0..2 {
             let change = (a[1][i] - a[0][i]).abs();
             // The jerk overshoots inside of the interval where it jumps.
-            assert!(change <= 1.2 * jerk_max[i] * (t[1] - t[0]) + 1e-9, "{} {i}: {change}", t[0]);
+            assert!(change <= 1.4 * jerk_max[i] * (t[1] - t[0]) + 1e-9, "{} {i}: {change}", t[0]);
         }
     }
 }
@@ -208,7 +208,16 @@ fn a_joint_without_a_motor() {
 #[test]
 fn a_limit_that_is_too_small_is_told() {
     let solution = solve(&at_rest(arm(none().with_jerk_max(vec![20.0, 1e4]))));
-    assert_eq!(solution.motion.status, Status::LimitsNotKept);
+    assert_eq!(solution.motion.status, Status::Infeasible);
+    let found = solution.limits.infeasible.as_ref().unwrap();
+    // From bound to bound a quarter turn takes (32 d/j)^(1/3).
+    let needed = 32.0 * FRAC_PI_2;
+    let [limit] = &found.limits[..] else { panic!("{found:?}") };
+    assert_eq!((&limit.kind[..], &limit.name[..], &limit.unit[..]), ("jerk", "shoulder", "rad/s^3"));
+    assert!((limit.amount / (needed - 20.0) - 1.0).abs() < 1.5e-2, "{found:?}");
+    assert_eq!(limit.limit.map(f64::abs), Some(20.0));
+    let time = (needed / 20.0).cbrt();
+    assert!((found.final_time.unwrap() / time - 1.0).abs() < 2e-2, "{found:?} {time}");
     let worst = solution.limits.jerk.as_ref().unwrap().worst.as_ref().unwrap();
     assert!(worst.name == "shoulder" && worst.unit == "rad/s^3" && worst.limit.abs() == 20.0, "{worst:?}");
 }
@@ -290,12 +299,7 @@ fn what_does_not_take_jerks_refuses_them() {
         let free = arm(none()).with_cost(Objective::new(0.0, vec![1.0; 2]).with_jerk(vec![0.0; 2]));
         assert!(Solver::new(&free, SolverOptions::default().with_method(method)).is_ok());
     }
-    for (problem, key) in [(&costly, "cost.jerk"), (&limited, "limits.torque_rate_max")] {
-        let error = Resolve::new(problem, SolverOptions::default()).unwrap_err();
-        assert!(
-            matches!(error, ProblemError::NotAgain { .. }) && error.to_string().starts_with(key),
-            "{error}"
-        );
+    for problem in [&costly, &limited] {
         let solution = solve(problem);
         let set = ParameterSet::new(&problem.robot).named("elbow.x").unwrap();
         let error = cost_by_parameters(problem, &solution, &set).unwrap_err();

@@ -1,11 +1,13 @@
 //! Second derivatives of the direct method: which motions of a mesh are local minima.
 
 use crate::sledge;
+use costate::robot::Robot;
 use costate::scalar::Scalar;
 use costate_control::{
-    BoundaryState, Certificate, Method, MotionLimits, Polish, Problem, RunningCost, Solver, SolverOptions,
-    Status, UserTerm,
+    BoundaryState, Certificate, FinalTime, Keep, Kept, Method, MotionLimits, Objective, Polish, Problem,
+    RunningCost, Solution, Solver, SolverOptions, Status, Task, ToolPose, UserTerm, Via,
 };
+use std::f64::consts::FRAC_PI_2;
 
 /// -k q^2 / 2.
 struct Repelled(f64);
@@ -26,7 +28,7 @@ fn a_motion_is_a_minimum_up_to_the_first_eigenvalue_of_a_beam() {
     let free = hinged.clone().with_q_free(&[0]);
     // S. Timoshenko, Vibration Problems in Engineering: cos b cosh b = 1, tan b = tanh b, cos b cosh b = -1.
     for (end, b) in [(held, 4.730_040_745_f64), (hinged, 3.926_602_312), (free, 1.875_104_069)] {
-        for (part, expected) in [(0.98, Certificate::LocalMinimumOnMesh), (1.02, Certificate::NotChecked)] {
+        for (part, expected) in [(0.98, Certificate::LocalMinimumOnMesh), (1.02, Certificate::SaddleOnMesh)] {
             let problem = Problem::rest_to_rest(sledge(), &[0.0], &[0.0], 1.0)
                 .with_end(end.clone())
                 .with_limits(MotionLimits::none().with_q_min(vec![-0.1]).with_q_max(vec![0.1]))
@@ -35,5 +37,70 @@ fn a_motion_is_a_minimum_up_to_the_first_eigenvalue_of_a_beam() {
             let motion = Solver::new(&problem, options).unwrap().solve().motion;
             assert_eq!((motion.status, motion.certificate), (Status::Converged, expected), "{part} {b}");
         }
+    }
+}
+
+/// With a via in the middle of the same motion, which holds the position there: the first eigenvalue is that
+/// of a beam of half the length that is held at one end and hinged at the other one.
+#[test]
+fn a_via_makes_a_saddle_a_minimum() {
+    let [whole, halves] = [4.730_040_745_f64.powi(4), (2.0 * 3.926_602_312_f64).powi(4)];
+    for (k, has_via, expected) in [
+        (1.02 * whole, false, Certificate::SaddleOnMesh),
+        (1.02 * whole, true, Certificate::LocalMinimumOnMesh),
+        (0.98 * halves, true, Certificate::LocalMinimumOnMesh),
+        (1.02 * halves, true, Certificate::SaddleOnMesh),
+    ] {
+        let mut problem = Problem::rest_to_rest(sledge(), &[0.0], &[0.0], 1.0)
+            .with_limits(MotionLimits::none().with_q_min(vec![-0.1]).with_q_max(vec![0.1]))
+            .with_term(UserTerm::new(Repelled(k)));
+        if has_via {
+            problem = problem.with_via(Via::at(&[0.0]).with_time(0.5));
+        }
+        let options = SolverOptions::of(Method::Direct).with_polish(Polish::Never);
+        let motion = Solver::new(&problem, options).unwrap().solve().motion;
+        assert_eq!((motion.status, motion.certificate), (Status::Converged, expected), "{k} {has_via}");
+    }
+}
+
+/// Minima are known as such where limits are active, times free, tools held, vias passed, jerks limited.
+#[test]
+fn minima_with_all_that_a_problem_can_ask_are_known() {
+    let robot = Robot::from_file("../robots/two_link.toml").unwrap();
+    let none = MotionLimits::none;
+    let arm = |limits: MotionLimits| {
+        Problem::rest_to_rest(robot.clone(), &[0.0; 2], &[FRAC_PI_2; 2], 1.0).with_limits(limits)
+    };
+    let tool = |q: [f64; 2]| {
+        let mut problem = arm(none());
+        let pose = ToolPose::of("joint:elbow").with_position([f64::INFINITY, q[0], f64::INFINITY]);
+        problem.end = BoundaryState::fixed(&[FRAC_PI_2, q[1]], &[0.0; 2]).with_q_free(&[0, 1]);
+        problem.with_task(Task::default().with_end_tool(pose))
+    };
+    let slow = Keep::new("joint:elbow", Kept::Speed { max: 2.2 });
+    let least = |limits: MotionLimits| {
+        arm(limits).with_time(FinalTime::Free { guess: 1.5 }).with_cost(Objective::new(30.0, vec![1.0; 2]))
+    };
+    let active = |solution: &Solution| {
+        solution.limits.kinds().filter_map(|(_, usage)| usage).any(|usage| !usage.active.is_empty())
+    };
+    for (name, problem, is_limited) in [
+        ("torque", arm(none().with_torque_max(vec![45.0, 12.0])), true),
+        ("rate", arm(none().with_v_max(vec![2.2, f64::INFINITY])), true),
+        ("free time", least(none()), false),
+        ("free time, torque", least(none().with_torque_max(vec![20.0, 6.0])), true),
+        ("tool at the end", tool([0.9, 0.5]), false),
+        ("speed of a tool", arm(none()).with_task(Task::default().with_keep(slow)), true),
+        ("via", arm(none()).with_via(Via::at(&[0.5, 1.0])), false),
+        ("jerk", arm(none().with_jerk_max(vec![60.0, 120.0])), true),
+    ] {
+        let solution =
+            Solver::new(&problem, SolverOptions::default().with_polish(Polish::Never)).unwrap().solve();
+        assert_eq!(
+            (&solution.motion.status, solution.motion.certificate),
+            (&Status::Converged, Certificate::LocalMinimumOnMesh),
+            "{name}"
+        );
+        assert_eq!(active(&solution), is_limited, "{name}: {:?}", solution.limits);
     }
 }

@@ -2,7 +2,7 @@
 
 use costate::robot::{LinkInertia, LoadOptions, Robot};
 use costate_control::{
-    BoundaryState, FinalTime, Method, Payload, Problem, ProblemError, ProblemFile, Resolve, Solution, Solver,
+    BoundaryState, FinalTime, Method, Payload, Problem, ProblemError, ProblemFile, Solution, Solver,
     SolverOptions, ToolPose, Trajectory, Via,
 };
 
@@ -100,13 +100,10 @@ fn errors_name_the_via_and_the_key() {
 #[test]
 fn what_does_not_take_vias_says_so() {
     let via = problem().with_via(Via::at(&[0.5; 2]));
-    let options = SolverOptions::default();
-    assert!(matches!(Resolve::new(&via, options.clone()), Err(ProblemError::NotAgain { .. })));
     let error = Solver::new(&via, SolverOptions::of(Method::Collocation)).unwrap_err();
     assert_eq!(error.to_string().split(':').next(), Some("vias[0].q"));
     let periodic = problem().with_period(vec![0.0; 2]);
     assert!(matches!(periodic.check_for(Method::Shooting), Err(ProblemError::PhasesNeedDirect { .. })));
-    assert!(matches!(Resolve::new(&periodic, options), Err(ProblemError::NotAgain { .. })));
 }
 
 #[test]

@@ -89,10 +89,10 @@ fn an_arc_at_the_limit_of_the_rate_hides_nothing() {
             .with_period(vec![2.0 * PI])
             .with_limits(MotionLimits::none().with_v_max(vec![6.0]))
     };
-    for tolerance in [1e-4, 1e-6, 1e-8] {
+    for tolerance in [1e-4, 1e-6, 3e-8] {
         let motion = solve(&turn(2.0), tolerance).motion;
-        let expected = slope(turn, 2.0, 1e-3, 1e-8);
-        close(-motion.hamiltonian, expected, 5.0 * tolerance + 1e-3);
+        let expected = slope(turn, 2.0, 1e-3, 3e-8);
+        close(-motion.hamiltonian, expected, 20.0 * tolerance + 1e-4);
     }
 }
 

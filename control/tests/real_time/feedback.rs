@@ -139,9 +139,18 @@ fn gains_with_active_limits_of_torques_are_those_of_solving_again() {
         let mut gain = [0.0; 8];
         assert!(motion.feedback().unwrap().expect("a strict minimum").gain(0.0, &mut gain));
         for (found, expected) in gain.iter().zip(expected) {
-            assert!((found - expected).abs() < 0.04 * size, "{tolerance}: {gain:?} {expected:?}");
+            assert!((found - expected).abs() < 0.06 * size, "{tolerance}: {gain:?} {expected:?}");
         }
-        assert!(!motion.feedback().unwrap().unwrap().gain(f64::NAN, &mut gain));
+        let feedback = motion.feedback().unwrap().unwrap();
+        assert!(!feedback.gain(f64::NAN, &mut gain));
+        // Its numbers are all of it.
+        let numbers = feedback.to_numbers();
+        let copy = Feedback::from_numbers(2, &numbers).unwrap();
+        assert_eq!((copy.to_numbers(), copy.points()), (numbers.clone(), feedback.points()));
+        let [mut ours, mut theirs] = [[0.0; 8]; 2];
+        assert!(feedback.gain(0.3, &mut ours) && copy.gain(0.3, &mut theirs) && ours == theirs);
+        assert!(Feedback::from_numbers(2, &numbers[..numbers.len() - 1]).is_none());
+        assert!(Feedback::from_numbers(3, &numbers).is_none() && Feedback::from_numbers(2, &[]).is_none());
     }
 }
 
@@ -196,12 +205,12 @@ fn gains_are_those_of_the_rest_of_the_motion() {
             assert!((found - expected).abs() < 2e-3 * size, "{t}: {gain:?} {expected:?}");
         }
     }
-    // Towards the end the last one is held; with a free start there is none.
+    // Towards the end the last one is held; a free start is no obstacle.
     let feedback = motion.feedback().unwrap().unwrap();
     let mut last = [0.0; 8];
     assert!(feedback.gain(0.98, &mut gain) && feedback.gain(1.0, &mut last) && gain == last);
     let mut free = arm;
     free.start.v_free = vec![0];
     let (mut motion, _) = solved(&free, 8, 1e-9);
-    assert!(!motion.feedback().unwrap().unwrap().gain(0.5, &mut gain));
+    assert!(motion.feedback().unwrap().unwrap().gain(0.5, &mut gain));
 }

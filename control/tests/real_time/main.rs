@@ -6,9 +6,12 @@ use costate_test_support::allocations::Counting;
 
 mod costates;
 mod feedback;
+mod kinds;
+mod kinds_feedback;
 mod motion_derivative;
 mod resolve;
 mod sensitivity;
+mod settings;
 mod solved;
 
 #[global_allocator]

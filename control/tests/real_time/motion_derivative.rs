@@ -115,7 +115,7 @@ fn masses_change_motions_as_solving_again_says() {
 fn what_is_not_there_is_refused() {
     let (mut motion, _) = solved(&arm([12.0, 5.0]), 12, 1e-6);
     let error = motion.derivative_by(&MotionParameter::VelocityMax(0)).unwrap_err();
-    assert_eq!(error, ResolveError::NoLimit { kind: "rate", joint: 0 });
+    assert_eq!(error, ResolveError::NoLimit { kind: "rate", joint: "shoulder".into() });
     assert!(motion.derivative_by(&MotionParameter::TorqueMax(7)).is_err());
     let massless = Payload::point("elbow", 0.0, [0.0; 3]);
     assert_eq!(motion.derivative_by(&MotionParameter::PayloadMass(massless)), Err(ResolveError::NoMass));

@@ -10,6 +10,7 @@ use costate_control::{
 };
 use costate_test_support::allocations::allocations;
 use std::f64::consts::PI;
+use std::ops::ControlFlow;
 use std::time::Duration;
 
 fn options(intervals: usize, tolerance: f64) -> SolverOptions {
@@ -122,6 +123,19 @@ fn budgets_are_kept_and_the_best_motion_is_shown() {
     motion.set_end(&arm.end.q, &[0.0; 6]).unwrap();
     let none = motion.solve_again(Budget::steps(50).within(Duration::ZERO)).unwrap();
     assert_eq!((none.status, none.iterations), (ResolveStatus::OutOfTime, 1));
+    // A listener ends it too, and nothing is allocated for that.
+    motion.set_end(&far, &[0.0; 6]).unwrap();
+    let (mut steps, mut stopped) = (0, None);
+    let found = allocations(|| {
+        let stop = || {
+            steps += 1;
+            if steps == 2 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        };
+        stopped = Some(motion.solve_until(Budget::steps(50), stop).unwrap());
+    });
+    let stopped = stopped.unwrap();
+    assert_eq!((found, stopped.status, stopped.iterations), (0, ResolveStatus::Cancelled, 2));
+    motion.set_end(&arm.end.q, &[0.0; 6]).unwrap();
     let rest = motion.solve_again(Budget::steps(50)).unwrap();
     assert_eq!((rest.status, rest.keeps_limits()), (ResolveStatus::Solved, true));
 }
@@ -178,9 +192,12 @@ fn what_no_motion_can_meet_is_refused() {
     );
     says(
         motion.set_end(&[0.0, 0.0, 7.0, 0.0, 0.0, 0.0], &[0.0; 6]).unwrap_err(),
-        "q at the end of joint 2 is 7",
+        "q at the end of joint 'elbow_joint' is 7",
     );
-    says(motion.set_start(&[0.0; 6], &[4.0; 6]).unwrap_err(), "v at the start of joint 0 is 4");
+    says(
+        motion.set_start(&[0.0; 6], &[4.0; 6]).unwrap_err(),
+        "v at the start of joint 'shoulder_pan_joint' is 4",
+    );
     assert!(motion.feedback().unwrap().is_none(), "nothing is solved yet");
     assert_eq!(motion.final_time(), None);
     assert_eq!(motion.torques_at(0.1, &mut [0.0; 6]), Err(ResolveError::NotSolved));

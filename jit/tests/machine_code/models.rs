@@ -1,12 +1,15 @@
 //! Four states at once with their guard, and robots as models by machine code.
 
 use costate::EvalError;
+use costate::batch::{Batch, FirstOrderArrays, Model, NodeError, SecondOrderArrays};
 use costate::codegen::{Coordinates, Quantity, RobotQuantity};
 use costate::dynamics::Dynamics;
 use costate::hamiltonian::HamiltonianSecondOrder;
 use costate::lagrangian::LagrangianSecondOrder;
 use costate::matrix::Block;
 use costate::robot::{Robot, file};
+use costate::scalar::F64x4;
+use costate::step::{RungeKutta4, SemiImplicitEuler, Step};
 use costate_jit::{Backend, JitLanes, JitModel, JitQuantity, JitVelocityModel};
 use std::f64::consts::FRAC_PI_2;
 
@@ -122,5 +125,83 @@ fn robots_are_models_in_both_coordinates() {
         compare(of(Coordinates::Hamiltonian), HamiltonianSecondOrder::new(&robot));
         compare(of(Coordinates::Lagrangian), LagrangianSecondOrder::new(&robot));
         compare(JitVelocityModel::new(&robot).unwrap(), LagrangianSecondOrder::new(&robot));
+    }
+}
+
+#[test]
+fn four_states_are_those_of_a_model_one_by_one() {
+    let robot = Robot::from_file(format!("{}/../robots/puma560.toml", env!("CARGO_MANIFEST_DIR"))).unwrap();
+    let (n, nodes) = (robot.dof(), 11);
+    let [x, u, y] = [2 * n, n, 2 * n].map(|length| numbers(nodes * length, length));
+    for coordinates in Coordinates::ALL {
+        let Ok(model) = JitModel::over_lanes(&robot, coordinates).unwrap() else { return };
+        assert_eq!(model.structure(), JitModel::new(&robot, coordinates).unwrap().structure());
+        let mut batch = Batch::new(Model(model));
+        let mut found =
+            [2 * n, 4 * n * n, 2 * n * n, 4 * n * n, n * 2 * n].map(|size| vec![0.0; nodes * size]);
+        let [f, f_x, f_u, xx, ux] = &mut found;
+        let first = FirstOrderArrays { f, f_x, f_u };
+        let second = SecondOrderArrays { xx, ux, ..Default::default() };
+        assert!(batch.contract([&x, &u, &y], first, second).unwrap().is_empty());
+        let [f, f_x, f_u, xx, ux] = &found;
+        let mut one = JitModel::new(&robot, coordinates).unwrap();
+        for k in 0..nodes {
+            let of = |all: &Vec<f64>, size: usize| all[k * size..][..size].to_vec();
+            let expected = one.contract(&of(&x, 2 * n), &of(&u, n), &of(&y, 2 * n)).unwrap();
+            assert_close(&of(f, 2 * n), expected.first.f, "f");
+            assert_close(&of(f_x, 4 * n * n), &entries(expected.first.f_x), "f_x");
+            assert_close(&of(f_u, 2 * n * n), &entries(expected.first.f_u), "f_u");
+            assert_close(&of(xx, 4 * n * n), &entries(expected.xx), "xx");
+            for (i, row) in expected.ux.iter().flat_map(Block::iter_rows).enumerate() {
+                assert_close(&of(ux, 2 * n * n)[2 * n * i..][..row.len()], row, "ux");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_lane_without_a_result_says_why() {
+    let robot = file::parse(GIMBAL, Default::default()).unwrap();
+    let Ok(model) = JitModel::over_lanes(&robot, Coordinates::Lagrangian).unwrap() else { return };
+    let (mut x, u) = (numbers(7 * 6, 3), numbers(7 * 3, 4));
+    (x[2 * 6 + 1], x[5 * 6 + 4]) = (FRAC_PI_2, f64::INFINITY);
+    let mut f = vec![0.0; 7 * 6];
+    let mut batch = Batch::new(Model(model));
+    let failures = batch.evaluate(&x, &u, &mut f).unwrap();
+    assert!(matches!(
+        failures,
+        [a, b] if (a.node, b.node) == (2, 5)
+            && matches!(a.error, NodeError::Evaluation(EvalError::SingularMassMatrix { .. }))
+            && matches!(b.error, NodeError::Evaluation(EvalError::NonFinite { .. }))
+    ));
+    let mut one = JitModel::new(&robot, Coordinates::Lagrangian).unwrap();
+    for k in [0, 1, 3, 4, 6] {
+        assert_close(&f[6 * k..][..6], one.evaluate(&x[6 * k..][..6], &u[3 * k..][..3]).unwrap(), "f");
+    }
+}
+
+#[test]
+fn steps_begin_at_four_states() {
+    let robot = Robot::from_file(format!("{}/../robots/two_link.toml", env!("CARGO_MANIFEST_DIR"))).unwrap();
+    let (Ok(model), Ok(velocities)) = (
+        JitModel::over_lanes(&robot, Coordinates::Lagrangian).unwrap(),
+        JitVelocityModel::over_lanes(&robot).unwrap(),
+    ) else {
+        return;
+    };
+    let (x, u): (Vec<F64x4>, Vec<F64x4>) = (
+        (0..4).map(|k| F64x4::from_lanes(&numbers(4, k))).collect(),
+        (0..2).map(|k| F64x4::from_lanes(&numbers(4, k + 4))).collect(),
+    );
+    let (mut rk4, mut euler) = (RungeKutta4::new(model), SemiImplicitEuler::new(velocities));
+    let h = F64x4::from_lanes(&[0.01]);
+    let next = [rk4.evaluate(&x, &u, h).unwrap().to_vec(), euler.evaluate(&x, &u, h).unwrap().to_vec()];
+    let mut rk4 = RungeKutta4::new(JitModel::new(&robot, Coordinates::Lagrangian).unwrap());
+    let mut euler = SemiImplicitEuler::new(JitVelocityModel::new(&robot).unwrap());
+    for lane in 0..4 {
+        let of = |all: &[F64x4]| all.iter().map(|four| four.lane(lane)).collect::<Vec<f64>>();
+        let (x, u) = (of(&x), of(&u));
+        assert_close(&of(&next[0]), rk4.evaluate(&x, &u, 0.01).unwrap(), "rk4");
+        assert_close(&of(&next[1]), euler.evaluate(&x, &u, 0.01).unwrap(), "euler");
     }
 }

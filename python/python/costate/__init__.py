@@ -32,10 +32,11 @@ from ._errors import (
     StateWarning,
     StepNotSolved,
 )
+from ._feedback import Feedback, MotionDerivative, Resolved
 from ._outcomes import Outcome, WorkerDied
 from ._pinocchio import JointMap
 from ._problem import Problem
-from ._resolve import Feedback, MotionDerivative, Resolve, Resolved
+from ._resolve import Resolve
 from ._run import Iteration
 from ._samples import Gains, Samples, Sensitivity
 from ._solution import Solution

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ._costate import Robot, _compare
+from ._errors import Interrupted
 
 
 @dataclass(frozen=True)
@@ -84,6 +85,17 @@ def check(robot: Robot, states: int = 5, *, seed: int = 0) -> CheckReport:
     CheckReport
         One comparison for each quantity and method.
 
+    Raises
+    ------
+    StateError
+        Where a state cannot be evaluated, with its number.
+    Interrupted
+        After Ctrl-C: ``reached`` is the report on the states that were compared.
+
+    References
+    ----------
+    J. A. Fike, J. J. Alonso, The development of hyper-dual numbers for exact second-derivative calculations, AIAA 2011-886.
+
     Examples
     --------
     >>> import costate
@@ -98,8 +110,13 @@ def check(robot: Robot, states: int = 5, *, seed: int = 0) -> CheckReport:
         q = random.uniform(lower, upper) if k else np.zeros(robot.n)
         v, tau, y = (random.uniform(-1, 1, size) for size in (robot.n, robot.n, 2 * robot.n))
         sample.append((q.tolist(), v.tolist(), tau.tolist(), y.tolist()))
-    rows, left_out = _compare(robot, sample)
-    return CheckReport([Comparison(*row) for row in rows], states - left_out, left_out)
+    rows, seen, left_out, raised = _compare(robot, sample)
+    report = CheckReport([Comparison(*row) for row in rows], seen - left_out, left_out)
+    if isinstance(raised, KeyboardInterrupt):
+        raise Interrupted(report, f"interrupted after {seen} of {states} states; .reached is the report on these")
+    if raised is not None:
+        raise raised
+    return report
 
 
 def _ranges(robot: Robot) -> tuple[list[float], list[float]]:

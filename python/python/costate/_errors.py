@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from ._solution import Solution
+from typing import Any
 
 
 class CostateError(ValueError):
@@ -72,22 +69,40 @@ class MotionError(CostateError):
 
 
 class Interrupted(KeyboardInterrupt):
-    """Ctrl-C during a solve.
+    """Ctrl-C during long work, with what was reached.
+
+    Parameters
+    ----------
+    reached : Solution, Resolved, CheckReport, ndarray or tuple of ndarray
+        What was reached.
+    message : str, optional
+        What to say; about the motion of a `Solution` unless given.
 
     Attributes
     ----------
-    solution : Solution
-        The best motion so far; its status is ``"cancelled"``, unless it was solved in the last moment.
+    reached : Solution, Resolved, CheckReport, ndarray or tuple of ndarray
+        Of `Problem.solve` and `Problem.follow` the best motion so far, with the status ``"cancelled"`` unless it was
+        solved in the last moment; of `Resolve.solve` its figures; of `check` the report on the states that were compared;
+        of a batch its results, not-a-number at states that were not computed.
+    solution : Solution or None
+        The same where it is a motion of `Problem.solve` or `Problem.follow`.
     """
 
-    def __init__(self, solution: Solution) -> None:
-        super().__init__(
-            f"interrupted: {solution.status}, cost {solution.cost:.9g}; .solution is the best motion so far"
-        )
-        self.solution = solution
+    def __init__(self, reached: Any, message: str | None = None) -> None:
+        if message is None:
+            message = f"interrupted: {reached.status}, cost {reached.cost:.9g}; .solution is the best motion so far"
+        super().__init__(message)
+        self.reached = reached
 
-    def __reduce__(self) -> tuple[type[Interrupted], tuple[Solution]]:
-        return (type(self), (self.solution,))
+    @property
+    def solution(self) -> Any:
+        """The best motion so far, where there is one."""
+        from ._solution import Solution
+
+        return self.reached if isinstance(self.reached, Solution) else None
+
+    def __reduce__(self) -> tuple[type[Interrupted], tuple[Any, str]]:
+        return (type(self), (self.reached, str(self)))
 
 
 class StateError(CostateError):

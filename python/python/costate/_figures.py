@@ -118,7 +118,11 @@ class Figures:
 
     @property
     def certificate(self) -> str:
-        """What the second variation shows: "local_minimum", "not_minimal" or "not_checked"."""
+        """What the second variation shows.
+
+        "local_minimum": a strict one; "not_minimal"; "not_checked". Of the direct method, among the polynomials of the mesh:
+        "local_minimum_on_mesh", "saddle_on_mesh".
+        """
         return str(self._figures["certificate"])
 
     @property

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from . import _show, _viser
+from . import _show, _stage, _viser
 from ._errors import ArgumentError, MotionError
 from ._motion import Motion
 
@@ -53,17 +53,19 @@ class Files(Motion):
     ) -> str:
         """The report: one page with the moving robot in perspective, plots and figures; it needs no network.
 
+        A robot that was read from a URDF looks as its visual models say: boxes, cylinders, spheres, STL and OBJ meshes;
+        links without one are capsules. What cannot be read is a `UserWarning`.
+
         Parameters
         ----------
         path : path, optional
             Where to write it too.
         urdf : path, optional
-            A URDF whose visual models are shown in place of capsules: boxes, cylinders, spheres, STL and OBJ meshes.
-            What cannot be read is a `UserWarning`.
+            A URDF whose visual models are shown instead.
         package_path : sequence of paths
-            Folders in which ``package://`` is looked for.
+            Folders in which ``package://`` is looked for, before those above the URDF.
         """
-        page, missing = self._core.html(urdf, list(package_path))
+        page, missing = self._core.html(self._problem.robot, urdf, list(package_path))
         for text in missing:
             warnings.warn(text, stacklevel=2)
         if path is not None:
@@ -93,8 +95,18 @@ class Files(Motion):
         """
         return _show.plot(self._samples(rate), self._problem.robot, axes)
 
-    def to_viser(self, rate: float | None = None, server: Any = None, *, name: str = "robot", loop: bool = True) -> Any:
-        """Show the motion in a browser, with viser installed: rods between joints, tools with their paths, a time slider.
+    def to_viser(
+        self,
+        rate: float | None = None,
+        server: Any = None,
+        *,
+        name: str = "robot",
+        loop: bool = True,
+        urdf: str | PathLike[str] | None = None,
+        package_path: Sequence[str | PathLike[str]] = (),
+    ) -> Any:
+        """Show the motion in a browser, with viser installed: the robot, where it starts and ends, tools with their paths,
+        obstacles, and a time slider.
 
         Parameters
         ----------
@@ -106,10 +118,16 @@ class Files(Motion):
             Of this robot in the scene, for several in one server.
         loop : bool
             Whether the motion begins again at its end.
+        urdf, package_path
+            What the robot looks like, as in `to_html`.
 
         Returns
         -------
         viser.ViserServer
             It serves until ``stop()``.
         """
-        return _viser.show(self._samples(rate), self._problem.robot, server, name, loop)
+        samples = self._samples(rate)
+        text, missing = self._core.stage(self._problem.robot, urdf, list(package_path))
+        for line in missing:
+            warnings.warn(line, stacklevel=2)
+        return _viser.show(samples, self._problem.robot, _stage.Stage(text), server, name, loop)

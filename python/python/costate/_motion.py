@@ -78,6 +78,11 @@ class Motion(Figures):
         times : array
             Times (s) between 0 and T, instead.
 
+        Returns
+        -------
+        Samples
+            One row for each time.
+
         Raises
         ------
         ArgumentError
@@ -93,22 +98,40 @@ class Motion(Figures):
         return Samples(core, self._problem.robot.joint_names)
 
     def feedback(self, rate: float | None = None) -> Gains:
-        """The gains of the optimal feedback and derivatives by limits, at a rate (Hz) or at the points of the motion.
+        """The gains of the optimal feedback, and derivatives by limits.
 
-        The problem is solved once more, on the mesh of the motion or on equal intervals. Jerks, torque rates, given
-        accelerations and vias are refused.
+        The problem is solved once more, on the mesh of the motion or on equal intervals.
+
+        Parameters
+        ----------
+        rate : float, optional
+            In a second (Hz); at the points of the motion unless given.
+
+        Returns
+        -------
+        Gains
+            Gains over time.
 
         Raises
         ------
         ProblemError
             For a problem that it is not computed for.
         MotionError
-            Where the motion is no strict minimum, or something is free at the start.
+            Where the motion is no strict minimum.
+
+        References
+        ----------
+        A. E. Bryson, Y.-C. Ho, Applied Optimal Control, 1975, section 6.4.
         """
         return Gains(self._core.gains_json(rate))
 
     def sensitivities(self) -> dict[str, Sensitivity]:
-        """dJ/dtheta for masses, inertias, lengths and all other numbers of the robot, by name; nothing is solved again.
+        """dJ/dtheta for masses, inertias, lengths and all other numbers of the robot; nothing is solved again.
+
+        Returns
+        -------
+        dict of Sensitivity
+            By names such as ``"elbow.mass"``.
 
         Raises
         ------

@@ -44,7 +44,24 @@ class Outcome:
 
     @classmethod
     def failed(cls, index: int, task: Any, error: Exception, attempts: int = 0) -> Outcome:
-        """A task that has no result because its worker has not answered."""
+        """A task that has no result because its worker has not answered.
+
+        Parameters
+        ----------
+        index : int
+            Its place among the tasks.
+        task : object
+            The task.
+        error : Exception
+            Why there is none.
+        attempts : int
+            How often the function was called.
+
+        Returns
+        -------
+        Outcome
+            Without a value.
+        """
         return cls(index, task, None, error, "", float("nan"), attempts)
 
     @property

@@ -68,7 +68,18 @@ class JointMap:
         self._sign = np.array(self.signs)
 
     def q_to_pinocchio(self, q: ArrayLike) -> NDArray[np.float64]:
-        """Positions (..., n) of the robot as positions (..., nq) of the model."""
+        """Positions of the robot as those of the model.
+
+        Parameters
+        ----------
+        q : array_like (..., n)
+            In the order of ``robot.joint_names`` (rad, m).
+
+        Returns
+        -------
+        ndarray (..., nq)
+            In the order of the model, with cosine and sine of continuous joints.
+        """
         turned = np.asarray(q, dtype=float) * self._sign
         out = np.zeros((*turned.shape[:-1], self._nq))
         out[..., self._index_q] = turned
@@ -78,7 +89,18 @@ class JointMap:
         return out
 
     def q_from_pinocchio(self, q: ArrayLike) -> NDArray[np.float64]:
-        """Positions (..., nq) of the model as positions (..., n) of the robot."""
+        """Positions of the model as those of the robot.
+
+        Parameters
+        ----------
+        q : array_like (..., nq)
+            In the order of the model.
+
+        Returns
+        -------
+        ndarray (..., n)
+            In the order of ``robot.joint_names`` (rad, m); continuous joints within pi of 0.
+        """
         given = np.asarray(q, dtype=float)
         out = given[..., self._index_q].copy()
         for k in self._circles:
@@ -88,14 +110,36 @@ class JointMap:
         return result
 
     def v_to_pinocchio(self, v: ArrayLike) -> NDArray[np.float64]:
-        """Velocities, accelerations or torques (..., n) of the robot as those of the model."""
+        """Velocities, accelerations or torques of the robot as those of the model.
+
+        Parameters
+        ----------
+        v : array_like (..., n)
+            In the order of ``robot.joint_names``.
+
+        Returns
+        -------
+        ndarray (..., n)
+            In the order of the model.
+        """
         turned = np.asarray(v, dtype=float) * self._sign
         out: NDArray[np.float64] = np.zeros(turned.shape)
         out[..., self._index_v] = turned
         return out
 
     def v_from_pinocchio(self, v: ArrayLike) -> NDArray[np.float64]:
-        """Velocities, accelerations or torques (..., n) of the model as those of the robot."""
+        """Velocities, accelerations or torques of the model as those of the robot.
+
+        Parameters
+        ----------
+        v : array_like (..., n)
+            In the order of the model.
+
+        Returns
+        -------
+        ndarray (..., n)
+            In the order of ``robot.joint_names``.
+        """
         result: NDArray[np.float64] = np.asarray(v, dtype=float)[..., self._index_v] * self._sign
         return result
 

@@ -5,22 +5,18 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping, Sequence
 from os import PathLike, fspath
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
-from . import _run
-from ._branch import Branch
 from ._costate import Robot, _Problem
-from ._errors import Interrupted, ProblemError
-from ._solution import Solution
+from ._errors import ProblemError
+from ._solves import Solves
 from ._tables import table_of, text_of
 
 if TYPE_CHECKING:
-    from ._resolve import Resolve
-
     _Path = str | PathLike[str]
 
 
-class Problem:
+class Problem(Solves):
     """Find the cheapest motion of a robot from its start to its end, within all limits.
 
     A problem has the tables of a problem file of the command ``costate optimize``, as nested dictionaries with the
@@ -128,6 +124,11 @@ class Problem:
         friction, strict : bool
             As in `Robot.from_file`.
 
+        Returns
+        -------
+        Problem
+            With `ProblemWarning` for what is probably not meant.
+
         Raises
         ------
         ProblemError
@@ -159,6 +160,16 @@ class Problem:
             Where relative paths in the text begin.
         friction, strict : bool
             As in `Robot.from_file`, for a robot that the text names.
+
+        Returns
+        -------
+        Problem
+            With `ProblemWarning` for what is probably not meant.
+
+        Raises
+        ------
+        ProblemError
+            With ``key``; with ``line`` for a text that names its robot.
         """
         if robot is not None:
             return cls._of(_Problem.of_robot(robot, text, fspath(folder)))
@@ -180,76 +191,6 @@ class Problem:
         options: dict[str, Any] = json.loads(self._core.options_json())
         return options
 
-    def solve(
-        self,
-        *,
-        tolerance: float | None = None,
-        starts: int | None = None,
-        seed: int | None = None,
-        threads: int | None = None,
-        nodes: int | None = None,
-        time_limit: float | None = None,
-        method: Literal["direct", "collocation", "shooting"] | None = None,
-        verify: Literal["full", "factors", "none"] | None = None,
-        polish: Literal["auto"] | bool | None = None,
-        machine_code: Literal["later", "at_once", "never"] | None = None,
-        jacobian: Literal["exact", "differences", "without_hessian"] | None = None,
-        coordinates: Literal["hamiltonian", "lagrangian"] | None = None,
-        start_from: Solution | _Path | None = None,
-        progress: _run._Progress = None,
-        on_interrupt: Literal["raise", "return"] = "raise",
-        stage_times: bool = False,
-    ) -> Solution:
-        """Solve the problem.
-
-        Without the interpreter's lock, on a thread of its own. Debug records of the logger ``"costate"`` tell each
-        Newton step, an info record how the solve ended. Ctrl-C ends it before its next Newton step, and the best
-        motion so far is kept; a second Ctrl-C does not wait for that.
-
-        Parameters
-        ----------
-        tolerance, starts, seed, threads, nodes, time_limit, method, verify, polish, machine_code, jacobian, coordinates
-            Options in the place of those of ``[solver]``, which ``docs/optimize.md`` describes: ``tolerance`` of the
-            cost (1e-6), number of guesses ``starts`` (1), ``time_limit`` in s.
-        start_from : Solution or path, optional
-            Begins at this motion, of a robot with these joints, or at one that was saved.
-        progress : None, True or function
-            True shows a bar (of tqdm, if installed). A function is called with each `Iteration`, on this thread; if it
-            returns something true the solve ends with the status ``"cancelled"``.
-        on_interrupt : {"raise", "return"}
-            After Ctrl-C raise `Interrupted`, a KeyboardInterrupt with the best motion in ``solution``; or return it.
-        stage_times : bool
-            Measure where the time goes.
-
-        Returns
-        -------
-        Solution
-            Its ``status`` says how it ended. An unsolved problem is no error: ``solution.check()`` makes it one.
-
-        Raises
-        ------
-        ProblemError
-            With ``key``: an option out of range, or a problem that the method does not take.
-        Interrupted
-            After Ctrl-C.
-        """
-        _run.check_on_interrupt(on_interrupt)
-        options: dict[str, Any] = {"tolerance": tolerance, "starts": starts, "seed": seed, "threads": threads}
-        options |= {"nodes": nodes, "time_limit": time_limit, "method": method, "verify": verify, "polish": polish}
-        options |= {"machine_code": machine_code, "jacobian": jacobian, "coordinates": coordinates}
-        show = _run.logger.isEnabledFor(10)
-        collect = show or progress not in (None, False)
-        run = self._core.begin(text_of(options), _start(start_from), collect=collect, times=stage_times)
-        found, interrupted = _run.finish(run, progress, show)
-        solution = Solution._of(found, self)
-        figures = (solution.status, solution.cost, solution.final_time, solution.seconds)
-        _run.logger.info("%s, cost %.9g, T %.6g s, solved in %.3g s", *figures)
-        for warning in solution.warnings:
-            _run.logger.warning("%s", warning)
-        if interrupted and on_interrupt == "raise":
-            raise Interrupted(solution)
-        return solution
-
     def with_parameter(self, parameter: str, value: float) -> Problem:
         """The problem with another value of one of its numbers.
 
@@ -260,55 +201,17 @@ class Problem:
         value : float
             The value.
 
+        Returns
+        -------
+        Problem
+            Another one; this one does not change.
+
         Raises
         ------
         ProblemError
             Where the problem has no such number, or must not have this value.
         """
         return Problem._of(self._core.with_parameter(parameter, value))
-
-    def follow(
-        self,
-        parameter: str,
-        first: float,
-        last: float,
-        *,
-        start_from: Solution | _Path | None = None,
-        progress: _run._Progress = None,
-        on_interrupt: Literal["raise", "return"] = "raise",
-        **options: Any,
-    ) -> Branch:
-        """Follow the solution by collocation while a parameter changes, around turning points: `--continue`.
-
-        Parameters
-        ----------
-        parameter : str
-            One of `with_parameter`, or "smoothing".
-        first, last : float
-            Its values.
-        start_from, progress, on_interrupt, **options
-            As in `solve`.
-
-        Returns
-        -------
-        Branch
-            Its ``end`` says whether the last value was reached.
-        """
-        _run.check_on_interrupt(on_interrupt)
-        show = _run.logger.isEnabledFor(10)
-        collect = show or progress not in (None, False)
-        run = self._core.follow(parameter, first, last, text_of(options), _start(start_from), collect=collect)
-        found, interrupted = _run.finish(run, progress, show)
-        branch = Branch._of(run.branch(), found, self, parameter, first)
-        if interrupted and on_interrupt == "raise":
-            raise Interrupted(branch.solution)
-        return branch
-
-    def resolve(self, **options: Any) -> Resolve:
-        """Prepare the problem for being solved again and again: ``Resolve(self, **options)``."""
-        from ._resolve import Resolve
-
-        return Resolve(self, **options)
 
     def __setattr__(self, name: str, value: object) -> None:
         raise AttributeError(f"a Problem does not change: {name}")
@@ -325,7 +228,3 @@ class Problem:
     def __repr__(self) -> str:
         robot = self._core.robot()
         return f"Problem({robot.name!r}, n={robot.n})"
-
-
-def _start(given: Solution | _Path | None) -> Any:
-    return given._core if isinstance(given, Solution) else given and fspath(given)

@@ -2,126 +2,35 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from ._costate import _Feedback, _Resolve
+from . import _run
+from ._errors import Interrupted, argument_error
+from ._feedback import Feedback, MotionDerivative, Resolved
 from ._problem import Problem
+from ._settings import Settings, copied
 from ._solution import Solution
 from ._tables import text_of
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from numpy.typing import ArrayLike, NDArray
 
     _Array = NDArray[np.float64]
-    _Vector = Sequence[float] | _Array
 
 
-class Resolved(NamedTuple):
-    """What solving again gave: figures of the motion that is shown.
-
-    Attributes
-    ----------
-    status : str
-        "solved" to the tolerance; else "iterations" or "out_of_time" where the budget was used up, or "no_progress".
-        The motion is then the cheapest iterate that keeps all limits, or the one that exceeds them least.
-    iterations : int
-        Newton steps.
-    cost : float
-        J.
-    gap : float
-        What barriers cost at most.
-    violation : float
-        Largest violation of a limit at the points, in parts of its range.
-    keeps_limits : bool
-        Whether that is at most 1e-7.
-    seconds : float
-        How long it took.
-    """
-
-    status: str
-    iterations: int
-    cost: float
-    gap: float
-    violation: float
-    keeps_limits: bool
-    seconds: float
-
-
-class Feedback:
-    """Derivatives of an optimal motion by its ends: neighbouring optimal feedback.
-
-    x = (q, v) has 2n entries; points are those of the mesh. A motion that starts at x_0 + dx_0 has at the same part of
-    its time the state x + states_by_start dx_0 and the torques tau + torques_by_start dx_0.
-
-    Attributes
-    ----------
-    t : array (P)
-        Times of the points (s).
-    states_by_start, states_by_end : array (P, 2n, 2n)
-        Derivatives of x.
-    torques_by_start, torques_by_end : array (P, n, 2n)
-        Derivatives of the torques.
-    final_time_by_start, final_time_by_end : array (2n)
-        Derivatives of T; zero where it is fixed.
-    cost_gradient : array (2n)
-        dJ/dx_0.
-    cost_hessian : array (2n, 2n)
-        Second derivatives of the least cost by the start.
-    """
-
-    def __init__(self, core: _Feedback) -> None:
-        self._core = core
-        self.t: _Array = core.array("t")
-        self.states_by_start: _Array = core.array("states_by_start")
-        self.states_by_end: _Array = core.array("states_by_end")
-        self.torques_by_start: _Array = core.array("torques_by_start")
-        self.torques_by_end: _Array = core.array("torques_by_end")
-        self.final_time_by_start: _Array = core.array("final_time_by_start")
-        self.final_time_by_end: _Array = core.array("final_time_by_end")
-        self.cost_gradient: _Array = core.array("cost_gradient")
-        self.cost_hessian: _Array = core.array("cost_hessian")[0]
-
-    def gain(self, t: float | _Vector) -> _Array | None:
-        """K at times t (s): dtau = K dx, (n, 2n), or (N, n, 2n) for N times. None where something is free at the start.
-
-        Gains grow without bound towards a given end; that of 98 % of the time is held.
-        """
-        found = self._core.gain(np.atleast_1d(np.asarray(t, float)))
-        return None if found is None else found[0] if np.ndim(t) == 0 else found
-
-
-class MotionDerivative(NamedTuple):
-    """Derivatives of a motion by one of its numbers, at the points of `Feedback`.
-
-    Attributes
-    ----------
-    cost, final_time : float
-        dJ/dtheta and dT/dtheta.
-    states : array (P, 2n)
-        Derivatives of (q, v) at the same part of the time.
-    torques : array (P, n)
-        Derivatives of the torques.
-    """
-
-    cost: float
-    final_time: float
-    states: _Array
-    torques: _Array
-
-
-class Resolve:
+class Resolve(Settings):
     """A problem that is solved again and again on one mesh, as a controller needs it.
 
     The mesh has (nodes - 1)/3 equal intervals. Each solve begins at the motion that is optimal for the new ends to
-    first order. The limits of the robot are kept unless the problem says otherwise. Jerks, torque rates, given
-    accelerations, vias and periodic motions are refused.
+    first order. The limits of the robot are kept unless the problem says otherwise.
 
     Several threads may use one object: calls wait for each other, without the interpreter's lock, and the motion is
-    that of the last solve. A thread with motions of its own needs its own object. Ctrl-C is handled after a solve;
-    bound the first one by ``time_limit``.
+    that of the last solve. A thread with motions of its own needs its own object.
+
+    A copy and a pickle have the problem, the options and all that was set, and begin anew: the first solve of a copy
+    begins where the first one of the original did. Objects are equal to themselves alone.
 
     Parameters
     ----------
@@ -155,94 +64,139 @@ class Resolve:
     """
 
     def __init__(self, problem: Problem, *, near: Solution | None = None, **options: Any) -> None:
-        self._problem = problem
-        self._core: _Resolve = problem._core.resolve(text_of(options), None if near is None else near._core)
+        self._problem, self._near, self._options = problem, near, options
+        self._core = problem._core.resolve(text_of(options), None if near is None else near._core)
         self._n = problem.robot.n
+        self._calls = {}
+
+    @classmethod
+    def _again(cls, problem: Problem, near: Solution | None, options: dict[str, Any], calls: dict[Any, Any]) -> Resolve:
+        motion = cls(problem, near=near, **options)
+        for (name, key), arguments in calls.items():
+            motion._set(name, key, *arguments)
+        return motion
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (Resolve._again, (self._problem, self._near, self._options, dict(self._calls)))
 
     @property
     def problem(self) -> Problem:
         """The problem as it was at first."""
         return self._problem
 
-    def set_start(self, q: _Vector, v: _Vector) -> None:
-        """Start the next solve at these positions and rates (n); those that are free do not count.
-
-        Raises `ArgumentError` for numbers beyond their limits.
-        """
-        self._core.set_start(q, v)
-
-    def set_end(self, q: _Vector, v: _Vector) -> None:
-        """End the next solve at these positions and rates (n)."""
-        self._core.set_end(q, v)
-
-    def set_start_tool(self, number: int, xyz: _Vector) -> None:
-        """Move a tool of the start (from 0) to this position (m); coordinates that are free stay so."""
-        self._core.set_tool("start", number, xyz)
-
-    def set_end_tool(self, number: int, xyz: _Vector) -> None:
-        """Move a tool of the end (from 0) to this position (m)."""
-        self._core.set_tool("end", number, xyz)
-
-    def set_tool_cost(self, number: int, xyz: _Vector) -> None:
-        """Move the goal of ``[[cost.tool]]`` (from 0) to this position (m)."""
-        self._core.set_tool("cost", number, xyz)
-
-    def set_obstacle(self, number: int, table: Mapping[str, Any] | None = None, **keys: Any) -> None:
-        """Move an obstacle (from 0): the keys of ``[[obstacle]]``, of the same kind and size.
-
-        >>> motion.set_obstacle(0, kind="sphere", xyz=[0.4, 0.1, 0.3], radius=0.1)  # doctest: +SKIP
-        """
-        self._core.set_obstacle(number, text_of({**(table or {}), **keys}))
-
-    def set_reference(self, number: int, table: Mapping[str, Any] | None = None, **keys: Any) -> None:
-        """Replace a reference (from 0): the keys of ``[[cost.reference]]``, of the same joints or tool."""
-        self._core.set_reference(number, text_of({**(table or {}), **keys}))
-
-    def set_start_time(self, time: float) -> None:
-        """Start the next solve at this time (s) of all references."""
-        self._core.set_start_time(time)
-
     def advance(self, dt: float) -> None:
-        """Begin the next solve at the motion of the last one from ``dt`` (s) on."""
+        """Begin the next solve at the motion of the last one from a later time on; vias stay on the clock.
+
+        Parameters
+        ----------
+        dt : float
+            The time since the last solve (s).
+        """
         self._core.advance(dt)
 
-    def solve(self, *, steps: int | None = None, seconds: float | None = None) -> Resolved:
+    def solve(
+        self,
+        *,
+        steps: int | None = None,
+        seconds: float | None = None,
+        on_interrupt: Literal["raise", "return"] = "raise",
+    ) -> Resolved:
         """Solve with what was set since the last time.
+
+        Ctrl-C is looked for after each Newton step, at most every 50 ms: shorter solves are never disturbed. The motion is
+        then the best one so far, and the next solve goes on.
 
         Parameters
         ----------
         steps : int, optional
-            Most Newton steps.
+            Most Newton steps; without it and ``seconds`` the limits of the options hold.
         seconds : float, optional
             Longest time; no step begins that would probably exceed it.
+        on_interrupt : {"raise", "return"}
+            After Ctrl-C raise `Interrupted`, a KeyboardInterrupt with the figures in ``reached``; or return these.
 
-        Without both the limits of the options hold.
+        Returns
+        -------
+        Resolved
+            Its ``status`` says how it ended.
+
+        Raises
+        ------
+        StateError
+            Where the motion cannot be evaluated.
+        Interrupted
+            After Ctrl-C.
+        """
+        _run.check_on_interrupt(on_interrupt)
+        *figures, raised = self._core.solve(steps, seconds)
+        found = Resolved._make(figures)
+        if raised is not None and not isinstance(raised, KeyboardInterrupt):
+            raise raised
+        if raised is not None and on_interrupt == "raise":
+            raise Interrupted(found, f"interrupted after {found.iterations} steps; the motion is the best one so far")
+        return found
+
+    @property
+    def final_time(self) -> float:
+        """T (s); not-a-number before the first solve."""
+        return self._core.final_time()
+
+    def state(self, t: ArrayLike) -> tuple[_Array, _Array, _Array]:
+        """Positions, rates and accelerations of the motion.
+
+        Parameters
+        ----------
+        t : float or array_like (N)
+            Times (s); beyond the ends those of the ends.
+
+        Returns
+        -------
+        q, v, a : ndarray (n) or (N, n)
+            In rad, m and by s and s^2.
+
+        Raises
+        ------
+        MotionError
+            Before the first solve.
+        """
+        rows = self._core.states(np.atleast_1d(np.asarray(t, float)))
+        rows = rows[0] if np.ndim(t) == 0 else rows
+        return rows[..., : self._n], rows[..., self._n : 2 * self._n], rows[..., 2 * self._n :]
+
+    def torques(self, t: ArrayLike) -> _Array:
+        """Torques of the motion, cut to their limits.
+
+        Parameters
+        ----------
+        t : float or array_like (N)
+            Times (s); beyond the ends those of the ends.
+
+        Returns
+        -------
+        ndarray (n) or (N, n)
+            In N m, N.
+
+        Raises
+        ------
+        MotionError
+            Before the first solve.
+        """
+        rows = self._core.torques(np.atleast_1d(np.asarray(t, float)))
+        return rows[0] if np.ndim(t) == 0 else rows
+
+    def feedback(self) -> Feedback | None:
+        """Derivatives of the motion by its ends.
+
+        Returns
+        -------
+        Feedback or None
+            None where the motion is no strict minimum, or before it is solved.
 
         Raises
         ------
         StateError
             Where the motion cannot be evaluated.
         """
-        return Resolved._make(self._core.solve(steps, seconds))
-
-    @property
-    def final_time(self) -> float:
-        """T (s); 0 before the first solve."""
-        return self._core.final_time()
-
-    def state(self, t: float | _Vector) -> tuple[_Array, _Array, _Array]:
-        """q, v and a at times t (s): (n) each, or (N, n) for N times; those of the ends beyond them."""
-        rows = self._core.states(np.atleast_1d(np.asarray(t, float)))
-        rows = rows[0] if np.ndim(t) == 0 else rows
-        return rows[..., : self._n], rows[..., self._n : 2 * self._n], rows[..., 2 * self._n :]
-
-    def torques(self, t: float | _Vector) -> _Array:
-        """Torques at times t (s), cut to their limits: (n), or (N, n) for N times."""
-        rows = self._core.torques(np.atleast_1d(np.asarray(t, float)))
-        return rows[0] if np.ndim(t) == 0 else rows
-
-    def feedback(self) -> Feedback | None:
-        """Derivatives of the motion by its ends; None where it is no strict minimum, or before it is solved."""
         found = self._core.feedback()
         return None if found is None else Feedback(found)
 
@@ -251,32 +205,56 @@ class Resolve:
 
         Parameters
         ----------
-        limit : {"q_min", "q_max", "v_max", "a_max", "torque_max", "power_max"}
+        limit : {"q_min", "q_max", "v_max", "a_max", "torque_max", "power_max", "jerk_max", "torque_rate_max"}
             The limit.
         joint : str or int
             The joint, by name or from 0.
+
+        Returns
+        -------
+        MotionDerivative or None
+            None where the motion is no strict minimum, or before it is solved.
+
+        Raises
+        ------
+        ArgumentError
+            For a joint or a limit that the problem has not.
         """
         names = self._problem.robot.joint_names
         if isinstance(joint, str) and joint not in names:
-            raise _unknown(joint, names)
+            raise argument_error("joint", f"there is no joint '{joint}'; the joints are {', '.join(names)}")
         index = names.index(joint) if isinstance(joint, str) else joint
         found = self._core.derivative_by_limit(limit, index)
         return None if found is None else MotionDerivative._make(found)
 
     def derivative_by_mass(
-        self, frame: str, mass: float, com: _Vector = (0.0, 0.0, 0.0), inertia: _Vector = (0.0,) * 6
+        self, frame: str, mass: float, com: ArrayLike = (0.0, 0.0, 0.0), inertia: ArrayLike = (0.0,) * 6
     ) -> MotionDerivative | None:
-        """Derivatives by the mass (kg) of a body on a frame, with its centre (m) and its inertia xx, yy, zz, xy, xz, yz."""
-        found = self._core.derivative_by_mass(frame, mass, list(com), list(inertia))
+        """Derivatives by the mass of a body on a frame, whose inertia grows with it.
+
+        Parameters
+        ----------
+        frame : str
+            One of ``robot.frame_names``.
+        mass : float
+            In kg.
+        com : array_like (3)
+            Its centre of mass in the frame (m).
+        inertia : array_like (6)
+            xx, yy, zz, xy, xz, yz about the centre of mass (kg m^2).
+
+        Returns
+        -------
+        MotionDerivative or None
+            None where the motion is no strict minimum, or before it is solved.
+
+        Raises
+        ------
+        ArgumentError
+            For a frame that the robot has not, or a body that cannot be.
+        """
+        found = self._core.derivative_by_mass(frame, mass, copied(com), copied(inertia))
         return None if found is None else MotionDerivative._make(found)
 
     def __repr__(self) -> str:
         return f"Resolve({self._problem!r}, T={self.final_time:.6g} s)"
-
-
-def _unknown(joint: str, names: list[str]) -> Exception:
-    from ._errors import ArgumentError
-
-    error = ArgumentError(f"there is no joint '{joint}'; the joints are {', '.join(names)}")
-    error.argument = "joint"
-    return error

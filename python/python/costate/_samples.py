@@ -17,6 +17,17 @@ if TYPE_CHECKING:
     _Array = NDArray[np.float64]
 
 
+def same(a: Any, b: Any) -> bool:
+    """Whether two objects hold the same numbers: arrays, and dictionaries and lists of them; not-a-number is equal."""
+    if isinstance(a, np.ndarray) and isinstance(b, np.ndarray):
+        return np.array_equal(a, b, equal_nan=True)
+    if isinstance(a, dict) and isinstance(b, dict):
+        return a.keys() == b.keys() and all(same(value, b[key]) for key, value in a.items())
+    if isinstance(a, list) and isinstance(b, list):
+        return len(a) == len(b) and all(map(same, a, b))
+    return bool(a == b)
+
+
 def fixed(array: _Array) -> _Array:
     """The array, which cannot be written to any more."""
     array.flags.writeable = False
@@ -42,7 +53,7 @@ class Sensitivity(NamedTuple):
 
 
 class Samples:
-    """A motion at many times: rows are times, columns joints.
+    """A motion at many times: rows are times, columns joints. Samples with equal numbers and joints are equal.
 
     Attributes
     ----------
@@ -61,7 +72,6 @@ class Samples:
     """
 
     def __init__(self, core: _Samples, joint_names: list[str]) -> None:
-        self._core = core
         self.joint_names = joint_names
         self.t: _Array = core.array("t")
         self.q: _Array = core.array("q")
@@ -72,17 +82,32 @@ class Samples:
         self.phase: NDArray[np.int64] = core.array("phase")
 
     def to_csv(self, path: str | PathLike[str] | None = None) -> str:
-        """The table that ``costate optimize --sample-to`` writes; also into a file, where one is given.
+        """The table that ``costate optimize --sample-to`` writes.
 
-        Columns are ``t``, then ``q_JOINT``, ``v_JOINT``, ``a_JOINT``, ``tau_JOINT``, ``u_JOINT`` for all joints.
+        Parameters
+        ----------
+        path : path, optional
+            Where to write it too.
+
+        Returns
+        -------
+        str
+            Columns are ``t``, then ``q_JOINT``, ``v_JOINT``, ``a_JOINT``, ``tau_JOINT``, ``u_JOINT`` for all joints.
         """
-        text = self._core.csv()
+        rows = [array.tolist() for array in (self.q, self.v, self.a, self.tau, self.u)]
+        text = _Samples.of(self.t.tolist(), rows, self.phase.tolist(), self.joint_names).csv()
         if path is not None:
             _Path(path).write_text(text, encoding="utf-8")
         return text
 
     def to_dataframe(self) -> Any:
-        """The same as a data frame of pandas, which must be installed."""
+        """The same as a data frame of pandas, which must be installed.
+
+        Returns
+        -------
+        pandas.DataFrame
+            With the columns of `to_csv`, and ``phase`` where there are vias.
+        """
         import pandas as pd  # type: ignore[import-untyped,import-not-found,unused-ignore]
 
         columns: dict[str, Any] = {"t": self.t}
@@ -92,6 +117,9 @@ class Samples:
         if len(self.phase):
             columns["phase"] = self.phase
         return pd.DataFrame(columns)
+
+    def __eq__(self, other: object) -> bool:
+        return same(vars(self), vars(other)) if isinstance(other, Samples) else NotImplemented
 
     def __len__(self) -> int:
         return len(self.t)
@@ -105,7 +133,8 @@ class Gains:
     """The optimal feedback of a motion over time, and its derivatives by limits.
 
     A state that is off by (dq, dv) at the time ``t[k]`` is led to the end at the least cost by
-    ``tau[k] + gain_q[k] @ dq + gain_v[k] @ dv``, as long as the same limits are active.
+    ``tau[k] + gain_q[k] @ dq + gain_v[k] @ dv``, as long as the same limits are active. Feedbacks with equal numbers are
+    equal.
 
     Attributes
     ----------
@@ -141,8 +170,17 @@ class Gains:
             parameter.update({name: np.array(parameter[name]) for name in ("q", "v", "tau")})
 
     def to_json(self) -> str:
-        """The JSON object that ``costate optimize --feedback`` writes."""
+        """The JSON object that ``costate optimize --feedback`` writes.
+
+        Returns
+        -------
+        str
+            Its text.
+        """
         return self._text
+
+    def __eq__(self, other: object) -> bool:
+        return same(vars(self), vars(other)) if isinstance(other, Gains) else NotImplemented
 
     def __repr__(self) -> str:
         return f"Gains({len(self.t)} times, n={self.q.shape[1]})"

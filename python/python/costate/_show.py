@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from . import _svg
+
 if TYPE_CHECKING:
     from ._costate import Robot
     from ._samples import Samples
@@ -43,10 +45,14 @@ def text(solution: Solution) -> str:
 
 
 def html(solution: Solution) -> str:
-    """The same as a table."""
+    """The same as a table, and the motion as a picture."""
     rows = "".join(f"<tr><th>{escape(name)}</th><td>{escape(value)}</td></tr>" for name, value in _rows(solution))
     note = "" if solution.solved else f"<p>{escape(solution.message)}</p>"
-    return f"<div><b>{escape(solution.problem.robot.name)}</b><table>{rows}</table>{note}</div>"
+    picture = ""
+    if len(solution.t) > 1:
+        times = np.linspace(float(solution.t[0]), float(solution.t[-1]), 101)
+        picture = _svg.motion(solution.sample(times=times), solution.problem.robot)
+    return f"<div><b>{escape(solution.problem.robot.name)}</b><table>{rows}</table>{note}{picture}</div>"
 
 
 def plot(samples: Samples, robot: Robot, axes: Any) -> Any:

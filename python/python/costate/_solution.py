@@ -38,6 +38,18 @@ class Solution(Files):
         Between the nodes q is then the cubic through positions and rates; iterations and estimated errors are not in
         the text. Pickles lose nothing.
 
+        Parameters
+        ----------
+        text : str
+            The JSON.
+        problem : Problem
+            The problem that it solves.
+
+        Returns
+        -------
+        Solution
+            The solution.
+
         Raises
         ------
         MotionError
@@ -47,7 +59,27 @@ class Solution(Files):
 
     @classmethod
     def load(cls, path: str | PathLike[str], problem: Problem) -> Solution:
-        """Read a file that `save` wrote, as `from_json`."""
+        """Read a file that `save` wrote, as `from_json`.
+
+        Parameters
+        ----------
+        path : path
+            The file.
+        problem : Problem
+            The problem that it solves.
+
+        Returns
+        -------
+        Solution
+            The solution.
+
+        Raises
+        ------
+        MotionError
+            For another text, or a motion of another robot.
+        OSError
+            Where the file cannot be read.
+        """
         return cls.from_json(_Path(path).read_text(encoding="utf-8"), problem)
 
     def __repr__(self) -> str:
@@ -64,7 +96,8 @@ class Solution(Files):
             return NotImplemented
         return self._problem == other._problem and self._core.complete() == other._core.complete()
 
-    __hash__ = object.__hash__
+    def __hash__(self) -> int:
+        return hash((self._problem, self.status, len(self.t)))
 
     def __reduce__(self) -> tuple[Any, ...]:
         return (Solution._read, (self._problem, self._core.complete(), self.seconds))

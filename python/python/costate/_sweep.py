@@ -276,6 +276,7 @@ def _drive(
 
 
 def _death(error: Exception) -> Exception:
-    if isinstance(error, BrokenExecutor):
+    # Dask's own error, after it has tried again by itself.
+    if isinstance(error, BrokenExecutor) or type(error).__name__ == "KilledWorker":
         return WorkerDied(f"the process of this task died {_LIVES + 1} times: out of memory, or a crash of native code")
     return error

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ._costate import Dynamics
+from ._stage import Body, Stage
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -17,30 +18,23 @@ if TYPE_CHECKING:
     from ._samples import Samples
 
 _RATE = 60.0  # Pictures in a second.
+_LINK, _OBSTACLE = (90, 130, 190), (200, 120, 70)
+_GHOSTS = {"start": (110, 170, 120), "end": (190, 140, 90)}
 
 
-class Skeleton:
-    """Where the joints and tools of a robot are over time: rods between joints, and frames."""
+class Poses:
+    """Where the joints and tools of a robot are over time."""
 
     def __init__(self, robot: Robot, q: NDArray[np.float64]) -> None:
         dynamics = Dynamics(robot)
-        joints = robot.all_joint_names
-        poses = {name: dynamics.frame(f"joint:{name}").pose(q) for name in joints}
-        self.base = np.zeros((len(q), 3))
-        self.joints = {name: position for name, (_, position) in poses.items()}
-        parents = dict(zip(joints, robot.parents, strict=True))
-        self.parents = {name: None if parent is None else self.joints[parent] for name, parent in parents.items()}
-        # Frames of tools: what no joint begins at, at the end of a branch.
-        self.tools: dict[str, tuple[NDArray[np.float64], NDArray[np.float64]]] = {}
-        leaves = [name for name in joints if name not in parents.values()]
-        for name in _added(robot) or [f"joint:{leaf}" for leaf in leaves]:
-            orientation, position = dynamics.frame(name).pose(q)
-            self.tools[name] = orientation, position
-
-    def rods(self, k: int) -> NDArray[np.float64]:
-        """Ends of the rods (m, 2, 3) of one picture."""
-        ends = [((self.base if start is None else start)[k], self.joints[name][k]) for name, start in self.parents.items()]
-        return np.array(ends)
+        names = robot.all_joint_names
+        self.joints = {name: dynamics.frame(f"joint:{name}").pose(q) for name in names}
+        # Tools: frames with such names, or else the ends of all branches.
+        leaves = [name for name in names if name not in robot.parents]
+        tools = _added(robot) or [f"joint:{leaf}" for leaf in leaves]
+        self.tools = {name: dynamics.frame(name).pose(q) for name in tools}
+        places = [position for _, position in [*self.joints.values(), *self.tools.values()]]
+        self.reach = max(float(np.abs(np.stack(places)).max()), 1e-3) if places else 1.0
 
 
 def _added(robot: Robot) -> list[str]:
@@ -65,7 +59,50 @@ def quaternion(rotation: NDArray[np.float64]) -> NDArray[np.float64]:
     return result
 
 
-def show(samples: Samples, robot: Robot, server: Any, name: str, loop: bool) -> Any:
+def _place(rotation: NDArray[np.float64], position: NDArray[np.float64]) -> dict[str, Any]:
+    return {"wxyz": quaternion(rotation), "position": position}
+
+
+def _draw(scene: Any, path: str, body: Body, stage: Stage, colour: tuple[int, int, int], opacity: float | None) -> None:
+    """Adds a body below a node of the scene."""
+    if body.colour is not None and opacity is None:
+        red, green, blue, own = body.colour
+        colour = (round(255 * red), round(255 * green), round(255 * blue))
+        opacity = own if own < 1 else None
+    look: dict[str, Any] = {"color": colour, "opacity": opacity, **_place(body.rotation, body.position)}
+    shape = body.shape
+    if shape["kind"] == "box":
+        scene.add_box(path, dimensions=tuple(shape["size"]), **look)
+    elif shape["kind"] == "sphere":
+        scene.add_icosphere(path, radius=shape["radius"], **look)
+    elif (found := stage.triangles(shape)) is not None:
+        # Sharp edges have no smooth light: meshes of files, the rims of cylinders.
+        scene.add_mesh_simple(path, *found, flat_shading=shape["kind"] in ("mesh", "cylinder"), **look)
+
+
+class _Figure:
+    """A robot whose joints are nodes of the scene, its bodies below them."""
+
+    def __init__(self, scene: Any, path: str, robot: Robot, stage: Stage) -> None:
+        self.names = robot.all_joint_names
+        self.scene, self.path, self.stage = scene, path, stage
+        self.root = scene.add_frame(path, show_axes=False)
+        self.nodes = {name: scene.add_frame(f"{path}/{name}", show_axes=False) for name in self.names}
+
+    def draw(self, colour: tuple[int, int, int], opacity: float | None) -> None:
+        for k, body in enumerate(self.stage.bodies):
+            if body.joint is None and opacity is not None:
+                continue  # The base stands once.
+            on = "base" if body.joint is None else self.names[body.joint]
+            _draw(self.scene, f"{self.path}/{on}/body_{k}", body, self.stage, colour, opacity)
+
+    def move(self, poses: Poses, k: int) -> None:
+        for name, node in self.nodes.items():
+            rotations, positions = poses.joints[name]
+            node.wxyz, node.position = quaternion(rotations[k]), positions[k]
+
+
+def show(samples: Samples, robot: Robot, stage: Stage, server: Any, name: str, loop: bool) -> Any:
     """Adds the robot and its controls to a server of viser; the server."""
     try:
         import viser
@@ -73,39 +110,41 @@ def show(samples: Samples, robot: Robot, server: Any, name: str, loop: bool) -> 
         raise ImportError("Solution.to_viser needs viser: pip install viser") from error
     if server is None:
         server = viser.ViserServer()
-    skeleton = Skeleton(robot, np.ascontiguousarray(samples.q))
-    last = len(samples) - 1
-    reach = max(float(np.abs(skeleton.rods(0)).max()), 1e-3)
-    scene = server.scene
+    poses = Poses(robot, np.ascontiguousarray(samples.q))
+    last, reach, scene = len(samples) - 1, poses.reach, server.scene
     scene.add_grid(f"/{name}/floor", width=4 * reach, height=4 * reach, cell_size=reach / 4, section_size=reach)
-    arms = scene.add_line_segments(
-        f"/{name}/links", skeleton.rods(0), colors=(40, 90, 160), thickness=0.03 * reach, thickness_units="world"
-    )
-    balls = {
-        joint: scene.add_icosphere(f"/{name}/joints/{joint}", radius=0.03 * reach, color=(220, 120, 30), position=at[0])
-        for joint, at in skeleton.joints.items()
-    }
+    figure = _Figure(scene, f"/{name}/links", robot, stage)
+    figure.draw(_LINK, None)
+    ghosts = []
+    for (title, colour), k in zip(_GHOSTS.items(), (0, last), strict=True):
+        ghost = _Figure(scene, f"/{name}/{title}", robot, stage)
+        ghost.draw(colour, 0.25)
+        ghost.move(poses, k)
+        ghosts.append(ghost)
+    for k, obstacle in enumerate(stage.obstacles):
+        _draw(scene, f"/{name}/obstacles/{k}", obstacle, stage, _OBSTACLE, 0.8)
     tools = {}
-    for tool, (rotations, positions) in skeleton.tools.items():
-        where: dict[str, Any] = {"wxyz": quaternion(rotations[0]), "position": positions[0]}
-        tools[tool] = scene.add_frame(f"/{name}/tools/{tool}", axes_length=0.12 * reach, axes_radius=0.008 * reach, **where)
+    for tool, (rotations, positions) in poses.tools.items():
+        axes: dict[str, Any] = {"axes_length": 0.12 * reach, "axes_radius": 0.008 * reach}
+        tools[tool] = scene.add_frame(f"/{name}/tools/{tool}", **axes, **_place(rotations[0], positions[0]))
         path = np.stack([positions[:-1], positions[1:]], axis=1)
         scene.add_line_segments(f"/{name}/paths/{tool}", path, colors=(200, 60, 60), thickness=0.006 * reach)
     duration = float(samples.t[last])
     time_slider = server.gui.add_slider(f"{name}: t (s)", min=0.0, max=duration, step=duration / max(last, 1), initial_value=0.0)
     playing = server.gui.add_checkbox(f"{name}: play", initial_value=False)
+    shown = server.gui.add_checkbox(f"{name}: start and end", initial_value=True)
 
     def draw(_: Any = None) -> None:
         k = min(last, int(np.searchsorted(samples.t, time_slider.value - 1e-9 * duration)))
         with server.atomic():
-            arms.points = skeleton.rods(k)
-            for joint, ball in balls.items():
-                ball.position = skeleton.joints[joint][k]
+            figure.move(poses, k)
             for tool, handle in tools.items():
-                rotations, positions = skeleton.tools[tool]
+                rotations, positions = poses.tools[tool]
                 handle.wxyz, handle.position = quaternion(rotations[k]), positions[k]
 
-    time_slider.on_update(draw)
+    def show_ghosts(_: Any = None) -> None:
+        for ghost in ghosts:
+            ghost.root.visible = shown.value
 
     def play(_: Any = None) -> None:
         if playing.value:
@@ -123,5 +162,8 @@ def show(samples: Samples, robot: Robot, server: Any, name: str, loop: bool) -> 
             if at >= duration and not loop:
                 playing.value = False
 
+    draw()
+    time_slider.on_update(draw)
     playing.on_update(play)
+    shown.on_update(show_ghosts)
     return server

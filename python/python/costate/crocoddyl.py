@@ -3,6 +3,8 @@
 ``SolverDDP`` and its kin ask models for first derivatives of the dynamics, and for second ones of the cost. `ActionModel`
 adds those of the dynamics, contracted with the costate, to the latter; `Costates` tells it the costate after each
 iteration. The steps are then those of differential dynamic programming instead of Gauss-Newton's.
+
+D. H. Jacobson, D. Q. Mayne, Differential Dynamic Programming, 1970.
 """
 
 from __future__ import annotations
@@ -70,7 +72,20 @@ class ActionModel(crocoddyl.ActionModelAbstract):  # type: ignore[misc,unused-ig
         self.r, self.q = _weights("effort", effort, n), _weights("deviation", deviation, 2 * n)
 
     def running_cost(self, x: Any, tau: Any) -> tuple[float, Any, Any, Any, Any, Any]:
-        """The cost rate with its derivatives: value, l_x, l_tau, l_xx, l_xtau, l_tautau."""
+        """The cost rate with its derivatives.
+
+        Parameters
+        ----------
+        x : ndarray (2n)
+            The state.
+        tau : ndarray (n)
+            Torques and forces (N m, N).
+
+        Returns
+        -------
+        tuple
+            Its value, l_x (2n), l_tau (n), l_xx (2n, 2n), l_xtau (2n, n) and l_tautau (n, n).
+        """
         off = x - self.goal
         value = 0.5 * float(off @ (self.q * off) + tau @ (self.r * tau))
         return value, self.q * off, self.r * tau, np.diag(self.q), np.zeros((len(x), len(tau))), np.diag(self.r)
@@ -81,13 +96,33 @@ class ActionModel(crocoddyl.ActionModelAbstract):  # type: ignore[misc,unused-ig
         return x, x[: self.nu], x[self.nu :], tau
 
     def calc(self, data: Any, x: Any, u: Any = None) -> None:
-        """The next state and the cost."""
+        """Put the next state and the cost into ``data``, as Crocoddyl asks for.
+
+        Parameters
+        ----------
+        data : crocoddyl.ActionDataAbstract
+            ``xnext`` and ``cost`` are set.
+        x : ndarray (2n)
+            The state.
+        u : ndarray (n), optional
+            Torques and forces (N m, N); none unless given.
+        """
         x, q, v, tau = self._split(x, u)
         data.xnext = self.step.f(q, v, tau)
         data.cost = self.step.dt * self.running_cost(x, tau)[0]
 
     def calcDiff(self, data: Any, x: Any, u: Any = None) -> None:
-        """Their derivatives."""
+        """Put the derivatives of the next state and of the cost into ``data``.
+
+        Parameters
+        ----------
+        data : crocoddyl.ActionDataAbstract
+            ``Fx``, ``Fu``, ``Lx``, ``Lu``, ``Lxx``, ``Lxu`` and ``Luu`` are set.
+        x : ndarray (2n)
+            The state.
+        u : ndarray (n), optional
+            Torques and forces (N m, N); none unless given.
+        """
         x, q, v, tau = self._split(x, u)
         states, dt = len(x), self.step.dt
         _, l_x, l_u, l_xx, l_xu, l_uu = self.running_cost(x, tau)
@@ -104,7 +139,17 @@ class ActionModel(crocoddyl.ActionModelAbstract):  # type: ignore[misc,unused-ig
 
 
 class FinalModel(crocoddyl.ActionModelAbstract):  # type: ignore[misc,unused-ignore]
-    """The cost at the end: 1/2 (x - goal)' W (x - goal), W diagonal (2n)."""
+    """The cost at the end: 1/2 (x - goal)' W (x - goal).
+
+    Parameters
+    ----------
+    step : Step
+        The time step of the running models.
+    goal : array_like
+        The state (2n) from which deviations are counted.
+    weight : float or array_like
+        Diagonal of W (2n).
+    """
 
     def __init__(self, step: Step, goal: ArrayLike, weight: ArrayLike) -> None:
         states = 2 * step.dynamics.n
@@ -112,12 +157,32 @@ class FinalModel(crocoddyl.ActionModelAbstract):  # type: ignore[misc,unused-ign
         self.goal, self.w = _weights("goal", goal, states), _weights("weight", weight, states)
 
     def calc(self, data: Any, x: Any, u: Any = None) -> None:
-        """The cost."""
+        """Put the cost into ``data``, as Crocoddyl asks for.
+
+        Parameters
+        ----------
+        data : crocoddyl.ActionDataAbstract
+            ``xnext`` and ``cost`` are set.
+        x : ndarray (2n)
+            The state.
+        u : None
+            There is no control at the end.
+        """
         off = np.array(x, dtype=float) - self.goal
         data.xnext, data.cost = np.array(x, dtype=float), 0.5 * float(off @ (self.w * off))
 
     def calcDiff(self, data: Any, x: Any, u: Any = None) -> None:
-        """Its derivatives."""
+        """Put the derivatives of the cost into ``data``.
+
+        Parameters
+        ----------
+        data : crocoddyl.ActionDataAbstract
+            ``Lx`` and ``Lxx`` are set.
+        x : ndarray (2n)
+            The state.
+        u : None
+            There is no control at the end.
+        """
         data.Lx, data.Lxx = self.w * (np.array(x, dtype=float) - self.goal), np.diag(self.w)
 
 

@@ -19,7 +19,7 @@ except ImportError as _error:  # pragma: no cover
     raise ImportError("costate.jax needs JAX: pip install jax") from _error
 import numpy as np
 
-from ._costate import Dynamics, Step, _xla_handler
+from ._costate import Dynamics, Step, _xla_calls, _xla_handler
 from ._errors import argument_error
 
 if TYPE_CHECKING:
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
     _Order = Literal["any", "reverse"]
 
-__all__ = ["Model"]
+__all__ = ["Model", "calls"]
 
 _TARGET = "costate"
 _Function = Callable[[Any, Any, Any], Any]
@@ -76,7 +76,13 @@ def _call(owner: Dynamics | Step, verb: str, shape: tuple[int, ...]) -> Callable
         target: Callable[..., Any] = jax.ffi.ffi_call(_TARGET, result, vmap_method="broadcast_all")
         return target(*whole, function=number)
 
+    call.number = int(number)  # type: ignore[attr-defined]
     return call
+
+
+def _numbers(*calls: Any) -> dict[str, int]:
+    """The numbers of functions of `_call`."""
+    return dict(zip(("value", "jacobian", "hessian"), (call.number for call in calls), strict=True))
 
 
 def _primitive(name: str, function: Callable[..., Any], jvp: Callable[[Any, Any], tuple[Any, Any]]) -> Callable[..., Any]:
@@ -110,9 +116,11 @@ def _times(matrix: Any, vector: Any) -> Any:
     return jnp.einsum("...ij,...j->...i", matrix, vector)
 
 
-def _differentiable(names: tuple[str, str, str], n: int, calls: tuple[Any, Any, Any], m: int, order: _Order) -> _Function:
+def _differentiable(
+    names: tuple[str, str, str], n: int, of: tuple[Any, Any, Any], m: int, order: _Order, numbers: dict[str, int]
+) -> _Function:
     """A function of three vectors (n) with m results, of its value, Jacobian (m, 3n) and contracted Hessian (3n, 3n)."""
-    value_of, jacobian_of, hessian_of = calls
+    value_of, jacobian_of, hessian_of = of
 
     hessian = _primitive("hessian", hessian_of, _no_third)
 
@@ -155,7 +163,42 @@ def _differentiable(names: tuple[str, str, str], n: int, calls: tuple[Any, Any, 
             raise argument_error(names[0], f"the leading axes of {', '.join(names)} cannot be broadcast: {error}") from None
         return function(*(jnp.broadcast_to(part, leading + (n,)) for part in given))
 
+    checked.numbers = numbers  # type: ignore[attr-defined]
     return checked
+
+
+def calls(function: Any) -> dict[str, int]:
+    """At how many states XLA has evaluated a function of this module and its derivatives, in this process.
+
+    Compiling evaluates nothing. Functions of one `Dynamics` share their counts: those of ``aba`` in (q, v) are the Jacobians
+    and Hessians of ``f``. Results that JAX needs no more, and those of the same arguments, are not computed twice.
+
+    Parameters
+    ----------
+    function : callable
+        ``f``, ``aba`` or ``rnea`` of a `Model`, or what ``step`` returned.
+
+    Returns
+    -------
+    dict
+        ``"value"``, ``"jacobian"``, and ``"hessian"``: contractions, each with one costate.
+
+    Examples
+    --------
+    >>> import costate, costate.jax, jax, jax.numpy as jnp
+    >>> jax.config.update("jax_enable_x64", True)
+    >>> robot = costate.Robot.builder("cart").prismatic("rail", axis=[1, 0, 0], mass=2).build()
+    >>> model, zero = costate.jax.Model(costate.Dynamics(robot)), jnp.zeros((5, 1))
+    >>> _ = model.f(zero, zero, zero).block_until_ready()
+    >>> costate.jax.calls(model.f)
+    {'value': 5, 'jacobian': 0, 'hessian': 0}
+    """
+    model = getattr(function, "__self__", None)
+    if isinstance(model, Model):
+        function = getattr(model, f"_{function.__name__}", None)
+    if not hasattr(function, "numbers"):
+        raise argument_error("function", "function is none of costate.jax: give model.f, model.aba, model.rnea or a step")
+    return {name: _xla_calls(number) for name, number in function.numbers.items()}
 
 
 class Model:
@@ -208,8 +251,9 @@ class Model:
         def contracted(q: Any, v: Any, tau: Any, y: Any) -> Any:
             return hessian(q, v, tau, jnp.concatenate([jnp.zeros_like(y), y], -1))
 
-        calls = _call(at, "aba", (n,)), lambda *z: jacobian(*z)[..., n:, :], contracted
-        self._aba = _differentiable(("q", "v", "tau"), n, calls, n, order)
+        value = _call(at, "aba", (n,))
+        of = value, lambda *z: jacobian(*z)[..., n:, :], contracted
+        self._aba = _differentiable(("q", "v", "tau"), n, of, n, order, _numbers(value, jacobian, hessian))
 
     def _function(
         self,
@@ -220,21 +264,99 @@ class Model:
     ) -> _Function:
         n = self.dynamics.n
         shapes = ((m,), (m, 3 * n), (3 * n, 3 * n))
-        calls = [_call(owner, verb, shape) for verb, shape in zip(verbs, shapes, strict=True)]
-        return _differentiable(names, n, (calls[0], calls[1], calls[2]), m, self.order)
+        value, jacobian, hessian = (_call(owner, verb, shape) for verb, shape in zip(verbs, shapes, strict=True))
+        return _differentiable(names, n, (value, jacobian, hessian), m, self.order, _numbers(value, jacobian, hessian))
 
     def f(self, q: Any, v: Any, tau: Any) -> Any:
-        """The state equation dx/dt (..., 2n), as `Dynamics.f`."""
+        """The state equation dx/dt, as `Dynamics.f`.
+
+        Parameters
+        ----------
+        q : array_like (..., n)
+            Positions (rad, m).
+        v : array_like (..., n)
+            Velocities (rad/s, m/s); with the coordinates ``"qp"`` the momenta p.
+        tau : array_like (..., n)
+            Torques and forces (N m, N).
+
+        Returns
+        -------
+        jax.Array (..., 2n)
+            Equation (9) or (17), (19).
+
+        Raises
+        ------
+        ArgumentError
+            For another type or shape.
+        """
         return self._f(q, v, tau)
 
     def aba(self, q: Any, v: Any, tau: Any) -> Any:
-        """Forward dynamics: the accelerations (..., n), as `Dynamics.aba`."""
+        """Forward dynamics, as `Dynamics.aba`.
+
+        Parameters
+        ----------
+        q : array_like (..., n)
+            Positions (rad, m).
+        v : array_like (..., n)
+            Velocities (rad/s, m/s), in either coordinates.
+        tau : array_like (..., n)
+            Torques and forces (N m, N).
+
+        Returns
+        -------
+        jax.Array (..., n)
+            Accelerations (rad/s^2, m/s^2).
+
+        Raises
+        ------
+        ArgumentError
+            For another type or shape.
+        """
         return self._aba(q, v, tau)
 
     def rnea(self, q: Any, v: Any, a: Any) -> Any:
-        """Inverse dynamics: the torques (..., n), as `Dynamics.rnea`."""
+        """Inverse dynamics, as `Dynamics.rnea`.
+
+        Parameters
+        ----------
+        q : array_like (..., n)
+            Positions (rad, m).
+        v : array_like (..., n)
+            Velocities (rad/s, m/s), in either coordinates.
+        a : array_like (..., n)
+            Accelerations (rad/s^2, m/s^2).
+
+        Returns
+        -------
+        jax.Array (..., n)
+            Torques and forces (N m, N).
+
+        Raises
+        ------
+        ArgumentError
+            For another type or shape.
+        """
         return self._rnea(q, v, a)
 
     def step(self, scheme: _Scheme, dt: float) -> _Function:
-        """One time step: a function of (q, v, tau) whose result is the next state (..., 2n), as `Step.f`."""
+        """One time step, as `Step.f`.
+
+        Parameters
+        ----------
+        scheme : {"rk4", "midpoint", "verlet", "semi_implicit_euler"}
+            As in `Step`.
+        dt : float
+            Duration (s).
+
+        Returns
+        -------
+        callable
+            A function of (q, v, tau) whose result is the next state (..., 2n).
+
+        Raises
+        ------
+        ArgumentError
+            As `Step`.
+        """
         return self._function(Step(self.dynamics, scheme, dt), ("f", "jacobian", "hessian"), 2 * self.dynamics.n)

@@ -198,18 +198,102 @@ class Model:
         self._aba = _function(_Methods(n, at.aba, jacobian, hessian))
 
     def f(self, q: Any, v: Any, tau: Any) -> Any:
-        """The state equation dx/dt (..., 2n), as `Dynamics.f`."""
+        """The state equation dx/dt, as `Dynamics.f`.
+
+        Parameters
+        ----------
+        q : torch.Tensor (..., n)
+            Positions (rad, m).
+        v : torch.Tensor (..., n)
+            Velocities (rad/s, m/s); with the coordinates ``"qp"`` the momenta p.
+        tau : torch.Tensor (..., n)
+            Torques and forces (N m, N).
+
+        Returns
+        -------
+        torch.Tensor (..., 2n)
+            Equation (9) or (17), (19).
+
+        Raises
+        ------
+        ArgumentError
+            For another type or shape.
+        StateError
+            For a state that cannot be evaluated.
+        """
         return self._f(q, v, tau)
 
     def aba(self, q: Any, v: Any, tau: Any) -> Any:
-        """Forward dynamics: the accelerations (..., n), as `Dynamics.aba`."""
+        """Forward dynamics, as `Dynamics.aba`.
+
+        Parameters
+        ----------
+        q : torch.Tensor (..., n)
+            Positions (rad, m).
+        v : torch.Tensor (..., n)
+            Velocities (rad/s, m/s), in either coordinates.
+        tau : torch.Tensor (..., n)
+            Torques and forces (N m, N).
+
+        Returns
+        -------
+        torch.Tensor (..., n)
+            Accelerations (rad/s^2, m/s^2).
+
+        Raises
+        ------
+        ArgumentError
+            For another type or shape.
+        StateError
+            For a state that cannot be evaluated.
+        """
         return self._aba(q, v, tau)
 
     def rnea(self, q: Any, v: Any, a: Any) -> Any:
-        """Inverse dynamics: the torques (..., n), as `Dynamics.rnea`."""
+        """Inverse dynamics, as `Dynamics.rnea`.
+
+        Parameters
+        ----------
+        q : torch.Tensor (..., n)
+            Positions (rad, m).
+        v : torch.Tensor (..., n)
+            Velocities (rad/s, m/s), in either coordinates.
+        a : torch.Tensor (..., n)
+            Accelerations (rad/s^2, m/s^2).
+
+        Returns
+        -------
+        torch.Tensor (..., n)
+            Torques and forces (N m, N).
+
+        Raises
+        ------
+        ArgumentError
+            For another type or shape.
+        StateError
+            For a state that cannot be evaluated.
+        """
         return self._rnea(q, v, a)
 
     def step(self, scheme: _Scheme, dt: float) -> _Function:
-        """One time step: a function of (q, v, tau) whose result is the next state (..., 2n), as `Step.f`."""
+        """One time step, as `Step.f`.
+
+        Parameters
+        ----------
+        scheme : {"rk4", "midpoint", "verlet", "semi_implicit_euler"}
+            As in `Step`.
+        dt : float
+            Duration (s).
+
+        Returns
+        -------
+        callable
+            A function of (q, v, tau) whose result is the next state (..., 2n).
+
+        Raises
+        ------
+        ArgumentError
+            As `Step`.
+        """
         step = Step(self.dynamics, scheme, dt)
         return _function(_Methods(self.dynamics.n, step.f, step.jacobian, step.hessian))

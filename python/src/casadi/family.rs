@@ -3,7 +3,7 @@
 use super::layout::{PARTS, Part};
 use super::models::Spec;
 use crate::cores::Order;
-use crate::function::Engine;
+use crate::engine::Engine;
 use std::ffi::CString;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};

@@ -2,9 +2,9 @@
 
 use super::layout::{Block, Description};
 use crate::cores::{Core, Order, Writer, core_of};
+use crate::engine::Engine;
 use crate::engines::engine_of;
 use crate::errors::Failure;
-use crate::function::Engine;
 use crate::schemes::{self, Known, SCHEMES};
 use costate::Coordinates;
 use costate::codegen::{CodegenError, Quantity, Variable};
@@ -77,9 +77,13 @@ impl Spec {
                 in_velocities([Quantity::InverseDynamics, Quantity::TauZ, Quantity::YTauZZ])
             }
             Kind::Step { scheme, dt, coordinates } => {
-                let (n, (_, build)): (usize, Known) = (self.robot.dof(), SCHEMES[scheme]);
+                let (_, build): Known = SCHEMES[scheme];
                 let steps = build.steps(&self.robot, coordinates)?;
-                Ok(Engine::new(move || schemes::core(steps(), dt, order, n)))
+                Ok(Engine::new(move || {
+                    core_of(steps(), move |step, inputs, outputs| {
+                        schemes::evaluate(step, dt, order, inputs, outputs)
+                    })
+                }))
             }
             Kind::Frame(frame) => {
                 let workspace = Kinematics::<f64>::new(&self.robot);

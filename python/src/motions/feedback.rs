@@ -15,7 +15,7 @@ impl FeedbackCore {
     /// Numbers by their name.
     fn array<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
         let Self(feedback) = self;
-        let n = feedback.dof();
+        let (n, m) = (feedback.dof(), feedback.state());
         let all = |part: &dyn Fn(usize) -> Vec<f64>| -> Vec<f64> {
             (0..feedback.points()).flat_map(part).collect()
         };
@@ -25,26 +25,45 @@ impl FeedbackCore {
             "final_time_by_start" => return vector(feedback.time_by_start()),
             "final_time_by_end" => return vector(feedback.time_by_end()),
             "cost_gradient" => return vector(feedback.cost_gradient()),
-            "cost_hessian" => (feedback.cost_hessian().to_vec(), [2 * n, 2 * n]),
-            "states_by_start" => (all(&|point| feedback.states_by_start(point).to_vec()), [2 * n, 2 * n]),
-            "states_by_end" => (all(&|point| feedback.states_by_end(point).to_vec()), [2 * n, 2 * n]),
-            "torques_by_start" => (all(&|point| feedback.torques_by_start(point).to_vec()), [n, 2 * n]),
-            "torques_by_end" => (all(&|point| feedback.torques_by_end(point).to_vec()), [n, 2 * n]),
+            "cost_hessian" => (feedback.cost_hessian().to_vec(), [m, m]),
+            "states_by_start" => (all(&|point| feedback.states_by_start(point).to_vec()), [m, m]),
+            "states_by_end" => (all(&|point| feedback.states_by_end(point).to_vec()), [m, m]),
+            "torques_by_start" => (all(&|point| feedback.torques_by_start(point).to_vec()), [n, m]),
+            "torques_by_end" => (all(&|point| feedback.torques_by_end(point).to_vec()), [n, m]),
             _ => return Err(argument(py, "name", format!("there is no array '{name}'"))),
         };
         Ok(matrices(py, numbers, shape)?.into_any())
     }
 
-    /// K at times (s); None where something is free at the start.
+    /// All numbers, from which `of` makes the same.
+    fn numbers<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_vec(py, self.0.to_numbers())
+    }
+
+    /// Number of joints.
+    #[getter]
+    fn n(&self) -> usize {
+        self.0.dof()
+    }
+
+    /// Of n joints, with these numbers.
+    #[staticmethod]
+    fn of(n: usize, given: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let found = Feedback::from_numbers(n, &numbers(given, "numbers", None)?);
+        let refused = || argument(given.py(), "numbers", "these are not the numbers of a feedback".into());
+        found.map(Self).ok_or_else(refused)
+    }
+
+    /// K at times (s); None where accelerations are continuous.
     fn gain<'py>(&self, py: Python<'py>, times: &Bound<'py, PyAny>) -> PyResult<Option<Bound<'py, PyAny>>> {
-        let n = self.0.dof();
+        let (n, m) = (self.0.dof(), self.0.state());
         let times = numbers(times, "times", None)?;
-        let mut all = vec![0.0; 2 * n * n * times.len()];
-        for (&t, gain) in times.iter().zip(all.chunks_exact_mut(2 * n * n)) {
+        let mut all = vec![0.0; n * m * times.len()];
+        for (&t, gain) in times.iter().zip(all.chunks_exact_mut(n * m)) {
             if !self.0.gain(t, gain) {
                 return Ok(None);
             }
         }
-        Ok(Some(matrices(py, all, [n, 2 * n])?.into_any()))
+        Ok(Some(matrices(py, all, [n, m])?.into_any()))
     }
 }

@@ -155,7 +155,8 @@ impl ProblemCore {
         let problem = slf.clone();
         let recipe = Recipe::default().then(py, "_of_problem", named!(py, problem));
         let known = this.problem.robot.warnings().to_vec();
-        Robot::warned(py, this.problem.robot.clone(), recipe, &known)
+        let robot = Robot::warned(py, this.problem.robot.clone(), recipe, &known)?;
+        Ok(robot.looking_like(this.robot.look.clone()))
     }
 
     /// The options of the solver as JSON.

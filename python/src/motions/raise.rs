@@ -88,10 +88,12 @@ pub fn resolve(py: Python<'_>, error: ResolveError) -> PyErr {
         ResolveError::Evaluation(error) => evaluation(py, error),
         ResolveError::WrongLength { what, .. }
         | ResolveError::NotFinite { what, .. }
+        | ResolveError::FreeAcceleration { what }
         | ResolveError::Outside { what, .. } => argument(py, what, message),
         ResolveError::NoEntry { table, .. }
         | ResolveError::Task { table, .. }
         | ResolveError::NoTool { table, .. } => argument(py, table, message),
+        ResolveError::Periodic => argument(py, "end", message),
         ResolveError::NoLimit { kind, .. } => argument(py, kind, message),
         ResolveError::Payload(_) | ResolveError::NoMass => argument(py, "payload", message),
         _ => motion(message),

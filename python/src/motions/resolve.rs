@@ -4,11 +4,14 @@ use super::arrays::{matrix, numbers};
 use super::feedback::FeedbackCore;
 use super::raise;
 use crate::errors::{argument, evaluation};
+use crate::signals::Signals;
 use costate::robot::LinkInertia;
 use costate_control::{
     Budget, MotionParameter, Obstacle, Payload, Reference, Resolve, ResolveError, ResolveStatus,
 };
 use pyo3::prelude::*;
+use std::cell::Cell;
+use std::ops::ControlFlow;
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
@@ -19,11 +22,26 @@ pub struct ResolveCore {
     n: usize,
 }
 
-/// What solving again gave: status, steps, cost, gap, violation, whether limits are kept, seconds.
-type Resolved = (&'static str, usize, f64, f64, f64, bool, f64);
+/// What solving again gave: status, steps, cost, gap, violation, whether limits are kept, seconds; and the
+/// exception of a signal that ended it.
+type Resolved = (&'static str, usize, f64, f64, f64, bool, f64, Option<Py<PyAny>>);
 
 /// Derivatives of cost, T, states (points, 2n) and torques (points, n).
 type Derivative<'py> = (f64, f64, Bound<'py, PyAny>, Bound<'py, PyAny>);
+
+thread_local! {
+    /// The address of the solver that this thread uses.
+    static IN_USE: Cell<usize> = const { Cell::new(0) };
+}
+
+/// While it lives, this thread uses a solver; with the one that it used before.
+struct InUse(usize);
+
+impl Drop for InUse {
+    fn drop(&mut self) {
+        IN_USE.set(self.0);
+    }
+}
 
 impl ResolveCore {
     pub fn new(inner: Resolve) -> Self {
@@ -31,8 +49,20 @@ impl ResolveCore {
     }
 
     /// Runs `work` once no other call uses the solver.
-    fn with<R: Send>(&self, py: Python<'_>, work: impl FnOnce(&mut Resolve) -> R + Send) -> R {
-        py.detach(|| work(&mut self.inner.lock().unwrap_or_else(PoisonError::into_inner)))
+    ///
+    /// # Errors
+    /// `RuntimeError` where this thread uses it already: in the handler of a signal that came during a solve.
+    fn with<R: Send>(&self, py: Python<'_>, work: impl FnOnce(&mut Resolve) -> R + Send) -> PyResult<R> {
+        let this = std::ptr::from_ref(self).addr();
+        if IN_USE.get() == this {
+            let message = "this Resolve is solving; the handler of a signal cannot use it";
+            return Err(pyo3::exceptions::PyRuntimeError::new_err(message));
+        }
+        Ok(py.detach(|| {
+            let mut motion = self.inner.lock().unwrap_or_else(PoisonError::into_inner);
+            let _in_use = InUse(IN_USE.replace(this));
+            work(&mut motion)
+        }))
     }
 
     /// The same for what can be refused.
@@ -41,7 +71,7 @@ impl ResolveCore {
         py: Python<'_>,
         work: impl FnOnce(&mut Resolve) -> Result<(), ResolveError> + Send,
     ) -> PyResult<()> {
-        self.with(py, work).map_err(|error| raise::resolve(py, error))
+        self.with(py, work)?.map_err(|error| raise::resolve(py, error))
     }
 }
 
@@ -55,6 +85,26 @@ impl ResolveCore {
     fn set_end(&self, py: Python<'_>, q: &Bound<'_, PyAny>, v: &Bound<'_, PyAny>) -> PyResult<()> {
         let (q, v) = (numbers(q, "q", Some(self.n))?, numbers(v, "v", Some(self.n))?);
         self.set(py, |motion| motion.set_end(&q, &v))
+    }
+
+    fn set_via(
+        &self,
+        py: Python<'_>,
+        number: usize,
+        q: &Bound<'_, PyAny>,
+        v: &Bound<'_, PyAny>,
+    ) -> PyResult<()> {
+        let (q, v) = (numbers(q, "q", Some(self.n))?, numbers(v, "v", Some(self.n))?);
+        self.set(py, |motion| motion.set_via(number, &q, &v))
+    }
+
+    /// Accelerations at the start, or at the end.
+    fn set_acceleration(&self, py: Python<'_>, at_end: bool, a: &Bound<'_, PyAny>) -> PyResult<()> {
+        let a = numbers(a, "a", Some(self.n))?;
+        self.set(py, |motion| match at_end {
+            true => motion.set_end_acceleration(&a),
+            false => motion.set_start_acceleration(&a),
+        })
     }
 
     /// The position of a tool: at the start, at the end or of a cost.
@@ -84,8 +134,8 @@ impl ResolveCore {
         self.set(py, |motion| motion.set_start_time(time))
     }
 
-    fn advance(&self, py: Python<'_>, dt: f64) {
-        self.with(py, |motion| motion.advance(dt));
+    fn advance(&self, py: Python<'_>, dt: f64) -> PyResult<()> {
+        self.with(py, |motion| motion.advance(dt))
     }
 
     /// With at most so many Newton steps and seconds; with the limits of the options where neither is given.
@@ -98,25 +148,32 @@ impl ResolveCore {
             }
             None => None,
         };
-        let found = self.with(py, |motion| match (steps, time) {
-            (None, None) => motion.solve(),
-            (steps, time) => {
-                let budget = Budget::steps(steps.unwrap_or(usize::MAX));
-                motion.solve_again(time.map_or(budget, |time| budget.within(time)))
-            }
-        });
+        let mut signals = Signals::default();
+        let found = self.with(py, |motion| {
+            let budget = match (steps, time) {
+                (None, None) => motion.budget(),
+                (steps, None) => Budget::steps(steps.unwrap_or(usize::MAX)),
+                (steps, Some(time)) => Budget::steps(steps.unwrap_or(usize::MAX)).within(time),
+            };
+            motion.solve_until(budget, || match signals.came() {
+                true => ControlFlow::Break(()),
+                false => ControlFlow::Continue(()),
+            })
+        })?;
+        let raised = signals.raised().map(|raised| raised.into_value(py).into_any());
         let found = found.map_err(|error| evaluation(py, error))?;
         let status = match found.status {
             ResolveStatus::Solved => "solved",
             ResolveStatus::Iterations => "iterations",
             ResolveStatus::OutOfTime => "out_of_time",
+            ResolveStatus::Cancelled => "cancelled",
             _ => "no_progress",
         };
         let (kept, seconds) = (found.keeps_limits(), found.time.as_secs_f64());
-        Ok((status, found.iterations, found.cost, found.gap, found.violation, kept, seconds))
+        Ok((status, found.iterations, found.cost, found.gap, found.violation, kept, seconds, raised))
     }
 
-    fn final_time(&self, py: Python<'_>) -> f64 {
+    fn final_time(&self, py: Python<'_>) -> PyResult<f64> {
         self.with(py, |motion| motion.final_time().unwrap_or(f64::NAN))
     }
 
@@ -129,7 +186,7 @@ impl ResolveCore {
                 motion.state_at(t, &mut z).map(|()| z)
             };
             times.iter().map(row).collect::<Result<Vec<_>, _>>()
-        });
+        })?;
         Ok(matrix(py, &rows.map_err(|error| raise::resolve(py, error))?, 3 * self.n)?.into_any())
     }
 
@@ -142,12 +199,12 @@ impl ResolveCore {
                 motion.torques_at(t, &mut torques).map(|()| torques)
             };
             times.iter().map(row).collect::<Result<Vec<_>, _>>()
-        });
+        })?;
         Ok(matrix(py, &rows.map_err(|error| raise::resolve(py, error))?, self.n)?.into_any())
     }
 
     fn feedback(&self, py: Python<'_>) -> PyResult<Option<FeedbackCore>> {
-        let found = self.with(py, |motion| motion.feedback().map(|found| found.cloned()));
+        let found = self.with(py, |motion| motion.feedback().map(|found| found.cloned()))?;
         Ok(found.map_err(|error| evaluation(py, error))?.map(FeedbackCore))
     }
 
@@ -165,9 +222,12 @@ impl ResolveCore {
             "a_max" => MotionParameter::AccelerationMax(joint),
             "torque_max" => MotionParameter::TorqueMax(joint),
             "power_max" => MotionParameter::PowerMax(joint),
+            "jerk_max" => MotionParameter::JerkMax(joint),
+            "torque_rate_max" => MotionParameter::TorqueRateMax(joint),
             _ => {
                 let message = format!(
-                    "there is no limit '{limit}'; give q_min, q_max, v_max, a_max, torque_max or power_max"
+                    "there is no limit '{limit}'; give q_min, q_max, v_max, a_max, torque_max, \
+                     power_max, jerk_max or torque_rate_max"
                 );
                 return Err(argument(py, "limit", message));
             }
@@ -195,13 +255,14 @@ impl ResolveCore {
         py: Python<'py>,
         parameter: &MotionParameter,
     ) -> PyResult<Option<Derivative<'py>>> {
-        let found = self.with(py, |motion| motion.derivative_by(parameter));
+        let found = self.with(py, |motion| motion.derivative_by(parameter))?;
         let Some(found) = found.map_err(|error| raise::resolve(py, error))? else { return Ok(None) };
         let rows = |numbers: &[f64], columns: usize| {
             let rows: Vec<Vec<f64>> = numbers.chunks_exact(columns).map(<[f64]>::to_vec).collect();
             PyResult::Ok(matrix(py, &rows, columns)?.into_any())
         };
-        let (states, torques) = (rows(&found.states, 2 * self.n)?, rows(&found.torques, self.n)?);
+        let state = self.n * found.states.len() / found.torques.len();
+        let (states, torques) = (rows(&found.states, state)?, rows(&found.torques, self.n)?);
         Ok(Some((found.cost, found.final_time, states, torques)))
     }
 }

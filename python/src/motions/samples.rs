@@ -22,6 +22,21 @@ impl SamplesCore {
 
 #[pymethods]
 impl SamplesCore {
+    /// Of arrays: times, then rows of q, v, a, tau and u, the phases, and the names of the joints.
+    #[staticmethod]
+    fn of(t: Vec<f64>, rows: [Vec<Vec<f64>>; 5], phase: Vec<usize>, joints: Vec<String>) -> PyResult<Self> {
+        let mut samples = Samples::default();
+        (samples.rate, samples.t, samples.phase) = (f64::NAN, t, phase);
+        let fit = |rows: &Vec<Vec<f64>>| {
+            rows.len() == samples.t.len() && rows.iter().all(|row| row.len() == joints.len())
+        };
+        if !rows.iter().all(fit) {
+            return Err(super::raise::motion("arrays of samples whose shapes do not fit each other"));
+        }
+        [samples.q, samples.v, samples.a, samples.tau, samples.u] = rows;
+        Ok(Self { samples, joints })
+    }
+
     /// One of t, q, v, a, tau, u and phase.
     fn array<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
         let Samples { t, q, v, a, tau, u, phase, .. } = &self.samples;

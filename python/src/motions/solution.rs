@@ -5,12 +5,14 @@ use super::raise;
 use super::samples::SamplesCore;
 use super::steps::{Step, step};
 use crate::errors::{argument, robot};
+use crate::look::Look;
+use crate::robot::Robot;
+use costate::robot::RobotFormat;
 use costate_control::{CostDerivative, Gains, Method, Problem, Solution, Trajectory, cost_by_parameters};
-use costate_report::models::of_urdf;
-use costate_report::{ReportOptions, report, text};
+use costate_report::{ReportOptions, report, stage_json, text};
 use numpy::PyArray1;
 use pyo3::prelude::*;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 /// A solution, the problem that it solves, and how long that took (s).
@@ -35,6 +37,35 @@ impl SolutionCore {
     pub fn solution(&self) -> &Solution {
         &self.solution
     }
+
+    /// How links look: as a URDF says, or else that of the robot; and what is missing of it.
+    fn options(
+        py: Python<'_>,
+        of: &Robot,
+        urdf: Option<PathBuf>,
+        packages: &[PathBuf],
+    ) -> PyResult<(ReportOptions, Vec<String>)> {
+        let found = match (urdf, &of.look) {
+            (Some(path), _) => {
+                let content = std::fs::read_to_string(&path)?;
+                let look = Look::new(&content, RobotFormat::Urdf, Some(&path));
+                look.map(|look| look.models(packages)).transpose().map_err(|error| robot(py, &error))?
+            }
+            // The robot was read: what is wrong with its models alone is no error.
+            (None, Some(look)) => match look.models(packages) {
+                Ok(found) => Some(found),
+                Err(error) => {
+                    return Ok((
+                        ReportOptions::default(),
+                        vec![format!("visual models are left out: {error}")],
+                    ));
+                }
+            },
+            (None, None) => None,
+        };
+        let found = found.unwrap_or_default();
+        Ok((ReportOptions::default().with_models(found.links), found.warnings))
+    }
 }
 
 #[pymethods]
@@ -58,24 +89,29 @@ impl SolutionCore {
         text::explanation(&self.problem, &self.solution).unwrap_or_else(status)
     }
 
-    /// The report of the motion as HTML, with the visual models of a URDF, and what is missing of these.
+    /// The report of the motion as HTML, with the visual models of a URDF or of the robot, and what is
+    /// missing of these.
     fn html(
         &self,
         py: Python<'_>,
+        robot: &Robot,
         urdf: Option<PathBuf>,
         packages: Vec<PathBuf>,
     ) -> PyResult<(String, Vec<String>)> {
-        let mut options = ReportOptions::default();
-        let mut warnings = Vec::new();
-        if let Some(path) = urdf {
-            let content = std::fs::read_to_string(&path)?;
-            let folder = path.parent().unwrap_or(Path::new("."));
-            let found = of_urdf(&content, folder, &packages);
-            let found = found.map_err(|error| robot(py, &error))?;
-            warnings = found.warnings;
-            options = options.with_models(found.links);
-        }
+        let (options, warnings) = Self::options(py, robot, urdf, &packages)?;
         Ok((report(&self.problem, &self.solution, &options), warnings))
+    }
+
+    /// What the stage of the report shows, as JSON, and what is missing.
+    fn stage(
+        &self,
+        py: Python<'_>,
+        robot: &Robot,
+        urdf: Option<PathBuf>,
+        packages: Vec<PathBuf>,
+    ) -> PyResult<(String, Vec<String>)> {
+        let (options, warnings) = Self::options(py, robot, urdf, &packages)?;
+        Ok((stage_json(&self.problem, &self.solution, &options), warnings))
     }
 
     /// Whether the motion is a solution of the problem, or of its smoothed form.

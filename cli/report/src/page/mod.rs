@@ -18,6 +18,11 @@ const COLOURS: &str = include_str!("colours.css");
 const STYLE: &str = include_str!("page.css");
 const PLOT_STYLE: &str = include_str!("plots.css");
 
+/// What the stage shows.
+pub fn stage(motion: &Motion<'_>) -> String {
+    stage::stage(motion).to_string()
+}
+
 /// The parts of the page that its script fills.
 const STAGE: &str = include_str!("stage.html");
 

@@ -165,10 +165,15 @@ impl Page {
     }
 
     /// Sends an event of the mouse with its left button.
-    pub fn mouse(&mut self, kind: &str, [x, y]: [f64; 2], clicks: u32) {
+    pub fn mouse(&mut self, kind: &str, at: [f64; 2], clicks: u32) {
+        self.mouse_with(kind, at, clicks, 0);
+    }
+
+    /// The same with keys that are held.
+    fn mouse_with(&mut self, kind: &str, [x, y]: [f64; 2], clicks: u32, modifiers: u32) {
         let button = if kind == "mouseMoved" && clicks == 0 { "none" } else { "left" };
         let buttons = u32::from(kind != "mouseReleased" && clicks > 0);
-        let event = json!({ "type": kind, "x": x, "y": y, "button": button, "buttons": buttons, "clickCount": clicks });
+        let event = json!({ "type": kind, "x": x, "y": y, "button": button, "buttons": buttons, "clickCount": clicks, "modifiers": modifiers });
         self.send("Input.dispatchMouseEvent", event);
     }
 
@@ -189,13 +194,18 @@ impl Page {
 
     /// Drags from one place to another.
     pub fn drag(&mut self, from: [f64; 2], to: [f64; 2]) {
-        self.mouse("mouseMoved", from, 0);
-        self.mouse("mousePressed", from, 1);
+        self.drag_with(from, to, 0);
+    }
+
+    /// The same with keys that are held, by the bits of the protocol.
+    pub fn drag_with(&mut self, from: [f64; 2], to: [f64; 2], modifiers: u32) {
+        self.mouse_with("mouseMoved", from, 0, modifiers);
+        self.mouse_with("mousePressed", from, 1, modifiers);
         for part in [0.5, 1.0] {
             let at = [0, 1].map(|k| from[k] + part * (to[k] - from[k]));
-            self.mouse("mouseMoved", at, 1);
+            self.mouse_with("mouseMoved", at, 1, modifiers);
         }
-        self.mouse("mouseReleased", to, 1);
+        self.mouse_with("mouseReleased", to, 1, modifiers);
     }
 
     /// Presses a key.

@@ -76,12 +76,68 @@ fn limits_have_derivatives() {
 }
 
 #[test]
+fn other_kinds_of_motions_have_feedback() {
+    let via = "[[via]]\nq = [0.5, 1.0]\n[cost]";
+    let found = |text: &str| {
+        let file = folder("feedback_kinds").join("feedback.json");
+        let path = file.to_str().unwrap();
+        let output = optimize("feedback_kinds", text, &["--feedback", path, "--sample", "100Hz"]);
+        assert!(output.status.success(), "{output:?}");
+        let found: Value = serde_json::from_str(&std::fs::read_to_string(&file).unwrap()).unwrap();
+        assert_eq!(found["t"].as_array().unwrap().len(), 101, "{found}");
+        found
+    };
+    assert!(found(&two_link().replace("[cost]", via)).get("gain_q").is_some());
+    assert!(found(&two_link().replace("[end]", "q_free = [1]\n[end]")).get("gain_q").is_some());
+}
+
+#[test]
 fn what_has_no_feedback_is_told() {
     let says = |text: &str, words: &str| {
         let output = optimize("feedback_refused", text, &["--feedback", "-"]);
         let message = String::from_utf8_lossy(&output.stderr).into_owned();
         assert!(!output.status.success() && message.contains(words), "{message}");
     };
-    says(&two_link().replace("effort = [1.0, 1.0]", "effort = [1.0, 1.0]\njerk = [0.1, 0.1]"), "cost.jerk");
-    says(&two_link().replace("[end]", "q_free = [1]\n[end]"), "something is free at the start");
+    says(&two_link().replace("effort = [1.0, 1.0]", "effort = [1.0, 1.0]\njerk = [0.1, 0.1]"), "continuous");
+    // No motion.
+    let fast = "effort = [1.0, 1.0]\n[limits]\nv_max = [0.5, 0.5]";
+    says(&two_link().replace("effort = [1.0, 1.0]", fast), "feedback");
+}
+
+/// Masses that are carried by the problem file and the power of all joints are among the parameters.
+#[test]
+fn payloads_and_the_power_of_all_joints_have_derivatives() {
+    let file = folder("feedback_masses").join("feedback.json");
+    let path = file.to_str().unwrap();
+    let text = |mass: f64, power: f64| {
+        let own = two_link();
+        let (robot, rest) = own.split_once('\n').unwrap();
+        let robot = robot.replace("robot = ", "[robot]\nfile = ");
+        let payload =
+            format!("[[robot.payload]]\nframe = \"elbow\"\nmass = {mass:?}\ncom = [1.0, 0.0, 0.0]\n");
+        format!("{robot}\n{payload}{rest}[limits]\nfrom_robot = false\ntotal_power_max = {power:?}\n")
+    };
+    let options = ["--polish=false"];
+    let (mass, power) = (0.5, 40.0);
+    let output =
+        optimize("feedback_masses", &text(mass, power), &[&["--feedback", path][..], &options].concat());
+    assert!(output.status.success(), "{output:?}");
+    let found: Value = serde_json::from_str(&std::fs::read_to_string(&file).unwrap()).unwrap();
+    let parameters = found["derivatives"]["parameters"].as_array().unwrap();
+    let by = |name: &str, joint: &str| {
+        let own = parameters.iter().find(|row| row["name"] == name && row["joint"] == joint);
+        own.unwrap_or_else(|| panic!("{name} of {joint}"))["cost"].as_f64().unwrap()
+    };
+    let cost = |mass: f64, power: f64| {
+        let found =
+            optimize("feedback_masses_again", &text(mass, power), &[&["--json"][..], &options].concat());
+        json(&found)["cost"].as_f64().unwrap()
+    };
+    for (name, joint, [dm, dp]) in
+        [("robot.payload.mass", "elbow", [0.01, 0.0]), ("limits.total_power_max", "all joints", [0.0, 0.2])]
+    {
+        let difference = (cost(mass + dm, power + dp) - cost(mass - dm, power - dp)) / (2.0 * (dm + dp));
+        let derivative = by(name, joint);
+        assert!((derivative / difference - 1.0).abs() < 0.01, "{name}: {derivative} {difference}");
+    }
 }

@@ -1,7 +1,7 @@
 //! Wrong and impossible input: every key of limits, costs, times, tools and obstacles, with exit status,
 //! line, key and culprit.
 
-use super::missing::{IMPOSSIBLE, Missing, WRONG, and, arm, with};
+use super::missing::{Missing, WRONG, and, arm, with};
 
 #[test]
 fn lists_of_joints_of_a_wrong_form_are_named() {
@@ -12,14 +12,23 @@ fn lists_of_joints_of_a_wrong_form_are_named() {
         ("limits", "v_max"),
         ("limits", "a_max"),
         ("limits", "torque_max"),
+        ("limits", "jerk_max"),
+        ("limits", "torque_rate_max"),
         ("limits", "power_max"),
         ("limits", "corner_speed"),
         ("limits", "no_load_speed"),
         ("bounds", "u_min"),
         ("actuation", "gain"),
+        ("cost", "jerk"),
+        ("cost", "torque_rate"),
     ];
     for (table, key) in lists {
         let other = if key == "u_min" { "\nu_max = [9.0, 9.0]" } else { "" };
+        // The table is there already, its header in line 8.
+        let (text, line): (&dyn Fn(&str) -> String, usize) = match table {
+            "cost" => (&|lines| with("[cost]", &format!("[cost]\n{lines}")), 9),
+            _ => (&|lines| and(table, lines), 11),
+        };
         let whole = format!("{table}.{key}: ");
         for (value, parts) in [
             ("[]", &["has 0 entries, the robot has 2 joints"][..]),
@@ -33,10 +42,11 @@ fn lists_of_joints_of_a_wrong_form_are_named() {
             ("{ elbow = 2.0 }", &["give a list of numbers, not a table"]),
         ] {
             let parts = [parts, &[&whole]].concat();
-            missing.check(&and(table, &format!("{key} = {value}{other}")), WRONG, Some(11), &parts);
+            missing.check(&text(&format!("{key} = {value}{other}")), WRONG, Some(line), &parts);
         }
     }
-    for key in ["v_max", "a_max", "power_max", "corner_speed", "no_load_speed"] {
+    for key in ["v_max", "a_max", "jerk_max", "torque_rate_max", "power_max", "corner_speed", "no_load_speed"]
+    {
         for value in ["-1.0", "0.0", "-inf"] {
             let text = and("limits", &format!("{key} = [2.0, {value}]"));
             missing.check(&text, WRONG, Some(11), &[key, "'elbow' must be positive"]);
@@ -76,8 +86,11 @@ fn numbers_and_flags_of_limits_times_and_costs_are_checked() {
         let energy = with("effort", &format!("energy = {value}\neffort"));
         let parts: &[&str] = if value == "-1.0" { &["'shoulder'", negative] } else { &["'shoulder'"] };
         missing.check(&energy, WRONG, Some(9), &[parts, &["cost.energy: "]].concat());
-        let effort = with("effort = [1.0, 1.0]", &format!("effort = [1.0, {value}]"));
-        missing.check(&effort, WRONG, Some(9), &["cost.effort: ", "'elbow'"]);
+        for key in ["effort", "jerk", "torque_rate"] {
+            let text = with("[cost]", &format!("[cost]\n{key} = [1.0, {value}]"));
+            let text = if key == "effort" { text.replace("\neffort = [1.0, 1.0]", "") } else { text };
+            missing.check(&text, WRONG, Some(9), &[&format!("cost.{key}: "), "'elbow'"]);
+        }
     }
     for (text, line, parts) in [
         (with("final = 1.0", "final = inf"), 7, &["time.final: ", "finite"][..]),
@@ -239,35 +252,4 @@ fn obstacles_and_bodies_are_checked() {
     ] {
         missing.check(&arm(&text), WRONG, Some(line), parts);
     }
-}
-
-#[test]
-fn what_cannot_be_done_is_told_with_what_has_to_give() {
-    let mut missing = Missing::new("input_impossible");
-    let limits = |lines: &str| and("limits", &format!("from_robot = false\n{lines}"));
-    for (text, parts) in [
-        // Half a radian in a second.
-        (
-            limits("v_max = [inf, 0.4]"),
-            &["rate limit 0.4 rad/s of joint 'elbow' gives by 0.1", "none does in less than 1.25 s"][..],
-        ),
-        // From bound to bound a radian in a second takes 4 rad/s^2.
-        (
-            limits("a_max = [3.0, inf]"),
-            &["acceleration limit", "'shoulder' gives by 1", "none does in less than 1.155 s"],
-        ),
-        (
-            limits("torque_max = [1.0, 1.0]"),
-            &["torque limit", "'shoulder' gives by", "N m (at t = ", "with a final time of", "nearby only"],
-        ),
-        (limits("total_power_max = 0.5"), &["power limit", "all joints gives by", "W (at t = "]),
-        (
-            limits("v_max = [1.01, 9.0]\na_max = [4.1, 9.0]"),
-            &["of joint 'shoulder' gives by", "none does in less than 1.236 s"],
-        ),
-    ] {
-        missing.check(&text, IMPOSSIBLE, None, parts);
-    }
-    let slow = arm("[[keep]]\nkind = \"speed\"\nframe = \"tool0\"\nspeed = 0.5\n");
-    missing.check(&slow, IMPOSSIBLE, None, &["the speed of the tool 'tool0' gives by", "m/s (at t = "]);
 }

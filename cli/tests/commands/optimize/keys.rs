@@ -26,6 +26,8 @@ fn changes_of_the_robot_are_checked() {
         ("armature = { elbow = \"a\" }", &["robot.armature.elbow: give a number"]),
         ("armature = { elbow = -1 }", &["'elbow' is -1"]),
         ("friction = { elbo = { viscous = 1 } }", &["robot.friction: ", near]),
+        ("friction = 3", &["robot.friction: give true, false or a table, not 3"]),
+        ("friction = \"on\"", &["robot.friction: give true, false or a table, not the string"]),
         ("friction = { elbow = 3 }", &["robot.friction.elbow: give a table"]),
         ("friction = { elbow = { viscous = -1 } }", &["viscous friction of joint 'elbow' is -1"]),
         ("friction = { elbow = { visc = 1 } }", &["robot.friction.elbow.visc: unknown key", "`viscous`"]),
@@ -232,6 +234,23 @@ fn limits_of_the_robot_that_are_not_given_stay() {
     let free = "limits = { shoulder_lift_joint = { velocity = inf } }";
     let output = optimize("keys_limits", &with_limits(free), &["--json", "--time-limit", "20"]);
     assert!(!stderr(&output).contains("velocity of joint 'shoulder_lift_joint'"), "{}", stderr(&output));
+}
+
+/// The number of starts of the file, or of the command line.
+#[test]
+fn several_starts_are_asked_for() {
+    let found = |text: &str, more: &[&str]| {
+        let found = json(&optimize("keys_starts", text, &[&["--json", "--verify", "none"], more].concat()));
+        (found["starts"].as_array().unwrap().len(), found["options"]["starts"].as_u64().unwrap())
+    };
+    let text = and("solver", "starts = 2");
+    assert_eq!(found(&text, &[]), (2, 2));
+    assert_eq!(found(&text, &["--starts", "3"]), (3, 3));
+    for (value, part) in [("0", "1 or more"), ("some", "1 or more"), ("2000000", "between 1 and 1000000")] {
+        let output = optimize("keys_starts", &text, &["--starts", value]);
+        assert_eq!(output.status.code(), Some(2), "{value}");
+        assert!(stderr(&output).contains("starts") && stderr(&output).contains(part), "{}", stderr(&output));
+    }
 }
 
 /// An empty list of tools is none: the end stays given.

@@ -3,7 +3,6 @@
 use crate::bvp::collocation::lobatto::Lobatto;
 use crate::numerics::almost_block_diagonal::{AlmostBlockDiagonal, SingularMatrix};
 use crate::numerics::lu;
-use costate::matrix::add_scaled;
 
 /// An interval: its length, the Jacobians of the slopes at its nodes, and its block in the matrix.
 #[derive(Clone, Copy)]
@@ -35,6 +34,8 @@ pub(crate) struct Condensed {
     exchanges: Vec<usize>,
     /// `[U_L U_R]`, 2m wide.
     ends: Vec<f64>,
+    /// `h b_l G_l` of all inner points side by side.
+    weighted: Vec<f64>,
 }
 
 impl Condensed {
@@ -47,6 +48,7 @@ impl Condensed {
             factors: vec![0.0; size * size],
             exchanges: vec![0; size],
             ends: vec![0.0; size * 2 * m],
+            weighted: vec![0.0; m * size],
         }
     }
 
@@ -90,22 +92,21 @@ impl Condensed {
         }
         lu::solve(&self.factors, size, &self.exchanges, &mut self.ends, width);
         let b = method.weights();
-        for c in 0..m {
-            let row = matrix.block_row_mut(block, c);
+        let rows = matrix.block_mut(block);
+        for (c, row) in rows.chunks_exact_mut(width).enumerate() {
             for d in 0..m {
                 row[d] = -h * b[0] * left[c * m + d];
                 row[m + d] = -h * b[s - 1] * right[c * m + d];
             }
             row[c] -= 1.0;
             row[m + c] += 1.0;
-            for e in 0..size {
-                let (l, d) = (e / m, e % m);
-                let factor = -h * b[l + 1] * self.jacobians[(l * m + c) * m + d];
-                if factor != 0.0 {
-                    add_scaled(row, factor, &self.ends[e * width..(e + 1) * width]);
-                }
+            for l in 0..inner {
+                let jacobian = &self.jacobians[(l * m + c) * m..(l * m + c + 1) * m];
+                let weighted = &mut self.weighted[c * size + l * m..][..m];
+                weighted.iter_mut().zip(jacobian).for_each(|(to, from)| *to = h * b[l + 1] * from);
             }
         }
+        lu::subtract_product(rows, width, &self.weighted, size, &self.ends);
         Ok(())
     }
 

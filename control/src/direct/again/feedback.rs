@@ -1,71 +1,139 @@
 //! How an optimal motion changes with its ends: what a controller needs near it.
 
+use crate::direct::limits::ends::Ends;
 use crate::direct::motion::shape::{PLACES, POINTS};
+use crate::direct::motion::spline::Spline;
+use crate::numerics::lagrange::values;
 
 /// Derivatives of an optimal motion by its start and its end, at its points: neighbouring optimal feedback.
 ///
-/// States x = (q, v) have 2n entries, n joints; matrices are row by row. A motion that starts at `x_0 + dx_0`
-/// has at the same part of its time the state `x + X dx_0` and the torques `tau + tau_x0 dx_0`, and its
-/// duration changes by `T_x0 . dx_0`, up to terms in the square of dx_0. So a state that is off by dx at the
-/// time t is led to the end at the least cost by
+/// States x = (q, v) have 2n entries, n joints; where accelerations are continuous x = (q, v, a) with 3n.
+/// Matrices are row by row, m = [`state`](Self::state) entries for a state. A motion that starts at
+/// `x_0 + dx_0` has at the same part of the time of its phase the state `x + X dx_0` and the torques
+/// `tau + tau_x0 dx_0`, and its duration changes by `T_x0 . dx_0`, up to terms in the square of dx_0. So a
+/// state that is off by dx at the time t is led to the end at the least cost by
 ///
 /// $$ \Delta\tau = K(t) \Delta x, \qquad K = \frac{\partial \tau}{\partial x_0}
 ///    \left( \frac{\partial x}{\partial x_0} \right)^{-1} $$
 ///
+/// with x_0 all of the state at the start of the phase, also where the problem leaves some of it free, and
+/// derivatives at constant time where a later time is given, so that the time that is left matters. Where
+/// accelerations are continuous there is no gain: the control is the jerk then, and X is too ill-conditioned
+/// to tell it. The end of a periodic motion is led to where that of this motion is. All this holds
 /// as long as the same limits are active. Limits are those of the barrier problem at the gap at which the
 /// motion was solved, or at a wider one where that is so stiff that rounding would show: an active limit is
 /// an equation to about 1e-5. K next to the ends of arcs at limits is as good as the mesh: that of a two-link
-/// arm with an elbow at its torque limit from the start is that of solving again to 4 % of its largest entry
+/// arm with an elbow at its torque limit from the start is that of solving again to 6 % of its largest entry
 /// with tolerances from 1e-4 to 1e-8, where no limit is active to 0.2 %. Where the
 /// end is given, gains grow without bound towards it: [`gain`](Self::gain) holds that of 98 % of the time.
 ///
 /// The derivatives come from the factorised equations of Newton's method by a substitution for each column,
-/// without an evaluation of the dynamics. A. E. Bryson, Y.-C. Ho, Applied Optimal Control, 1975, section 6.4.
+/// without an evaluation of the dynamics. Gains after a via, and those of motions whose start is not all
+/// given, need the equations of the rest of the motion, which are factorised once for each phase.
+/// A. E. Bryson, Y.-C. Ho, Applied Optimal Control, 1975, section 6.4.
 #[derive(Clone, Debug, Default)]
 pub struct Feedback {
     dof: usize,
-    /// Nodes, in parts of the time.
+    /// Entries of a state.
+    state: usize,
+    /// Nodes, phase p from p to p + 1; the times of the phases, and those of the points.
     nodes: Vec<f64>,
-    time: f64,
-    /// X by the start and by the end, 2n x 2n a point.
+    lengths: Vec<f64>,
+    times: Vec<f64>,
+    /// X by the start and by the end, m x m a point.
     pub(super) states_by: [Vec<f64>; 2],
-    /// n x 2n a point.
+    /// n x m a point.
     pub(super) torques_by: [Vec<f64>; 2],
     pub(super) time_by: [Vec<f64>; 2],
-    /// K, n x 2n a point.
+    /// K, n x m at each of Gauss's points.
     pub(super) gains: Vec<f64>,
-    pub(super) has_gain: bool,
     pub(super) cost_x: Vec<f64>,
     pub(super) cost_xx: Vec<f64>,
-    /// One change of an end, and none.
-    pub(super) change: Vec<f64>,
-    pub(super) none: Vec<f64>,
-    /// 2n x 3n.
+    /// Changes of the unknowns at each end of a phase.
+    pub(super) changes: Vec<Vec<f64>>,
+    /// By the start of its phase: X and the control at each of Gauss's points.
+    pub(super) own_states: Vec<f64>,
+    pub(super) own_controls: Vec<f64>,
+    /// For each phase, what is given at the ends if its start is.
+    pub(super) given: Vec<Ends>,
+    /// q, v, a and the jerk at a place.
+    pub(super) z: Vec<f64>,
+    /// m x (m + n).
     pub(super) work: Vec<f64>,
     pub(super) exchanges: Vec<usize>,
 }
 
-/// Gains grow without bound towards a given end; they are held from this part of the time on.
+/// Gains grow without bound towards what is given; they are held from this part of the time of a phase on.
 const HELD: f64 = 0.98;
 
 impl Feedback {
-    pub(super) fn resize(&mut self, n: usize, nodes: &[f64], time: f64) {
-        let points = POINTS * (nodes.len() - 1);
-        (self.dof, self.time) = (n, time);
-        self.nodes.clear();
-        self.nodes.extend_from_slice(nodes);
+    pub(super) fn resize(&mut self, spline: &Spline) {
+        let (n, m, points) = (spline.dof, spline.node(), spline.mesh.points());
+        let gauss_points = POINTS * spline.mesh.intervals();
+        (self.dof, self.state) = (n, m);
+        self.nodes.clone_from(&spline.mesh.nodes);
+        self.lengths.clone_from(&spline.times);
+        self.times.clear();
+        self.times.extend((0..points).map(|p| spline.time_of(p)));
         for end in 0..2 {
-            self.states_by[end].resize(4 * n * n * points, 0.0);
-            self.torques_by[end].resize(2 * n * n * points, 0.0);
-            self.time_by[end].resize(2 * n, 0.0);
+            self.states_by[end].resize(m * m * points, 0.0);
+            self.torques_by[end].resize(n * m * points, 0.0);
+            self.time_by[end].resize(m, 0.0);
         }
-        self.gains.resize(2 * n * n * points, 0.0);
-        self.cost_x.resize(2 * n, 0.0);
-        self.cost_xx.resize(4 * n * n, 0.0);
-        self.change.resize(2 * n, 0.0);
-        self.none.resize(2 * n, 0.0);
-        self.work.resize(6 * n * n, 0.0);
-        self.exchanges.resize(2 * n, 0);
+        self.gains.resize(n * m * gauss_points, 0.0);
+        self.own_states.resize(m * m * gauss_points, 0.0);
+        self.own_controls.resize(n * m * gauss_points, 0.0);
+        self.cost_x.resize(m, 0.0);
+        self.cost_xx.resize(m * m, 0.0);
+        self.changes.resize_with(spline.times.len() + 1, Vec::new);
+        self.changes.iter_mut().for_each(|change| change.resize(m, 0.0));
+        self.work.resize(m * (m + n), 0.0);
+        self.exchanges.resize(m, 0);
+        self.z.resize(4 * n, 0.0);
+    }
+
+    /// All its numbers one after the other, to keep them or to send them to another process.
+    pub fn to_numbers(&self) -> Vec<f64> {
+        let mut copy = self.clone();
+        let mut all = vec![self.state as f64];
+        for list in copy.lists() {
+            all.push(list.len() as f64);
+            all.extend_from_slice(list);
+        }
+        all
+    }
+
+    /// The feedback of n joints with these [numbers](Self::to_numbers); `None` where their count does not
+    /// fit.
+    pub fn from_numbers(dof: usize, numbers: &[f64]) -> Option<Self> {
+        let (&state, mut rest) = numbers.split_first()?;
+        let mut feedback = Self { dof, state: state as usize, ..Self::default() };
+        for list in feedback.lists() {
+            let (&count, behind) = rest.split_first()?;
+            let (here, behind) = behind.split_at_checked(count as usize)?;
+            list.extend_from_slice(here);
+            rest = behind;
+        }
+        (rest.is_empty() && feedback.fits()).then_some(feedback)
+    }
+
+    /// Whether all lists have the lengths that belong to the nodes and times.
+    fn fits(&self) -> bool {
+        let (n, m, points, nodes) = (self.dof, self.state, self.times.len(), self.nodes.len());
+        let of_ends = self.states_by.iter().chain(&self.torques_by).chain(&self.time_by);
+        let of_ends = of_ends
+            .map(Vec::len)
+            .eq([m * m, m * m, n * m, n * m].map(|size| size * points).into_iter().chain([m, m]));
+        let is_state = n > 0 && (m == 2 * n || m == 3 * n) && nodes >= 2 && !self.lengths.is_empty();
+        let gains = n * m * POINTS * nodes.saturating_sub(1);
+        is_state && of_ends && [&self.gains, &self.cost_x, &self.cost_xx].map(Vec::len) == [gains, m, m * m]
+    }
+
+    /// The lists that make it up.
+    fn lists(&mut self) -> impl Iterator<Item = &mut Vec<f64>> {
+        let Self { nodes, lengths, times, states_by, torques_by, time_by, gains, cost_x, cost_xx, .. } = self;
+        let by_ends = [states_by, torques_by, time_by].into_iter().flatten();
+        [nodes, lengths, times].into_iter().chain(by_ends).chain([gains, cost_x, cost_xx])
     }
 
     /// Number of joints, n.
@@ -73,39 +141,43 @@ impl Feedback {
         self.dof
     }
 
+    /// Entries of a state, m: 2n, or 3n where accelerations are continuous.
+    pub fn state(&self) -> usize {
+        self.state
+    }
+
     /// Number of points.
     pub fn points(&self) -> usize {
-        POINTS * self.nodes.len().saturating_sub(1)
+        self.times.len()
     }
 
     /// The time of a point (s).
     pub fn time(&self, point: usize) -> f64 {
-        let (k, j) = (point / POINTS, point % POINTS);
-        self.time * (self.nodes[k] + PLACES[j] * (self.nodes[k + 1] - self.nodes[k]))
+        self.times[point]
     }
 
-    /// X at a point, 2n x 2n: the derivative of x = (q, v) there by the state at the start. Columns of what
-    /// is free at the start are zero.
+    /// X at a point, m x m: the derivative of x there by the state at the start. Columns of what is free at
+    /// the start are zero.
     pub fn states_by_start(&self, point: usize) -> &[f64] {
-        self.part(&self.states_by[0], point, 4)
+        self.part(&self.states_by[0], point, self.state)
     }
 
     /// The same by the state at the end.
     pub fn states_by_end(&self, point: usize) -> &[f64] {
-        self.part(&self.states_by[1], point, 4)
+        self.part(&self.states_by[1], point, self.state)
     }
 
-    /// Derivatives of the torques and forces at a point by the state at the start, n x 2n.
+    /// Derivatives of the torques and forces at a point by the state at the start, n x m.
     pub fn torques_by_start(&self, point: usize) -> &[f64] {
-        self.part(&self.torques_by[0], point, 2)
+        self.part(&self.torques_by[0], point, self.dof)
     }
 
     /// The same by the state at the end.
     pub fn torques_by_end(&self, point: usize) -> &[f64] {
-        self.part(&self.torques_by[1], point, 2)
+        self.part(&self.torques_by[1], point, self.dof)
     }
 
-    /// Derivatives of the final time by the state at the start, 2n; zero where it is fixed.
+    /// Derivatives of the final time by the state at the start, m; zero where it is fixed.
     pub fn time_by_start(&self) -> &[f64] {
         &self.time_by[0]
     }
@@ -115,45 +187,49 @@ impl Feedback {
         &self.time_by[1]
     }
 
-    /// dJ/dx_0, 2n: minus the costate of (q, v) at the start.
+    /// dJ/dx_0, m: minus the costate of the state at the start.
     pub fn cost_gradient(&self) -> &[f64] {
         &self.cost_x
     }
 
-    /// The second derivatives of the least cost by the state at the start, 2n x 2n, symmetric.
+    /// The second derivatives of the least cost by the state at the start, m x m, symmetric.
     pub fn cost_hessian(&self) -> &[f64] {
         &self.cost_xx
     }
 
-    /// K at a point, n x 2n (N m/rad, N m s/rad; N/m, N s/m); `None` where something is free at the start.
+    /// K at a point, n x 2n (N m/rad, N m s/rad; N/m, N s/m). `None` where accelerations are continuous:
+    /// jerks may jump at a point; [`gain`](Self::gain) has what is between them.
     pub fn gain_at_point(&self, point: usize) -> Option<&[f64]> {
-        self.has_gain.then(|| self.part(&self.gains, point, 2))
+        (self.state == 2 * self.dof).then(|| self.part(&self.gains, point, self.dof))
     }
 
-    /// Writes K(t), n x 2n, at time t (s): a parabola through the points of each interval. False, and nothing
-    /// is written, where something is free at the start, `gain` has not 2 n^2 entries or t is NaN; t beyond
-    /// the ends counts as that of the end.
+    /// Writes K(t), n x m, at time t (s): a parabola through Gauss's points of each interval. False, and
+    /// nothing is written, where `gain` has not n m entries, t is NaN or accelerations are continuous; t
+    /// beyond the ends counts as that of the end.
     pub fn gain(&self, t: f64, gain: &mut [f64]) -> bool {
-        if !self.has_gain || gain.len() != 2 * self.dof * self.dof || t.is_nan() {
+        if self.state != 2 * self.dof || self.dof == 0 || gain.len() != self.dof * self.state || t.is_nan() {
             return false;
         }
-        let s = (t / self.time).clamp(0.0, HELD);
+        let (mut phase, mut rest) = (0, t.max(0.0));
+        while phase + 1 < self.lengths.len() && rest >= self.lengths[phase] {
+            rest -= self.lengths[phase];
+            phase += 1;
+        }
+        let s = phase as f64 + (rest / self.lengths[phase]).min(HELD);
         let last = self.nodes.len() - 2;
         let k = self.nodes.partition_point(|&node| node <= s).saturating_sub(1).min(last);
         let x = (s - self.nodes[k]) / (self.nodes[k + 1] - self.nodes[k]);
         gain.fill(0.0);
-        for (j, place) in PLACES.into_iter().enumerate() {
-            let others = (0..POINTS).filter(|&l| l != j);
-            let factor: f64 = others.map(|l| (x - PLACES[l]) / (place - PLACES[l])).product();
-            let at_point = self.part(&self.gains, POINTS * k + j, 2);
+        for (j, factor) in values(&PLACES, x).into_iter().enumerate() {
+            let at_point = self.part(&self.gains, POINTS * k + j, self.dof);
             gain.iter_mut().zip(at_point).for_each(|(to, from)| *to += factor * from);
         }
         true
     }
 
-    /// `rows` n^2 entries of a point.
+    /// `rows` rows of a point.
     fn part<'a>(&self, all: &'a [f64], point: usize, rows: usize) -> &'a [f64] {
-        let size = rows * self.dof * self.dof;
+        let size = rows * self.state;
         &all[size * point..][..size]
     }
 }

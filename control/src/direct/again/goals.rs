@@ -1,13 +1,21 @@
-//! Where the positions of tools are among the rows of a task.
+//! Where the positions and orientations of tools are among the rows of a task.
 
 use super::resolve_error::ResolveError;
 use crate::problem::{Task, ToolOrientation, ToolPose};
 
-/// For each tool at the start, at the end and of the costs: the rows of its coordinates, `None` for free
-/// ones.
+/// For each tool at the start, at the end and of the costs: its rows.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Goals {
-    rows: [Vec<[Option<usize>; 3]>; 3],
+    rows: [Vec<Rows>; 3],
+}
+
+/// The rows of a tool.
+#[derive(Clone, Copy, Debug)]
+struct Rows {
+    /// Of its coordinates, `None` for free ones.
+    position: [Option<usize>; 3],
+    /// The first one of its orientation.
+    orientation: Option<usize>,
 }
 
 impl Goals {
@@ -26,29 +34,38 @@ impl Goals {
         tool: usize,
         position: &[f64; 3],
     ) -> Result<[Option<usize>; 3], ResolveError> {
-        let found = self.rows[list].get(tool).filter(|rows| rows.iter().any(Option::is_some));
-        let Some(&rows) = found else { return Err(ResolveError::NoTool { table, entry: tool }) };
+        let found = self.rows[list].get(tool).map(|rows| rows.position);
+        let Some(rows) = found.filter(|rows| rows.iter().any(Option::is_some)) else {
+            return Err(ResolveError::NoTool { table, entry: tool });
+        };
         match (0..3).find(|&k| rows[k].is_some() && !position[k].is_finite()) {
             Some(entry) => Err(ResolveError::NotFinite { what: table, entry }),
             None => Ok(rows),
         }
     }
+
+    /// The first row of the orientation of such a tool.
+    pub fn orientation(&self, table: &'static str, list: usize, tool: usize) -> Result<usize, ResolveError> {
+        let found = self.rows[list].get(tool).and_then(|rows| rows.orientation);
+        found.ok_or(ResolveError::NoOrientation { table, entry: tool })
+    }
 }
 
-fn rows<'a>(poses: impl Iterator<Item = &'a ToolPose>) -> Vec<[Option<usize>; 3]> {
+fn rows<'a>(poses: impl Iterator<Item = &'a ToolPose>) -> Vec<Rows> {
     let mut count = 0;
     let mut of = |pose: &ToolPose| {
         let position = pose.position.unwrap_or([f64::INFINITY; 3]);
-        let rows = position.map(|x| {
+        let position = position.map(|x| {
             count += usize::from(x.is_finite());
             x.is_finite().then(|| count - 1)
         });
+        let orientation = pose.orientation.as_ref().map(|_| count);
         count += match pose.orientation {
             None => 0,
             Some(ToolOrientation::Axis { .. }) => 2,
             Some(ToolOrientation::Full(_)) => 3,
         };
-        rows
+        Rows { position, orientation }
     };
     poses.map(&mut of).collect()
 }
@@ -75,6 +92,12 @@ mod tests {
         for tool in [1, 3] {
             assert_eq!(found(tool), Err(ResolveError::NoTool { table: "end.tool", entry: tool }));
         }
+        assert_eq!(
+            (goals.orientation("end.tool", 1, 0), goals.orientation("end.tool", 1, 1)),
+            (Ok(2), Ok(4))
+        );
+        let none = ResolveError::NoOrientation { table: "end.tool", entry: 2 };
+        assert_eq!(goals.orientation("end.tool", 1, 2), Err(none));
         assert!(goals.rows("end.tool", 1, 2, &[free, f64::NAN, 0.0]).is_err());
         let robot = Robot::from_file("../robots/ur5.urdf").unwrap();
         let problem = Problem::rest_to_rest(robot, &[0.0; 6], &[0.0; 6], 1.0).with_task(task);

@@ -5,12 +5,19 @@
 
 pub(super) mod feedback;
 pub(super) mod goals;
+mod limit_sides;
 mod motion_at;
 pub(super) mod motion_derivative;
 pub(super) mod neighbours;
+mod orientations;
+mod other_limits;
 pub(super) mod parameter_columns;
+mod phase_gains;
 pub(super) mod resolve;
 pub(super) mod resolve_error;
 pub(super) mod resolved;
 mod settings;
 pub(super) mod start;
+
+#[cfg(test)]
+mod allocation_tests;

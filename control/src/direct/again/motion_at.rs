@@ -44,7 +44,9 @@ impl Resolve {
         let mut z = std::mem::take(&mut self.z);
         let state = self.state_at(t, &mut z);
         let found = state.and_then(|()| {
-            let tau = self.model.inverse_dynamics(&z[..n], &z[n..2 * n], &z[2 * n..])?;
+            let spline = &self.shown.spline;
+            let phase = spline.mesh.phase(spline.mesh.place(spline.place_of(t)).0);
+            let tau = self.models[phase].inverse_dynamics(&z[..n], &z[n..2 * n], &z[2 * n..])?;
             for ((to, tau), limits) in torques.iter_mut().zip(tau).zip(&self.limits) {
                 *to = tau.clamp(limits.torque[0], limits.torque[1]);
             }

@@ -3,11 +3,11 @@
 use super::parameter_columns::Column;
 use super::resolve::Resolve;
 use super::resolve_error::ResolveError;
-use crate::direct::limits::side::{Limited, Side};
+use crate::direct::points::phases::PhaseDynamics;
 use crate::direct::points::values::{PointDynamics, RobotPoints};
 use crate::numerics::chain::dot;
 use crate::problem::Payload;
-use costate::robot::LinkInertia;
+use costate::robot::{LinkInertia, Robot};
 
 /// A number that an optimal motion depends on. Joints are counted from 0.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,6 +26,13 @@ pub enum MotionParameter {
     TorqueMax(usize),
     /// The largest power of a joint, in both directions (W).
     PowerMax(usize),
+    /// The largest power of all joints together, in both directions (W); of a robot with one joint ask for
+    /// [`PowerMax`](Self::PowerMax).
+    TotalPowerMax,
+    /// The largest jerk of a joint, in both directions (rad/s^3, m/s^3).
+    JerkMax(usize),
+    /// The largest rate of the torque of a joint, in both directions (N m/s, N/s).
+    TorqueRateMax(usize),
     /// The mass of a body that the robot carries, with its centre and the shape of its inertia (kg).
     PayloadMass(Payload),
 }
@@ -55,7 +62,8 @@ pub struct MotionDerivative {
     pub cost: f64,
     /// dT/dtheta; zero where it is fixed.
     pub final_time: f64,
-    /// Derivatives of (q, v) at each point at the same part of the time, 2n each.
+    /// Derivatives of the state at each point at the same part of the time of its phase: (q, v), 2n each;
+    /// with continuous accelerations (q, v, a), 3n each.
     pub states: Vec<f64>,
     /// The same of the torques and forces, n each.
     pub torques: Vec<f64>,
@@ -86,28 +94,19 @@ impl Resolve {
         match parameter {
             MotionParameter::PayloadMass(payload) => {
                 let unit = one_kilogram(&payload.inertia).ok_or(ResolveError::NoMass)?;
-                let robot = self.robot.with_payload(&payload.frame, &unit);
-                let robot = robot.map_err(|error| ResolveError::Payload(error.to_string()))?;
+                let heavy = |robot: &Robot| robot.with_payload(&payload.frame, &unit);
+                let robots: Result<Vec<Robot>, _> = self.robots.iter().map(heavy).collect();
+                let robots = robots.map_err(|error| ResolveError::Payload(error.to_string()))?;
                 let mut points = self.interior.points.clone();
-                RobotPoints::new(&robot).contract(&mut points)?;
+                PhaseDynamics::new(&robots, RobotPoints::new).contract(&mut points)?;
+                points.evaluate_rates(&self.interior.spline);
                 self.interior.mass_column(&points, &mut column);
                 heavier = Some(points);
             }
             limit => {
-                let (limited, joint, sign, moves) = of_limit(limit);
-                let row = |side: &Side| side.limited == limited && side.joint == joint;
-                let sides = self.interior.barrier.sides();
-                let falls = limited == Limited::Torque
-                    && sides.iter().any(|side| {
-                        side.limited == Limited::TorqueSpeed
-                            && self.interior.model.powers.joint(side.joint) == Some(joint)
-                    });
-                let is_side =
-                    |side: &Side| row(side) && !side.is_equation && (sign == 0.0 || side.sign == sign);
-                if falls || !sides.iter().any(is_side) {
-                    return Err(ResolveError::NoLimit { kind: limited.name(), joint });
-                }
-                self.interior.limit_column(|side| if is_side(side) { moves } else { 0.0 }, &mut column);
+                let (sides, _) = self.sides_of(limit)?;
+                let moves = if matches!(limit, MotionParameter::PositionMin(_)) { -1.0 } else { 1.0 };
+                self.interior.limit_column(|side| if sides.has(side) { moves } else { 0.0 }, &mut column);
             }
         }
         self.interior.respond_to(&mut column);
@@ -120,28 +119,13 @@ impl Resolve {
         for p in 0..self.interior.points.count() {
             self.interior.change_of_z(p, 0);
             let (dz, points) = (&self.interior.trial.dz, &self.interior.points);
-            found.states.extend_from_slice(&dz[..2 * n]);
+            found.states.extend_from_slice(&dz[..self.interior.spline.node()]);
             for (i, row) in points.tau_z(p).chunks_exact(3 * n).enumerate() {
                 let own = heavier.as_ref().map_or(0.0, |heavier| heavier.tau(p)[i] - points.tau(p)[i]);
                 found.torques.push(dot(row, dz) + own);
             }
         }
         Ok(Some(found))
-    }
-}
-
-/// What a parameter limits, the joint, the sign of its side (0 for both), and by what the distance to it
-/// changes.
-fn of_limit(parameter: &MotionParameter) -> (Limited, usize, f64, f64) {
-    match parameter {
-        MotionParameter::PositionMin(joint) => (Limited::Position, *joint, 1.0, -1.0),
-        MotionParameter::PositionMax(joint) => (Limited::Position, *joint, -1.0, 1.0),
-        MotionParameter::VelocityMax(joint) => (Limited::Rate, *joint, 0.0, 1.0),
-        MotionParameter::AccelerationMax(joint) => (Limited::Acceleration, *joint, 0.0, 1.0),
-        MotionParameter::PowerMax(joint) => (Limited::Power, *joint, 0.0, 1.0),
-        MotionParameter::TorqueMax(joint) => (Limited::Torque, *joint, 0.0, 1.0),
-        // Has no side.
-        MotionParameter::PayloadMass(_) => (Limited::Torque, usize::MAX, 0.0, 0.0),
     }
 }
 

@@ -12,8 +12,11 @@
 
 use crate::direct::interior::iterate::Interior;
 use crate::direct::limits::side::{Limited, Side};
-use crate::direct::newton::interval::add_gradient;
+use crate::direct::motion::shape::POINTS;
+use crate::direct::newton::interval::{add_gradient, add_local};
 use crate::direct::newton::point_terms::{Work, add_row};
+use crate::direct::newton::rate_rows::RateRows;
+use crate::direct::points::rates::Term;
 use crate::direct::points::values::{PointDynamics, Points};
 use crate::numerics::chain::dot;
 
@@ -39,6 +42,7 @@ impl Column {
 impl<D: PointDynamics> Interior<D> {
     /// The column of a number by which the distance to each side changes like this.
     pub(super) fn limit_column(&mut self, change: impl Fn(&Side) -> f64, column: &mut Column) {
+        let mut rows = std::mem::take(&mut self.system.rate_rows);
         let (spline, points, barrier) = (&self.spline, &self.points, &self.barrier);
         let (n, node) = (spline.dof, spline.node());
         column.reset(spline.unknowns.len(), spline.times.len());
@@ -77,6 +81,35 @@ impl<D: PointDynamics> Interior<D> {
                     }
                 } else {
                     column.unknowns[place] += factor;
+                }
+            }
+        }
+        for k in 0..if barrier.rate_sides().is_empty() { 0 } else { spline.mesh.intervals() } {
+            let wanted = |at: usize| entry(at, barrier.side(at)).is_some();
+            rows.for_each(k, (spline, points, barrier), wanted, |at, i, row, by_time| {
+                let Some((cost, factor)) = entry(at, &barrier.rate_sides()[i]) else { return };
+                column.cost += cost;
+                add_local(spline, k, row, factor, &mut column.unknowns);
+                column.times[spline.mesh.phase(k)] += by_time * factor;
+            });
+        }
+        self.system.rate_rows = rows;
+    }
+
+    /// What rates of torques add to the column of a mass: each is a sum of torques over T.
+    fn add_torque_rates(&self, rows: &mut RateRows, heavier: &Points, column: &mut Column) {
+        let (spline, points, n) = (&self.spline, &self.points, self.spline.dof);
+        for k in 0..if points.rates.has_torques { spline.mesh.intervals() } else { 0 } {
+            rows.differentiate_torques(k, spline, points);
+            let (phase, inverse) = (spline.mesh.phase(k), 1.0 / spline.clock(k));
+            for p in POINTS * k..POINTS * (k + 1) {
+                for i in 0..n {
+                    let at = n * p + i;
+                    let change = heavier.rates.torque[at] - points.rates.torque[at];
+                    let Term { first, second, slope, .. } = points.rates.torque_terms[at];
+                    let by_time = rows.take_torque_rate(k, p % POINTS, i, spline, points);
+                    add_local(spline, k, &rows.row, -second * change, &mut column.unknowns);
+                    column.times[phase] -= (slope + second * by_time - inverse * first[0]) * change;
                 }
             }
         }
@@ -136,6 +169,9 @@ impl<D: PointDynamics> Interior<D> {
             let part = spline.mesh.point(p).1;
             column.times[spline.mesh.phase(k)] += dot(&work.z[0], &work.z_t) - part * cost;
         }
+        let mut rows = std::mem::take(&mut self.system.rate_rows);
+        self.add_torque_rates(&mut rows, heavier, column);
+        self.system.rate_rows = rows;
     }
 
     /// How the motion changes with a number, from its column and equations that are factorised at this

@@ -11,6 +11,7 @@ use crate::options::{Method, SolverOptions};
 use crate::problem::error::ProblemError;
 use crate::problem::limits::JointLimits;
 use crate::problem::{BoundaryState, Problem};
+use crate::progress::Cancel;
 use crate::result::trajectory::Trajectory;
 use crate::solve::recorder::Interruption;
 use crate::task::build::TaskRows;
@@ -18,13 +19,15 @@ use costate::EvalError;
 use costate::lagrangian::Lagrangian;
 use costate::robot::Robot;
 use std::fmt;
+use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
 /// A problem that is solved again and again on one mesh, with other starts, ends, goals, references and
 /// places of obstacles.
 ///
-/// The mesh has `(nodes - 1) / 3` equal intervals of the [options](SolverOptions::nodes), whose tolerance is
-/// that of each solve. The first solve begins at the guess of [`Solver`](crate::Solver). Every later one
+/// The mesh has `(nodes - 1) / 3` equal intervals of the [options](SolverOptions::nodes), a quarter of the
+/// points where accelerations are continuous, shared between the phases; their tolerance is that of each
+/// solve. The first solve begins at the guess of [`Solver`](crate::Solver). Every later one
 /// begins at the motion that is optimal for the new ends to first order ([`Feedback`]), with the multipliers
 /// it has there and the barrier where the last solve ended. After the first solve, and the first
 /// [`feedback`](Self::feedback), nothing is allocated.
@@ -51,11 +54,14 @@ pub struct Resolve {
     pub(super) interior: Interior<Dynamics>,
     options: SolverOptions,
     pub(super) limits: Vec<JointLimits>,
-    /// With what it carries.
-    pub(super) robot: Robot,
-    pub(super) model: Lagrangian<f64>,
-    /// (q, v) at start and end.
-    pub(super) states: [Vec<f64>; 2],
+    /// In each phase, with what it carries.
+    pub(super) robots: Vec<Robot>,
+    /// Those of all phases.
+    pub(super) models: Vec<Lagrangian<f64>>,
+    /// The unknowns at the ends of phases: q, v, with continuous accelerations a.
+    pub(super) states: Vec<Vec<f64>>,
+    /// q(T) - q(0) of a periodic motion.
+    pub(super) shift: Option<Vec<f64>>,
     pub(super) goals: Goals,
     /// Number of obstacles.
     pub(super) obstacles: usize,
@@ -67,6 +73,7 @@ pub struct Resolve {
     damping: f64,
     /// Longest time of a Newton step.
     longest: Duration,
+    cancel: Option<Cancel>,
     pub(super) started: bool,
     /// Whether the equations are factorised near the iterate.
     pub(super) factorised: bool,
@@ -77,8 +84,7 @@ impl Resolve {
     /// The limits of the robot are kept unless the problem says otherwise.
     ///
     /// # Errors
-    /// [`ProblemError`] as [`Solver::new`](crate::Solver::new), and [`ProblemError::NotAgain`] for limits or
-    /// costs of jerks and rates of torques, given accelerations, vias and periodic motions.
+    /// [`ProblemError`] as [`Solver::new`](crate::Solver::new).
     pub fn new(problem: &Problem, options: SolverOptions) -> Result<Self, ProblemError> {
         Self::begin(problem, options, problem.limits.from_robot.unwrap_or(true), None)
     }
@@ -109,31 +115,50 @@ impl Resolve {
         let problem = &problem.clone().with_limits(problem.limits.clone().with_from_robot(from_robot));
         let rows = TaskRows::new(problem)?;
         problem.check_for(Method::Direct)?;
-        Self::takes(problem)?;
         options.check()?;
         let n = problem.robot.dof();
-        let state = |state: &BoundaryState| [&state.q[..], &state.v].concat();
+        let interior = match near {
+            Some((motion, nodes)) => interior_on(problem, &rows, &options, 0, Some(motion), &nodes),
+            None => interior(problem, &rows, &options, 0, None),
+        };
+        let state = |state: BoundaryState| {
+            let mut unknowns = [state.q, state.v, state.a.unwrap_or_else(|| vec![0.0; n])].concat();
+            unknowns.truncate(interior.spline.node());
+            unknowns
+        };
+        let states: Vec<Vec<f64>> = problem.ends().into_iter().map(state).collect();
         Ok(Self {
-            interior: match near {
-                Some((motion, nodes)) => interior_on(problem, &rows, &options, 0, Some(motion), &nodes),
-                None => interior(problem, &rows, &options, 0, None),
-            },
+            interior,
             limits: problem.joint_limits(),
-            robot: problem.robot.clone(),
-            model: Lagrangian::new(&problem.robot),
-            states: [state(&problem.start), state(&problem.end)],
+            robots: problem.robots(),
+            models: problem.robots().iter().map(Lagrangian::new).collect(),
+            shift: problem.periodic.clone(),
             goals: Goals::of(&problem.task),
             obstacles: problem.task.obstacles.len(),
-            again: Again::new(n),
+            again: Again::new(n, &states),
+            states,
             feedback: Feedback::default(),
             shown: Shown::default(),
             z: vec![0.0; 3 * n],
             damping: 0.0,
             longest: Duration::ZERO,
+            cancel: None,
             started: false,
             factorised: false,
             options,
         })
+    }
+
+    /// Stops each solve before its next Newton step, with [`ResolveStatus::Cancelled`], once `cancel` says
+    /// so. With another handle, or `None`, later solves go on.
+    pub fn set_cancel(&mut self, cancel: Option<Cancel>) {
+        self.cancel = cancel;
+    }
+
+    /// The name of a joint, or its index from 0 if there is no such joint.
+    pub(super) fn joint_name(&self, joint: usize) -> String {
+        let found = self.robots.first().and_then(|robot| robot.independent_joints().nth(joint));
+        found.map_or_else(|| joint.to_string(), |joint| joint.name.clone())
     }
 
     /// Number of joints, n.
@@ -145,6 +170,10 @@ impl Resolve {
     /// over is left out. With a fixed final time the motion goes on beyond its end at the rates there; with a
     /// free one its rest remains. Less than half an interval makes no difference: the new start and end
     /// take the motion along.
+    ///
+    /// Vias stay where they are on the clock: the first phase becomes shorter by `dt`, and so do the times
+    /// that are given for vias and for the end. The first phase keeps half of its time at least: make a
+    /// `Resolve` without a via that is passed. A periodic motion stays.
     pub fn advance(&mut self, dt: f64) {
         if self.started && dt > 0.0 && dt.is_finite() {
             self.interior.shift(dt, &mut self.again);
@@ -156,8 +185,12 @@ impl Resolve {
     /// # Errors
     /// [`EvalError`] where the motion cannot be evaluated.
     pub fn solve(&mut self) -> Result<Resolved, EvalError> {
-        let budget = Budget { iterations: self.options.max_iterations, time: self.options.time_limit };
-        self.solve_again(budget)
+        self.solve_again(self.budget())
+    }
+
+    /// The limits on steps and time of the options.
+    pub fn budget(&self) -> Budget {
+        Budget { iterations: self.options.max_iterations, time: self.options.time_limit }
     }
 
     /// Solves the problem with what was set since the last time.
@@ -166,8 +199,37 @@ impl Resolve {
     /// [`EvalError`] where the motion cannot be evaluated; the next solve begins anew then, at the motion
     /// that was shown last.
     pub fn solve_again(&mut self, budget: Budget) -> Result<Resolved, EvalError> {
+        self.solve_until(budget, || ControlFlow::Continue(()))
+    }
+
+    /// The same with a callback after each Newton step; [`ControlFlow::Break`] ends the solve with the
+    /// status [`Cancelled`](ResolveStatus::Cancelled) and the best motion so far.
+    ///
+    /// ```
+    /// # use costate::robot::Robot;
+    /// # use costate_control::{Cancel, Problem, Resolve, ResolveStatus, SolverOptions};
+    /// # use std::ops::ControlFlow;
+    /// # std::env::set_current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))?;
+    /// # let robot = Robot::from_file("robots/two_link.toml")?;
+    /// let problem = Problem::rest_to_rest(robot, &[0.0, 0.0], &[1.0, 0.5], 1.0);
+    /// let mut motion = Resolve::new(&problem, SolverOptions::default())?;
+    /// let cancel = Cancel::new(); // another thread has a clone
+    /// cancel.cancel();
+    /// let stop = || if cancel.is_cancelled() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
+    /// let found = motion.solve_until(motion.budget(), stop)?;
+    /// assert_eq!((found.status, found.iterations), (ResolveStatus::Cancelled, 1));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`solve_again`](Self::solve_again).
+    pub fn solve_until(
+        &mut self,
+        budget: Budget,
+        mut listener: impl FnMut() -> ControlFlow<()>,
+    ) -> Result<Resolved, EvalError> {
         let began = Instant::now();
-        let found = self.try_again(budget, began);
+        let found = self.try_again(budget, began, &mut listener);
         if found.is_err() {
             (self.started, self.factorised) = (false, false);
             // What cannot be evaluated is no guess.
@@ -178,12 +240,16 @@ impl Resolve {
         found
     }
 
-    fn try_again(&mut self, budget: Budget, began: Instant) -> Result<Resolved, EvalError> {
-        let states = self.states.each_ref().map(|state| &state[..]);
+    fn try_again(
+        &mut self,
+        budget: Budget,
+        began: Instant,
+        listener: &mut dyn FnMut() -> ControlFlow<()>,
+    ) -> Result<Resolved, EvalError> {
         if self.started {
-            self.interior.follow(states, self.factorised, &mut self.again)?;
+            self.interior.follow(&self.states, self.factorised, &mut self.again)?;
         } else {
-            self.interior.put_ends(states);
+            self.interior.put_ends(&self.states);
             self.interior.start(None)?;
             self.interior.reserve(&mut self.again);
         }
@@ -193,7 +259,7 @@ impl Resolve {
         self.interior.damping = self.damping;
         self.damping *= constants::DAMPING_DOWN;
         let (shown, longest, damping) = (&mut self.shown, &mut self.longest, &mut self.damping);
-        let mut last = Instant::now();
+        let (cancel, mut last) = (&self.cancel, Instant::now());
         let watch = |iterate: &mut Interior<Dynamics>, _: f64| {
             shown.offer(iterate);
             *damping = iterate.damping;
@@ -201,6 +267,9 @@ impl Resolve {
             // One step that the system held up does not count for ever.
             *longest = longest.mul_f64(constants::FADES).max(now - last);
             last = now;
+            if listener().is_break() || cancel.as_ref().is_some_and(Cancel::is_cancelled) {
+                return Some(Interruption::Cancelled);
+            }
             deadline.filter(|&deadline| now + *longest > deadline).map(|_| Interruption::TimeLimit)
         };
         let end = self.interior.iterate(self.options.tolerance, budget.iterations.max(1), watch)?;
@@ -210,7 +279,8 @@ impl Resolve {
             End::Solved => ResolveStatus::Solved,
             End::IterationLimit => ResolveStatus::Iterations,
             End::NoProgress => ResolveStatus::NoProgress,
-            End::Interrupted(_) => ResolveStatus::OutOfTime,
+            End::Interrupted(Interruption::TimeLimit) => ResolveStatus::OutOfTime,
+            End::Interrupted(Interruption::Cancelled) => ResolveStatus::Cancelled,
         };
         if status == ResolveStatus::Solved {
             // The last step is known, and the next solve begins after it. It is shown if limits are kept

@@ -35,12 +35,12 @@ pub enum ResolveError {
         entry: usize,
     },
     /// A position or rate beyond its limits.
-    #[error("{what} of joint {joint} is {value}, beyond its limits {low} and {high}")]
+    #[error("{what} of joint '{joint}' is {value}, beyond its limits {low} and {high}")]
     Outside {
         /// What it is.
         what: &'static str,
-        /// The joint, from 0.
-        joint: usize,
+        /// The name of the joint.
+        joint: String,
         /// The value (rad, rad/s, m, m/s).
         value: f64,
         /// Its least value.
@@ -66,15 +66,47 @@ pub enum ResolveError {
         /// What is wrong with it.
         cause: TaskError,
     },
+    /// A tool that the problem does not have, or one without an orientation.
+    #[error("{table}: there is no entry {entry} with an orientation, counted from 0; poses keep their kind")]
+    NoOrientation {
+        /// The table of the problem.
+        table: &'static str,
+        /// The number that was given, from 0.
+        entry: usize,
+    },
+    /// A value that a limit cannot have.
+    #[error("{kind} of joint '{joint}': {value} {remedy}")]
+    BadLimit {
+        /// What is limited.
+        kind: &'static str,
+        /// The name of the joint.
+        joint: String,
+        /// The value (rad, rad/s, rad/s^2, N m, W; m, N).
+        value: f64,
+        /// What it has to be.
+        remedy: &'static str,
+    },
+    /// What a motion depends on and is no limit: a payload.
+    #[error("a payload is no limit; prepare the problem anew with another one")]
+    NotALimit,
+    /// The end of a periodic motion, which follows its start.
+    #[error("the end of a periodic motion follows its start; set the start")]
+    Periodic,
+    /// Accelerations that the problem leaves free.
+    #[error("{what}: it is free in the problem; give BoundaryState::a there")]
+    FreeAcceleration {
+        /// What it is.
+        what: &'static str,
+    },
     /// A limit that a joint does not have, or a torque limit that falls with the speed.
     #[error(
-        "{kind} of joint {joint}, counted from 0: there is no such limit, or it is a torque limit that falls with the speed"
+        "{kind} of joint '{joint}': there is no such limit, or it is a torque limit that falls with the speed"
     )]
     NoLimit {
         /// What is limited.
         kind: &'static str,
-        /// The joint, from 0.
-        joint: usize,
+        /// The name of the joint, or its index from 0 if the robot has no such joint.
+        joint: String,
     },
     /// A payload that the robot does not take.
     #[error("the payload: {0}")]

@@ -41,6 +41,8 @@ pub enum ResolveStatus {
     Iterations,
     /// Because the time was over.
     OutOfTime,
+    /// Because [`Cancel`](crate::Cancel) or the listener of a solve asked to stop.
+    Cancelled,
     /// No step was better than the iterate.
     NoProgress,
 }

@@ -1,24 +1,13 @@
-//! Which problems are solved again, and what changes between two solves: ends, goals, references, obstacles.
+//! What changes between two solves: ends, vias, goals, references, obstacles.
 
 use super::resolve::Resolve;
 use super::resolve_error::ResolveError;
-use crate::problem::error::ProblemError;
-use crate::problem::{Problem, Reference, Shape, TaskError};
+use crate::problem::{Reference, Shape, TaskError};
 use crate::task::check_references::check_reference;
 
 impl Resolve {
-    /// Whether there is nothing in a problem that is not solved again: limits or costs of jerks and rates of
-    /// torques, given accelerations, vias and periodic motions.
-    ///
-    /// # Errors
-    /// [`ProblemError::NotAgain`] with the first of them.
-    pub fn takes(problem: &Problem) -> Result<(), ProblemError> {
-        let key = problem.first_of_rates().or(problem.first_of_phases());
-        key.map_or(Ok(()), |key| Err(ProblemError::NotAgain { key }))
-    }
-
     /// The next solve starts at these positions (rad, m) and rates (rad/s, m/s), n entries each. Those that
-    /// the problem leaves free do not count.
+    /// the problem leaves free do not count. The end of a periodic motion follows.
     ///
     /// # Errors
     /// [`ResolveError`]: another length, a number that is not finite, or one beyond its limits.
@@ -29,40 +18,109 @@ impl Resolve {
     /// The next solve ends at these positions and rates, as [`set_start`](Self::set_start).
     ///
     /// # Errors
-    /// As [`set_start`](Self::set_start).
+    /// As [`set_start`](Self::set_start), and [`ResolveError::Periodic`].
     pub fn set_end(&mut self, q: &[f64], v: &[f64]) -> Result<(), ResolveError> {
-        self.set(1, ["q at the end", "v at the end"], q, v)
+        if self.shift.is_some() {
+            return Err(ResolveError::Periodic);
+        }
+        self.set(self.states.len() - 1, ["q at the end", "v at the end"], q, v)
+    }
+
+    /// The next solve has these positions and rates in [`Problem::vias`](crate::Problem::vias)`[via]`, as
+    /// [`set_start`](Self::set_start).
+    ///
+    /// # Errors
+    /// As [`set_start`](Self::set_start), and [`ResolveError::NoEntry`].
+    pub fn set_via(&mut self, via: usize, q: &[f64], v: &[f64]) -> Result<(), ResolveError> {
+        if via + 2 >= self.states.len() {
+            return Err(ResolveError::NoEntry { table: "via", entry: via });
+        }
+        self.set(via + 1, ["q at the via", "v at the via"], q, v)
+    }
+
+    /// The next solve starts with these accelerations (rad/s^2, m/s^2), where the problem gives them. The end
+    /// of a periodic motion follows.
+    ///
+    /// # Errors
+    /// As [`set_start`](Self::set_start), and [`ResolveError::FreeAcceleration`].
+    pub fn set_start_acceleration(&mut self, a: &[f64]) -> Result<(), ResolveError> {
+        self.set_acceleration(0, "a at the start", a)
+    }
+
+    /// The next solve ends with these accelerations, as
+    /// [`set_start_acceleration`](Self::set_start_acceleration).
+    ///
+    /// # Errors
+    /// As [`set_start_acceleration`](Self::set_start_acceleration), and [`ResolveError::Periodic`].
+    pub fn set_end_acceleration(&mut self, a: &[f64]) -> Result<(), ResolveError> {
+        if self.shift.is_some() {
+            return Err(ResolveError::Periodic);
+        }
+        self.set_acceleration(self.states.len() - 1, "a at the end", a)
     }
 
     fn set(
         &mut self,
         end: usize,
-        names: [&'static str; 2],
+        [what_q, what_v]: [&'static str; 2],
         q: &[f64],
         v: &[f64],
     ) -> Result<(), ResolveError> {
+        self.fits(end, 0, what_q, q)?;
+        self.fits(end, 1, what_v, v)?;
+        self.put(end, 0, q);
+        self.put(end, 1, v);
+        Ok(())
+    }
+
+    fn set_acceleration(&mut self, end: usize, what: &'static str, a: &[f64]) -> Result<(), ResolveError> {
         let n = self.dof();
-        let given = &self.interior.ends.given[end];
-        for (group, (what, values)) in names.into_iter().zip([q, v]).enumerate() {
-            if values.len() != n {
-                return Err(ResolveError::WrongLength { what, expected: n, found: values.len() });
+        if !self.interior.ends.given[end].get(2 * n).is_some_and(|given| *given) {
+            return Err(ResolveError::FreeAcceleration { what });
+        }
+        self.fits(end, 2, what, a)?;
+        self.put(end, 2, a);
+        Ok(())
+    }
+
+    /// Checks positions (0), rates (1) or accelerations (2) for an end of a phase.
+    fn fits(&self, end: usize, order: usize, what: &'static str, values: &[f64]) -> Result<(), ResolveError> {
+        let n = self.dof();
+        if values.len() != n {
+            return Err(ResolveError::WrongLength { what, expected: n, found: values.len() });
+        }
+        for (joint, (&value, limits)) in values.iter().zip(&self.limits).enumerate() {
+            if !self.interior.ends.given[end][n * order + joint] {
+                continue;
             }
-            for (joint, (&value, limits)) in values.iter().zip(&self.limits).enumerate() {
-                if !given[n * group + joint] {
-                    continue;
-                }
-                if !value.is_finite() {
-                    return Err(ResolveError::NotFinite { what, entry: joint });
-                }
-                let [low, high] = if group == 0 { limits.q } else { [-limits.v, limits.v] };
-                if !(low..=high).contains(&value) {
-                    return Err(ResolveError::Outside { what, joint, value, low, high });
-                }
+            if !value.is_finite() {
+                return Err(ResolveError::NotFinite { what, entry: joint });
+            }
+            let [low, high] = match order {
+                0 => limits.q,
+                1 => [-limits.v, limits.v],
+                _ => [-limits.a, limits.a],
+            };
+            if !(low..=high).contains(&value) {
+                let joint = self.joint_name(joint);
+                return Err(ResolveError::Outside { what, joint, value, low, high });
             }
         }
-        self.states[end][..n].copy_from_slice(q);
-        self.states[end][n..].copy_from_slice(v);
         Ok(())
+    }
+
+    /// Puts positions, rates or accelerations into the state of an end, and with those of the start of a
+    /// periodic motion those of its end.
+    fn put(&mut self, end: usize, order: usize, values: &[f64]) {
+        let place = values.len() * order..values.len() * (order + 1);
+        self.states[end][place.clone()].copy_from_slice(values);
+        if let (Some(shift), 0, Some(last)) = (&self.shift, end, self.states.last_mut()) {
+            let own = &mut last[place];
+            own.copy_from_slice(values);
+            if order == 0 {
+                own.iter_mut().zip(shift).for_each(|(q, shift)| *q += shift);
+            }
+        }
     }
 
     /// The next solve has this position (m) in [`Task::start_tools`](crate::Task::start_tools)`[tool]`.
@@ -82,7 +140,8 @@ impl Resolve {
     /// As [`set_start_tool`](Self::set_start_tool).
     pub fn set_end_tool(&mut self, tool: usize, position: [f64; 3]) -> Result<(), ResolveError> {
         let rows = self.goals.rows("end.tool", 1, tool, &position)?;
-        self.set_end_rows(1, rows, position);
+        let end = self.states.len() - 1;
+        self.set_end_rows(end, rows, position);
         Ok(())
     }
 

@@ -13,7 +13,7 @@ use crate::direct::limits::at_node::{AtNode, NodeValue};
 use crate::direct::limits::barrier::Barrier;
 use crate::direct::limits::ends::Ends;
 use crate::direct::motion::spline::Spline;
-use crate::direct::newton::interval::add_gradient;
+use crate::direct::newton::interval::{add_gradient, add_local};
 use crate::direct::newton::point_terms::add_row;
 use crate::direct::newton::system::System;
 use crate::direct::points::values::{PointDynamics, Points};
@@ -24,8 +24,7 @@ use crate::result::stage_times::Stage;
 impl<D: PointDynamics> Interior<D> {
     /// Corrects the step for the barrier that was chosen, as long as that makes it longer.
     pub(super) fn correct(&mut self) {
-        let smooth = self.spline.mesh.shape.is_smooth();
-        if self.barrier.total_weight() == 0.0 || self.relaxation.is_on() || smooth {
+        if self.barrier.total_weight() == 0.0 || self.relaxation.is_on() {
             return;
         }
         let mut reached = self.steps_of(self.mu);
@@ -125,6 +124,16 @@ impl System {
                 }
             },
         );
+        for k in 0..if barrier.rate_sides().is_empty() { 0 } else { spline.mesh.intervals() } {
+            let phase = spline.mesh.phase(k);
+            let (to, by_times) = (&mut self.correction, &mut self.time_correction);
+            let wanted = |at: usize| barrier.is_limit(at) && corrections[at] != 0.0;
+            self.rate_rows.for_each(k, (spline, points, barrier), wanted, |at, i, row, by_time| {
+                let value = of(at, barrier.rate_sides()[i].sign);
+                add_local(spline, k, row, value, to);
+                by_times[phase] += by_time * value;
+            });
+        }
         for k in 0..spline.mesh.nodes.len() {
             let node = AtNode::new(spline, k);
             for at in barrier.at_node(k) {

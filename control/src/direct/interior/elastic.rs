@@ -112,14 +112,15 @@ impl<D: PointDynamics> Interior<D> {
         Ok(())
     }
 
-    /// The same path in a multiple of its time, with the rates that are given at the ends of phases.
+    /// The same path in a multiple of its time, with what is given at the ends of phases.
     pub fn slow_down(&mut self, factor: f64) {
         let n = self.spline.dof;
         self.spline.times.iter_mut().for_each(|time| *time *= factor);
         for (end, given) in self.ends.given.iter().enumerate() {
-            let first = self.spline.end_unknowns(end).start;
-            for i in (n..2 * n).filter(|&i| !given[i]) {
-                self.spline.unknowns[first + i] /= factor;
+            let unknowns = self.spline.end_unknowns(end);
+            let derivatives = self.spline.unknowns[unknowns].iter_mut().zip(given).enumerate().skip(n);
+            for (i, (derivative, _)) in derivatives.filter(|(_, (_, given))| !**given) {
+                *derivative /= if i < 2 * n { factor } else { factor * factor };
             }
         }
     }

@@ -25,7 +25,7 @@ pub(in crate::direct) fn started(shape: Shape) -> Interior<PhaseDynamics<RobotPo
 }
 
 /// The same with these vias.
-fn started_with(shape: Shape, vias: &[Via]) -> Interior<PhaseDynamics<RobotPoints>> {
+pub(in crate::direct) fn started_with(shape: Shape, vias: &[Via]) -> Interior<PhaseDynamics<RobotPoints>> {
     let robot = Robot::from_file("../robots/two_link.toml").unwrap();
     let mut problem = Problem::rest_to_rest(robot, &[0.0, 0.0], &[1.0, -0.7], 1.2);
     problem.time = FinalTime::Free { guess: 1.2 };
@@ -178,7 +178,11 @@ fn steps_are_those_of_the_linearised_conditions(mut interior: Interior<PhaseDyna
 
 #[test]
 fn products_after_a_correction_are_those_that_it_aims_at() {
-    let mut interior = started(Shape::Quartic);
+    [Shape::Quartic, Shape::Quintic].into_iter().for_each(corrections_reach_their_aims);
+}
+
+fn corrections_reach_their_aims(shape: Shape) {
+    let mut interior = started(shape);
     interior.refresh().unwrap();
     interior.assemble();
     assert!(interior.factorise(1.0));

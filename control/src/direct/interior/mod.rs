@@ -9,6 +9,7 @@ pub(super) mod corrector;
 pub(super) mod elastic;
 pub(super) mod figures;
 pub(super) mod filter;
+pub(super) mod inertia;
 pub(super) mod iterate;
 pub(super) mod measures;
 pub(super) mod relaxation;

@@ -6,8 +6,9 @@ use crate::direct::limits::barrier::Barrier;
 use crate::direct::limits::ends::Ends;
 use crate::direct::limits::side::{Limited, Side};
 use crate::direct::motion::spline::Spline;
-use crate::direct::newton::interval::add_gradient;
+use crate::direct::newton::interval::{add_gradient, add_local};
 use crate::direct::newton::point_terms::{Work, add_row, side_terms};
+use crate::direct::newton::rate_rows::RateRows;
 use crate::direct::newton::system::System;
 use crate::direct::points::values::Points;
 use crate::numerics::bordered::Bordered;
@@ -47,15 +48,16 @@ pub(crate) struct Relaxation {
     border: Bordered,
     /// Entries of B for the times of phases.
     by_times: Vec<Vec<f64>>,
-    /// Room for a point.
+    /// Room for a point, and for jerks and rates of torques of an interval.
     work: Work,
+    rates: RateRows,
     /// Gradients in e at mu = 0, and its factor of mu.
     gradient: [Vec<f64>; 2],
     steps: [Vec<f64>; 2],
 }
 
 /// The limits that the sides belong to, counted from 0.
-fn limits_of(sides: &[Side]) -> Vec<usize> {
+fn limits_of<'a>(sides: impl Iterator<Item = &'a Side>) -> Vec<usize> {
     let key = |side: &Side| {
         // Lower and upper limits of positions, of boxes and the like are two.
         let apart = matches!(side.limited, Limited::Position | Limited::Task) && !side.is_half;
@@ -69,7 +71,7 @@ fn limits_of(sides: &[Side]) -> Vec<usize> {
             found.len() - 1
         })
     };
-    sides.iter().map(number).collect()
+    sides.map(number).collect()
 }
 
 impl Relaxation {
@@ -77,8 +79,7 @@ impl Relaxation {
     /// elastic phase: all distances become positive, by this room in parts of ranges and of what limits must
     /// give.
     pub fn of(barrier: &Barrier, own: Vec<f64>, price: f64, room: f64) -> Self {
-        let sides = barrier.sides();
-        let limits = limits_of(sides);
+        let limits = limits_of(barrier.all_sides());
         let count = limits.iter().max().map_or(0, |last| last + 1);
         let mut give = vec![0.0_f64; count];
         for (&limit, violation) in limits.iter().zip(barrier.violations()) {
@@ -109,7 +110,7 @@ impl Relaxation {
 
     /// Ranges in which limits give: as large as the largest violation at the start, where that is larger.
     pub fn widened(barrier: &Barrier) -> Vec<f64> {
-        let limits = limits_of(barrier.sides());
+        let limits = limits_of(barrier.all_sides());
         let mut scale = vec![1.0_f64; limits.len()];
         for (&limit, violation) in limits.iter().zip(barrier.violations()) {
             scale[limit] = scale[limit].max(violation);
@@ -187,7 +188,9 @@ impl Relaxation {
             return;
         }
         let size = spline.unknowns.len();
-        self.work = Work::new(spline.dof, [0; 2]);
+        if self.work.z_t.len() != 3 * spline.dof {
+            (self.work, self.rates) = (Work::new(spline.dof, [0; 2]), RateRows::new(spline.dof));
+        }
         let count = self.give.len();
         self.border.reset(count);
         self.by_times.resize_with(count, Vec::new);
@@ -205,6 +208,9 @@ impl Relaxation {
         for k in 0..spline.mesh.nodes.len() {
             self.add_node(k, spline, barrier);
         }
+        for k in 0..if barrier.rate_sides().is_empty() { 0 } else { spline.mesh.intervals() } {
+            self.add_rates(k, spline, points, barrier);
+        }
         for (column, by_times) in self.border.columns.iter_mut().zip(&self.by_times) {
             column.resize(size + ends.shared(), 0.0);
             let (by_unknowns, shared) = column.split_at_mut(size);
@@ -219,7 +225,7 @@ impl Relaxation {
         self.gradient[0][limit] += range * at_zero;
         self.gradient[1][limit] += range * of_mu;
         self.border.corner[(self.give.len() + 1) * limit] += range * range * sigma;
-        sigma * range * barrier.sides()[side].sign
+        sigma * range * barrier.numbered(side).sign
     }
 
     fn add_point(&mut self, p: usize, spline: &Spline, points: &Points, barrier: &Barrier) {
@@ -256,6 +262,23 @@ impl Relaxation {
                 self.by_times[self.limits[i]][by_time.phase] += by_time.first * factor;
             }
         }
+    }
+
+    fn add_rates(&mut self, k: usize, spline: &Spline, points: &Points, barrier: &Barrier) {
+        let (mut rates, first) = (std::mem::take(&mut self.rates), barrier.sides().len());
+        let phase = spline.mesh.phase(k);
+        rates.for_each(
+            k,
+            (spline, points, barrier),
+            |_| true,
+            |at, i, row, by_time| {
+                let factor = self.add_entry(first + i, at, barrier);
+                let limit = self.limits[first + i];
+                add_local(spline, k, row, factor, &mut self.border.columns[limit]);
+                self.by_times[limit][phase] += by_time * factor;
+            },
+        );
+        self.rates = rates;
     }
 
     /// Factorises the border of a factorised system. Whether the whole is positive definite.

@@ -25,8 +25,8 @@ fn the_price_is_smooth() {
 }
 
 /// A motion that exceeds limits and an equation, in the elastic phase.
-fn relaxed() -> Interior<PhaseDynamics<RobotPoints>> {
-    let mut interior = started(Shape::Quartic);
+fn relaxed(shape: Shape) -> Interior<PhaseDynamics<RobotPoints>> {
+    let mut interior = started(shape);
     assert!(interior.figures.violation > 0.1);
     interior.relax(None).unwrap();
     interior
@@ -34,9 +34,14 @@ fn relaxed() -> Interior<PhaseDynamics<RobotPoints>> {
 
 #[test]
 fn limits_give_as_far_as_the_motion_exceeds_them() {
-    let interior = relaxed();
+    [Shape::Quartic, Shape::Quintic].into_iter().for_each(give_as_far_as_the_motion_exceeds_them);
+}
+
+fn give_as_far_as_the_motion_exceeds_them(shape: Shape) {
+    let interior = relaxed(shape);
     let barrier = &interior.barrier;
-    assert!(barrier.sides().iter().all(|side| !side.is_equation));
+    assert!(barrier.all_sides().all(|side| !side.is_equation));
+    assert_eq!(barrier.rate_sides().is_empty(), !shape.is_smooth());
     for at in (0..barrier.count()).filter(|&at| barrier.is_limit(at)) {
         // Each with room, and the slack is where the motion is.
         let room = constants::ELASTIC_COLD.0 * barrier.side(at).range * (1.0 - 1e-9);
@@ -46,21 +51,21 @@ fn limits_give_as_far_as_the_motion_exceeds_them() {
     // A limit gives by its largest violation and the room.
     let given = interior.given();
     let most = given.iter().map(|given| given.part).fold(0.0, f64::max);
-    let halves = barrier.sides().iter().filter(|side| side.is_half).count();
+    let halves = barrier.all_sides().filter(|side| side.is_half).count();
     assert!(halves == 2 && most > 0.1, "{halves} {given:?}");
     // Parts are those of the ranges outside of the elastic phase, which are narrower here.
-    let own = started(Shape::Quartic).barrier.with_halves();
-    let widened = |given: &&Given| barrier.sides()[given.side].range > 1.01 * own.sides()[given.side].range;
+    let own = started(shape).barrier.with_halves();
+    let widened = |given: &&Given| barrier.numbered(given.side).range > 1.01 * own.numbered(given.side).range;
     assert!(given.iter().any(|given| widened(&given)));
     for Given { side, amount, part, .. } in given {
-        let expected = amount / own.sides()[side].range;
+        let expected = amount / own.numbered(side).range;
         assert!((part - expected).abs() <= 1e-12 * expected.abs(), "{part} {expected}");
     }
 }
 
 #[test]
 fn equations_become_no_stiffer_than_elsewhere() {
-    let mut interior = relaxed();
+    let mut interior = relaxed(Shape::Quartic);
     // Limits that do not give cost next to nothing, however dear that is.
     interior.relaxation.give.fill(-1e3);
     for _ in 0..6 {
@@ -72,7 +77,11 @@ fn equations_become_no_stiffer_than_elsewhere() {
 
 #[test]
 fn an_iterate_is_found_again() {
-    let mut interior = relaxed();
+    [Shape::Quartic, Shape::Quintic].into_iter().for_each(is_found_again);
+}
+
+fn is_found_again(shape: Shape) {
+    let mut interior = relaxed(shape);
     let (kept, figures) = (interior.keep(), interior.figures);
     let (distance, given) = (interior.barrier.distance.clone(), interior.given());
     interior.raise_price(constants::DEARER);
@@ -87,7 +96,11 @@ fn an_iterate_is_found_again() {
 
 #[test]
 fn steps_solve_the_bordered_equations() {
-    let mut interior = relaxed();
+    [Shape::Quartic, Shape::Quintic].into_iter().for_each(steps_solve_bordered_equations);
+}
+
+fn steps_solve_bordered_equations(shape: Shape) {
+    let mut interior = relaxed(shape);
     interior.refresh().unwrap();
     let Interior { system, relaxation, spline, points, barrier, running, ends, .. } = &mut interior;
     system.assemble(spline, points, barrier, running, ends);

@@ -4,7 +4,6 @@ use super::ends::Ends;
 use super::side::{Limited, Side};
 use crate::constants::direct::NODE_WEIGHT;
 use crate::direct::motion::mesh::Mesh;
-use crate::direct::motion::shape::POINTS;
 use crate::direct::motion::spline::Spline;
 use std::ops::Range;
 
@@ -61,16 +60,16 @@ impl Barrier {
 
     /// The same without entries, each equation along the motion as two limits.
     pub fn with_halves(&self) -> Self {
-        let sides = self.sides.iter().flat_map(|side| side.halves()).collect();
+        let sides = self.all_sides().flat_map(|side| side.halves()).collect();
         Self { at_ends: self.at_ends.clone(), first_at: self.first_at.clone(), ..Self::new(sides, &[]) }
     }
 
     /// Largest violation of each side, in parts of its range; 0 for none.
     pub fn violations(&self) -> Vec<f64> {
-        let mut most = vec![0.0_f64; self.sides.len()];
+        let mut most = vec![0.0_f64; self.all_sides().count()];
         for at in (0..self.weight.len()).filter(|&at| self.weight[at] > 0.0) {
             if let Some(side) = self.side_index(at) {
-                most[side] = most[side].max(self.sides[side].violation(self.distance[at]));
+                most[side] = most[side].max(self.side(at).violation(self.distance[at]));
             }
         }
         most
@@ -78,12 +77,13 @@ impl Barrier {
 
     /// Ranges of all sides.
     pub fn ranges(&self) -> Vec<f64> {
-        self.sides.iter().map(|side| side.range).collect()
+        self.all_sides().map(|side| side.range).collect()
     }
 
     /// Measures sides in other ranges; for the entries of the next mesh.
     pub fn set_ranges(&mut self, ranges: &[f64]) {
-        self.sides.iter_mut().zip(ranges).for_each(|(side, &range)| side.range = range);
+        let sides = self.sides.iter_mut().chain(&mut self.rates);
+        sides.zip(ranges).for_each(|(side, &range)| side.range = range);
     }
 
     /// Room for the entries of a mesh, with their weights.
@@ -138,6 +138,11 @@ impl Barrier {
     /// The sides at the points, those of positions and rates first.
     pub fn sides(&self) -> &[Side] {
         &self.sides
+    }
+
+    /// Those at the points, then those of jerks and of rates of torques: in the order of their numbers.
+    pub fn all_sides(&self) -> impl Iterator<Item = &Side> {
+        self.sides.iter().chain(&self.rates)
     }
 
     /// The sides of jerks, then those of rates of torques.
@@ -209,10 +214,16 @@ impl Barrier {
         }
     }
 
+    /// A side by its number.
+    #[inline(always)]
+    pub fn numbered(&self, index: usize) -> &Side {
+        self.sides.get(index).unwrap_or_else(|| &self.rates[index - self.sides.len()])
+    }
+
     /// The side of an entry.
     pub fn side(&self, at: usize) -> &Side {
         match self.side_index(at) {
-            Some(index) => self.sides.get(index).unwrap_or_else(|| &self.rates[index - self.sides.len()]),
+            Some(index) => self.numbered(index),
             None => &self.at_ends[at - self.first_at_ends()],
         }
     }
@@ -264,29 +275,9 @@ impl Barrier {
         self.stiffness * self.weight[at] * self.unit[at] * self.unit[at]
     }
 
-    /// Moves the limit of a side inside by `amount` at the points and nodes of an interval.
-    pub fn move_inside(&mut self, interval: usize, side: usize, amount: f64) {
-        self.moved.resize(self.weight.len(), 0.0);
-        let points = POINTS * interval..POINTS * (interval + 1);
-        let nodes = if side < self.states { interval..interval + 2 } else { 0..0 };
-        let entries = points.map(|p| self.at_point(p).start).chain(nodes.map(|k| self.at_node(k).start));
-        for first in entries.collect::<Vec<_>>() {
-            self.moved[first + side] -= amount;
-        }
-    }
-
-    /// Moves the limits of each side out by so much, at all points and nodes.
-    pub fn move_out(&mut self, amount: impl Fn(usize) -> f64) {
-        self.moved.clear();
-        self.moved.resize(self.weight.len(), 0.0);
-        for at in 0..self.first_of_rates() {
-            self.moved[at] = self.side_index(at).map_or(0.0, &amount);
-        }
-    }
-
-    /// How far an entry is inside of its own limit, not the one that was moved.
-    pub fn true_distance(&self, at: usize) -> f64 {
-        self.distance[at] - self.moved.get(at).copied().unwrap_or(0.0)
+    /// Whether accelerations are continuous.
+    pub fn is_smooth(&self) -> bool {
+        self.gauss_points > 0
     }
 
     /// Sum of the weights of all limits without the equations.

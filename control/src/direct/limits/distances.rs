@@ -7,6 +7,13 @@ use crate::direct::motion::spline::Spline;
 use crate::direct::points::values::Points;
 
 impl Barrier {
+    /// Gives sides along the motion other bounds.
+    pub fn set_bounds(&mut self, which: impl Fn(&Side) -> bool, bound: impl Fn(&Side) -> f64) {
+        for side in self.sides.iter_mut().filter(|side| which(side)) {
+            side.bound = bound(side);
+        }
+    }
+
     /// d from the values at the points and nodes.
     pub fn measure(&self, spline: &Spline, points: &Points, distance: &mut [f64]) {
         let (others, at_ends) = distance.split_at_mut(self.first_at_ends());

@@ -26,6 +26,8 @@ pub(crate) struct Ends {
     pub times: FreeTimes,
     /// Unknowns of the start that those of the end follow, at a constant distance.
     pub tied: Vec<usize>,
+    /// Whether the end follows the start, what is given there too.
+    pub is_periodic: bool,
     /// The rows along the motion that hold at each end; empty where there are none.
     pub settled: Vec<Settled>,
 }
@@ -48,6 +50,7 @@ impl Ends {
             dof: n,
             times: FreeTimes::of(problem),
             tied,
+            is_periodic: problem.periodic.is_some(),
             given,
             settled: vec![Settled::default(); states.len()],
         }

@@ -10,6 +10,7 @@ pub(super) mod distances;
 pub(super) mod ends;
 pub(super) mod entries;
 pub(super) mod model;
+mod moved;
 pub(super) mod multipliers;
 pub(super) mod power;
 mod quartic;

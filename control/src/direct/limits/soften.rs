@@ -9,19 +9,24 @@ impl Barrier {
     ///
     /// The multiplier over the slack grows as the reciprocal of the barrier. An active limit is an equation
     /// long before rounding of it hides all other second derivatives: those of positions and rates then stand
-    /// in the equations as those of torques do, since torques contain a second derivative of positions in s.
+    /// in the equations as those of torques do, since torques contain a second derivative of positions in s;
+    /// where accelerations are continuous all stand there as those of jerks do.
     pub fn soften(&mut self, most: f64) {
+        let highest = if self.is_smooth() { 3 } else { 2 };
         for at in 0..self.count() {
             if !self.is_limit(at) {
                 continue;
             }
             // About a third of the width of an interval.
             let width = self.weight[at];
-            let squared = match self.side(at).limited {
-                Limited::Position => width.powi(4),
-                Limited::Rate | Limited::Task => width.powi(2),
-                _ => 1.0,
+            // The order of the derivative, of those that may jump.
+            let order = match self.side(at).limited {
+                Limited::Position => 0,
+                Limited::Rate | Limited::Task => 1,
+                Limited::Jerk | Limited::TorqueRate => 3,
+                _ => 2,
             };
+            let squared = width.powi(2 * (highest - order));
             let stiffest = most * width * self.unit[at] * self.unit[at] / squared;
             self.slack[at] = self.slack[at].max(self.multiplier[at] / stiffest);
         }

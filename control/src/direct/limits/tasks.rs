@@ -4,11 +4,12 @@ use super::quartic::bound_of_quartic;
 use super::side::{Limited, Side};
 use crate::direct::motion::spline::Spline;
 use crate::direct::points::values::Points;
-use crate::problem::{Shape, TaskError};
+use crate::problem::{Shape, TaskError, ToolOrientation};
 use crate::task::accelerations::ToolAccelerations;
 use crate::task::build::TaskRows;
 use crate::task::collision::move_obstacle;
 use crate::task::functions::{PathFunction, TaskFunctions};
+use crate::task::orient::orient;
 use crate::task::row::Row;
 use costate::EvalError;
 
@@ -85,6 +86,14 @@ impl Tasks {
     /// Gives an equation at an end of a phase another right-hand side.
     pub fn set_end_value(&mut self, end: usize, row: usize, value: f64) {
         self.ends[end].set_value(row, value);
+    }
+
+    /// Gives a tool at an end of a phase another orientation, whose first row this is.
+    ///
+    /// # Errors
+    /// The cause: no orientation, or one of the other kind.
+    pub fn orient_end(&mut self, end: usize, row: usize, to: &ToolOrientation) -> Result<(), TaskError> {
+        orient(&mut self.ends[end], row, to)
     }
 
     /// Moves an obstacle.

@@ -44,11 +44,14 @@ pub(crate) fn guess(
     let sum: f64 = times.iter().sum();
     let began: Vec<f64> = (0..times.len()).map(|phase| times[..phase].iter().sum()).collect();
     // q and dq/ds at a place of a phase.
+    let time_of = |saved: &Trajectory, duration: f64, phase: usize, part: f64| {
+        let since = (began[phase] + part * times[phase]) / sum * duration;
+        Some((saved.t[0] + since).min(*saved.t.last()?))
+    };
     let at = |phase: usize, s: f64, q: &mut [f64], rate: &mut [f64]| {
         let (part, time) = (s - phase as f64, times[phase]);
         let found = saved.and_then(|(saved, duration)| {
-            let since = (began[phase] + part * time) / sum * duration;
-            Some((saved.at((saved.t[0] + since).min(*saved.t.last()?))?, duration / sum))
+            Some((saved.at(time_of(saved, duration, phase, part)?)?, duration / sum))
         });
         match found {
             Some((point, stretch)) => {
@@ -64,7 +67,17 @@ pub(crate) fn guess(
             }
         }
     };
-    // The second derivative is that of rates around the place: for a guess as good as the exact one.
+    // Continuous accelerations of a saved motion are those of the guess.
+    let curved = saved.filter(|(saved, _)| saved.has_continuous_accelerations());
+    let acceleration = |phase: usize, s: f64, curvature: &mut [f64]| {
+        let (saved, duration) = curved?;
+        let a = saved.acceleration(time_of(saved, duration, phase, s - phase as f64)?)?;
+        let stretch = (duration / sum * times[phase]).powi(2);
+        curvature.iter_mut().zip(a).for_each(|(to, a)| *to = stretch * a);
+        Some(())
+    };
+    // Otherwise the second derivative is that of rates around the place: for a guess as good as the exact
+    // one.
     let narrowest = nodes.windows(2).map(|ends| ends[1] - ends[0]).fold(1.0, f64::min);
     let step = NEIGHBOUR * narrowest;
     let (mut q, mut before, mut after) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
@@ -75,6 +88,9 @@ pub(crate) fn guess(
         let (position, rates) = z.split_at_mut(n);
         let (rate, curvature) = rates.split_at_mut(n);
         at(phase, s, position, rate);
+        if acceleration(phase, s, curvature).is_some() {
+            return;
+        }
         for ((to, before), after) in curvature.iter_mut().zip(&before).zip(&after) {
             *to = (after - before) / (right - left);
         }

@@ -9,6 +9,8 @@ use crate::problem::Problem;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct FreeTimes {
     phases: usize,
+    /// Whether the time of each end of a phase is given.
+    is_given: Vec<bool>,
     /// A, K x J, row by row.
     factors: Vec<f64>,
     /// J.
@@ -39,12 +41,23 @@ impl FreeTimes {
         }
         let count = columns.len();
         let factors = (0..phases).flat_map(|p| columns.iter().map(move |column| column[p])).collect();
-        Self { phases, factors, count }
+        Self { phases, is_given: is_given.to_vec(), factors, count }
     }
 
     /// All of them, of so many phases.
     pub fn all(phases: usize) -> Self {
         Self::new(&(0..=phases).map(|end| end == 0).collect::<Vec<_>>())
+    }
+
+    /// Those where the times up to the start of a phase are given too.
+    pub fn after(&self, phase: usize) -> Self {
+        let is_given = self.is_given.iter().enumerate().map(|(end, given)| end <= phase || *given);
+        Self::new(&is_given.collect::<Vec<_>>())
+    }
+
+    /// Whether the time of an end behind the start of a phase is given.
+    pub fn is_given_after(&self, phase: usize) -> bool {
+        self.is_given[phase + 1..].iter().any(|given| *given)
     }
 
     /// Those of a problem.
@@ -114,6 +127,15 @@ mod tests {
         assert_eq!(columns(&[true, false, false, true]), [[1.0, 0.0, -1.0], [0.0, 1.0, -1.0]]);
         assert_eq!(columns(&[true, false, true, false]), [[1.0, -1.0, 0.0], [0.0, 0.0, 1.0]]);
         assert!(columns(&[true, true, true]).is_empty());
+    }
+
+    #[test]
+    fn what_is_over_has_given_times() {
+        let times = FreeTimes::new(&[true, false, false, true]);
+        assert_eq!(times.after(0), times);
+        assert_eq!(times.after(1), FreeTimes::new(&[true, true, false, true]));
+        assert!(times.is_given_after(2) && !FreeTimes::new(&[true, true, false]).is_given_after(1));
+        assert_eq!((times.after(1).count(), times.after(2).count()), (1, 0));
     }
 
     #[test]

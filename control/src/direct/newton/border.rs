@@ -33,7 +33,10 @@ fn collect(
 ) {
     let (count, free, tied) = (ends.shared(), ends.times.count(), &ends.tied);
     let size = matrix.size();
-    columns.resize_with(count, Vec::new);
+    if columns.len() < count {
+        columns.resize_with(count, Vec::new);
+    }
+    let columns = &mut columns[..count];
     for (j, column) in columns.iter_mut().enumerate() {
         column.clear();
         column.resize(size, 0.0);

@@ -1,6 +1,8 @@
 //! Derivatives of jerks and rates of torques by the unknowns of an interval and by T.
 
 use super::point_terms::Work;
+use crate::direct::limits::barrier::Barrier;
+use crate::direct::limits::side::Limited;
 use crate::direct::motion::shape::{MOST_POINTS, POINTS};
 use crate::direct::motion::spline::{Spline, TimeDerivative};
 use crate::direct::points::rates::SLOPES;
@@ -21,6 +23,37 @@ impl RateRows {
     /// For n joints.
     pub fn new(n: usize) -> Self {
         Self { work: Work::new(n, [0; 2]), ..Self::default() }
+    }
+
+    /// Hands over each entry of jerks and rates of torques of an interval that is `wanted`: its number among
+    /// all, that of its side among those of rates, the derivatives of its value by the unknowns of the
+    /// interval, and the one by T.
+    pub fn for_each(
+        &mut self,
+        k: usize,
+        (spline, points, barrier): (&Spline, &Points, &Barrier),
+        wanted: impl Fn(usize) -> bool,
+        mut take: impl FnMut(usize, usize, &[f64], f64),
+    ) {
+        let is_wanted = |at: usize, limited: Limited| barrier.side(at).limited == limited && wanted(at);
+        let mut entries = (POINTS * k..POINTS * (k + 1)).flat_map(|p| barrier.at_gauss_point(p));
+        if entries.any(|at| is_wanted(at, Limited::TorqueRate)) {
+            self.differentiate_torques(k, spline, points);
+        }
+        for j in 0..POINTS {
+            // Both sides of a limit stand together.
+            let (mut last, mut by_time) = (None, 0.0);
+            for (i, at) in barrier.at_gauss_point(POINTS * k + j).enumerate().filter(|&(_, at)| wanted(at)) {
+                let side = &barrier.rate_sides()[i];
+                if last.replace((side.limited, side.joint)) != Some((side.limited, side.joint)) {
+                    by_time = match side.limited {
+                        Limited::Jerk => self.take_jerk(k, j, side.joint, spline, points)[0],
+                        _ => self.take_torque_rate(k, j, side.joint, spline, points),
+                    };
+                }
+                take(at, i, &self.row, by_time);
+            }
+        }
     }
 
     /// Derivatives of a jerk at one of Gauss's points by the unknowns of the interval, as the row; the first

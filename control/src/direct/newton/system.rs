@@ -46,7 +46,7 @@ pub(crate) struct System {
     pub exact: bool,
     interval: IntervalHessian,
     pub(super) metric: Metric,
-    pub(super) rate_rows: RateRows,
+    pub(crate) rate_rows: RateRows,
 }
 
 impl System {
@@ -128,7 +128,7 @@ impl System {
                 self.time_metric[(phases + 1) * phase] = cost / time;
             }
         }
-        self.at_ends.take(&self.matrix, &self.by_times.columns, spline.mesh.intervals());
+        self.at_ends.take(&self.matrix, &self.by_times.columns, &spline.mesh);
         self.fix(ends, spline);
     }
 

@@ -62,7 +62,7 @@ fn limit<D: PointDynamics>(
     names: &[String],
     kinds: &[JointKind],
 ) -> RelaxedLimit {
-    let side = &interior.barrier.sides()[given.side];
+    let side = interior.barrier.numbered(given.side);
     let of_rate = of_rate(interior, given.at);
     RelaxedLimit {
         kind: side.limited.name().into(),

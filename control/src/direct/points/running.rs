@@ -6,7 +6,7 @@ use super::values::Points;
 use crate::direct::motion::spline::Spline;
 use crate::extremal::penalty::Penalties;
 use crate::extremal::user_terms::UserTerms;
-use crate::problem::Problem;
+use crate::problem::{Problem, TaskError, ToolOrientation};
 use crate::task::build::TaskRows;
 use crate::task::costs::ToolCosts;
 use crate::task::references::References;
@@ -63,6 +63,14 @@ impl Running {
     /// Changes the value at which a row of a tool costs nothing.
     pub fn set_tool_value(&mut self, row: usize, value: f64) {
         self.tools.set_value(row, value);
+    }
+
+    /// Changes the orientation at which a tool costs nothing, whose first row this is.
+    ///
+    /// # Errors
+    /// The cause: no orientation, or one of the other kind.
+    pub fn orient_tool(&mut self, row: usize, to: &ToolOrientation) -> Result<(), TaskError> {
+        self.tools.orient(row, to)
     }
 
     /// The cost of a motion.

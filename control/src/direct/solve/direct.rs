@@ -5,6 +5,7 @@ use super::meshes::{Refined, Start, refine};
 use super::prepare::{Dynamics, interior};
 use super::with_effort::{Smoothing, WithEffort, with_effort};
 use crate::constants::direct as constants;
+use crate::direct::interior::inertia::Inertia;
 use crate::direct::interior::iterate::Interior;
 use crate::direct::outcome::found::{Found, found};
 use crate::direct::outcome::report::report;
@@ -104,6 +105,11 @@ impl Direct<'_> {
             false => integrate_again(problem, self.options, interior, resolution),
         });
         let iterations = std::mem::take(&mut recorder.iterations);
+        let certificate = match status.is_converged().then(|| interior.inertia()).transpose()? {
+            Some(Inertia::Positive) => Certificate::LocalMinimumOnMesh,
+            Some(Inertia::Negative) => Certificate::SaddleOnMesh,
+            Some(Inertia::Unknown) | None => Certificate::NotChecked,
+        };
         let penalty_cost = interior.running.penalty_cost(&interior.spline, &interior.points);
         let motion = Motion {
             cost: resolution.cost - penalty_cost,
@@ -121,10 +127,7 @@ impl Direct<'_> {
                 Status::Converged | Status::ConvergedSmoothed | Status::NotVerified => self.options.verify,
                 _ => Verify::None,
             },
-            certificate: match status.is_converged() && interior.figures.is_minimum {
-                true => Certificate::LocalMinimumOnMesh,
-                false => Certificate::NotChecked,
-            },
+            certificate,
             errors: vec![error],
             iterations,
             ..Motion::missing(status, interior.spline.duration())

@@ -101,7 +101,7 @@ pub(super) fn refine(
     let mut precision = least.max(constants::FIRST_PRECISION);
     interior.last_tolerance = Some(least);
     let (mut mesh, mut left, mut mended) = (0, 0, Mended::default());
-    // Limits neither give nor move where accelerations are continuous.
+    // Limits do not move where accelerations are continuous.
     let smooth = interior.spline.mesh.shape.is_smooth();
     interior.clock.lap(Stage::Preparation);
     while mesh < constants::MESHES {
@@ -132,7 +132,6 @@ pub(super) fn refine(
             && figures.violation > constants::VIOLATION_ACCEPTED
             && restorations < constants::RESTORATIONS
             && !unresolved
-            && !smooth
         {
             restorations += 1;
             match restore(problem, interior, &guess, gap, options, recorder)? {
@@ -152,7 +151,6 @@ pub(super) fn refine(
         let error = (resolution.error() + figures.gap) / figures.size;
         let violated = figures.violation > constants::VIOLATION_ACCEPTED;
         let accurate = error <= tolerance && resolution.violation() <= constants::VIOLATION_BETWEEN;
-        // Limits do not move where accelerations are continuous.
         let moves = end == End::Solved && !unresolved && !smooth && {
             let loss = resolution.loss() / figures.size;
             // A motion that is not verified is one to begin with.

@@ -38,7 +38,7 @@ pub(crate) fn interior(
 ) -> Interior<Dynamics> {
     let (shape, phases) = (Shape::of(problem), problem.phases());
     let stride = shape.stride();
-    // Between the nodes of a file accelerations are not known well enough for the jerks of narrow intervals.
+    // With continuous accelerations a fine mesh does not converge from multipliers that are not known.
     let fits = |nodes: &Vec<f64>| {
         !shape.is_smooth()
             && nodes[nodes.len() - 1] == phases as f64
@@ -62,6 +62,9 @@ pub(crate) fn interior_on(
 ) -> Interior<Dynamics> {
     let reached = with_tools_reached(problem, rows, number);
     let disturbance = Disturbance::draw(&reached, options.seed, number);
+    let smooth = Shape::of(problem).is_smooth();
+    let complete = saved.filter(|_| smooth).and_then(|saved| saved.completed(problem));
+    let saved = complete.as_ref().or(saved);
     let spline = guess(&reached, saved, &disturbance, nodes.to_vec());
     let points = |robot: &Robot| {
         #[cfg(feature = "jit")]

@@ -48,8 +48,7 @@ pub(super) fn restore<D: PointDynamics>(
     options: &SolverOptions,
     recorder: &mut Recorder<'_>,
 ) -> Result<Restored, EvalError> {
-    // Limits do not give where accelerations are continuous.
-    if interior.barrier.sides().is_empty() || interior.spline.mesh.shape.is_smooth() {
+    if interior.barrier.all_sides().next().is_none() {
         return Ok(Restored::Unknown);
     }
     let before = interior.spline.clone();

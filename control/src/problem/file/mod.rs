@@ -20,11 +20,11 @@ mod tools;
 pub use error::{ProblemFileCause, ProblemFileError};
 
 use crate::options::SolverOptions;
-use crate::problem::Problem;
 use crate::problem::file::document::{Document, MOST_BYTES};
 use crate::problem::file::fault::Fault;
 use crate::problem::file::robot::Source;
 use crate::problem::key::Key;
+use crate::problem::{Payload, Problem};
 use costate::robot::{LoadOptions, Robot};
 use std::error::Error;
 use std::fs::File;
@@ -53,6 +53,9 @@ pub struct ProblemFile {
     pub robot_path: Option<PathBuf>,
     /// The saved motion of `[start_from]`, relative paths resolved.
     pub start_from: Option<PathBuf>,
+    /// What `[[robot.payload]]` adds to the robot, which is a part of [`Problem::robot`] already: bodies by
+    /// whose masses a motion may be differentiated ([`Gains::with_payloads`](crate::Gains::with_payloads)).
+    pub payloads: Vec<Payload>,
     /// The text of the file.
     pub text: String,
     path: Option<PathBuf>,
@@ -141,6 +144,7 @@ impl ProblemFile {
             problem,
             options: tables.options,
             robot_path,
+            payloads: tables.robot.payloads(),
             start_from: tables.start_from.map(|file| folder.join(file)),
             text: text.into(),
             path: path.map(Path::to_path_buf),

@@ -3,8 +3,9 @@
 use super::error::ProblemFileCause;
 use super::fault::Fault;
 use super::table::Table;
+use crate::problem::Payload;
 use costate::robot::{
-    FrameSpec, Friction, LimitChange, LinkInertia, LoadOptions, Placement, Robot, RobotEdit, Wrench,
+    FrameSpec, Friction, Joint, LimitChange, LinkInertia, LoadOptions, Placement, Robot, RobotEdit, Wrench,
     WrenchAxes,
 };
 use std::path::Path;
@@ -36,6 +37,9 @@ pub(super) struct RobotTable {
     pub file: Option<String>,
     /// The key of the file, and its first byte.
     file_at: (&'static str, Option<usize>),
+    /// Whether the friction of the file counts: of all joints of a URDF, where it does not otherwise, or of
+    /// none, whatever the file says.
+    friction: Option<bool>,
     changes: Vec<Change>,
 }
 
@@ -65,7 +69,7 @@ pub(super) fn read(root: &Table<'_>, source: Source) -> Result<RobotTable, Fault
     if !root.has_table("robot") {
         let file = named(root, "robot", root.string("robot")?)?;
         let file_at = ("robot", root.start_of("robot"));
-        return Ok(RobotTable { file, file_at, changes: Vec::new() });
+        return Ok(RobotTable { file, file_at, friction: None, changes: Vec::new() });
     }
     let table = root.need("robot", root.table("robot")?)?;
     table.only(ROBOT)?;
@@ -79,8 +83,11 @@ pub(super) fn read(root: &Table<'_>, source: Source) -> Result<RobotTable, Fault
     for (joint, armature) in table.numbers_by_name("armature")? {
         add("armature", None, RobotEdit::Armature(joint, armature));
     }
-    for (joint, law) in table.tables_by_name("friction", FRICTION)? {
-        add("friction", None, RobotEdit::Friction(joint, friction(&law)?));
+    let of_all = if table.has_table("friction") { None } else { table.flag_or_table("friction")? };
+    if of_all.is_none() {
+        for (joint, law) in table.tables_by_name("friction", FRICTION)? {
+            add("friction", None, RobotEdit::Friction(joint, friction(&law)?));
+        }
     }
     for (joint, range) in table.tables_by_name("limits", LIMITS)? {
         add("limits", None, RobotEdit::Limits(joint, limits(&range)?));
@@ -105,7 +112,7 @@ pub(super) fn read(root: &Table<'_>, source: Source) -> Result<RobotTable, Fault
         add("reduced_to", None, RobotEdit::ReducedTo(kept));
     }
     let file = named(&table, "file", table.string("file")?)?;
-    Ok(RobotTable { file, file_at: ("robot.file", table.start_of("file")), changes })
+    Ok(RobotTable { file, file_at: ("robot.file", table.start_of("file")), friction: of_all, changes })
 }
 
 fn friction(table: &Table<'_>) -> Result<Friction, Fault> {
@@ -178,7 +185,8 @@ impl RobotTable {
             key: Some(key.into()),
             cause: Box::new(ProblemFileCause::Robot(error)),
         };
-        if self.changes.is_empty() {
+        let options = self.friction.map_or(options, |friction| options.friction(friction));
+        if self.changes.is_empty() && self.friction != Some(false) {
             return Robot::from_file_with(path, options).map_err(refused);
         }
         // Changes may mend what strict loading would refuse.
@@ -188,14 +196,29 @@ impl RobotTable {
         robot.edited(&[], options).map_err(refused)
     }
 
+    /// The bodies of `[[robot.payload]]`.
+    pub fn payloads(&self) -> Vec<Payload> {
+        let body = |change: &Change| match &change.edit {
+            RobotEdit::Payload(frame, inertia) => Some(Payload::new(frame.clone(), *inertia)),
+            _ => None,
+        };
+        self.changes.iter().filter_map(body).collect()
+    }
+
     /// A robot with the changes.
     pub fn changed(&self, root: &Table<'_>, robot: &Robot, options: LoadOptions) -> Result<Robot, Fault> {
-        let edits: Vec<RobotEdit> = self.changes.iter().map(|change| change.edit.clone()).collect();
+        let mut edits: Vec<RobotEdit> = Vec::new();
+        if self.friction == Some(false) {
+            let off = |joint: &Joint| RobotEdit::Friction(joint.name.clone(), Friction::default());
+            edits.extend(robot.joints().iter().map(off));
+        }
+        let first_change = edits.len();
+        edits.extend(self.changes.iter().map(|change| change.edit.clone()));
         robot.edited(&edits, options).map_err(|error| {
             // The first change that cannot be made.
             let fails = |end: usize| robot.edited(&edits[..end], options).is_err();
             let change = first(edits.len().saturating_sub(1), |k| fails(k + 1));
-            let change = self.changes.get(change);
+            let change = change.checked_sub(first_change).and_then(|change| self.changes.get(change));
             Fault {
                 line: change.and_then(|change| change.start).map(|start| root.line_at(start)),
                 key: Some(change.map_or("robot".into(), |change| format!("robot.{}", change.key))),

@@ -86,6 +86,14 @@ impl<'d> Table<'d> {
         })
     }
 
+    /// A flag where a table may stand too.
+    pub fn flag_or_table(&self, name: &str) -> Result<Option<bool>, Fault> {
+        self.value(name, "true, false or a table", |value| match value {
+            DeValue::Boolean(flag) => Some(*flag),
+            _ => None,
+        })
+    }
+
     pub fn string(&self, name: &str) -> Result<Option<String>, Fault> {
         self.value(name, "a string", string)
     }

@@ -1,0 +1,31 @@
+//! Limits that are moved: inside, so that they are kept between points too; out, where they give.
+
+use super::barrier::Barrier;
+use crate::direct::motion::shape::POINTS;
+
+impl Barrier {
+    /// Moves the limit of a side inside by `amount` at the points and nodes of an interval.
+    pub fn move_inside(&mut self, interval: usize, side: usize, amount: f64) {
+        self.moved.resize(self.weight.len(), 0.0);
+        let points = POINTS * interval..POINTS * (interval + 1);
+        let nodes = if side < self.states { interval..interval + 2 } else { 0..0 };
+        let entries = points.map(|p| self.at_point(p).start).chain(nodes.map(|k| self.at_node(k).start));
+        for first in entries.collect::<Vec<_>>() {
+            self.moved[first + side] -= amount;
+        }
+    }
+
+    /// Moves the limits of each side out by so much, wherever they are measured along the motion.
+    pub fn move_out(&mut self, amount: impl Fn(usize) -> f64) {
+        self.moved.clear();
+        self.moved.resize(self.weight.len(), 0.0);
+        for at in 0..self.first_at_ends() {
+            self.moved[at] = self.side_index(at).map_or(0.0, &amount);
+        }
+    }
+
+    /// How far an entry is inside of its own limit, not the one that was moved.
+    pub fn true_distance(&self, at: usize) -> f64 {
+        self.distance[at] - self.moved.get(at).copied().unwrap_or(0.0)
+    }
+}

@@ -1,0 +1,106 @@
+//! What a robot says about itself.
+
+use crate::robot::Robot;
+use costate::robot::{Joint, Limits};
+use numpy::{PyArray1, PyArray2};
+use pyo3::prelude::*;
+
+impl Robot {
+    /// One number for each joint of q.
+    fn of_joints<'py>(&self, py: Python<'py>, of: impl Fn(&Joint) -> f64) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_iter(py, self.model().independent_joints().map(of))
+    }
+}
+
+#[pymethods]
+impl Robot {
+    /// Its name.
+    #[getter]
+    fn name(&self) -> &str {
+        self.model().name()
+    }
+
+    /// Number of joints that mimic no other one: the length of q, v and tau.
+    #[getter]
+    fn n(&self) -> usize {
+        self.model().dof()
+    }
+
+    /// The joints of q, v and tau, in their order.
+    #[getter]
+    fn joint_names(&self) -> Vec<&str> {
+        self.model().independent_joints().map(|joint| joint.name.as_str()).collect()
+    }
+
+    /// All joints, with those that mimic others.
+    #[getter]
+    fn all_joint_names(&self) -> Vec<&str> {
+        self.model().joints().iter().map(|joint| joint.name.as_str()).collect()
+    }
+
+    /// For each of ``all_joint_names`` the joint before it in the tree; None for one on the base.
+    #[getter]
+    fn parents(&self) -> Vec<Option<&str>> {
+        let joints = self.model().joints();
+        joints.iter().map(|joint| joint.parent.map(|parent| joints[parent].name.as_str())).collect()
+    }
+
+    /// ``"revolute"`` or ``"prismatic"``, for each of ``joint_names``.
+    #[getter]
+    fn joint_kinds(&self) -> Vec<&str> {
+        self.model().independent_joints().map(|joint| joint.kind.name()).collect()
+    }
+
+    /// The frames: the world, then those of joints, of links, and added ones.
+    #[getter]
+    fn frame_names(&self) -> Vec<&str> {
+        self.model().frames().iter().map(|frame| frame.name.as_str()).collect()
+    }
+
+    /// Gravity in the world (3) in m/s^2.
+    #[getter]
+    fn gravity<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, self.model().gravity().as_slice())
+    }
+
+    /// Mass of all links that move (kg).
+    #[getter]
+    fn mass(&self) -> f64 {
+        self.model().joints().iter().map(|joint| joint.inertia.mass).sum()
+    }
+
+    /// The armature matrix: a row for each of ``all_joint_names`` (kg m^2, kg).
+    #[getter]
+    fn armature<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let matrix = self.model().armature_matrix();
+        let rows: Vec<Vec<f64>> = matrix.row_iter().map(|row| row.iter().copied().collect()).collect();
+        Ok(PyArray2::from_vec2(py, &rows)?)
+    }
+
+    /// Smallest and largest q (2, n) in rad, m; infinite where there is no limit.
+    #[getter]
+    fn position_limits<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let of = |side: fn(&Limits) -> f64| -> Vec<f64> {
+            self.model().independent_joints().map(|joint| side(&joint.limits)).collect()
+        };
+        Ok(PyArray2::from_vec2(py, &[of(|limits| limits.lower), of(|limits| limits.upper)])?)
+    }
+
+    /// Largest speeds (n) in rad/s, m/s.
+    #[getter]
+    fn velocity_limits<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.of_joints(py, |joint| joint.limits.velocity)
+    }
+
+    /// Largest torques (n) in N m, N.
+    #[getter]
+    fn effort_limits<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.of_joints(py, |joint| joint.limits.effort)
+    }
+
+    /// What is unusual about it.
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.model().warnings().iter().map(ToString::to_string).collect()
+    }
+}
