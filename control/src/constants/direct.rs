@@ -109,7 +109,7 @@ pub const FIRST_GAP: f64 = 1.0;
 /// corner.
 pub const WARM: f64 = 1e-2;
 /// Multipliers on a finer mesh are within this factor of the central path, ..
-pub const OFF_CENTRE: f64 = 100.0;
+pub const OFF_CENTRE: f64 = 10.0;
 /// .. and where a problem is solved again within this one.
 pub const OFF_CENTRE_AGAIN: f64 = 10.0;
 /// A warm start keeps at least this part of each multiplier..
@@ -177,9 +177,9 @@ pub const CLEARANCE_ACCEPTED: f64 = 1e-2;
 /// A limit is active where the distance to it is within this part of its range.
 pub const ACTIVE: f64 = 1e-4;
 /// The problem on a mesh is solved to this part of the tolerance: this is the largest gap, ..
-pub const PART_OF_TOLERANCE: f64 = 0.3;
+pub const PART_OF_TOLERANCE: f64 = 0.1;
 /// .. and this part of it the largest Newton decrement, which bounds nothing where limits bend.
-pub const OF_DECREMENT: f64 = 1.0 / 3.0;
+pub const OF_DECREMENT: f64 = 1.0;
 /// A motion is verified if it ends within this factor of the root of the tolerance when its torques,
 /// cut to their limits, are integrated; relative to the largest values along it. The cost of an
 /// optimal motion is stationary, so its error is about the square of that of the states.
@@ -206,7 +206,7 @@ pub const PRECISION: f64 = 1e-2;
 /// Intervals are divided until those that are not have this part of the estimated error..
 pub const LEFT: f64 = 0.002;
 /// .. or this part of the tolerance.
-pub const ENOUGH: f64 = 0.5;
+pub const ENOUGH: f64 = 0.1;
 /// Most parts into which an interval is divided at once.
 pub const MOST_PARTS: f64 = 4.0;
 /// Intervals below this part of the whole are not divided: rounding of positions would be large in their
