@@ -58,6 +58,16 @@ pub enum EvalError {
         /// `"floating"` or `"spherical"`.
         kind: &'static str,
     },
+    /// A robot with constraints, where this computation would ignore them.
+    #[error(
+        "the robot has the constraint '{}', which this computation would ignore: use `ConstrainedHamiltonian`, \
+         or `Robot::without_constraints` for the open tree",
+        printable(constraint)
+    )]
+    Constrained {
+        /// The first constraint.
+        constraint: String,
+    },
     /// A quaternion whose length is not 1.
     #[error(
         "the quaternion of joint '{}' has a squared length that differs from 1 by more than {by}; \

@@ -35,6 +35,7 @@
 pub mod batch;
 pub mod codegen;
 pub mod configuration;
+pub mod constraints;
 mod coordinates;
 pub mod derivative;
 pub mod dynamics;

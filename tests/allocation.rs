@@ -2,6 +2,9 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail by panicking")]
 
+#[path = "allocation/constraints.rs"]
+mod constraints;
+
 use costate_test_support::allocations::{Counting, allocations};
 
 #[cfg(feature = "rayon")]
@@ -25,7 +28,7 @@ use nalgebra::Rotation3;
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-fn robot(name: &str) -> Robot {
+pub(crate) fn robot(name: &str) -> Robot {
     Robot::from_file(format!("{}/robots/{name}", env!("CARGO_MANIFEST_DIR"))).unwrap()
 }
 

@@ -1,6 +1,7 @@
 //! Every public workspace can be printed and sent to another thread.
 
 use costate::batch::{Batch, Model, NodeFunction, StepMap};
+use costate::constraints::{ConstrainedHamiltonian, ConstrainedHamiltonianSecondOrder, Constraints};
 use costate::derivative::{
     Directional, ForwardDynamics, Hessian, Jacobian, NestedHessian, PhaseVelocity, Routes,
 };
@@ -39,6 +40,7 @@ fn workspaces_are_sent_shared_cloned_and_printed() {
         Hamiltonian<f64>, Hamiltonian<f64, Christoffel>, Momenta, DualPass<f64>, DualPass<f64, Christoffel>,
         FullHessian<f64>, ExternalForces<f64>, Kinematics<f64>, KinematicsSecondOrder<f64>, Lagrangian<f64>,
         ParameterSet, Regressor<f64>, HamiltonianParameters<f64>, LagrangianParameters<f64>,
+        Constraints<f64>, ConstrainedHamiltonian<f64>, ConstrainedHamiltonianSecondOrder<f64>,
         Velocities, LegendreTransform<f64>,
         MassMatrixDerivatives<f64>, ChristoffelKernel<f64>, IndexSets, QuadraticCost,
         PhaseVelocity, ForwardDynamics, OneStep<HamiltonianRobot, Verlet>, OneStep<LagrangianRobot, SemiImplicit>,

@@ -96,12 +96,17 @@ impl RobotArguments {
         read(&mut input, format)
     }
 
-    /// Reads a robot of joints of one degree of freedom and writes its warnings to standard error.
+    /// Reads a robot of joints of one degree of freedom, without constraints, and writes its warnings to
+    /// standard error.
     ///
     /// # Errors
-    /// As [`load`](Self::load); [`RobotError::FreeJoint`].
+    /// As [`load`](Self::load); [`RobotError::FreeJoint`], [`RobotError::Constrained`].
     pub fn load_and_warn(&self) -> Result<Robot, RobotError> {
         let robot = self.load_any_and_warn()?;
+        if let Some(constraint) = robot.constraints().first() {
+            let constraint = constraint.name.clone();
+            return Err(RobotError::Constrained { constraint, what: "be taken by this command" });
+        }
         match robot.free_joints().first() {
             None => Ok(robot),
             Some(free) => {

@@ -3,7 +3,9 @@
 use crate::arguments::RobotArguments;
 use crate::report::{Table, fixed, title};
 use crate::{Outcome, terminal};
-use costate::robot::{AppliedWrench, Frame, FrameKind, Joint, Limits, Mimic, Robot, WrenchAxes, printable};
+use costate::robot::{
+    AppliedWrench, Constraint, Frame, FrameKind, Joint, Limits, Mimic, Robot, WrenchAxes, printable,
+};
 use serde_json::{Value, json};
 use std::io::Write;
 use std::ops::Index;
@@ -90,6 +92,11 @@ fn as_json(robot: &Robot, with_frames: bool) -> Value {
         "armature_couplings": couplings(robot),
         "warnings": robot.warnings().iter().map(ToString::to_string).collect::<Vec<_>>(),
     });
+    if let (false, Value::Object(fields)) = (robot.constraints().is_empty(), &mut value) {
+        let one =
+            |constraint: &Constraint| json!({ "name": constraint.name, "rows": constraint.kind.rows() });
+        fields.insert("constraints".into(), robot.constraints().iter().map(one).collect());
+    }
     if let (true, Value::Object(fields)) = (with_frames, &mut value) {
         fields.insert(
             "frames".into(),
@@ -221,6 +228,9 @@ fn print(robot: &Robot, out: &mut impl Write) -> std::io::Result<()> {
             let Mimic { ratio, offset, .. } = mimic;
             writeln!(out, "  '{of}' mimics '{independent}': q = {ratio} q_{independent} + {offset}")?;
         }
+    }
+    for Constraint { name, kind, .. } in robot.constraints() {
+        writeln!(out, "  constraint '{}': {} rows", printable(name), kind.rows())?;
     }
     writeln!(
         out,

@@ -17,7 +17,8 @@
 //! |---|---|
 //! | a robot | [`Problem`], [`Solver`] |
 //! | a problem file | [`ProblemFile`] (feature `toml`) |
-//! | any model that is affine in its controls: a drone, a car | [`DynamicsProblem`], [`solve_dynamics`] |
+//! | any model, with limits of states and controls | [`DynamicsProblem`], [`DirectDynamics`] |
+//! | extremals of a model that is affine in its controls: a drone, a car | [`DynamicsProblem`], [`solve_dynamics`] |
 //! | a boundary-value problem of your own | [`BoundaryValueProblem`], [`solve_extremal`] |
 //! | generated or compiled equations | [`pontryagin_program`], [`GeneratedExtremal`] |
 //! | solutions while a parameter changes | [`Continuation`] |

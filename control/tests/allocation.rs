@@ -2,13 +2,16 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail by panicking")]
 
-use costate::robot::Robot;
+use costate::hamiltonian::HamiltonianSecondOrder;
+use costate::lagrangian::LagrangianSecondOrder;
+use costate::robot::{JointSpec, LinkInertia, Robot};
 use costate::scalar::Scalar;
 use costate_control::{
     BoundSide, Bounds, ControlLaw, DirectDynamics, DynamicsProblem, EndState, Extremal, FinalTime,
     LagrangianExtremal, Penalty, Problem, RobotExtremal, RunningCost, SideChange, SolverOptions, UserTerm,
 };
 use costate_test_support::allocations::{Counting, allocations};
+use nalgebra::Matrix3;
 
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
@@ -71,7 +74,7 @@ fn newton_steps_of_the_direct_method_for_models_allocate_nothing() {
     let (start, end) = (EndState::fixed(&[0.0; 4]), EndState::fixed(&[1.5, 1.5, 0.0, 0.0]));
     let problem = DynamicsProblem::new(start, end, FinalTime::Fixed(1.0), 2);
     let none = [f64::INFINITY; 4];
-    let mut task = DirectDynamics::new(costate::lagrangian::LagrangianSecondOrder::new(&robot), &problem)
+    let mut task = DirectDynamics::new(LagrangianSecondOrder::new(&robot), &problem)
         .unwrap()
         .with_state_limits(&none.map(|none| -none), &[none[0], none[1], none[2], 7.0])
         .unwrap();
@@ -79,11 +82,32 @@ fn newton_steps_of_the_direct_method_for_models_allocate_nothing() {
         let mut options = SolverOptions::default();
         options.max_iterations = steps;
         let mut motion = None;
-        let all = allocations(|| motion = Some(task.solve(&options)));
+        let all = allocations(|| motion = Some(task.solve(&options).unwrap()));
         let motion = motion.unwrap();
         assert_eq!((motion.steps.len(), motion.status.name()), (steps, "iteration_limit"));
         all
     };
     // What is left is the set-up and the report.
     assert_eq!(count(3), count(6));
+}
+
+/// In (q, p), and of inverse and forward dynamics in (q, v).
+#[test]
+fn second_derivatives_of_floating_robots_allocate_nothing() {
+    let body = || LinkInertia::about_com(1.0, [0.1, 0.0, 0.2], Matrix3::identity());
+    let robot = Robot::builder("drone")
+        .joint(JointSpec::floating("root").carrying(body()))
+        .joint(JointSpec::revolute("arm").on("root").carrying(body()))
+        .build()
+        .unwrap();
+    let q = [0.1, -0.2, 0.3, 0.0, 0.0, 0.6, 0.8, 0.4];
+    let (v, y) = ([0.3; 7], [0.4; 14]);
+    let mut hamiltonian = HamiltonianSecondOrder::<f64>::new(&robot);
+    let mut lagrangian = LagrangianSecondOrder::<f64>::new(&robot);
+    let count = allocations(|| {
+        hamiltonian.contract(&q, &v, &v, &y).unwrap();
+        lagrangian.contract_inverse_dynamics(&q, &v, &v, &v).unwrap();
+        lagrangian.contract_forward_dynamics(&q, &v, &v, &v).unwrap();
+    });
+    assert_eq!(count, 0);
 }

@@ -58,6 +58,11 @@ impl Robot {
             let error = robot::RobotError::FreeJoint { joint, kind, what: "be used from Python" };
             return Err(errors::robot(py, &error));
         }
+        if let Some(constraint) = robot.constraints().first() {
+            let constraint = constraint.name.clone();
+            let error = robot::RobotError::Constrained { constraint, what: "be used from Python" };
+            return Err(errors::robot(py, &error));
+        }
         let new = |warning: &&robot::Warning| !is_rebuilding() && !known.contains(warning);
         for warning in robot.warnings().iter().filter(new) {
             let text = CString::new(format!("robot '{}': {warning}", robot.name()).replace('\0', " "))?;

@@ -5,7 +5,7 @@ use crate::robot::Tree;
 use crate::scalar::Scalar;
 
 /// `values` must have `expected` finite entries; entry i belongs to joint i mod n. No joint is floating or
-/// spherical.
+/// spherical, and there are no constraints.
 pub(crate) fn check<S: Scalar>(
     tree: &Tree,
     what: &'static str,
@@ -13,6 +13,7 @@ pub(crate) fn check<S: Scalar>(
     expected: usize,
 ) -> Result<(), EvalError> {
     tree.refuse_free()?;
+    tree.refuse_constraints()?;
     check_entries(tree, what, values, expected)
 }
 

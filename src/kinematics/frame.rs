@@ -33,7 +33,7 @@ impl<S: Scalar> Kinematics<S> {
     }
 
     /// The same of a frame of the tree.
-    fn locate(&self, frame: &TreeFrame) -> Placed<S> {
+    pub(super) fn locate(&self, frame: &TreeFrame) -> Placed<S> {
         let body = self.carrier(frame).copied().unwrap_or_else(Body::still);
         let (rotation, translation) = (&frame.placement.rotation, frame.placement.translation);
         let axes = [0, 1, 2].map(|k| [rotation[(0, k)], rotation[(1, k)], rotation[(2, k)]]);

@@ -24,6 +24,7 @@ mod columns;
 mod contraction;
 mod external;
 mod frame;
+mod joints;
 mod logarithm;
 mod moment;
 mod momentum;
@@ -39,6 +40,7 @@ mod term;
 pub use centroidal::CentreOfMass;
 pub use external::ExternalForces;
 pub use frame::Pose;
+pub(crate) use joints::Seat;
 pub(crate) use logarithm::{curvature, rotation_vector};
 pub use momentum::Momentum;
 pub use orientation::{OrientationContraction, OrientationError};
@@ -46,7 +48,7 @@ pub use reference_frame::ReferenceFrame;
 pub use second_order::KinematicsSecondOrder;
 
 use crate::error::EvalError;
-use crate::kernels::{Coupled, check, rates};
+use crate::kernels::{Coupled, check_entries, rates};
 use crate::matrix::{Matrix, filled};
 use crate::robot::{Robot, Tree, TreeFrame};
 use crate::scalar::Scalar;
@@ -196,7 +198,7 @@ impl<S: Scalar> Kinematics<S> {
     }
 
     /// As [`set_position`](Self::set_position), without a check.
-    fn place_still(&mut self, q: &[S]) {
+    pub(crate) fn place_still(&mut self, q: &[S]) {
         let zero = std::mem::take(&mut self.zero);
         self.place(q, &zero, &zero);
         self.zero = zero;
@@ -238,7 +240,9 @@ impl<S: Scalar> Kinematics<S> {
 
     /// Every argument has n finite entries.
     fn check(&self, arguments: &[(&'static str, &[S])]) -> Result<(), EvalError> {
-        arguments.iter().try_for_each(|&(what, values)| check(&self.tree, what, values, self.tree.dof()))
+        self.tree.refuse_free()?;
+        let n = self.tree.dof();
+        arguments.iter().try_for_each(|&(what, values)| check_entries(&self.tree, what, values, n))
     }
 }
 

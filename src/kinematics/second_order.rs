@@ -2,7 +2,7 @@
 
 use super::{Kinematics, ReferenceFrame};
 use crate::error::EvalError;
-use crate::kernels::check;
+use crate::kernels::check_entries;
 use crate::matrix::{Matrix, filled};
 use crate::robot::{Robot, Tree};
 use crate::scalar::{Scalar, Tangent};
@@ -69,8 +69,9 @@ impl<S: Scalar> KinematicsSecondOrder<S> {
     /// See [`Kinematics`].
     pub fn set_motion(&mut self, q: &[S], v: &[S], a: &[S]) -> Result<(), EvalError> {
         let tree = self.kinematics.tree();
+        tree.refuse_free()?;
         for (what, values) in [("q", q), ("v", v), ("a", a)] {
-            check(tree, what, values, tree.dof())?;
+            check_entries(tree, what, values, tree.dof())?;
         }
         for (i, ((&q, &v), &a)) in q.iter().zip(v).zip(a).enumerate() {
             (self.q[i], self.v[i]) = (Tangent::new(q, v), Tangent::new(v, a));

@@ -153,6 +153,7 @@ impl RobotBuilder {
             joints,
             frames,
             wrenches: Vec::new(),
+            constraints: Vec::new(),
             warnings,
         })
     }

@@ -2,6 +2,7 @@
 
 use super::armature::Armature;
 use super::checks;
+use super::constraint::Constraint;
 use super::error::RobotError;
 use super::frame::{Frame, FrameSpec};
 use super::frame_list::FrameList;
@@ -37,6 +38,7 @@ pub struct Robot {
     pub(super) armature: Armature,
     pub(super) frames: Vec<Frame>,
     pub(super) wrenches: Vec<AppliedWrench>,
+    pub(super) constraints: Vec<Constraint>,
     pub(super) warnings: Vec<Warning>,
 }
 

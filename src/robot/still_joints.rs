@@ -1,5 +1,6 @@
 //! A robot with still joints: displacements of its frames as coordinates.
 
+use super::constraint::ConstraintKind;
 use super::free_parts::free_joints;
 use super::joint::{Friction, Joint, JointKind, Limits, Mimic, Spring};
 use super::link::{LinkInertia, Placement};
@@ -73,6 +74,11 @@ impl Robot {
         let armature = self.armature.spread(n, &kept);
         let free = free_joints(&joints);
         let mut robot = Self { joints, independent, free, armature, ..self.clone() };
+        for constraint in &mut robot.constraints {
+            if let ConstraintKind::Coupling { terms, .. } = &mut constraint.kind {
+                terms.iter_mut().for_each(|(joint, _)| *joint = kept[*joint]);
+            }
+        }
         for frame in &mut robot.frames {
             frame.joint = frame.joint.map(|joint| kept[joint]);
         }

@@ -61,7 +61,20 @@ fn all_robots() -> Vec<Robot> {
     files.sort();
     assert!(files.len() >= 9);
     let options = LoadOptions::default().friction(true);
-    files.iter().map(|file| Robot::from_file_with(file, options).unwrap()).collect()
+    let open = |file| Robot::from_file_with(file, options).unwrap().without_constraints();
+    files.iter().map(open).collect()
+}
+
+/// With constants as arguments, too.
+#[test]
+fn programs_of_robots_with_constraints_are_refused_by_name() {
+    let four_bar = Robot::from_file(concat!(env!("CARGO_MANIFEST_DIR"), "/robots/four_bar.toml")).unwrap();
+    for options in [ProgramOptions::default(), ProgramOptions::default().with_parameters(true)] {
+        for coordinates in [Coordinates::Hamiltonian, Coordinates::Lagrangian] {
+            let error = robot_program(&four_bar, Quantity::F, coordinates, &options).unwrap_err();
+            assert!(error.to_string().contains("'rocker_pivot'"), "{error}");
+        }
+    }
 }
 
 #[test]

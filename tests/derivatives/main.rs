@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests and their helpers fail by panicking")]
 
+mod constraints;
 mod edits;
 mod identities;
 mod inputs;

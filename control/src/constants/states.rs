@@ -7,11 +7,11 @@ pub const INTERVALS: usize = 20;
 pub const MESHES: usize = 14;
 /// The problem on a mesh is solved to this part of the tolerance.
 pub const PART_OF_TOLERANCE: f64 = 0.05;
-/// First barrier, in parts of the cost or of one, ..
-pub const BARRIER: f64 = 0.1;
+/// First barrier, in parts of the size of the cost along the guess, ..
+pub const BARRIER: f64 = 1.0;
 /// .. that on later meshes, ..
-pub const WARM: f64 = 1e-4;
-/// .. and the last one, as a part of the tolerance of the mesh.
+pub const WARM: f64 = 1e-3;
+/// .. and the last one: all logarithms together cost at most this part of the tolerance of the mesh.
 pub const LEAST_BARRIER: f64 = 0.1;
 /// The barrier falls when the error of its problem is below this many times the barrier, ..
 pub const CENTRED: f64 = 10.0;
@@ -28,13 +28,13 @@ pub const WARM_ROOM: f64 = 1e-5;
 /// Weight of the squares of what fixed ends are missed by, in parts of the cost over the square of the size
 /// of the component: their multipliers converge by about the reciprocal of it in a step.
 pub const END_WEIGHT: f64 = 1e7;
-/// The cost counts as at least this for the weight.
+/// The cost counts as at least this, in parts of its size along the guess.
 pub const LEAST_COST: f64 = 1e-4;
 /// Multipliers of this size count as one in the error of stationarity.
 pub const LARGE_MULTIPLIERS: f64 = 100.0;
 /// Damping of a Hessian that is not positive definite rises by this factor, ..
 pub const DAMPING_UP: f64 = 8.0;
-/// .. from this part of the last one, ..
+/// .. from the last one divided by this, ..
 pub const DAMPING_DOWN: f64 = 3.0;
 /// .. to at most this.
 pub const MOST_DAMPING: f64 = 1e12;
@@ -55,9 +55,14 @@ pub const ACCEPTABLE: f64 = 100.0;
 pub const LEAST_SIZE: f64 = 1e-3;
 /// Largest excess of a limit of x between points, in parts of the size of the component.
 pub const EXCESS: f64 = 1e-4;
-/// Intervals are divided for an error of this power of what is allowed, times this.
+/// An interval is divided into [`MORE`] (error / allowed)^ORDER parts: errors fall with the fourth power of
+/// its width.
 pub const ORDER: f64 = 0.25;
-/// See [`ORDER`].
+/// Somewhat more parts than that takes.
 pub const MORE: f64 = 1.2;
 /// Intervals are divided until their estimated errors of the cost are this part of the tolerance together.
 pub const ENOUGH: f64 = 0.3;
+/// Ends that are missed by less than this part of the size of their component are met.
+pub const MET: f64 = 1e-9;
+/// Newton steps for which room is made on a mesh at once.
+pub const MOST_RESERVED: usize = 1000;

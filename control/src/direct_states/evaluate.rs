@@ -3,6 +3,7 @@
 use super::interior::{Interior, Work};
 use super::points::{Layout, POINTS};
 use super::problem::DirectDynamics;
+use crate::bvp::collocation::error::defined;
 use crate::direct::Figure;
 use crate::extremal::dynamics::response::eval_error;
 use costate::EvalError;
@@ -17,7 +18,7 @@ impl Interior {
     ) -> Result<Figure, EvalError> {
         let Layout { n, m, .. } = self.layout;
         let time = w[self.layout.time()];
-        let mut figure = Figure { cost: task.problem.cost.time * time, ..Figure::default() };
+        let mut figure = Figure { cost: task.time_weight() * time, ..Figure::default() };
         for (k, h) in self.widths.iter().enumerate() {
             for j in 0..POINTS {
                 let at = self.layout.point(k, j);
@@ -35,12 +36,13 @@ impl Interior {
         }
         let last = self.layout.node(self.layout.intervals);
         figure.theta += self.fixed.iter().map(|&i| (w[last + i] - task.problem.end.x[i]).abs()).sum::<f64>();
-        for ((&w, &low), &high) in w.iter().zip(&self.low).zip(&self.high) {
+        let limits = self.low.iter().zip(&self.high).zip(&self.weights);
+        for (&w, ((&low, &high), &weight)) in w.iter().zip(limits) {
             if low.is_finite() {
-                figure.logarithms += (w - low).ln();
+                figure.logarithms += weight * (w - low).ln();
             }
             if high.is_finite() {
-                figure.logarithms += (high - w).ln();
+                figure.logarithms += weight * (high - w).ln();
             }
         }
         Ok(figure)
@@ -58,7 +60,7 @@ impl Interior {
         for ((residual, high), low) in residual.iter_mut().zip(&self.z_high).zip(&self.z_low) {
             *residual = high - low;
         }
-        residual[layout.time()] += task.problem.cost.time;
+        residual[layout.time()] += task.time_weight();
         for k in 0..layout.intervals {
             let h = self.widths[k];
             let interval = &mut self.intervals[k];
@@ -116,7 +118,7 @@ impl Interior {
         if !self.free.contains(&n) {
             residual[layout.time()] = 0.0;
         }
-        Ok(residual.iter().fold(0.0, |most: f64, value| most.max(value.abs())))
+        Ok(residual.iter().fold(0.0, |most: f64, value| most.max(defined(*value))))
     }
 
     /// Slope of cost and barrier along the step. The gradient of the points has that of the barrier already.
@@ -124,7 +126,7 @@ impl Interior {
         let step = &self.work.step;
         let (time, start) = (self.layout.time(), self.layout.point(0, 0));
         let others = (0..start).chain([time]).map(|i| self.barrier(i).1 * step[i]).sum::<f64>();
-        let mut slope = others + task.problem.cost.time * step[time];
+        let mut slope = others + task.time_weight() * step[time];
         for (k, interval) in self.intervals.iter().enumerate() {
             slope += interval.gradient_t * step[time];
             let first = self.layout.point(k, 0);

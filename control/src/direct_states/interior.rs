@@ -4,6 +4,7 @@ use super::interval::{Interval, Scratch};
 use super::points::{Layout, POINTS, Radau};
 use super::problem::DirectDynamics;
 use super::recursion::Recursion;
+use crate::bvp::collocation::error::defined;
 use crate::constants::states as constants;
 use crate::direct::Filter;
 use crate::problem::FinalTime;
@@ -22,6 +23,10 @@ pub(super) struct Interior {
     /// Multipliers of the limits.
     pub(super) z_low: Vec<f64>,
     pub(super) z_high: Vec<f64>,
+    /// Weights of the logarithms of both limits of an unknown: those of quadrature along the motion, 1 of T.
+    pub(super) weights: Vec<f64>,
+    /// Sum of the weights of all limits.
+    logarithms: f64,
     /// Multipliers of the defects, and of the fixed components of the end.
     pub lambda: Vec<f64>,
     pub(super) nu: Vec<f64>,
@@ -118,8 +123,12 @@ impl Interior {
             true => (constants::WARM, constants::WARM_ROOM),
             false => (constants::BARRIER, constants::ROOM),
         };
-        let (mut z_low, mut z_high) = (vec![0.0; count], vec![0.0; count]);
+        let radau = Radau::new();
+        let weights = weights(&layout, &radau, &widths);
+        let (mut z_low, mut z_high, mut logarithms) = (vec![0.0; count], vec![0.0; count], 0.0);
         for i in 0..count {
+            // A guess of T, whose limit is 0, is positive and stays as it is given.
+            let room = if i == layout.time() { 0.0 } else { room };
             let range = if (high[i] - low[i]).is_finite() { high[i] - low[i] } else { f64::INFINITY };
             let distance = |limit: f64| room * limit.abs().max(1.0).min(range);
             if low[i].is_finite() {
@@ -127,17 +136,21 @@ impl Interior {
             }
             if high[i].is_finite() {
                 w[i] = w[i].min(high[i] - distance(high[i]));
-                z_high[i] = mu / (high[i] - w[i]);
+                z_high[i] = mu * weights[i] / (high[i] - w[i]);
+                logarithms += weights[i];
             }
             if low[i].is_finite() {
-                z_low[i] = mu / (w[i] - low[i]);
+                z_low[i] = mu * weights[i] / (w[i] - low[i]);
+                logarithms += weights[i];
             }
         }
         let mut filter = Filter::default();
         filter.reserve();
         Self {
             layout,
-            radau: Radau::new(),
+            radau,
+            weights,
+            logarithms,
             lambda: vec![0.0; layout.intervals * POINTS * n],
             nu: vec![0.0; n],
             intervals: vec![Interval::new(n, layout.m); layout.intervals],
@@ -185,31 +198,70 @@ impl Interior {
         if self.low[i].is_finite() {
             let slack = self.w[i] - self.low[i];
             curvature += self.z_low[i] / slack;
-            force -= self.mu / slack;
+            force -= self.mu * self.weights[i] / slack;
         }
         if self.high[i].is_finite() {
             let slack = self.high[i] - self.w[i];
             curvature += self.z_high[i] / slack;
-            force += self.mu / slack;
+            force += self.mu * self.weights[i] / slack;
         }
         (curvature, force)
+    }
+
+    /// The size of the cost, also where it vanishes.
+    pub fn cost_size(&self) -> f64 {
+        self.cost.abs().max(constants::LEAST_COST)
+    }
+
+    /// The last barrier: all logarithms together cost a part of the tolerance, relative to the cost.
+    pub(super) fn least_barrier(&self, tolerance: f64) -> f64 {
+        let share = self.cost_size() / self.logarithms.max(f64::MIN_POSITIVE);
+        constants::LEAST_BARRIER * tolerance * share.min(1.0)
+    }
+
+    /// Sum of slack times multiplier: what the barrier costs, to first order.
+    pub(super) fn gap(&self) -> f64 {
+        let mut gap = 0.0;
+        for i in 0..self.w.len() {
+            for (z, slack) in self.sides(i) {
+                if slack.is_finite() {
+                    gap += z * slack;
+                }
+            }
+        }
+        gap
+    }
+
+    /// Multiplier and slack of both limits of unknown i.
+    fn sides(&self, i: usize) -> [(f64, f64); 2] {
+        [(self.z_low[i], self.w[i] - self.low[i]), (self.z_high[i], self.high[i] - self.w[i])]
     }
 
     /// Error of stationarity, defects and complementarity with a barrier, by the size of the multipliers.
     pub(super) fn error(&self, mu: f64, stationarity: f64, theta: f64) -> f64 {
         let size =
             self.lambda.iter().fold(1.0, |most: f64, y| most.max(y.abs() / constants::LARGE_MULTIPLIERS));
-        let mut most = (stationarity / size).max(theta);
+        let mut most = defined(stationarity / size).max(defined(theta));
         for i in 0..self.w.len() {
-            let slacks = [self.w[i] - self.low[i], self.high[i] - self.w[i]];
-            for (z, slack) in [self.z_low[i], self.z_high[i]].into_iter().zip(slacks) {
+            for (z, slack) in self.sides(i) {
                 if slack.is_finite() {
-                    most = most.max((z * slack - mu).abs() / size);
+                    most = most.max(defined(z * slack / self.weights[i] - mu) / size);
                 }
             }
         }
         most
     }
+}
+
+/// Weights of the logarithms. The start counts as a node.
+fn weights(layout: &Layout, radau: &Radau, widths: &[f64]) -> Vec<f64> {
+    let size = layout.n + layout.m;
+    let mut weights = vec![widths[0] * radau.weights[POINTS - 1]; layout.n];
+    for width in widths {
+        radau.weights.iter().for_each(|weight| weights.extend((0..size).map(|_| width * weight)));
+    }
+    weights.push(1.0);
+    weights
 }
 
 /// Limits of all unknowns. T is positive.

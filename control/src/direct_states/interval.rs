@@ -69,12 +69,11 @@ impl Interval {
         }
     }
 
-    /// Eliminates the states at the points, with this much added to the Hessian's diagonal. False if the
-    /// defects do not determine them.
-    pub fn condense(&mut self, layout: &Layout, radau: &Radau, damping: f64, scratch: &mut Scratch) -> bool {
+    /// Solves the defects for the states at the points. False if they do not determine them.
+    pub fn eliminate(&mut self, layout: &Layout, radau: &Radau, scratch: &mut Scratch) -> bool {
         let (n, m) = (layout.n, layout.m);
-        let (c, w, y) = (POINTS * n, n + m, n + 1 + POINTS * m);
-        let Scratch { lu, exchanges, rows, product } = scratch;
+        let (c, y) = (POINTS * n, n + 1 + POINTS * m);
+        let Scratch { lu, exchanges, .. } = scratch;
         lu.copy_from_slice(&self.by_states);
         self.inverse.fill(0.0);
         (0..c).for_each(|i| self.inverse[i * c + i] = 1.0);
@@ -94,6 +93,14 @@ impl Interval {
                 add_scaled(&mut row[first..first + m], -part, &self.by_controls[i * m..(i + 1) * m]);
             }
         }
+        true
+    }
+
+    /// Hessian and gradient by (dx, dT, dU), with this much added to the diagonal of that at the points.
+    pub fn condense(&mut self, layout: &Layout, damping: f64, scratch: &mut Scratch) {
+        let (n, m) = (layout.n, layout.m);
+        let (w, y) = (n + m, n + 1 + POINTS * m);
+        let Scratch { rows, product, .. } = scratch;
         self.q.fill(0.0);
         self.q_1.fill(0.0);
         for j in 0..POINTS {
@@ -123,7 +130,6 @@ impl Interval {
             }
         }
         self.q_1[n] += self.gradient_t;
-        true
     }
 
     /// dX of the points by (dx, dT, dU), to steps of (x, u) at the points.

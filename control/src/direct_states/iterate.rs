@@ -30,17 +30,22 @@ impl Interior {
             return Err(failed(EvalError::Model { reason }));
         }
         let mut restarts = 0;
-        steps.reserve(options.max_iterations);
+        steps.reserve(options.max_iterations.min(constants::MOST_RESERVED));
         for number in 0..options.max_iterations {
             if deadline.is_some_and(|deadline| Instant::now() >= deadline) {
                 return Err(Status::TimeLimit);
             }
             let stationarity = self.linearise(task).map_err(failed)?;
+            if stationarity.is_infinite() {
+                let reason = "derivatives of f or of the cost are not finite along the motion".to_string();
+                return Err(failed(EvalError::Model { reason }));
+            }
             self.residual = self.error(0.0, stationarity, now.theta);
-            if self.residual <= tolerance && number > 0 {
+            let is_near = self.gap() <= tolerance * self.cost_size();
+            if self.residual <= tolerance && is_near && number > 0 {
                 return Ok(());
             }
-            let least = constants::LEAST_BARRIER * tolerance;
+            let least = self.least_barrier(tolerance);
             while self.mu > least
                 && self.error(self.mu, stationarity, now.theta) <= constants::CENTRED * self.mu
             {
@@ -48,9 +53,7 @@ impl Interior {
                 self.mu = lower.max(least);
                 self.filter.clear();
             }
-            if !self.find_step(task) {
-                return Err(Status::Singular);
-            }
+            self.find_step(task)?;
             let [primal, dual] = self.lengths();
             let found = self.search(task, &now, primal);
             steps.push(StateStep {
@@ -67,7 +70,9 @@ impl Interior {
                 self.cost = now.cost;
                 continue;
             }
-            if self.residual <= constants::ACCEPTABLE * tolerance {
+            if is_near && self.residual <= constants::ACCEPTABLE * tolerance {
+                // Once more without the barriers that the step has added.
+                self.linearise(task).map_err(failed)?;
                 return Ok(());
             }
             restarts += 1;
@@ -95,7 +100,7 @@ impl Interior {
             ];
             for (slack, z, step, dz) in sides {
                 if slack.is_finite() {
-                    *dz = (self.mu - z * step) / slack - z;
+                    *dz = (self.mu * self.weights[i] - z * step) / slack - z;
                     if step < 0.0 {
                         primal = primal.min(-boundary * slack / step);
                     }
@@ -138,7 +143,11 @@ impl Interior {
                     is_better(&new, now, self.mu, rounding)
                 };
                 // Not true for NaN.
-                if value.is_finite() && is_fine && self.filter.accepts(&new, self.mu, rounding) {
+                if value.is_finite()
+                    && new.theta.is_finite()
+                    && is_fine
+                    && self.filter.accepts(&new, self.mu, rounding)
+                {
                     if !descends {
                         self.filter.add(*now);
                     }
@@ -164,7 +173,7 @@ impl Interior {
             for (z, dz, slack) in sides {
                 if slack.is_finite() {
                     // Waechter and Biegler, equation 16.
-                    let centre = self.mu / slack;
+                    let centre = self.mu * self.weights[i] / slack;
                     *z = (*z + dual * dz).clamp(centre / shared::FAR, shared::FAR * centre);
                 }
             }

@@ -18,6 +18,7 @@
 //! | file | content |
 //! |---|---|
 //! | [`problem`] | what is asked for, and what is refused |
+//! | [`guess`], [`begin`] | where the iteration begins, and the size of the cost |
 //! | [`points`] | Radau's points, unknowns and their bounds |
 //! | [`running_cost`], [`evaluate`] | cost, defects and their derivatives |
 //! | [`interval`] | derivatives of one interval, and its condensation |
@@ -32,12 +33,16 @@
 //! The filter is that of [`direct`](crate::direct). Its loop is not: that one is written for distances of
 //! splines in q and a border of times, here states, controls and defects are unknowns of their own.
 
+mod begin;
 mod cost_error;
 mod evaluate;
+mod guess;
 mod interior;
 mod interval;
 mod iterate;
 mod newton;
+#[cfg(test)]
+mod newton_tests;
 mod outcome;
 mod points;
 pub(crate) mod problem;
@@ -46,5 +51,3 @@ mod refine;
 mod running_cost;
 pub(crate) mod solution;
 mod solve;
-#[cfg(test)]
-mod tests;

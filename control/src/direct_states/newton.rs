@@ -4,17 +4,24 @@ use super::interior::Interior;
 use super::points::{Layout, POINTS};
 use super::problem::DirectDynamics;
 use crate::constants::{direct as shared, states as constants};
+use crate::status::Status;
 
 impl Interior {
     /// Solves Newton's equations for the step of w and the new multipliers, which are left in the workspace.
-    /// The Hessian is damped until it is positive definite along the linearised defects. False if it cannot
-    /// be.
-    pub(super) fn find_step<D, C>(&mut self, task: &DirectDynamics<D, C>) -> bool {
+    /// The Hessian is damped until it is positive definite along the linearised defects.
+    ///
+    /// # Errors
+    /// Singular if the defects do not determine the states of an interval, which no damping changes; failed
+    /// if no damping makes the Hessian positive definite.
+    pub(super) fn find_step<D, C>(&mut self, task: &DirectDynamics<D, C>) -> Result<(), Status> {
         self.add_barriers();
         for i in 0..self.layout.n {
             let size = self.size(i);
-            self.work.end_weights[i] =
-                constants::END_WEIGHT * self.cost.abs().max(constants::LEAST_COST) / (size * size);
+            self.work.end_weights[i] = constants::END_WEIGHT * self.cost_size() / (size * size);
+        }
+        let (layout, radau, scratch) = (&self.layout, &self.radau, &mut self.work.scratch);
+        if !self.intervals.iter_mut().all(|interval| interval.eliminate(layout, radau, scratch)) {
+            return Err(Status::Singular);
         }
         let mut damping = 0.0;
         while !self.factorise(task, damping) {
@@ -24,7 +31,7 @@ impl Interior {
                 constants::DAMPING_UP * damping
             };
             if damping > constants::MOST_DAMPING {
-                return false;
+                return Err(Status::NewtonFailed);
             }
         }
         self.definite = damping == 0.0;
@@ -32,7 +39,7 @@ impl Interior {
             self.damping = damping;
         }
         self.go_forward(damping);
-        true
+        Ok(())
     }
 
     /// Adds the barriers of the points to their derivatives.
@@ -64,16 +71,13 @@ impl Interior {
             p_1[i] = self.nu[i] + self.work.end_weights[i] * missed;
         }
         let scratch = &mut self.work.scratch;
-        let is_condensed = self
-            .intervals
-            .iter_mut()
-            .all(|interval| interval.condense(&layout, &self.radau, damping, scratch));
-        if !is_condensed || !self.recursion.go_back(&layout, &self.intervals) {
+        self.intervals.iter_mut().for_each(|interval| interval.condense(&layout, damping, scratch));
+        if !self.recursion.go_back(&layout, &self.intervals) {
             return false;
         }
         for at in 0..self.free.len() {
             let i = self.free[at];
-            let (unknown, weight) = if i == n { (layout.time(), task.problem.cost.time) } else { (i, 0.0) };
+            let (unknown, weight) = if i == n { (layout.time(), task.time_weight()) } else { (i, 0.0) };
             let (curvature, force) = self.barrier(unknown);
             let (p, p_1) = self.recursion.start();
             p[i * z + i] += curvature + damping;

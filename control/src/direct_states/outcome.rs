@@ -4,52 +4,76 @@ use super::interior::Interior;
 use super::points::{Layout, POINTS};
 use super::problem::DirectDynamics;
 use super::solution::StateMotion;
-use crate::constants::direct as shared;
+use crate::bvp::collocation::error::defined;
+use crate::constants::{direct as shared, states as constants};
 use crate::extremal::dynamics::response::eval_error;
 use crate::numerics::dormand_prince::DormandPrince;
 use costate::dynamics::{Cost, Dynamics};
-
-/// Ends that are missed by less than this part of the size of their component are met.
-const MET: f64 = 1e-9;
+use std::time::Instant;
 
 impl<D: Dynamics<f64>, C: Cost<f64>> DirectDynamics<D, C> {
-    /// What is missed when the controls are integrated from the start, or interval by interval.
-    pub(super) fn verify(&mut self, mesh: &Interior) -> f64 {
+    /// What the end is missed by when the controls are integrated from the start; where that is more than
+    /// `bound` and more than what the parts of the motion miss together, that.
+    pub(super) fn verify(&mut self, mesh: &Interior, bound: f64, deadline: Option<Instant>) -> f64 {
+        let whole = self.missed_by_parts(mesh, f64::INFINITY, deadline);
+        if whole <= bound {
+            return whole;
+        }
+        whole.min(self.missed_by_parts(mesh, mesh.time() / shared::PARTS, deadline))
+    }
+
+    /// Sum of the distances from the motion, relative to its sizes, after each `part` (s), integrated from
+    /// its own start. Infinite where a part cannot be integrated, or not in time.
+    fn missed_by_parts(&mut self, mesh: &Interior, part: f64, deadline: Option<Instant>) -> f64 {
         let Layout { n, m, intervals } = mesh.layout;
         let sizes = mesh.sizes();
         let mut integrator = DormandPrince::new(n, shared::INTEGRATION);
         let mut u = vec![0.0; m];
-        let (mut whole, mut parts) = (0.0_f64, 0.0_f64);
-        let mut open = mesh.w[..n].to_vec();
+        let mut x = mesh.w[..n].to_vec();
+        let (mut sum, mut since) = (0.0, 0.0);
         for k in 0..intervals {
-            let mut part = mesh.w[mesh.layout.node(k)..][..n].to_vec();
             let width = mesh.widths[k] * mesh.time();
-            let end = &mesh.w[mesh.layout.node(k + 1)..][..n];
-            for (x, is_whole) in [(&mut open, true), (&mut part, false)] {
-                let reached = integrator.integrate(x, 0.0..1.0, |s, x, rate| {
-                    mesh.control(k, s, &mut u);
-                    let f = self.model.evaluate(x, &u).map_err(eval_error)?;
-                    rate.iter_mut().zip(f).for_each(|(rate, f)| *rate = width * f);
-                    Ok(())
-                });
-                let missed = |i: usize| (x[i] - end[i]).abs() / sizes[i];
-                let now =
-                    if reached.is_ok() { (0..n).map(missed).fold(0.0, f64::max) } else { f64::INFINITY };
-                // Of the whole motion only the end counts.
-                if is_whole { whole = now } else { parts = parts.max(now) }
+            let reached = integrator.integrate(&mut x, 0.0..1.0, |s, x, rate| {
+                mesh.control(k, s, &mut u);
+                let f = self.model.evaluate(x, &u).map_err(eval_error)?;
+                rate.iter_mut().zip(f).for_each(|(rate, f)| *rate = width * f);
+                Ok(())
+            });
+            if reached.is_err() || deadline.is_some_and(|deadline| Instant::now() >= deadline) {
+                return f64::INFINITY;
+            }
+            since += width;
+            if since >= part * (1.0 - constants::MET) || k + 1 == intervals {
+                let end = &mesh.w[mesh.layout.node(k + 1)..][..n];
+                let misses = x.iter().zip(end).zip(&sizes).map(|((x, end), size)| defined((x - end) / size));
+                sum += misses.fold(0.0, f64::max);
+                x.copy_from_slice(end);
+                since = 0.0;
             }
         }
-        whole.min(parts)
+        sum
     }
 
     /// Values along the motion.
-    pub(super) fn report(&mut self, mesh: &Interior, mut motion: StateMotion) -> StateMotion {
+    pub(super) fn report(&mut self, mesh: &mut Interior, mut motion: StateMotion) -> StateMotion {
         let Layout { n, m, intervals } = mesh.layout;
-        let (mut start, time) = (0.0, mesh.time());
-        (motion.cost, motion.final_time, motion.intervals) = (mesh.cost, time, intervals);
+        let (mut start, time, reference) = (0.0, mesh.time(), self.reference);
+        (motion.cost, motion.final_time, motion.intervals) = (reference * mesh.cost, time, intervals);
+        motion.u_limits.clone_from(&self.u_limits);
+        for step in &mut motion.steps {
+            (step.cost, step.barrier) = (reference * step.cost, reference * step.barrier);
+        }
+        // Again, since the last step has changed the iterate.
+        let linearised = mesh.linearise(self);
+        let figure = mesh.figure(self, &mesh.w);
+        let is_known = linearised.is_ok() && figure.is_ok();
+        motion.residual = match (linearised, figure) {
+            (Ok(stationarity), Ok(figure)) => mesh.error(0.0, stationarity, figure.theta),
+            _ => f64::INFINITY,
+        };
         for &i in &mesh.fixed {
             let missed = mesh.missed(self, i).abs();
-            if missed > motion.end_missed.max(MET * mesh.size(i)) {
+            if missed > motion.end_missed.max(constants::MET * mesh.size(i)) {
                 (motion.end_missed, motion.missed_component) = (missed, Some(i));
             }
         }
@@ -62,8 +86,8 @@ impl<D: Dynamics<f64>, C: Cost<f64>> DirectDynamics<D, C> {
                 }
                 mesh.state(k, s, &mut x, &mut slope);
                 mesh.control(k, s, &mut u);
-                let y: Vec<f64> = (0..n).map(|i| mesh.costate(k, s, i)).collect();
-                let l = self.running(&x, &u).unwrap_or(f64::NAN);
+                let y: Vec<f64> = (0..n).map(|i| reference * mesh.costate(k, s, i)).collect();
+                let l = reference * self.running(&x, &u).unwrap_or(f64::NAN);
                 let f = self
                     .model
                     .evaluate(&x, &u)
@@ -75,8 +99,9 @@ impl<D: Dynamics<f64>, C: Cost<f64>> DirectDynamics<D, C> {
                 motion.y.push(y);
             }
             for defect in &mesh.intervals[k].defect {
-                if defect.abs() > motion.defect {
-                    (motion.defect, motion.defect_time) = (defect.abs(), start * time);
+                let defect = if is_known { defined(*defect) } else { f64::INFINITY };
+                if defect > motion.defect {
+                    (motion.defect, motion.defect_time) = (defect, start * time);
                 }
             }
             start += mesh.widths[k];

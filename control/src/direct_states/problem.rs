@@ -1,6 +1,8 @@
 //! Problems of models that are solved by the direct method.
 
+use super::guess::Guess;
 use crate::extremal::dynamics::problem::{DynamicsProblem, DynamicsProblemError};
+use crate::problem::error::ProblemError;
 use costate::dynamics::{Cost, Dynamics, QuadraticCost};
 
 /// A [`DynamicsProblem`] for the direct method: any [`Dynamics`], affine in u or not, with bounds on u and x.
@@ -34,7 +36,7 @@ use costate::dynamics::{Cost, Dynamics, QuadraticCost};
 /// let cost = Objective::new(1.0, vec![1e-12]);
 /// let problem = DynamicsProblem::new(start, end, FinalTime::Free { guess: 1.0 }, 1).with_cost(cost);
 /// let mut task = DirectDynamics::new(Automatic::<Boat>::new(Boat), &problem)?;
-/// let motion = task.solve(&SolverOptions::default());
+/// let motion = task.solve(&SolverOptions::default())?;
 /// // It heads against the current by sin u = -0.6, and cos u = 0.8 is left.
 /// assert!(motion.status.is_converged() && (motion.final_time - 1.25).abs() < 1e-6);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -46,15 +48,37 @@ pub struct DirectDynamics<D, C = QuadraticCost> {
     pub(super) problem: DynamicsProblem,
     pub(super) x_limits: [Vec<f64>; 2],
     pub(super) u_limits: [Vec<f64>; 2],
+    pub(super) guess: Option<Guess>,
+    /// All costs are divided by this while they are solved.
+    pub(super) reference: f64,
 }
 
-/// Why limits of a [`DirectDynamics`] were refused.
+/// Why a [`DirectDynamics`], its limits, its guess or options were refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum DirectDynamicsError {
     /// The problem itself.
     #[error(transparent)]
     Problem(#[from] DynamicsProblemError),
+    /// Options of the solver.
+    #[error(transparent)]
+    Options(#[from] ProblemError),
+    /// Nothing moves.
+    #[error("the model has no states: x must have one component or more")]
+    NoStates,
+    /// Lists of a guess that do not belong together.
+    #[error("{field} has {found} entries for {times} times: give one for each time")]
+    GuessLength {
+        /// Number of times.
+        times: usize,
+        /// The list.
+        field: &'static str,
+        /// Its length.
+        found: usize,
+    },
+    /// Times that do not increase.
+    #[error("t of the guess must have two or more times, each finite and larger than the one before it")]
+    GuessTimes,
     /// No state lies between its limits.
     #[error("x_min[{component}] = {low} must be less than x_max[{component}] = {high}")]
     Empty {
@@ -85,7 +109,7 @@ impl<D: Dynamics<f64>> DirectDynamics<D> {
     /// The problem of this model, without further running cost.
     ///
     /// # Errors
-    /// A problem that does not fit the model.
+    /// A problem that does not fit the model, or a model without states.
     pub fn new(model: D, problem: &DynamicsProblem) -> Result<Self, DirectDynamicsError> {
         Self::build(model, None, problem)
     }
@@ -115,6 +139,9 @@ impl<D: Dynamics<f64>, C: Cost<f64>> DirectDynamics<D, C> {
 
     fn build(model: D, cost: Option<C>, problem: &DynamicsProblem) -> Result<Self, DirectDynamicsError> {
         let (n, m) = (model.states(), model.controls());
+        if n == 0 {
+            return Err(DirectDynamicsError::NoStates);
+        }
         let weighs_u = cost.as_ref().is_some_and(|cost| cost.controls() > 0);
         problem.check(n, m, cost.is_some(), weighs_u)?;
         let free = |count, value| vec![value; count];
@@ -123,7 +150,7 @@ impl<D: Dynamics<f64>, C: Cost<f64>> DirectDynamics<D, C> {
             None => [free(m, f64::NEG_INFINITY), free(m, f64::INFINITY)],
         };
         let x_limits = [free(n, f64::NEG_INFINITY), free(n, f64::INFINITY)];
-        Ok(Self { model, cost, problem: problem.clone(), x_limits, u_limits })
+        Ok(Self { model, cost, problem: problem.clone(), x_limits, u_limits, guess: None, reference: 1.0 })
     }
 
     /// With limits $x_{min} \le x \le x_{max}$, infinite for none. They hold at the points; what is exceeded

@@ -3,6 +3,7 @@
 use super::interior::Interior;
 use super::points::{Layout, POINTS};
 use super::problem::DirectDynamics;
+use crate::bvp::collocation::error::defined;
 use crate::constants::{direct as shared, states as constants};
 use crate::extremal::dynamics::response::eval_error;
 use crate::numerics::lagrange;
@@ -65,7 +66,7 @@ impl Interior {
                 self.control(k, s, &mut u);
                 let f = task.model.evaluate(&x, &u).map_err(eval_error)?;
                 for i in 0..n {
-                    let residual = (slope[i] - self.widths[k] * self.time() * f[i]).abs();
+                    let residual = defined(slope[i] - self.widths[k] * self.time() * f[i]);
                     between.errors[k] = between.errors[k].max(residual / sizes[i]);
                     let [low, high] = [task.x_limits[0][i] - x[i], x[i] - task.x_limits[1][i]];
                     between.excess[k] = between.excess[k].max(low.max(high) / sizes[i]);

@@ -1,9 +1,16 @@
-//! The running cost of a model with its derivatives.
+//! The cost of a model with its derivatives, in parts of the reference cost.
 
 use super::problem::DirectDynamics;
 use crate::extremal::dynamics::response::eval_error;
 use costate::EvalError;
 use costate::dynamics::{Cost, Dynamics};
+
+impl<D, C> DirectDynamics<D, C> {
+    /// $c_t$.
+    pub(super) fn time_weight(&self) -> f64 {
+        self.problem.cost.time / self.reference
+    }
+}
 
 impl<D: Dynamics<f64>, C: Cost<f64>> DirectDynamics<D, C> {
     /// $\tfrac12 u^\top R u + l$.
@@ -16,7 +23,7 @@ impl<D: Dynamics<f64>, C: Cost<f64>> DirectDynamics<D, C> {
             }
             None => 0.0,
         };
-        Ok(effort + l)
+        Ok((effort + l) / self.reference)
     }
 
     /// The same with its gradient and Hessian in (x, u).
@@ -57,6 +64,7 @@ impl<D: Dynamics<f64>, C: Cost<f64>> DirectDynamics<D, C> {
                 }
             }
         }
-        Ok(value)
+        first.iter_mut().chain(&mut *second).for_each(|entry| *entry /= self.reference);
+        Ok(value / self.reference)
     }
 }

@@ -1,5 +1,7 @@
 //! A motion of a model in its states.
 
+use super::points::{POINTS, Radau};
+use crate::numerics::lagrange;
 use crate::result::motion::Certificate;
 use crate::status::Status;
 
@@ -23,9 +25,10 @@ pub struct StateMotion {
     pub y: Vec<Vec<f64>>,
     /// $H^\ast$ at these times without the weight of time: constant, and equal to $c_t$ where T is free.
     pub hamiltonian: Vec<f64>,
-    /// Largest defect of an interval, in the units of x, and the time of its start.
+    /// Largest residual of the equations of collocation at a point, in the units of x: what $x'$ differs from
+    /// f by, times the width of the interval.
     pub defect: f64,
-    /// Where the largest defect is (s).
+    /// Start of the interval where that is (s).
     pub defect_time: f64,
     /// Largest distance from a fixed component of the end, in its unit; 0 where the end is met.
     pub end_missed: f64,
@@ -33,24 +36,26 @@ pub struct StateMotion {
     pub missed_component: Option<usize>,
     /// Largest estimated error of x over an interval, relative to the largest value of the component.
     pub error: f64,
-    /// Largest excess of a limit of x between the points, relative to the largest value of the component. At
-    /// the points, and those of u, limits are kept.
+    /// Largest excess of a limit of x halfway between neighbouring points, where the cubics are looked at;
+    /// relative to the largest value of the component. At the points, and those of u, limits are kept.
     pub largest_violation: f64,
-    /// Difference of J to that of the mesh before, relative; of a motion that converged, that has twice the
-    /// widths.
+    /// Difference of J to that of the mesh before, relative as [`solve`](crate::DirectDynamics::solve) says;
+    /// infinite if there was none. Of a motion that converged, that has twice the widths.
     pub cost_change: f64,
-    /// What the end is missed by when u is integrated independently, or where that is less the end of each
-    /// interval; relative to the largest value of the component.
+    /// What the end is missed by when u is integrated independently, or where that is less the sum of what 20
+    /// parts of the motion miss, each integrated from its own start; relative to the largest value of the
+    /// component. Infinite if the integration stops, or the time limit is reached.
     pub end_error: f64,
     /// What is known of second order.
     pub certificate: Certificate,
     /// Error of the conditions of first order on the last mesh: of stationarity and complementarity, in parts
-    /// of the multipliers, and sum of the defects.
+    /// of the multipliers and of the size of the cost along the guess, and sum of the defects.
     pub residual: f64,
     /// Newton steps on all meshes.
     pub steps: Vec<StateStep>,
     /// Intervals of the last mesh.
     pub intervals: usize,
+    pub(super) u_limits: [Vec<f64>; 2],
 }
 
 /// A step of Newton's method.
@@ -95,6 +100,27 @@ impl StateMotion {
             residual: f64::INFINITY,
             steps: Vec::new(),
             intervals: 0,
+            u_limits: [Vec::new(), Vec::new()],
         }
+    }
+
+    /// (x, u) at time t (s), cut to [0, T]: x by the cubic of its interval, u by the parabola through its
+    /// three points, cut to its limits. A node belongs to the interval before it.
+    pub fn sample_at(&self, t: f64) -> (Vec<f64>, Vec<f64>) {
+        let t = t.max(0.0).min(self.final_time);
+        let after = self.t.partition_point(|&time| time < t).clamp(1, self.t.len() - 1);
+        let first = (after - 1) / POINTS * POINTS;
+        let (from, to) = (self.t[first], self.t[first + POINTS]);
+        let (s, places) = ((t - from) / (to - from), Radau::new().places);
+        let [_, a, b, c] = places;
+        let sum = |factors: &[f64], rows: &[Vec<f64>], i: usize| -> f64 {
+            factors.iter().zip(rows).map(|(factor, row)| factor * row[i]).sum()
+        };
+        let (of_x, of_u) = (lagrange::values(&places, s), lagrange::values(&[a, b, c], s));
+        let x = (0..self.x[0].len()).map(|i| sum(&of_x, &self.x[first..], i)).collect();
+        let [low, high] = &self.u_limits;
+        let u =
+            (0..low.len()).map(|i| sum(&of_u, &self.u[first + 1..], i).max(low[i]).min(high[i])).collect();
+        (x, u)
     }
 }

@@ -1,6 +1,7 @@
 //! Symmetric equations with a border: few unknowns y beside many x.
 
 use super::chain::dot;
+use super::cholesky;
 
 /// The equations
 ///
@@ -47,41 +48,24 @@ impl Bordered {
         }
         self.factor.clear();
         self.factor.resize(count * count, 0.0);
-        // S = L L', row by row.
         for i in 0..count {
-            let least = rounding * self.corner[count * i + i].abs();
             for j in 0..=i {
-                let entry = self.corner[count * i + j] - dot(&self.columns[i], &self.solved[j]);
-                let known: f64 =
-                    (0..j).map(|l| self.factor[count * i + l] * self.factor[count * j + l]).sum();
-                let rest = entry - known;
-                if j < i {
-                    self.factor[count * i + j] = rest / self.factor[count * j + j];
-                    continue;
-                }
-                let definite = rest > least;
-                if !definite {
-                    return false;
-                }
-                self.factor[count * i + i] = rest.sqrt();
+                let at = count * i + j;
+                self.factor[at] = self.corner[at] - dot(&self.columns[i], &self.solved[j]);
             }
         }
-        true
+        let corner = &self.corner;
+        cholesky::factorise_above(&mut self.factor, count, |i, _| rounding * corner[count * i + i].abs())
     }
 
     /// From `K^-1 f` and g to x and y. The entries of x stand in two lists, one after the other.
     pub fn finish(&self, x: [&mut [f64]; 2], y: &mut [f64]) {
         let (count, [first, second]) = (self.count, x);
-        for i in 0..count {
-            let (of_first, of_second) = self.columns[i].split_at(first.len());
-            let known: f64 = (0..i).map(|j| self.factor[count * i + j] * y[j]).sum();
-            let rest = y[i] - dot(of_first, first) - dot(of_second, second);
-            y[i] = (rest - known) / self.factor[count * i + i];
+        for (y, column) in y.iter_mut().zip(&self.columns[..count]) {
+            let (of_first, of_second) = column.split_at(first.len());
+            *y = *y - dot(of_first, first) - dot(of_second, second);
         }
-        for i in (0..count).rev() {
-            let known: f64 = (i + 1..count).map(|j| self.factor[count * j + i] * y[j]).sum();
-            y[i] = (y[i] - known) / self.factor[count * i + i];
-        }
+        cholesky::solve(&self.factor, count, y);
         for (y, solved) in y.iter().zip(&self.solved) {
             let x = first.iter_mut().chain(second.iter_mut());
             x.zip(solved).for_each(|(x, entry)| *x -= y * entry);

@@ -5,13 +5,19 @@ const ROUNDING: f64 = 1e-13;
 
 /// Replaces the lower triangle of A (n x n, row by row) by L. False unless A is positive definite.
 pub(crate) fn factorise(a: &mut [f64], n: usize) -> bool {
+    factorise_above(a, n, |_, entry| ROUNDING * entry.abs())
+}
+
+/// The same where pivot i counts as positive above `least(i, a_ii)`.
+pub(crate) fn factorise_above(a: &mut [f64], n: usize, least: impl Fn(usize, f64) -> f64) -> bool {
     for i in 0..n {
         for j in 0..=i {
-            let mut sum = a[i * n + j];
-            (0..j).for_each(|k| sum -= a[i * n + k] * a[j * n + k]);
+            let entry = a[i * n + j];
+            let known: f64 = (0..j).map(|k| a[i * n + k] * a[j * n + k]).sum();
+            let sum = entry - known;
             if i == j {
                 // Not true for NaN.
-                let is_positive = sum > ROUNDING * a[i * n + i].abs() && sum.is_finite();
+                let is_positive = sum > least(i, entry) && sum.is_finite();
                 if !is_positive {
                     return false;
                 }
@@ -27,12 +33,12 @@ pub(crate) fn factorise(a: &mut [f64], n: usize) -> bool {
 /// Replaces b by A^-1 b with the L of [`factorise`].
 pub(crate) fn solve(l: &[f64], n: usize, b: &mut [f64]) {
     for i in 0..n {
-        (0..i).for_each(|k| b[i] -= l[i * n + k] * b[k]);
-        b[i] /= l[i * n + i];
+        let known: f64 = (0..i).map(|k| l[i * n + k] * b[k]).sum();
+        b[i] = (b[i] - known) / l[i * n + i];
     }
     for i in (0..n).rev() {
-        (i + 1..n).for_each(|k| b[i] -= l[k * n + i] * b[k]);
-        b[i] /= l[i * n + i];
+        let known: f64 = (i + 1..n).map(|k| l[k * n + i] * b[k]).sum();
+        b[i] = (b[i] - known) / l[i * n + i];
     }
 }
 

@@ -91,6 +91,9 @@ impl Problem {
             let (joint, kind) = (free.name.clone(), free.kind.name());
             return Err(ProblemError::FreeJoint { joint, kind });
         }
+        if let Some(constraint) = self.robot.constraints().first() {
+            return Err(ProblemError::Constrained { constraint: constraint.name.clone() });
+        }
         let Self { start, end, .. } = self;
         self.finite(Key::START_Q, &start.q)?;
         self.finite(Key::START_V, &start.v)?;

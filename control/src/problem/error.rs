@@ -212,6 +212,11 @@ pub enum ProblemError {
         /// `"floating"` or `"spherical"`.
         kind: &'static str,
     },
+    /// A robot with constraints, which motions would ignore.
+    Constrained {
+        /// The first constraint.
+        constraint: String,
+    },
     /// A continuation in a parameter that the problem does not have, or to an invalid value.
     Continuation {
         /// Name of the parameter.
@@ -254,7 +259,7 @@ impl ProblemError {
             Self::EmptyRange { .. } => Key::Q_MIN,
             Self::UnboundedEffort { .. } | Self::NothingToMinimise => Key::EFFORT,
             Self::BadOption { key, .. } => Key::solver(key),
-            Self::FreeJoint { .. } | Self::Continuation { .. } => return None,
+            Self::FreeJoint { .. } | Self::Constrained { .. } | Self::Continuation { .. } => return None,
         })
     }
 }

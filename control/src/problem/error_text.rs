@@ -93,6 +93,10 @@ impl ProblemError {
                 "joint '{}' is {kind}: motions take joints of one degree of freedom only; describe it as a chain of them",
                 printable(joint)
             ),
+            Self::Constrained { constraint } => format!(
+                "the robot has the constraint '{}', which motions would ignore; remove it to move the open tree",
+                printable(constraint)
+            ),
             Self::TaskNeedsDirect { .. } => "tools and obstacles are taken by method = \"direct\" only; choose it, or remove them".into(),
             Self::Via { cause, .. } => cause.to_string(),
             Self::PhasesNeedDirect { .. } => {

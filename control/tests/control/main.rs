@@ -33,6 +33,7 @@ mod second_order;
 mod second_variation;
 mod shooting;
 mod source;
+mod states;
 mod stopping;
 mod task_file;
 mod tasks;

@@ -41,6 +41,8 @@ pub(super) fn program_with(
     options: &ProgramOptions,
     further: impl FnOnce(&Tree, &[Expr]) -> Result<Vec<RecordedResult>, CodegenError>,
 ) -> Result<Program, CodegenError> {
+    // A tree with labelled constants has no constraints.
+    Tree::from(robot).refuse_constraints()?;
     let n = robot.dof();
     let variables = quantity.arguments(coordinates).ok_or_else(|| quantity.undefined(coordinates))?;
     let name = name_from(&format!("{} {} {}", robot.name(), coordinates.name(), quantity.name()));

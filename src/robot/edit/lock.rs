@@ -1,5 +1,6 @@
 //! Joints that no longer move.
 
+use crate::robot::constraint::{Constraint, ConstraintKind};
 use crate::robot::error::RobotError;
 use crate::robot::frame::Frame;
 use crate::robot::free_parts::free_joints;
@@ -136,16 +137,21 @@ impl Robot {
                 frame.placement = seat.placement.then(&frame.placement);
             }
         }
-        let (frames, wrenches) = self.rearranged(frames, held);
+        let (frames, wrenches, mut constraints) = self.rearranged(frames, held);
+        constraints.iter_mut().for_each(|one| one.kind.hold(held, &new_index));
         let independent = (0..joints.len()).filter(|&i| joints[i].mimic.is_none()).collect();
         let armature = self.armature.restricted_to(&kept);
         let free = free_joints(&joints);
-        Ok(Self { joints, independent, free, armature, frames, wrenches, ..self.clone() })
+        Ok(Self { joints, independent, free, armature, frames, wrenches, constraints, ..self.clone() })
     }
 
     /// Frames in the order of a robot: those of locked joints are no longer among those of the joints.
-    /// Wrenches stay at their frames.
-    fn rearranged(&self, frames: Vec<Frame>, held: &[Option<f64>]) -> (Vec<Frame>, Vec<AppliedWrench>) {
+    /// Wrenches and constraints stay at their frames.
+    fn rearranged(
+        &self,
+        frames: Vec<Frame>,
+        held: &[Option<f64>],
+    ) -> (Vec<Frame>, Vec<AppliedWrench>, Vec<Constraint>) {
         // After the frame of the world comes that of each joint.
         let is_locked = |frame: &usize| held.get(frame.wrapping_sub(1)).is_some_and(Option::is_some);
         let (locked, stays): (Vec<usize>, Vec<usize>) = (0..frames.len()).partition(is_locked);
@@ -155,6 +161,21 @@ impl Robot {
         order.iter().enumerate().for_each(|(place, &frame)| places[frame] = place);
         let mut wrenches = self.wrenches.clone();
         wrenches.iter_mut().for_each(|applied| applied.frame = places[applied.frame]);
-        (order.iter().map(|&frame| frames[frame].clone()).collect(), wrenches)
+        let mut constraints = self.constraints.clone();
+        let seats = constraints.iter_mut().flat_map(|constraint| constraint.kind.frames_mut());
+        seats.for_each(|seat| seat.frame = places[seat.frame]);
+        (order.iter().map(|&frame| frames[frame].clone()).collect(), wrenches, constraints)
+    }
+}
+
+impl ConstraintKind {
+    /// The terms of joints that are held become part of the constant; the others get their new index.
+    fn hold(&mut self, held: &[Option<f64>], new_index: &[Option<usize>]) {
+        if let Self::Coupling { terms, constant } = self {
+            for &(joint, factor) in terms.iter() {
+                *constant -= held[joint].map_or(0.0, |position| factor * position);
+            }
+            *terms = terms.iter().filter_map(|&(joint, factor)| Some((new_index[joint]?, factor))).collect();
+        }
     }
 }

@@ -11,6 +11,7 @@ mod payload;
 pub use limit_change::LimitChange;
 
 use super::checks;
+use super::constraint::ConstraintSpec;
 use super::error::RobotError;
 use super::frame::{FrameKind, FrameSpec};
 use super::joint::Friction;
@@ -39,6 +40,8 @@ pub enum RobotEdit {
     Payload(String, LinkInertia),
     /// [`Robot::with_wrench`].
     Wrench(String, Wrench),
+    /// [`Robot::with_constraint`].
+    Constraint(ConstraintSpec),
     /// [`Robot::lock`].
     Lock(Vec<(String, f64)>),
     /// [`Robot::reduced_to`] with the other joints at 0.
@@ -91,6 +94,7 @@ impl Robot {
             RobotEdit::Frame(frame) => self.with_frame(frame.clone()),
             RobotEdit::Payload(frame, payload) => self.with_payload(frame, payload),
             RobotEdit::Wrench(frame, wrench) => self.with_wrench(frame, *wrench),
+            RobotEdit::Constraint(spec) => self.with_constraint(spec.clone()),
             RobotEdit::Lock(joints) => {
                 let joints: Vec<(&str, f64)> = joints.iter().map(|(joint, q)| (joint.as_str(), *q)).collect();
                 self.lock(&joints)

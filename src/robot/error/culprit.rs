@@ -34,6 +34,7 @@ impl RobotError {
             | Self::FixedFrame { frame }
             | Self::BadFramePlacement { frame }
             | Self::BadWrench { frame } => Some(frame),
+            Self::BadConstraint { constraint, .. } | Self::Constrained { constraint, .. } => Some(constraint),
             _ => None,
         }
     }

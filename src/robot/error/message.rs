@@ -73,6 +73,14 @@ impl fmt::Display for RobotError {
                 "the wrench at frame '{}' has a number that is not finite, or larger than 1e75; give finite moments and forces",
                 printable(frame)
             ),
+            Self::Constrained { constraint, what } => write!(
+                f,
+                "the robot has the constraint '{}': it cannot {what}; remove its constraints to use the open tree",
+                printable(constraint)
+            ),
+            Self::BadConstraint { constraint, problem } => {
+                write!(f, "constraint '{}' cannot be held: {problem}", printable(constraint))
+            }
             Self::UnknownChild { joint, child } => write!(
                 f,
                 "joint '{}' moves link '{}', which does not exist; correct the name or add the missing link",

@@ -2,6 +2,7 @@
 
 mod culprit;
 mod message;
+mod place;
 
 use super::body::Body;
 use super::warning::Warning;
@@ -59,14 +60,14 @@ pub enum RobotError {
     },
     /// A name given twice.
     DuplicateName {
-        /// `"joint"` or `"link"`.
+        /// `"joint"`, `"link"`, `"frame"` or `"constraint"`.
         kind: &'static str,
         /// The name.
         name: String,
     },
     /// A name that cannot be used.
     BadName {
-        /// `"joint"`, `"link"` or `"frame"`.
+        /// `"joint"`, `"link"`, `"frame"` or `"constraint"`.
         kind: &'static str,
         /// The name.
         name: String,
@@ -98,6 +99,13 @@ pub enum RobotError {
     BadWrench {
         /// The frame that it acts on.
         frame: String,
+    },
+    /// A constraint that cannot be held.
+    BadConstraint {
+        /// The constraint.
+        constraint: String,
+        /// What is wrong, and what to do.
+        problem: &'static str,
     },
     /// The child link does not exist.
     UnknownChild {
@@ -202,6 +210,13 @@ pub enum RobotError {
         /// What it cannot do, such as `"have limits"`.
         what: &'static str,
     },
+    /// Something that cannot be done with a robot that has constraints.
+    Constrained {
+        /// The first constraint.
+        constraint: String,
+        /// What cannot be done, such as `"be used from Python"`.
+        what: &'static str,
+    },
     /// An unsupported type of joint.
     UnsupportedJoint {
         /// The joint.
@@ -276,38 +291,4 @@ pub enum RobotError {
         /// The warnings that became errors.
         warnings: Vec<Warning>,
     },
-}
-
-impl RobotError {
-    /// A text that breaks the rules of its format.
-    #[cfg(any(feature = "urdf", feature = "toml"))]
-    pub(super) fn malformed(message: impl Into<String>) -> Self {
-        Self::Malformed { message: message.into(), source: None }
-    }
-
-    /// This error at a line of a file whose path the caller knows.
-    #[cfg(any(feature = "urdf", feature = "toml"))]
-    pub(super) fn at(self, line: impl Into<Option<usize>>) -> Self {
-        Self::InFile { path: PathBuf::new(), line: line.into(), error: Box::new(self) }
-    }
-
-    /// The line of the file, from 1, where it is known.
-    pub fn line(&self) -> Option<usize> {
-        match self {
-            Self::InFile { line, .. } => *line,
-            _ => None,
-        }
-    }
-}
-
-impl Error for RobotError {
-    fn source(&self) -> Option<&(dyn Error + 'static)> {
-        match self {
-            // Its message contains that of `error`.
-            Self::InFile { error, .. } => error.source(),
-            Self::Unreadable { source } => Some(source),
-            Self::Malformed { source, .. } => source.as_deref().map(|source| source as _),
-            _ => None,
-        }
-    }
 }

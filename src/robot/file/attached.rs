@@ -1,4 +1,4 @@
-//! Frames and wrenches of a robot in TOML.
+//! Frames, wrenches and constraints of a robot in TOML.
 
 use super::explain;
 use super::rows::{FrameRow, RobotFile, RowAxes, WrenchRow};
@@ -9,10 +9,11 @@ use crate::robot::model::Robot;
 use crate::robot::options::LoadOptions;
 use crate::robot::wrench::{Wrench, WrenchAxes};
 
-/// Adds the frames of a file to its robot, in their order, then the wrenches.
+/// Adds the frames of a file to its robot, in their order, then the wrenches and constraints.
 ///
 /// # Errors
-/// Those of [`Robot::with_frame`] and [`Robot::with_wrench`], with the line of the row;
+/// Those of [`Robot::with_frame`], [`Robot::with_wrench`] and [`Robot::with_constraint`], with the line of
+/// the row;
 /// [`RobotError::Strict`] for wrenches without effect, if the options refuse warnings.
 pub(super) fn attach(
     robot: Robot,
@@ -26,6 +27,11 @@ pub(super) fn attach(
     let wrenches = file.wrenches.iter().map(|row| (row.frame.get_ref().as_str(), row.wrench()));
     let robot =
         robot.with_wrenches(wrenches).map_err(|(k, error)| at(error, file.wrenches[k].frame.span().start))?;
+    let start = |k: usize| file.constraints[k].name.span().start;
+    let specs = file.constraints.iter().enumerate();
+    let specs = specs.map(|(k, table)| table.spec().map_err(|error| at(error, start(k))));
+    let specs = specs.collect::<Result<Vec<_>, RobotError>>()?;
+    let robot = robot.with_constraints(specs.into_iter()).map_err(|(k, error)| at(error, start(k)))?;
     options.refuse(robot.warnings())?;
     Ok(robot)
 }

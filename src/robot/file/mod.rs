@@ -37,6 +37,17 @@
 //! force = [0.0, 0.0, -20.0]              # N, at the origin of the frame; default: none
 //! moment = [0.0, 0.0, 0.0]               # N m; default: none
 //! axes = "aligned"                       # with the world; "local" (the default) turns with the link
+//!
+//! [[constraint]]                         # closes a loop, see `docs/constraints.md`
+//! name = "rocker_pivot"
+//! type = "rows"                          # the default, "pinned", "rigid", "distance" or "coupling"
+//! frame = "tool"                         # a frame or a joint
+//! to = "world"                           # another one, from which it is seen; default: "world"
+//! placement = { xyz = [0, 0, 0], rpy = [0, 0, 0] }              # in `frame`; default: none
+//! to_placement = { xyz = [1.3, 0, 0], rpy = [0, 0, 0] }         # in `to`; default: none
+//! rows = ["x", "y"]                      # of "x", "y", "z", "turn_x", "turn_y", "turn_z"
+//! # type "distance": length = 0.8 (m)
+//! # type "coupling": joints = { elbow = 1.0, shoulder = -2.0 }, constant = 0.0 (the default)
 //! ```
 //!
 //! With `convention = "placements"`, `placement = { xyz = [0, 0, 0], rpy = [0, 0, 0] }` (the joint frame in
@@ -44,7 +55,9 @@
 //! the link frame is the joint frame. Unknown keys are errors. A text may have 4 MiB.
 
 mod attached;
+mod constraints;
 mod explain;
+mod placement;
 mod rows;
 mod size;
 

@@ -1,5 +1,7 @@
 //! The keys of a robot in TOML.
 
+use super::constraints::ConstraintTable;
+use super::placement::PlacementNumbers;
 use crate::robot::dh::DhRow;
 use crate::robot::link::LinkInertia;
 use nalgebra::Matrix3;
@@ -22,6 +24,8 @@ pub(super) struct RobotFile {
     pub(super) frames: Vec<FrameRow>,
     #[serde(default, rename = "wrench")]
     pub(super) wrenches: Vec<WrenchRow>,
+    #[serde(default, rename = "constraint")]
+    pub(super) constraints: Vec<ConstraintTable>,
 }
 
 #[derive(Deserialize)]
@@ -116,13 +120,6 @@ pub(super) struct DhNumbers {
     pub(super) a: f64,
     pub(super) d: f64,
     pub(super) theta: f64,
-}
-
-#[derive(Clone, Copy, Default, Deserialize)]
-#[serde(default, deny_unknown_fields, expecting = "a table")]
-pub(super) struct PlacementNumbers {
-    pub(super) xyz: [f64; 3],
-    pub(super) rpy: [f64; 3],
 }
 
 #[derive(Clone, Copy, Default, Deserialize)]

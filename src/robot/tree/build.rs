@@ -1,6 +1,7 @@
 //! The tree of a robot: aligned frames, regrouped inertias.
 
 use super::Tree;
+use super::constraint::constraints;
 use crate::robot::branches::Branches;
 use crate::robot::frames::AlignedFrames;
 use crate::robot::free_frame::FreeFrame;
@@ -46,14 +47,15 @@ impl From<&Robot> for Tree {
         let armature = robot.armature().to_vec();
         let (frames, wrenches) = (aligned.frames(), robot.wrenches().to_vec());
         let world = aligned.world.map(snap);
-        Self {
+        let mut tree = Self {
             fixed_potential,
-            frames,
             wrenches,
             free,
             world,
             ..Self::from_parts(robot, joints, gravity, armature)
-        }
+        };
+        tree.constraints = constraints(robot, &frames, &tree.rows());
+        Self { frames, ..tree }
     }
 }
 
@@ -106,6 +108,7 @@ impl Tree {
             branches,
             frames: Vec::new(),
             wrenches: Vec::new(),
+            constraints: Vec::new(),
             free: robot.free_joints().iter().map(FreeFrame::new).collect(),
             world: Matrix3::identity(),
         }

@@ -8,7 +8,10 @@
 //! original frames.
 
 mod build;
+mod constraint;
 mod free;
+
+pub(crate) use constraint::TreeConstraintKind;
 
 use super::branches::Branches;
 use super::free_frame::FreeFrame;
@@ -17,6 +20,8 @@ use super::joint_frame::JointFrame;
 use super::joint_map::{JointMap, Row};
 use super::tree_frame::TreeFrame;
 use super::wrench::AppliedWrench;
+use crate::error::EvalError;
+use constraint::TreeConstraint;
 use nalgebra::Matrix3;
 
 /// The model that the kernels run on; built from a [`Robot`](super::Robot) once.
@@ -35,6 +40,7 @@ pub struct Tree {
     joint_map: Option<JointMap>,
     frames: Vec<TreeFrame>,
     wrenches: Vec<AppliedWrench>,
+    constraints: Vec<TreeConstraint>,
     free: Vec<FreeFrame>,
     world: Matrix3<f64>,
 }
@@ -78,6 +84,19 @@ impl Tree {
     /// The wrenches from outside, as in [`Robot::wrenches`](super::Robot::wrenches).
     pub fn wrenches(&self) -> &[AppliedWrench] {
         &self.wrenches
+    }
+
+    /// The constraints, as in [`Robot::constraints`](super::Robot::constraints).
+    pub(crate) fn constraints(&self) -> &[TreeConstraint] {
+        &self.constraints
+    }
+
+    /// [`EvalError::Constrained`] if there are any.
+    pub(crate) fn refuse_constraints(&self) -> Result<(), EvalError> {
+        match self.constraints.first() {
+            None => Ok(()),
+            Some(constraint) => Err(EvalError::Constrained { constraint: constraint.name.clone() }),
+        }
     }
 
     /// The joints that move joint `i`, itself first, then its parent, to the base; none for `None`.

@@ -25,13 +25,14 @@ impl EndState {
     }
 }
 
-/// Find u(t) that moves a model $x' = f(x, u)$, affine in u, from its start to its end and minimises
+/// Find u(t) that moves a model $x' = f(x, u)$ from its start to its end and minimises
 ///
-/// $$ J = c_t T + \int_0^T \left( \tfrac12 \sum_i r_i u_i^2 + l(x) \right) dt, \qquad
+/// $$ J = c_t T + \int_0^T \left( \tfrac12 \sum_i r_i u_i^2 + l \right) dt, \qquad
 ///    u_{min} \le u \le u_{max} $$
 ///
-/// The model and the further running cost l(x) are given to
-/// [`DynamicsExtremal`](crate::DynamicsExtremal).
+/// The model and the further running cost l are given to [`DirectDynamics`](crate::DirectDynamics), for any f
+/// and l(x, u) and with limits of x, or to [`DynamicsExtremal`](crate::DynamicsExtremal), for f affine in u
+/// and l(x).
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct DynamicsProblem {

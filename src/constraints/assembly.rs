@@ -1,0 +1,97 @@
+//! F_x of the constrained state equation, accelerations and forces.
+
+use super::ConstrainedHamiltonian;
+use super::linearisation::ConstrainedLinearisation;
+use crate::matrix::{add_scaled, dot};
+use crate::scalar::Scalar;
+
+impl<S: Scalar> ConstrainedHamiltonian<S> {
+    /// F, F_x, mu_x, accelerations and lambda, after [`prepare`](Self::prepare).
+    #[inline(never)]
+    pub(super) fn assemble(&mut self, q: &[S], u: &[S]) {
+        self.rate(q, u);
+        self.responses();
+        self.forces();
+        self.balance();
+        let n = self.dof();
+        for &i in self.tree.with_friction() {
+            let slope = self.friction[i].first;
+            let (row, v) = self.f_x.row_mut_and_above(n + i, i);
+            add_scaled(row, slope, v);
+        }
+        if let Some(external) = &mut self.external {
+            let slopes = external.slopes(q);
+            for i in 0..n {
+                add_scaled(&mut self.f_x.row_mut(n + i)[..n], S::one(), slopes.row(i));
+            }
+        }
+    }
+
+    /// The rows of v and mu: a column of (v, mu)_x for each unit direction.
+    fn responses(&mut self) {
+        let n = self.dof();
+        let [mut d_q, mut d_p] = std::mem::take(&mut self.direction);
+        let [mut dv, mut dmu] = std::mem::take(&mut self.change);
+        d_q.fill(S::zero());
+        d_p.fill(S::zero());
+        for j in 0..2 * n {
+            let seed = if j < n { &mut d_q[j] } else { &mut d_p[j - n] };
+            *seed = S::one();
+            self.respond(&d_q, &d_p, [&mut dv, &mut dmu]);
+            let seed = if j < n { &mut d_q[j] } else { &mut d_p[j - n] };
+            *seed = S::zero();
+            dv.iter().enumerate().for_each(|(i, &dv)| self.f_x[(i, j)] = dv);
+            dmu.iter().enumerate().for_each(|(i, &dmu)| self.mu_x[(i, j)] = dmu);
+        }
+        self.direction = [d_q, d_p];
+        self.change = [dv, dmu];
+    }
+
+    /// The conservative rows of p: `LL_qq + (P - (mu . J)_q)' v_q - (J v)_q' mu_q` and `-v_q'`, and v_p
+    /// exactly symmetric.
+    fn forces(&mut self) {
+        let (n, blocks) = (self.dof(), &self.moving.blocks);
+        for i in 0..n {
+            for j in 0..=i {
+                let mut entry = self.kernel.l_qq()[(i, j)] - blocks.bend[(i, j)];
+                for l in 0..n {
+                    entry += self.cross[(l, i)] * self.f_x[(l, j)];
+                }
+                for l in 0..self.mu.len() {
+                    entry -= blocks.slope[(l, i)] * self.mu_x[(l, j)];
+                }
+                self.f_x[(n + i, j)] = entry;
+                self.f_x[(n + j, i)] = entry;
+                self.f_x[(j, n + i)] = self.f_x[(i, n + j)];
+            }
+            for j in 0..n {
+                self.f_x[(n + i, n + j)] = -self.f_x[(j, i)];
+            }
+        }
+    }
+
+    /// `(a; lambda) = (v; mu)_x F`, all forces included.
+    fn balance(&mut self) {
+        let [mut a, mut lambda] = std::mem::take(&mut self.rates);
+        for (i, a) in a.iter_mut().enumerate() {
+            *a = dot(self.f_x.row(i), &self.f);
+        }
+        for (i, lambda) in lambda.iter_mut().enumerate() {
+            *lambda = dot(self.mu_x.row(i), &self.f);
+        }
+        self.rates = [a, lambda];
+    }
+
+    pub(super) fn linearisation(&self) -> ConstrainedLinearisation<'_, S> {
+        let [acceleration, lambda] = &self.rates;
+        ConstrainedLinearisation {
+            f: &self.f,
+            f_x: &self.f_x,
+            f_u: &self.f_u,
+            mu: &self.mu,
+            mu_x: &self.mu_x,
+            acceleration,
+            lambda,
+        }
+    }
+}

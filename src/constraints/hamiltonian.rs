@@ -1,0 +1,285 @@
+//! The constrained state equation, its Jacobian and adjoint product.
+
+use super::Constraints;
+use super::blocks::Moving;
+use super::kkt::Kkt;
+use super::linearisation::{ConstrainedAdjoint, ConstrainedLinearisation, ConstrainedRate};
+use crate::error::EvalError;
+use crate::kernels::{Factor, FrictionDerivatives, KernelOne, check_entries, friction_of};
+use crate::kinematics::ExternalForces;
+use crate::matrix::{Matrix, add_scaled, dot, filled};
+use crate::robot::{Robot, Tree};
+use crate::scalar::Scalar;
+
+/// Workspace for the Hamiltonian state equation of a robot with holonomic constraints; no call allocates.
+///
+/// With k rows g(q), `J = g_q` and the multipliers mu, the constrained Legendre transform
+///
+/// $$ H\_c(q, p) = \operatorname{ext}\_{v, \mu} \; p \cdot v - L(q, v) + \mu \cdot J v
+/// \quad\Rightarrow\quad p = M v - J^T \mu, \qquad J v = 0 $$
+///
+/// defines H_c for all (q, p). Its state equation is one of 2n entries without constraints,
+///
+/// $$ F = (v, \; L\_q - (\mu \cdot J v)\_q + D(v)), \qquad \dot x = F(x) + (0, u) $$
+///
+/// along which g stays what it is at the start. A start at rest or in motion is `p = M v` with `J v = 0`
+/// ([`momentum`](Self::momentum)): then mu = 0. From there mu is the impulse of the constraints, its rate
+/// lambda their forces, and `p + J'kappa` means the same motion for every kappa. With
+/// `MM = (M, -J'; -J, 0)` and `PP = (P - (mu . J)_q ; -(J v)_q)`,
+///
+/// $$ \begin{pmatrix} v \\\\ \mu \end{pmatrix}\_{\! x} = MM^{-1} \begin{pmatrix} -PP & (1; 0) \end{pmatrix},
+/// \qquad F^p\_q = L\_{qq} - (\mu \cdot J v)\_{qq} - PP^T MM^{-1} PP, \qquad F^p\_p = -(F^q\_q)^T $$
+///
+/// without friction: J F_x is symmetric.
+///
+/// Slices q (rad, m), v (rad/s, m/s), p (kg m^2/s, kg m/s), u (N m, N) have n entries, in the order of
+/// [`Robot::independent_joints`]. Every method can fail with [`EvalError::WrongLength`],
+/// [`EvalError::NonFinite`], [`EvalError::SingularMassMatrix`], and with [`EvalError::FreeJoint`] for robots
+/// with floating or spherical joints. Rows that depend on others are left out: see [`rank`](Self::rank).
+/// Without constraints the results are those of [`Hamiltonian`](crate::hamiltonian::Hamiltonian).
+///
+/// ```
+/// use costate::constraints::ConstrainedHamiltonian;
+/// use costate::robot::Robot;
+///
+/// # std::env::set_current_dir(env!("CARGO_MANIFEST_DIR"))?;
+/// let four_bar = Robot::from_file("robots/four_bar.toml")?;
+/// let mut hamiltonian = ConstrainedHamiltonian::<f64>::new(&four_bar);
+/// let mut q = [1.0, -0.6, -2.0];
+/// hamiltonian.close(&mut q, &[true, false, false])?; // the crank stays
+/// let p = [0.0; 3]; // at rest
+/// let all = hamiltonian.linearise(&q, &p, &[2.0, 0.0, 0.0])?;
+/// println!("accelerations {:?}, force of the pivot {:?} N", all.acceleration(), all.lambda());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct ConstrainedHamiltonian<S: Scalar> {
+    pub(super) tree: Tree,
+    pub(super) kernel: KernelOne<S>,
+    pub(super) factor: Factor<S>,
+    pub(super) rows: Constraints<S>,
+    pub(super) moving: Moving<S>,
+    pub(super) kkt: Kkt<S>,
+    pub(super) v: Vec<S>,
+    pub(super) mu: Vec<S>,
+    /// Directions (w_q, w_p), and the changes of v and mu along them.
+    pub(super) direction: [Vec<S>; 2],
+    pub(super) change: [Vec<S>; 2],
+    /// `P - (mu . J)_q`.
+    pub(super) cross: Matrix<S>,
+    pub(super) friction: Vec<FrictionDerivatives<S>>,
+    pub(super) external: Option<Box<ExternalForces<S>>>,
+    pub(super) f: Vec<S>,
+    pub(super) f_x: Matrix<S>,
+    /// mu_x, k x 2n.
+    pub(super) mu_x: Matrix<S>,
+    pub(super) f_u: Matrix<S>,
+    product: Vec<S>,
+    /// Acceleration and lambda.
+    pub(super) rates: [Vec<S>; 2],
+    pub(super) drift: Vec<S>,
+}
+
+impl<S: Scalar> ConstrainedHamiltonian<S> {
+    /// Builds the workspace. Later calls do not allocate.
+    pub fn new(robot: &Robot) -> Self {
+        let tree = Tree::from(robot);
+        let rows = Constraints::from_tree(&tree);
+        let (n, k) = (tree.dof(), rows.count());
+        let none = FrictionDerivatives { value: S::zero(), first: S::zero(), second: S::zero() };
+        let (zeros, multipliers) = (filled(S::zero(), n), filled(S::zero(), k));
+        let mut f_u = Matrix::zeros(2 * n, n);
+        (0..n).for_each(|i| f_u[(n + i, i)] = S::one());
+        Self {
+            kernel: KernelOne::new(&tree),
+            factor: Factor::new(&tree),
+            rows,
+            moving: Moving::new(&tree),
+            kkt: Kkt::new(n, k),
+            v: zeros.clone(),
+            mu: multipliers.clone(),
+            direction: [zeros.clone(), zeros.clone()],
+            change: [zeros.clone(), multipliers.clone()],
+            cross: Matrix::zeros(n, n),
+            friction: filled(none, n),
+            external: ExternalForces::where_any(&tree),
+            f: filled(S::zero(), 2 * n),
+            f_x: Matrix::zeros(2 * n, 2 * n),
+            mu_x: Matrix::zeros(k, 2 * n),
+            f_u,
+            product: filled(S::zero(), 2 * n),
+            rates: [zeros, multipliers.clone()],
+            drift: multipliers,
+            tree,
+        }
+    }
+
+    /// Number of coordinates, n.
+    pub fn dof(&self) -> usize {
+        self.tree.dof()
+    }
+
+    /// The constraints, at the position of the last call.
+    pub fn constraints(&self) -> &Constraints<S> {
+        &self.rows
+    }
+
+    /// `dx/dt = F + (0, u)`, 2n, with v and mu.
+    ///
+    /// # Errors
+    /// See [`ConstrainedHamiltonian`].
+    pub fn evaluate(&mut self, q: &[S], p: &[S], u: &[S]) -> Result<ConstrainedRate<'_, S>, EvalError> {
+        self.check(&[("q", q), ("p", p), ("u", u)])?;
+        self.first_order(q, p)?;
+        self.rows.contract(&self.mu);
+        let n = self.dof();
+        for i in 0..n {
+            self.f[n + i] = self.kernel.l_q()[i] - dot(self.rows.contracted().row(i), &self.v);
+        }
+        self.add_outer_forces(q, u);
+        Ok(ConstrainedRate { f: &self.f, mu: &self.mu })
+    }
+
+    /// F and F_x, the accelerations and the forces of the constraints, from one sweep.
+    ///
+    /// # Errors
+    /// See [`ConstrainedHamiltonian`].
+    pub fn linearise(
+        &mut self,
+        q: &[S],
+        p: &[S],
+        u: &[S],
+    ) -> Result<ConstrainedLinearisation<'_, S>, EvalError> {
+        self.check(&[("q", q), ("p", p), ("u", u)])?;
+        self.prepare(q, p)?;
+        self.assemble(q, u);
+        Ok(self.linearisation())
+    }
+
+    /// F and y'F_x for the costate y = (y_q, y_p) of length 2n, without F_x.
+    ///
+    /// # Errors
+    /// See [`ConstrainedHamiltonian`].
+    pub fn adjoint(
+        &mut self,
+        q: &[S],
+        p: &[S],
+        u: &[S],
+        y: &[S],
+    ) -> Result<ConstrainedAdjoint<'_, S>, EvalError> {
+        let n = self.dof();
+        self.check(&[("q", q), ("p", p), ("u", u)])?;
+        check_entries(&self.tree, "y", y, 2 * n)?;
+        self.prepare(q, p)?;
+        self.rate(q, u);
+        self.set_costate(y);
+        let Self { kernel, moving, cross, direction: [w_q, _], change: [dv, dmu], product, .. } = self;
+        let (product_q, product_p) = product.split_at_mut(n);
+        product_p.copy_from_slice(dv);
+        for (i, entry) in product_q.iter_mut().enumerate() {
+            *entry = dot(moving.blocks.bend.row(i), w_q) - dot(kernel.l_qq().row(i), w_q);
+        }
+        dv.iter().enumerate().for_each(|(i, &dv)| add_scaled(product_q, -dv, cross.row(i)));
+        dmu.iter().enumerate().for_each(|(i, &dmu)| add_scaled(product_q, dmu, moving.blocks.slope.row(i)));
+        if let Some(external) = &mut self.external {
+            let slopes = external.slopes(q);
+            y[n..].iter().enumerate().for_each(|(i, &y)| add_scaled(product_q, y, slopes.row(i)));
+        }
+        Ok(ConstrainedAdjoint { f: &self.f, y_f_x: &self.product })
+    }
+
+    /// Every argument has n finite entries.
+    pub(super) fn check(&self, arguments: &[(&'static str, &[S])]) -> Result<(), EvalError> {
+        self.tree.refuse_free()?;
+        let n = self.dof();
+        arguments.iter().try_for_each(|&(what, values)| check_entries(&self.tree, what, values, n))
+    }
+
+    /// M, J and the factors of their matrix.
+    pub(super) fn factor(&mut self, q: &[S]) -> Result<(), EvalError> {
+        let Self { tree, kernel, factor, .. } = self;
+        kernel.set_position(tree, q)?;
+        let singular = |k: usize| EvalError::SingularMassMatrix { joint: tree.name(k).into() };
+        factor.factor(kernel.mass_matrix(), |k| kernel.size_of_entry(tree, k)).map_err(singular)?;
+        self.rows.place(q);
+        self.kkt.set_sizes(self.rows.sizes(), self.kernel.mass_matrix());
+        self.kkt.factor(&self.factor, self.rows.jacobian());
+        Ok(())
+    }
+
+    pub(super) fn solve_velocity(&mut self, q: &[S], p: &[S]) -> Result<(), EvalError> {
+        self.factor(q)?;
+        self.v.copy_from_slice(p);
+        self.kkt.velocity(&self.factor, &mut self.v, &mut self.mu);
+        Ok(())
+    }
+
+    pub(super) fn first_order(&mut self, q: &[S], p: &[S]) -> Result<(), EvalError> {
+        self.solve_velocity(q, p)?;
+        self.kernel.set_velocity(&self.tree, &self.v)
+    }
+
+    /// All blocks of MM, PP and LL_qq.
+    #[inline(never)]
+    pub(super) fn prepare(&mut self, q: &[S], p: &[S]) -> Result<(), EvalError> {
+        self.first_order(q, p)?;
+        self.kernel.second_order(&self.tree);
+        self.moving.place(q, &self.v, &self.mu);
+        for i in 0..self.dof() {
+            let row = self.cross.row_mut(i);
+            row.copy_from_slice(self.kernel.l_vq().row(i));
+            add_scaled(row, -S::one(), self.moving.blocks.curvature.row(i));
+        }
+        Ok(())
+    }
+
+    /// F, after [`prepare`](Self::prepare).
+    pub(super) fn rate(&mut self, q: &[S], u: &[S]) {
+        let n = self.dof();
+        for i in 0..n {
+            self.f[n + i] = self.kernel.l_q()[i] - dot(self.moving.blocks.curvature.row(i), &self.v);
+        }
+        self.add_outer_forces(q, u);
+    }
+
+    /// v, and what friction, actuation and wrenches add to F^p.
+    fn add_outer_forces(&mut self, q: &[S], u: &[S]) {
+        let (f_q, f_p) = self.f.split_at_mut(self.v.len());
+        f_q.copy_from_slice(&self.v);
+        f_p.iter_mut().zip(u).for_each(|(f, &u)| *f += u);
+        for &i in self.tree.with_friction() {
+            self.friction[i] = friction_of(&self.tree, i, self.v[i]);
+            f_p[i] += self.friction[i].value;
+        }
+        if let Some(external) = &mut self.external {
+            f_p.iter_mut().zip(external.force(q)).for_each(|(f, &tau)| *f += tau);
+        }
+    }
+
+    /// `(dv; dmu) = MM^-1 (d_p - (P - (mu . J)_q) d_q ; (J v)_q d_q)`: the change of (v, mu) along
+    /// (d_q, d_p).
+    pub(super) fn respond(&mut self, d_q: &[S], d_p: &[S], [dv, dmu]: [&mut [S]; 2]) {
+        for (i, dv) in dv.iter_mut().enumerate() {
+            *dv = d_p[i] - dot(self.cross.row(i), d_q);
+        }
+        for (i, dmu) in dmu.iter_mut().enumerate() {
+            *dmu = dot(self.moving.blocks.slope.row(i), d_q);
+        }
+        self.kkt.solve(&self.factor, dv, dmu);
+    }
+
+    /// The direction `w = (-y_p, y_q + D_v y_p)` and the response to it.
+    pub(super) fn set_costate(&mut self, y: &[S]) {
+        let [mut w_q, mut w_p] = std::mem::take(&mut self.direction);
+        let [mut dv, mut dmu] = std::mem::take(&mut self.change);
+        let (y_q, y_p) = y.split_at(w_q.len());
+        w_q.iter_mut().zip(y_p).for_each(|(w, &y)| *w = -y);
+        w_p.copy_from_slice(y_q);
+        for &i in self.tree.with_friction() {
+            w_p[i] += friction_of(&self.tree, i, self.v[i]).first * y_p[i];
+        }
+        self.respond(&w_q, &w_p, [&mut dv, &mut dmu]);
+        self.direction = [w_q, w_p];
+        self.change = [dv, dmu];
+    }
+}

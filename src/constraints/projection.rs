@@ -1,0 +1,201 @@
+//! Closing loops, and removing drift.
+
+use super::{ConstrainedHamiltonian, ConstraintError};
+use crate::error::{EvalError, check_length};
+
+/// No step is tried where no row misses by more than this (m, rad).
+const CLOSED: f64 = 1e-13;
+/// What rounding may leave where no step leads nearer (m, rad).
+const NEARLY: f64 = 1e-10;
+/// Most searches from different positions, and how far those are from each other (rad, m).
+const ATTEMPTS: usize = 4;
+const NUDGE: f64 = 0.1;
+/// Most steps of Newton's method.
+const STEPS: usize = 100;
+/// Most halvings of a step.
+const HALVINGS: usize = 30;
+
+impl ConstrainedHamiltonian<f64> {
+    /// Number of rows that count at the position of the last call: the rank of J. See
+    /// [`counted`](Self::counted).
+    pub fn rank(&self) -> usize {
+        self.kkt.kept.iter().filter(|&&kept| kept == 1.0).count()
+    }
+
+    /// The constraints with rows that were redundant at the position of the last call, by name, once for each
+    /// row.
+    pub fn redundant(&self) -> impl Iterator<Item = &str> {
+        let rows = self.kkt.kept.iter().enumerate().filter(|(_, kept)| **kept == 0.0);
+        rows.map(|(i, _)| self.rows.name(i))
+    }
+
+    /// Moves q (n) to a position with g(q) = 0, the joints that are `held` (n) as they are: Newton's method
+    /// with the smallest steps, weighted by the diagonal of M, halved until they lead nearer.
+    ///
+    /// # Errors
+    /// [`ConstraintError::CannotClose`] or [`ConstraintError::Contradiction`], which say what misses by how
+    /// much; q is then as near as was found. [`ConstraintError::Evaluation`] as for the other methods.
+    pub fn close(&mut self, q: &mut [f64], held: &[bool]) -> Result<(), ConstraintError> {
+        check_length("held", held, self.dof())?;
+        let target = vec![0.0; self.rows.count()];
+        self.move_to(q, &target, held)
+    }
+
+    /// Removes the drift of a state: q moves to `g(q) = g(q_0)`, p becomes M v, v the velocity of (q, p)
+    /// without what the constraints do not allow at the new position: `J v = 0` and mu = 0.
+    ///
+    /// # Errors
+    /// As [`close`](Self::close).
+    pub fn project(&mut self, q: &mut [f64], p: &mut [f64], q_0: &[f64]) -> Result<(), ConstraintError> {
+        self.check(&[("q", q), ("p", p), ("q_0", q_0)])?;
+        self.solve_velocity(q, p)?;
+        let v = self.v.clone();
+        self.rows.place(q_0);
+        let target = self.rows.values().to_vec();
+        self.move_to(q, &target, &vec![false; q.len()])?;
+        p.copy_from_slice(self.momentum(q, &v)?);
+        self.first_order(q, p)?;
+        p.copy_from_slice(self.kernel.momentum());
+        Ok(())
+    }
+
+    /// Several attempts: from q, then from near where the last one ended, where rows that depend on each
+    /// other by chance no longer do.
+    fn move_to(&mut self, q: &mut [f64], target: &[f64], held: &[bool]) -> Result<(), ConstraintError> {
+        self.check(&[("q", q)])?;
+        let mut search = Search::new(q, target.len());
+        for attempt in 0..ATTEMPTS {
+            if attempt > 0 {
+                let unheld = q.iter_mut().zip(held).enumerate().filter(|(_, (_, held))| !**held);
+                unheld.for_each(|(i, (q, _))| *q += NUDGE * (1.0 + 2.0 * i as f64 + attempt as f64).sin());
+            }
+            self.newton(q, target, held, &mut search)?;
+            if largest(&search.miss) <= NEARLY {
+                return Ok(());
+            }
+            search.keep_nearest(q);
+        }
+        q.copy_from_slice(&search.nearest);
+        Err(self.why(q, target, held, &mut search)?)
+    }
+
+    /// Newton's method for the rows that count, to a position that no step improves.
+    fn newton(
+        &mut self,
+        q: &mut [f64],
+        target: &[f64],
+        held: &[bool],
+        search: &mut Search,
+    ) -> Result<(), EvalError> {
+        let Search { change, trial, weights, miss, .. } = search;
+        self.miss(q, target, miss);
+        for _ in 0..STEPS {
+            if largest(miss) <= CLOSED {
+                break;
+            }
+            self.weigh(q, held, weights)?;
+            let size = self.counted_square(miss);
+            self.kkt.correct(miss, change);
+            let mut step = 1.0;
+            let nearer = (0..HALVINGS).any(|_| {
+                trial.iter_mut().zip(q.iter().zip(&*change)).for_each(|(to, (q, dq))| *to = q + step * dq);
+                step *= 0.5;
+                self.miss(trial, target, miss);
+                self.counted_square(miss) < size
+            });
+            if !nearer {
+                break;
+            }
+            q.copy_from_slice(trial);
+        }
+        self.miss(q, target, miss);
+        Ok(())
+    }
+
+    /// J, and the factors of its product with the weights: those of held joints are zero.
+    fn weigh(&mut self, q: &[f64], held: &[bool], weights: &mut [f64]) -> Result<(), EvalError> {
+        self.kernel.set_position(&self.tree, q)?;
+        for (i, (weight, &held)) in weights.iter_mut().zip(held).enumerate() {
+            let inertia = self.kernel.mass_matrix()[(i, i)];
+            *weight = if held { 0.0 } else { inertia.max(f64::MIN_POSITIVE).recip() };
+        }
+        self.rows.place(q);
+        self.kkt.set_sizes(self.rows.sizes(), self.kernel.mass_matrix());
+        self.kkt.factor_diagonal(weights, self.rows.jacobian());
+        Ok(())
+    }
+
+    /// `g(q) - target`.
+    fn miss(&mut self, q: &[f64], target: &[f64], miss: &mut [f64]) {
+        self.rows.place(q);
+        for (miss, (g, target)) in miss.iter_mut().zip(self.rows.values().iter().zip(target)) {
+            *miss = g - target;
+        }
+    }
+
+    /// The sum of squares of the rows that count.
+    fn counted_square(&self, miss: &[f64]) -> f64 {
+        miss.iter().zip(&self.kkt.kept).map(|(miss, kept)| kept * miss * miss).sum()
+    }
+
+    /// Redundant rows that miss where all others are satisfied contradict them.
+    fn why(
+        &mut self,
+        q: &[f64],
+        target: &[f64],
+        held: &[bool],
+        search: &mut Search,
+    ) -> Result<ConstraintError, EvalError> {
+        self.weigh(q, held, &mut search.weights)?;
+        self.miss(q, target, &mut search.miss);
+        let miss = &search.miss;
+        let of = |kept: f64| {
+            let rows = miss.iter().zip(&self.kkt.kept).enumerate().filter(move |(_, (_, is))| **is == kept);
+            let worst = rows.max_by(|(_, (a, _)), (_, (b, _))| a.abs().total_cmp(&b.abs()));
+            worst.map_or((0, 0.0), |(i, (miss, _))| (i, miss.abs()))
+        };
+        let ((_, counted), (row, redundant)) = (of(1.0), of(0.0));
+        if counted <= NEARLY.sqrt() && redundant > NEARLY {
+            let constraint = self.rows.name(row).to_owned();
+            return Ok(ConstraintError::Contradiction { constraint, miss: redundant });
+        }
+        let (row, miss) = if counted > redundant { of(1.0) } else { (row, redundant) };
+        Ok(ConstraintError::CannotClose { constraint: self.rows.name(row).to_owned(), miss })
+    }
+}
+
+/// Buffers of a search, and the nearest position that it has found.
+struct Search {
+    change: Vec<f64>,
+    trial: Vec<f64>,
+    weights: Vec<f64>,
+    miss: Vec<f64>,
+    nearest: Vec<f64>,
+    least: f64,
+}
+
+impl Search {
+    fn new(q: &[f64], rows: usize) -> Self {
+        let zeros = vec![0.0; q.len()];
+        Self {
+            change: zeros.clone(),
+            trial: zeros.clone(),
+            weights: zeros,
+            miss: vec![0.0; rows],
+            nearest: q.to_vec(),
+            least: f64::INFINITY,
+        }
+    }
+
+    fn keep_nearest(&mut self, q: &[f64]) {
+        let found = largest(&self.miss);
+        if found < self.least {
+            self.least = found;
+            self.nearest.copy_from_slice(q);
+        }
+    }
+}
+
+fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |most, value| if value.is_nan() { f64::NAN } else { most.max(value.abs()) })
+}

@@ -1,0 +1,238 @@
+//! All constraints of a robot: g, J and the contracted Hessian of g.
+
+use super::held::Held;
+use crate::error::EvalError;
+use crate::kernels::check_entries;
+use crate::kinematics::Kinematics;
+use crate::matrix::{Matrix, filled};
+use crate::robot::{Robot, Tree};
+use crate::scalar::Scalar;
+use std::ops::Range;
+
+/// Workspace for the constraints g(q) of a robot, k rows; no call allocates.
+///
+/// The rows are those of the [constraints](Robot::constraints), one after the other. Coordinates are as in
+/// [`Hamiltonian`](crate::hamiltonian::Hamiltonian): q has n entries (rad, m). Rows of positions and
+/// distances are in m, rows of orientations and couplings of revolute joints in rad.
+///
+/// ```
+/// use costate::constraints::Constraints;
+/// use costate::robot::{ConstraintSpec, Placement, Robot};
+///
+/// # std::env::set_current_dir(env!("CARGO_MANIFEST_DIR"))?;
+/// let tip = Placement::from_xyz_rpy([1.0, 0.0, 0.0], [0.0; 3]);
+/// let rod = ConstraintSpec::distance("rod", "elbow", "world", 1.5).placed(tip);
+/// let robot = Robot::from_file("robots/two_link.toml")?.with_constraint(rod)?;
+/// let mut constraints = Constraints::<f64>::new(&robot);
+/// constraints.set_position(&[0.3, -0.8])?;
+/// println!("g = {:?}, J = {}", constraints.values(), constraints.jacobian().view().as_nalgebra());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Constraints<S: Scalar> {
+    kinematics: Kinematics<S>,
+    held: Vec<Held<S>>,
+    names: Vec<String>,
+    rows: Vec<Range<usize>>,
+    values: Vec<S>,
+    jacobian: Matrix<S>,
+    sizes: Matrix<S>,
+    hessian: Matrix<S>,
+}
+
+impl<S: Scalar> Constraints<S> {
+    /// Builds the workspace. Later calls do not allocate.
+    pub fn new(robot: &Robot) -> Self {
+        Self::from_tree(&Tree::from(robot))
+    }
+
+    pub(super) fn from_tree(tree: &Tree) -> Self {
+        let (n, of) = (tree.dof(), tree.rows());
+        let held: Vec<Held<S>> =
+            tree.constraints().iter().map(|one| Held::new(tree, &of, &one.kind)).collect();
+        let mut k = 0;
+        let rows = held.iter().map(|one| {
+            let first = k;
+            k += one.rows();
+            first..k
+        });
+        let rows: Vec<_> = rows.collect();
+        Self {
+            kinematics: Kinematics::from_tree(tree.clone()),
+            held,
+            names: tree.constraints().iter().map(|one| one.name.clone()).collect(),
+            rows,
+            values: filled(S::zero(), k),
+            jacobian: Matrix::zeros(k, n),
+            sizes: Matrix::zeros(k, n),
+            hessian: Matrix::zeros(n, n),
+        }
+    }
+
+    /// Number of coordinates, n.
+    pub fn dof(&self) -> usize {
+        self.kinematics.dof()
+    }
+
+    /// Number of rows, k.
+    pub fn count(&self) -> usize {
+        self.values.len()
+    }
+
+    /// The name of the constraint that row `i` belongs to.
+    pub fn name(&self, i: usize) -> &str {
+        let found = self.rows.iter().position(|rows| rows.contains(&i));
+        found.map_or("", |k| &self.names[k])
+    }
+
+    #[cfg(test)]
+    /// The rows of constraint `k`.
+    pub(super) fn rows(&self, k: usize) -> Range<usize> {
+        self.rows[k].clone()
+    }
+
+    /// Computes g and J at q (n).
+    ///
+    /// # Errors
+    /// [`EvalError::WrongLength`] or [`EvalError::NonFinite`].
+    pub fn set_position(&mut self, q: &[S]) -> Result<(), EvalError> {
+        check_entries(self.kinematics.tree(), "q", q, self.dof())?;
+        self.place(q);
+        Ok(())
+    }
+
+    /// The same without a check.
+    #[inline(never)]
+    pub(super) fn place(&mut self, q: &[S]) {
+        self.kinematics.place_still(q);
+        self.jacobian.fill_zero();
+        for (held, rows) in self.held.iter_mut().zip(&self.rows) {
+            held.place(&self.kinematics, q, &mut self.values[rows.clone()]);
+            held.add_gradients(&mut self.jacobian, rows.start);
+        }
+    }
+
+    /// Squares of what the rounding errors of J are in proportion to, at the position of the last call, k x
+    /// n.
+    pub(super) fn sizes(&mut self) -> &Matrix<S> {
+        self.sizes.fill_zero();
+        for (held, rows) in self.held.iter().zip(&self.rows) {
+            held.add_sizes(&mut self.sizes, rows.start);
+        }
+        &self.sizes
+    }
+
+    /// g, k: zero where the loops are closed.
+    pub fn values(&self) -> &[S] {
+        &self.values
+    }
+
+    /// `J = g_q`, k x n.
+    pub fn jacobian(&self) -> &Matrix<S> {
+        &self.jacobian
+    }
+
+    /// `(mu . g)_qq = (J'mu)_q` for constant mu (k), n x n, symmetric.
+    ///
+    /// # Errors
+    /// [`EvalError::WrongLength`] unless mu has k entries.
+    pub fn hessian(&mut self, mu: &[S]) -> Result<&Matrix<S>, EvalError> {
+        crate::error::check_length("mu", mu, self.count())?;
+        Ok(self.contract(mu))
+    }
+
+    /// The same without a check.
+    #[inline(never)]
+    pub(super) fn contract(&mut self, mu: &[S]) -> &Matrix<S> {
+        self.hessian.fill_zero();
+        for (held, rows) in self.held.iter().zip(&self.rows) {
+            held.add_curvature(&mu[rows.clone()], &mut self.hessian);
+        }
+        &self.hessian
+    }
+
+    /// What [`contract`](Self::contract) computed last.
+    pub(super) fn contracted(&self) -> &Matrix<S> {
+        &self.hessian
+    }
+
+    /// Force (N) and moment (N m) that constraint `k` of [`Robot::constraints`] exerts on the link of its
+    /// first frame, at the origin of that frame, in axes of the second frame, for the multipliers lambda of
+    /// all rows. The link of the second frame gets the opposite. `None` for a coupling, whose multiplier is
+    /// the generalised force at a joint of factor 1 (N m, N), and for a k that does not exist.
+    pub fn wrench(&self, k: usize, lambda: &[S]) -> Option<(/* force */ [S; 3], /* moment */ [S; 3])> {
+        let rows = self.rows.get(k)?.clone();
+        let [force, moment] = self.held[k].wrench(lambda.get(rows)?)?;
+        Some((force.to_array(), moment.to_array()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::samples::{looped, state};
+    use super::*;
+    use num_dual::{Dual64, HyperDual64};
+
+    fn lift<S: Scalar>(q: &[f64]) -> Vec<S> {
+        q.iter().map(|&q| S::from_f64(q)).collect()
+    }
+
+    #[test]
+    fn gradients_and_hessians_are_those_of_hyper_dual_numbers() {
+        for robot in looped() {
+            let [q, ..] = state(robot.dof());
+            let (n, mut ours) = (robot.dof(), Constraints::<f64>::new(&robot));
+            let mut judge = Constraints::<HyperDual64>::new(&robot);
+            ours.set_position(&q).unwrap();
+            let mu: Vec<f64> = (0..ours.count()).map(|i| (1.0 + 0.9 * i as f64).sin()).collect();
+            let hessian = ours.hessian(&mu).unwrap().clone();
+            for i in 0..n {
+                for j in 0..=i {
+                    let mut seeds: Vec<HyperDual64> = lift(&q);
+                    seeds[i].eps1 = 1.0;
+                    seeds[j].eps2 = 1.0;
+                    judge.set_position(&seeds).unwrap();
+                    let g = judge.values();
+                    for (r, value) in g.iter().enumerate() {
+                        assert!((value.re - ours.values()[r]).abs() < 1e-14);
+                        assert!(
+                            (value.eps1 - ours.jacobian()[(r, i)]).abs() < 1e-13,
+                            "{}: J {r} {i}",
+                            robot.name()
+                        );
+                    }
+                    let expected: f64 = g.iter().zip(&mu).map(|(g, mu)| g.eps1eps2 * mu).sum();
+                    for found in [hessian[(i, j)], hessian[(j, i)]] {
+                        assert!(
+                            (found - expected).abs() < 1e-13,
+                            "{}: {i} {j}: {found} {expected}",
+                            robot.name()
+                        );
+                    }
+                }
+            }
+        }
+    }
+
+    /// Power of the wrench on the first frame, with the twist of that frame relative to the second.
+    #[test]
+    fn wrenches_have_the_power_of_the_multipliers() {
+        for robot in looped() {
+            let [q, v, lambda, _] = state(robot.dof());
+            let mut moving = Constraints::<Dual64>::new(&robot);
+            let along: Vec<Dual64> = q.iter().zip(&v).map(|(&q, &v)| Dual64::new(q, v)).collect();
+            moving.set_position(&along).unwrap();
+            let lambda: Vec<f64> = lambda.iter().cycle().take(moving.count()).copied().collect();
+            for k in 0..robot.constraints().len() {
+                let rows = moving.rows(k);
+                let expected: f64 = rows.map(|r| lambda[r] * moving.values()[r].eps).sum();
+                let lifted: Vec<Dual64> = lift(&lambda);
+                let Some((force, moment)) = moving.wrench(k, &lifted) else { continue };
+                let [at, turning] = moving.held[k].relative_rate();
+                let power = |a: [Dual64; 3], b: [f64; 3]| a.iter().zip(b).map(|(a, b)| a.re * b).sum::<f64>();
+                let found = power(force, at) + power(moment, turning);
+                assert!((found - expected).abs() < 1e-12, "{}: {found} {expected}", robot.name());
+            }
+        }
+    }
+}

@@ -1,0 +1,62 @@
+//! Robots with constraints of all kinds, and states of them, for tests.
+
+use crate::robot::{ConstraintRow, ConstraintSpec, Friction, JointSpec, LinkInertia, Placement, Robot};
+use nalgebra::Matrix3;
+
+fn link(k: f64) -> LinkInertia {
+    let inertia = Matrix3::new(0.5, 0.02, -0.1, 0.02, 0.7, 0.05, -0.1, 0.05, 0.6);
+    LinkInertia::about_com(1.0 + 0.3 * k, [0.2 * k, -0.3, 0.1 + 0.1 * k], inertia * (0.3 + 0.1 * k))
+}
+
+fn placed(x: f64) -> Placement {
+    Placement::from_xyz_rpy([x, 0.3, -0.2], [0.5 - x, x, 0.4 * x])
+}
+
+/// A tree of seven joints with two branches, a mimic and friction.
+fn tree() -> Robot {
+    let joint = |name: &str, k: f64| JointSpec::revolute(name).placed(placed(k)).carrying(link(k));
+    let slide = |name: &str, k: f64| JointSpec::prismatic(name).placed(placed(k)).carrying(link(k));
+    let rub = Friction { viscous: 0.3, coulomb: 0.4, coulomb_velocity: 0.5 };
+    Robot::builder("tree")
+        .gravity([0.7, -1.0, -9.81])
+        .joint(joint("a", 0.3).axis([0.3, -0.5, 0.8]))
+        .joint(joint("b", 0.6).on("a").friction(rub))
+        .joint(slide("c", -0.4).on("b").axis([0.0, 1.0, 0.0]))
+        .joint(joint("d", 0.2).on("a").axis([1.0, 0.0, 0.2]))
+        .joint(slide("e", 0.5).on("d"))
+        .joint(joint("f", 0.1).on("e").mimicking("b", -0.7, 0.2))
+        .joint(joint("g", 0.4).on("c").axis([0.0, 1.0, 0.3]))
+        .build()
+        .unwrap()
+}
+
+/// The four-bar linkage of `robots/four_bar.toml`.
+pub(super) fn four_bar() -> Robot {
+    Robot::from_file(concat!(env!("CARGO_MANIFEST_DIR"), "/robots/four_bar.toml")).unwrap()
+}
+
+/// Every kind of constraint alone, and some together.
+pub(super) fn looped() -> Vec<Robot> {
+    use ConstraintRow::{TurnX, TurnZ, X, Z};
+    let specs = [
+        ConstraintSpec::pinned("pin", "g", "f").placed(placed(0.1)),
+        ConstraintSpec::rows("row", "f", "world", &[Z, TurnX, TurnZ]).to_placed(placed(-0.3)),
+        ConstraintSpec::distance("rod", "c", "e", 0.8).placed(placed(0.2)).to_placed(placed(-0.5)),
+        ConstraintSpec::coupling("gear", &[("a", 1.0), ("f", -0.4), ("g", 2.0)], 0.3),
+        ConstraintSpec::rows("line", "world", "g", &[X, Z]),
+    ];
+    let with = |specs: &[&ConstraintSpec]| {
+        specs.iter().fold(tree(), |robot, &spec| robot.with_constraint(spec.clone()).unwrap())
+    };
+    let [pin, row, rod, gear, line] = &specs;
+    let weld = ConstraintSpec::rigid("weld", "g", "world").to_placed(placed(0.6));
+    vec![with(&[pin]), with(&[row]), with(&[rod, gear]), with(&[line, gear, rod]), with(&[&weld]), tree()]
+}
+
+/// Four vectors of n, n, n and 2n entries.
+pub(super) fn state(n: usize) -> [Vec<f64>; 4] {
+    let wave = |scale: f64, from: f64, count: usize| -> Vec<f64> {
+        (0..count).map(|i| scale * (from + 1.7 * i as f64).sin()).collect()
+    };
+    [wave(0.6, 0.3, n), wave(1.4, 1.1, n), wave(2.0, -0.4, n), wave(1.0, 2.0, 2 * n)]
+}

@@ -1,0 +1,232 @@
+//! The contracted Hessian of the constrained state equation by the 2n+1 rule.
+
+use super::ConstrainedHamiltonian;
+use super::blocks::Changing;
+use super::linearisation::ConstrainedContraction;
+use crate::error::EvalError;
+use crate::kernels::{KernelTwo, check_entries, friction_of};
+use crate::matrix::{Matrix, add_scaled, dot, filled};
+use crate::robot::Robot;
+use crate::scalar::Scalar;
+
+/// Workspace for F, F_x and y'F_xx of a robot with constraints; no call allocates.
+///
+/// H_c is an extremal value over s = (v, mu), so that its third derivatives need only the response s_x of
+/// [`ConstrainedHamiltonian`]:
+///
+/// $$ y^T F\_{xx} = -E^T \left( D\_{\tilde w} \begin{pmatrix}
+/// L\_{qq} - (\mu \cdot J v)\_{qq} & PP^T \\\\ PP & MM \end{pmatrix} \right) E,
+/// \qquad E = \begin{pmatrix} 1 & 0 \\\\ s\_q & s\_p \end{pmatrix}, \qquad
+/// \tilde w = (w\_q, s\_x w) $$
+///
+/// with `w = (-y_p, y_q + D_v y_p)` and the curvature `V' (y_p . D_vv) V` of friction. D_w~ of M, P and L_qq
+/// is [`KernelTwo`].
+#[derive(Clone, Debug)]
+pub struct ConstrainedHamiltonianSecondOrder<S: Scalar> {
+    first: ConstrainedHamiltonian<S>,
+    along: KernelTwo<S>,
+    changing: Changing<S>,
+    y_f_xx: Matrix<S>,
+    /// `dPP + dMM E / 2`, rows of v and of mu, 2n columns each.
+    pull: [Matrix<S>; 2],
+    /// Response to a direction, and the change of the derivatives of Lc by s along it.
+    response: [Vec<S>; 2],
+    force: [Vec<S>; 2],
+    product: Vec<S>,
+}
+
+impl<S: Scalar> ConstrainedHamiltonianSecondOrder<S> {
+    /// Builds the workspace. Later calls do not allocate.
+    pub fn new(robot: &Robot) -> Self {
+        let first = ConstrainedHamiltonian::new(robot);
+        let (n, k) = (first.dof(), first.mu.len());
+        let both = [filled(S::zero(), n), filled(S::zero(), k)];
+        Self {
+            along: KernelTwo::new(&first.tree),
+            changing: Changing::new(&first.tree),
+            y_f_xx: Matrix::zeros(2 * n, 2 * n),
+            pull: [Matrix::zeros(n, 2 * n), Matrix::zeros(k, 2 * n)],
+            response: both.clone(),
+            force: both,
+            product: filled(S::zero(), 2 * n),
+            first,
+        }
+    }
+
+    /// Number of coordinates, n.
+    pub fn dof(&self) -> usize {
+        self.first.dof()
+    }
+
+    /// The first-order workspace: F, F_x and y'F_x.
+    pub fn first(&mut self) -> &mut ConstrainedHamiltonian<S> {
+        &mut self.first
+    }
+
+    /// F, F_x and `sum_k y_k d2 F_k / dx dx` for the costate y = (y_q, y_p) of length 2n.
+    ///
+    /// # Errors
+    /// See [`ConstrainedHamiltonian`].
+    pub fn contract(
+        &mut self,
+        q: &[S],
+        p: &[S],
+        u: &[S],
+        y: &[S],
+    ) -> Result<ConstrainedContraction<'_, S>, EvalError> {
+        let n = self.dof();
+        self.first.check(&[("q", q), ("p", p), ("u", u)])?;
+        check_entries(&self.first.tree, "y", y, 2 * n)?;
+        self.first.prepare(q, p)?;
+        self.differentiate(q, y)?;
+        self.first.assemble(q, u);
+        self.pull();
+        self.congruence();
+        self.add_friction(&y[n..]);
+        if let Some(external) = &mut self.first.external {
+            let curvature = external.curvature(q, &y[n..]);
+            for i in 0..n {
+                add_scaled(&mut self.y_f_xx.row_mut(i)[..n], S::one(), curvature.row(i));
+            }
+        }
+        Ok(ConstrainedContraction { linearisation: self.first.linearisation(), y_f_xx: &self.y_f_xx })
+    }
+
+    /// `y'F_xx d` for the costate y and a direction d = (d_q, d_p), 2n each, without the matrix and without
+    /// F_x.
+    ///
+    /// # Errors
+    /// See [`ConstrainedHamiltonian`].
+    pub fn hessian_product(&mut self, q: &[S], p: &[S], y: &[S], d: &[S]) -> Result<&[S], EvalError> {
+        let n = self.dof();
+        self.first.check(&[("q", q), ("p", p)])?;
+        check_entries(&self.first.tree, "y", y, 2 * n)?;
+        check_entries(&self.first.tree, "d", d, 2 * n)?;
+        self.first.prepare(q, p)?;
+        self.differentiate(q, y)?;
+        let (d_q, d_p) = d.split_at(n);
+        let Self { first, along, changing: Changing { blocks, .. }, .. } = self;
+        let [dv, dmu] = &mut self.response;
+        first.respond(d_q, d_p, [dv, dmu]);
+        let [r_v, r_mu] = &mut self.force;
+        // dPP d_q + dMM s_x d.
+        for (i, r) in r_v.iter_mut().enumerate() {
+            let moved = dot(along.l_vq().row(i), d_q) - dot(blocks.curvature.row(i), d_q);
+            *r = moved + dot(along.mass_matrix().row(i), dv);
+            if first.tree.has_coulomb_friction(i) {
+                *r -= y[n + i] * friction_of(&first.tree, i, first.v[i]).second * dv[i];
+            }
+        }
+        for (i, r) in r_mu.iter_mut().enumerate() {
+            *r = -(dot(blocks.slope.row(i), d_q) + dot(blocks.jacobian.row(i), dv));
+            add_scaled(r_v, -dmu[i], blocks.jacobian.row(i));
+        }
+        let (product_q, product_p) = self.product.split_at_mut(n);
+        for (i, entry) in product_q.iter_mut().enumerate() {
+            *entry = dot(blocks.bend.row(i), d_q) - dot(along.l_qq().row(i), d_q);
+        }
+        for (i, &dv) in dv.iter().enumerate() {
+            add_scaled(product_q, -dv, along.l_vq().row(i));
+            add_scaled(product_q, dv, blocks.curvature.row(i));
+        }
+        for (i, &dmu) in dmu.iter().enumerate() {
+            add_scaled(product_q, dmu, blocks.slope.row(i));
+        }
+        // s_q' r = -PP' MM^-1 r, s_p' r = the part of v of MM^-1 r.
+        first.kkt.solve(&first.factor, r_v, r_mu);
+        for (i, &r) in r_v.iter().enumerate() {
+            add_scaled(product_q, r, first.cross.row(i));
+            product_p[i] = -r;
+        }
+        for (i, &r) in r_mu.iter().enumerate() {
+            add_scaled(product_q, -r, first.moving.blocks.slope.row(i));
+        }
+        if let Some(external) = &mut first.external {
+            let curvature = external.curvature(q, &y[n..]);
+            for (i, entry) in product_q.iter_mut().enumerate() {
+                *entry += dot(curvature.row(i), d_q);
+            }
+        }
+        Ok(&self.product)
+    }
+
+    /// The derivatives of all blocks along `w~`.
+    fn differentiate(&mut self, q: &[S], y: &[S]) -> Result<(), EvalError> {
+        self.first.set_costate(y);
+        let ConstrainedHamiltonian { tree, kernel, v, mu, direction: [w_q, _], change: [dv, dmu], .. } =
+            &self.first;
+        self.along.differentiate(tree, kernel, w_q, dv)?;
+        self.changing.place([q, v, mu], [w_q, dv, dmu]);
+        Ok(())
+    }
+
+    /// `dPP [1 0] + dMM s_x / 2`, so that the congruence is `s_x'` times it plus its transpose.
+    fn pull(&mut self) {
+        let n = self.dof();
+        let Self { first, along, changing: Changing { blocks, .. }, pull: [pull_v, pull_mu], .. } = self;
+        let half = S::from_f64(0.5);
+        for i in 0..n {
+            let row = pull_v.row_mut(i);
+            row.fill(S::zero());
+            add_scaled(&mut row[..n], S::one(), along.l_vq().row(i));
+            add_scaled(&mut row[..n], -S::one(), blocks.curvature.row(i));
+            for (l, &entry) in along.mass_matrix().row(i).iter().enumerate() {
+                add_scaled(row, entry * half, first.f_x.row(l));
+            }
+            for l in 0..first.mu.len() {
+                add_scaled(row, -(blocks.jacobian[(l, i)] * half), first.mu_x.row(l));
+            }
+        }
+        for i in 0..first.mu.len() {
+            let row = pull_mu.row_mut(i);
+            row.fill(S::zero());
+            add_scaled(&mut row[..n], -S::one(), blocks.slope.row(i));
+            for (l, &entry) in blocks.jacobian.row(i).iter().enumerate() {
+                add_scaled(row, -(entry * half), first.f_x.row(l));
+            }
+        }
+    }
+
+    /// `-(dLL_qq + s_x' pull + pull' s_x)`, both triangles.
+    fn congruence(&mut self) {
+        let n = self.dof();
+        let Self { first, along, changing: Changing { blocks, .. }, pull: [pull_v, pull_mu], y_f_xx, .. } =
+            self;
+        y_f_xx.fill_zero();
+        for i in 0..n {
+            for j in 0..=i {
+                y_f_xx[(i, j)] = blocks.bend[(i, j)] - along.l_qq()[(i, j)];
+            }
+        }
+        for i in 0..2 * n {
+            let row = &mut y_f_xx.row_mut(i)[..=i];
+            for l in 0..n {
+                add_scaled(row, -first.f_x[(l, i)], &pull_v.row(l)[..=i]);
+                add_scaled(row, -pull_v[(l, i)], &first.f_x.row(l)[..=i]);
+            }
+            for l in 0..first.mu.len() {
+                add_scaled(row, -first.mu_x[(l, i)], &pull_mu.row(l)[..=i]);
+                add_scaled(row, -pull_mu[(l, i)], &first.mu_x.row(l)[..=i]);
+            }
+        }
+        for i in 0..2 * n {
+            for j in 0..i {
+                y_f_xx[(j, i)] = y_f_xx[(i, j)];
+            }
+        }
+    }
+
+    /// `V' (y_p . D_vv) V`, V the rows of v in F_x.
+    fn add_friction(&mut self, y_p: &[S]) {
+        let Self { first, y_f_xx, .. } = self;
+        for &l in first.tree.with_friction() {
+            if !first.tree.has_coulomb_friction(l) {
+                continue;
+            }
+            let (curvature, v) = (y_p[l] * first.friction[l].second, first.f_x.row(l));
+            for (i, &along) in v.iter().enumerate() {
+                add_scaled(y_f_xx.row_mut(i), curvature * along, v);
+            }
+        }
+    }
+}

@@ -1,0 +1,39 @@
+//! Where in a file an error is, and what caused it.
+
+use super::RobotError;
+use std::error::Error;
+use std::path::PathBuf;
+
+impl RobotError {
+    /// A text that breaks the rules of its format.
+    #[cfg(any(feature = "urdf", feature = "toml"))]
+    pub(in crate::robot) fn malformed(message: impl Into<String>) -> Self {
+        Self::Malformed { message: message.into(), source: None }
+    }
+
+    /// This error at a line of a file whose path the caller knows.
+    #[cfg(any(feature = "urdf", feature = "toml"))]
+    pub(in crate::robot) fn at(self, line: impl Into<Option<usize>>) -> Self {
+        Self::InFile { path: PathBuf::new(), line: line.into(), error: Box::new(self) }
+    }
+
+    /// The line of the file, from 1, where it is known.
+    pub fn line(&self) -> Option<usize> {
+        match self {
+            Self::InFile { line, .. } => *line,
+            _ => None,
+        }
+    }
+}
+
+impl Error for RobotError {
+    fn source(&self) -> Option<&(dyn Error + 'static)> {
+        match self {
+            // Its message contains that of `error`.
+            Self::InFile { error, .. } => error.source(),
+            Self::Unreadable { source } => Some(source),
+            Self::Malformed { source, .. } => source.as_deref().map(|source| source as _),
+            _ => None,
+        }
+    }
+}

@@ -1,0 +1,324 @@
+//! Constraints of all kinds on random trees: F, F_x and y'F_xx against numbers of num-dual through a dense
+//! version of H_c, accelerations and forces against the dense equations of motion.
+
+use costate::constraints::{ConstrainedHamiltonian, ConstrainedHamiltonianSecondOrder, Constraints};
+use costate::derivative::{Jacobian, PhaseVelocity};
+use costate::hamiltonian::{DualPass, FullHessian, Hamiltonian};
+use costate::kernels::KernelOne;
+use costate::kinematics::Kinematics;
+use costate::lagrangian::{Lagrangian, LagrangianSecondOrder, LegendreTransform};
+use costate::parameters::{HamiltonianParameters, ParameterSet, Regressor};
+use costate::robot::{ConstraintKind, ConstraintRow, ConstraintSpec, Placement, Robot, Tree};
+use costate::scalar::Scalar;
+use costate_test_support::properties;
+use costate_test_support::random_robot::{Case, cases, tolerance};
+use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, Vector3};
+use num_dual::{Dual64, HyperDual, HyperDual64};
+use proptest::prelude::*;
+
+/// What one constraint is made of.
+type Choice = (usize, usize, usize, [f64; 3], [f64; 3]);
+
+fn choices(most: usize) -> impl Strategy<Value = Vec<Choice>> {
+    let numbers = || prop::array::uniform3(-0.8..0.8);
+    prop::collection::vec((0..1000_usize, 0..1000_usize, 0..64_usize, numbers(), numbers()), 1..=most)
+}
+
+/// The robot with these constraints, as far as they are between two links and independent at its state.
+fn closed(case: &Case, choices: &[Choice], friction: bool) -> Robot {
+    let robot = case.robot();
+    let robot = if friction { robot } else { robot.without_friction() };
+    let joints = robot.joints().len();
+    let name =
+        |k: usize| if k % (joints + 1) == joints { "world".into() } else { format!("j{}", k % (joints + 1)) };
+    choices.iter().enumerate().fold(robot, |robot, (k, &(kind, frames, rows, at, turned))| {
+        let (frame, to) = (name(frames), name(frames / (joints + 1)));
+        let called = format!("c{k}");
+        let spec = match kind % 6 {
+            0 => ConstraintSpec::pinned(called, &frame, &to),
+            1 => ConstraintSpec::rigid(called, &frame, &to),
+            2 | 3 => {
+                let all = ConstraintRow::ALL.into_iter().enumerate();
+                let some: Vec<_> = all.filter(|(i, _)| rows >> i & 1 == 1).map(|(_, row)| row).collect();
+                ConstraintSpec::rows(called, &frame, &to, &some)
+            }
+            4 => ConstraintSpec::distance(called, &frame, &to, 0.3 + at[0].abs()),
+            _ => {
+                let (a, b) = (format!("j{}", frames % joints), format!("j{}", rows % joints));
+                ConstraintSpec::coupling(called, &[(&a, 1.0 + at[0]), (&b, at[1] + 0.9)], at[2])
+            }
+        };
+        let spec = spec.placed(Placement::from_xyz_rpy(at, turned));
+        let spec = if kind % 2 == 0 { spec } else { spec.to_placed(Placement::from_xyz_rpy(turned, at)) };
+        // Rows that depend on each other have no forces to compare.
+        match robot.with_constraint(spec) {
+            Ok(closed) if independence(&closed, &case.q) > 1e-3 => closed,
+            _ => robot,
+        }
+    })
+}
+
+/// Eigenvalues of `J M^-1 J'` scaled to a unit diagonal: the least one, 1 without constraints.
+fn independence(robot: &Robot, q: &[f64]) -> f64 {
+    let mut constraints = Constraints::<f64>::new(robot);
+    constraints.set_position(q).unwrap();
+    if constraints.count() == 0 {
+        return 1.0;
+    }
+    let j = constraints.jacobian().view().to_nalgebra();
+    let m = Lagrangian::<f64>::new(&robot.without_constraints()).mass_matrix(q).unwrap().view().to_nalgebra();
+    let c = &j * m.try_inverse().unwrap() * j.transpose();
+    // Rows that no motion changes are nothing but rounding.
+    if (0..c.nrows()).any(|i| c[(i, i)] < 1e-10 * c.amax().max(1.0)) {
+        return 0.0;
+    }
+    let scale = DMatrix::from_fn(c.nrows(), c.nrows(), |i, k| c[(i, k)] / (c[(i, i)] * c[(k, k)]).sqrt());
+    nalgebra::SymmetricEigen::new(scale).eigenvalues.min()
+}
+
+/// `x <- A^-1 x` for columns x, A symmetric and positive: elimination without pivots.
+fn solve<T: Scalar>(mut a: Vec<Vec<T>>, mut x: Vec<Vec<T>>) -> Vec<Vec<T>> {
+    let n = a.len();
+    for k in 0..n {
+        let pivot = a[k][k].recip();
+        let row = a[k].clone();
+        for i in k + 1..n {
+            let factor = a[i][k] * pivot;
+            a[i].iter_mut().zip(&row).skip(k).for_each(|(entry, &above)| *entry -= factor * above);
+            x.iter_mut().for_each(|x| {
+                let entry = factor * x[k];
+                x[i] -= entry;
+            });
+        }
+    }
+    for x in &mut x {
+        for i in (0..n).rev() {
+            let rest = (i + 1..n).fold(x[i], |rest, j| rest - a[i][j] * x[j]);
+            x[i] = rest * a[i][i].recip();
+        }
+    }
+    x
+}
+
+/// `H_c = p . v - 1/2 v'M v + V`, v from the dense equations, for any scalar.
+fn hamiltonian<T: Scalar>(robot: &Robot, tree: &Tree, x: &[T]) -> T {
+    let n = tree.dof();
+    let (q, p) = x.split_at(n);
+    let mut kernel = KernelOne::<T>::new(tree);
+    kernel.set_position(tree, q).unwrap();
+    let mut constraints = Constraints::<T>::new(robot);
+    constraints.set_position(q).unwrap();
+    let m: Vec<Vec<T>> = (0..n).map(|i| kernel.mass_matrix().row(i).to_vec()).collect();
+    let j: Vec<Vec<T>> = (0..constraints.count()).map(|i| constraints.jacobian().row(i).to_vec()).collect();
+    let product = |a: &[T], b: &[T]| a.iter().zip(b).fold(T::zero(), |sum, (&a, &b)| sum + a * b);
+    let mut columns = j.clone();
+    columns.push(p.to_vec());
+    let mut responses = solve(m.clone(), columns);
+    let mut v = responses.pop().unwrap();
+    let schur: Vec<Vec<T>> = j.iter().map(|a| responses.iter().map(|b| product(a, b)).collect()).collect();
+    let rate = j.iter().map(|row| -product(row, &v)).collect();
+    let mu = solve(schur, vec![rate]).remove(0);
+    for (response, &mu) in responses.iter().zip(&mu) {
+        v.iter_mut().zip(response).for_each(|(v, &r)| *v += r * mu);
+    }
+    let moved: Vec<T> = m.iter().map(|row| product(row, &v)).collect();
+    product(p, &v) - product(&v, &moved).times(0.5) + kernel.potential(tree)
+}
+
+/// `max |a - b|` beside the size of b, at least `size`.
+fn off(a: &DMatrix<f64>, b: &DMatrix<f64>, size: f64) -> f64 {
+    (a - b).amax() / b.amax().max(size)
+}
+
+properties! {
+    96;
+
+    #[test]
+    fn derivatives_are_those_of_the_dense_hamiltonian(case in cases(4), choices in choices(2)) {
+        let robot = closed(&case, &choices, false);
+        let (n, q, y) = (case.n(), &case.q, &case.y);
+        let independence = independence(&robot, q);
+        let bound = 10.0 * tolerance(&robot.without_constraints(), q) / independence.powi(2);
+        let p: Vec<f64> = case.v.iter().zip(&case.u).map(|(v, u)| v + 0.3 * u).collect();
+        let zero = vec![0.0; n];
+        let mut ours = ConstrainedHamiltonianSecondOrder::<f64>::new(&robot);
+        let all = ours.contract(q, &p, &zero, y).unwrap();
+        let (f, f_x) = (DVector::from_column_slice(all.linearisation().f()), all.linearisation().matrix().to_nalgebra());
+        let mu_x = all.linearisation().mu_x().to_nalgebra();
+        let (y_f_xx, x, tree) = (all.matrix().to_nalgebra(), [&q[..], &p].concat(), Tree::from(&robot));
+        // w = (-y_p, y_q): y'F is the derivative of H_c along w.
+        let along: Vec<f64> = y[n..].iter().map(|y| -y).chain(y[..n].iter().copied()).collect();
+        let (mut gradient, mut adjoint) = (DVector::zeros(2 * n), DVector::zeros(2 * n));
+        let (mut hessian, mut curvature) = (DMatrix::zeros(2 * n, 2 * n), DMatrix::zeros(2 * n, 2 * n));
+        for i in 0..2 * n {
+            for j in 0..=i {
+                let one = |on: bool| Dual64::from_re(f64::from(u8::from(on)));
+                let seeds: Vec<HyperDual<Dual64>> = (0..2 * n)
+                    .map(|l| HyperDual::new(Dual64::new(x[l], along[l]), one(l == i), one(l == j), one(false)))
+                    .collect();
+                let h = hamiltonian(&robot, &tree, &seeds);
+                (gradient[i], adjoint[i]) = (h.eps1.re, h.eps1.eps);
+                (hessian[(i, j)], hessian[(j, i)]) = (h.eps1eps2.re, h.eps1eps2.re);
+                (curvature[(i, j)], curvature[(j, i)]) = (h.eps1eps2.eps, h.eps1eps2.eps);
+            }
+        }
+        // F = J grad H_c.
+        let of_h = DMatrix::from_fn(2 * n, 2 * n, |i, k| if i < n { hessian[(n + i, k)] } else { -hessian[(i - n, k)] });
+        let f_of_h = DVector::from_fn(2 * n, |i, _| if i < n { gradient[n + i] } else { -gradient[i - n] });
+        // Rounding is in proportion to products with mu_x, too.
+        let size = of_h.amax().max(mu_x.amax()).max(1.0);
+        prop_assert!((f - f_of_h).amax() <= bound * size);
+        prop_assert!(off(&f_x, &of_h, size) <= bound, "F_x: {:.1e} of {bound:.1e}", off(&f_x, &of_h, size));
+        let by_y = f_x.transpose() * DVector::from_column_slice(y);
+        prop_assert!((by_y - adjoint).amax() <= bound * size);
+        let found = off(&y_f_xx, &curvature, size);
+        prop_assert!(found <= bound, "y'F_xx: {found:.1e} of {bound:.1e}");
+        let j = DMatrix::from_fn(2 * n, 2 * n, |i, k| if i < n { f_x[(n + i, k)] } else { -f_x[(i - n, k)] });
+        prop_assert_eq!(&j, &j.transpose(), "J F_x is symmetric");
+        // Products beside the matrices.
+        let d: Vec<f64> = y.iter().map(|y| (5.0 * y).sin()).collect();
+        let product = DVector::from_column_slice(ours.hessian_product(q, &p, y, &d).unwrap());
+        prop_assert!((product - &y_f_xx * DVector::from_vec(d)).amax() <= bound * size.max(y_f_xx.amax()));
+        // H_c and g are constant along motions.
+        let mut moving = ConstrainedHamiltonian::<Dual64>::new(&robot);
+        let rate: Vec<f64> = ours.first().evaluate(q, &p, &zero).unwrap().f.to_vec();
+        let along: Vec<Dual64> = x.iter().zip(&rate).map(|(&x, &rate)| Dual64::new(x, rate)).collect();
+        let energy = moving.energy(&along[..n], &along[n..]).unwrap();
+        prop_assert!((energy.kinetic + energy.potential).eps.abs() <= bound * size * (1.0 + energy.kinetic.re));
+        let still = moving.constraints().values().iter().all(|g| g.eps.abs() <= bound * size);
+        prop_assert!(still, "{:?}", moving.constraints().values());
+    }
+
+    /// With friction; `J a = -(J v)_q v`.
+    #[test]
+    fn accelerations_and_forces_are_those_of_the_dense_equations(case in cases(8), choices in choices(3)) {
+        let robot = closed(&case, &choices, true);
+        let (n, q, u) = (case.n(), &case.q, &case.u);
+        let independence = independence(&robot, q);
+        let bound = 10.0 * tolerance(&robot.without_constraints(), q) / independence.powi(2);
+        let mut constrained = ConstrainedHamiltonian::<f64>::new(&robot);
+        let p: Vec<f64> = case.v.iter().map(|v| 2.0 * v).collect();
+        let linear = constrained.linearise(q, &p, u).unwrap();
+        let (v, found) = (linear.velocity().to_vec(), [linear.acceleration(), linear.lambda()].concat());
+        let f = linear.f().iter().fold(0.0, |most: f64, f| most.max(f.abs()));
+        let terms = f * linear.matrix().to_nalgebra().amax().max(linear.mu_x().to_nalgebra().amax());
+        let k = found.len() - n;
+        prop_assert!(constrained.counted().iter().all(|&counts| counts == 1.0));
+        let mut moving = Constraints::<HyperDual64>::new(&robot);
+        let along: Vec<_> = q.iter().zip(&v).map(|(&q, &v)| HyperDual64::new(q, v, v, 0.0)).collect();
+        moving.set_position(&along).unwrap();
+        let mut open = Lagrangian::<f64>::new(&robot.without_constraints());
+        let m = open.mass_matrix(q).unwrap().view().to_nalgebra();
+        let bias = open.inverse_dynamics(q, &v, &vec![0.0; n]).unwrap();
+        let mut dense = DMatrix::zeros(n + k, n + k);
+        dense.view_mut((0, 0), (n, n)).copy_from(&m);
+        let j = constrained.constraints().jacobian().view().to_nalgebra();
+        dense.view_mut((n, 0), (k, n)).copy_from(&j);
+        dense.view_mut((0, n), (n, k)).copy_from(&-j.transpose());
+        let rhs = DVector::from_fn(n + k, |i, _| if i < n { u[i] - bias[i] } else { -moving.values()[i - n].eps1eps2 });
+        let expected = dense.lu().solve(&rhs).unwrap();
+        // Rounding is in proportion to the terms of (v, mu)_x F.
+        let size = terms.max(expected.amax()).max(rhs.amax());
+        let worst = (DVector::from_vec(found) - expected).amax();
+        prop_assert!(worst <= bound * size, "{:.1e} of {bound:.1e}", worst / size);
+    }
+
+    /// Rows of frames are components of relative poses, by poses of frames and rotations of nalgebra.
+    #[test]
+    fn values_are_relative_poses(case in cases(6), choices in choices(3)) {
+        let robot = closed(&case, &choices, true);
+        let mut constraints = Constraints::<f64>::new(&robot);
+        constraints.set_position(&case.q).unwrap();
+        let mut kinematics = Kinematics::<f64>::new(&robot);
+        kinematics.set_position(&case.q).unwrap();
+        let placed = |seat: &costate::robot::ConstraintFrame| {
+            let pose = kinematics.pose(seat.frame).unwrap();
+            let rotation = Matrix3::from_fn(|i, j| pose.rotation[i][j]);
+            let at = Vector3::from(pose.position) + rotation * seat.placement.translation;
+            (rotation * seat.placement.rotation, at)
+        };
+        let mut values = constraints.values().iter();
+        for constraint in robot.constraints() {
+            let expected: Vec<f64> = match &constraint.kind {
+                ConstraintKind::Frames { frame, to, rows } => {
+                    let ((ra, xa), (rb, xb)) = (placed(frame), placed(to));
+                    let r = rb.transpose() * (xa - xb);
+                    let turned = Rotation3::from_matrix_unchecked(rb.transpose() * ra);
+                    let half = turned.scaled_axis();
+                    let angle = half.norm();
+                    let psi = if angle > 0.0 { half * (2.0 * (0.5 * angle).sin() / angle) } else { half };
+                    let component = |row: &ConstraintRow| match row {
+                        ConstraintRow::X => r.x,
+                        ConstraintRow::Y => r.y,
+                        ConstraintRow::Z => r.z,
+                        ConstraintRow::TurnX => psi.x,
+                        ConstraintRow::TurnY => psi.y,
+                        ConstraintRow::TurnZ => psi.z,
+                    };
+                    // The sign of a quaternion is open, and its digits are lost, near half a turn.
+                    let near = angle > 3.0;
+                    rows.iter().map(|row| if near { f64::NAN } else { component(row) }).collect()
+                }
+                ConstraintKind::Distance { frame, to, length } => {
+                    let square = (placed(frame).1 - placed(to).1).norm_squared();
+                    vec![(square - length * length) / (2.0 * length)]
+                }
+                ConstraintKind::Coupling { terms, constant } => {
+                    let q = robot.joint_positions(&case.q).unwrap();
+                    vec![terms.iter().map(|&(joint, factor)| factor * q[joint]).sum::<f64>() - constant]
+                }
+                _ => Vec::new(),
+            };
+            for expected in expected {
+                let found = values.next().unwrap();
+                prop_assert!(expected.is_nan() || (found - expected).abs() < 1e-12 * (1.0 + expected.abs()),
+                    "{}: {found} {expected}", constraint.name);
+            }
+        }
+        prop_assert!(values.next().is_none());
+    }
+}
+
+/// The origin of a joint stays at its distance from the link before it, whatever J says by rounding.
+#[test]
+fn constraints_that_no_motion_changes_are_left_out() {
+    let tilted = Placement::from_xyz_rpy([0.3, -0.7, 0.2], [0.4, -1.1, 0.8]);
+    let body = costate::robot::LinkInertia::about_com(1.0, [0.2, 0.1, -0.3], Matrix3::identity());
+    let joint = |name: &str| costate::robot::JointSpec::revolute(name).placed(tilted).axis([0.6, -0.3, 0.9]);
+    let robot =
+        Robot::builder("arm").joint(joint("a").carrying(body)).joint(joint("b").on("a").carrying(body));
+    let rod = ConstraintSpec::distance("rod", "a", "b", 0.5).placed(tilted.then(&tilted));
+    let robot = robot.build().unwrap().with_constraint(rod).unwrap();
+    let mut closed = ConstrainedHamiltonian::<f64>::new(&robot);
+    let mut open = Hamiltonian::<f64>::new(&robot.without_constraints());
+    for q in [[0.0, 0.0], [0.7, -1.3], [2.1, 0.4]] {
+        let (found, expected) = (closed.evaluate(&q, &q, &q).unwrap().f, open.evaluate(&q, &q, &q).unwrap());
+        assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12), "{found:?} {expected:?}");
+        assert_eq!((closed.rank(), closed.redundant().collect::<Vec<_>>()), (0, vec!["rod"]));
+    }
+}
+
+/// What would ignore a constraint names it.
+#[test]
+fn other_computations_refuse_constraints_by_name() {
+    let robot = Robot::from_file(concat!(env!("CARGO_MANIFEST_DIR"), "/robots/four_bar.toml")).unwrap();
+    let (q, y, x) = ([0.1; 3], [0.2; 6], [0.1; 6]);
+    let expected = costate::EvalError::Constrained { constraint: "rocker_pivot".into() };
+    let set = ParameterSet::new(&robot).links();
+    let refusals = [
+        Hamiltonian::<f64>::new(&robot).momentum(&q, &q).map(drop),
+        Hamiltonian::<f64>::new(&robot).mass_matrix(&q).map(drop),
+        DualPass::<f64>::new(&robot).contract(&q, &q, &q, &y).map(drop),
+        FullHessian::<f64>::new(&robot).hessian_tensor(&q, &q).map(drop),
+        LagrangianSecondOrder::<f64>::new(&robot).contract_forward_dynamics(&q, &q, &q, &q).map(drop),
+        LegendreTransform::<f64>::new(&robot).at(&q, &q, &q).map(drop),
+        Regressor::<f64>::new(&set).inverse_dynamics(&q, &q, &q).map(drop),
+        HamiltonianParameters::<f64>::new(&set).linearise(&q, &q).map(drop),
+    ];
+    for (k, refusal) in refusals.into_iter().enumerate() {
+        assert_eq!(refusal.unwrap_err(), expected, "{k}");
+    }
+    let mut dual: Jacobian<_> = Jacobian::new(PhaseVelocity::new(&robot));
+    let message = dual.linearise(&x).map(drop).unwrap_err().to_string();
+    assert!(message.contains("'rocker_pivot'"), "{message}");
+}
