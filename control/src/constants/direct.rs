@@ -108,10 +108,8 @@ pub const FIRST_GAP: f64 = 1.0;
 /// Gap at the start on a finer mesh, as a part of the cost; small ones leave the iterate at a wrong
 /// corner.
 pub const WARM: f64 = 1e-2;
-/// Multipliers on a finer mesh are within this factor of the central path, ..
+/// Multipliers on a finer mesh are within this factor of the central path.
 pub const OFF_CENTRE: f64 = 10.0;
-/// .. and where a problem is solved again within this one.
-pub const OFF_CENTRE_AGAIN: f64 = 10.0;
 /// A warm start keeps at least this part of each multiplier..
 pub const KEPT: f64 = 0.1;
 /// .. and of the final time.
@@ -176,10 +174,8 @@ pub const VIOLATION_ACCEPTED: f64 = 1e-7;
 pub const CLEARANCE_ACCEPTED: f64 = 1e-2;
 /// A limit is active where the distance to it is within this part of its range.
 pub const ACTIVE: f64 = 1e-4;
-/// The problem on a mesh is solved to this part of the tolerance: this is the largest gap, ..
+/// The problem on a mesh is solved to this part of the tolerance.
 pub const PART_OF_TOLERANCE: f64 = 0.1;
-/// .. and this part of it the largest Newton decrement, which bounds nothing where limits bend.
-pub const OF_DECREMENT: f64 = 1.0;
 /// A motion is verified if it ends within this factor of the root of the tolerance when its torques,
 /// cut to their limits, are integrated; relative to the largest values along it. The cost of an
 /// optimal motion is stationary, so its error is about the square of that of the states.

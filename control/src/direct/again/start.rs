@@ -81,7 +81,7 @@ impl<D: PointDynamics> Interior<D> {
             let slack = self.barrier.distance[at].max(least);
             let central = self.mu * self.barrier.weight[at] / slack;
             self.barrier.slack[at] = slack;
-            let near = [central / constants::OFF_CENTRE_AGAIN, constants::OFF_CENTRE_AGAIN * central];
+            let near = [central / constants::OFF_CENTRE, constants::OFF_CENTRE * central];
             self.barrier.multiplier[at] = self.barrier.multiplier[at].clamp(near[0], near[1]);
         }
         self.figures.gap = complementarity(&self.barrier, None);

@@ -226,12 +226,11 @@ impl<D: PointDynamics> Interior<D> {
     fn is_solved(&self, tolerance: f64) -> bool {
         let Figures { size, gap, violation, decrement, .. } = self.figures;
         let scale = tolerance * size;
-        let (part, exceeded) = match self.last_tolerance {
-            Some(last) if tolerance > last => (1.0, self.least_violation.max(constants::VIOLATION_ACCEPTED)),
-            Some(_) => (constants::OF_DECREMENT, self.least_violation),
-            None => (1.0, self.least_violation),
+        let exceeded = match self.last_tolerance {
+            Some(last) if tolerance > last => self.least_violation.max(constants::VIOLATION_ACCEPTED),
+            _ => self.least_violation,
         };
-        decrement.abs() <= part * scale && gap <= scale && violation <= exceeded
+        decrement.abs() <= scale && gap <= scale && violation <= exceeded
     }
 
     /// Whether squares say how far to go: there is an effort, and there are no equations, whose stiff squares
