@@ -2,7 +2,7 @@
 
 use crate::direct::{Feedback, MotionDerivative, MotionParameter, Resolve, ResolveError, ResolveStatus};
 use crate::problem::error::ProblemError;
-use crate::problem::{Payload, Problem};
+use crate::problem::{FinalTime, Payload, Problem};
 use crate::result::solution::{RobotNames, Solution};
 use costate::EvalError;
 use serde::{Deserialize, Serialize};
@@ -126,6 +126,12 @@ pub enum GainError {
          limited, cost something or are given); Resolve solves such a motion again"
     )]
     Continuous,
+    /// Vias and a free final time: gains of such motions were found to be off by up to a tenth.
+    #[error(
+        "there are no gains of a motion with vias and a free final time; fix the final time at the one found, or \
+         solve the rest of the motion by Resolve"
+    )]
+    FreeTime,
     /// The matrix of Newton's method is not positive definite.
     #[error("the motion is no strict minimum, so that there is no feedback")]
     NoMinimum,
@@ -157,6 +163,9 @@ impl Gains {
         }
         if problem.first_of_rates().is_some() {
             return Err(GainError::Continuous);
+        }
+        if !problem.vias.is_empty() && matches!(problem.time, FinalTime::Free { .. }) {
+            return Err(GainError::FreeTime);
         }
         let mut motion = solved(problem, solution)?;
         let feedback = motion.feedback()?.cloned().ok_or(GainError::NoMinimum)?;

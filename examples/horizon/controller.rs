@@ -36,6 +36,8 @@ pub struct Controller {
     motion: Resolve,
     period: f64,
     steps: usize,
+    /// The longest time of a plan.
+    longest: Option<Duration>,
     /// The last plan.
     pub last: Resolved,
     limits: Vec<[f64; 3]>,
@@ -46,8 +48,8 @@ pub struct Controller {
 
 impl Controller {
     /// Solves the problem for the first time, which may take as long as it likes; later plans take at most so
-    /// many Newton steps.
-    pub fn new(arm: &Arm, period: f64, steps: usize) -> Result<Self, Box<dyn Error>> {
+    /// many Newton steps, and stop early enough to be ready after the part `share` of the period, if any.
+    pub fn new(arm: &Arm, period: f64, steps: usize, share: Option<f64>) -> Result<Self, Box<dyn Error>> {
         let n = arm.q.len();
         // Torques count in parts of their limits.
         let limits = || arm.robot.independent_joints().map(|joint| joint.limits);
@@ -71,7 +73,8 @@ impl Controller {
         let last = motion.solve()?;
         let limits = limits().map(|limits| [limits.lower, limits.upper, RATES * limits.velocity]).collect();
         let start = [arm.q.clone(), arm.v.clone()];
-        Ok(Self { arm: arm.clone(), motion, period, steps, last, limits, start, reference })
+        let longest = share.map(|share| Duration::from_secs_f64(share * period));
+        Ok(Self { arm: arm.clone(), motion, period, steps, longest, last, limits, start, reference })
     }
 
     /// Plans the motion of the next second from a measured state. How long it took.
@@ -89,7 +92,11 @@ impl Controller {
         // The goal's way from here on, by the clock of the plan.
         place(&mut self.reference, &self.arm, time);
         self.motion.set_reference(0, &self.reference)?;
-        self.last = self.motion.solve_again(Budget::steps(self.steps))?;
+        let steps = Budget::steps(self.steps);
+        let budget =
+            self.longest.map_or(steps, |longest| steps.within(longest.saturating_sub(began.elapsed())));
+        // Where the time is over, this is the best motion so far.
+        self.last = self.motion.solve_again(budget)?;
         Ok(began.elapsed())
     }
 

@@ -2,7 +2,8 @@
 //! optimised anew in each period of its controller, with all limits of its joints and a stop at the end.
 //!
 //! In each period the solver gets the measured state and the way of the goal over the next second as a
-//! reference, takes a few Newton steps from its last motion, and gives the torques for the period. The arm is
+//! reference, takes a few Newton steps from its last motion, as long as there is time, and gives the torques
+//! for the period. The arm is
 //! integrated with these, and its limits are checked along what it really does.
 //!
 //!     cargo run --release -p costate-examples --example horizon                  # UR5 and Panda at 1 kHz
@@ -23,6 +24,9 @@ use std::error::Error;
 /// Most Newton steps of a plan.
 const STEPS: f64 = 3.0;
 
+/// The part of a period that a plan may take.
+const SHARE: f64 = 0.8;
+
 /// Runs of the same, to tell what a plan takes from what other programs take.
 const RUNS: usize = 3;
 
@@ -42,18 +46,24 @@ fn main() -> Result<(), Box<dyn Error>> {
         Some(name) => vec![Arm::named(name)?],
     };
     for arm in arms {
-        let mut report = follow(arm.clone(), rate, duration, steps)?;
+        let mut report = follow(arm.clone(), rate, duration, steps, Some(SHARE))?;
         for _ in 1..RUNS {
-            report.repeat(&follow(arm.clone(), rate, duration, steps)?);
+            report.repeat(&follow(arm.clone(), rate, duration, steps, Some(SHARE))?);
         }
         println!("{report}");
     }
     Ok(())
 }
 
-/// An arm that follows its goal for a while.
-fn follow(mut arm: Arm, rate: f64, duration: f64, steps: usize) -> Result<Report, Box<dyn Error>> {
-    let mut controller = Controller::new(&arm, 1.0 / rate, steps)?;
+/// An arm that follows its goal for a while; plans take at most the part `share` of a period, if any.
+fn follow(
+    mut arm: Arm,
+    rate: f64,
+    duration: f64,
+    steps: usize,
+    share: Option<f64>,
+) -> Result<Report, Box<dyn Error>> {
+    let mut controller = Controller::new(&arm, 1.0 / rate, steps, share)?;
     let mut report = Report::new(&arm, rate);
     for _ in 0..(duration * rate) as usize {
         let spent = controller.plan(arm.time, &arm.q, &arm.v)?;

@@ -2,7 +2,7 @@
 
 use crate::plant::Arm;
 use costate::EvalError;
-use costate_control::Resolved;
+use costate_control::{ResolveStatus, Resolved};
 use std::fmt;
 use std::time::Duration;
 
@@ -14,7 +14,9 @@ pub struct Report {
     /// Of each plan: as measured, and the least of all runs.
     times: Vec<Duration>,
     least: Vec<Duration>,
-    steps: usize,
+    pub steps: usize,
+    /// Plans that did not stop because their time was over.
+    pub in_time: usize,
     /// Plans that exceed a limit at a point, and by how much, in parts of its range.
     pub exceeding: usize,
     pub planned: f64,
@@ -32,6 +34,7 @@ impl Report {
             times: Vec::new(),
             least: Vec::new(),
             steps: 0,
+            in_time: 0,
             exceeding: 0,
             planned: 0.0,
             violations: [0.0; 3],
@@ -44,6 +47,7 @@ impl Report {
         self.times.push(spent);
         self.least.push(spent);
         self.steps += plan.iterations;
+        self.in_time += usize::from(plan.status != ResolveStatus::OutOfTime);
         self.exceeding += usize::from(!plan.keeps_limits());
         self.planned = self.planned.max(plan.violation);
     }
@@ -66,8 +70,8 @@ impl Report {
         Ok(())
     }
 
-    /// Adds another run of the same: its plans are the same, and where one of them took longer, another
-    /// program ran.
+    /// Adds another run of the same: its plans are the same, unless their time was over, and where one of
+    /// them took longer, another program ran.
     pub fn repeat(&mut self, other: &Self) {
         self.times.extend(&other.times);
         self.least.iter_mut().zip(&other.times).for_each(|(least, &time)| *least = (*least).min(time));
@@ -95,6 +99,7 @@ impl fmt::Display for Report {
         let [median, most, slowest] = [0.5, 0.99, 1.0].map(|part| within(times, part));
         writeln!(f, "  measured: median {median:.3} ms, 99 % below {most:.3} ms, slowest {slowest:.3} ms")?;
         writeln!(f, "  Newton steps of a plan: {:.2} on average", self.steps as f64 / count as f64)?;
+        writeln!(f, "  stopped because their time was over: {}", count - self.in_time.min(count))?;
         writeln!(f, "  plans beyond a limit: {}, at most {:.1e} of its range", self.exceeding, self.planned)?;
         let [q, v, tau] = self.violations;
         writeln!(

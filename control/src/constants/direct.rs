@@ -114,6 +114,8 @@ pub const OFF_CENTRE: f64 = 10.0;
 pub const KEPT: f64 = 0.1;
 /// .. and of the final time.
 pub const SHORTEST_TIME: f64 = 0.5;
+/// What the longest Newton step took counts this part less after each later one.
+pub const FADES: f64 = 0.9;
 /// A motion with a free time begins later by at most this part of it.
 pub const LATEST: f64 = 0.5;
 /// Multipliers are always within this factor of it.
@@ -192,8 +194,9 @@ pub const INTEGRATION: f64 = 1e-10;
 pub const SAFETY: f64 = 1.5;
 /// The problem on the first mesh is solved to this part of the cost.
 pub const FIRST_PRECISION: f64 = 1e-3;
-/// The motion without obstacles, from which a way around them is looked for, is solved to this part.
-pub const FREE_TOLERANCE: f64 = 1e-2;
+/// The motion without obstacles, from which a way around them is looked for, is solved to this part: on its
+/// first mesh, unless that is far off.
+pub const FREE_TOLERANCE: f64 = 1.0;
 /// Those on later meshes to this part of the estimated error before.
 pub const PRECISION: f64 = 1e-2;
 /// Intervals are divided until those that are not have this part of the estimated error..

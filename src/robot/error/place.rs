@@ -2,7 +2,6 @@
 
 use super::RobotError;
 use std::error::Error;
-use std::path::PathBuf;
 
 impl RobotError {
     /// A text that breaks the rules of its format.
@@ -14,7 +13,7 @@ impl RobotError {
     /// This error at a line of a file whose path the caller knows.
     #[cfg(any(feature = "urdf", feature = "toml"))]
     pub(in crate::robot) fn at(self, line: impl Into<Option<usize>>) -> Self {
-        Self::InFile { path: PathBuf::new(), line: line.into(), error: Box::new(self) }
+        Self::InFile { path: std::path::PathBuf::new(), line: line.into(), error: Box::new(self) }
     }
 
     /// The line of the file, from 1, where it is known.

@@ -99,6 +99,8 @@ fn what_has_no_feedback_is_told() {
         assert!(!output.status.success() && message.contains(words), "{message}");
     };
     says(&two_link().replace("effort = [1.0, 1.0]", "effort = [1.0, 1.0]\njerk = [0.1, 0.1]"), "continuous");
+    let free = "[time]\nfree = true\nguess = 2.0\n[[via]]\nq = [0.5, 1.0]\n[cost]\ntime = 1.0";
+    says(&two_link().replace("[time]\nfinal = 1.0\n[cost]", free), "free final time");
     // No motion.
     let fast = "effort = [1.0, 1.0]\n[limits]\nv_max = [0.5, 0.5]";
     says(&two_link().replace("effort = [1.0, 1.0]", fast), "feedback");

@@ -18,9 +18,10 @@ use crate::numerics::lagrange::values;
 ///
 /// with x_0 all of the state at the start of the phase, also where the problem leaves some of it free, and
 /// derivatives at constant time where a later time is given, so that the time that is left matters. Where
-/// accelerations are continuous there is no gain: the control is the jerk then, and X is too ill-conditioned
-/// to tell it. The end of a periodic motion is led to where that of this motion is. All this holds
-/// as long as the same limits are active. Limits are those of the barrier problem at the gap at which the
+/// accelerations are continuous there is no gain: the control is the jerk then, and what this formula gives
+/// was not that of solving again. With vias and a free final time K was found to be off by up to a tenth of
+/// an entry. The end of a periodic motion is led to where that of this motion is. All this holds as long as
+/// the same limits are active. Limits are those of the barrier problem at the gap at which the
 /// motion was solved, or at a wider one where that is so stiff that rounding would show: an active limit is
 /// an equation to about 1e-5. K next to the ends of arcs at limits is as good as the mesh: that of a two-link
 /// arm with an elbow at its torque limit from the start is that of solving again to 6 % of its largest entry

@@ -264,7 +264,8 @@ impl Resolve {
             shown.offer(iterate);
             *damping = iterate.damping;
             let now = Instant::now();
-            *longest = (*longest).max(now - last);
+            // One step that the system held up does not count for ever.
+            *longest = longest.mul_f64(constants::FADES).max(now - last);
             last = now;
             if listener().is_break() || cancel.as_ref().is_some_and(Cancel::is_cancelled) {
                 return Some(Interruption::Cancelled);

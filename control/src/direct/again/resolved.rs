@@ -14,7 +14,7 @@ pub struct Budget {
     /// Most Newton steps, at least 1.
     pub iterations: usize,
     /// Longest time. No further step begins that would probably exceed it: one that takes as long as the
-    /// longest so far.
+    /// longest of the last ones. The first step is always made.
     pub time: Option<Duration>,
 }
 

@@ -42,6 +42,8 @@ pub(crate) struct Interior<D> {
     pub(super) least_size: f64,
     /// Violations that may be rounding.
     pub(super) least_violation: f64,
+    /// The tolerance on the last one of several meshes: with a larger one the iterate only leads to the next.
+    pub(crate) last_tolerance: Option<f64>,
     pub(crate) system: System,
     /// How far limits give; not at all outside of the elastic phase.
     pub(crate) relaxation: Relaxation,
@@ -110,6 +112,7 @@ impl<D: PointDynamics> Interior<D> {
             figures: Figures::default(),
             least_size: 0.0,
             least_violation: constants::VIOLATION_AT_POINTS,
+            last_tolerance: None,
             system: System::new(n, shape, model.rows()),
             model,
             relaxation: Relaxation::default(),
@@ -223,7 +226,11 @@ impl<D: PointDynamics> Interior<D> {
     fn is_solved(&self, tolerance: f64) -> bool {
         let Figures { size, gap, violation, decrement, .. } = self.figures;
         let scale = tolerance * size;
-        decrement.abs() <= scale && gap <= scale && violation <= self.least_violation
+        let exceeded = match self.last_tolerance {
+            Some(last) if tolerance > last => self.least_violation.max(constants::VIOLATION_ACCEPTED),
+            _ => self.least_violation,
+        };
+        decrement.abs() <= scale && gap <= scale && violation <= exceeded
     }
 
     /// Whether squares say how far to go: there is an effort, and there are no equations, whose stiff squares

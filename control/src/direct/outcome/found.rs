@@ -8,13 +8,18 @@ use crate::direct::limits::side::{Limited, Side};
 use crate::direct::motion::shape::POINTS;
 use crate::direct::motion::spline::Spline;
 use crate::direct::points::values::PointDynamics;
+use crate::direct::refine::at_ends::AtEnds;
+use crate::numerics::cholesky;
 use crate::problem::Problem;
 use crate::problem::limits::JointLimits;
 use crate::result::trajectory::Trajectory;
 use costate::EvalError;
 use costate::hamiltonian::Hamiltonian;
-use costate::lagrangian::{Lagrangian, LegendreTransform};
+use costate::lagrangian::LegendreTransform;
 use costate::robot::Robot;
+
+/// M is nearly singular where a pivot of its factorisation is not more than this part of its diagonal entry.
+const LEAST_PIVOT: f64 = 1e-3;
 
 /// A motion with its costates.
 pub(crate) struct Found {
@@ -29,6 +34,7 @@ pub(crate) struct Found {
 pub(crate) fn found<D: PointDynamics>(
     problem: &Problem,
     interior: &mut Interior<D>,
+    ends: &AtEnds,
 ) -> Result<Found, EvalError> {
     interior.refresh()?;
     let smooth = interior.spline.mesh.shape.is_smooth();
@@ -36,7 +42,7 @@ pub(crate) fn found<D: PointDynamics>(
     let hamiltonians = hamiltonians(interior, &costates);
     let trajectory = match smooth {
         true => smooth_trajectory(problem, interior, costates),
-        false => trajectory(problem, interior, &costates),
+        false => trajectory(problem, interior, ends, &costates),
     };
     Ok(Found { trajectory: trajectory?, hamiltonians })
 }
@@ -45,6 +51,7 @@ pub(crate) fn found<D: PointDynamics>(
 fn trajectory<D: PointDynamics>(
     problem: &Problem,
     interior: &mut Interior<D>,
+    ends: &AtEnds,
     costates: &Costates,
 ) -> Result<Trajectory, EvalError> {
     let mesh = interior.spline.mesh.clone();
@@ -56,13 +63,12 @@ fn trajectory<D: PointDynamics>(
     let ahead = [interior.clock_ahead(&nodes), interior.clock_ahead(&places)];
     let (spline, points) = (&interior.spline, &interior.points);
     let mut rows = Rows::new(problem, spline);
-    let mut z = vec![0.0; 3 * spline.dof];
     // These make the costate of the momenta another one.
     let has_accelerations = |side: &Side| side.limited == Limited::Acceleration;
     let has_accelerations = interior.barrier.sides().iter().any(has_accelerations);
     for k in 0..spline.mesh.intervals() {
         rows.enter(spline.mesh.phase(k));
-        for (node, x) in [(k, 0.0), (k + 1, 1.0)] {
+        for (node, end) in [(k, 2 * k), (k + 1, 2 * k + 1)] {
             if node > k {
                 for p in POINTS * k..POINTS * node {
                     let time = spline.time_at(spline.mesh.point(p).0);
@@ -70,15 +76,13 @@ fn trajectory<D: PointDynamics>(
                     rows.add(time, points.z(p), points.tau(p), costate, costates.hamiltonian[p])?;
                 }
             }
-            spline.in_interval(k, x, &mut z);
-            let (q, v, a) = parts(&z);
-            let tau = rows.inverse.inverse_dynamics(q, v, a)?.to_vec();
             let nearest = (POINTS * node).clamp(POINTS * k, POINTS * (k + 1) - 1);
             let value = costates.hamiltonian[nearest] + ahead[0][node] - ahead[1][nearest];
             // At a via they jump.
             let before = node > k && spline.mesh.is_end(node);
             let costate = if before { &costates.before[k] } else { &costates.at_nodes[node] };
-            rows.add(spline.time_at(spline.mesh.nodes[node]), &z, &tau, costate.clone(), value)?;
+            let (z, tau) = (ends.points.z(end), ends.points.tau(end));
+            rows.add(spline.time_at(spline.mesh.nodes[node]), z, tau, costate.clone(), value)?;
         }
         let places = [0, 0, 1, 2, 2].map(|j| POINTS * k + j).into_iter().filter(|_| has_accelerations);
         rows.by_torques.extend(places.map(|p| by_torques(interior, p)));
@@ -123,9 +127,11 @@ struct Rows<'a> {
     robots: Vec<Robot>,
     phase: usize,
     limits: Vec<JointLimits>,
-    inverse: Lagrangian<f64>,
-    transform: LegendreTransform<f64>,
     momentum: Hamiltonian<f64>,
+    /// Where M is nearly singular.
+    transform: Option<LegendreTransform<f64>>,
+    /// M, then its factor.
+    mass: Vec<f64>,
     times: Vec<f64>,
     /// q, v, p, u, y_q, y_p.
     columns: [Vec<Vec<f64>>; 6],
@@ -143,9 +149,9 @@ impl<'a> Rows<'a> {
             phase: 0,
             problem,
             limits: problem.joint_limits(),
-            inverse: Lagrangian::new(&problem.robot),
-            transform: LegendreTransform::new(&problem.robot),
             momentum: Hamiltonian::new(&problem.robot),
+            transform: None,
+            mass: Vec::new(),
             times: Vec::new(),
             columns: Default::default(),
             hamiltonian: Vec::new(),
@@ -163,10 +169,47 @@ impl<'a> Rows<'a> {
     /// What follows belongs to this phase.
     fn enter(&mut self, phase: usize) {
         if self.phase != phase {
-            let robot = &self.robots[phase];
-            (self.inverse, self.transform) = (Lagrangian::new(robot), LegendreTransform::new(robot));
-            self.momentum = Hamiltonian::new(robot);
+            self.momentum = Hamiltonian::new(&self.robots[phase]);
+            self.transform = None;
             self.phase = phase;
+        }
+    }
+
+    /// M v, and costates of (q, v) as those of (q, p): `y_p = M^-1 y_v`, `y_q` less `P' y_p`, P the
+    /// derivative of M v by q. `None`, and nothing is changed, where M is nearly singular.
+    fn map(&mut self, q: &[f64], v: &[f64], costate: &mut [f64]) -> Result<Option<Vec<f64>>, EvalError> {
+        let (n, map) = (q.len(), self.momentum.linearise_momentum(q, v)?);
+        self.mass.clear();
+        (0..n).for_each(|i| self.mass.extend_from_slice(map.dp_dv.row(i)));
+        let rows = self.mass.chunks_exact(n);
+        let momentum = rows.map(|row| row.iter().zip(v).map(|(m, v)| m * v).sum()).collect();
+        let is_regular = cholesky::factorise(&mut self.mass, n)
+            && (0..n).all(|i| self.mass[(n + 1) * i].powi(2) > LEAST_PIVOT * map.dp_dv.row(i)[i]);
+        if !is_regular {
+            return Ok(None);
+        }
+        let (y_q, y_p) = costate.split_at_mut(n);
+        cholesky::solve(&self.mass, n, y_p);
+        for (i, &weight) in y_p.iter().enumerate() {
+            y_q.iter_mut().zip(map.dp_dq.row(i)).for_each(|(y, &p)| *y -= weight * p);
+        }
+        Ok(Some(momentum))
+    }
+
+    /// The same with a test whether M is singular.
+    fn map_carefully(&mut self, [q, v, u]: [&[f64]; 3], costate: &mut [f64]) -> Result<Vec<f64>, EvalError> {
+        let robot = &self.robots[self.phase];
+        match self.transform.get_or_insert_with(|| LegendreTransform::new(robot)).at(q, v, u) {
+            Ok(mut map) => {
+                map.costate_to_hamiltonian(costate)?;
+                Ok(map.momentum().to_vec())
+            }
+            // M^-1 maps the costates.
+            Err(EvalError::SingularMassMatrix { .. }) => {
+                costate.fill(f64::NAN);
+                Ok(self.momentum.momentum(q, v)?.to_vec())
+            }
+            Err(error) => Err(error),
         }
     }
 
@@ -179,22 +222,13 @@ impl<'a> Rows<'a> {
         mut costate: Vec<f64>,
         hamiltonian: f64,
     ) -> Result<(), EvalError> {
-        let n = tau.len();
-        let (q, v, a) = parts(z);
+        let (n, (q, v, a)) = (tau.len(), parts(z));
         let cut =
             tau.iter().zip(&self.limits).map(|(tau, limit)| tau.clamp(limit.torque[0], limit.torque[1]));
         let u: Vec<f64> = cut.zip(&self.problem.gain).map(|(tau, gain)| tau / gain).collect();
-        let momentum = match self.transform.at(q, v, &u) {
-            Ok(mut map) => {
-                map.costate_to_hamiltonian(&mut costate)?;
-                map.momentum().to_vec()
-            }
-            // M^-1 maps the costates.
-            Err(EvalError::SingularMassMatrix { .. }) => {
-                costate.fill(f64::NAN);
-                self.momentum.momentum(q, v)?.to_vec()
-            }
-            Err(error) => return Err(error),
+        let momentum = match self.map(q, v, &mut costate)? {
+            Some(momentum) => momentum,
+            None => self.map_carefully([q, v, &u], &mut costate)?,
         };
         let (y_q, y_p) = costate.split_at(n);
         for (column, row) in self.columns.iter_mut().zip([q, v, &momentum, &u, y_q, y_p]) {

@@ -8,6 +8,7 @@ use crate::direct::newton::interval::{add_gradient, add_local};
 use crate::direct::newton::point_terms::Work;
 use crate::direct::newton::rate_rows::RateRows;
 use crate::direct::points::values::PointDynamics;
+use crate::numerics::widest::widest_fused;
 
 /// The derivatives of the part of one interval, with the multipliers.
 ///
@@ -46,14 +47,24 @@ impl IntervalPart {
     pub fn take<D: PointDynamics>(&mut self, interior: &mut Interior<D>, k: usize) {
         let Interior { spline, points, barrier, running, .. } = interior;
         let (n, node, mesh) = (spline.dof, spline.node(), &spline.mesh);
-        self.gradient.fill(0.0);
+        // That of the interval alone, which nothing else reads.
+        let (inner, first) = (mesh.shape.inner() * n, node * mesh.nodes.len());
+        self.gradient[node * k..node * (k + 2)].fill(0.0);
+        self.gradient[first + inner * k..first + inner * (k + 1)].fill(0.0);
         // The cost of time, which does not depend on the unknowns.
         let (time, mut by_time) = (spline.clock(k), running.time * mesh.width(k));
         // Those of rates of torques are added afterwards.
         let has_torques = std::mem::replace(&mut points.rates.has_torques, false);
         for (j, part) in mesh.shape.weights().iter().enumerate() {
             let p = mesh.first_point(k) + j;
-            let (weight, cost) = self.work.collect::<false>(p, false, spline, points, barrier, running);
+            let (work, points) = (&mut self.work, &*points);
+            let (weight, cost) = widest_fused(
+                #[inline(always)]
+                |fused| match fused {
+                    true => work.collect::<true>(p, false, spline, points, barrier, running),
+                    false => work.collect::<false>(p, false, spline, points, barrier, running),
+                },
+            );
             // A node that is a point belongs to the intervals beside it in proportion to their widths.
             let own = part * mesh.width(k) / weight;
             let factors = spline.basis(k, j).in_time(1.0 / time);

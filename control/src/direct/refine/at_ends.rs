@@ -13,7 +13,8 @@ const ENDS: [f64; 2] = [0.0, 1.0];
 /// Distances to all limits at the ends of all intervals.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct AtEnds {
-    points: Points,
+    /// The motion at the left end of each interval, then at its right end.
+    pub points: Points,
     /// All sides of one end after the other.
     pub distance: Vec<f64>,
     /// Jerks and rates of torques.

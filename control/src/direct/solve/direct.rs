@@ -1,7 +1,7 @@
 //! From a problem to a motion: starts, meshes, verification.
 
 use super::around::around_obstacles;
-use super::meshes::{Refined, refine};
+use super::meshes::{Refined, Start, refine};
 use super::prepare::{Dynamics, interior};
 use super::with_effort::{Smoothing, WithEffort, with_effort};
 use crate::constants::direct as constants;
@@ -52,18 +52,18 @@ impl Direct<'_> {
         let clock = Clock::new(recorder.takes_times);
         let mut interior = interior(problem, self.rows, self.options, number, saved);
         interior.clock = clock;
-        let mut steps = 0;
+        let (mut steps, mut start) = (0, if self.saved.is_some() { Start::Saved } else { Start::Guess });
         if number == 0 && saved.is_none() && problem.task.collision.is_some() {
-            let straight = interior.spline.clone();
-            let (better, made) = around_obstacles(problem, self.rows, self.options, &straight, recorder)?;
-            (interior.spline, steps) = (better.unwrap_or(straight), made);
+            let (is_solved, made) =
+                around_obstacles(problem, self.rows, self.options, &mut interior, recorder)?;
+            (steps, start) = (made, if is_solved { Start::Solved } else { start });
         }
         let mut resolution = Resolution::default();
-        let (is_given, guess) = (self.saved.is_some(), interior.spline.clone());
+        let guess = interior.spline.clone();
         let eases = interior.needs_smoothing() && self.options.verify != Verify::None;
         let most = if eases { constants::NODES_OF_LEAST_TIME } else { usize::MAX };
         let few = self.options.clone().with_max_nodes(self.options.max_nodes.min(most));
-        let mut refined = refine(problem, &few, is_given, &mut interior, &mut resolution, recorder)?;
+        let mut refined = refine(problem, &few, start, &mut interior, &mut resolution, recorder)?;
         interior.figures.iterations += steps;
         let is_hard = !(refined.status.is_converged() || refined.status.is_interruption())
             && refined.infeasible.is_none();
@@ -74,7 +74,8 @@ impl Direct<'_> {
             let goes_on = refined.status == Status::MeshLimit && few.max_nodes < self.options.max_nodes;
             if goes_on && !found.as_ref().is_some_and(is_solved) {
                 // What few nodes do not solve either way, more may.
-                refined = refine(problem, self.options, true, &mut interior, &mut resolution, recorder)?;
+                let (own, resolution) = (&mut interior, &mut resolution);
+                refined = refine(problem, self.options, Start::Saved, own, resolution, recorder)?;
             } else if let Some(WithEffort { interior: mut eased, resolution, refined, smoothing }) = found {
                 eased.figures.iterations += steps;
                 eased.clock = std::mem::take(&mut interior.clock);
@@ -95,7 +96,8 @@ impl Direct<'_> {
     ) -> Result<Solution, EvalError> {
         let problem = self.problem.problem();
         interior.clock.lap(Stage::Meshes);
-        let Found { trajectory, hamiltonians } = found(problem, interior)?;
+        let ends = AtEnds::of(interior)?;
+        let Found { trajectory, hamiltonians } = found(problem, interior, &ends)?;
         // What exceeds its limits leads nowhere.
         let exceeds = matches!(status, Status::LimitsNotKept | Status::Infeasible);
         let again = again.unwrap_or_else(|| match status.is_interruption() || exceeds {
@@ -130,7 +132,6 @@ impl Direct<'_> {
             iterations,
             ..Motion::missing(status, interior.spline.duration())
         };
-        let ends = AtEnds::of(interior)?;
         let limits = report(problem, interior, resolution, &ends, infeasible);
         interior.clock.lap(Stage::Verification);
         Ok(Solution {

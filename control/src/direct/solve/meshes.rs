@@ -49,14 +49,24 @@ impl Refined {
     }
 }
 
-/// Solves on finer and finer meshes; `is_given` says that the first start begins at a saved motion.
+/// Where a refinement begins.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Start {
+    Guess,
+    /// At a motion that was solved before, on its mesh or another one.
+    Saved,
+    /// At an iterate that is solved on its mesh, with slacks and multipliers.
+    Solved,
+}
+
+/// Solves on finer and finer meshes.
 ///
 /// # Errors
 /// A motion that cannot be evaluated.
 pub(super) fn refine(
     problem: &Problem,
     options: &SolverOptions,
-    is_given: bool,
+    start: Start,
     interior: &mut Interior<Dynamics>,
     resolution: &mut Resolution,
     recorder: &mut Recorder<'_>,
@@ -65,14 +75,15 @@ pub(super) fn refine(
     let too_short = problem.too_short().is_some();
     let goes_on = recorder.interruption().is_none();
     interior.clock.lap(Stage::Preparation);
-    if goes_on && !too_short && interior.needs_smoothing() && !is_given {
+    let is_begun = start == Start::Solved && goes_on && !too_short;
+    if goes_on && !too_short && interior.needs_smoothing() && start == Start::Guess {
         let effort = interior.smooth_effort();
         let mut watch = |iterate: &mut Interior<Dynamics>, step: f64| {
             recorder.record(iteration(iterate, 0, step));
             recorder.interruption()
         };
         interior.begin_smoothed(effort, options.max_iterations, &mut watch)?;
-    } else {
+    } else if !is_begun {
         interior.start(None)?;
     }
     if goes_on && too_short {
@@ -88,6 +99,7 @@ pub(super) fn refine(
     // A coarse mesh is not solved much better than it resolves the motion.
     let least = constants::PART_OF_TOLERANCE * tolerance;
     let mut precision = least.max(constants::FIRST_PRECISION);
+    interior.last_tolerance = Some(least);
     let (mut mesh, mut left, mut mended) = (0, 0, Mended::default());
     // Limits do not move where accelerations are continuous.
     let smooth = interior.spline.mesh.shape.is_smooth();

@@ -9,7 +9,7 @@
 //! $$ c \, (T - T^\ast) \le w \, (E(T^\ast) - E) \le w \, \Bigl( T \sum_i \frac12 p_i \max \tau_i^2 - E
 //! \Bigr). $$
 
-use super::meshes::{Refined, refine};
+use super::meshes::{Refined, Start, refine};
 use super::prepare::{Dynamics, interior_on};
 use crate::constants::direct as constants;
 use crate::direct::interior::iterate::Interior;
@@ -63,7 +63,7 @@ pub(super) fn with_effort(
         interior.running.effort = own.iter().zip(&added).map(|(own, added)| own + added).collect();
         interior.figures.iterations = iterations;
         let mut resolution = Resolution::default();
-        let refined = refine(problem, &eased, true, &mut interior, &mut resolution, recorder)?;
+        let refined = refine(problem, &eased, Start::Saved, &mut interior, &mut resolution, recorder)?;
         iterations = interior.figures.iterations;
         let unverified = refined.status == Status::NotVerified && resolution.cost.is_finite();
         if !refined.status.is_converged() && !unverified {
