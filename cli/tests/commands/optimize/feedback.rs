@@ -77,7 +77,7 @@ fn limits_have_derivatives() {
 
 #[test]
 fn other_kinds_of_motions_have_feedback() {
-    let via = "[[via]]\nq = [0.5, 1.0]\n[cost]";
+    let via = "[[via]]\nq = [0.5, 1.0]\n[limits]\nfrom_robot = false\n[cost]";
     let found = |text: &str| {
         let file = folder("feedback_kinds").join("feedback.json");
         let path = file.to_str().unwrap();
@@ -98,8 +98,14 @@ fn what_has_no_feedback_is_told() {
         let message = String::from_utf8_lossy(&output.stderr).into_owned();
         assert!(!output.status.success() && message.contains(words), "{message}");
     };
-    says(&two_link().replace("effort = [1.0, 1.0]", "effort = [1.0, 1.0]\njerk = [0.1, 0.1]"), "continuous");
-    let free = "[time]\nfree = true\nguess = 2.0\n[[via]]\nq = [0.5, 1.0]\n[cost]\ntime = 1.0";
+    says(
+        &two_link().replace(
+            "effort = [1.0, 1.0]",
+            "effort = [1.0, 1.0]\njerk = [0.1, 0.1]\n[limits]\nfrom_robot = false",
+        ),
+        "continuous",
+    );
+    let free = "[time]\nfree = true\nguess = 2.0\n[[via]]\nq = [0.5, 1.0]\n[limits]\nfrom_robot = false\n[cost]\ntime = 1.0";
     says(&two_link().replace("[time]\nfinal = 1.0\n[cost]", free), "free final time");
     // No motion.
     let fast = "effort = [1.0, 1.0]\n[limits]\nv_max = [0.5, 0.5]";

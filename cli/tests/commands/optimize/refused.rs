@@ -105,11 +105,6 @@ fn nothing_is_lost_where_a_motion_cannot_be_fed_back_to_or_sampled() {
     assert_eq!(output.status.code(), Some(IMPOSSIBLE));
     assert!(stdout(&output).contains("infeasible") && stdout(&output).contains("gives by"), "{output:?}");
     assert!(stderr(&output).contains("--feedback: nothing is written") && !file.exists(), "{output:?}");
-    let via = with("", "[[via]]\nq = [0.5, 0.2]");
-    let output = optimize("refused_feedback", &via, &["--feedback", path]);
-    let message = stderr(&output);
-    assert_eq!(output.status.code(), Some(WRONG));
-    assert!(message.contains("problem.toml:11: via 1, q: --feedback does not take this"), "{message}");
     // Before the solve where the time is fixed, after it where it is free.
     let output = optimize("refused_feedback", &two_link(), &["--json", "--sample", "2e6"]);
     assert!(output.status.code() == Some(WRONG) && stdout(&output).is_empty(), "{output:?}");
