@@ -96,7 +96,7 @@ pub fn needs_feedback(solution: &Solution) -> Option<String> {
     let by_parts = direct && solution.motion.shooting_defect.is_finite();
     (by_parts && solution.motion.status.is_solved()).then(|| {
         "errors grow along this motion: torques alone, repeated without feedback, lead the robot elsewhere; \
-         track the positions, or use the gains of --feedback; rotors (robot.armature) calm light wrists"
+         track the positions, or use gains (--feedback, where the motion has them); rotors (robot.armature) calm light wrists"
             .into()
     })
 }
