@@ -237,9 +237,8 @@ def test_sensitivities(arm):
     smooth = costate.Problem(arm, start=[0, 0], end=[1, 0.5], time=1.0, cost=cost, limits=False).solve()
     with pytest.raises(costate.MotionError, match=r"cost\.jerk"):
         smooth.sensitivities()
-    with pytest.raises(costate.ProblemError) as caught:
+    with pytest.raises(costate.MotionError, match="continuous"):
         smooth.feedback()
-    assert caught.value.key == "cost.jerk"
 
 
 def test_a_branch_of_solutions():

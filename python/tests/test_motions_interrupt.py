@@ -14,7 +14,9 @@ from conftest import ROBOTS
 
 # Takes much longer than any test waits: sixty starts of an arm that goes round a post, to many digits.
 LONG = f"""
-import costate, threading, time, sys, os
+import costate, signal, threading, time, sys, os
+# Shells let what they start in the background ignore it.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 problem = costate.Problem.from_file({str(ROBOTS.parent / "examples/problems/panda_reach.toml")!r})
 options = dict(starts=60, tolerance=1e-9, threads=2)
 def ready(step, told=[]):

@@ -188,8 +188,10 @@ def test_the_rest_of_an_optimal_motion_is_optimal(arm):
     again = motion.solve(steps=20)
     assert again.status == "solved" and abs(motion.final_time - (whole - 0.1)) < 1e-3
     assert motion.problem == problem
+
+
 def test_jerks_and_vias(arm):
-    problem = problem_of(arm, [0, 0], [1, 1], limits={"jerk_max": [100.0, 100.0]})
+    problem = problem_of(arm, [0, 0], [1, 1], limits={"jerk_max": [100.0, 100.0], "from_robot": False})
     motion = problem.resolve(nodes=33)
     assert motion.solve().status == "solved"
     feedback = motion.feedback()
@@ -197,6 +199,14 @@ def test_jerks_and_vias(arm):
     assert motion.derivative_by("jerk_max", 0).states.shape[1:] == (6,)
     with pytest.raises(costate.ArgumentError, match="free"):
         motion.set_start_acceleration([0.0, 0.0])
+    rest = {"a": [0.0, 0.0]}
+    smooth = problem_of(arm, {"q": [0, 0]} | rest, {"q": [1, 1]} | rest, limits={"jerk_max": [300.0] * 2, "from_robot": False})
+    motion = smooth.resolve(nodes=49)
+    assert motion.solve().status == "solved"
+    motion.set_start_acceleration([0.5, -0.2])
+    motion.set_end_acceleration([-0.3, 0.1])
+    assert motion.solve().status == "solved"
+    assert np.allclose(motion.state(0.0)[2], [0.5, -0.2]) and np.allclose(motion.state(1.0)[2], [-0.3, 0.1])
     motion = problem_of(arm, [0, 0], [1, 1], via=[{"q": [0.3, 0.6]}]).resolve(nodes=37)
     assert motion.solve().status == "solved"
     motion.set_via(0, [0.35, 0.6], [0.0, 0.0])
