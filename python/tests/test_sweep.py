@@ -7,7 +7,7 @@ import subprocess
 import sys
 import time
 from collections import Counter
-from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
 from threading import Timer
@@ -71,7 +71,7 @@ def counted(task):
 class Fragile:
     """A pool that task 20 ends after a while, with all that runs beside it; other tasks are quicker."""
 
-    alone, window = True, 4
+    ends_together, window = True, 4
 
     def __init__(self):
         self.running, self.calls, self.beside = {}, Counter(), []
@@ -97,6 +97,33 @@ class Fragile:
         return future.result()
 
     def broken(self): ...
+
+
+class KilledWorker(Exception):
+    """Has the name of Dask's error."""
+
+
+class Cluster(Executor):
+    """One worker that is sent two calls at once; both fail with it when one has task 5."""
+
+    def __init__(self):
+        self.sent, self.calls = [], Counter()
+
+    def submit(self, call, /, *arguments):
+        future = Future()
+        self.sent.append((future, call, arguments))
+        Timer(0.02, self.run).start()
+        return future
+
+    def run(self):
+        pair, self.sent = self.sent[:2], self.sent[2:]
+        dies = any(5 in tasks for _, _, (_, tasks, *_) in pair)
+        for future, call, arguments in pair:
+            self.calls.update(arguments[1])
+            if dies:
+                future.set_exception(KilledWorker("one of them"))
+            else:
+                future.set_result(call(*arguments))
 
 
 def leaves(x):
@@ -266,6 +293,13 @@ def test_motions_are_those_of_one_process():
     tasks = [0.2, 0.4, 0.6]
     for outcome, q in zip(costate.sweep(least_effort, tasks, workers=2, chunk=1), tasks):
         assert outcome.value == least_effort(q)
+
+
+def test_tasks_beside_one_that_kills_its_workers_are_not_to_blame():
+    cluster = Cluster()
+    outcomes = costate.sweep(square, range(12), cluster, chunk=1)
+    assert [outcome.value for outcome in outcomes] == [k * k if k != 5 else None for k in range(12)]
+    assert isinstance(outcomes[5].error, costate.WorkerDied) and cluster.calls[5] == 4
 
 
 @pytest.fixture(scope="module")

@@ -19,7 +19,7 @@ _WINDOW = 1024
 class Given:
     """An executor of the caller."""
 
-    alone = False  # Whether tasks that may have killed a worker run one by one.
+    ends_together = False  # Whether all that runs ends with one worker.
     window = _WINDOW
 
     def __init__(self, function: Callable[[Any], Any], executor: Executor, retries: int) -> None:
@@ -52,7 +52,7 @@ class Given:
 class Pool:
     """Processes of our own, made again when one of them dies."""
 
-    alone = True
+    ends_together = True
 
     def __init__(self, function: Callable[[Any], Any], workers: int, retries: int) -> None:
         try:

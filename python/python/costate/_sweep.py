@@ -150,7 +150,7 @@ def _drive(
         try:
             running[runner.submit([tasks[index] for index in chunk])] = chunk
         except BrokenExecutor as error:
-            if not runner.alone:
+            if not runner.ends_together:
                 for index in chunk:
                     keep(Outcome.failed(index, tasks[index], error))
                 return True
@@ -167,12 +167,13 @@ def _drive(
         try:
             results = runner.results(future)
         except Exception as error:
-            guilty = single or not runner.alone
+            # A worker that dies takes the tasks with it that waited there, so only one that ran alone is to blame.
+            suspect = runner.ends_together or _died(error)
             for index in chunk:
-                deaths[index] = deaths.get(index, 0) + guilty
+                deaths[index] = deaths.get(index, 0) + (single or not suspect)
                 if deaths[index] > _LIVES:
                     keep(Outcome.failed(index, tasks[index], _death(error), deaths[index]))
-                elif runner.alone:
+                elif suspect:
                     suspects.append(index)
                 else:
                     waiting.appendleft([index])
@@ -193,7 +194,7 @@ def _drive(
             if not running:
                 continue
             done, _ = wait(running, timeout=_TICK, return_when=FIRST_COMPLETED)
-            if runner.alone and any(isinstance(future.exception(), BrokenExecutor) for future in done):
+            if runner.ends_together and any(isinstance(future.exception(), BrokenExecutor) for future in done):
                 done, _ = wait(running)  # All of them have ended with the pool.
                 runner.broken()
             for future in done:
@@ -210,8 +211,12 @@ def _drive(
         raise
 
 
+def _died(error: Exception) -> bool:
+    """Whether a worker died: of a pool, or of Dask (its own error, after it has tried again by itself)."""
+    return isinstance(error, BrokenExecutor) or type(error).__name__ == "KilledWorker"
+
+
 def _death(error: Exception) -> Exception:
-    # Dask's own error, after it has tried again by itself.
-    if isinstance(error, BrokenExecutor) or type(error).__name__ == "KilledWorker":
+    if _died(error):
         return WorkerDied(f"the process of this task died {_LIVES + 1} times: out of memory, or a crash of native code")
     return error
