@@ -6,165 +6,23 @@ and a batch runs on vectors and threads as in NumPy. Numbers must be float64 (``
 
 from __future__ import annotations
 
-import ctypes
-from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 try:
-    import jax
+    import jax.extend  # noqa: F401
     import jax.numpy as jnp
-    from jax.extend.core import Primitive
-    from jax.interpreters import ad, batching, mlir
 except ImportError as _error:  # pragma: no cover
     raise ImportError("costate.jax needs JAX: pip install jax") from _error
-import numpy as np
 
-from ._costate import Dynamics, Step, _xla_calls, _xla_handler
-from ._errors import argument_error
+from .._costate import Dynamics, Step, _xla_calls
+from .._errors import argument_error
+from ._rules import Function, Order, differentiable
+from ._targets import numbers_of, target
 
 if TYPE_CHECKING:
-    from ._costate import _Scheme
-
-    _Order = Literal["any", "reverse"]
+    from .._costate import _Scheme
 
 __all__ = ["Model", "calls"]
-
-_TARGET = "costate"
-_Function = Callable[[Any, Any, Any], Any]
-_targets: set[str] = set()
-
-
-def _register() -> None:
-    if _TARGET in _targets:
-        return
-    handler = ctypes.CFUNCTYPE(ctypes.c_void_p, ctypes.c_void_p)(_xla_handler())
-    capsule: Callable[[Any], Any] = jax.ffi.pycapsule
-    jax.ffi.register_ffi_target(_TARGET, capsule(handler), platform="cpu")
-    _targets.add(_TARGET)
-
-
-def _checked(name: str, value: Any, length: int) -> Any:
-    """An array of doubles (..., length)."""
-    config: Any = jax.config
-    if not config.jax_enable_x64:
-        raise argument_error(
-            name, 'JAX computes in float32 here, and costate in float64: call jax.config.update("jax_enable_x64", True)'
-        )
-    if not hasattr(value, "dtype"):
-        value = jnp.asarray(value, dtype=float)
-    if value.dtype != jnp.float64:
-        raise argument_error(name, f"{name} has the type {value.dtype}, not float64; pass {name}.astype(float)")
-    if not value.shape or value.shape[-1] != length:
-        raise argument_error(name, f"{name} has the shape {list(value.shape)}, not (..., {length})")
-    return value
-
-
-def _no_third(*_: Any) -> Any:
-    raise TypeError("costate has first and second derivatives; a third one is asked for")
-
-
-def _call(owner: Dynamics | Step, verb: str, shape: tuple[int, ...]) -> Callable[..., Any]:
-    """A method of dynamics or of a step as a function of arrays of JAX; its result at one state has this shape."""
-    _register()
-    number = np.int64(owner._xla(verb))
-
-    def call(*arguments: Any) -> Any:
-        leading = jnp.broadcast_shapes(*(argument.shape[:-1] for argument in arguments))
-        whole = [jnp.broadcast_to(argument, leading + argument.shape[-1:]) for argument in arguments]
-        struct: Callable[..., Any] = jax.ShapeDtypeStruct
-        result = struct(leading + shape, jnp.float64)
-        target: Callable[..., Any] = jax.ffi.ffi_call(_TARGET, result, vmap_method="broadcast_all")
-        return target(*whole, function=number)
-
-    call.number = int(number)  # type: ignore[attr-defined]
-    return call
-
-
-def _numbers(*calls: Any) -> dict[str, int]:
-    """The numbers of functions of `_call`."""
-    return dict(zip(("value", "jacobian", "hessian"), (call.number for call in calls), strict=True))
-
-
-def _primitive(name: str, function: Callable[..., Any], jvp: Callable[[Any, Any], tuple[Any, Any]]) -> Callable[..., Any]:
-    """A function of arrays (..., k) as a primitive with this rule for forward derivatives.
-
-    ``jax.custom_jvp`` would do outside of loops alone: the derivative of ``lax.scan`` forgets its rule.
-    """
-    primitive: Any = Primitive(f"costate_{name}")
-    primitive.def_impl(jax.jit(function))
-
-    def shape_of(*arguments: Any) -> Any:
-        struct: Callable[..., Any] = jax.ShapeDtypeStruct
-        result = jax.eval_shape(function, *(struct(a.shape, a.dtype) for a in arguments))
-        return arguments[0].update(shape=result.shape, dtype=result.dtype, weak_type=False)
-
-    def mapped(arguments: Any, axes: Any) -> tuple[Any, int]:
-        pairs = zip(arguments, axes, strict=True)
-        front = (a[None] if axis is None else jnp.moveaxis(a, axis, 0) for a, axis in pairs)
-        return primitive.bind(*front), 0
-
-    primitive.def_abstract_eval(shape_of)
-    mlir.register_lowering(primitive, mlir.lower_fun(function, multiple_results=False))
-    batching.primitive_batchers[primitive] = mapped
-    zeros: Callable[..., Any] = ad.instantiate_zeros
-    ad.primitive_jvps[primitive] = lambda at, along: jvp(at, [zeros(part) for part in along])
-    call: Callable[..., Any] = primitive.bind
-    return call
-
-
-def _times(matrix: Any, vector: Any) -> Any:
-    return jnp.einsum("...ij,...j->...i", matrix, vector)
-
-
-def _differentiable(
-    names: tuple[str, str, str], n: int, of: tuple[Any, Any, Any], m: int, order: _Order, numbers: dict[str, int]
-) -> _Function:
-    """A function of three vectors (n) with m results, of its value, Jacobian (m, 3n) and contracted Hessian (3n, 3n)."""
-    value_of, jacobian_of, hessian_of = of
-
-    hessian = _primitive("hessian", hessian_of, _no_third)
-
-    def jacobian_change(at: Any, along: Any) -> Any:
-        # One contraction for each result: all of them in one call.
-        leading = jnp.broadcast_shapes(*(part.shape[:-1] for part in at))
-        rows = [jnp.broadcast_to(part, leading + (n,))[..., None, :] for part in at]
-        tensor = hessian(*rows, jnp.broadcast_to(jnp.eye(m), leading + (m, m)))
-        return jacobian(*at), jnp.einsum("...ijk,...k->...ij", tensor, jnp.concatenate(along, -1))
-
-    jacobian = _primitive("jacobian", jacobian_of, jacobian_change)
-
-    def adjoint_change(at: Any, along: Any) -> Any:
-        *z, y = at
-        matrix, second = jacobian(*z), hessian(*z, y)
-        change = _times(second, jnp.concatenate(along[:3], -1)) + jnp.einsum("...i,...ij->...j", along[3], matrix)
-        return jnp.einsum("...i,...ij->...j", y, matrix), change
-
-    def adjoint_of(a: Any, b: Any, c: Any, y: Any) -> Any:
-        return jnp.einsum("...i,...ij->...j", y, jacobian_of(a, b, c))
-
-    adjoint = _primitive("adjoint", adjoint_of, adjoint_change)
-
-    def value_change(at: Any, along: Any) -> Any:
-        return value(*at), _times(jacobian(*at), jnp.concatenate(along, -1))
-
-    value = _primitive("value", value_of, value_change)
-    function: Any = value
-    if order == "reverse":
-        function = jax.custom_vjp(value)
-        function.defvjp(
-            lambda a, b, c: (value(a, b, c), (a, b, c)), lambda at, y: tuple(jnp.split(adjoint(*at, y), 3, -1))
-        )
-
-    def checked(*arguments: Any) -> Any:
-        given = [_checked(name, value, n) for name, value in zip(names, arguments, strict=True)]
-        try:
-            leading = jnp.broadcast_shapes(*(part.shape[:-1] for part in given))
-        except ValueError as error:
-            raise argument_error(names[0], f"the leading axes of {', '.join(names)} cannot be broadcast: {error}") from None
-        return function(*(jnp.broadcast_to(part, leading + (n,)) for part in given))
-
-    checked.numbers = numbers  # type: ignore[attr-defined]
-    return checked
 
 
 def calls(function: Any) -> dict[str, int]:
@@ -234,7 +92,7 @@ class Model:
     [-9.81]
     """
 
-    def __init__(self, dynamics: Dynamics, order: _Order = "any") -> None:
+    def __init__(self, dynamics: Dynamics, order: Order = "any") -> None:
         if order not in ("any", "reverse"):
             raise argument_error("order", f"unknown order '{order}'; give 'any' or 'reverse'")
         n = dynamics.n
@@ -246,14 +104,14 @@ class Model:
         at = dynamics if dynamics.coordinates == "qv" else Dynamics(
             dynamics.robot, "qv", on_error=dynamics.on_error, threads=dynamics.threads
         )
-        jacobian, hessian = _call(at, "jacobian", (2 * n, 3 * n)), _call(at, "hessian", (3 * n, 3 * n))
+        jacobian, hessian = target(at, "jacobian", (2 * n, 3 * n)), target(at, "hessian", (3 * n, 3 * n))
 
         def contracted(q: Any, v: Any, tau: Any, y: Any) -> Any:
             return hessian(q, v, tau, jnp.concatenate([jnp.zeros_like(y), y], -1))
 
-        value = _call(at, "aba", (n,))
+        value = target(at, "aba", (n,))
         of = value, lambda *z: jacobian(*z)[..., n:, :], contracted
-        self._aba = _differentiable(("q", "v", "tau"), n, of, n, order, _numbers(value, jacobian, hessian))
+        self._aba = differentiable(("q", "v", "tau"), n, of, n, order, numbers_of(value, jacobian, hessian))
 
     def _function(
         self,
@@ -261,11 +119,11 @@ class Model:
         verbs: tuple[str, str, str],
         m: int,
         names: tuple[str, str, str] = ("q", "v", "tau"),
-    ) -> _Function:
+    ) -> Function:
         n = self.dynamics.n
         shapes = ((m,), (m, 3 * n), (3 * n, 3 * n))
-        value, jacobian, hessian = (_call(owner, verb, shape) for verb, shape in zip(verbs, shapes, strict=True))
-        return _differentiable(names, n, (value, jacobian, hessian), m, self.order, _numbers(value, jacobian, hessian))
+        value, jacobian, hessian = (target(owner, verb, shape) for verb, shape in zip(verbs, shapes, strict=True))
+        return differentiable(names, n, (value, jacobian, hessian), m, self.order, numbers_of(value, jacobian, hessian))
 
     def f(self, q: Any, v: Any, tau: Any) -> Any:
         """The state equation dx/dt, as `Dynamics.f`.
@@ -339,7 +197,7 @@ class Model:
         """
         return self._rnea(q, v, a)
 
-    def step(self, scheme: _Scheme, dt: float) -> _Function:
+    def step(self, scheme: _Scheme, dt: float) -> Function:
         """One time step, as `Step.f`.
 
         Parameters
