@@ -65,8 +65,8 @@ class Files(Motion):
     ) -> str:
         """The report: one page with the moving robot in perspective, plots and figures; it needs no network.
 
-        A robot that was read from a URDF looks as its visual models say: boxes, cylinders, spheres, STL and OBJ meshes;
-        links without one are capsules. What cannot be read is a `UserWarning`.
+        A robot that was read from a URDF looks as its visual models say: boxes, cylinders, spheres, meshes as STL, OBJ and
+        COLLADA; links without one are capsules. What cannot be read is a `UserWarning`.
 
         Parameters
         ----------

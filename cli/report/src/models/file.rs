@@ -1,7 +1,7 @@
 //! From the name of a mesh in a URDF to its file and its triangles.
 
 use super::mesh::Mesh;
-use super::{obj, stl};
+use super::{dae, obj, stl};
 use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -35,7 +35,8 @@ pub fn read(path: &Path) -> Result<Mesh, String> {
     let reader: fn(&[u8]) -> Result<Mesh, String> = match extension.as_deref() {
         Some("stl") => stl::read,
         Some("obj") => obj::read,
-        _ => return Err(format!("{shown}: is not read; convert it to one of STL and OBJ")),
+        Some("dae") => dae::read,
+        _ => return Err(format!("{shown}: is not read; convert it to one of STL, OBJ and COLLADA (.dae)")),
     };
     let mut bytes = Vec::new();
     File::open(path)

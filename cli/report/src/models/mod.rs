@@ -1,5 +1,6 @@
 //! How links look: the visual models of a URDF, with the meshes of their files.
 
+mod dae;
 mod file;
 mod mesh;
 mod obj;
@@ -60,7 +61,8 @@ pub struct Models {
     pub warnings: Vec<String>,
 }
 
-/// The visual models of a URDF with their meshes (STL, binary or text, and OBJ).
+/// The visual models of a URDF with their meshes (STL, binary or text, OBJ, and COLLADA, whose up axis is not
+/// applied).
 ///
 /// Relative paths start in `folder`, that of the URDF. Of `package://NAME/PATH` the folder NAME is looked for
 /// in each of `packages`, which may also be that folder itself, then beside and above `folder`.
@@ -139,7 +141,8 @@ mod tests {
         for (file, words) in [
             ("package://arm/meshes/hand.obj", "--package-path"),
             ("lost.stl", "lost.stl: cannot be read"),
-            ("hand.dae", "STL and OBJ"),
+            ("hand.dae", "hand.dae: cannot be read"),
+            ("hand.ply", "STL, OBJ and COLLADA"),
         ] {
             let models = of_urdf(&urdf(file), &elsewhere, &[]).unwrap();
             let [warning] = &models.warnings[..] else { panic!("{models:?}") };
