@@ -103,13 +103,15 @@ def test_obstacles_are_shown(ur5, server):
         {"kind": "sphere", "xyz": [2.0, 0, 0], "radius": 0.1},
         {"kind": "box", "xyz": [2.0, 1, 0], "size": [0.1, 0.2, 0.3]},
         {"kind": "capsule", "from": [2.0, 2, 0], "to": [2.0, 2, 1], "radius": 0.1},
+        {"kind": "half_space", "xyz": [0, 0, -1.5], "normal": [0, 0, 1]},
     ]
     task = {"start": [0.0] * 6, "end": [0.1] * 6, "time": 1.0, "cost": [1.0] * 6}
     tool = {"capsule": [{"frame": "tool0", "from": [0, 0, -0.05], "to": [0, 0, 0], "radius": 0.04}]}
     solution = costate.Problem(ur5, **task, obstacle=table, collision=tool).solve(verify="none")
     solution.to_viser(server=server)
     nodes = handles(server)[0]
-    assert sum(name.startswith("/robot/obstacles/") for name in nodes) == 3
+    assert sum(name.startswith("/robot/obstacles/") for name in nodes) == 4
+    assert nodes["/robot/obstacles/3"].side == "double" and (nodes["/robot/obstacles/3"].vertices[:, 2] == -1.5).all()
     assert np.allclose(nodes["/robot/obstacles/0"].position, [2, 0, 0])
 
 
@@ -135,7 +137,13 @@ def test_triangles_enclose_their_shapes():
         assert volume(*stage().triangles(shape)) == pytest.approx(expected, rel=1e-12 if name == "box" else 0.04), name
     vertices, _ = stage().triangles(shapes["capsule"][0])
     assert np.allclose([vertices.min(axis=0), vertices.max(axis=0)], [[0, 1, 2], [2, 5, 4]], atol=0.02)
-    assert stage().triangles({"kind": "plane", "through": [0, 0, 0], "normal": [0, 0, 1]}) is None
+    # A plane: its distance from the origin, its normal, and a square of four times the reach.
+    through, normal = np.array([0.3, -1.0, 0.5]), np.array([1.0, 2.0, -2.0])
+    vertices, faces = stage().triangles({"kind": "plane", "through": through.tolist(), "normal": normal.tolist()}, reach=1.5)
+    assert np.allclose((vertices - through) @ normal, 0) and np.allclose(np.cross(vertices.mean(axis=0), normal), 0)
+    edges = vertices[faces][:, 1:] - vertices[faces][:, :1]
+    areas = np.cross(edges[:, 0], edges[:, 1])
+    assert np.allclose(areas / np.linalg.norm(areas, axis=1)[:, None], normal / 3) and np.allclose(np.linalg.norm(areas, axis=1), 36)
     assert volume(*turned([(0, 0), (1, 0), (0, 3)])) == pytest.approx(np.pi, rel=0.02)
 
 

@@ -50,8 +50,8 @@ class Stage:
         self.obstacles = [_body(each) for each in found["obstacles"]]
         self._meshes: list[dict[str, Any]] = found["meshes"]
 
-    def triangles(self, shape: dict[str, Any]) -> _Triangles | None:
-        """Vertices (k, 3) and triangles (m, 3) of a shape; None for a plane, which has no end."""
+    def triangles(self, shape: dict[str, Any], reach: float = 1.0) -> _Triangles | None:
+        """Vertices (k, 3) and triangles (m, 3) of a shape; of a plane as far as twice the reach (m) about the origin."""
         kind = shape["kind"]
         if kind == "mesh":
             return _mesh(self._meshes[shape["mesh"]], shape["scale"])
@@ -69,6 +69,12 @@ class Stage:
             sides = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
             halves = [part for a, b, c, d in sides for part in ((a, b, c), (a, c, d))]
             return corners * np.array(shape["size"]), np.array(halves, dtype=np.uint32)
+        if kind == "plane":
+            normal, through = np.array(shape["normal"], float), np.array(shape["through"], float)
+            normal = normal / np.linalg.norm(normal)
+            # About the place of the plane that is nearest to the origin.
+            square = 2 * reach * np.array([(-1.0, -1.0, 0.0), (1.0, -1.0, 0.0), (1.0, 1.0, 0.0), (-1.0, 1.0, 0.0)])
+            return square @ _turned_to(normal).T + (through @ normal) * normal, np.array([(0, 1, 2), (0, 2, 3)], dtype=np.uint32)
         return None
 
 

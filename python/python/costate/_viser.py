@@ -63,8 +63,10 @@ def _place(rotation: NDArray[np.float64], position: NDArray[np.float64]) -> dict
     return {"wxyz": quaternion(rotation), "position": position}
 
 
-def _draw(scene: Any, path: str, body: Body, stage: Stage, colour: tuple[int, int, int], opacity: float | None) -> None:
-    """Adds a body below a node of the scene."""
+def _draw(
+    scene: Any, path: str, body: Body, stage: Stage, colour: tuple[int, int, int], opacity: float | None, reach: float = 1.0
+) -> None:
+    """Adds a body below a node of the scene; half-spaces end at the reach (m)."""
     if body.colour is not None and opacity is None:
         red, green, blue, own = body.colour
         colour = (round(255 * red), round(255 * green), round(255 * blue))
@@ -75,9 +77,10 @@ def _draw(scene: Any, path: str, body: Body, stage: Stage, colour: tuple[int, in
         scene.add_box(path, dimensions=tuple(shape["size"]), **look)
     elif shape["kind"] == "sphere":
         scene.add_icosphere(path, radius=shape["radius"], **look)
-    elif (found := stage.triangles(shape)) is not None:
-        # Sharp edges have no smooth light: meshes of files, the rims of cylinders.
-        scene.add_mesh_simple(path, *found, flat_shading=shape["kind"] in ("mesh", "cylinder"), **look)
+    elif (found := stage.triangles(shape, reach)) is not None:
+        # Sharp edges have no smooth light: meshes of files, the rims of cylinders. A plane is seen from both sides.
+        look["side"] = "double" if shape["kind"] == "plane" else "front"
+        scene.add_mesh_simple(path, *found, flat_shading=shape["kind"] in ("mesh", "cylinder", "plane"), **look)
 
 
 class _Figure:
@@ -122,7 +125,7 @@ def show(samples: Samples, robot: Robot, stage: Stage, server: Any, name: str, l
         ghost.move(poses, k)
         ghosts.append(ghost)
     for k, obstacle in enumerate(stage.obstacles):
-        _draw(scene, f"/{name}/obstacles/{k}", obstacle, stage, _OBSTACLE, 0.8)
+        _draw(scene, f"/{name}/obstacles/{k}", obstacle, stage, _OBSTACLE, 0.8, reach)
     tools = {}
     for tool, (rotations, positions) in poses.tools.items():
         axes: dict[str, Any] = {"axes_length": 0.12 * reach, "axes_radius": 0.008 * reach}
