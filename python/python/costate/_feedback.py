@@ -30,9 +30,11 @@ class Resolved(NamedTuple):
     gap : float
         What barriers cost at most.
     violation : float
-        Largest violation of a limit at the points, in parts of its range.
+        Largest violation of a limit, a tool or a clearance at the points, in parts of its range.
+    clearance_violation : float
+        Largest violation of a clearance between the points, in parts of the sum of the radii and the margin.
     keeps_limits : bool
-        Whether that is at most 1e-7.
+        Whether the first is at most 1e-7, and the second 1e-2.
     seconds : float
         How long it took.
     """
@@ -42,6 +44,7 @@ class Resolved(NamedTuple):
     cost: float
     gap: float
     violation: float
+    clearance_violation: float
     keeps_limits: bool
     seconds: float
 

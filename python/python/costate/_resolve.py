@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from . import _run
-from ._errors import Interrupted, argument_error
+from ._errors import Interrupted
 from ._feedback import Feedback, MotionDerivative, Resolved
+from ._goals import copied
 from ._problem import Problem
-from ._settings import Settings, copied
+from ._settings import Settings
 from ._solution import Solution
 from ._tables import text_of
 
@@ -66,7 +67,8 @@ class Resolve(Settings):
     def __init__(self, problem: Problem, *, near: Solution | None = None, **options: Any) -> None:
         self._problem, self._near, self._options = problem, near, options
         self._core = problem._core.resolve(text_of(options), None if near is None else near._core)
-        self._n = problem.robot.n
+        self._joints = problem.robot.joint_names
+        self._n = len(self._joints)
         self._calls = {}
 
     @classmethod
@@ -200,15 +202,16 @@ class Resolve(Settings):
         found = self._core.feedback()
         return None if found is None else Feedback(found)
 
-    def derivative_by(self, limit: str, joint: str | int) -> MotionDerivative | None:
-        """Derivatives by a limit of a joint, from the factors of the last Newton step.
+    def derivative_by(self, limit: str, joint: str | int | None = None) -> MotionDerivative | None:
+        """Derivatives by a limit of a joint, or of all, from the factors of the last Newton step.
 
         Parameters
         ----------
-        limit : {"q_min", "q_max", "v_max", "a_max", "torque_max", "power_max", "jerk_max", "torque_rate_max"}
+        limit : {"q_min", "q_max", "v_max", "a_max", "torque_max", "power_max", "jerk_max", "torque_rate_max", \
+                "total_power_max"}
             The limit.
-        joint : str or int
-            The joint, by name or from 0.
+        joint : str or int, optional
+            The joint, by name or from 0; none for ``"total_power_max"``.
 
         Returns
         -------
@@ -220,11 +223,7 @@ class Resolve(Settings):
         ArgumentError
             For a joint or a limit that the problem has not.
         """
-        names = self._problem.robot.joint_names
-        if isinstance(joint, str) and joint not in names:
-            raise argument_error("joint", f"there is no joint '{joint}'; the joints are {', '.join(names)}")
-        index = names.index(joint) if isinstance(joint, str) else joint
-        found = self._core.derivative_by_limit(limit, index)
+        found = self._core.derivative_by_limit(limit, self._joint(joint))
         return None if found is None else MotionDerivative._make(found)
 
     def derivative_by_mass(

@@ -5,25 +5,18 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
-from ._costate import _Resolve
+from ._errors import argument_error
+from ._goals import Goals, copied
 from ._tables import text_of
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
 
-class Settings:
+class Settings(Goals):
     """The part of `Resolve` that changes the problem."""
 
-    _core: _Resolve
-    # What was set last, for copies: the name of a method of the core and a key, then its arguments.
-    _calls: dict[tuple[str, Any], tuple[Any, ...]]
-
-    def _set(self, name: str, key: Any, *arguments: Any) -> None:
-        getattr(self._core, name)(*arguments)
-        self._calls[name, key] = arguments
+    _joints: list[str]
 
     def set_start(self, q: ArrayLike, v: ArrayLike) -> None:
         """Start the next solve at another state; components that are free do not count.
@@ -102,56 +95,35 @@ class Settings:
         """
         self._set("set_acceleration", True, True, copied(a))
 
-    def set_start_tool(self, number: int, xyz: ArrayLike) -> None:
-        """Move a tool of the start; coordinates that are free stay so.
+    def set_limit(self, limit: str, value: float, joint: str | int | None = None) -> None:
+        """Keep another value of a limit that the problem has.
 
         Parameters
         ----------
-        number : int
-            Which of ``start.tool``, from 0.
-        xyz : array_like (3)
-            Its position in the world (m).
+        limit : {"q_min", "q_max", "v_max", "a_max", "torque_max", "power_max", "jerk_max", "torque_rate_max", \
+                "total_power_max"}
+            The limit.
+        value : float
+            In rad, m; in both directions in rad/s, m/s, rad/s^2, m/s^2, N m, N, W, rad/s^3, m/s^3, N m/s, N/s.
+        joint : str or int, optional
+            The joint, by name or from 0; none for ``"total_power_max"``.
 
         Raises
         ------
         ArgumentError
-            For a tool that the problem has not.
+            For a joint or a limit that the problem has not, a torque limit that falls with the speed, a value that the
+            limit cannot have, and a start or end that lies outside.
         """
-        self._set("set_tool", ("start", number), "start", number, copied(xyz))
+        index = self._joint(joint)
+        self._set("set_limit", (limit, index), limit, index, float(value))
 
-    def set_end_tool(self, number: int, xyz: ArrayLike) -> None:
-        """Move a tool of the end; coordinates that are free stay so.
-
-        Parameters
-        ----------
-        number : int
-            Which of ``end.tool``, from 0.
-        xyz : array_like (3)
-            Its position in the world (m).
-
-        Raises
-        ------
-        ArgumentError
-            For a tool that the problem has not.
-        """
-        self._set("set_tool", ("end", number), "end", number, copied(xyz))
-
-    def set_tool_cost(self, number: int, xyz: ArrayLike) -> None:
-        """Move the goal of a cost of a tool.
-
-        Parameters
-        ----------
-        number : int
-            Which of ``[[cost.tool]]``, from 0.
-        xyz : array_like (3)
-            Its position in the world (m).
-
-        Raises
-        ------
-        ArgumentError
-            For a cost that the problem has not.
-        """
-        self._set("set_tool", ("cost", number), "cost", number, copied(xyz))
+    def _joint(self, joint: str | int | None) -> int | None:
+        """The number of a joint."""
+        if not isinstance(joint, str):
+            return joint
+        if joint not in self._joints:
+            raise argument_error("joint", f"there is no joint '{joint}'; the joints are {', '.join(self._joints)}")
+        return self._joints.index(joint)
 
     def set_obstacle(self, number: int, table: Mapping[str, Any] | None = None, **keys: Any) -> None:
         """Move an obstacle.
@@ -213,12 +185,3 @@ class Settings:
             For a time that is not finite.
         """
         self._set("set_start_time", None, time)
-
-
-def copied(given: ArrayLike) -> Any:
-    """The numbers of a vector; what is none is left to those who refuse it."""
-    try:
-        array = np.asarray(given, dtype=float)
-    except (TypeError, ValueError):
-        return given
-    return array.tolist() if array.ndim == 1 else given

@@ -5,6 +5,7 @@
 
 pub mod arrays;
 pub mod feedback;
+mod limits;
 pub mod problem;
 pub mod raise;
 pub mod resolve;

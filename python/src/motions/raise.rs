@@ -92,9 +92,12 @@ pub fn resolve(py: Python<'_>, error: ResolveError) -> PyErr {
         | ResolveError::Outside { what, .. } => argument(py, what, message),
         ResolveError::NoEntry { table, .. }
         | ResolveError::Task { table, .. }
+        | ResolveError::NoOrientation { table, .. }
         | ResolveError::NoTool { table, .. } => argument(py, table, message),
         ResolveError::Periodic => argument(py, "end", message),
-        ResolveError::NoLimit { kind, .. } => argument(py, kind, message),
+        ResolveError::NoLimit { kind, .. } | ResolveError::BadLimit { kind, .. } => {
+            argument(py, kind, message)
+        }
         ResolveError::Payload(_) | ResolveError::NoMass => argument(py, "payload", message),
         _ => motion(message),
     }

@@ -5,10 +5,7 @@ use super::feedback::FeedbackCore;
 use super::raise;
 use crate::errors::{argument, evaluation};
 use crate::signals::Signals;
-use costate::robot::LinkInertia;
-use costate_control::{
-    Budget, MotionParameter, Obstacle, Payload, Reference, Resolve, ResolveError, ResolveStatus,
-};
+use costate_control::{Budget, Obstacle, Reference, Resolve, ResolveError, ResolveStatus, ToolOrientation};
 use pyo3::prelude::*;
 use std::cell::Cell;
 use std::ops::ControlFlow;
@@ -22,12 +19,9 @@ pub struct ResolveCore {
     n: usize,
 }
 
-/// What solving again gave: status, steps, cost, gap, violation, whether limits are kept, seconds; and the
-/// exception of a signal that ended it.
-type Resolved = (&'static str, usize, f64, f64, f64, bool, f64, Option<Py<PyAny>>);
-
-/// Derivatives of cost, T, states (points, 2n) and torques (points, n).
-type Derivative<'py> = (f64, f64, Bound<'py, PyAny>, Bound<'py, PyAny>);
+/// What solving again gave: status, steps, cost, gap, violation at points and of clearances between them,
+/// whether limits are kept, seconds; and the exception of a signal that ended it.
+type Resolved = (&'static str, usize, f64, f64, f64, f64, bool, f64, Option<Py<PyAny>>);
 
 thread_local! {
     /// The address of the solver that this thread uses.
@@ -48,11 +42,16 @@ impl ResolveCore {
         Self { n: inner.dof(), inner: Mutex::new(inner) }
     }
 
+    /// Number of joints.
+    pub fn dof(&self) -> usize {
+        self.n
+    }
+
     /// Runs `work` once no other call uses the solver.
     ///
     /// # Errors
     /// `RuntimeError` where this thread uses it already: in the handler of a signal that came during a solve.
-    fn with<R: Send>(&self, py: Python<'_>, work: impl FnOnce(&mut Resolve) -> R + Send) -> PyResult<R> {
+    pub fn with<R: Send>(&self, py: Python<'_>, work: impl FnOnce(&mut Resolve) -> R + Send) -> PyResult<R> {
         let this = std::ptr::from_ref(self).addr();
         if IN_USE.get() == this {
             let message = "this Resolve is solving; the handler of a signal cannot use it";
@@ -66,7 +65,7 @@ impl ResolveCore {
     }
 
     /// The same for what can be refused.
-    fn set(
+    pub fn set(
         &self,
         py: Python<'_>,
         work: impl FnOnce(&mut Resolve) -> Result<(), ResolveError> + Send,
@@ -115,6 +114,16 @@ impl ResolveCore {
             "start" => motion.set_start_tool(number, xyz),
             "end" => motion.set_end_tool(number, xyz),
             _ => motion.set_tool_cost(number, xyz),
+        })
+    }
+
+    /// The orientation of a tool, as the text of its keys: at the start, at the end or of a cost.
+    fn set_orientation(&self, py: Python<'_>, of: &str, number: usize, text: &str) -> PyResult<()> {
+        let to = ToolOrientation::from_text(text).map_err(|error| raise::file(py, &error))?;
+        self.set(py, |motion| match of {
+            "start" => motion.set_start_orientation(number, &to),
+            "end" => motion.set_end_orientation(number, &to),
+            _ => motion.set_tool_cost_orientation(number, &to),
         })
     }
 
@@ -170,7 +179,18 @@ impl ResolveCore {
             _ => "no_progress",
         };
         let (kept, seconds) = (found.keeps_limits(), found.time.as_secs_f64());
-        Ok((status, found.iterations, found.cost, found.gap, found.violation, kept, seconds, raised))
+        let violations = (found.violation, found.clearance_violation);
+        Ok((
+            status,
+            found.iterations,
+            found.cost,
+            found.gap,
+            violations.0,
+            violations.1,
+            kept,
+            seconds,
+            raised,
+        ))
     }
 
     fn final_time(&self, py: Python<'_>) -> PyResult<f64> {
@@ -206,63 +226,5 @@ impl ResolveCore {
     fn feedback(&self, py: Python<'_>) -> PyResult<Option<FeedbackCore>> {
         let found = self.with(py, |motion| motion.feedback().map(|found| found.cloned()))?;
         Ok(found.map_err(|error| evaluation(py, error))?.map(FeedbackCore))
-    }
-
-    /// Derivatives by a limit of a joint: of cost, T, states (points, 2n) and torques (points, n).
-    fn derivative_by_limit<'py>(
-        &self,
-        py: Python<'py>,
-        limit: &str,
-        joint: usize,
-    ) -> PyResult<Option<Derivative<'py>>> {
-        let parameter = match limit {
-            "q_min" => MotionParameter::PositionMin(joint),
-            "q_max" => MotionParameter::PositionMax(joint),
-            "v_max" => MotionParameter::VelocityMax(joint),
-            "a_max" => MotionParameter::AccelerationMax(joint),
-            "torque_max" => MotionParameter::TorqueMax(joint),
-            "power_max" => MotionParameter::PowerMax(joint),
-            "jerk_max" => MotionParameter::JerkMax(joint),
-            "torque_rate_max" => MotionParameter::TorqueRateMax(joint),
-            _ => {
-                let message = format!(
-                    "there is no limit '{limit}'; give q_min, q_max, v_max, a_max, torque_max, \
-                     power_max, jerk_max or torque_rate_max"
-                );
-                return Err(argument(py, "limit", message));
-            }
-        };
-        self.derivative_by(py, &parameter)
-    }
-
-    /// The same by the mass of a body that a frame carries: its mass, centre and six entries of inertia.
-    fn derivative_by_mass<'py>(
-        &self,
-        py: Python<'py>,
-        frame: &str,
-        mass: f64,
-        com: [f64; 3],
-        inertia: [f64; 6],
-    ) -> PyResult<Option<Derivative<'py>>> {
-        let payload = Payload::new(frame, LinkInertia::from_entries(mass, com, inertia));
-        self.derivative_by(py, &MotionParameter::PayloadMass(payload))
-    }
-}
-
-impl ResolveCore {
-    fn derivative_by<'py>(
-        &self,
-        py: Python<'py>,
-        parameter: &MotionParameter,
-    ) -> PyResult<Option<Derivative<'py>>> {
-        let found = self.with(py, |motion| motion.derivative_by(parameter))?;
-        let Some(found) = found.map_err(|error| raise::resolve(py, error))? else { return Ok(None) };
-        let rows = |numbers: &[f64], columns: usize| {
-            let rows: Vec<Vec<f64>> = numbers.chunks_exact(columns).map(<[f64]>::to_vec).collect();
-            PyResult::Ok(matrix(py, &rows, columns)?.into_any())
-        };
-        let state = self.n * found.states.len() / found.torques.len();
-        let (states, torques) = (rows(&found.states, state)?, rows(&found.torques, self.n)?);
-        Ok(Some((found.cost, found.final_time, states, torques)))
     }
 }

@@ -1,12 +1,12 @@
-//! Parts of a problem file by themselves: options of a solver, obstacles, references.
+//! Parts of a problem file by themselves: options of a solver, obstacles, references, orientations.
 
 use super::document::Document;
 use super::error::ProblemFileError;
 use super::fault::Fault;
 use super::table::Table;
-use super::{obstacles, references, solver};
+use super::{obstacles, references, solver, tools};
 use crate::options::SolverOptions;
-use crate::problem::{Obstacle, Reference};
+use crate::problem::{Obstacle, Reference, ToolOrientation};
 
 /// Reads the text of a table by itself; keys in errors have its name.
 fn read<T>(
@@ -65,5 +65,25 @@ impl Reference {
     /// As [`Obstacle::from_text`].
     pub fn from_text(text: &str) -> Result<Self, ProblemFileError> {
         read(text, "cost.reference", references::reference)
+    }
+}
+
+impl ToolOrientation {
+    /// The orientation of a tool from the text of its keys: `rpy`, `rotation`, or `along` with `axis`.
+    ///
+    /// # Errors
+    /// As [`Obstacle::from_text`].
+    ///
+    /// ```
+    /// use costate_control::ToolOrientation;
+    /// let down = ToolOrientation::from_text("along = [0, 0, -1]")?;
+    /// assert_eq!(down, ToolOrientation::Axis { axis: [0.0, 0.0, 1.0], along: [0.0, 0.0, -1.0] });
+    /// # Ok::<(), costate_control::ProblemFileError>(())
+    /// ```
+    pub fn from_text(text: &str) -> Result<Self, ProblemFileError> {
+        read(text, "tool", |table| {
+            table.only(tools::ORIENTATION)?;
+            table.need("rpy", tools::orientation(table)?)
+        })
     }
 }

@@ -9,6 +9,9 @@ use costate::robot::Placement;
 use nalgebra::Rotation3;
 use toml::de::DeValue;
 
+/// The keys of an orientation.
+pub(super) const ORIENTATION: &[&str] = &["rpy", "rotation", "axis", "along"];
+
 const POSE: &[&str] = &["frame", "offset", "xyz", "rpy", "rotation", "axis", "along"];
 
 /// The tools of a state.
@@ -24,10 +27,15 @@ pub(super) fn tool(table: &Table<'_>) -> Result<Tool, Fault> {
 
 /// Where a tool is, in the keys of a tool.
 pub(super) fn pose(table: &Table<'_>) -> Result<ToolPose, Fault> {
+    Ok(ToolPose { tool: tool(table)?, position: triple(table, "xyz")?, orientation: orientation(table)? })
+}
+
+/// The orientation of a tool, where it is given.
+pub(super) fn orientation(table: &Table<'_>) -> Result<Option<ToolOrientation>, Fault> {
     let axis = triple(table, "axis")?;
     let along = triple(table, "along")?;
     let conflict = |key: &str, message| Err(table.fault(key, ProblemFileCause::Conflict(message)));
-    let orientation = match (rotation(table)?, axis, along) {
+    Ok(match (rotation(table)?, axis, along) {
         (Some(_), _, Some(_)) => {
             return conflict(
                 "along",
@@ -40,8 +48,7 @@ pub(super) fn pose(table: &Table<'_>) -> Result<ToolPose, Fault> {
         (Some(rotation), None, None) => Some(ToolOrientation::Full(rotation)),
         (None, axis, Some(along)) => Some(ToolOrientation::Axis { axis: axis.unwrap_or(Z), along }),
         (None, None, None) => None,
-    };
-    Ok(ToolPose { tool: tool(table)?, position: triple(table, "xyz")?, orientation })
+    })
 }
 
 /// The axis of a tool, if none is given.
