@@ -30,6 +30,7 @@ type Found = (Vec<Row>, usize, usize, Option<Py<PyAny>>);
 /// many of these were left out because M is singular there, and the exception of a signal that ended it.
 #[pyfunction]
 pub fn _compare(py: Python<'_>, robot: &Robot, states: Vec<[Vec<f64>; 4]>) -> PyResult<Found> {
+    robot.refuse_constraints(py, "be checked")?;
     let n = robot.model().dof();
     for [q, v, tau, y] in &states {
         if [q.len(), v.len(), tau.len(), y.len()] != [n, n, n, 2 * n] {

@@ -61,6 +61,7 @@ pub fn codegen(
         let names = Quantity::ALL.map(Quantity::name).join(", ");
         argument(py, "quantity", format!("unknown quantity '{quantity}'; give one of {names}"))
     })?;
+    robot.refuse_constraints(py, "be written as source code")?;
     let options = ProgramOptions::default().with_only(only).with_parameters(parameters);
     let text = py.detach(|| {
         let program = robot_program(robot.model(), found, coordinates, &options)?;
@@ -86,6 +87,7 @@ pub fn _abi_source(
     dt: f64,
     limit: usize,
 ) -> PyResult<String> {
+    robot.refuse_constraints(py, "be written as source code")?;
     let coordinates = Coordinates::Lagrangian;
     let step = match scheme {
         None => None,

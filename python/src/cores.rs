@@ -106,6 +106,15 @@ where
 /// Results, written one after the other.
 pub struct Writer<'a, S>(pub &'a mut [S]);
 
+impl Writer<'_, f64> {
+    /// Appends zeros.
+    pub fn zeros(&mut self, count: usize) {
+        let (here, rest) = std::mem::take(&mut self.0).split_at_mut(count);
+        here.fill(0.0);
+        self.0 = rest;
+    }
+}
+
 impl<S: Copy> Writer<'_, S> {
     /// Appends numbers.
     pub fn put(&mut self, values: &[S]) -> &mut Self {

@@ -12,7 +12,6 @@ use costate::codegen::{CodegenError as NoQuantity, Quantity};
 use costate::robot;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
-use std::num::NonZero;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 /// The dynamics of a robot, with exact first and second derivatives.
@@ -42,6 +41,8 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 /// ------
 /// ArgumentError
 ///     For another value of an option.
+/// RobotError
+///     For a robot with constraints, which has `ConstrainedDynamics`.
 ///
 /// References
 /// ----------
@@ -182,20 +183,11 @@ impl Dynamics {
         on_error: &str,
         threads: Option<usize>,
     ) -> PyResult<Self> {
-        let nan = match on_error {
-            "raise" => false,
-            "nan" => true,
-            _ => {
-                let message = format!("unknown on_error '{on_error}'; give 'raise' or 'nan'");
-                return Err(argument(py, "on_error", message));
-            }
-        };
-        let none = || argument(py, "threads", "threads is 0; at least one thread computes".into());
-        let threads = threads.map(|count| NonZero::new(count).ok_or_else(none)).transpose()?;
+        robot.refuse_constraints(py, "have Dynamics, only ConstrainedDynamics")?;
         Ok(Self {
             coordinates: coordinates_of(py, coordinates)?,
             robot,
-            settings: Settings { nan, threads },
+            settings: Settings::of(py, on_error, threads)?,
             engines: Mutex::default(),
             functions: Default::default(),
             bodies: Default::default(),
@@ -226,13 +218,13 @@ impl Dynamics {
     /// ``"raise"`` or ``"nan"``.
     #[getter]
     fn on_error(&self) -> &str {
-        if self.settings.nan { "nan" } else { "raise" }
+        self.settings.on_error()
     }
 
     /// Most threads for a batch; None: as many as the process may use.
     #[getter]
     fn threads(&self) -> Option<usize> {
-        self.settings.threads.map(NonZero::get)
+        self.settings.threads()
     }
 
     /// A frame of the robot.

@@ -1,6 +1,7 @@
 //! Errors as Python exceptions, which carry what they are about.
 
 use costate::EvalError;
+use costate::constraints::ConstraintError;
 use costate::robot::RobotError;
 use costate::step::StepError;
 use pyo3::PyErr;
@@ -10,6 +11,7 @@ use pyo3::prelude::*;
 mod classes {
     pyo3::import_exception!(costate._errors, ArgumentError);
     pyo3::import_exception!(costate._errors, CodegenError);
+    pyo3::import_exception!(costate._errors, ConstraintError);
     pyo3::import_exception!(costate._errors, CostateError);
     pyo3::import_exception!(costate._errors, Interrupted);
     pyo3::import_exception!(costate._errors, NonFiniteState);
@@ -76,6 +78,16 @@ pub enum Failure {
     },
     Evaluation(EvalError),
     Step(StepError<EvalError>),
+    Constraint(ConstraintError),
+}
+
+impl From<ConstraintError> for Failure {
+    fn from(error: ConstraintError) -> Self {
+        match error {
+            ConstraintError::Evaluation(error) => error.into(),
+            error => Self::Constraint(error),
+        }
+    }
 }
 
 impl From<EvalError> for Failure {
@@ -112,6 +124,7 @@ impl std::fmt::Display for Failure {
             ),
             Self::Evaluation(error) => error.fmt(f),
             Self::Step(error) => error.fmt(f),
+            Self::Constraint(error) => error.fmt(f),
         }
     }
 }
@@ -137,6 +150,16 @@ impl Failure {
             Self::Overflow { joint } => with(py, classes::StepNotSolved::new_err(message), "joint", joint),
             Self::Evaluation(_) => classes::StateError::new_err(message),
             Self::Step(_) => classes::StepNotSolved::new_err(message),
+            Self::Constraint(error) => {
+                let raised = classes::ConstraintError::new_err(message);
+                match error {
+                    ConstraintError::CannotClose { constraint, miss }
+                    | ConstraintError::Contradiction { constraint, miss } => {
+                        with(py, with(py, raised, "constraint", constraint), "miss", miss)
+                    }
+                    _ => raised,
+                }
+            }
         };
         match pyo3::types::PyTuple::new(py, index) {
             Ok(index) => with(py, raised, "index", index),

@@ -3,6 +3,7 @@
 use crate::arrays::{Axes, Source, read_all};
 use crate::call::Call;
 use crate::engine::Engine;
+use crate::errors::argument;
 use crate::failures::{Failures, report};
 use crate::plan::Plan;
 use crate::results::{Target, allocate, given};
@@ -28,6 +29,36 @@ pub struct Settings {
     pub nan: bool,
     /// At most so many threads; as many as the process may use where it is not given.
     pub threads: Option<NonZero<usize>>,
+}
+
+impl Settings {
+    /// By the words of a caller.
+    ///
+    /// # Errors
+    /// `ArgumentError`.
+    pub fn of(py: Python<'_>, on_error: &str, threads: Option<usize>) -> PyResult<Self> {
+        let nan = match on_error {
+            "raise" => false,
+            "nan" => true,
+            _ => {
+                let message = format!("unknown on_error '{on_error}'; give 'raise' or 'nan'");
+                return Err(argument(py, "on_error", message));
+            }
+        };
+        let none = || argument(py, "threads", "threads is 0; at least one thread computes".into());
+        let threads = threads.map(|count| NonZero::new(count).ok_or_else(none)).transpose()?;
+        Ok(Self { nan, threads })
+    }
+
+    /// `"raise"` or `"nan"`.
+    pub fn on_error(&self) -> &'static str {
+        if self.nan { "nan" } else { "raise" }
+    }
+
+    /// Most threads, where they are given.
+    pub fn threads(&self) -> Option<usize> {
+        self.threads.map(NonZero::get)
+    }
 }
 
 /// A function of arrays with N arguments.

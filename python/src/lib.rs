@@ -4,9 +4,9 @@
 //! makes the arrays of results or takes those of the caller, `function` evaluates all states on threads until
 //! one of the `signals` comes, `call` those of one thread on lanes, `plan` says where arguments and results
 //! lie, `cores` computes one state and four; `xla` takes the arrays of JAX instead.
-//! `quantities` lists what is computed of the dynamics, `kinematics` of frames, `schemes` of time steps.
-//! `robot` with `edits`, `builder` and its `recipe`, `dynamics`, `frame` and `time_step` are the classes that
-//! Python sees, `look` their visual models. `motions` is what its classes for optimal motions are made of,
+//! `quantities` lists what is computed of the dynamics, `kinematics` of frames, `schemes` of time steps,
+//! `constraints` of robots with loops. `robot` with `edits`, `builder` and its `recipe`, `dynamics`,
+//! `constrained`, `frame` and `time_step` are the classes that Python sees, `look` their visual models. `motions` is what its classes for optimal motions are made of,
 //! `casadi` exports functions to CasADi.
 
 #![deny(unsafe_op_in_unsafe_fn, clippy::undocumented_unsafe_blocks)]
@@ -18,6 +18,10 @@ mod call;
 mod casadi;
 mod check;
 mod codegen;
+mod constrained;
+mod constrained_verbs;
+mod constraint_edits;
+mod constraints;
 mod cores;
 mod descriptions;
 mod dynamics;
@@ -59,6 +63,8 @@ mod _costate {
     use crate::check::_compare;
     #[pymodule_export]
     use crate::codegen::{_abi_source, codegen};
+    #[pymodule_export]
+    use crate::constrained::ConstrainedDynamics;
     #[pymodule_export]
     use crate::dynamics::Dynamics;
     #[pymodule_export]

@@ -30,6 +30,15 @@ macro_rules! described {
     (d) => {
         "d : array_like (..., 3n)\n    A direction of z = (q, v, tau)."
     };
+    (rate) => {
+        "v : array_like (..., n)\n    Velocities (rad/s, m/s)."
+    };
+    (along) => {
+        "d : array_like (..., 3n)\n    A direction of z = (q, p, tau)."
+    };
+    (start) => {
+        "q_0 : array_like (..., n)\n    Positions (rad, m) whose g is kept, such as those at the start."
+    };
     (w) => {
         "w : array_like (..., n)\n    A weight for each torque."
     };

@@ -14,6 +14,8 @@ use std::sync::Arc;
 
 /// A robot: a tree of revolute and prismatic joints on a base that does not move.
 ///
+/// Constraints between frames close its loops, see `with_constraint` and `ConstrainedDynamics`.
+///
 /// It never changes: ``lock``, ``with_payload`` and the like return another robot. The entries of q, v and
 /// tau belong to ``joint_names``: the joints that mimic no other one, parents before children, as in
 /// Pinocchio for most robots.
@@ -58,17 +60,22 @@ impl Robot {
             let error = robot::RobotError::FreeJoint { joint, kind, what: "be used from Python" };
             return Err(errors::robot(py, &error));
         }
-        if let Some(constraint) = robot.constraints().first() {
-            let constraint = constraint.name.clone();
-            let error = robot::RobotError::Constrained { constraint, what: "be used from Python" };
-            return Err(errors::robot(py, &error));
-        }
         let new = |warning: &&robot::Warning| !is_rebuilding() && !known.contains(warning);
         for warning in robot.warnings().iter().filter(new) {
             let text = CString::new(format!("robot '{}': {warning}", robot.name()).replace('\0', " "))?;
             PyErr::warn(py, &py.get_type::<RobotWarning>(), &text, 1)?;
         }
         Ok(Self { inner: Arc::new(robot), recipe: Arc::new(recipe), look: None })
+    }
+
+    /// Refuses a robot with constraints where they would be ignored, saying what it cannot.
+    ///
+    /// # Errors
+    /// `RobotError` with the first constraint.
+    pub fn refuse_constraints(&self, py: Python<'_>, what: &'static str) -> PyResult<()> {
+        let Some(constraint) = self.inner.constraints().first() else { return Ok(()) };
+        let constraint = constraint.name.clone();
+        Err(errors::robot(py, &robot::RobotError::Constrained { constraint, what }))
     }
 
     /// The same with these visual models.

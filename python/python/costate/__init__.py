@@ -15,10 +15,11 @@ poses a task, its `Solution` is the cheapest motion that does it within all limi
 
 from ._branch import Branch
 from ._check import CheckReport, Comparison, check
-from ._costate import Dynamics, Frame, Robot, RobotBuilder, Step, __version__, codegen
+from ._costate import ConstrainedDynamics, Dynamics, Frame, Robot, RobotBuilder, Step, __version__, codegen
 from ._errors import (
     ArgumentError,
     CodegenError,
+    ConstraintError,
     CostateError,
     Interrupted,
     MotionError,
@@ -48,6 +49,8 @@ __all__ = [
     "CheckReport",
     "CodegenError",
     "Comparison",
+    "ConstrainedDynamics",
+    "ConstraintError",
     "CostateError",
     "Dynamics",
     "Feedback",

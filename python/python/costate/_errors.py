@@ -135,6 +135,21 @@ class StepNotSolved(StateError):
     """The implicit equation of a time step was not solved: take a shorter step."""
 
 
+class ConstraintError(StateError):
+    """Constraints that cannot be satisfied, or not from this position.
+
+    Attributes
+    ----------
+    constraint : str or None
+        The constraint that misses most.
+    miss : float or None
+        By how much (m, rad).
+    """
+
+    constraint: str | None = None
+    miss: float | None = None
+
+
 class CodegenError(CostateError):
     """A quantity of which no source text can be written."""
 

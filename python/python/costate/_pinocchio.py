@@ -153,7 +153,7 @@ def _signs(robot: Robot, model: Any, joints: Sequence[int]) -> list[float]:
         return [1.0] * len(joints)
     from ._costate import Dynamics
 
-    dynamics = Dynamics(robot)
+    dynamics = Dynamics(robot.without_constraints())
     zero = np.zeros(robot.n)
     signs = []
     for k, (name, joint) in enumerate(zip(robot.joint_names, joints, strict=True)):

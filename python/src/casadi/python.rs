@@ -15,6 +15,9 @@ type Given<'py> = (String, Robot, String, String, f64);
 
 fn spec_of(py: Python<'_>, (kind, robot, letters, name, dt): Given<'_>) -> PyResult<Spec> {
     let coordinates = coordinates_of(py, &letters)?;
+    if kind != "frame" {
+        robot.refuse_constraints(py, "be a function of CasADi")?;
+    }
     let kind = match kind.as_str() {
         "dynamics" => Kind::Dynamics,
         "inverse_dynamics" => Kind::InverseDynamics,
