@@ -1,10 +1,11 @@
 """Times of calls from Python: beside Rust, and beside pin, adam and MJX.
 
-``python python/benches/calls.py [ROBOT.urdf] [--states 1000000] [--write]``; the least of many repetitions in one run, on
-one thread where nothing else is said. Rust is, for one state and for several threads, the same
-function without objects of Python (``Dynamics._seconds``), and for batches on one thread ``costate::batch`` as a user of
-Rust calls it (``Dynamics._batch_seconds``), all in the same build with results in memory that is there. ``--write`` puts the tables into docs/python_calls.md. Peers are compared where they are
-installed, and named where they are not. Batches of peers: loops over states for pin, whose calls take one, ``jit`` of
+``python python/benches/calls.py [ROBOT.urdf] [--states 1000000] [--write]``, with a package that was built with the feature
+``timing``; the least of many repetitions in one run, on one thread where nothing else is said. Rust is, for one state and for
+several threads, the same function without objects of Python (``Dynamics._seconds``), and for batches on one thread
+``costate::batch`` as a user of Rust calls it (``Dynamics._batch_seconds``), all in the same build with results in memory that
+is there. ``--write`` puts the tables into docs/python_calls.md. Peers are compared where they are installed, and named where
+they are not. Batches of peers: loops over states for pin, whose calls take one, ``jit`` of
 ``vmap`` for adam and MJX, whose second derivatives are ``jacfwd(jacrev(y'a))``.
 """
 
@@ -196,6 +197,8 @@ def main() -> None:
     parser.add_argument("--limit", type=float, default=300, help="seconds for each other package")
     parser.add_argument("--write", action="store_true", help=f"write the tables into {PAGE.name}")
     given = parser.parse_args()
+    if not hasattr(costate.Dynamics, "_seconds"):
+        raise SystemExit('build it first by: pip install ./python --config-settings=build-args="--features timing"')
     warnings.simplefilter("ignore", costate.RobotWarning)
     robot = costate.Robot.from_file(given.robot)
     parts = [f"{robot.name}, n = {robot.n}"]

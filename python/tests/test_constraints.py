@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from conftest import assert_close, central_differences, load
 
-CLOSED = np.array([1.0, -0.5917379187, -2.058615394])  # The crank at 1 rad, from the file of the robot.
+CLOSED = np.array([1.0, -0.5917379150, -2.058615394])  # The crank at 1 rad, from the file of the robot.
 
 
 @pytest.fixture(scope="module")
@@ -36,7 +36,7 @@ def state(dynamics, random):
 
 def test_a_loop_is_closed(dynamics, tree):
     q = dynamics.close([1.0, -0.3, -1.5], held=["crank"])
-    assert_close(q, CLOSED, 1e-8)
+    assert_close(q, CLOSED, 1e-9)
     assert np.abs(dynamics.constraint(q)).max() < 1e-12 and (dynamics.n, dynamics.k) == (3, 2)
     assert_close(tree.frame("rocker_tip").pose(q)[1], [1.3, 0, 0], 1e-12)
     assert_close(dynamics.constraint_jacobian(q), tree.frame("rocker_tip").jacobian(q)[3:5], 1e-13)
