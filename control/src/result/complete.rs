@@ -57,7 +57,7 @@ impl From<Step> for Iteration {
 }
 
 impl Solution {
-    /// The JSON form by serde, that of files. Compiled here, where other crates would compile all of it again.
+    /// The JSON form by serde, that of files. It is compiled once, here.
     ///
     /// # Errors
     /// Those of the writer.
