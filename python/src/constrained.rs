@@ -51,7 +51,7 @@ use std::sync::OnceLock;
 /// >>> robot = robot.with_constraint("rail", "end", rows=["y"])
 /// >>> dynamics = costate.ConstrainedDynamics(robot)
 /// >>> q = dynamics.close([0.5, -0.5], held=["crank"])
-/// >>> abs(dynamics.constraint(q)).max() < 1e-12
+/// >>> bool(abs(dynamics.constraint(q)).max() < 1e-12)
 /// True
 /// >>> force, moment = dynamics.forces(q, [0, 0], [0, 0])
 /// >>> force.shape, int((force != 0).sum())

@@ -80,7 +80,8 @@ def test_forces_have_axes_of_the_second_frame(four_bar, tree, state):
     )
     force, moment = costate.ConstrainedDynamics(rod).forces(q, tree.momentum(q, np.zeros(3)), tau)
     assert abs(force[0, 0]) < 1e-9 * abs(force[0, 1]) and not moment.any()
-    geared = four_bar.with_constraint("gear", kind="coupling", joints={"crank": 1.0, "coupler": 2.0}, constant=q[0] + 2 * q[1])
+    joints, constant = {"crank": 1.0, "coupler": 2.0}, q[0] + 2 * q[1]
+    geared = four_bar.with_constraint("gear", kind="coupling", joints=joints, constant=constant)
     geared = costate.ConstrainedDynamics(geared)
     force, moment = geared.forces(q, np.zeros(3), tau)
     assert geared.row_names == ["rocker_pivot", "rocker_pivot", "gear"] and force.shape == (2, 3)

@@ -53,8 +53,8 @@ def test_what_is_made_on_first_use_is_made_once(coordinates, ur5, random):
     shared = costate.Dynamics(ur5, coordinates)
     names = [*verbs, *verbs]
     for verb, found in zip(names, at_once(lambda k: getattr(shared, names[k])(*verbs[names[k]]))):
-        for ours, theirs in zip(*((each,) if isinstance(each, np.ndarray) else each for each in (found, expected[verb])), strict=True):
-            assert (ours == theirs).all(), verb
+        parts = [(each,) if isinstance(each, np.ndarray) else each for each in (found, expected[verb])]
+        assert all((ours == theirs).all() for ours, theirs in zip(*parts, strict=True)), verb
 
 
 def test_steps_frames_and_loops_are_shared(ur5, random):

@@ -16,11 +16,12 @@ except ImportError as _error:  # pragma: no cover
 
 from .._costate import Dynamics, Step, _xla_calls
 from .._errors import argument_error
-from ._rules import Function, Order, differentiable
+from ._rules import Function, differentiable
 from ._targets import numbers_of, target
 
 if TYPE_CHECKING:
     from .._costate import _Scheme
+    from ._rules import _Order
 
 __all__ = ["Model", "calls"]
 
@@ -92,7 +93,7 @@ class Model:
     [-9.81]
     """
 
-    def __init__(self, dynamics: Dynamics, order: Order = "any") -> None:
+    def __init__(self, dynamics: Dynamics, order: _Order = "any") -> None:
         if order not in ("any", "reverse"):
             raise argument_error("order", f"unknown order '{order}'; give 'any' or 'reverse'")
         n = dynamics.n
