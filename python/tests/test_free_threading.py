@@ -1,6 +1,6 @@
 """Objects that threads share: what is made on first use, edits, builders, time steps, motions, with and without the lock.
 
-On an interpreter without the lock (3.13t) these calls run at the same time.
+On an interpreter without the lock (3.14t) these calls run at the same time.
 """
 
 import pickle
