@@ -142,8 +142,13 @@ def test_signals_of_other_threads_reach_a_batch(how):
 def test_a_comparison_ends_with_the_states_that_were_compared():
     out = interrupted(
         """
+        import costate._check as module
         costate.check(ur5, 1)
-        print("ready", flush=True)
+        compare = module._compare
+        def told(*given):  # The states are made: a slow machine takes long for that.
+            print("ready", flush=True)
+            return compare(*given)
+        module._compare = told
         try:
             costate.check(ur5, 5_000)
             print("not interrupted")
