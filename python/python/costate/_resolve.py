@@ -205,7 +205,8 @@ class Resolve(Settings):
 
         Parameters
         ----------
-        limit : {"q_min", "q_max", "v_max", "a_max", "torque_max", "power_max", "jerk_max", "torque_rate_max"}
+        limit : {"q_min", "q_max", "v_max", "a_max", "torque_max", "power_max", "jerk_max", "torque_rate_max", \
+"corner_speed", "no_load_speed"}
             The limit.
         joint : str or int
             The joint, by name or from 0.
@@ -225,6 +226,30 @@ class Resolve(Settings):
             raise argument_error("joint", f"there is no joint '{joint}'; the joints are {', '.join(names)}")
         index = names.index(joint) if isinstance(joint, str) else joint
         found = self._core.derivative_by_limit(limit, index)
+        return None if found is None else MotionDerivative._make(found)
+
+    def derivative_by_task(self, table: str, entry: int = 0) -> MotionDerivative | None:
+        """Derivatives by a number of the task.
+
+        Parameters
+        ----------
+        table : {"keep", "obstacle", "margin"}
+            What ``keep[entry]`` allows at most (m, rad, m/s, m/s^2), the radius of ``obstacles[entry]`` (m), or the
+            distance that bodies keep (m).
+        entry : int
+            Counted from 0; it does not count for the margin.
+
+        Returns
+        -------
+        MotionDerivative or None
+            None where the motion is no strict minimum, or before it is solved.
+
+        Raises
+        ------
+        ArgumentError
+            For an entry that the problem has not, a box, or an equation.
+        """
+        found = self._core.derivative_by_task(table, entry)
         return None if found is None else MotionDerivative._make(found)
 
     def derivative_by_mass(

@@ -224,12 +224,33 @@ impl ResolveCore {
             "power_max" => MotionParameter::PowerMax(joint),
             "jerk_max" => MotionParameter::JerkMax(joint),
             "torque_rate_max" => MotionParameter::TorqueRateMax(joint),
+            "corner_speed" => MotionParameter::CornerSpeed(joint),
+            "no_load_speed" => MotionParameter::NoLoadSpeed(joint),
             _ => {
                 let message = format!(
                     "there is no limit '{limit}'; give q_min, q_max, v_max, a_max, torque_max, \
-                     power_max, jerk_max or torque_rate_max"
+                     power_max, jerk_max, torque_rate_max, corner_speed or no_load_speed"
                 );
                 return Err(argument(py, "limit", message));
+            }
+        };
+        self.derivative_by(py, &parameter)
+    }
+
+    /// The same by what an entry of `keep` allows, by the radius of an obstacle, by the margin.
+    fn derivative_by_task<'py>(
+        &self,
+        py: Python<'py>,
+        table: &str,
+        entry: usize,
+    ) -> PyResult<Option<Derivative<'py>>> {
+        let parameter = match table {
+            "keep" => MotionParameter::KeepMax(entry),
+            "obstacle" => MotionParameter::ObstacleRadius(entry),
+            "margin" => MotionParameter::CollisionMargin,
+            _ => {
+                let message = format!("there is no '{table}'; give keep, obstacle or margin");
+                return Err(argument(py, "table", message));
             }
         };
         self.derivative_by(py, &parameter)
