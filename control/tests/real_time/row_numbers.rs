@@ -43,7 +43,7 @@ fn what_tools_keep_changes_motions_as_solving_again_says() {
 }
 
 /// Where the tip is in the middle of the motion without limits.
-pub fn free_tip() -> [f64; 2] {
+fn free_tip() -> [f64; 2] {
     let (free, _) = solved(&arm(MotionLimits::none()), 24, 1e-9);
     let mut z = [0.0; 6];
     free.state_at(0.5, &mut z).unwrap();

@@ -1,12 +1,11 @@
 //! Derivatives of the cost by parameters of the robot where a solution does not tell all multipliers: tools,
 //! bodies, vias, periodic motions, continuous accelerations; against solving again.
 
-use crate::kinds::{arm, at_rest, options, periodic, with_vias};
-use crate::row_numbers::free_tip;
+use crate::kinds::{arm, at_rest, periodic, with_vias};
 use crate::sensitivity::{check_against_slopes, direct, solve, two_link};
 use costate_control::{
-    Collision, Keep, Kept, MotionLimits, Objective, Obstacle, Resolve, SensitivityError, Shape, Solver, Task,
-    Tool, ToolCost, ToolPose, cost_by_parameters,
+    Collision, Keep, Kept, LinkCapsule, MotionLimits, Objective, Obstacle, Problem, Resolve, ResolveStatus,
+    SensitivityError, Shape, Solution, Solver, Task, Tool, ToolCost, ToolPose, cost_by_parameters,
 };
 use std::f64::consts::PI;
 
@@ -36,21 +35,14 @@ fn lengths_move_tools() {
     }
 }
 
-/// Capsules along the links become longer with them.
 #[test]
 fn lengths_move_bodies() {
-    let (mut arm, _) = two_link();
-    (arm.start.q, arm.end.q) = (vec![0.0, 0.2], vec![1.5, 0.2]);
-    let tip = free_tip();
-    let part = 1.0 + 0.12 / tip[0].hypot(tip[1]);
-    let along = |z: f64| [part * tip[0], part * tip[1], z];
-    let post = Obstacle::new("post", Shape::Capsule { from: along(-1.0), to: along(1.0), radius: 0.1 });
-    // The first link sweeps over the post in any motion.
-    let first = arm.robot.joints()[0].link.clone();
-    let bodies = Collision::along_links(0.05).with_exception(first, "post");
-    let near = arm.with_task(Task::default().with_obstacle(post).with_collision(bodies));
-    let solution = check_against_slopes(&near, &NAMES, &direct(1e-5), 3e-3);
-    assert!(!solution.limits.task.unwrap().active.is_empty(), "the post is in the way");
+    let along = |z: f64| [0.34, 0.59, z];
+    let disc = Obstacle::new("disc", Shape::Capsule { from: along(-1.0), to: along(1.0), radius: 0.25 });
+    let body = LinkCapsule::sphere("joint:elbow", 0.0).with_from([1.0, 0.0, 0.0]).with_name("tip");
+    let task = Task::default().with_obstacle(disc).with_collision(Collision::of(vec![body]));
+    let solution = check_on_mesh(&two_link().0.with_task(task), 5e-3);
+    assert!(!solution.limits.task.unwrap().active.is_empty(), "the disc is in the way");
 }
 
 #[test]
@@ -61,25 +53,35 @@ fn vias_are_no_obstacle() {
     }
 }
 
-/// Against solving again on a mesh of equal intervals.
 #[test]
 fn periods_are_no_obstacle() {
-    let turn = periodic(MotionLimits::none(), false);
-    let set = turn.parameters();
-    let solution = Solver::new(&turn, direct(1e-3)).unwrap().solve();
-    let found = cost_by_parameters(&turn, &solution, &set).unwrap();
+    let mut turn = periodic(MotionLimits::none(), true);
+    turn.robot = turn.robot.with_gravity([0.0, -9.81, 0.0]).unwrap();
+    check_on_mesh(&turn, 1e-3);
+}
+
+/// Against solving again on the mesh of the solution.
+fn check_on_mesh(problem: &Problem, within: f64) -> Solution {
+    let set = problem.parameters();
+    let solution = Solver::new(problem, direct(1e-6)).unwrap().solve();
+    let found = cost_by_parameters(problem, &solution, &set).unwrap();
     for name in NAMES {
         let at = set.names().iter().position(|one| one == name).unwrap();
         let cost = |step: f64| {
-            let (mut values, mut changed) = (set.values().to_vec(), turn.clone());
+            let (mut values, mut changed) = (set.values().to_vec(), problem.clone());
             values[at] += step;
             changed.robot = set.robot_with(&values).unwrap();
-            Resolve::new(&changed, options(145, 1e-10)).unwrap().solve().unwrap().cost
+            let mut motion = Resolve::near(&changed, direct(1e-7), &solution.trajectory).unwrap();
+            let found = motion.solve().unwrap();
+            assert_eq!(found.status, ResolveStatus::Solved, "{name} {step}");
+            found.cost
         };
         let expected = (cost(1e-3) - cost(-1e-3)) / 2e-3;
         let found = found[at].derivative;
-        assert!((found - expected).abs() < 1e-2 * expected.abs(), "{name}: {found} {expected}");
+        assert!(expected.abs() > 1e-2 * solution.total(), "{name}: {expected}");
+        assert!((found - expected).abs() < within * expected.abs(), "{name}: {found} {expected}");
     }
+    solution
 }
 
 #[test]
