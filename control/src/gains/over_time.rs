@@ -14,8 +14,8 @@ const MOST: f64 = 1e5;
 /// `costate optimize --feedback` writes.
 ///
 /// A state that is off by (dq, dv) at the time t is led to the end at the least cost by
-/// `tau + gain_q dq + gain_v dv`, as long as the same limits are active ([`Feedback`](crate::Feedback)). Where accelerations
-/// are continuous the control is the jerk: one that is off by (dq, dv, da) by
+/// `tau + gain_q dq + gain_v dv`, as long as the same limits are active ([`Feedback`](crate::Feedback)).
+/// Where accelerations are continuous the control is the jerk: a state that is off by (dq, dv, da) is led by
 /// `jerk + gain_q dq + gain_v dv + gain_a da`.
 ///
 /// ```

@@ -30,7 +30,8 @@ impl Resolve {
     /// dJ/dtheta at the last iterate, for each parameter of the robot of the problem.
     ///
     /// # Errors
-    /// [`SensitivityError::OtherRobot`], [`Displaced`](SensitivityError::Displaced), [`Evaluation`](SensitivityError::Evaluation).
+    /// [`SensitivityError::OtherRobot`], [`Displaced`](SensitivityError::Displaced),
+    /// [`Evaluation`](SensitivityError::Evaluation).
     pub(crate) fn cost_by_robot(&mut self, set: &ParameterSet) -> Result<Vec<f64>, SensitivityError> {
         self.interior.refresh()?;
         self.factorised = false;
@@ -64,8 +65,8 @@ impl Resolve {
         Ok(sums)
     }
 
-    /// Whether given positions at the ends of phases keep the equations along the motion with other parameters
-    /// too, where they alone keep them.
+    /// Whether given positions at the ends of phases keep the equations along the motion with other
+    /// parameters too, where they alone keep them.
     ///
     /// # Errors
     /// [`SensitivityError::GivenEnd`]: with another value no motion is near.

@@ -2,7 +2,7 @@
 
 use super::{INF, arm, at_rest, none, solve};
 use costate_control::{
-    BoundaryState, Continuation, ContinuationCause, FinalTime, Method, MotionLimits, Objective, Parameter,
+    BoundaryState, Continuation, ContinuationCause, Method, MotionLimits, Objective, Parameter,
     PolishOutcome, Problem, ProblemError, Solver, SolverOptions,
 };
 
