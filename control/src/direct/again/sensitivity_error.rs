@@ -44,8 +44,14 @@ pub enum SensitivityError {
     NotSolved,
     /// The problem is one that is not solved again.
     #[error(transparent)]
-    Problem(#[from] ProblemError),
+    Problem(Box<ProblemError>),
     /// The dynamics cannot be evaluated along the motion.
     #[error(transparent)]
     Evaluation(#[from] EvalError),
+}
+
+impl From<ProblemError> for SensitivityError {
+    fn from(error: ProblemError) -> Self {
+        Self::Problem(Box::new(error))
+    }
 }
