@@ -52,6 +52,7 @@ pub use continuation::{
 };
 pub use direct::{
     Budget, Feedback, MotionDerivative, MotionParameter, Resolve, ResolveError, ResolveStatus, Resolved,
+    SensitivityError,
 };
 pub use direct_states::problem::{DirectDynamics, DirectDynamicsError};
 pub use direct_states::solution::{StateMotion, StateStep};
@@ -96,7 +97,7 @@ pub use result::solution::{CostateStart, RobotNames, Solution, StartResult};
 pub use result::stage_times::StageTimes;
 pub use result::trajectory::{Trajectory, TrajectoryPoint};
 pub use result::trajectory_error::TrajectoryError;
-pub use sensitivity::{CostDerivative, SensitivityError, cost_by_parameters};
+pub use sensitivity::{CostDerivative, cost_by_parameters};
 pub use solve_extremal::{solve_dynamics, solve_extremal};
 pub use solver::Solver;
 pub use status::{BoundViolation, EvaluationFailure, Status, UnknownStatus};

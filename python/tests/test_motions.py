@@ -233,12 +233,19 @@ def test_sensitivities(arm):
         cost[mass] = problem.solve(tolerance=1e-9).cost
     difference = (cost[1e-3] - cost[-1e-3]) / 2e-3
     assert abs(found["elbow.J_zz"].derivative - difference) < 2e-3 * difference
-    cost = {"effort": [1, 1], "jerk": [1e-4] * 2}
-    smooth = costate.Problem(arm, start=[0, 0], end=[1, 0.5], time=1.0, cost=cost, limits=False).solve()
-    with pytest.raises(costate.MotionError, match=r"cost\.jerk"):
-        smooth.sensitivities()
-    with pytest.raises(costate.MotionError, match="continuous"):
-        smooth.feedback()
+
+
+def test_continuous_accelerations_have_feedback_and_sensitivities(arm):
+    task = {"end": [1, 0.5], "time": 1.0, "limits": False}
+    cost = {"effort": [1, 1], "jerk": [1e-2] * 2}
+    smooth = costate.Problem(arm, start=[0, 0], cost=cost, **task).solve()
+    assert smooth.sensitivities()["elbow.mass"].derivative > 0
+    gains = smooth.feedback(rate=10)
+    assert gains.gain_a.shape == gains.gain_q.shape == (11, 2, 2) and gains.cost_by_start.shape == (6,)
+    limits = {"jerk_max": [150, 200], "from_robot": False}
+    limited = costate.Problem(arm, start=[0, 0], end=[1, 0.5], time=1.0, cost=[1, 1], limits=limits).solve()
+    with pytest.raises(costate.MotionError, match="joint 'shoulder' costs"):
+        limited.feedback()
 
 
 def test_a_branch_of_solutions():

@@ -26,6 +26,7 @@ mod error;
 mod interpret;
 mod names;
 mod program;
+mod program_ends;
 mod record;
 mod robot;
 mod simplify;
@@ -36,7 +37,8 @@ pub use abi::{
 pub use emit::{COptions, DEFAULT_LIMIT, RustOptions, c_header, c_source};
 pub use error::CodegenError;
 pub use names::name_from;
-pub use program::{Program, ProgramArgument, ProgramResult, RecordedResult};
+pub use program::Program;
+pub use program_ends::{ProgramArgument, ProgramResult, RecordedResult};
 pub use record::{Expr, ExprMask, Id, Node, OPERATIONS_PER_STEP};
 pub use robot::{
     Coordinates, ProgramOptions, Quantity, REGULAR, RobotQuantity, Shape, guarded_program, parameter_names,

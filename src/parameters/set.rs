@@ -47,6 +47,19 @@ impl ParameterSet {
         &self.robot
     }
 
+    /// The same parameters of another robot with these joints, such as one that carries something else; their
+    /// values are those in it. `None` where joints differ in number, name, kind or parent.
+    pub fn of_robot(&self, robot: &Robot) -> Option<Self> {
+        let joints = || self.robot.joints().iter().zip(robot.joints());
+        let same = self.robot.joints().len() == robot.joints().len()
+            && joints().all(|(a, b)| (&a.name, a.kind, a.parent) == (&b.name, b.kind, b.parent));
+        same.then(|| Self {
+            robot: robot.clone(),
+            values: self.parameters.iter().map(|parameter| value_of(robot, parameter)).collect(),
+            ..self.clone()
+        })
+    }
+
     /// Number of parameters.
     pub fn len(&self) -> usize {
         self.parameters.len()
@@ -255,6 +268,19 @@ mod tests {
         assert_eq!(with_rotations.names()[set.len() + 1], "a.rotation_y");
         let linear = with_rotations.parameters().iter().filter(|parameter| parameter.is_linear()).count();
         assert_eq!(linear, 20 + 1 + 2 + 3);
+    }
+
+    #[test]
+    fn another_robot_has_the_same_parameters() {
+        let (one, body) = (robot(), LinkInertia::point(0.5, [0.0, 0.1, 0.0]));
+        let set = ParameterSet::new(&one).links().payload("load", "b.c").unwrap();
+        let heavier = one.with_payload("b.c", &body).unwrap();
+        let other = set.of_robot(&heavier).unwrap();
+        assert_eq!((other.names(), other.parameters()), (set.names(), set.parameters()));
+        assert_eq!((set.values()[10], other.values()[10], other.values()[0]), (2.0, 2.5, 2.0));
+        assert_eq!((other.values().last(), other.robot()), (Some(&0.0), &heavier));
+        let alone = Robot::builder("one").joint(JointSpec::revolute("a").carrying(body)).build().unwrap();
+        assert!(set.of_robot(&alone).is_none());
     }
 
     #[test]

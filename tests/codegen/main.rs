@@ -6,4 +6,5 @@ mod abi;
 mod expr;
 mod programs;
 mod random;
+mod sine_and_cosine;
 mod text;

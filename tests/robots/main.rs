@@ -12,6 +12,7 @@ mod known_robots;
 mod mimics;
 mod parameters;
 mod texts;
+mod toml_contents;
 mod toml_files;
 mod urdf;
 mod urdf_refused;

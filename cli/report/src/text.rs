@@ -91,13 +91,15 @@ pub fn explanation(problem: &Problem, solution: &Solution) -> Option<String> {
 }
 
 /// That the torques of a solution do not lead the robot to its end without a correction.
-pub fn needs_feedback(solution: &Solution) -> Option<String> {
+pub fn needs_feedback(problem: &Problem, solution: &Solution) -> Option<String> {
     let direct = solution.options.method == Method::Direct && !is_polished(solution);
     let by_parts = direct && solution.motion.shooting_defect.is_finite();
+    let gains = if problem.has_gains() { ", or use gains (--feedback)" } else { "" };
     (by_parts && solution.motion.status.is_solved()).then(|| {
-        "errors grow along this motion: torques alone, repeated without feedback, lead the robot elsewhere; \
-         track the positions, or use gains (--feedback, where the motion has them); rotors (robot.armature) calm light wrists"
-            .into()
+        format!(
+            "errors grow along this motion: torques alone, repeated without feedback, lead the robot elsewhere; \
+             track the positions{gains}; rotors (robot.armature) calm light wrists"
+        )
     })
 }
 

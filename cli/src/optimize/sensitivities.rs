@@ -6,10 +6,9 @@ use costate_report::numbers::short;
 use std::error::Error;
 use std::io::Write;
 
-/// The derivatives of the cost by all parameters of the robot that it depends on through the torques alone.
+/// The derivatives of the cost by all parameters of the robot.
 pub fn sensitivities(problem: &Problem, solution: &Solution) -> Result<Vec<CostDerivative>, Box<dyn Error>> {
-    let found = problem.parameters().map_err(Box::<dyn Error>::from);
-    let found = found.and_then(|set| Ok(cost_by_parameters(problem, solution, &set)?));
+    let found = cost_by_parameters(problem, solution, &problem.parameters());
     found.map_err(|error| format!("--sensitivities: {error}").into())
 }
 

@@ -33,7 +33,8 @@ pub fn print(
         table.row(vec![format!("  {stage}"), format!("{} s, {share:.0} %", short(time, 3))]);
     }
     write!(out, "{table}")?;
-    let remarks = [explanation(problem, solution), needs_feedback(solution), skipped_starts(solution)];
+    let remarks =
+        [explanation(problem, solution), needs_feedback(problem, solution), skipped_starts(solution)];
     for remark in remarks.into_iter().flatten() {
         writeln!(out, "\n  {}.", escape_hidden(&sentence(&remark)))?;
     }

@@ -36,11 +36,13 @@ mod points;
 mod refine;
 mod solve;
 
+pub(crate) use again::cost_by_robot::moves_links;
 pub use again::feedback::Feedback;
 pub use again::motion_derivative::{MotionDerivative, MotionParameter};
 pub use again::resolve::Resolve;
 pub use again::resolve_error::ResolveError;
 pub use again::resolved::{Budget, ResolveStatus, Resolved};
+pub use again::sensitivity_error::SensitivityError;
 pub(crate) use interior::filter::{Figure, Filter, is_better};
 pub(crate) use limits::power::Powers;
 pub(crate) use motion::shape::{PLACES, POINTS, WEIGHTS};

@@ -61,6 +61,11 @@ impl ChainMatrix {
         self.node_rows.resize((intervals + 1) * self.node * 2 * self.node, 0.0);
     }
 
+    /// Number of intervals.
+    pub fn intervals(&self) -> usize {
+        self.intervals
+    }
+
     /// Length of the rows of an interval.
     pub fn inner_width(&self) -> usize {
         self.inner + 2 * self.node

@@ -219,6 +219,24 @@ impl Problem {
         of_limits.or(given(&self.start, Key::START_A)).or(given(&self.end, Key::END_A))
     }
 
+    /// Whether an optimal motion of this problem that is a strict minimum has gains
+    /// ([`Gains`](crate::Gains)). Where accelerations are continuous only if the jerk, or the rate of the
+    /// torque, of each joint costs something, and the final time and those of all vias are given.
+    pub fn has_gains(&self) -> bool {
+        let times_are_given = || self.times_at_ends().iter().all(Option::is_some);
+        self.first_of_rates().is_none() || (self.first_free_jerk().is_none() && times_are_given())
+    }
+
+    /// Where accelerations are continuous: the name of the first joint whose jerk, and whose rate of the
+    /// torque, cost nothing.
+    pub(crate) fn first_free_jerk(&self) -> Option<String> {
+        self.first_of_rates()?;
+        let costs = |list: &Option<Vec<f64>>, i: usize| list.as_ref().is_some_and(|list| list[i] > 0.0);
+        let mut joints = self.robot.independent_joints().enumerate();
+        let free = joints.find(|&(i, _)| !costs(&self.cost.jerk, i) && !costs(&self.cost.torque_rate, i));
+        free.map(|(_, joint)| joint.name.clone())
+    }
+
     /// Whether a relaxed problem may weaken the user terms. Not where they are the only cost of time.
     pub(crate) fn terms_may_be_weaker(&self) -> bool {
         !self.terms.is_empty() && (self.cost.time > 0.0 || matches!(self.time, FinalTime::Fixed(_)))

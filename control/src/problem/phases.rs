@@ -46,6 +46,11 @@ impl Problem {
         [&self.task.start_tools[..]].into_iter().chain(vias).chain([&self.task.end_tools[..]])
     }
 
+    /// Whether anything is asked of tools or bodies, which move with links.
+    pub(crate) fn asks_for_links(&self) -> bool {
+        self.task.moves_with_links() || self.vias.iter().any(|via| !via.tools.is_empty())
+    }
+
     /// The times that are given at the ends of the phases (s).
     pub(crate) fn times_at_ends(&self) -> Vec<Option<f64>> {
         let end = match self.time {

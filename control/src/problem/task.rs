@@ -46,17 +46,16 @@ impl Task {
         parts.into_iter().find(|(is_empty, ..)| !is_empty).map(|(_, table, name)| Key::entry(table, name, 0))
     }
 
-    /// The key of the first limit on the acceleration of a tool.
-    pub(crate) fn first_of_accelerations(&self) -> Option<Key> {
-        let first = self.keep.iter().position(|keep| matches!(keep.kept, Kept::Acceleration { .. }))?;
-        Some(Key::entry("keep", "acceleration", first))
+    /// Whether the acceleration of a tool is limited.
+    pub(crate) fn limits_accelerations(&self) -> bool {
+        self.keep.iter().any(|keep| matches!(keep.kept, Kept::Acceleration { .. }))
     }
 
-    /// The same without references of joints: what moves with the links.
-    pub(crate) fn first_key_of_links(&self) -> Option<Key> {
+    /// Whether anything but references of joints is asked: what moves with the links.
+    pub(crate) fn moves_with_links(&self) -> bool {
         let mut links = self.clone();
         links.references.retain(|reference| matches!(reference, Reference::Tool(_)));
-        links.first_key()
+        !links.is_empty()
     }
 
     /// With a tool here at the start. The start must leave joints free for it.

@@ -182,47 +182,94 @@ fn rest(problem: &Problem, motion: &Resolve, t: f64, vias: usize, change: (usize
     motion.state_at(motion.final_time().unwrap(), &mut end).unwrap();
     z[change.0] += change.1;
     let mut left = problem.clone();
-    // What is carried from the last via that is passed on.
-    for payload in problem.vias[..vias].last().and_then(|via| via.payload.clone()).into_iter().flatten() {
+    // What is carried from the last via on that says so.
+    let carried = problem.vias[..vias].iter().rev().find_map(|via| via.payload.clone());
+    for payload in carried.into_iter().flatten() {
         left.robot = left.robot.with_payload(&payload.frame, &payload.inertia).unwrap();
     }
     left.vias.drain(..vias);
+    left.vias.iter_mut().flat_map(|via| &mut via.time).for_each(|time| *time -= t);
     left.start = BoundaryState::fixed(&z[..2], &z[2..4]);
-    left.periodic = None;
-    left.end = BoundaryState::fixed(&end[..2], &end[2..4]);
+    if problem.cost.jerk.is_some() || problem.cost.torque_rate.is_some() {
+        left.start = left.start.with_a(&z[4..]);
+    }
+    if left.periodic.take().is_some() {
+        left.end = BoundaryState::fixed(&end[..2], &end[2..4]);
+    }
     left.time = match problem.time {
         FinalTime::Fixed(time) => FinalTime::Fixed(time - t),
-        free => free,
+        _ => FinalTime::Free { guess: motion.final_time().unwrap() - t },
     };
     left
 }
 
-/// The torques at the start of a motion.
-fn controls(problem: &Problem) -> Vec<f64> {
-    let mut motion = Resolve::new(problem, options(121, 1e-11)).unwrap();
+/// The parabola through values at Gauss's points of an interval, at its start. There the direct method
+/// computes controls; at nodes they are off by much more.
+fn at_start(values: [[f64; 2]; 3]) -> [f64; 2] {
+    let root = 0.15_f64.sqrt();
+    // Lagrange's factors at 0 for the places 1/2 - root, 1/2, 1/2 + root.
+    let side = |other: f64| 0.5 * other / (2.0 * root * root);
+    let factors = [side(0.5 + root), -(0.25 - root * root) / (root * root), side(0.5 - root)];
+    std::array::from_fn(|i| (0..3).map(|k| factors[k] * values[k][i]).sum())
+}
+
+/// The torques at the start of a motion; with continuous accelerations the jerks.
+fn controls(problem: &Problem) -> [f64; 2] {
+    let mut motion = Resolve::new(problem, options(241, 1e-10)).unwrap();
     assert_eq!(motion.solve().unwrap().status, ResolveStatus::Solved);
-    let mut tau = vec![0.0; 2];
-    motion.torques_at(0.0, &mut tau).unwrap();
-    tau
+    let feedback = motion.feedback().unwrap().unwrap();
+    if feedback.state() == 4 {
+        let times = [0, 1, 2].map(|p| feedback.time(p));
+        return at_start(times.map(|t| {
+            let mut tau = [0.0; 2];
+            motion.torques_at(t, &mut tau).unwrap();
+            tau
+        }));
+    }
+    // On an interval accelerations are cubics.
+    let (length, root) = (feedback.time(4), 0.15_f64.sqrt());
+    at_start([0.5 - root, 0.5, 0.5 + root].map(|place| {
+        let at = |by: f64| {
+            let mut z = [0.0; 6];
+            motion.state_at((place + by) * length, &mut z).unwrap();
+            z
+        };
+        let [a, b, c, d] = [-0.1, -0.05, 0.05, 0.1].map(at);
+        [4, 5].map(|i| (8.0 * (c[i] - b[i]) - (d[i] - a[i])) / (0.6 * length))
+    }))
 }
 
 /// Gains on the way, before and after vias, are what the rest of the motion does in another state.
 #[test]
 fn gains_are_those_of_the_rest_of_the_motion() {
     let none = MotionLimits::none;
+    let jerks = |weight: f64| Objective::new(0.0, vec![1.0; 2]).with_jerk(vec![weight; 2]);
+    let rates = || Objective::new(0.0, vec![1.0; 2]).with_torque_rate(vec![0.1; 2]);
+    let mut timed = with_vias(none(), false).with_cost(jerks(0.1));
+    (timed.vias[0].time, timed.vias[1].time) = (Some(0.5), Some(1.1));
     // Times, and how many vias are over.
     for (name, problem, times) in [
         ("vias", with_vias(none(), false), vec![(0.2, 0), (0.9, 1)]),
         ("periodic, free", periodic(none(), false), vec![(0.4, 0), (1.2, 0)]),
+        ("vias, free time", with_vias(none(), true), vec![(0.0, 0), (0.1, 0), (1.5, 1), (2.2, 2)]),
+        ("jerks", at_rest(arm(none()).with_cost(jerks(0.1))), vec![(0.0, 0), (0.4, 0)]),
+        // They settle within some hundredths of a second.
+        ("cheap jerks", arm(none()).with_cost(jerks(1e-3)), vec![(0.3, 0), (0.7, 0)]),
+        ("torque rates", at_rest(arm(none()).with_cost(rates())), vec![(0.3, 0)]),
+        ("jerks, vias", timed, vec![(0.2, 0), (0.8, 1), (1.3, 2)]),
     ] {
-        let mut motion = Resolve::new(&problem, options(121, 1e-11)).unwrap();
+        let mut motion = Resolve::new(&problem, options(241, 1e-10)).unwrap();
         assert_eq!(motion.solve().unwrap().status, ResolveStatus::Solved, "{name}");
         let feedback = motion.feedback().unwrap().unwrap().clone();
         let m = feedback.state();
         let mut gain = vec![0.0; 2 * m];
         for (t, vias) in times {
             assert!(feedback.gain(t, &mut gain), "{name}");
-            let size = gain.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+            // Positions, rates and accelerations have units of their own.
+            let size = |j: usize| {
+                let group = gain.chunks_exact(m).flat_map(|row| &row[j / 2 * 2..j / 2 * 2 + 2]);
+                group.fold(0.0, |most: f64, x| most.max(x.abs()))
+            };
             for j in 0..m {
                 let step = 1e-3;
                 let of = |by: f64| controls(&rest(&problem, &motion, t, vias, (j, by)));
@@ -230,9 +277,30 @@ fn gains_are_those_of_the_rest_of_the_motion() {
                 for i in 0..2 {
                     let expected = (above[i] - below[i]) / (2.0 * step);
                     let off = (gain[m * i + j] - expected).abs();
-                    assert!(off < 1e-2 * size, "{name} {t} {i} {j}: {} {expected}", gain[m * i + j]);
+                    assert!(off < 1e-2 * size(j), "{name} {t} {i} {j}: {} {expected}", gain[m * i + j]);
                 }
             }
         }
+    }
+}
+
+/// The law of jerks has no derivative where they cost nothing.
+#[test]
+fn jerks_without_a_cost_have_no_gains() {
+    let none = MotionLimits::none;
+    let one = Objective::new(0.0, vec![1.0; 2]).with_jerk(vec![0.1, 0.0]);
+    let both = one.clone().with_torque_rate(vec![0.0, 1e-2]);
+    for (problem, has) in [
+        (at_rest(arm(none().with_torque_rate_max(vec![260.0, 150.0]))), false),
+        (arm(none().with_jerk_max(vec![100.0, 150.0])), false),
+        (arm(none()).with_cost(one), false),
+        (arm(none()).with_cost(both.clone()), true),
+        // The times of vias are free.
+        (with_vias(none(), false).with_cost(both), false),
+    ] {
+        let mut motion = Resolve::new(&problem, options(49, 1e-8)).unwrap();
+        assert_eq!(motion.solve().unwrap().status, ResolveStatus::Solved);
+        let feedback = motion.feedback().unwrap().unwrap();
+        assert_eq!((feedback.gain(0.3, &mut [0.0; 12]), problem.has_gains()), (has, has));
     }
 }

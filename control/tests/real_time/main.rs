@@ -10,7 +10,9 @@ mod kinds;
 mod kinds_feedback;
 mod motion_derivative;
 mod resolve;
+mod row_numbers;
 mod sensitivity;
+mod sensitivity_kinds;
 mod settings;
 mod solved;
 

@@ -25,7 +25,7 @@ fn values(problem: &Problem, intervals: usize, tolerance: f64) -> [Vec<f64>; 4] 
 
 /// Largest differences of the derivatives from central differences of solving again on the same mesh,
 /// relative to the largest of each kind: cost, T, states, torques.
-fn differences(
+pub fn differences(
     problem: &Problem,
     parameter: &MotionParameter,
     change: impl Fn(&Problem, f64) -> Problem,

@@ -9,6 +9,7 @@ use costate_control::{
 };
 use costate_test_support::allocations::allocations;
 use nalgebra::{Matrix3, Rotation3, Vector3};
+use std::ops::ControlFlow;
 
 const FREE: f64 = f64::INFINITY;
 /// Where the arm begins.
@@ -167,14 +168,18 @@ fn the_power_of_all_joints_has_a_derivative() {
     assert!(found.cost < 0.0 && (found.cost / difference - 1.0).abs() < 1e-3, "{} {difference}", found.cost);
 }
 
+/// Another thread's handle stops a solve before its next step.
 #[test]
 fn a_solve_is_cancelled() {
     let mut motion = Resolve::new(&problem("ur5_limits"), options(20, 1e-6)).unwrap();
     let cancel = Cancel::new();
     cancel.cancel();
-    motion.set_cancel(Some(cancel));
-    let stopped = motion.solve().unwrap();
+    let budget = motion.budget();
+    let mut solve = |cancel: &Cancel| {
+        let stop = || if cancel.is_cancelled() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
+        motion.solve_until(budget, stop).unwrap()
+    };
+    let stopped = solve(&cancel);
     assert_eq!((stopped.status, stopped.iterations), (ResolveStatus::Cancelled, 1));
-    motion.set_cancel(None);
-    assert_eq!(motion.solve().unwrap().status, ResolveStatus::Solved);
+    assert_eq!(solve(&Cancel::new()).status, ResolveStatus::Solved);
 }

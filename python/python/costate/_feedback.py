@@ -85,9 +85,10 @@ class Feedback:
         self.cost_hessian: _Array = core.array("cost_hessian")[0]
 
     def gain(self, t: ArrayLike) -> _Array | None:
-        """The gain K of dtau = K dx.
+        """The gain K of dtau = K dx; with continuous accelerations that of the jerk, da/dt = jerk + K dx.
 
-        Gains grow without bound towards given ends and vias; those of 98 % of the time of a phase are held.
+        With continuous accelerations there are gains where the jerk, or the rate of the torque, of each joint costs
+        something and all later times are given. Gains grow without bound towards given ends and vias; those of 98 % of the time of a phase are held.
 
         Parameters
         ----------
@@ -97,7 +98,7 @@ class Feedback:
         Returns
         -------
         ndarray (n, m) or (N, n, m), or None
-            In N m/rad, N m s/rad, N/m, N s/m; None with continuous accelerations.
+            In N m/rad, N m s/rad, N/m, N s/m; of jerks in 1/s^3, 1/s^2, 1/s. None where there is no gain.
         """
         found = self._core.gain(np.atleast_1d(np.asarray(t, float)))
         return None if found is None else found[0] if np.ndim(t) == 0 else found

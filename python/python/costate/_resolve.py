@@ -208,7 +208,7 @@ class Resolve(Settings):
         Parameters
         ----------
         limit : {"q_min", "q_max", "v_max", "a_max", "torque_max", "power_max", "jerk_max", "torque_rate_max", \
-                "total_power_max"}
+                "corner_speed", "no_load_speed", "total_power_max"}
             The limit.
         joint : str or int, optional
             The joint, by name or from 0; none for ``"total_power_max"``.
@@ -224,6 +224,30 @@ class Resolve(Settings):
             For a joint or a limit that the problem has not.
         """
         found = self._core.derivative_by_limit(limit, self._joint(joint))
+        return None if found is None else MotionDerivative._make(found)
+
+    def derivative_by_task(self, table: str, entry: int = 0) -> MotionDerivative | None:
+        """Derivatives by a number of the task.
+
+        Parameters
+        ----------
+        table : {"keep", "obstacle", "margin"}
+            What ``keep[entry]`` allows at most (m, rad, m/s, m/s^2), the radius of ``obstacles[entry]`` (m), or the
+            distance that bodies keep (m).
+        entry : int
+            Counted from 0; it does not count for the margin.
+
+        Returns
+        -------
+        MotionDerivative or None
+            None where the motion is no strict minimum, or before it is solved.
+
+        Raises
+        ------
+        ArgumentError
+            For an entry that the problem has not, a box, or an equation.
+        """
+        found = self._core.derivative_by_task(table, entry)
         return None if found is None else MotionDerivative._make(found)
 
     def derivative_by_mass(

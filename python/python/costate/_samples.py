@@ -143,13 +143,15 @@ class Gains:
     q, v, tau : array (N, n)
         The motion there.
     gain_q, gain_v : array (N, n, n)
-        dtau/dq and dtau/dv.
-    cost_by_start, final_time_by_start : array (2n)
-        dJ/dx and dT/dx, x = (q, v) at the start.
+        dtau/dq and dtau/dv; with continuous accelerations those of the jerk.
+    gain_a : array (N, n, n) or None
+        With continuous accelerations djerk/da.
+    cost_by_start, final_time_by_start : array (m)
+        dJ/dx and dT/dx, x = (q, v) at the start, m = 2n; with continuous accelerations x = (q, v, a), m = 3n.
     final_time : float
         T (s).
     derivatives : dict
-        ``t``, and ``parameters``: for each limit of each joint ``name``, ``joint``, ``cost``, ``final_time``, and
+        ``t``, and ``parameters``: for each limit of joints, tools and bodies ``name``, ``joint``, ``cost``, ``final_time``, and
         ``q``, ``v``, ``tau`` (arrays) at ``t``, at the same part of the time.
     """
 
@@ -161,6 +163,7 @@ class Gains:
         self.t: _Array = np.array(found["t"])
         self.q, self.v, self.tau = (np.array(found[name]).reshape(-1, n) for name in ("q", "v", "tau"))
         self.gain_q, self.gain_v = (np.array(found[name]).reshape(-1, n, n) for name in ("gain_q", "gain_v"))
+        self.gain_a: _Array | None = np.array(found["gain_a"]) if "gain_a" in found else None
         self.cost_by_start, self.final_time_by_start = (
             np.array(found[name]) for name in ("cost_by_start", "final_time_by_start")
         )

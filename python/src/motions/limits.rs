@@ -15,7 +15,7 @@ type Derivative<'py> = (f64, f64, Bound<'py, PyAny>, Bound<'py, PyAny>);
 type OfJoint = fn(usize) -> MotionParameter;
 
 /// Limits of one joint, by their keys.
-const LIMITS: [(&str, OfJoint); 8] = [
+const LIMITS: [(&str, OfJoint); 10] = [
     ("q_min", MotionParameter::PositionMin),
     ("q_max", MotionParameter::PositionMax),
     ("v_max", MotionParameter::VelocityMax),
@@ -24,6 +24,8 @@ const LIMITS: [(&str, OfJoint); 8] = [
     ("power_max", MotionParameter::PowerMax),
     ("jerk_max", MotionParameter::JerkMax),
     ("torque_rate_max", MotionParameter::TorqueRateMax),
+    ("corner_speed", MotionParameter::CornerSpeed),
+    ("no_load_speed", MotionParameter::NoLoadSpeed),
 ];
 
 /// The limit of all joints.
@@ -61,6 +63,25 @@ impl ResolveCore {
         joint: Option<usize>,
     ) -> PyResult<Option<Derivative<'py>>> {
         self.derivative_by(py, &parameter(py, limit, joint)?)
+    }
+
+    /// The same by what an entry of `keep` allows, by the radius of an obstacle, by the margin.
+    fn derivative_by_task<'py>(
+        &self,
+        py: Python<'py>,
+        table: &str,
+        entry: usize,
+    ) -> PyResult<Option<Derivative<'py>>> {
+        let parameter = match table {
+            "keep" => MotionParameter::KeepMax(entry),
+            "obstacle" => MotionParameter::ObstacleRadius(entry),
+            "margin" => MotionParameter::CollisionMargin,
+            _ => {
+                let message = format!("there is no '{table}'; give keep, obstacle or margin");
+                return Err(argument(py, "table", message));
+            }
+        };
+        self.derivative_by(py, &parameter)
     }
 
     /// The same by the mass of a body that a frame carries: its mass, centre and six entries of inertia.

@@ -76,6 +76,7 @@ pub fn gains(py: Python<'_>, error: GainError) -> PyErr {
 #[cold]
 pub fn sensitivity(py: Python<'_>, error: SensitivityError) -> PyErr {
     match error {
+        SensitivityError::Problem(error) => problem(py, &error),
         SensitivityError::Evaluation(error) => evaluation(py, error),
         error => motion(error),
     }
@@ -91,6 +92,7 @@ pub fn resolve(py: Python<'_>, error: ResolveError) -> PyErr {
         | ResolveError::FreeAcceleration { what }
         | ResolveError::Outside { what, .. } => argument(py, what, message),
         ResolveError::NoEntry { table, .. }
+        | ResolveError::NoNumber { table, .. }
         | ResolveError::Task { table, .. }
         | ResolveError::NoOrientation { table, .. }
         | ResolveError::NoTool { table, .. } => argument(py, table, message),

@@ -235,7 +235,7 @@ impl SolutionCore {
 
     /// Name, value and derivative of the cost, for each parameter of the robot.
     fn sensitivities(&self, py: Python<'_>) -> PyResult<Vec<(String, f64, f64)>> {
-        let set = self.problem.parameters().map_err(raise::motion)?;
+        let set = self.problem.parameters();
         let found = py.detach(|| cost_by_parameters(&self.problem, &self.solution, &set));
         let found = found.map_err(|error| raise::sensitivity(py, error))?;
         let row = |of: CostDerivative| (of.name, of.value, of.derivative);

@@ -3,7 +3,8 @@
 use crate::Coordinates;
 use crate::codegen::error::CodegenError;
 use crate::codegen::names::name_from;
-use crate::codegen::program::{Program, RecordedResult};
+use crate::codegen::program::Program;
+use crate::codegen::program_ends::RecordedResult;
 use crate::codegen::record::Expr;
 use crate::codegen::robot::ProgramOptions;
 use crate::error::EvalError;

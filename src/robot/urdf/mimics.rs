@@ -1,6 +1,6 @@
 //! `<mimic>` of the joints of a URDF: what it refers to.
 
-use super::source::{JointType, Source};
+use super::parts::{JointType, Source};
 use crate::robot::error::RobotError;
 use crate::robot::link::Placement;
 use crate::robot::nearest::resembling;
@@ -65,7 +65,7 @@ pub(super) fn settle(source: &mut Source, warnings: &mut Vec<Warning>) -> Result
     Ok(())
 }
 
-impl super::source::SourceJoint {
+impl super::parts::SourceJoint {
     /// Makes it a fixed joint at this position (rad, m).
     fn fix(&mut self, position: f64) {
         if let Some(kind) = self.kind.moves() {

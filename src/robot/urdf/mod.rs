@@ -14,6 +14,7 @@
 mod element;
 mod limits;
 mod mimics;
+mod parts;
 mod quaternion;
 mod source;
 mod tree;
@@ -23,7 +24,7 @@ mod xml;
 
 pub use self::visual::{Geometry, Visual, visuals};
 
-use self::source::{JointType, Source, SourceJoint};
+use self::parts::{JointType, Source, SourceJoint};
 use self::tree::{Attachment, Attachments};
 use super::body::Body;
 use super::checks;

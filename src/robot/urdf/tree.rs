@@ -1,6 +1,6 @@
 //! Which joint moves which link: the tree of a URDF, and where each frame lies in it.
 
-use super::source::{JointType, Source};
+use super::parts::{JointType, Source};
 use crate::robot::error::RobotError;
 use crate::robot::link::Placement;
 use std::collections::{HashMap, HashSet};

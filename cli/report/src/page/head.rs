@@ -29,7 +29,7 @@ pub fn section(motion: &Motion<'_>) -> String {
         remarks.iter().flatten().map(|remark| format!("{}.", text::sentence(remark))).collect()
     };
     let remarks = sentences(&[text::explanation(problem, solution), text::skipped_starts(solution)]);
-    let advice = sentences(&[text::needs_feedback(solution)]);
+    let advice = sentences(&[text::needs_feedback(problem, solution)]);
     let status = &solution.motion.status;
     let cards: String = cards(motion).iter().map(card).collect();
     format!(

@@ -87,7 +87,12 @@ fn other_kinds_of_motions_have_feedback() {
         assert_eq!(found["t"].as_array().unwrap().len(), 101, "{found}");
         found
     };
-    assert!(found(&two_link().replace("[cost]", via)).get("gain_q").is_some());
+    let through = found(&two_link().replace("[cost]", via));
+    assert!(through.get("gain_q").is_some() && through.get("gain_a").is_none());
+    let costly = "effort = [1.0, 1.0]\njerk = [0.1, 0.1]\n[limits]\nfrom_robot = false";
+    let smooth = found(&two_link().replace("effort = [1.0, 1.0]", costly));
+    assert_eq!(smooth["gain_a"].as_array().unwrap().len(), 101);
+    assert_eq!(smooth["cost_by_start"].as_array().unwrap().len(), 6);
     assert!(found(&two_link().replace("[end]", "q_free = [1]\n[end]")).get("gain_q").is_some());
 }
 
@@ -98,15 +103,11 @@ fn what_has_no_feedback_is_told() {
         let message = String::from_utf8_lossy(&output.stderr).into_owned();
         assert!(!output.status.success() && message.contains(words), "{message}");
     };
-    says(
-        &two_link().replace(
-            "effort = [1.0, 1.0]",
-            "effort = [1.0, 1.0]\njerk = [0.1, 0.1]\n[limits]\nfrom_robot = false",
-        ),
-        "continuous",
-    );
-    let free = "[time]\nfree = true\nguess = 2.0\n[[via]]\nq = [0.5, 1.0]\n[limits]\nfrom_robot = false\n[cost]\ntime = 1.0";
-    says(&two_link().replace("[time]\nfinal = 1.0\n[cost]", free), "free final time");
+    let limited = "[limits]\nfrom_robot = false\njerk_max = [150.0, 200.0]\n[cost]";
+    says(&two_link().replace("[cost]", limited), "the rate of the torque of joint 'shoulder' costs");
+    let costly = "effort = [1.0, 1.0]\ntime = 60.0\njerk = [0.1, 0.1]\n[limits]\nfrom_robot = false";
+    let free = two_link().replace("final = 1.0", "free = true\nguess = 1.5");
+    says(&free.replace("effort = [1.0, 1.0]", costly), "give the final time");
     // No motion.
     let fast = "effort = [1.0, 1.0]\n[limits]\nv_max = [0.5, 0.5]";
     says(&two_link().replace("effort = [1.0, 1.0]", fast), "feedback");

@@ -3,6 +3,7 @@
 use crate::direct::limits::ends::Ends;
 use crate::direct::motion::shape::{PLACES, POINTS};
 use crate::direct::motion::spline::Spline;
+use crate::numerics::chain::ChainMatrix;
 use crate::numerics::lagrange::values;
 
 /// Derivatives of an optimal motion by its start and its end, at its points: neighbouring optimal feedback.
@@ -17,21 +18,29 @@ use crate::numerics::lagrange::values;
 ///    \left( \frac{\partial x}{\partial x_0} \right)^{-1} $$
 ///
 /// with x_0 all of the state at the start of the phase, also where the problem leaves some of it free, and
-/// derivatives at constant time where a later time is given, so that the time that is left matters. Where
-/// accelerations are continuous there is no gain: the control is the jerk then, and what this formula gives
-/// was not that of solving again. With vias and a free final time K was found to be off by up to a tenth of
-/// an entry. The end of a periodic motion is led to where that of this motion is. All this holds as long as
-/// the same limits are active. Limits are those of the barrier problem at the gap at which the
-/// motion was solved, or at a wider one where that is so stiff that rounding would show: an active limit is
-/// an equation to about 1e-5. K next to the ends of arcs at limits is as good as the mesh: that of a two-link
-/// arm with an elbow at its torque limit from the start is that of solving again to 6 % of its largest entry
-/// with tolerances from 1e-4 to 1e-8, where no limit is active to 0.2 %. Where the
-/// end is given, gains grow without bound towards it: [`gain`](Self::gain) holds that of 98 % of the time.
+/// derivatives at constant time where a later time is given, so that the time that is left matters. The end
+/// of a periodic motion is led to where that of this motion is.
+///
+/// Where accelerations are continuous the control is the jerk: K is that of jerks then, n x 3n, in place of
+/// the torques. It exists where the cost is strictly convex in all jerks: where the jerk or the rate of the
+/// torque of each joint costs something. It is computed in phases behind whose start all times are given
+/// ([`Problem::has_gains`](crate::Problem::has_gains)). Without such a cost the Hamiltonian is linear in a
+/// jerk, which is at its limit, where K is zero, or on a singular arc keeps a relation between position, rate
+/// and acceleration. Next to such an arc it goes to the limit on one side or on the other, however small the
+/// deviation is: as a function of the state it jumps, and there is no K. [`gain`](Self::gain) says so.
+///
+/// All this holds as long as the same limits are active. Limits are those of the barrier problem at the gap
+/// at which the motion was solved, or at a wider one where that is so stiff that rounding would show: an
+/// active limit is an equation to about 1e-5. K next to the ends of arcs at limits is as good as the mesh:
+/// that of a two-link arm with an elbow at its torque limit from the start is that of solving again to 6 % of
+/// its largest entry with tolerances from 1e-4 to 1e-8, where no limit is active to 0.2 %. Where the end is
+/// given, gains grow without bound towards it: [`gain`](Self::gain) holds that of 98 % of the time.
 ///
 /// The derivatives come from the factorised equations of Newton's method by a substitution for each column,
 /// without an evaluation of the dynamics. Gains after a via, and those of motions whose start is not all
-/// given, need the equations of the rest of the motion, which are factorised once for each phase.
-/// A. E. Bryson, Y.-C. Ho, Applied Optimal Control, 1975, section 6.4.
+/// given, need the equations of the rest of the motion, which are factorised once for each phase; those of
+/// jerks are factorised once for each interval. A. E. Bryson, Y.-C. Ho, Applied Optimal Control, 1975,
+/// section 6.4.
 #[derive(Clone, Debug, Default)]
 pub struct Feedback {
     dof: usize,
@@ -57,6 +66,9 @@ pub struct Feedback {
     pub(super) own_controls: Vec<f64>,
     /// For each phase, what is given at the ends if its start is.
     pub(super) given: Vec<Ends>,
+    /// The equations behind a node, and a vector of their unknowns.
+    pub(super) rest: Option<ChainMatrix>,
+    pub(super) tail: Vec<f64>,
     /// q, v, a and the jerk at a place.
     pub(super) z: Vec<f64>,
     /// m x (m + n).
@@ -86,6 +98,8 @@ impl Feedback {
         self.own_controls.resize(n * m * gauss_points, 0.0);
         self.cost_x.resize(m, 0.0);
         self.cost_xx.resize(m * m, 0.0);
+        let inner = spline.mesh.shape.inner() * n;
+        self.rest.get_or_insert_with(|| ChainMatrix::new(m, inner));
         self.changes.resize_with(spline.times.len() + 1, Vec::new);
         self.changes.iter_mut().for_each(|change| change.resize(m, 0.0));
         self.work.resize(m * (m + n), 0.0);
@@ -199,16 +213,16 @@ impl Feedback {
     }
 
     /// K at a point, n x 2n (N m/rad, N m s/rad; N/m, N s/m). `None` where accelerations are continuous:
-    /// jerks may jump at a point; [`gain`](Self::gain) has what is between them.
+    /// their points are not Gauss's; [`gain`](Self::gain) has K at any time.
     pub fn gain_at_point(&self, point: usize) -> Option<&[f64]> {
         (self.state == 2 * self.dof).then(|| self.part(&self.gains, point, self.dof))
     }
 
-    /// Writes K(t), n x m, at time t (s): a parabola through Gauss's points of each interval. False, and
-    /// nothing is written, where `gain` has not n m entries, t is NaN or accelerations are continuous; t
-    /// beyond the ends counts as that of the end.
+    /// Writes K(t), n x m, at time t (s): a parabola through Gauss's points of each interval. False where
+    /// `gain` has not n m entries, t is NaN, or there is no gain; then nothing counts that is in it. t beyond
+    /// the ends counts as that of the end.
     pub fn gain(&self, t: f64, gain: &mut [f64]) -> bool {
-        if self.state != 2 * self.dof || self.dof == 0 || gain.len() != self.dof * self.state || t.is_nan() {
+        if self.dof == 0 || gain.len() != self.dof * self.state || t.is_nan() {
             return false;
         }
         let (mut phase, mut rest) = (0, t.max(0.0));
@@ -225,7 +239,7 @@ impl Feedback {
             let at_point = self.part(&self.gains, POINTS * k + j, self.dof);
             gain.iter_mut().zip(at_point).for_each(|(to, from)| *to += factor * from);
         }
-        true
+        gain.iter().all(|entry| entry.is_finite())
     }
 
     /// `rows` rows of a point.

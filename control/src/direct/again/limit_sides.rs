@@ -44,7 +44,12 @@ impl Resolve {
             Of::TorqueRateMax(joint) => (Limited::TorqueRate, Some(*joint), 0.0),
             Of::PowerMax(joint) => (Limited::Power, Some(*joint), 0.0),
             Of::TotalPowerMax => (Limited::Power, None, 0.0),
-            Of::PayloadMass(_) => return Err(ResolveError::NotALimit),
+            Of::PayloadMass(_)
+            | Of::CornerSpeed(_)
+            | Of::NoLoadSpeed(_)
+            | Of::KeepMax(_)
+            | Of::ObstacleRadius(_)
+            | Of::CollisionMargin => return Err(ResolveError::NotALimit),
         };
         let (sides, powers) = (|| self.interior.barrier.all_sides(), &self.interior.model.powers);
         let is_of = |side: &Side, joint: Option<usize>| match side.limited {

@@ -3,6 +3,7 @@
 //! A solved motion is the [start](start::Again) of the next one; [`feedback`] is how it changes with its
 //! ends. [`Resolve`](resolve::Resolve) is what users hold.
 
+pub(super) mod cost_by_robot;
 pub(super) mod feedback;
 pub(super) mod goals;
 mod limit_sides;
@@ -16,7 +17,12 @@ mod phase_gains;
 pub(super) mod resolve;
 pub(super) mod resolve_error;
 pub(super) mod resolved;
+mod rest_gains;
+mod row_column;
+pub(super) mod sensitivity_error;
 mod settings;
+mod solve_again;
+mod solved_near;
 pub(super) mod start;
 
 #[cfg(test)]

@@ -15,7 +15,7 @@ impl Resolve {
     /// [`ResolveError::NoLimit`]: a joint without this limit, or with a torque that falls with its speed;
     /// [`ResolveError::BadLimit`]: a magnitude that is not positive, positions without room between them, no
     /// finite number; [`ResolveError::Outside`]: the start or end that is set lies outside;
-    /// [`ResolveError::NotALimit`] for a payload.
+    /// [`ResolveError::NotALimit`] for what is no limit of joints.
     pub fn set_limit(&mut self, limit: &MotionParameter, value: f64) -> Result<(), ResolveError> {
         let (sides, joint) = self.sides_of(limit)?;
         let (limited, kind) = (sides.limited, sides.limited.name());
@@ -56,7 +56,8 @@ impl Resolve {
             MotionParameter::PowerMax(_) => limits.power = value,
             MotionParameter::JerkMax(_) => limits.jerk = value,
             MotionParameter::TorqueRateMax(_) => limits.torque_rate = value,
-            MotionParameter::TotalPowerMax | MotionParameter::PayloadMass(_) => {}
+            // No limits of one joint.
+            _ => {}
         }
         limits
     }

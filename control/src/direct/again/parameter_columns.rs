@@ -30,7 +30,7 @@ pub(super) struct Column {
 }
 
 impl Column {
-    fn reset(&mut self, unknowns: usize, times: usize) {
+    pub(super) fn reset(&mut self, unknowns: usize, times: usize) {
         for (list, count) in [(&mut self.unknowns, unknowns), (&mut self.times, times)] {
             list.clear();
             list.resize(count, 0.0);

@@ -9,10 +9,8 @@ use super::feedback::Feedback;
 use crate::direct::interior::iterate::Interior;
 use crate::direct::limits::ends::Ends;
 use crate::direct::motion::shape::{PLACES, POINTS};
-use crate::direct::motion::spline::TimeDerivative;
 use crate::direct::points::values::PointDynamics;
 use crate::numerics::chain::dot;
-use crate::numerics::lagrange::slopes;
 use crate::numerics::lu::eliminate;
 
 impl Ends {
@@ -34,7 +32,14 @@ impl<D: PointDynamics> Interior<D> {
     /// Fills the gains of all phases. The equations are factorised before and afterwards.
     pub(super) fn fill_gains(&mut self, feedback: &mut Feedback) {
         let phases = self.spline.times.len();
-        let is_whole = !self.ends.is_periodic && self.ends.given[0].iter().all(|given| *given);
+        let is_smooth = self.spline.mesh.shape.is_smooth();
+        if is_smooth && !self.running.rates.cost_all(self.spline.dof) {
+            feedback.gains.fill(f64::NAN);
+            return;
+        }
+        let is_given = !self.ends.is_periodic && self.ends.given[0].iter().all(|given| *given);
+        // The equations of the motion are those of the first phase then.
+        let is_whole = is_given && !is_smooth;
         let mut given = std::mem::take(&mut feedback.given);
         if given.len() != phases {
             given = (0..phases).map(|phase| self.ends.behind(phase)).collect();
@@ -42,9 +47,12 @@ impl<D: PointDynamics> Interior<D> {
         for phase in (if is_whole { 1 } else { 0 }..phases).rev() {
             std::mem::swap(&mut self.ends, &mut given[phase]);
             self.assemble();
-            // A part of a positive definite matrix is so too.
-            let is_known = self.factorise(0.0);
-            if is_known {
+            let is_known = match is_smooth {
+                true => self.ends.times.count() == 0 && self.take_rests(phase, feedback),
+                // A part of a positive definite matrix is so too.
+                false => self.factorise(0.0),
+            };
+            if is_known && !is_smooth {
                 self.take_phase(phase, feedback);
             }
             std::mem::swap(&mut self.ends, &mut given[phase]);
@@ -69,20 +77,13 @@ impl<D: PointDynamics> Interior<D> {
             self.respond(&feedback.changes);
             feedback.changes[phase][j] = 0.0;
             for p in POINTS * mesh.ends()[phase]..POINTS * mesh.ends()[phase + 1] {
-                if mesh.shape.is_smooth() {
-                    self.change_at_gauss_point(p);
-                } else {
-                    self.change_of_z(p, 0);
-                }
+                self.change_of_z(p, 0);
                 self.hold_time(p, phase, &mut feedback.z);
                 let states = &mut feedback.own_states[m * m * p..][..m * m];
                 states.chunks_exact_mut(m).zip(&self.trial.dz).for_each(|(row, dx)| row[j] = *dx);
                 let controls = feedback.own_controls[n * m * p..][..n * m].chunks_exact_mut(m);
-                for (i, row) in controls.enumerate() {
-                    row[j] = match mesh.shape.is_smooth() {
-                        true => self.trial.rates[0][i],
-                        false => dot(&self.points.tau_z(p)[3 * n * i..][..3 * n], &self.trial.dz),
-                    };
+                for (row, tau_z) in controls.zip(self.points.tau_z(p).chunks_exact(3 * n)) {
+                    row[j] = dot(tau_z, &self.trial.dz);
                 }
             }
         }
@@ -101,46 +102,6 @@ impl<D: PointDynamics> Interior<D> {
         let dt = place * step;
         self.spline.in_interval(k, x, z);
         self.trial.dz.iter_mut().zip(&z[n..]).for_each(|(dz, rate)| *dz -= dt * rate);
-        if self.spline.mesh.shape.is_smooth() {
-            let slopes = slopes(&PLACES, x);
-            let scale = dt / self.spline.length(k);
-            let jerks = &self.points.rates.jerk[n * POINTS * k..];
-            for (i, change) in self.trial.rates[0].iter_mut().enumerate() {
-                let slope: f64 = (0..POINTS).map(|l| slopes[l] * jerks[n * l + i]).sum();
-                *change -= scale * slope;
-            }
-        }
-    }
-
-    /// Changes of z and of the jerk at one of Gauss's points by the first part of the step, to the trial.
-    fn change_at_gauss_point(&mut self, p: usize) {
-        let (n, k) = (self.spline.dof, p / POINTS);
-        let (rate, basis) = (1.0 / self.spline.clock(k), self.spline.gauss_basis(k, p % POINTS));
-        let dt = self.time_steps[0][self.spline.mesh.phase(k)];
-        let (step, own) =
-            (self.spline.of_interval(&self.steps[0], k), self.spline.of_interval(&self.spline.unknowns, k));
-        let [jerks, _] = &mut self.trial.rates;
-        jerks.resize(n, 0.0);
-        let mut scale = 1.0;
-        let width = self.spline.mesh.shape.coefficients();
-        for (order, row) in basis.rows.iter().enumerate() {
-            let to = if order < 3 { &mut self.trial.dz[n * order..n * (order + 1)] } else { &mut jerks[..] };
-            let blocks = || step.0.chunks_exact(n).chain(step.1.chunks_exact(n));
-            let values = || own.0.chunks_exact(n).chain(own.1.chunks_exact(n));
-            to.fill(0.0);
-            for ((factor, step), x) in row[..width].iter().zip(blocks()).zip(values()) {
-                // A derivative in s is one in time with the power of 1/T of its order.
-                for ((to, step), x) in to.iter_mut().zip(step).zip(x) {
-                    *to += scale * factor * (step - order as f64 * rate * dt * x);
-                }
-            }
-            for TimeDerivative { column, order, first } in self.spline.time_derivatives(k) {
-                let factor = scale * row[column] * order * rate * dt;
-                let unknowns = &self.spline.unknowns[first..first + n];
-                to.iter_mut().zip(unknowns).for_each(|(to, x)| *to += factor * x);
-            }
-            scale *= rate;
-        }
     }
 
     /// `K = u_x0 X^-1` at Gauss's points of a phase, with X the derivative of the state there and u_x0 that

@@ -2,25 +2,21 @@
 
 use super::feedback::Feedback;
 use super::goals::Goals;
-use super::resolved::{Budget, ResolveStatus, Resolved, Shown};
+use super::resolved::Shown;
 use super::start::Again;
-use crate::constants::direct as constants;
-use crate::direct::interior::iterate::{End, Interior};
+use crate::direct::interior::iterate::Interior;
 use crate::direct::solve::prepare::{Dynamics, interior, interior_on};
 use crate::options::{Method, SolverOptions};
 use crate::problem::error::ProblemError;
 use crate::problem::limits::JointLimits;
 use crate::problem::{BoundaryState, Problem};
-use crate::progress::Cancel;
 use crate::result::trajectory::Trajectory;
-use crate::solve::recorder::Interruption;
 use crate::task::build::TaskRows;
 use costate::EvalError;
 use costate::lagrangian::Lagrangian;
 use costate::robot::Robot;
 use std::fmt;
-use std::ops::ControlFlow;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// A problem that is solved again and again on one mesh, with other starts, ends, goals, references and
 /// places of obstacles.
@@ -52,7 +48,7 @@ use std::time::{Duration, Instant};
 /// ```
 pub struct Resolve {
     pub(super) interior: Interior<Dynamics>,
-    options: SolverOptions,
+    pub(super) options: SolverOptions,
     pub(super) limits: Vec<JointLimits>,
     /// In each phase, with what it carries.
     pub(super) robots: Vec<Robot>,
@@ -63,17 +59,16 @@ pub struct Resolve {
     /// q(T) - q(0) of a periodic motion.
     pub(super) shift: Option<Vec<f64>>,
     pub(super) goals: Goals,
-    /// Number of obstacles.
-    pub(super) obstacles: usize,
-    again: Again,
+    /// With obstacles where they are now.
+    pub(super) problem: Problem,
+    pub(super) again: Again,
     feedback: Feedback,
     pub(super) shown: Shown,
     pub(super) z: Vec<f64>,
     /// The damping that steps needed last: where it is needed it is in the next solve too.
-    damping: f64,
+    pub(super) damping: f64,
     /// Longest time of a Newton step.
-    longest: Duration,
-    cancel: Option<Cancel>,
+    pub(super) longest: Duration,
     pub(super) started: bool,
     /// Whether the equations are factorised near the iterate.
     pub(super) factorised: bool,
@@ -134,7 +129,7 @@ impl Resolve {
             models: problem.robots().iter().map(Lagrangian::new).collect(),
             shift: problem.periodic.clone(),
             goals: Goals::of(&problem.task),
-            obstacles: problem.task.obstacles.len(),
+            problem: problem.clone(),
             again: Again::new(n, &states),
             states,
             feedback: Feedback::default(),
@@ -142,17 +137,10 @@ impl Resolve {
             z: vec![0.0; 3 * n],
             damping: 0.0,
             longest: Duration::ZERO,
-            cancel: None,
             started: false,
             factorised: false,
             options,
         })
-    }
-
-    /// Stops each solve before its next Newton step, with [`ResolveStatus::Cancelled`], once `cancel` says
-    /// so. With another handle, or `None`, later solves go on.
-    pub fn set_cancel(&mut self, cancel: Option<Cancel>) {
-        self.cancel = cancel;
     }
 
     /// The name of a joint, or its index from 0 if there is no such joint.
@@ -178,129 +166,6 @@ impl Resolve {
         if self.started && dt > 0.0 && dt.is_finite() {
             self.interior.shift(dt, &mut self.again);
         }
-    }
-
-    /// Solves with the limits on steps and time of the options: the first solve.
-    ///
-    /// # Errors
-    /// [`EvalError`] where the motion cannot be evaluated.
-    pub fn solve(&mut self) -> Result<Resolved, EvalError> {
-        self.solve_again(self.budget())
-    }
-
-    /// The limits on steps and time of the options.
-    pub fn budget(&self) -> Budget {
-        Budget { iterations: self.options.max_iterations, time: self.options.time_limit }
-    }
-
-    /// Solves the problem with what was set since the last time.
-    ///
-    /// # Errors
-    /// [`EvalError`] where the motion cannot be evaluated; the next solve begins anew then, at the motion
-    /// that was shown last.
-    pub fn solve_again(&mut self, budget: Budget) -> Result<Resolved, EvalError> {
-        self.solve_until(budget, || ControlFlow::Continue(()))
-    }
-
-    /// The same with a callback after each Newton step; [`ControlFlow::Break`] ends the solve with the
-    /// status [`Cancelled`](ResolveStatus::Cancelled) and the best motion so far.
-    ///
-    /// ```
-    /// # use costate::robot::Robot;
-    /// # use costate_control::{Cancel, Problem, Resolve, ResolveStatus, SolverOptions};
-    /// # use std::ops::ControlFlow;
-    /// # std::env::set_current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))?;
-    /// # let robot = Robot::from_file("robots/two_link.toml")?;
-    /// let problem = Problem::rest_to_rest(robot, &[0.0, 0.0], &[1.0, 0.5], 1.0);
-    /// let mut motion = Resolve::new(&problem, SolverOptions::default())?;
-    /// let cancel = Cancel::new(); // another thread has a clone
-    /// cancel.cancel();
-    /// let stop = || if cancel.is_cancelled() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
-    /// let found = motion.solve_until(motion.budget(), stop)?;
-    /// assert_eq!((found.status, found.iterations), (ResolveStatus::Cancelled, 1));
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    ///
-    /// # Errors
-    /// As [`solve_again`](Self::solve_again).
-    pub fn solve_until(
-        &mut self,
-        budget: Budget,
-        mut listener: impl FnMut() -> ControlFlow<()>,
-    ) -> Result<Resolved, EvalError> {
-        let began = Instant::now();
-        let found = self.try_again(budget, began, &mut listener);
-        if found.is_err() {
-            (self.started, self.factorised) = (false, false);
-            // What cannot be evaluated is no guess.
-            if self.shown.spline.dof > 0 {
-                self.interior.spline.copy_from(&self.shown.spline);
-            }
-        }
-        found
-    }
-
-    fn try_again(
-        &mut self,
-        budget: Budget,
-        began: Instant,
-        listener: &mut dyn FnMut() -> ControlFlow<()>,
-    ) -> Result<Resolved, EvalError> {
-        if self.started {
-            self.interior.follow(&self.states, self.factorised, &mut self.again)?;
-        } else {
-            self.interior.put_ends(&self.states);
-            self.interior.start(None)?;
-            self.interior.reserve(&mut self.again);
-        }
-        self.shown.take(&self.interior);
-        let first = self.interior.figures.iterations;
-        let deadline = budget.time.and_then(|time| began.checked_add(time));
-        self.interior.damping = self.damping;
-        self.damping *= constants::DAMPING_DOWN;
-        let (shown, longest, damping) = (&mut self.shown, &mut self.longest, &mut self.damping);
-        let (cancel, mut last) = (&self.cancel, Instant::now());
-        let watch = |iterate: &mut Interior<Dynamics>, _: f64| {
-            shown.offer(iterate);
-            *damping = iterate.damping;
-            let now = Instant::now();
-            // One step that the system held up does not count for ever.
-            *longest = longest.mul_f64(constants::FADES).max(now - last);
-            last = now;
-            if listener().is_break() || cancel.as_ref().is_some_and(Cancel::is_cancelled) {
-                return Some(Interruption::Cancelled);
-            }
-            deadline.filter(|&deadline| now + *longest > deadline).map(|_| Interruption::TimeLimit)
-        };
-        let end = self.interior.iterate(self.options.tolerance, budget.iterations.max(1), watch)?;
-        self.started = true;
-        self.factorised = end != End::NoProgress;
-        let status = match end {
-            End::Solved => ResolveStatus::Solved,
-            End::IterationLimit => ResolveStatus::Iterations,
-            End::NoProgress => ResolveStatus::NoProgress,
-            End::Interrupted(Interruption::TimeLimit) => ResolveStatus::OutOfTime,
-            End::Interrupted(Interruption::Cancelled) => ResolveStatus::Cancelled,
-        };
-        if status == ResolveStatus::Solved {
-            // The last step is known, and the next solve begins after it. It is shown if limits are kept
-            // there.
-            let _ = self.interior.search();
-            if self.interior.figures.violation <= constants::VIOLATION_ACCEPTED {
-                self.shown.take(&self.interior);
-            } else {
-                self.shown.offer(&self.interior);
-            }
-        }
-        Ok(Resolved {
-            status,
-            iterations: self.interior.figures.iterations - first,
-            cost: self.shown.cost,
-            gap: self.shown.gap,
-            violation: self.shown.violation,
-            clearance_violation: self.shown.sweep(&mut self.interior.model.tasks)?,
-            time: began.elapsed(),
-        })
     }
 
     /// The derivatives of the motion by its ends. The equations of its last Newton step are factorised anew

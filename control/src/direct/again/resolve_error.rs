@@ -86,9 +86,19 @@ pub enum ResolveError {
         /// What it has to be.
         remedy: &'static str,
     },
-    /// What a motion depends on and is no limit: a payload.
-    #[error("a payload is no limit; prepare the problem anew with another one")]
+    /// What a motion depends on and is no limit of joints: a payload, numbers of tools, obstacles and motors.
+    #[error(
+        "only limits of joints change; prepare the problem anew with another payload, tool, obstacle or motor"
+    )]
     NotALimit,
+    /// An entry that the problem does not have, or without one number that limits it.
+    #[error("{table}: there is no entry {entry}, counted from 0, with one number that a motion depends on")]
+    NoNumber {
+        /// The table of the problem.
+        table: &'static str,
+        /// The number that was given, from 0.
+        entry: usize,
+    },
     /// The end of a periodic motion, which follows its start.
     #[error("the end of a periodic motion follows its start; set the start")]
     Periodic,

@@ -41,7 +41,7 @@ pub enum ResolveStatus {
     Iterations,
     /// Because the time was over.
     OutOfTime,
-    /// Because [`Cancel`](crate::Cancel) or the listener of a solve asked to stop.
+    /// Because the callback of [`Resolve::solve_until`](crate::Resolve::solve_until) asked to stop.
     Cancelled,
     /// No step was better than the iterate.
     NoProgress,

@@ -174,11 +174,13 @@ impl Resolve {
     /// [`ResolveError::NoEntry`]; [`ResolveError::Task`]: another shape or size, numbers that are not finite.
     pub fn set_obstacle(&mut self, obstacle: usize, shape: &Shape) -> Result<(), ResolveError> {
         let (table, entry) = ("obstacle", obstacle);
-        if obstacle >= self.obstacles {
+        if obstacle >= self.problem.task.obstacles.len() {
             return Err(ResolveError::NoEntry { table, entry });
         }
         let moved = self.interior.model.tasks.move_obstacle(obstacle, shape);
-        moved.map_err(|cause| ResolveError::Task { table, entry, cause })
+        moved.map_err(|cause| ResolveError::Task { table, entry, cause })?;
+        self.problem.task.obstacles[obstacle].shape = shape.clone();
+        Ok(())
     }
 
     /// The next solve has this reference in [`Task::references`](crate::Task::references)`[reference]`, of

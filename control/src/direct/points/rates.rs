@@ -29,6 +29,13 @@ impl RateCosts {
         Self { jerk: weights(&cost.jerk), torque: weights(&cost.torque_rate) }
     }
 
+    /// Whether the jerk, or the rate of the torque, of each of n joints costs something: then the cost is
+    /// strictly convex in all jerks, since M is positive definite.
+    pub fn cost_all(&self, n: usize) -> bool {
+        let costs = |weights: &[f64], i: usize| weights.get(i).is_some_and(|weight| *weight > 0.0);
+        (0..n).all(|i| costs(&self.jerk, i) || costs(&self.torque, i))
+    }
+
     /// The cost of jerks and rates of torques, per second.
     pub fn rate(&self, jerk: &[f64], torque: &[f64]) -> f64 {
         let sum = |weights: &[f64], values: &[f64]| -> f64 {
