@@ -1,6 +1,7 @@
 //! What a solve gives: figures, values over time, and their JSON form.
 
 pub(crate) mod complete;
+pub(crate) mod constraint_forces;
 pub(crate) mod conjugate;
 mod csv;
 pub(crate) mod defect;

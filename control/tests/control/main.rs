@@ -18,6 +18,7 @@ mod infeasible;
 mod known;
 mod lagrangian;
 mod linear_algebra;
+mod loops;
 #[cfg(feature = "jit")]
 mod machine_code;
 mod one_state;

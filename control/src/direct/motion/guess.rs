@@ -16,7 +16,7 @@ pub(crate) fn guess(
     disturbance: &Disturbance,
     nodes: Vec<f64>,
 ) -> Spline {
-    let n = problem.robot.dof();
+    let n = problem.coordinates();
     let duration = saved.and_then(|saved| Some(saved.t.last()? - saved.t.first()?)).filter(|&t| t > 0.0);
     let saved = saved.zip(duration);
     let mut ends = with_guesses(problem);
