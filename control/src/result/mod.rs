@@ -1,11 +1,12 @@
 //! What a solve gives: figures, values over time, and their JSON form.
 
 pub(crate) mod complete;
-pub(crate) mod constraint_forces;
 pub(crate) mod conjugate;
+pub(crate) mod constraint_forces;
 mod csv;
 pub(crate) mod defect;
 pub(crate) mod disconjugate;
+mod forward;
 pub(crate) mod infeasibility;
 pub(crate) mod jacobi_fields;
 pub(crate) mod limit_use;

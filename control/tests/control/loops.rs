@@ -153,7 +153,7 @@ fn forces_and_costates_are_those_of_the_constrained_hamiltonian() {
         let linear = model.linearise(&motion.q[k], &motion.p[k], &motion.u[k]).unwrap();
         // Momenta are those of the gauge that is zero at the start.
         for (found, expected) in linear.velocity().iter().zip(&motion.v[k]) {
-            assert!((found - expected).abs() < 1e-6, "{k}: {found} {expected}");
+            assert!((found - expected).abs() < 1e-5, "{k}: {found} {expected}");
         }
         for (row, lambda) in linear.lambda().iter().enumerate() {
             let found = forces.multipliers[k][row];
@@ -260,7 +260,8 @@ fn what_is_not_taken_is_refused_by_name() {
     assert!(refused(&far).to_string().starts_with("end.q: with what is given here the loops cannot be closed: "));
     let free = problem.clone().with_start(problem.start.clone().with_q_free(&[1]));
     assert!(refused(&free).to_string().contains("constraint 'rocker_pivot', and motions of robots with"));
-    let via = problem.clone().with_via(Via::at(&problem.start.q));
+    let on_the_way = closed(&problem.robot, &[1.7, -0.6, -2.0], &[true, false, false]);
+    let via = problem.clone().with_via(Via::at(&on_the_way));
     assert!(refused(&via).to_string().contains("rocker_pivot"));
     let jerk = problem.clone().with_limits(problem.limits.clone().with_jerk_max(vec![100.0; 3]));
     assert!(refused(&jerk).to_string().starts_with("limits.jerk_max: the robot has the constraint"));

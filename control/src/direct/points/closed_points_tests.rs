@@ -2,7 +2,7 @@ use super::ClosedPoints;
 use crate::direct::points::values::{PointDynamics, Points};
 use crate::problem::Problem;
 use costate::constraints::ConstrainedHamiltonian;
-use costate::robot::{ConstraintSpec, Robot};
+use costate::robot::{ConstraintRow, ConstraintSpec, Robot};
 use costate_test_support::robots::file;
 
 /// Robots with all kinds of constraints, at a state where the loops are closed or nearly so.
@@ -10,7 +10,7 @@ fn samples() -> Vec<(Robot, Vec<f64>)> {
     let (four_bar, delta) = (file("four_bar.toml"), file("delta.toml"));
     let geared = four_bar.without_constraints();
     let gear = ConstraintSpec::coupling("gear", &[("crank", 1.0), ("rocker", -0.5)], 0.2);
-    let rigid = ConstraintSpec::rigid("grip", "rocker_tip", "pivot");
+    let rigid = ConstraintSpec::rows("grip", "rocker_tip", "pivot", &[ConstraintRow::X, ConstraintRow::TurnZ]);
     let close = |robot: &Robot, mut q: Vec<f64>, held: &[bool]| {
         ConstrainedHamiltonian::<f64>::new(robot).close(&mut q, held).unwrap();
         q
