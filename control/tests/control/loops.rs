@@ -224,6 +224,7 @@ fn a_delta_robot_moves_its_platform() {
 #[test]
 fn the_crank_alone_says_where_a_linkage_ends() {
     let problem = crank(four_bar(), 30.0);
+    assert!(problem.check_for(Method::Direct).is_ok());
     let end = problem.end.clone().with_q_free(&[1, 2]).with_v_free(&[1, 2]);
     let problem = problem.with_end(end).with_cost(Objective::new(20.0, vec![1.0, 0.0, 0.0]));
     let problem = problem.with_time(FinalTime::Free { guess: 1.0 });

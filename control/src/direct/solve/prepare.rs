@@ -70,8 +70,10 @@ pub(crate) fn interior_on(
     let model = Model { dynamics, tasks, powers };
     let (running, ends) = (Running::new(problem, rows), Ends::new(problem));
     let mut interior = Interior::new(spline, sides(problem), model, running, ends);
-    let can_choose =
-        matches!(problem.time, FinalTime::Free { .. }) && problem.vias.iter().all(|via| via.time.is_none());
+    // Torques without the forces of constraints, which a guess does not have, say nothing about times.
+    let can_choose = matches!(problem.time, FinalTime::Free { .. })
+        && problem.vias.iter().all(|via| via.time.is_none())
+        && problem.loops.is_none();
     if saved.is_none() && can_choose {
         interior.choose_time(|time| {
             let problem = reached.clone().into_owned().with_time(FinalTime::Free { guess: time });
