@@ -5,7 +5,7 @@ use crate::direct::Direct;
 use crate::options::SolverOptions;
 use crate::problem::Problem;
 use crate::problem::check::CheckedProblem;
-use crate::problem::loops::Loops;
+use crate::problem::loop_rows::Loops;
 use crate::result::constraint_forces::ConstraintForces;
 use crate::result::motion::Motion;
 use crate::result::solution::Solution;

@@ -81,8 +81,9 @@ pub use problem::running_cost::{RunningCost, UserTerm};
 pub use problem::warning::ProblemWarning;
 pub use problem::{
     BodyPairs, BoundaryState, Bounds, Collision, EndError, FinalTime, JointReference, Keep, Kept, Leads,
-    LinkCapsule, LoopError, MotionLimits, Objective, Obstacle, Payload, Penalty, Problem, Reference, Shape, Task,
-    TaskError, Tool, ToolCost, ToolOrientation, ToolPose, ToolReference, TorqueSpeedError, Via, ViaError,
+    LinkCapsule, LoopError, MotionLimits, Objective, Obstacle, Payload, Penalty, Problem, Reference, Shape,
+    Task, TaskError, Tool, ToolCost, ToolOrientation, ToolPose, ToolReference, TorqueSpeedError, Via,
+    ViaError,
 };
 pub use progress::{Cancel, Iteration, Phase};
 pub use result::constraint_forces::ConstraintForces;

@@ -14,12 +14,13 @@
 //! matrix of (a, lambda) in these equations is that of [`ConstrainedHamiltonian`], regular where the rows are
 //! independent.
 //!
-//! Along a motion from g = 0, J v = 0 the second derivatives of g vanish at the points; g itself drifts by the
-//! error of the mesh, which is told. So at the end n coordinates are as many as are given, less the rows:
-//! others are left free there, and come to where the loops are closed.
+//! Along a motion from g = 0, J v = 0 the second derivatives of g vanish at the points; g itself drifts by
+//! the error of the mesh, which is told. So at the end no more positions and rates stay given than are
+//! independent of the rows: others are left free there, and come to where the loops are closed.
 
 use super::key::Key;
 use super::loop_error::LoopError;
+use super::loop_rows::{LoopRow, Loops};
 use super::{BoundaryState, Bounds, MotionLimits, Objective, Penalty, Problem};
 use crate::constants::task::OFF;
 use crate::numerics::cholesky;
@@ -27,31 +28,11 @@ use crate::problem::error::ProblemError;
 use costate::EvalError;
 use costate::constraints::{ConstrainedHamiltonian, ConstraintError, Constraints};
 use costate::hamiltonian::Hamiltonian;
-use costate::robot::{JointKind, Robot};
+use costate::robot::JointKind;
 use std::sync::Arc;
 
 /// A direction is none of those before it where no more than this part of it is left.
 const INDEPENDENT: f64 = 1e-6;
-
-/// The rows that hold along a motion.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Loops {
-    /// With its constraints.
-    pub robot: Robot,
-    pub rows: Vec<LoopRow>,
-}
-
-/// A row of g that does not depend on those before it at the start.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct LoopRow {
-    /// Its number among all rows.
-    pub row: usize,
-    /// The mass that resists it at the start, `1/(J M^-1 J')` of the row (kg; kg m^2 of an angle): g is
-    /// measured in it, so that all equations are forces and torques.
-    pub mass: f64,
-    /// The constraint that it belongs to.
-    pub name: String,
-}
 
 impl Problem {
     /// Number of coordinates of the direct method: joints, and rows of constraints.

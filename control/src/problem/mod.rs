@@ -13,9 +13,10 @@ mod joint_limits;
 pub(crate) mod key;
 pub(crate) mod least_time;
 mod leaving;
-mod loop_error;
-pub(crate) mod loops;
 pub(crate) mod limits;
+mod loop_error;
+pub(crate) mod loop_rows;
+pub(crate) mod loops;
 pub(crate) mod obstacles;
 pub(crate) mod parts;
 mod phases;
@@ -44,7 +45,7 @@ pub use via::{Payload, Via};
 pub use via_error::ViaError;
 
 use crate::problem::key::Key;
-use crate::problem::loops::Loops;
+use crate::problem::loop_rows::Loops;
 use crate::problem::running_cost::UserTerm;
 use costate::robot::{Joint, Limits, Robot};
 use std::sync::Arc;
@@ -197,9 +198,7 @@ impl Problem {
 
     /// Whether there is anything that only the direct method takes, beside limits of the robot.
     pub(crate) fn needs_direct(&self) -> bool {
-        self.limits.any_given()
-            || self.first_for_direct().is_some()
-            || !self.robot.constraints().is_empty()
+        self.limits.any_given() || self.first_for_direct().is_some() || !self.robot.constraints().is_empty()
     }
 
     /// What has the limits of the robot kept, where nothing is said about limits: the first of a cost of

@@ -95,8 +95,8 @@ impl Solution {
     /// dynamics, cut to the limits of the problem as when the motion is verified. They are exact at the
     /// points of the mesh; where an acceleration jumps within an interval the polynomial overshoots. Those
     /// of robots with constraints, which share their torques with the forces of these, are linear between the
-    /// nodes. Of other motions q, v and u are those of [`Trajectory::at`], the torque is u times the gain, and the
-    /// acceleration that of forward dynamics.
+    /// nodes. Of other motions q, v and u are those of [`Trajectory::at`], the torque is u times the gain,
+    /// and the acceleration that of forward dynamics.
     ///
     /// # Errors
     /// [`SampleError`].
@@ -153,7 +153,9 @@ impl Solution {
             let (a, tau) = actuation.at(trajectory, &point)?;
             let is_closed = !problem.robot.constraints().is_empty();
             let mut u: Vec<f64> = match trajectory.acceleration(t) {
-                Some(_) if !is_closed => tau.iter().zip(&problem.gain).map(|(tau, gain)| tau / gain).collect(),
+                Some(_) if !is_closed => {
+                    tau.iter().zip(&problem.gain).map(|(tau, gain)| tau / gain).collect()
+                }
                 _ => point.u,
             };
             // Rounding is no reason to exceed a bound.

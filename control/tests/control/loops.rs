@@ -164,7 +164,12 @@ fn forces_and_costates_are_those_of_the_constrained_hamiltonian() {
         let power: f64 = y.iter().zip(linear.f()).map(|(y, f)| y * f).sum();
         let value = power - 0.5 * motion.u[k][0].powi(2);
         assert!((value - motion.hamiltonian[k]).abs() < 2e-2, "{k}: {value} {}", motion.hamiltonian[k]);
-        assert!((motion.u[k][0] - motion.y_p[k][0]).abs() < 2e-3, "{k}: {} {}", motion.u[k][0], motion.y_p[k][0]);
+        assert!(
+            (motion.u[k][0] - motion.y_p[k][0]).abs() < 2e-3,
+            "{k}: {} {}",
+            motion.u[k][0],
+            motion.y_p[k][0]
+        );
     }
     assert!(solution.motion.hamiltonian_drift < 1e-4, "{}", solution.motion.hamiltonian_drift);
 }
@@ -197,7 +202,9 @@ fn limits_of_the_torque_are_kept() {
 #[test]
 fn a_delta_robot_moves_its_platform() {
     let robot = Robot::from_file("../robots/delta.toml").unwrap();
-    let at = |x: [f64; 3]| closed(&robot, &[0.3, 0.3, 0.3, x[0], x[1], x[2]], &[false, false, false, true, true, true]);
+    let at = |x: [f64; 3]| {
+        closed(&robot, &[0.3, 0.3, 0.3, x[0], x[1], x[2]], &[false, false, false, true, true, true])
+    };
     let (from, to) = (at([-0.05, 0.02, -0.16]), at([0.05, -0.03, -0.14]));
     let most = 0.6;
     let problem = Problem::rest_to_rest(robot.clone(), &from, &to, 0.15)
@@ -255,10 +262,14 @@ fn what_is_not_taken_is_refused_by_name() {
     assert!(refused(&open).to_string().starts_with("start.q: constraint 'rocker_pivot' is missed by "));
     let mut leads = problem.clone();
     leads.end.v[0] = 0.5;
-    assert!(refused(&leads).to_string().starts_with("end.v: these rates change constraint 'rocker_pivot' by "));
+    assert!(
+        refused(&leads).to_string().starts_with("end.v: these rates change constraint 'rocker_pivot' by ")
+    );
     let mut far = problem.clone();
     (far.end.q[1], far.end.q_free) = (1.5, vec![2]);
-    assert!(refused(&far).to_string().starts_with("end.q: with what is given here the loops cannot be closed: "));
+    assert!(
+        refused(&far).to_string().starts_with("end.q: with what is given here the loops cannot be closed: ")
+    );
     let free = problem.clone().with_start(problem.start.clone().with_q_free(&[1]));
     assert!(refused(&free).to_string().contains("constraint 'rocker_pivot', and motions of robots with"));
     let on_the_way = closed(&problem.robot, &[1.7, -0.6, -2.0], &[true, false, false]);
@@ -268,7 +279,8 @@ fn what_is_not_taken_is_refused_by_name() {
     assert!(refused(&jerk).to_string().starts_with("limits.jerk_max: the robot has the constraint"));
     let expected = ProblemError::Constrained { constraint: "rocker_pivot".into() };
     assert_eq!(problem.check().unwrap_err(), expected);
-    let unlimited = problem.clone().with_limits(MotionLimits::none()).with_cost(Objective::new(0.0, vec![1.0; 3]));
+    let unlimited =
+        problem.clone().with_limits(MotionLimits::none()).with_cost(Objective::new(0.0, vec![1.0; 3]));
     let options = SolverOptions::default().with_method(Method::Collocation);
     assert_eq!(Solver::new(&unlimited, options).unwrap_err(), expected);
     assert_eq!(Resolve::new(&problem, SolverOptions::default()).unwrap_err(), expected);

@@ -1,6 +1,6 @@
 //! First guesses of robots whose loops are closed.
 
-use crate::problem::loops::Loops;
+use crate::problem::loop_rows::Loops;
 use costate::constraints::ConstrainedHamiltonian;
 
 /// Brings states to where the loops are closed.

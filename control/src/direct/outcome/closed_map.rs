@@ -1,7 +1,7 @@
 //! Momenta and costates of robots whose loops are closed.
 
 use crate::numerics::lu;
-use crate::problem::loops::{LoopRow, Loops};
+use crate::problem::loop_rows::{LoopRow, Loops};
 use costate::EvalError;
 use costate::constraints::Constraints;
 use costate::hamiltonian::Hamiltonian;

@@ -5,7 +5,7 @@ use crate::direct::motion::spline::Spline;
 use crate::direct::points::closed_points::ClosedPoints;
 use crate::numerics::dormand_prince::{DormandPrince, Stopped};
 use crate::problem::Problem;
-use crate::problem::loops::Loops;
+use crate::problem::loop_rows::Loops;
 use costate::EvalError;
 use costate::constraints::{ConstrainedHamiltonian, Constraints};
 
@@ -32,8 +32,8 @@ pub(super) fn drift(loops: &Loops, spline: &Spline) -> Result<f64, EvalError> {
 }
 
 /// The state of all coordinates at the end when the torques of a motion, cut to their limits, move the robot
-/// by `ConstrainedHamiltonian`, without a projection, from its start, and from its own state at the first node
-/// after each `part` (s) again; `at_part` sees the state that was reached there and that of the motion.
+/// by `ConstrainedHamiltonian`, without a projection, from its start, and from its own state at the first
+/// node after each `part` (s) again; `at_part` sees the state that was reached there and that of the motion.
 ///
 /// Multipliers and what they are rates of are those of the motion: p + J'kappa is the same motion, so they
 /// say nothing.

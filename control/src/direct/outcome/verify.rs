@@ -9,7 +9,7 @@ use crate::direct::refine::resolution::Resolution;
 use crate::numerics::dormand_prince::{DormandPrince, Stopped};
 use crate::options::{SolverOptions, Verify};
 use crate::problem::Problem;
-use crate::problem::loops::Loops;
+use crate::problem::loop_rows::Loops;
 use crate::result::verify::verification_bound;
 use costate::EvalError;
 use costate::lagrangian::Lagrangian;

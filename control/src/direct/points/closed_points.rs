@@ -1,7 +1,7 @@
 //! Inverse dynamics of robots whose loops are closed, with the constraints as equations.
 
 use super::values::{PointDynamics, Points};
-use crate::problem::loops::{LoopRow, Loops};
+use crate::problem::loop_rows::{LoopRow, Loops};
 use costate::EvalError;
 use costate::constraints::Constraints;
 use costate::lagrangian::LagrangianSecondOrder;
@@ -19,8 +19,8 @@ type Second = Tangent<First>;
 ///     = -d2 g/dt2 = -(J a + (J v)_q v)     k entries, zero along the motion
 /// ```
 ///
-/// d2 g/dt2 is the coefficient of s t in g(q + (s + t) v + s t a), and its derivatives by q are those of J and
-/// of the contracted Hessian of g there: tangents of tangents of the code of the constraints. That of s
+/// d2 g/dt2 is the coefficient of s t in g(q + (s + t) v + s t a), and its derivatives by q are those of J
+/// and of the contracted Hessian of g there: tangents of tangents of the code of the constraints. That of s
 /// alone gives the derivatives by v, the value those by a.
 #[derive(Debug)]
 pub(crate) struct ClosedPoints {

@@ -10,7 +10,8 @@ fn samples() -> Vec<(Robot, Vec<f64>)> {
     let (four_bar, delta) = (file("four_bar.toml"), file("delta.toml"));
     let geared = four_bar.without_constraints();
     let gear = ConstraintSpec::coupling("gear", &[("crank", 1.0), ("rocker", -0.5)], 0.2);
-    let rigid = ConstraintSpec::rows("grip", "rocker_tip", "pivot", &[ConstraintRow::X, ConstraintRow::TurnZ]);
+    let rigid =
+        ConstraintSpec::rows("grip", "rocker_tip", "pivot", &[ConstraintRow::X, ConstraintRow::TurnZ]);
     let close = |robot: &Robot, mut q: Vec<f64>, held: &[bool]| {
         ConstrainedHamiltonian::<f64>::new(robot).close(&mut q, held).unwrap();
         q

@@ -3,9 +3,9 @@
 use super::closed_points::ClosedPoints;
 #[cfg(feature = "jit")]
 use super::program_points::ProgramPoints as OpenPoints;
-use super::values::{PointDynamics, Points};
 #[cfg(not(feature = "jit"))]
 use super::values::RobotPoints as OpenPoints;
+use super::values::{PointDynamics, Points};
 use crate::options::SolverOptions;
 use crate::problem::Problem;
 use costate::EvalError;
