@@ -195,7 +195,9 @@ fn misses(
     rows.set_position(q).map_err(|error| cannot(of_q, error.into()))?;
     let largest = |values: &mut dyn Iterator<Item = f64>| {
         let found = values.map(f64::abs).enumerate().max_by(|a, b| a.1.total_cmp(&b.1));
-        found.filter(|(_, miss)| !(*miss <= OFF)).map(|(row, miss)| (rows.name(row).to_owned(), miss))
+        found
+            .filter(|(_, miss)| *miss > OFF || miss.is_nan())
+            .map(|(row, miss)| (rows.name(row).to_owned(), miss))
     };
     if let Some((constraint, miss)) = largest(&mut rows.values().iter().copied()) {
         return Err(ProblemError::Loop { cause: LoopError::Open { key: of_q, constraint, miss } });

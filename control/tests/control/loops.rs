@@ -89,7 +89,7 @@ fn energies<S: Scalar>(angle: S) -> [S; 2] {
     for (i, (m, l)) in [(1.0, l1), (1.5, l2), (1.0, l3)].into_iter().enumerate() {
         let square = moving[i][0] * moving[i][0] + moving[i][1] * moving[i][1];
         mass = mass + square.times(m) + (rates[i] * rates[i]).times(m * l * l / 12.0);
-        potential = potential + heights[i].times(m * 9.81);
+        potential += heights[i].times(m * 9.81);
     }
     [mass, potential]
 }

@@ -15,15 +15,15 @@ use std::ops::Range;
 /// Of either kind.
 #[derive(Debug)]
 pub(crate) enum AnyPoints {
-    Open(OpenPoints),
-    Closed(ClosedPoints),
+    Open(Box<OpenPoints>),
+    Closed(Box<ClosedPoints>),
 }
 
 impl AnyPoints {
     /// For the robot of a phase of a problem; `options` say whether machine code is used.
     pub fn new(problem: &Problem, robot: &Robot, options: &SolverOptions) -> Self {
         if let Some(loops) = &problem.loops {
-            return Self::Closed(ClosedPoints::new(loops));
+            return Self::Closed(Box::new(ClosedPoints::new(loops)));
         }
         #[cfg(feature = "jit")]
         let points = OpenPoints::new(robot, options.machine_code);
@@ -32,7 +32,7 @@ impl AnyPoints {
             let _ = options;
             OpenPoints::new(robot)
         };
-        Self::Open(points)
+        Self::Open(Box::new(points))
     }
 }
 
