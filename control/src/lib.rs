@@ -24,6 +24,7 @@
 //! | solutions while a parameter changes | [`Continuation`] |
 
 mod bvp;
+mod closed_loops;
 mod constants;
 mod continuation;
 mod cubics;
@@ -81,10 +82,12 @@ pub use problem::running_cost::{RunningCost, UserTerm};
 pub use problem::warning::ProblemWarning;
 pub use problem::{
     BodyPairs, BoundaryState, Bounds, Collision, EndError, FinalTime, JointReference, Keep, Kept, Leads,
-    LinkCapsule, MotionLimits, Objective, Obstacle, Payload, Penalty, Problem, Reference, Shape, Task,
-    TaskError, Tool, ToolCost, ToolOrientation, ToolPose, ToolReference, TorqueSpeedError, Via, ViaError,
+    LinkCapsule, LoopError, MotionLimits, Objective, Obstacle, Payload, Penalty, Problem, Reference, Shape,
+    Task, TaskError, Tool, ToolCost, ToolOrientation, ToolPose, ToolReference, TorqueSpeedError, Via,
+    ViaError,
 };
 pub use progress::{Cancel, Iteration, Phase};
+pub use result::constraint_forces::ConstraintForces;
 pub use result::infeasibility::{Infeasibility, RelaxedLimit};
 pub use result::limit_use::{ActiveLimit, LimitReport, LimitUse, LimitViolation};
 pub use result::motion::{Certificate, ExtremalSolution, Motion};

@@ -1,5 +1,6 @@
 //! From a problem to the best motion found.
 
+use crate::closed_loops;
 use crate::direct::Direct;
 use crate::options::{Method, Polish, SolverOptions, Verify};
 use crate::polish::{may_polish, polish, polish_saved};
@@ -107,6 +108,9 @@ impl<'a> Solver<'a> {
         let Self { problem, rows, options, start, listener, cancel, takes_times } = self;
         let mut recorder = Recorder::new(listener, Stop::new(cancel, options.time_limit));
         recorder.takes_times = takes_times;
+        if !problem.robot.constraints().is_empty() {
+            return closed_loops::solve(problem.problem(), &options, start.as_ref(), &mut recorder);
+        }
         if let Some(rows) = rows {
             return directly(problem, &rows, options, start, &mut recorder);
         }

@@ -209,6 +209,7 @@ pub(crate) fn solution(
         newton_iterations: motion.iterations.len(),
         end_defect,
         limits: LimitReport::default(),
+        constraints: Vec::new(),
         polish: None,
         stage_times: None,
         trajectory: Trajectory::from_nodes(nodes, v),

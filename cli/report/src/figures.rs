@@ -144,6 +144,10 @@ fn direct_figures(problem: &Problem, solution: &Solution) -> Vec<(&'static str, 
     if let Some(&error) = motion.errors.first() {
         figures.push(("error of the cost", format!("{} relative, estimated", scientific(error))));
     }
+    if !solution.constraints.is_empty() {
+        let drift = solution.constraints.iter().map(|one| one.drift).fold(0.0, f64::max);
+        figures.push(("drift of the loops", format!("{} m, rad", scientific(drift))));
+    }
     figures.extend(limit_figures(problem, solution));
     if motion.certificate == Certificate::LocalMinimumOnMesh {
         figures.push(("local minimum", ON_MESH.into()));

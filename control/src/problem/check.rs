@@ -19,6 +19,11 @@ impl<'a> CheckedProblem<'a> {
     pub fn problem(self) -> &'a Problem {
         self.problem
     }
+
+    /// A problem that was made from one that was checked.
+    pub(crate) fn made(problem: &'a Problem) -> Self {
+        Self { problem }
+    }
 }
 
 impl Deref for CheckedProblem<'_> {
@@ -35,6 +40,7 @@ impl Problem {
     /// # Errors
     /// The first [`ProblemError`] found.
     pub fn check(&self) -> Result<CheckedProblem<'_>, ProblemError> {
+        self.refuse_constraints()?;
         let bounds = self.bounds.as_ref();
         self.check_lists(|j| {
             bounds.is_some_and(|Bounds { u_min, u_max }| u_min[j].is_finite() && u_max[j].is_finite())
@@ -82,6 +88,9 @@ impl Problem {
         self.check_accelerations()?;
         self.check_leaving()?;
         check_task(self)?;
+        if !self.robot.constraints().is_empty() {
+            self.with_multipliers()?;
+        }
         Ok(checked)
     }
 
@@ -90,9 +99,6 @@ impl Problem {
         if let Some(free) = self.robot.free_joints().first() {
             let (joint, kind) = (free.name.clone(), free.kind.name());
             return Err(ProblemError::FreeJoint { joint, kind });
-        }
-        if let Some(constraint) = self.robot.constraints().first() {
-            return Err(ProblemError::Constrained { constraint: constraint.name.clone() });
         }
         let Self { start, end, .. } = self;
         self.finite(Key::START_Q, &start.q)?;

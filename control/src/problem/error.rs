@@ -3,6 +3,7 @@
 use crate::problem::continuation_cause::ContinuationCause;
 use crate::problem::end_error::EndError;
 use crate::problem::key::Key;
+use crate::problem::loop_error::LoopError;
 use crate::problem::task_error::TaskError;
 use crate::problem::torque_speed_error::TorqueSpeedError;
 use crate::problem::via_error::ViaError;
@@ -212,10 +213,15 @@ pub enum ProblemError {
         /// `"floating"` or `"spherical"`.
         kind: &'static str,
     },
-    /// A robot with constraints, which motions would ignore.
+    /// A robot with constraints where only open trees are taken.
     Constrained {
         /// The first constraint.
         constraint: String,
+    },
+    /// A motion of a robot with constraints that is refused.
+    Loop {
+        /// The cause and its remedy.
+        cause: LoopError,
     },
     /// A continuation in a parameter that the problem does not have, or to an invalid value.
     Continuation {
@@ -249,6 +255,7 @@ impl ProblemError {
             | Self::TorqueSpeed { key, .. }
             | Self::RatesNeedDirect { key }
             | Self::TaskNeedsDirect { key } => key,
+            Self::Loop { ref cause } => cause.key(),
             Self::NoMass { .. } => Key::ROBOT,
             Self::LimitsNeedDirect => Key::solver("method"),
             Self::EnergyNeedsDirect => Key::ENERGY,
@@ -270,6 +277,7 @@ impl std::error::Error for ProblemError {
         match self {
             Self::Continuation { cause: ContinuationCause::Robot(error), .. } => Some(&**error),
             Self::End { cause, .. } => Some(cause),
+            Self::Loop { cause } => Some(cause),
             Self::Task { cause, .. } => Some(cause),
             Self::Via { cause, .. } => Some(cause),
             Self::TorqueSpeed { cause, .. } => Some(cause),

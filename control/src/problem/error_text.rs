@@ -94,9 +94,11 @@ impl ProblemError {
                 printable(joint)
             ),
             Self::Constrained { constraint } => format!(
-                "the robot has the constraint '{}', which motions would ignore; remove it to move the open tree",
+                "the robot has the constraint '{}', which this would ignore: method = \"direct\" alone moves robots with \
+                 constraints, without feedback and solving again; remove it to move the open tree",
                 printable(constraint)
             ),
+            Self::Loop { cause } => cause.to_string(),
             Self::TaskNeedsDirect { .. } => "tools and obstacles are taken by method = \"direct\" only; choose it, or remove them".into(),
             Self::Via { cause, .. } => cause.to_string(),
             Self::PhasesNeedDirect { .. } => {

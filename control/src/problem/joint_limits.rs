@@ -12,8 +12,9 @@ impl Problem {
     pub fn joint_limits(&self) -> Vec<JointLimits> {
         let (own, from_robot) = (&self.limits, self.keeps_robot_limits());
         let entry = |list: &Option<Vec<f64>>, i: usize| list.as_ref().map_or(f64::INFINITY, |list| list[i]);
-        let joints = self.robot.independent_joints().enumerate();
-        let limits = joints.map(|(i, joint)| {
+        let of_joints = self.robot.independent_joints().map(|joint| Some(&joint.limits));
+        let more = self.coordinates() - self.robot.dof();
+        let limits = of_joints.chain(std::iter::repeat_n(None, more)).enumerate().map(|(i, robot)| {
             let mut limits = JointLimits {
                 q: [own.q_min.as_ref().map_or(f64::NEG_INFINITY, |list| list[i]), entry(&own.q_max, i)],
                 v: entry(&own.v_max, i),
@@ -24,8 +25,7 @@ impl Problem {
                 power: entry(&own.power_max, i),
                 speeds: [entry(&own.corner_speed, i), entry(&own.no_load_speed, i)],
             };
-            if from_robot {
-                let robot = &joint.limits;
+            if let Some(robot) = robot.filter(|_| from_robot) {
                 limits.q = intersection(limits.q, [robot.lower, robot.upper]);
                 limits.v = limits.v.min(robot.velocity);
                 limits.torque = intersection(limits.torque, [-robot.effort, robot.effort]);

@@ -34,6 +34,8 @@ impl Key {
     pub(crate) const ENERGY_SMOOTHING: Self = Self::new("cost", "energy_smoothing", "cost.energy_smoothing");
     pub(crate) const TORQUE_RATE: Self = Self::new("cost", "torque_rate", "cost.torque_rate");
     pub(crate) const JERK: Self = Self::new("cost", "jerk", "cost.jerk");
+    /// User terms, which problem files do not have.
+    pub(crate) const TERMS: Self = Self::new("cost", "terms", "terms");
     pub(crate) const GAIN: Self = Self::new("actuation", "gain", "gain");
     pub(crate) const U_MIN: Self = Self::new("bounds", "u_min", "bounds.u_min");
     pub(crate) const U_MAX: Self = Self::new("bounds", "u_max", "bounds.u_max");

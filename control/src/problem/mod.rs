@@ -14,6 +14,9 @@ pub(crate) mod key;
 pub(crate) mod least_time;
 mod leaving;
 pub(crate) mod limits;
+mod loop_error;
+pub(crate) mod loop_rows;
+pub(crate) mod loops;
 pub(crate) mod obstacles;
 pub(crate) mod parts;
 mod phases;
@@ -30,6 +33,7 @@ pub(crate) mod warning;
 
 pub use end_error::{EndError, Leads};
 pub use limits::MotionLimits;
+pub use loop_error::LoopError;
 pub use obstacles::{BodyPairs, Collision, LinkCapsule, Obstacle, Shape};
 pub use parts::{BoundaryState, Bounds, FinalTime, Objective, Penalty};
 pub use references::{JointReference, Reference, ToolReference};
@@ -41,8 +45,10 @@ pub use via::{Payload, Via};
 pub use via_error::ViaError;
 
 use crate::problem::key::Key;
+use crate::problem::loop_rows::Loops;
 use crate::problem::running_cost::UserTerm;
 use costate::robot::{Joint, Limits, Robot};
+use std::sync::Arc;
 
 /// Find u(t) that moves a robot from its start to its end and minimises
 ///
@@ -96,6 +102,8 @@ pub struct Problem {
     /// Where the end follows the start: q(T) - q(0) (rad, m), n entries. `None`: the ends are independent.
     /// Needs [`Method::Direct`](crate::Method::Direct).
     pub periodic: Option<Vec<f64>>,
+    /// The constraints whose multipliers are coordinates too; of problems that the solver makes.
+    pub(crate) loops: Option<Arc<Loops>>,
 }
 
 impl Problem {
@@ -117,6 +125,7 @@ impl Problem {
             task: Task::default(),
             vias: Vec::new(),
             periodic: None,
+            loops: None,
         }
     }
 
@@ -189,7 +198,7 @@ impl Problem {
 
     /// Whether there is anything that only the direct method takes, beside limits of the robot.
     pub(crate) fn needs_direct(&self) -> bool {
-        self.limits.any_given() || self.first_for_direct().is_some()
+        self.limits.any_given() || self.first_for_direct().is_some() || !self.robot.constraints().is_empty()
     }
 
     /// What has the limits of the robot kept, where nothing is said about limits: the first of a cost of

@@ -2,9 +2,11 @@
 
 pub(crate) mod complete;
 pub(crate) mod conjugate;
+pub(crate) mod constraint_forces;
 mod csv;
 pub(crate) mod defect;
 pub(crate) mod disconjugate;
+mod forward;
 pub(crate) mod infeasibility;
 pub(crate) mod jacobi_fields;
 pub(crate) mod limit_use;

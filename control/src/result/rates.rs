@@ -19,7 +19,8 @@ impl Solution {
     /// $$ \\dot\\tau = \\tau\_q v + \\tau\_v a + M j $$
     ///
     /// with the jerk j, at given times (s), of a motion of the direct method; `None` for other motions, whose
-    /// accelerations are those of forward dynamics. `problem` is the one that was solved.
+    /// accelerations are those of forward dynamics, and for robots with constraints. `problem` is the one
+    /// that was solved.
     ///
     /// q(t) is a polynomial of degree five between two points of the mesh, and both are its derivatives.
     /// Where accelerations may jump, their jumps do not count. The solver keeps limits of torque rates with
@@ -33,6 +34,9 @@ impl Solution {
         let (Some(row), Some(_)) = (trajectory.q.first(), trajectory.accelerations()) else {
             return Ok(None);
         };
+        if !problem.robot.constraints().is_empty() {
+            return Ok(None);
+        }
         let (found, expected) = (row.len(), problem.robot.dof());
         if found != expected {
             return Err(SampleError::OtherRobot { found, expected });

@@ -1,10 +1,10 @@
 //! Motions at a fixed rate, as controllers take them.
 
 use crate::problem::Problem;
+use crate::result::forward::Forward;
 use crate::result::solution::Solution;
 use crate::result::trajectory::{Trajectory, TrajectoryPoint};
 use costate::EvalError;
-use costate::lagrangian::Lagrangian;
 use serde::Serialize;
 
 /// Most samples of a motion.
@@ -93,9 +93,10 @@ impl Solution {
     ///
     /// A motion of the direct method is sampled from its polynomials; its torques are those of inverse
     /// dynamics, cut to the limits of the problem as when the motion is verified. They are exact at the
-    /// points of the mesh; where an acceleration jumps within an interval the polynomial overshoots. Of other
-    /// motions q, v and u are those of [`Trajectory::at`], the torque is u times the gain, and the
-    /// acceleration that of forward dynamics.
+    /// points of the mesh; where an acceleration jumps within an interval the polynomial overshoots. Those
+    /// of robots with constraints, which share their torques with the forces of these, are linear between the
+    /// nodes. Of other motions q, v and u are those of [`Trajectory::at`], the torque is u times the gain,
+    /// and the acceleration that of forward dynamics.
     ///
     /// # Errors
     /// [`SampleError`].
@@ -150,9 +151,12 @@ impl Solution {
         for t in samples.t.iter().map(|t| t.min(last)) {
             let Some(point) = trajectory.at(t) else { return Err(SampleError::NoMotion) };
             let (a, tau) = actuation.at(trajectory, &point)?;
+            let is_closed = !problem.robot.constraints().is_empty();
             let mut u: Vec<f64> = match trajectory.acceleration(t) {
-                Some(_) => tau.iter().zip(&problem.gain).map(|(tau, gain)| tau / gain).collect(),
-                None => point.u,
+                Some(_) if !is_closed => {
+                    tau.iter().zip(&problem.gain).map(|(tau, gain)| tau / gain).collect()
+                }
+                _ => point.u,
             };
             // Rounding is no reason to exceed a bound.
             if let Some(bounds) = &problem.bounds {
@@ -193,10 +197,10 @@ impl Trajectory {
     fn forward_dynamics(&self, problem: &Problem) -> Result<Vec<Vec<f64>>, EvalError> {
         let mut all = Vec::with_capacity(self.t.len());
         for (robot, nodes) in problem.robots().iter().zip(self.phases()) {
-            let mut model = Lagrangian::new(robot);
+            let mut model = Forward::new(robot);
             for k in nodes {
                 let tau: Vec<f64> = self.u[k].iter().zip(&problem.gain).map(|(u, gain)| gain * u).collect();
-                all.push(model.forward_dynamics(&self.q[k], &self.v[k], &tau)?.to_vec());
+                all.push(model.accelerations(&self.q[k], &self.v[k], &tau)?);
             }
         }
         Ok(all)
@@ -217,7 +221,7 @@ impl Trajectory {
 struct Actuation<'a> {
     problem: &'a Problem,
     /// Those of the robots of all phases.
-    models: Vec<Lagrangian<f64>>,
+    models: Vec<Forward>,
     /// Least and largest torque of each joint.
     limits: Vec<[f64; 2]>,
 }
@@ -225,7 +229,7 @@ struct Actuation<'a> {
 impl<'a> Actuation<'a> {
     fn new(problem: &'a Problem) -> Self {
         let limits = problem.joint_limits().iter().map(|limits| limits.torque).collect();
-        Self { problem, models: problem.robots().iter().map(Lagrangian::new).collect(), limits }
+        Self { problem, models: problem.robots().iter().map(Forward::new).collect(), limits }
     }
 
     /// Acceleration and torque.
@@ -237,12 +241,15 @@ impl<'a> Actuation<'a> {
         let TrajectoryPoint { q, v, u, .. } = point;
         let last = self.models.len() - 1;
         let model = &mut self.models[trajectory.phase_at(point.t).min(last)];
-        if let Some(a) = trajectory.acceleration(point.t) {
-            let tau = model.inverse_dynamics(q, v, &a)?.iter().zip(&self.limits);
-            let tau = tau.map(|(tau, limit)| tau.clamp(limit[0], limit[1])).collect();
-            return Ok((a, tau));
-        }
         let tau: Vec<f64> = u.iter().zip(&self.problem.gain).map(|(u, gain)| gain * u).collect();
-        Ok((model.forward_dynamics(q, v, &tau)?.to_vec(), tau))
+        match (trajectory.acceleration(point.t), model) {
+            (Some(a), Forward::Open(open)) => {
+                let tau = open.inverse_dynamics(q, v, &a)?.iter().zip(&self.limits);
+                let tau = tau.map(|(tau, limit)| tau.clamp(limit[0], limit[1])).collect();
+                Ok((a, tau))
+            }
+            (Some(a), Forward::Closed(_)) => Ok((a, tau)),
+            (None, model) => Ok((model.accelerations(q, v, &tau)?, tau)),
+        }
     }
 }

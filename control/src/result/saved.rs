@@ -1,6 +1,7 @@
 //! The JSON form of a solution: what the command line prints and saves.
 
 use crate::options::{SolverOptions, Verify};
+use crate::result::constraint_forces::ConstraintForces;
 use crate::result::limit_use::LimitReport;
 use crate::result::motion::{Certificate, Motion};
 use crate::result::polish_report::PolishReport;
@@ -98,6 +99,8 @@ struct Document {
     switches: Vec<f64>,
     #[serde(default, skip_serializing_if = "LimitReport::is_empty")]
     limits: LimitReport,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    constraints: Vec<ConstraintForces>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     polish: Option<PolishReport>,
     #[serde(default)]
@@ -192,6 +195,7 @@ impl From<&Solution> for Document {
             certificate: motion.certificate,
             switches: motion.switches.clone(),
             limits: solution.limits.clone(),
+            constraints: solution.constraints.clone(),
             polish: solution.polish.clone(),
             starts: solution.starts.iter().map(start).collect(),
             options: solution.options.clone(),
@@ -245,6 +249,7 @@ impl TryFrom<Document> for Solution {
             trajectory: document.trajectory.into_trajectory(n).with_via_times(document.via_times),
             starts: document.starts.into_iter().map(start).collect(),
             limits: document.limits,
+            constraints: document.constraints,
             polish: document.polish,
             stage_times: None,
             options: document.options,

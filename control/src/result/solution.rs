@@ -1,6 +1,7 @@
 //! What solving a problem of a robot gives.
 
 use crate::options::SolverOptions;
+use crate::result::constraint_forces::ConstraintForces;
 use crate::result::limit_use::LimitReport;
 use crate::result::motion::Motion;
 use crate::result::polish_report::PolishReport;
@@ -24,6 +25,8 @@ pub struct Solution {
     pub newton_iterations: usize,
     /// How the motion uses its hard limits; empty without the direct method.
     pub limits: LimitReport,
+    /// The forces of the constraints of the robot at the nodes, and how far the motion drifts from them.
+    pub constraints: Vec<ConstraintForces>,
     /// Whether the motion is that of the direct method or its polished form, and why; `None` where that was
     /// not asked.
     pub polish: Option<PolishReport>,
@@ -112,6 +115,7 @@ impl Solution {
             end_defect: f64::INFINITY,
             newton_iterations: 0,
             limits: LimitReport::default(),
+            constraints: Vec::new(),
             polish: None,
             stage_times: None,
             trajectory: Trajectory::default(),

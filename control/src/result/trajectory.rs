@@ -116,6 +116,20 @@ impl Trajectory {
         Self::from_rows(kept.iter().map(|&k| self.t[k]).collect(), columns)
     }
 
+    /// The same for so many joints: the first ones, or with zeros for further ones.
+    pub(crate) fn of_joints(&self, n: usize) -> Self {
+        let resized = |row: &Vec<f64>| row.iter().copied().chain(std::iter::repeat(0.0)).take(n).collect();
+        let rows = |rows: &[Vec<f64>]| rows.iter().map(resized).collect::<Vec<Vec<f64>>>();
+        let columns = [&self.q, &self.v, &self.p, &self.u, &self.y_q, &self.y_p].map(|column| rows(column));
+        Self {
+            y_tau: rows(&self.y_tau),
+            hamiltonian: self.hamiltonian.clone(),
+            via_times: self.via_times.clone(),
+            accelerations: self.accelerations.as_deref().map(rows),
+            ..Self::from_rows(self.t.clone(), columns)
+        }
+    }
+
     /// With derivatives by the torques, [`y_tau`](Self::y_tau).
     pub(crate) fn with_y_tau(self, y_tau: Vec<Vec<f64>>) -> Self {
         Self { y_tau, ..self }

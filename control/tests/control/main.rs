@@ -19,6 +19,7 @@ mod infeasible;
 mod known;
 mod lagrangian;
 mod linear_algebra;
+mod loops;
 #[cfg(feature = "jit")]
 mod machine_code;
 mod one_state;

@@ -48,6 +48,7 @@ fn meaning(name: &str) -> &'static str {
             "which of two motions: that of the direct method, or one that solves the maximum principle"
         }
         "H*" => "the maximised Hamiltonian: the cost that one more second would save",
+        "drift of the loops" => "how far the motion leaves the constraints of the robot",
         "drift of H*" => "H* is constant on an exact solution; how far this one is from that",
         "end defect" => {
             "how far the robot misses its end when its torques are integrated again from the start"

@@ -109,6 +109,7 @@ impl Resolve {
     ) -> Result<Self, ProblemError> {
         let problem = &problem.clone().with_limits(problem.limits.clone().with_from_robot(from_robot));
         let rows = TaskRows::new(problem)?;
+        problem.refuse_constraints()?;
         problem.check_for(Method::Direct)?;
         options.check()?;
         let n = problem.robot.dof();

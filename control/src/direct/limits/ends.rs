@@ -34,7 +34,7 @@ pub(crate) struct Ends {
 
 impl Ends {
     pub fn new(problem: &Problem) -> Self {
-        let n = problem.robot.dof();
+        let n = problem.coordinates();
         let smooth = Shape::of(problem).is_smooth();
         let given = |state: &BoundaryState| {
             let q = (0..n).map(|i| !state.q_free.contains(&i));

@@ -63,7 +63,7 @@ pub(crate) struct Powers {
 
 impl Powers {
     pub fn new(problem: &Problem) -> Self {
-        let n = problem.robot.dof();
+        let n = problem.coordinates();
         let limits = problem.joint_limits();
         let (mut functions, mut sides) = (Vec::new(), Vec::new());
         let total = problem.limits.total_power_max.unwrap_or(f64::INFINITY);

@@ -1,5 +1,6 @@
 //! Where the direct method begins.
 
+use super::closing::Closing;
 use super::mesh::Mesh;
 use super::phase_times::{fill_rates, phase_times, ways, with_guesses};
 use super::shape::Shape;
@@ -16,7 +17,7 @@ pub(crate) fn guess(
     disturbance: &Disturbance,
     nodes: Vec<f64>,
 ) -> Spline {
-    let n = problem.robot.dof();
+    let n = problem.coordinates();
     let duration = saved.and_then(|saved| Some(saved.t.last()? - saved.t.first()?)).filter(|&t| t > 0.0);
     let saved = saved.zip(duration);
     let mut ends = with_guesses(problem);
@@ -48,7 +49,8 @@ pub(crate) fn guess(
         let since = (began[phase] + part * times[phase]) / sum * duration;
         Some((saved.t[0] + since).min(*saved.t.last()?))
     };
-    let at = |phase: usize, s: f64, q: &mut [f64], rate: &mut [f64]| {
+    let mut closing = problem.loops.as_ref().map(|loops| Closing::new(loops));
+    let mut at = |phase: usize, s: f64, q: &mut [f64], rate: &mut [f64]| {
         let (part, time) = (s - phase as f64, times[phase]);
         let found = saved.and_then(|(saved, duration)| {
             Some((saved.at(time_of(saved, duration, phase, part)?)?, duration / sum))
@@ -60,9 +62,12 @@ pub(crate) fn guess(
             }
             None => {
                 let cubics = Cubics { problem: &phases[phase], disturbance, goal: 1.0 };
-                for (i, (q, rate)) in q.iter_mut().zip(rate).enumerate() {
+                for (i, (q, rate)) in q.iter_mut().zip(&mut *rate).enumerate() {
                     let at = cubics.at(i, part);
                     (*q, *rate) = (at.q, time * at.v);
+                }
+                if let Some(closing) = &mut closing {
+                    closing.close(q, rate);
                 }
             }
         }

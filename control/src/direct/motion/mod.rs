@@ -4,6 +4,7 @@
 //! A [`guess`](guess::guess) gives the first motion. Nothing here knows of a robot's dynamics or of limits.
 
 pub(super) mod basis;
+mod closing;
 pub(super) mod guess;
 pub(super) mod mesh;
 pub(super) mod phase_times;

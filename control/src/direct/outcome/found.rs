@@ -1,5 +1,6 @@
 //! What the direct method found: the motion with its costates at all nodes and points.
 
+use super::closed_map::ClosedMap;
 use super::costates::{Costates, costates};
 use super::hamiltonians::{Hamiltonians, hamiltonians};
 use super::smooth_costates::smooth_costates;
@@ -128,6 +129,8 @@ struct Rows<'a> {
     phase: usize,
     limits: Vec<JointLimits>,
     momentum: Hamiltonian<f64>,
+    /// Of a robot with constraints.
+    closed: Option<ClosedMap>,
     /// Where M is nearly singular.
     transform: Option<LegendreTransform<f64>>,
     /// M, then its factor.
@@ -150,6 +153,7 @@ impl<'a> Rows<'a> {
             problem,
             limits: problem.joint_limits(),
             momentum: Hamiltonian::new(&problem.robot),
+            closed: problem.loops.as_ref().map(|loops| ClosedMap::new(loops)),
             transform: None,
             mass: Vec::new(),
             times: Vec::new(),
@@ -226,9 +230,12 @@ impl<'a> Rows<'a> {
         let cut =
             tau.iter().zip(&self.limits).map(|(tau, limit)| tau.clamp(limit.torque[0], limit.torque[1]));
         let u: Vec<f64> = cut.zip(&self.problem.gain).map(|(tau, gain)| tau / gain).collect();
-        let momentum = match self.map(q, v, &mut costate)? {
-            Some(momentum) => momentum,
-            None => self.map_carefully([q, v, &u], &mut costate)?,
+        let momentum = match &mut self.closed {
+            Some(closed) => closed.apply(q, v, &mut costate)?,
+            None => match self.map(q, v, &mut costate)? {
+                Some(momentum) => momentum,
+                None => self.map_carefully([q, v, &u], &mut costate)?,
+            },
         };
         let (y_q, y_p) = costate.split_at(n);
         for (column, row) in self.columns.iter_mut().zip([q, v, &momentum, &u, y_q, y_p]) {

@@ -7,7 +7,6 @@ use crate::direct::interior::iterate::Interior;
 use crate::direct::points::values::PointDynamics;
 use crate::problem::Problem;
 use crate::result::infeasibility::{Infeasibility, RelaxedLimit};
-use crate::result::solution::RobotNames;
 use costate::robot::JointKind;
 
 /// What the limits of an elastic iterate give, or at least what a proof says.
@@ -49,8 +48,7 @@ pub(crate) fn relaxed<D: PointDynamics>(problem: &Problem, interior: &Interior<D
     given.sort_by(|a, b| b.part.total_cmp(&a.part));
     let least = given.first().map_or(0.0, |first| constants::NOTICED_RELIEF * first.part.max(0.0));
     given.retain(|given| given.part > least);
-    let names = RobotNames::of(&problem.robot).joints;
-    let kinds: Vec<JointKind> = problem.robot.independent_joints().map(|joint| joint.kind).collect();
+    let (names, kinds) = problem.named_coordinates();
     let limits = given.iter().map(|given| limit(interior, given, &names, &kinds)).collect();
     // No proof, linear limits or not: between the points of a mesh other motions keep more.
     Infeasibility { limits, ..Infeasibility::default() }

@@ -2,7 +2,9 @@
 //! the motion integrated again, or the limits that cannot be kept.
 
 pub(super) mod clock;
-pub(super) mod costates;
+pub(super) mod closed_map;
+mod closed_verify;
+mod costates;
 pub(super) mod found;
 pub(super) mod hamiltonians;
 pub(super) mod infeasible;

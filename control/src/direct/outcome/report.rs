@@ -8,7 +8,6 @@ use crate::direct::refine::resolution::Resolution;
 use crate::problem::Problem;
 use crate::result::infeasibility::Infeasibility;
 use crate::result::limit_use::{ALL_JOINTS, ActiveLimit, LimitReport, LimitUse, LimitViolation};
-use crate::result::solution::RobotNames;
 use costate::robot::JointKind;
 
 /// The use of all limits, from distances at the points, between them and at the ends of the intervals.
@@ -19,8 +18,7 @@ pub(crate) fn report<D>(
     ends: &AtEnds,
     infeasible: Option<Infeasibility>,
 ) -> LimitReport {
-    let names = RobotNames::of(&problem.robot).joints;
-    let kinds: Vec<JointKind> = problem.robot.independent_joints().map(|joint| joint.kind).collect();
+    let (names, kinds) = problem.named_coordinates();
     let usage = |limited: Limited| usage(limited, &names, &kinds, interior, (resolution, ends));
     LimitReport {
         position: usage(Limited::Position),

@@ -1,5 +1,6 @@
 //! The motion integrated again with its torques.
 
+use super::closed_verify;
 use crate::bvp::collocation::error::defined;
 use crate::constants::direct as constants;
 use crate::direct::interior::iterate::Interior;
@@ -8,8 +9,11 @@ use crate::direct::refine::resolution::Resolution;
 use crate::numerics::dormand_prince::{DormandPrince, Stopped};
 use crate::options::{SolverOptions, Verify};
 use crate::problem::Problem;
+use crate::problem::loop_rows::Loops;
+use crate::result::verify::verification_bound;
 use costate::EvalError;
 use costate::lagrangian::Lagrangian;
+use std::sync::Arc;
 
 /// A motion integrated again.
 pub(crate) struct Again {
@@ -46,6 +50,12 @@ pub(crate) fn integrate_again<D>(
 ) -> Again {
     let spline = &interior.spline;
     let bound = constants::VERIFIED * options.tolerance.sqrt();
+    let drifts = |loops: &Arc<Loops>| {
+        closed_verify::drift(loops, spline).is_ok_and(|drift| drift <= verification_bound(options.tolerance))
+    };
+    if options.verify != Verify::None && !problem.loops.as_ref().is_none_or(drifts) {
+        return Again::unknown(false);
+    }
     match options.verify {
         Verify::Full => {}
         // What is cut off torques moves the end by about as much, in parts of what moves the robot.
@@ -55,9 +65,13 @@ pub(crate) fn integrate_again<D>(
         }
         Verify::None => return Again::unknown(false),
     }
-    let size = sizes(interior);
+    let n = problem.robot.dof();
+    let size = sizes(interior, n);
+    // Multipliers count for nothing.
+    let is_joint = |at: usize| at % spline.dof < n;
     let distance = |x: &[f64], z: &[f64]| {
-        let parts = x.iter().zip(z).zip(&size).map(|((x, z), size)| defined((x - z).abs() / size));
+        let joints = (0..x.len()).filter(|&at| is_joint(at));
+        let parts = joints.map(|at| defined((x[at] - z[at]).abs() / size[at]));
         parts.fold(0.0, f64::max)
     };
     let mut last = vec![0.0; 3 * spline.dof];
@@ -81,14 +95,15 @@ pub(crate) fn integrate_again<D>(
     again
 }
 
-/// The largest value of each component of (q, v); a joint that hardly moves is measured by the others.
-fn sizes<D>(interior: &Interior<D>) -> Vec<f64> {
+/// The largest value of each component of (q, v); a joint that hardly moves is measured by the others, of
+/// which there are so many.
+fn sizes<D>(interior: &Interior<D>, joints: usize) -> Vec<f64> {
     let n = interior.spline.dof;
     let largest = |i: usize| {
         let values = (0..interior.points.count()).map(|p| interior.points.z(p)[i].abs());
         values.fold(f64::MIN_POSITIVE, f64::max)
     };
-    let of_all = |group: usize| (group * n..(group + 1) * n).map(largest).fold(0.0, f64::max);
+    let of_all = |group: usize| (group * n..group * n + joints).map(largest).fold(0.0, f64::max);
     let least = [0, 1].map(|group| (constants::LEAST_SCALE * of_all(group)).max(constants::REST));
     (0..2 * n).map(|i| largest(i).max(least[i / n])).collect()
 }
@@ -102,6 +117,9 @@ fn integrate(
     part: f64,
     mut at_part: impl FnMut(&[f64], &[f64]),
 ) -> Result<Vec<f64>, Stopped> {
+    if let Some(loops) = &problem.loops {
+        return closed_verify::integrate((problem, loops), spline, part, at_part);
+    }
     let n = spline.dof;
     let limits = problem.joint_limits();
     let robots = problem.robots();

@@ -48,13 +48,13 @@ impl Running {
 
     /// That of a problem with the functions of its task.
     pub fn new(problem: &Problem, rows: &TaskRows) -> Self {
-        let n = problem.robot.dof();
+        let n = problem.coordinates();
         let tools = ToolCosts::new(rows.costs.clone(), rows.weights.clone(), n);
         let references = References::new(&problem.task.references, rows.references.clone(), n);
         let effort =
             problem.cost.effort.iter().zip(&problem.gain).map(|(r, gain)| r / (gain * gain)).collect();
-        let terms = UserTerms::new(problem.robot.dof(), &problem.terms);
-        let penalties = Penalties::new(problem.robot.dof(), problem.penalty.as_ref());
+        let terms = UserTerms::new(n, &problem.terms);
+        let penalties = Penalties::new(n, problem.penalty.as_ref());
         let energy = Energy::new(&problem.cost);
         let rates = RateCosts::new(&problem.cost);
         Self { time: problem.cost.time, effort, energy, rates, penalties, terms, tools, references }

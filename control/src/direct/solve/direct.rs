@@ -138,6 +138,7 @@ impl Direct<'_> {
             newton_iterations: interior.figures.iterations,
             end_defect: again.defect,
             limits,
+            constraints: Vec::new(),
             polish: None,
             stage_times: interior.clock.times(),
             trajectory,

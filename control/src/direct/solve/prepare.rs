@@ -13,11 +13,8 @@ use crate::direct::motion::mesh::Mesh;
 use crate::direct::motion::reached::with_tools_reached;
 use crate::direct::motion::shape::Shape;
 use crate::direct::points::phases::PhaseDynamics;
-#[cfg(feature = "jit")]
-use crate::direct::points::program_points::ProgramPoints as FastPoints;
+use crate::direct::points::robot_points::AnyPoints;
 use crate::direct::points::running::Running;
-#[cfg(not(feature = "jit"))]
-use crate::direct::points::values::RobotPoints as FastPoints;
 use crate::options::SolverOptions;
 use crate::problem::limits::JointLimits;
 use crate::problem::{FinalTime, Problem};
@@ -26,7 +23,7 @@ use crate::task::build::TaskRows;
 use costate::robot::Robot;
 
 /// Inverse dynamics of the robots of all phases.
-pub(crate) type Dynamics = PhaseDynamics<FastPoints>;
+pub(crate) type Dynamics = PhaseDynamics<AnyPoints>;
 
 /// A problem with the guess of a start; on the mesh of a saved motion, if there is one.
 pub(crate) fn interior(
@@ -66,21 +63,17 @@ pub(crate) fn interior_on(
     let complete = saved.filter(|_| smooth).and_then(|saved| saved.completed(problem));
     let saved = complete.as_ref().or(saved);
     let spline = guess(&reached, saved, &disturbance, nodes.to_vec());
-    let points = |robot: &Robot| {
-        #[cfg(feature = "jit")]
-        let points = FastPoints::new(robot, options.machine_code);
-        #[cfg(not(feature = "jit"))]
-        let points = FastPoints::new(robot);
-        points
-    };
+    let points = |robot: &Robot| AnyPoints::new(problem, robot, options);
     let dynamics = PhaseDynamics::new(&problem.robots(), points);
     let powers = Powers::new(problem);
-    let tasks = Tasks::new(rows, problem.robot.dof(), powers.rows());
+    let tasks = Tasks::new(rows, problem.coordinates(), powers.rows());
     let model = Model { dynamics, tasks, powers };
     let (running, ends) = (Running::new(problem, rows), Ends::new(problem));
     let mut interior = Interior::new(spline, sides(problem), model, running, ends);
-    let can_choose =
-        matches!(problem.time, FinalTime::Free { .. }) && problem.vias.iter().all(|via| via.time.is_none());
+    // Torques without the forces of constraints, which a guess does not have, say nothing about times.
+    let can_choose = matches!(problem.time, FinalTime::Free { .. })
+        && problem.vias.iter().all(|via| via.time.is_none())
+        && problem.loops.is_none();
     if saved.is_none() && can_choose {
         interior.choose_time(|time| {
             let problem = reached.clone().into_owned().with_time(FinalTime::Free { guess: time });

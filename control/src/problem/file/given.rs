@@ -41,6 +41,7 @@ impl Tables {
                 true => vec![0.0; n],
                 false => shift.clone(),
             }),
+            loops: None,
             robot,
         };
         problem.start.q_free = self.start.free(&problem, Key::START_Q_FREE)?;

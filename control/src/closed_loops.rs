@@ -1,0 +1,80 @@
+//! Motions of robots with constraints: those of the same robots with multipliers as coordinates
+//! ([`crate::problem::loops`]), by the direct method.
+
+use crate::direct::Direct;
+use crate::options::SolverOptions;
+use crate::problem::Problem;
+use crate::problem::check::CheckedProblem;
+use crate::problem::loop_rows::Loops;
+use crate::result::constraint_forces::ConstraintForces;
+use crate::result::motion::Motion;
+use crate::result::solution::Solution;
+use crate::result::trajectory::Trajectory;
+use crate::result::verify::verification_bound;
+use crate::solve::Recorder;
+use crate::status::Status;
+use crate::task::build::TaskRows;
+
+/// Solves a problem that was checked, from a saved motion if there is one.
+pub(crate) fn solve(
+    problem: &Problem,
+    options: &SolverOptions,
+    saved: Option<&Trajectory>,
+    recorder: &mut Recorder<'_>,
+) -> Solution {
+    let missing = |status| Solution::missing(&problem.robot, status, problem.time.value());
+    // What was checked has neither fault.
+    let Ok(with_multipliers) = problem.with_multipliers() else { return missing(Status::NewtonFailed) };
+    let Ok(rows) = TaskRows::new(&with_multipliers) else { return missing(Status::NewtonFailed) };
+    let saved = saved.map(|saved| saved.of_joints(with_multipliers.coordinates()));
+    let direct = Direct {
+        problem: CheckedProblem::made(&with_multipliers),
+        rows: &rows,
+        options,
+        saved: saved.as_ref(),
+    };
+    let found = direct.solve(recorder);
+    let found = Solution { options: options.clone(), ..found };
+    match &with_multipliers.loops {
+        Some(loops) => of_joints(problem, loops, found),
+        None => found,
+    }
+}
+
+/// The motion of the joints, with the forces of the constraints and what is missed at the end where loops
+/// close in another way than the given position says.
+fn of_joints(problem: &Problem, loops: &Loops, found: Solution) -> Solution {
+    let n = problem.robot.dof();
+    let lambda = |accelerations: &Vec<f64>| {
+        let all = problem.robot.constraints().iter().map(|one| one.kind.rows()).sum();
+        let mut lambda = vec![0.0; all];
+        for (row, a) in loops.rows.iter().zip(&accelerations[n..]) {
+            lambda[row.row] = row.mass * a;
+        }
+        lambda
+    };
+    let rows = found.trajectory.accelerations().unwrap_or_default();
+    let lambda: Vec<Vec<f64>> = rows.iter().map(lambda).collect();
+    let trajectory = found.trajectory.of_joints(n);
+    let constraints = ConstraintForces::along(&loops.robot, &trajectory, &lambda).unwrap_or_default();
+    let end_state = found.motion.end_state.as_ref().map(|state| {
+        let all = state.len() / 2;
+        [&state[..n], &state[all..all + n]].concat()
+    });
+    let misses = |state: &Vec<f64>| {
+        let of = |given: &[f64], free: &[usize], state: &[f64]| {
+            let given = (0..n).filter(|i| !free.contains(i)).map(|i| (state[i] - given[i]).abs());
+            given.fold(0.0, f64::max)
+        };
+        let end = &problem.end;
+        of(&end.q, &end.q_free, &state[..n]).max(of(&end.v, &end.v_free, &state[n..]))
+    };
+    let end_defect = end_state.as_ref().map_or(f64::INFINITY, misses);
+    // Where loops can close in two ways, what is given may be the other one.
+    let last = trajectory.q.last().zip(trajectory.v.last()).map(|(q, v)| misses(&[&q[..], v].concat()));
+    let bound = verification_bound(found.options.tolerance).sqrt();
+    let closes_otherwise = found.motion.status.is_converged() && last.is_some_and(|miss| miss > bound);
+    let status = if closes_otherwise { Status::NotVerified } else { found.motion.status.clone() };
+    let motion = Motion { status, end_state, ..found.motion };
+    Solution { motion, trajectory, constraints, end_defect, ..found }
+}

@@ -1,0 +1,248 @@
+//! Robots whose loops are closed by constraints, as robots with more coordinates.
+//!
+//! With the rows g(q) of the constraints, their Jacobian J and the multipliers mu of the constrained Legendre
+//! transform as the rates of further coordinates nu,
+//!
+//! ```text
+//! L(q, v) - dnu/dt . J v
+//! ```
+//!
+//! is a Lagrange function of (q, nu) whose equations are `tau = ID(q, v, a) - J' lambda` and
+//! `0 = -d2 g/dt2`, with the forces lambda of the constraints as the accelerations of nu. So a robot with
+//! constraints moves as an open one with joints without a motor, and what solves motions of those solves its
+//! motions: nu and dnu/dt are zero at the start and free at the end, and nothing else depends on them. The
+//! matrix of (a, lambda) in these equations is that of [`ConstrainedHamiltonian`], regular where the rows are
+//! independent.
+//!
+//! Along a motion from g = 0, J v = 0 the second derivatives of g vanish at the points; g itself drifts by
+//! the error of the mesh, which is told. So at the end no more positions and rates stay given than are
+//! independent of the rows: others are left free there, and come to where the loops are closed.
+
+use super::key::Key;
+use super::loop_error::LoopError;
+use super::loop_rows::{LoopRow, Loops};
+use super::{BoundaryState, Bounds, MotionLimits, Objective, Penalty, Problem};
+use crate::constants::task::OFF;
+use crate::numerics::cholesky;
+use crate::problem::error::ProblemError;
+use costate::EvalError;
+use costate::constraints::{ConstrainedHamiltonian, ConstraintError, Constraints};
+use costate::hamiltonian::Hamiltonian;
+use costate::robot::JointKind;
+use std::sync::Arc;
+
+/// A direction is none of those before it where no more than this part of it is left.
+const INDEPENDENT: f64 = 1e-6;
+
+impl Problem {
+    /// Number of coordinates of the direct method: joints, and rows of constraints.
+    pub(crate) fn coordinates(&self) -> usize {
+        self.robot.dof() + self.loops.as_ref().map_or(0, |loops| loops.rows.len())
+    }
+
+    /// Their names, and how they move.
+    pub(crate) fn named_coordinates(&self) -> (/* names */ Vec<String>, /* kinds */ Vec<JointKind>) {
+        let joints = self.robot.independent_joints().map(|joint| (joint.name.clone(), joint.kind));
+        let rows = self.loops.iter().flat_map(|loops| &loops.rows);
+        joints.chain(rows.map(|row| (row.name.clone(), JointKind::Prismatic))).unzip()
+    }
+
+    /// The first constraint is named where a robot with constraints is not taken.
+    ///
+    /// # Errors
+    /// [`ProblemError::Constrained`].
+    pub(crate) fn refuse_constraints(&self) -> Result<(), ProblemError> {
+        let first = self.robot.constraints().first();
+        first.map_or(Ok(()), |one| Err(ProblemError::Constrained { constraint: one.name.clone() }))
+    }
+
+    /// The same motion with the multipliers of the constraints as coordinates; of a robot with constraints.
+    ///
+    /// # Errors
+    /// [`ProblemError::Loop`]: what such motions do not take, ends that do not satisfy the constraints.
+    pub(crate) fn with_multipliers(&self) -> Result<Self, ProblemError> {
+        self.refuse_with_loops()?;
+        let unknown = |key: Key| move |error: EvalError| cannot(key, error.into());
+        let mut rows = Constraints::new(&self.robot);
+        let start = &self.start;
+        misses(&mut rows, &start.q, Some(&start.v), [Key::START_Q, Key::START_V])?;
+        let kept = self.independent_rows(&mut rows).map_err(unknown(Key::START_Q))?;
+        let end = self.closed_end(&mut rows, kept.len())?;
+        let k = kept.len();
+        let zeros = |list: &[f64]| padded(list, k, 0.0);
+        let all_of = |list: &Option<Vec<f64>>, value| list.as_ref().map(|list| padded(list, k, value));
+        let infinite = f64::INFINITY;
+        let (limits, n) = (&self.limits, self.robot.dof());
+        let torque_max = limits.torque_max.clone().unwrap_or_else(|| vec![infinite; n]);
+        let loops = Loops { robot: self.robot.clone(), rows: kept };
+        Ok(Self {
+            robot: self.robot.without_constraints(),
+            start: BoundaryState::fixed(&zeros(&start.q), &zeros(&start.v)),
+            end,
+            cost: Objective {
+                effort: zeros(&self.cost.effort),
+                energy: all_of(&self.cost.energy, 0.0),
+                ..self.cost.clone()
+            },
+            gain: padded(&self.gain, k, 1.0),
+            bounds: self.bounds.as_ref().map(|Bounds { u_min, u_max }| Bounds {
+                u_min: padded(u_min, k, -infinite),
+                u_max: padded(u_max, k, infinite),
+            }),
+            penalty: self.penalty.as_ref().map(|penalty| Penalty {
+                weight: penalty.weight,
+                q_min: all_of(&penalty.q_min, -infinite),
+                q_max: all_of(&penalty.q_max, infinite),
+                v_max: all_of(&penalty.v_max, infinite),
+            }),
+            limits: MotionLimits {
+                q_min: all_of(&limits.q_min, -infinite),
+                q_max: all_of(&limits.q_max, infinite),
+                v_max: all_of(&limits.v_max, infinite),
+                a_max: all_of(&limits.a_max, infinite),
+                // Nothing drives a multiplier.
+                torque_max: Some(padded(&torque_max, k, 0.0)),
+                jerk_max: None,
+                torque_rate_max: None,
+                power_max: all_of(&limits.power_max, infinite),
+                corner_speed: all_of(&limits.corner_speed, infinite),
+                no_load_speed: all_of(&limits.no_load_speed, infinite),
+                total_power_max: limits.total_power_max,
+                from_robot: Some(self.keeps_robot_limits()),
+            },
+            loops: Some(Arc::new(loops)),
+            ..self.clone()
+        })
+    }
+
+    /// What motions with constraints do not take.
+    fn refuse_with_loops(&self) -> Result<(), ProblemError> {
+        let free = |list: &[usize], key| (!list.is_empty()).then_some(key);
+        let terms = (!self.terms.is_empty()).then_some(Key::TERMS);
+        let first = self.task.first_key().or_else(|| self.first_of_rates());
+        let first = first.or_else(|| self.first_of_phases()).or(terms);
+        let first = first.or_else(|| free(&self.start.q_free, Key::START_Q_FREE));
+        let first = first.or_else(|| free(&self.start.v_free, Key::START_V_FREE));
+        match (first, self.robot.constraints().first()) {
+            (Some(key), Some(one)) => {
+                let constraint = one.name.clone();
+                Err(ProblemError::Loop { cause: LoopError::NotTaken { key, constraint } })
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// The rows that count at the start, where g and J are known.
+    fn independent_rows(&self, rows: &mut Constraints<f64>) -> Result<Vec<LoopRow>, EvalError> {
+        let (q, n) = (&self.start.q, self.robot.dof());
+        let mut closed = ConstrainedHamiltonian::<f64>::new(&self.robot);
+        closed.velocity(q, &vec![0.0; n])?;
+        let mut open = Hamiltonian::<f64>::new(&self.robot.without_constraints());
+        let mut mass = open.linearise_momentum(q, &vec![0.0; n])?.dp_dv.as_slice().to_vec();
+        let is_regular = cholesky::factorise(&mut mass, n);
+        let row = |(row, _): (usize, &f64)| {
+            let jacobian = rows.jacobian().row(row);
+            let mut moved = jacobian.to_vec();
+            if is_regular {
+                cholesky::solve(&mass, n, &mut moved);
+            }
+            let inverse: f64 = jacobian.iter().zip(&moved).map(|(j, moved)| j * moved).sum();
+            LoopRow { row, mass: 1.0 / inverse, name: rows.name(row).to_owned() }
+        };
+        Ok(closed.counted().iter().enumerate().filter(|(_, counts)| **counts == 1.0).map(row).collect())
+    }
+
+    /// The end, of which as many positions and rates stay given as are independent of `k` rows; all loops are
+    /// closed there.
+    fn closed_end(&self, rows: &mut Constraints<f64>, k: usize) -> Result<BoundaryState, ProblemError> {
+        let (end, n) = (&self.end, self.robot.dof());
+        let mut q = end.q.clone();
+        let given = |free: &[usize]| (0..n).map(|i| !free.contains(&i)).collect::<Vec<bool>>();
+        let (q_given, v_given) = (given(&end.q_free), given(&end.v_free));
+        if end.q_free.is_empty() {
+            misses(rows, &q, None, [Key::END_Q, Key::END_V])?;
+        } else {
+            let mut closed = ConstrainedHamiltonian::<f64>::new(&self.robot);
+            closed.close(&mut q, &q_given).map_err(|cause| cannot(Key::END_Q, cause))?;
+        }
+        let rates = end.v_free.is_empty().then_some(&end.v[..]);
+        misses(rows, &q, rates, [Key::END_Q, Key::END_V])?;
+        let free = |given: &[bool]| {
+            let kept = independent(rows, given, n.saturating_sub(k));
+            (0..n).filter(|i| !kept.contains(i)).chain(n..n + k).collect::<Vec<usize>>()
+        };
+        let (q_free, v_free) = (free(&q_given), free(&v_given));
+        let state = BoundaryState::fixed(&padded(&q, k, 0.0), &padded(&end.v, k, 0.0));
+        Ok(state.with_q_free(&q_free).with_v_free(&v_free))
+    }
+}
+
+fn padded(list: &[f64], more: usize, value: f64) -> Vec<f64> {
+    list.iter().copied().chain(std::iter::repeat_n(value, more)).collect()
+}
+
+fn cannot(key: Key, cause: ConstraintError) -> ProblemError {
+    ProblemError::Loop { cause: LoopError::CannotClose { key, cause } }
+}
+
+/// Whether a position satisfies the constraints, and rates keep them.
+fn misses(
+    rows: &mut Constraints<f64>,
+    q: &[f64],
+    v: Option<&[f64]>,
+    [of_q, of_v]: [Key; 2],
+) -> Result<(), ProblemError> {
+    rows.set_position(q).map_err(|error| cannot(of_q, error.into()))?;
+    let largest = |values: &mut dyn Iterator<Item = f64>| {
+        let found = values.map(f64::abs).enumerate().max_by(|a, b| a.1.total_cmp(&b.1));
+        found
+            .filter(|(_, miss)| *miss > OFF || miss.is_nan())
+            .map(|(row, miss)| (rows.name(row).to_owned(), miss))
+    };
+    if let Some((constraint, miss)) = largest(&mut rows.values().iter().copied()) {
+        return Err(ProblemError::Loop { cause: LoopError::Open { key: of_q, constraint, miss } });
+    }
+    let Some(v) = v else { return Ok(()) };
+    let rate = |row: usize| rows.jacobian().row(row).iter().zip(v).map(|(j, v)| j * v).sum::<f64>();
+    match largest(&mut (0..rows.count()).map(rate)) {
+        Some((constraint, rate)) => {
+            Err(ProblemError::Loop { cause: LoopError::Leads { key: of_v, constraint, rate } })
+        }
+        None => Ok(()),
+    }
+}
+
+/// At most `most` of the given coordinates that are independent of each other and of the rows, at the
+/// position of the rows: each time the one of which most is left.
+fn independent(rows: &Constraints<f64>, given: &[bool], most: usize) -> Vec<usize> {
+    let n = given.len();
+    let mut basis: Vec<Vec<f64>> = Vec::new();
+    let add = |basis: &mut Vec<Vec<f64>>, mut row: Vec<f64>| {
+        let size = norm(&row);
+        // Twice, for rounding.
+        for unit in basis.iter().chain(basis.iter()) {
+            let along: f64 = unit.iter().zip(&row).map(|(a, b)| a * b).sum();
+            row.iter_mut().zip(unit).for_each(|(to, unit)| *to -= along * unit);
+        }
+        let left = norm(&row);
+        if left > INDEPENDENT * size {
+            row.iter_mut().for_each(|entry| *entry /= left);
+            basis.push(row);
+        }
+    };
+    (0..rows.count()).for_each(|row| add(&mut basis, rows.jacobian().row(row).to_vec()));
+    let mut kept: Vec<usize> = Vec::new();
+    while kept.len() < most {
+        let left = |i: &usize| 1.0 - basis.iter().map(|unit| unit[*i] * unit[*i]).sum::<f64>();
+        let open = (0..n).filter(|i| given[*i] && !kept.contains(i));
+        let best = open.max_by(|a, b| left(a).total_cmp(&left(b)));
+        let Some(best) = best.filter(|best| left(best) > INDEPENDENT) else { break };
+        add(&mut basis, (0..n).map(|j| f64::from(u8::from(j == best))).collect());
+        kept.push(best);
+    }
+    kept
+}
+
+fn norm(row: &[f64]) -> f64 {
+    row.iter().map(|entry| entry * entry).sum::<f64>().sqrt()
+}

@@ -1,0 +1,80 @@
+//! The forces of the constraints of a robot along a motion.
+
+use crate::result::trajectory::Trajectory;
+use costate::EvalError;
+use costate::constraints::Constraints;
+use costate::robot::{ConstraintFrame, ConstraintKind, Robot};
+use serde::{Deserialize, Serialize};
+
+/// What holds one constraint along a motion, and how well the motion keeps it.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub struct ConstraintForces {
+    /// Name of the constraint.
+    pub name: String,
+    /// The frame that is held: forces act on its link, at its origin. Empty for a coupling.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub frame: String,
+    /// The frame that holds it, in whose axes forces and moments are. Empty for a coupling.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub to: String,
+    /// Largest `|g(q(t)) - g(q(0))|` of its rows at the nodes (m, rad): what the motion drifts from the
+    /// constraint.
+    pub drift: f64,
+    /// The rows of lambda at each node of the trajectory: forces (N) of rows in m, moments (N m) of rows in
+    /// rad. Rows that depend on those before them have none.
+    pub multipliers: Vec<Vec<f64>>,
+    /// Force on the link of `frame`, at the origin of the constraint in it, in axes of `to` (N), at each
+    /// node; empty for a coupling.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub force: Vec<[f64; 3]>,
+    /// Moment on it (N m), the same.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub moment: Vec<[f64; 3]>,
+}
+
+impl ConstraintForces {
+    /// Those of all constraints of a robot, from lambda of all rows at the nodes of a motion.
+    ///
+    /// # Errors
+    /// A position that cannot be evaluated.
+    pub(crate) fn along(
+        robot: &Robot,
+        motion: &Trajectory,
+        lambda: &[Vec<f64>],
+    ) -> Result<Vec<Self>, EvalError> {
+        let mut rows = Constraints::<f64>::new(robot);
+        let name = |at: &ConstraintFrame| robot.frames()[at.frame].name.clone();
+        let constraints = robot.constraints();
+        let mut all: Vec<Self> = Vec::with_capacity(constraints.len());
+        for constraint in constraints {
+            let [frame, to] = match &constraint.kind {
+                ConstraintKind::Frames { frame, to, .. } | ConstraintKind::Distance { frame, to, .. } => {
+                    [name(frame), name(to)]
+                }
+                _ => Default::default(),
+            };
+            all.push(Self { name: constraint.name.clone(), frame, to, ..Self::default() });
+        }
+        let mut start = Vec::new();
+        for (q, lambda) in motion.q.iter().zip(lambda) {
+            rows.set_position(q)?;
+            if start.is_empty() {
+                start = rows.values().to_vec();
+            }
+            let mut first = 0;
+            for (number, (forces, constraint)) in all.iter_mut().zip(constraints).enumerate() {
+                let own = first..first + constraint.kind.rows();
+                first = own.end;
+                let pairs = rows.values()[own.clone()].iter().zip(&start[own.clone()]);
+                forces.drift = pairs.fold(forces.drift, |most, (g, start)| most.max((g - start).abs()));
+                forces.multipliers.push(lambda[own].to_vec());
+                if let Some((force, moment)) = rows.wrench(number, lambda) {
+                    forces.force.push(force);
+                    forces.moment.push(moment);
+                }
+            }
+        }
+        Ok(all)
+    }
+}
