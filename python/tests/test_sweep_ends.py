@@ -9,6 +9,8 @@ import time
 from collections import Counter
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
+from multiprocessing import connection
+from pathlib import Path
 from threading import Timer
 
 import costate
@@ -270,3 +272,28 @@ def test_a_worker_sends_what_it_has_after_a_second():
             slow, range(12), threads, chunk=12, progress=lambda outcome: first.append(len(calls))
         )
     assert [outcome.value for outcome in outcomes] == calls == list(range(12)) and first[0] < 12
+
+
+def dies_while_it_sends(task):
+    """Its result is more than a pipe holds."""
+    number, mark = task
+    if number == 1 and not os.path.exists(mark):
+        Path(mark).touch()
+        threading.Timer(0.5, os.kill, [os.getpid(), signal.SIGKILL]).start()
+        return bytes(2**23)
+    return number
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no signal that kills")
+def test_a_worker_that_dies_while_it_sends_is_missed(monkeypatch, tmp_path):
+    receive = connection.Connection._recv
+
+    def late(self, size, *rest):
+        if size > 2**20:
+            time.sleep(2.0)  # The sender has ended in the middle then.
+        return receive(self, size, *rest)
+
+    monkeypatch.setattr(connection.Connection, "_recv", late)
+    mark = str(tmp_path / "mark")
+    outcomes = costate.sweep(dies_while_it_sends, [(k, mark) for k in range(6)], workers=2, chunk=1)
+    assert [outcome.value for outcome in outcomes] == list(range(6))

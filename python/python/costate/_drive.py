@@ -117,7 +117,11 @@ def drive(
             if table is not None:
                 table.tick()
             left = len(chunks) + len(suspects) + sum(map(len, running.values()))
-            text = runner.watch(left, bool(done))
+            try:
+                text = runner.watch(left, bool(done))
+            except BrokenExecutor:
+                lost()
+                continue
             if text is not None and tell is not None:
                 tell(text)
     except BaseException:

@@ -21,6 +21,8 @@ logger = logging.getLogger("costate")
 _EACH, _WINDOW = 4, 1024
 # Seconds between two looks at a cluster, and without results before something is said.
 _LOOK = 5.0
+# After how many looks without a result a pool ends with one of its processes at the latest.
+_SILENT = 3
 # How often a pool is made again that ends before its first task, and after how many seconds.
 _STARTS, _PAUSE = 3, 1.0
 
@@ -119,6 +121,7 @@ class Pool:
         self.given = function
         self.workers, self.retries, self.window = workers, retries, 2 * workers
         self.executor: ProcessPoolExecutor | None = None
+        self.silent = 0  # Looks in a row that found a process which has ended, and no result.
         self.worked, self.failed = False, 0  # Pools in a row that ended before their first task.
 
     def submit(self, tasks: list[Any]) -> Future[Any]:
@@ -149,7 +152,12 @@ class Pool:
         return self.executor
 
     def watch(self, left: int, came: bool) -> str | None:
-        """Nothing to say: its processes are watched by the pool."""
+        """End a pool that does not see that a process has ended: it waits for the rest of a result."""
+        self.silent = self.silent + 1 if not came and self.executor is not None and _workers.lost(self.executor) else 0
+        if self.silent >= _SILENT:
+            self.silent = 0
+            self.broken()
+            raise BrokenExecutor("a process has ended while it sent a result")
         return None
 
     def results(self, future: Future[Any]) -> list[_workers.Result]:

@@ -137,7 +137,7 @@ def sweep(
                 if not warned:
                     warned = True
                     text = f"progress has raised {said(error)} for the outcome of task {outcome.index}; the sweep goes on"
-                    warnings.warn(text, RuntimeWarning, stacklevel=2)
+                    warnings.warn(text, RuntimeWarning, stacklevel=5)
 
     def tell(text: str) -> None:
         bar.say(text)

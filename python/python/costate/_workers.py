@@ -11,7 +11,7 @@ import time
 import traceback
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from multiprocessing import connection
 from typing import Any, TypeAlias
 
@@ -47,8 +47,9 @@ def new_pool(workers: int) -> ProcessPoolExecutor:
 
 def end(pool: ProcessPoolExecutor, at_once: bool = False) -> bool:
     """End a pool: whether its processes have ended in time, by themselves unless at once."""
-    processes = list((getattr(pool, "_processes", None) or {}).values())
+    processes = _processes(pool)
     manager = getattr(pool, "_executor_manager_thread", None)
+    pipes = [("_writer", getattr(pool, "_result_queue", None)), ("_reader", getattr(pool, "_call_queue", None))]
     try:
         pool.shutdown(wait=False, cancel_futures=True)
         left = late = processes if at_once else _running(processes, _GRACE)
@@ -57,12 +58,27 @@ def end(pool: ProcessPoolExecutor, at_once: bool = False) -> bool:
                 getattr(process, act)()
             left = _running(left, _GRACE)
         if manager is not None:
-            manager.join(_GRACE)
+            manager.join(_GRACE / 4)
+            if manager.is_alive():
+                # It reads or writes the rest of what a process that was ended has begun, and Python would wait for it.
+                for name, queue in pipes:
+                    with suppress(Exception):
+                        getattr(queue, name).close()
+                manager.join(_GRACE)
     except BaseException:
         for process in processes:
             process.kill()
         raise
     return not late
+
+
+def lost(pool: ProcessPoolExecutor) -> bool:
+    """Whether a process of a pool has ended."""
+    return bool(connection.wait([process.sentinel for process in _processes(pool)], 0.0))
+
+
+def _processes(pool: ProcessPoolExecutor) -> list[Any]:
+    return list((getattr(pool, "_processes", None) or {}).values())
 
 
 def _running(processes: list[Any], seconds: float) -> list[Any]:
@@ -100,11 +116,11 @@ def _function(text: bytes) -> Callable[[Any], Any]:
 @contextmanager
 def submitting() -> Iterator[None]:
     """While this thread gives a call to an executor."""
-    _submits.process = os.getpid()
+    before, _submits.process = getattr(_submits, "process", None), os.getpid()
     try:
         yield
     finally:
-        _submits.process = None
+        _submits.process = before
 
 
 def readable(function: bytes) -> str | None:
