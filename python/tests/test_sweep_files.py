@@ -16,6 +16,7 @@ import pytest
 from conftest import pendulum
 from test_sweep import picky, square
 
+pyarrow = pytest.importorskip("pyarrow")
 parquet = pytest.importorskip("pyarrow.parquet")
 
 
@@ -176,9 +177,81 @@ def test_what_has_come_before_an_interrupt_is_kept(tmp_path):
         time.sleep(0.5)  # The others end.
         raise KeyboardInterrupt
 
-    with ThreadPoolExecutor(4) as threads, pytest.raises(KeyboardInterrupt):
-        costate.sweep(square, range(20), threads, chunk=1, parquet=path, progress=stop)
-    assert [row["value"] for row in parquet.read_table(path).to_pylist()] == [k * k for k in range(20)]
+    with ThreadPoolExecutor(4) as threads, pytest.raises(costate.Interrupted) as raised:
+        costate.sweep(square, range(8), threads, chunk=1, parquet=path, progress=stop)
+    assert [row["value"] for row in parquet.read_table(path).to_pylist()] == [k * k for k in range(8)]
+    assert [outcome.value for outcome in raised.value.reached] == [k * k for k in range(8)]
+
+
+def reserved(x):
+    return {"index": 1} if x == 2 else {"place": x}
+
+
+def test_a_result_with_a_name_of_the_file_is_the_error_of_its_task(tmp_path):
+    path = tmp_path / "results.parquet"
+    with ThreadPoolExecutor(1) as threads:
+        outcomes = costate.sweep(reserved, range(6), threads, parquet=path)
+    assert [outcome.index for outcome in outcomes if not outcome.ok] == [2] and outcomes[5].value == {"place": 5}
+    error = outcomes[2].error
+    assert isinstance(error, costate.ArgumentError) and "'index'" in str(error) and outcomes[2].attempts == 1
+    assert "'index'" in parquet.read_table(path).to_pylist()[2]["error"]
+
+
+class Mute(Exception):
+    """Cannot say what it is."""
+
+    def __str__(self):
+        raise OSError("no words")
+
+    __repr__ = __str__
+
+
+def mute(x):
+    if x == 1:
+        raise Mute
+    return [{"\udcff": 1}, None, Mute(), {"a": Mute()}][x]
+
+
+def test_what_has_no_words_is_kept(tmp_path):
+    path = tmp_path / "results.parquet"
+    with ThreadPoolExecutor(1) as threads:
+        outcomes = costate.sweep(mute, range(4), threads, parquet=path)
+        again = costate.sweep(mute, range(4), threads, parquet=path)
+    assert [outcome.ok for outcome in outcomes] == [True, False, True, True]
+    assert [outcome.value for outcome in again] == [{"\\udcff": 1}, None, "<Mute>", {"a": "<Mute>"}]
+    assert parquet.read_table(path).to_pylist()[1]["error"] == "Mute"
+
+
+def test_files_that_are_no_sweeps_are_refused(tmp_path):
+    junk, parts = tmp_path / "junk.parquet", tmp_path / "other.parquet.parts"
+    junk.write_text("no Parquet")
+    parts.mkdir()
+    (parts / "0.parquet").touch()
+    own = {"index": ["a"], "key": ["b"], "error": ["c"], "seconds": [1.0], "attempts": [1], "columns": ["d"]}
+    parquet.write_table(pyarrow.table(own), tmp_path / "words.parquet")
+    for name, words in [
+        ("junk.parquet", "junk.parquet cannot be read"),
+        ("other.parquet", "0.parquet cannot be read"),
+        ("words.parquet", "no file of a sweep"),
+        ("", "is a folder"),
+    ]:
+        with pytest.raises(costate.ArgumentError, match=words) as raised:
+            costate.sweep(square, [1], parquet=tmp_path / name)
+        assert raised.value.argument == "parquet"
+
+
+def test_a_failure_does_not_replace_what_another_sweep_has_found(tmp_path):
+    path = tmp_path / "results.parquet"
+
+    def fails(x):
+        with ThreadPoolExecutor(1) as others:
+            costate.sweep(square, [3], others, parquet=path)
+        raise ValueError(x)
+
+    with ThreadPoolExecutor(1) as threads:
+        (outcome,) = costate.sweep(fails, [3], threads, parquet=path)
+        (again,) = costate.sweep(fails, [3], threads, parquet=path)
+    assert not outcome.ok and again.value == 9
 
 
 def test_no_task_makes_a_file_without_rows(tmp_path):

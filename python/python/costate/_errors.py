@@ -73,17 +73,17 @@ class Interrupted(KeyboardInterrupt):
 
     Parameters
     ----------
-    reached : Solution, Resolved, CheckReport, ndarray or tuple of ndarray
+    reached : Solution, Resolved, CheckReport, ndarray, tuple of ndarray or list of Outcome
         What was reached.
     message : str, optional
         What to say; about the motion of a `Solution` unless given.
 
     Attributes
     ----------
-    reached : Solution, Resolved, CheckReport, ndarray or tuple of ndarray
+    reached : Solution, Resolved, CheckReport, ndarray, tuple of ndarray or list of Outcome
         Of `Problem.solve` and `Problem.follow` the best motion so far, with the status ``"cancelled"`` unless it was
         solved in the last moment; of `Resolve.solve` its figures; of `check` the report on the states that were compared;
-        of a batch its results, not-a-number at states that were not computed.
+        of a batch its results, not-a-number at states that were not computed; of `sweep` the outcomes of its tasks.
     solution : Solution or None
         The same where it is a motion of `Problem.solve` or `Problem.follow`.
     """

@@ -8,6 +8,14 @@ from typing import Any
 from ._errors import CostateError
 
 
+def said(error: BaseException) -> str:
+    """The name of an error and its words, where it has some."""
+    try:
+        return f"{type(error).__name__}: {error}"
+    except Exception:
+        return type(error).__name__
+
+
 class WorkerDied(CostateError):
     """The process that computed a task of a sweep ended by itself."""
 

@@ -11,12 +11,13 @@ import pickle
 import time
 import warnings
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 from uuid import uuid4
 
 from ._errors import ArgumentError, argument_error
-from ._outcomes import Outcome
+from ._outcomes import Outcome, said
 
 # Seconds after which new results are kept.
 _PAUSE = 2.0
@@ -40,6 +41,8 @@ class Table:
         except ImportError as error:
             raise ImportError("parquet= needs pyarrow: pip install pyarrow") from error
         self.path, self.parts = Path(path), Path(f"{path}.parts")
+        if self.path.is_dir():
+            raise argument_error("parquet", f"{path or 'the empty path'} is a folder; give the path of a file")
         self.tasks, self.keys = tasks, [_task_key(index, task) for index, task in enumerate(tasks)]
         self.new: list[dict[str, Any]] = []
         self.kept = time.monotonic()
@@ -53,20 +56,28 @@ class Table:
 
     def _read(self, file: Path, longer: bool = False) -> Iterator[dict[str, Any]]:
         """The rows of a file, which may have more tasks if so."""
+        import pyarrow
         from pyarrow import parquet
 
         try:
             table = parquet.read_table(file)
         except FileNotFoundError:
             return  # Another process has just made the file of its parts.
+        except (pyarrow.ArrowException, OSError) as error:
+            raise self._wrong(f"{file} cannot be read as Parquet ({error})") from None
         if not set(_OWN) <= set(table.column_names):
             raise self._wrong(f"{file} is no file of a sweep")
         texts = [field.name for field in table.schema if _JSON.items() <= (field.metadata or {}).items()]
         for row in table.to_pylist():
-            more = row["index"] >= len(self.keys)
-            if not longer if more else row["key"] != self.keys[row["index"]]:
+            try:
+                more = row["index"] >= len(self.keys)
+                other = not longer if more else row["index"] < 0 or row["key"] != self.keys[row["index"]]
+                row |= {name: json.loads(row[name]) for name in texts if row[name] is not None}
+            except (TypeError, ValueError):
+                raise self._wrong(f"{file} is no file of a sweep") from None
+            if other:
                 raise self._wrong(f"{file} has results of other tasks")
-            yield row | {name: json.loads(row[name]) for name in texts if row[name] is not None}
+            yield row
 
     def _wrong(self, what: str) -> ArgumentError:
         return argument_error("parquet", f"{what}; give another path, or remove it")
@@ -81,24 +92,22 @@ class Table:
                 found[index] = Outcome(index, self.tasks[index], value, None, "", row["seconds"], row["attempts"])
         return found
 
-    def add(self, outcome: Outcome) -> None:
-        """One more result."""
-        try:
-            value = _plain(outcome.value)
-        except RecursionError:
-            value = repr(outcome.value)
+    def add(self, outcome: Outcome) -> Outcome:
+        """One more result, or the error of a task whose result has no place here."""
+        value = _kept(outcome.value)
+        clash = [name for name in value if name in _OWN] if isinstance(value, dict) else []
+        if clash:
+            error = argument_error("function", f"a result has the key {clash[0]!r}, which parquet= uses; rename it")
+            outcome, value = replace(outcome, value=None, error=error), None
         named = isinstance(value, dict)
         row = dict(value) if named else {"value": value}
-        clash = [name for name in row if name in _OWN]
-        if clash:
-            raise argument_error("function", f"a result has the key {clash[0]!r}, which parquet= uses; rename it")
-        error = None if outcome.error is None else f"{type(outcome.error).__name__}: {outcome.error}"
         row |= {"index": outcome.index, "key": self.keys[outcome.index], "seconds": outcome.seconds}
         row |= {"attempts": outcome.attempts, "columns": list(value) if named else None}
-        row["error"] = None if error is None else error.encode("utf-8", "backslashreplace").decode()
+        row["error"] = None if outcome.error is None else _written(said(outcome.error))
         self.rows[outcome.index] = row
         self.new.append(row)
         self.tick()
+        return outcome
 
     def tick(self) -> None:
         """Keeps what is new when it is time to."""
@@ -125,7 +134,10 @@ class Table:
         try:
             if self.path.exists():
                 # Another process may have written it since.
-                self.rows = {row["index"]: row for row in self._read(self.path, True)} | self.rows
+                for row in self._read(self.path, True):
+                    own = self.rows.get(row["index"])
+                    if own is None or (own["error"] is not None and row["error"] is None):
+                        self.rows[row["index"]] = row
             self._write(self.path, [self.rows[index] for index in sorted(self.rows)])
         except Exception as error:
             text = f"{self.path} cannot be written ({error}); what was kept is in {self.parts}, where the same call finds it"
@@ -172,11 +184,19 @@ def _columns(rows: list[dict[str, Any]]) -> tuple[list[Any], Any]:
         except Exception:  # Of many kinds: no such type, several types, too large.
             typed = False
         if not typed:
-            texts = [None if value is None else json.dumps(value, default=repr) for value in values]
+            texts = [None if value is None else json.dumps(value, default=_words) for value in values]
             array, marks = pyarrow.array(texts, pyarrow.string()), _JSON
         arrays.append(array)
         fields.append(pyarrow.field(name, array.type, metadata=marks))
     return arrays, pyarrow.schema(fields)
+
+
+def _kept(value: Any) -> Any:
+    """What a file keeps of a result."""
+    try:
+        return _plain(value)
+    except Exception:  # It contains itself, is too deep, or cannot be copied.
+        return _written(_words(value))
 
 
 def _plain(value: Any) -> Any:
@@ -184,10 +204,22 @@ def _plain(value: Any) -> Any:
     if hasattr(value, "tolist") and not isinstance(value, type):
         value = value.tolist()
     if isinstance(value, dict):
-        return {str(name): _plain(of) for name, of in value.items()}
+        return {_written(str(name)): _plain(of) for name, of in value.items()}
     if isinstance(value, (list, tuple, set, frozenset)):
         return [_plain(of) for of in value]
     return value
+
+
+def _words(value: object) -> str:
+    try:
+        return repr(value)
+    except Exception:
+        return f"<{type(value).__name__}>"
+
+
+def _written(text: str) -> str:
+    """The same in characters that a file can have."""
+    return text.encode("utf-8", "backslashreplace").decode()
 
 
 def _task_key(index: int, task: Any) -> str:
@@ -196,7 +228,7 @@ def _task_key(index: int, task: Any) -> str:
     except Exception as error:
         raise argument_error(
             "tasks",
-            f"task {index} cannot be pickled ({error}), so its result cannot be found again in a file; give tasks of "
+            f"task {index} cannot be pickled ({said(error)}), so its result cannot be found again in a file; give tasks of "
             "numbers, text and arrays, or leave out parquet=",
         ) from None
 

@@ -12,6 +12,7 @@ class Counter:
     def __init__(self, show: bool, total: int, done: int) -> None:
         self.show, self.total, self.done, self.failed = show, total, done, 0
         self.bar: Any = None
+        self.said = False
         if show:
             try:
                 from tqdm.auto import tqdm  # type: ignore[import-untyped,import-not-found,unused-ignore]
@@ -23,11 +24,20 @@ class Counter:
         self.done += 1
         self.failed += failed
         if self.bar is not None:
-            if self.failed:
-                self.bar.set_postfix_str(f"{self.failed} failed", refresh=False)
+            if self.failed or self.said:
+                self.bar.set_postfix_str(f"{self.failed} failed" if self.failed else "", refresh=False)
+                self.said = False
             self.bar.update()
         elif self.show:
             print(f"\r\x1b[K{self.done} of {self.total}, {self.failed} failed", end="", file=sys.stderr, flush=True)
+
+    def say(self, text: str) -> None:
+        """Beside the bar, until the next task is done."""
+        if self.bar is not None:
+            self.bar.set_postfix_str(text)
+        elif self.show:
+            print(f"\r\x1b[K{self.done} of {self.total}, {text}", end="", file=sys.stderr, flush=True)
+        self.said = True
 
     def close(self) -> None:
         if self.bar is not None:

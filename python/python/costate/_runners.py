@@ -2,34 +2,93 @@
 
 from __future__ import annotations
 
+import logging
 import pickle
+import time
+import warnings
 from collections.abc import Callable
-from concurrent.futures import BrokenExecutor, Executor, Future
+from concurrent.futures import BrokenExecutor, Future, ProcessPoolExecutor
 from typing import Any
 from uuid import uuid4
 
 from . import _workers
 from ._errors import argument_error
-from ._outcomes import WorkerDied
+from ._outcomes import WorkerDied, said
 
-# Chunks that another executor holds at once.
-_WINDOW = 1024
+logger = logging.getLogger("costate")
+
+# Chunks that each worker has at once, and those of an executor that does not say how many workers it has.
+_EACH, _WINDOW = 4, 1024
+# Seconds between two looks at a cluster, and without results before something is said.
+_LOOK = 5.0
+# After how many looks without a result a pool ends with one of its processes at the latest.
+_SILENT = 3
+# How often a pool is made again that ends before its first task, and after how many seconds.
+_STARTS, _PAUSE = 3, 1.0
 
 
 class Given:
     """An executor of the caller."""
 
     ends_together = False  # Whether all that runs ends with one worker.
-    window = _WINDOW
 
-    def __init__(self, function: Callable[[Any], Any], executor: Executor, retries: int) -> None:
-        self.executor, self.function, self.retries = executor, function, retries
-        size = getattr(executor, "_max_workers", 0)  # Of the executors of Python.
+    def __init__(self, function: Callable[[Any], Any], executor: Any, retries: int) -> None:
+        self.executor, self.function, self.retries = _executor(executor), function, retries
+        size = getattr(self.executor, "_max_workers", 0)  # Of the executors of Python.
         self.workers = size if isinstance(size, int) else 0
         self.running: set[Future[Any]] = set()
+        client = getattr(self.executor, "_client", None)
+        self.client = client if callable(getattr(client, "nthreads", None)) else None  # Of Dask.
+        self.empty = False  # Whether it was said that there are no workers.
+        self.heard = self.looked = time.monotonic()
+        self._look()
+
+    @property
+    def window(self) -> int:
+        """How many chunks it holds at once."""
+        if self.client is None and not self.workers:
+            return _WINDOW
+        return max(_EACH * self.workers, 2 * _EACH)
+
+    def _look(self) -> int | None:
+        """How many workers a cluster has; None for other executors, and where it does not answer."""
+        if self.client is None:
+            return None
+        try:
+            self.workers = sum(self.client.nthreads().values())
+        except Exception:
+            return None
+        return self.workers
+
+    def watch(self, left: int, came: bool) -> str | None:
+        """What to say about the workers of a cluster, with so many tasks left and whether results came."""
+        now = time.monotonic()
+        if came:
+            self.heard, self.empty = now, False
+        if self.client is None or now - self.looked < _LOOK:
+            return None
+        workers = self._look()
+        self.looked = time.monotonic()
+        if workers and self.empty:
+            self.empty = False
+            logger.info("sweep: %s has workers again", self._name())
+        elif workers == 0 and not self.empty and now - self.heard >= _LOOK:
+            self.empty = True
+            return (
+                f"{self._name()} has no workers, and the tasks that wait are {left}. The sweep goes on when workers come, "
+                "for instance by cluster.scale(n); Ctrl-C ends it"
+            )
+        return None
+
+    def _name(self) -> str:
+        address = getattr(getattr(self.client, "scheduler", None), "address", "its cluster")
+        return f"{type(self.executor).__name__} of {address}"
 
     def submit(self, tasks: list[Any]) -> Future[Any]:
-        future = self.executor.submit(_workers.many, self.function, tasks, self.retries, uuid4().hex)
+        with _workers.submitting():
+            future: Future[Any] = self.executor.submit(_workers.many, self.function, tasks, self.retries, uuid4().hex)
+        if future.done() and not future.cancelled() and isinstance(future.exception(), KeyboardInterrupt):
+            raise KeyboardInterrupt  # It computes at once, in this thread, where signals come.
         self.running.add(future)
         future.add_done_callback(self.running.discard)
         return future
@@ -58,43 +117,66 @@ class Pool:
         try:
             self.function = pickle.dumps(function)
         except Exception as error:
-            raise _no_function(function, str(error)) from None
+            raise _no_function(function, said(error)) from None
         self.given = function
         self.workers, self.retries, self.window = workers, retries, 2 * workers
-        self.executor: Executor | None = None
+        self.executor: ProcessPoolExecutor | None = None
+        self.silent = 0  # Looks in a row that found a process which has ended, and no result.
+        self.worked, self.failed = False, 0  # Pools in a row that ended before their first task.
 
     def submit(self, tasks: list[Any]) -> Future[Any]:
         if self.executor is None:
-            self.executor = _workers.new_pool(self.workers)
-            try:
-                fault = self.executor.submit(_workers.readable, self.function).result()
-            except BrokenExecutor:
-                raise WorkerDied(
-                    "a new process ended before its first task; a script that calls sweep needs the line "
-                    'if __name__ == "__main__": before what it does'
-                ) from None
-            if fault is not None:
-                raise _no_function(self.given, fault)
+            self.executor = self._new()
         return self.executor.submit(_workers.many_pickled, self.function, _pickled(tasks), self.retries)
+
+    def _new(self) -> ProcessPoolExecutor:
+        """A pool whose processes can read the function."""
+        try:
+            self.executor = _workers.new_pool(self.workers)
+            fault = self.executor.submit(_workers.readable, self.function).result()
+        except (BrokenExecutor, OSError) as error:
+            self.broken()
+            self.failed += 1
+            if self.worked and self.failed < _STARTS:
+                time.sleep(_PAUSE)
+                raise BrokenExecutor("a new pool has ended") from None
+            raise WorkerDied(
+                f"no process can be started ({error})"
+                if isinstance(error, OSError)
+                else "a new process ended before its first task; a script that calls sweep needs the line "
+                'if __name__ == "__main__": before what it does'
+            ) from None
+        if fault is not None:
+            raise _no_function(self.given, fault)
+        self.failed, self.worked = 0, True
+        return self.executor
+
+    def watch(self, left: int, came: bool) -> str | None:
+        """End a pool that does not see that a process has ended: it waits for the rest of a result."""
+        self.silent = self.silent + 1 if not came and self.executor is not None and _workers.lost(self.executor) else 0
+        if self.silent >= _SILENT:
+            self.silent = 0
+            self.broken()
+            raise BrokenExecutor("a process has ended while it sent a result")
+        return None
 
     def results(self, future: Future[Any]) -> list[_workers.Result]:
         return [_workers.unpickled(result) for result in future.result()]
 
     def broken(self) -> None:
         if self.executor is not None:
-            self.executor.shutdown(wait=False)
+            _workers.end(self.executor, at_once=True)
         self.executor = None
 
     def stop(self) -> None:
-        if self.executor is not None:
-            # Their tasks are not waited for.
-            for process in list((getattr(self.executor, "_processes", None) or {}).values()):
-                process.terminate()
-            self.executor.shutdown(wait=True, cancel_futures=True)
+        """Tasks are not waited for."""
+        self.broken()
 
     def close(self) -> None:
-        if self.executor is not None:
-            self.executor.shutdown()
+        if self.executor is not None and not _workers.end(self.executor):
+            text = "processes of the sweep did not end by themselves: a task has left a thread or a process there"
+            warnings.warn(f"{text}; they were ended", RuntimeWarning, stacklevel=3)
+        self.executor = None
 
 
 def _pickled(tasks: list[Any]) -> list[bytes | Exception]:
@@ -103,8 +185,25 @@ def _pickled(tasks: list[Any]) -> list[bytes | Exception]:
         try:
             texts.append(pickle.dumps(task))
         except Exception as error:
-            texts.append(TypeError(f"the task cannot be pickled: {error}"))
+            texts.append(TypeError(f"the task cannot be pickled: {said(error)}"))
     return texts
+
+
+def _executor(given: Any) -> Any:
+    """An executor, also where a client of Dask was given."""
+    if callable(getattr(given, "get_executor", None)) and not isinstance(given, type):
+        given = given.get_executor()
+    if isinstance(given, type) or not callable(getattr(given, "submit", None)):
+        raise argument_error(
+            "executor",
+            f"executor {given!r} has no method submit; give an executor of concurrent.futures, a client of Dask or its "
+            "client.get_executor(), or workers= for processes of this machine",
+        )
+    if getattr(getattr(given, "_client", None), "asynchronous", False) is True:
+        raise argument_error(
+            "executor", "the client of Dask is asynchronous: sweep would wait for its event loop for ever; give another one"
+        )
+    return given
 
 
 def _no_function(function: object, reason: str) -> Exception:
