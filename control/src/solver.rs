@@ -1,6 +1,6 @@
 //! From a problem to the best motion found.
 
-use crate::direct::Direct;
+use crate::direct::{Direct, Looseness};
 use crate::options::{Method, Polish, SolverOptions, Verify};
 use crate::polish::{may_polish, polish, polish_saved};
 use crate::problem::Problem;
@@ -137,7 +137,8 @@ fn directly(
     let first = SolverOptions { tolerance, verify: options.verify.min(Verify::Factors), ..options.clone() };
     for stage in rough.then_some(&first).into_iter().chain([&options]) {
         let began = Instant::now();
-        let direct = Direct { problem, rows, options: stage, saved: start.as_ref() };
+        let looseness = Looseness::of(options.tolerance);
+        let direct = Direct { problem, rows, options: stage, looseness, saved: start.as_ref() };
         let found = direct.solve(recorder);
         times = times.and(&found.stage_times.unwrap_or_default());
         let taken = began.elapsed();

@@ -37,6 +37,7 @@ pub(super) fn around_obstacles(
     // What was checked with obstacles has no fault without them.
     let Ok(free_rows) = TaskRows::new(&free) else { return Ok((false, 0)) };
     let mut found = prepare::interior(&free, &free_rows, options, 0, None);
+    found.looseness = interior.looseness;
     let roughly = SolverOptions {
         tolerance: options.tolerance.max(constants::FREE_TOLERANCE),
         verify: Verify::None,
@@ -49,6 +50,7 @@ pub(super) fn around_obstacles(
     }
     let mut other = prepare::interior(problem, rows, options, 0, None);
     other.spline.copy_from(&found.spline);
+    other.looseness = interior.looseness;
     let guess = interior.spline.clone();
     let of_other = first_motion(&mut other, options, None, recorder)?;
     let nodes = other.spline.mesh.nodes.clone();

@@ -3,7 +3,6 @@
 use crate::constants::direct as constants;
 use crate::cubics::Disturbance;
 use crate::direct::interior::iterate::Interior;
-use crate::direct::interior::looseness::Looseness;
 use crate::direct::limits::ends::Ends;
 use crate::direct::limits::model::Model;
 use crate::direct::limits::power::Powers;
@@ -80,7 +79,6 @@ pub(crate) fn interior_on(
     let model = Model { dynamics, tasks, powers };
     let (running, ends) = (Running::new(problem, rows), Ends::new(problem));
     let mut interior = Interior::new(spline, sides(problem), model, running, ends);
-    interior.looseness = Looseness::of(options.tolerance);
     let can_choose =
         matches!(problem.time, FinalTime::Free { .. }) && problem.vias.iter().all(|via| via.time.is_none());
     if saved.is_none() && can_choose {
