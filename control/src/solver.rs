@@ -135,9 +135,10 @@ fn directly(
     let rough = polishes && tolerance > options.tolerance;
     let (mut iterations, mut steps, mut times) = (Vec::new(), 0, StageTimes::default());
     let first = SolverOptions { tolerance, verify: options.verify.min(Verify::Factors), ..options.clone() };
+    // A polish begins at a motion as exact as that of an extremal does.
+    let looseness = if polishes { Looseness::default() } else { Looseness::of(options.tolerance) };
     for stage in rough.then_some(&first).into_iter().chain([&options]) {
         let began = Instant::now();
-        let looseness = Looseness::of(options.tolerance);
         let direct = Direct { problem, rows, options: stage, looseness, saved: start.as_ref() };
         let found = direct.solve(recorder);
         times = times.and(&found.stage_times.unwrap_or_default());

@@ -138,7 +138,7 @@ impl Starts<'_> {
             polish: Polish::Never,
             ..SolverOptions::default()
         };
-        // Newton's method begins at a motion as exact as it always was.
+        // Newton's method needs meshes and gaps of tight tolerances.
         let looseness = Looseness::default();
         let direct = Direct { problem: checked, rows: &rows, options: &options, looseness, saved: None };
         let mut found = direct.start(number, recorder)?;
