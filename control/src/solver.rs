@@ -1,7 +1,7 @@
 //! From a problem to the best motion found.
 
 use crate::closed_loops;
-use crate::direct::Direct;
+use crate::direct::{Direct, Looseness};
 use crate::options::{Method, Polish, SolverOptions, Verify};
 use crate::polish::{may_polish, polish, polish_saved};
 use crate::problem::Problem;
@@ -139,9 +139,11 @@ fn directly(
     let rough = polishes && tolerance > options.tolerance;
     let (mut iterations, mut steps, mut times) = (Vec::new(), 0, StageTimes::default());
     let first = SolverOptions { tolerance, verify: options.verify.min(Verify::Factors), ..options.clone() };
+    // A polish begins at a motion as exact as that of an extremal does.
+    let looseness = if polishes { Looseness::default() } else { Looseness::of(options.tolerance) };
     for stage in rough.then_some(&first).into_iter().chain([&options]) {
         let began = Instant::now();
-        let direct = Direct { problem, rows, options: stage, saved: start.as_ref() };
+        let direct = Direct { problem, rows, options: stage, looseness, saved: start.as_ref() };
         let found = direct.solve(recorder);
         times = times.and(&found.stage_times.unwrap_or_default());
         let taken = began.elapsed();

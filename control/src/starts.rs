@@ -2,7 +2,7 @@
 
 use crate::constants::polish::{ROUGH, ROUGH_BOUNDED, STRIDE};
 use crate::cubics::Disturbance;
-use crate::direct::Direct;
+use crate::direct::{Direct, Looseness};
 use crate::extremal::hamiltonian::RobotExtremal;
 use crate::extremal::lagrangian::LagrangianExtremal;
 use crate::extremal::legendre::OfRobot;
@@ -138,7 +138,9 @@ impl Starts<'_> {
             polish: Polish::Never,
             ..SolverOptions::default()
         };
-        let direct = Direct { problem: checked, rows: &rows, options: &options, saved: None };
+        // Newton's method needs meshes and gaps of tight tolerances.
+        let looseness = Looseness::default();
+        let direct = Direct { problem: checked, rows: &rows, options: &options, looseness, saved: None };
         let mut found = direct.start(number, recorder)?;
         recorder.iterations.append(&mut found.motion.iterations);
         Ok(found.is_motion().then_some(found))

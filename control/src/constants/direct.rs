@@ -174,8 +174,14 @@ pub const VIOLATION_ACCEPTED: f64 = 1e-7;
 pub const CLEARANCE_ACCEPTED: f64 = 1e-2;
 /// A limit is active where the distance to it is within this part of its range.
 pub const ACTIVE: f64 = 1e-4;
-/// The problem on a mesh is solved to this part of the tolerance.
-pub const PART_OF_TOLERANCE: f64 = 0.1;
+/// Tolerances up to this are tight ones, ..
+pub const TIGHT: f64 = 1e-6;
+/// .. and from this on loose ones. Pairs of constants are those of a tight and of a loose tolerance.
+pub const LOOSE: f64 = 1e-4;
+/// The problem on a mesh is solved to this part of the tolerance: this is the largest gap, ..
+pub const PART_OF_TOLERANCE: [f64; 2] = [0.1, 0.3];
+/// .. and this part of it the largest Newton decrement, which bounds nothing where limits bend.
+pub const OF_DECREMENT: [f64; 2] = [1.0, 1.0 / 3.0];
 /// A motion is verified if it ends within this factor of the root of the tolerance when its torques,
 /// cut to their limits, are integrated; relative to the largest values along it. The cost of an
 /// optimal motion is stationary, so its error is about the square of that of the states.
@@ -194,6 +200,11 @@ pub const INTEGRATION: f64 = 1e-10;
 pub const SAFETY: f64 = 1.5;
 /// The problem on the first mesh is solved to this part of the cost.
 pub const FIRST_PRECISION: f64 = 1e-3;
+/// Which of two guesses is better is told where their costs differ by more than this many times what is still
+/// to be gained, ..
+pub const DECIDED: f64 = 2.0;
+/// .. and limits are exceeded by less than this part of their ranges.
+pub const DECIDED_VIOLATION: f64 = 1e-3;
 /// The motion without obstacles, from which a way around them is looked for, is solved to this part: on its
 /// first mesh, unless that is far off.
 pub const FREE_TOLERANCE: f64 = 1.0;
@@ -202,7 +213,7 @@ pub const PRECISION: f64 = 1e-2;
 /// Intervals are divided until those that are not have this part of the estimated error..
 pub const LEFT: f64 = 0.002;
 /// .. or this part of the tolerance.
-pub const ENOUGH: f64 = 0.1;
+pub const ENOUGH: [f64; 2] = [0.1, 0.5];
 /// Most parts into which an interval is divided at once.
 pub const MOST_PARTS: f64 = 4.0;
 /// Intervals below this part of the whole are not divided: rounding of positions would be large in their

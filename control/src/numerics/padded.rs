@@ -3,6 +3,9 @@
 /// Numbers of the widest vectors.
 pub(crate) const LANES: usize = 8;
 
+/// Most vectors of a row that are summed at once.
+const MOST_VECTORS: usize = 3;
+
 /// The least length of a row with room for so many numbers.
 pub(crate) fn padded(count: usize) -> usize {
     count.next_multiple_of(LANES)
@@ -45,53 +48,77 @@ pub(crate) fn add_rows<const FUSED: bool>(to: &mut [f64], factors: &[f64], rows:
     }
 }
 
-/// `H += J' C J`: the rows of H and J are padded to `width`, C is diagonal.
+/// `H += J' C J`: the rows of H and J are padded to `width`, C is diagonal. The first `columns` of J, no more
+/// than H has rows, are not zero.
 #[inline(always)]
 pub(crate) fn add_squares<const FUSED: bool>(
     hessian: &mut [f64],
-    width: usize,
+    [width, columns]: [usize; 2],
+    curvatures: &[f64],
+    rows: &[f64],
+) {
+    let (hessian, vectors) = (&mut hessian[..width * columns], padded(columns) / LANES);
+    // Vectors that stay in registers: each factor is made once for all of them.
+    for first in (0..vectors).step_by(MOST_VECTORS) {
+        match vectors - first {
+            1 => add_squares_to::<FUSED, 1>(hessian, [width, first], curvatures, rows),
+            2 => add_squares_to::<FUSED, 2>(hessian, [width, first], curvatures, rows),
+            _ => add_squares_to::<FUSED, MOST_VECTORS>(hessian, [width, first], curvatures, rows),
+        }
+    }
+}
+
+/// The same for the vectors `first` to `first + V` of the rows of H.
+#[inline(always)]
+fn add_squares_to<const FUSED: bool, const V: usize>(
+    hessian: &mut [f64],
+    [width, first]: [usize; 2],
     curvatures: &[f64],
     rows: &[f64],
 ) {
     for (i, to) in hessian.chunks_exact_mut(width).enumerate() {
-        for (v, to) in to.as_chunks_mut::<LANES>().0.iter_mut().enumerate() {
-            let mut sum = *to;
-            for (row, curvature) in rows.chunks_exact(width).zip(curvatures) {
-                let (factor, row) = (curvature * row[i], &vectors(row)[v]);
+        let to: &mut [[f64; LANES]; V] = &mut to.as_chunks_mut::<LANES>().0[first..].as_chunks_mut().0[0];
+        let mut sums = *to;
+        for (row, curvature) in rows.chunks_exact(width).zip(curvatures) {
+            let vectors: &[[f64; LANES]; V] = &vectors(row)[first..].as_chunks().0[0];
+            let factor = curvature * row[i];
+            for (sum, vector) in sums.iter_mut().zip(vectors) {
                 for c in 0..LANES {
-                    sum[c] = multiply_add::<FUSED>(factor, row[c], sum[c]);
+                    sum[c] = multiply_add::<FUSED>(factor, vector[c], sum[c]);
                 }
             }
-            *to = sum;
         }
+        *to = sums;
     }
 }
 
-/// Rows of three parts, padded beyond the last one, with a factor for each part.
+/// Rows of three parts, padded beyond the last one, with `B` factors for each part.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Parts<'a> {
+pub(crate) struct Parts<'a, const B: usize> {
     pub rows: &'a [f64],
-    pub factors: [f64; 3],
+    pub factors: [[f64; B]; 3],
 }
 
-/// The sum, over all `terms`, of the factors times the parts of row `i`: the vector from `at` of each part.
+/// `B` sums, over all `terms`, of the factors times the parts of row `i`: the vector from `at` of each part.
 /// Rows have `width` numbers, and their parts `n`.
 #[inline(always)]
-pub(crate) fn sum_of_parts<'a, const FUSED: bool>(
-    terms: impl Iterator<Item = Parts<'a>>,
+pub(crate) fn sums_of_parts<'a, const FUSED: bool, const B: usize>(
+    terms: impl Iterator<Item = Parts<'a, B>>,
     [i, width, n, at]: [usize; 4],
-) -> [f64; LANES] {
-    let mut sum = [0.0; LANES];
+) -> [[f64; LANES]; B] {
+    let mut sums = [[0.0; LANES]; B];
     for Parts { rows, factors } in terms {
         let row = &rows[width * i..][..width];
-        for (s, factor) in factors.into_iter().enumerate() {
+        for (s, factors) in factors.iter().enumerate() {
             let part: &[f64; LANES] = vectors_from(row, n * s + at);
-            for c in 0..LANES {
-                sum[c] = multiply_add::<FUSED>(factor, part[c], sum[c]);
+            for (sum, factor) in sums.iter_mut().zip(factors) {
+                for c in 0..LANES {
+                    sum[c] = multiply_add::<FUSED>(*factor, part[c], sum[c]);
+                }
             }
         }
     }
-    sum
+    sums
 }
 
 /// The vector that begins at a number of a row.
@@ -117,19 +144,25 @@ mod tests {
     #[test]
     fn squares_are_those_of_dense_matrices() {
         let mut random = fastrand::Rng::with_seed(1);
-        let (n, count) = (11, 3);
-        let width = padded(n);
-        assert_eq!(width, 16);
-        let rows: Vec<f64> = (0..n * count).map(|_| random.f64() - 0.5).collect();
+        // Rows of two, three and four vectors; then rows that are zero but for their first entries.
+        for (n, columns) in [(11, 11), (20, 20), (27, 27), (20, 7)] {
+            squares_are_dense(n, columns, &mut random);
+        }
+    }
+
+    fn squares_are_dense(n: usize, columns: usize, random: &mut fastrand::Rng) {
+        let (count, width) = (3, padded(n));
+        let mut entry = |at: usize| if at % n < columns { random.f64() - 0.5 } else { 0.0 };
+        let rows: Vec<f64> = (0..n * count).map(&mut entry).collect();
         let curvatures: Vec<f64> = (0..count).map(|_| random.f64()).collect();
         let mut padded = vec![0.0; width * count];
         pad(&rows, n, &mut padded, width);
         let mut hessian = vec![1.0; width * n];
-        add_squares::<false>(&mut hessian, width, &curvatures, &padded);
+        add_squares::<false>(&mut hessian, [width, columns], &curvatures, &padded);
         for i in 0..n {
             for j in 0..n {
                 let sum: f64 = (0..count).map(|k| curvatures[k] * rows[n * k + i] * rows[n * k + j]).sum();
-                assert!((hessian[width * i + j] - 1.0 - sum).abs() < 1e-15, "{i} {j}");
+                assert!((hessian[width * i + j] - 1.0 - sum).abs() < 1e-15, "{n} {i} {j}");
             }
         }
     }
@@ -150,12 +183,14 @@ mod tests {
         let n = 2;
         let width = padded(2 * n + padded(n));
         let rows: Vec<f64> = (0..2 * width).map(|at| at as f64).collect();
-        let terms = [[1.0, 10.0, 100.0], [0.0, 0.0, 1.0]].map(|factors| Parts { rows: &rows, factors });
-        let sum = sum_of_parts::<false>(terms.into_iter(), [1, width, n, 0]);
+        let factors = [[[1.0, 2.0], [10.0, 0.0], [100.0, 0.0]], [[0.0, 1.0], [0.0, 0.0], [1.0, 0.0]]];
+        let terms = factors.map(|factors| Parts { rows: &rows, factors });
+        let [sum, other] = sums_of_parts::<false, 2>(terms.into_iter(), [1, width, n, 0]);
         let of = |c: usize| {
             let at = |s: usize| (width + n * s + c) as f64;
             at(0) + 10.0 * at(1) + 101.0 * at(2)
         };
         assert_eq!(sum[..n], [of(0), of(1)]);
+        assert_eq!(other[..n], [0, 1].map(|c| 3.0 * (width + c) as f64));
     }
 }

@@ -112,7 +112,7 @@ impl TaskRows {
         let all = |functions: Functions| {
             let mut found = TaskFunctions::new(&robot);
             for (function, rows) in functions {
-                found.push(Part::Tool(function), rows);
+                found.push(&robot, Part::Tool(function), rows);
             }
             found
         };

@@ -53,13 +53,13 @@ pub(super) fn push(robot: &Robot, task: &Task, functions: &mut TaskFunctions) ->
     }
     pairs.retain(|(pair, _)| !except.contains(pair));
     few(pairs.len())?;
-    let mut clearances = Clearances::new(bodies, functions.placed());
+    let mut clearances = Clearances::new(bodies, functions.placed(robot));
     let mut rows = Vec::new();
     for (pair, other) in pairs {
         let [a, b] = pair.map(|k| names.of(k));
         let is_flat = matches!(other, Other::HalfSpace { .. });
         let obstacle = pair[1].checked_sub(own.len());
-        match clearances.push(pair[0], other, obstacle, collision.margin, functions.placed()) {
+        match clearances.push(pair[0], other, obstacle, collision.margin, functions.placed(robot)) {
             Some((_, 0.0)) if !is_flat => {
                 let names = [a, b].map(str::to_owned);
                 return Err(TaskError::NoRadius { names }.at(key("margin")));
@@ -77,7 +77,7 @@ pub(super) fn push(robot: &Robot, task: &Task, functions: &mut TaskFunctions) ->
         }
     }
     if !rows.is_empty() {
-        functions.push(Part::Clearances(clearances), rows);
+        functions.push(robot, Part::Clearances(clearances), rows);
     }
     Ok(())
 }

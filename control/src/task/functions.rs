@@ -46,7 +46,8 @@ pub(super) enum Part {
 /// All rows of one place of a motion.
 #[derive(Clone, Debug)]
 pub(crate) struct TaskFunctions {
-    placed: Placed,
+    /// `None` without rows: most places of a motion have none.
+    placed: Option<Placed>,
     parts: Vec<Part>,
     rows: Vec<Row>,
     moves: bool,
@@ -67,11 +68,12 @@ impl TaskFunctions {
     /// No rows yet.
     pub(super) fn new(robot: &Robot) -> Self {
         let still = vec![0.0; robot.dof()];
-        Self { placed: Placed::new(robot), parts: Vec::new(), rows: Vec::new(), moves: false, still }
+        Self { placed: None, parts: Vec::new(), rows: Vec::new(), moves: false, still }
     }
 
     /// Adds a part with what holds for its rows.
-    pub(super) fn push(&mut self, part: Part, rows: impl IntoIterator<Item = Row>) {
+    pub(super) fn push(&mut self, robot: &Robot, part: Part, rows: impl IntoIterator<Item = Row>) {
+        self.placed(robot);
         self.moves |= matches!(&part, Part::Tool(tool) if tool.moves());
         self.rows.extend(rows);
         self.parts.push(part);
@@ -79,8 +81,8 @@ impl TaskFunctions {
     }
 
     /// The robot's workspace, for those who build parts.
-    pub(super) fn placed(&self) -> &Placed {
-        &self.placed
+    pub(super) fn placed(&mut self, robot: &Robot) -> &Placed {
+        self.placed.get_or_insert_with(|| Placed::new(robot))
     }
 
     /// What holds for each row.
@@ -156,7 +158,7 @@ impl TaskFunctions {
         q: &mut [f64],
         mut state: impl FnMut(f64, &mut [f64]),
     ) -> Result<f64, EvalError> {
-        let Self { placed, parts, still, .. } = self;
+        let Self { placed: Some(placed), parts, still, .. } = self else { return Ok(0.0) };
         let mut worst = 0.0_f64;
         for part in parts {
             let Part::Clearances(clearances) = part else { continue };
@@ -210,14 +212,15 @@ impl PathFunction for TaskFunctions {
     }
 
     fn values(&mut self, q: &[f64], v: &[f64], g: &mut [f64]) -> Result<(), EvalError> {
-        self.placed.place(q, v)?;
+        let Some(placed) = &mut self.placed else { return Ok(()) };
+        placed.place(q, v)?;
         let mut first = 0;
         for part in &mut self.parts {
             let count = part.rows();
             let g = &mut g[first..first + count];
             match part {
-                Part::Tool(function) => function.values(&self.placed, g)?,
-                Part::Clearances(clearances) => clearances.values(&self.placed, g)?,
+                Part::Tool(function) => function.values(placed, g)?,
+                Part::Clearances(clearances) => clearances.values(placed, g)?,
             }
             first += count;
         }
@@ -233,9 +236,10 @@ impl PathFunction for TaskFunctions {
         jacobian: &mut [f64],
         hessian: &mut [f64],
     ) -> Result<(), EvalError> {
-        self.placed.place(q, v)?;
-        self.placed.fill_screws()?;
-        let width = 2 * self.placed.dof();
+        let Some(placed) = &mut self.placed else { return Ok(()) };
+        placed.place(q, v)?;
+        placed.fill_screws()?;
+        let width = 2 * placed.dof();
         jacobian.fill(0.0);
         let mut hessian = Hessian { entries: hessian, width };
         let mut first = 0;
@@ -244,9 +248,9 @@ impl PathFunction for TaskFunctions {
             let jacobian = &mut jacobian[width * rows.start..width * rows.end];
             let (w, g) = (&w[rows.clone()], &mut g[rows.clone()]);
             match part {
-                Part::Tool(function) => function.contract(&mut self.placed, w, g, jacobian, &mut hessian)?,
+                Part::Tool(function) => function.contract(placed, w, g, jacobian, &mut hessian)?,
                 Part::Clearances(clearances) => {
-                    clearances.contract(&mut self.placed, w, g, jacobian, &mut hessian)?;
+                    clearances.contract(placed, w, g, jacobian, &mut hessian)?;
                 }
             }
             first = rows.end;

@@ -19,7 +19,7 @@ fn robot(case: &Case) -> (Robot, Carried) {
 fn functions(robot: &Robot, tool: &Carried, quantity: Quantity) -> TaskFunctions {
     let mut functions = TaskFunctions::new(robot);
     let rows = (0..quantity.rows()).map(|_| Row::equal(0.0, 1.0, "m", String::new())).collect::<Vec<_>>();
-    functions.push(Part::Tool(ToolFunction { tool: tool.clone(), quantity }), rows);
+    functions.push(robot, Part::Tool(ToolFunction { tool: tool.clone(), quantity }), rows);
     functions
 }
 

@@ -7,11 +7,12 @@
 //! primal-dual method for linear programming, Computational Optimization and Applications 6, 1996, pages
 //! 137-156).
 
-use super::iterate::Interior;
+use super::iterate::{Interior, Trial};
 use crate::constants::direct as constants;
 use crate::direct::limits::at_node::{AtNode, NodeValue};
 use crate::direct::limits::barrier::Barrier;
 use crate::direct::limits::ends::Ends;
+use crate::direct::limits::entries::add_corrections;
 use crate::direct::motion::spline::Spline;
 use crate::direct::newton::interval::{add_gradient, add_local};
 use crate::direct::newton::point_terms::add_row;
@@ -58,16 +59,10 @@ impl<D: PointDynamics> Interior<D> {
 
     /// Adds to the corrections what the products after these parts of the step lack or have too much.
     pub(super) fn aim(&mut self, [primal, dual]: [f64; 2]) {
-        let (mu, count) = (self.mu, self.barrier.count());
         let [now, next] = &mut self.corrections;
         next.clone_from(now);
-        for at in (0..count).filter(|&at| self.barrier.is_limit(at)) {
-            let target = mu * self.barrier.weight[at];
-            let product = (self.barrier.slack[at] + primal * self.trial.slack_step[at])
-                * (self.barrier.multiplier[at] + dual * self.trial.multiplier_step[at]);
-            let aim = product.clamp(constants::LEAST_PRODUCT * target, constants::MOST_PRODUCT * target);
-            next[at] += (aim - product).max(-constants::MOST_PRODUCT * target);
-        }
+        let Trial { slack_step, multiplier_step, .. } = &self.trial;
+        add_corrections(&self.barrier, self.mu, [(primal, slack_step), (dual, multiplier_step)], next);
     }
 
     /// Solves for the part of the step that belongs to the corrections aside.

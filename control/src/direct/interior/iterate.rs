@@ -2,6 +2,7 @@
 
 use super::figures::Figures;
 use super::filter::Filter;
+use super::looseness::Looseness;
 use super::relaxation::Relaxation;
 use super::small_cost::SmallCost;
 use super::squares::Squares;
@@ -45,6 +46,8 @@ pub(crate) struct Interior<D> {
     pub(super) least_violation: f64,
     /// The tolerance on the last one of several meshes: with a larger one the iterate only leads to the next.
     pub(crate) last_tolerance: Option<f64>,
+    /// That of the tolerance that was asked for.
+    pub(crate) looseness: Looseness,
     pub(crate) system: System,
     /// How far limits give; not at all outside of the elastic phase.
     pub(crate) relaxation: Relaxation,
@@ -114,6 +117,7 @@ impl<D: PointDynamics> Interior<D> {
             small_cost: None,
             least_violation: constants::VIOLATION_AT_POINTS,
             last_tolerance: None,
+            looseness: Looseness::default(),
             system: System::new(n, shape, model.rows()),
             model,
             relaxation: Relaxation::default(),
@@ -227,11 +231,12 @@ impl<D: PointDynamics> Interior<D> {
     fn is_solved(&self, tolerance: f64) -> bool {
         let Figures { size, gap, violation, decrement, .. } = self.figures;
         let scale = tolerance * size;
-        let exceeded = match self.last_tolerance {
-            Some(last) if tolerance > last => self.least_violation.max(constants::VIOLATION_ACCEPTED),
-            _ => self.least_violation,
+        let (part, exceeded) = match self.last_tolerance {
+            Some(last) if tolerance > last => (1.0, self.least_violation.max(constants::VIOLATION_ACCEPTED)),
+            Some(_) => (self.looseness.between(constants::OF_DECREMENT), self.least_violation),
+            None => (1.0, self.least_violation),
         };
-        decrement.abs() <= scale && gap <= scale && violation <= exceeded
+        decrement.abs() <= part * scale && gap <= scale && violation <= exceeded
     }
 
     /// Whether squares say how far to go: there is an effort, and there are no equations, whose stiff squares

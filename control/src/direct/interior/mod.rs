@@ -11,6 +11,7 @@ pub(super) mod figures;
 pub(super) mod filter;
 pub(super) mod inertia;
 pub(super) mod iterate;
+pub(super) mod looseness;
 pub(super) mod measures;
 pub(super) mod relaxation;
 pub(super) mod rounding;

@@ -4,7 +4,7 @@
 //! are masked here, without a branch for each entry, and equations are few and come afterwards.
 
 use super::barrier::Barrier;
-use crate::constants::direct::FAR;
+use crate::constants::direct::{FAR, LEAST_PRODUCT, MOST_PRODUCT};
 use crate::numerics::padded::LANES;
 use crate::numerics::widest::widest_fused;
 
@@ -96,63 +96,54 @@ pub(crate) fn steps(
     slack_step: &mut [f64],
     multiplier_step: &mut [f64],
 ) -> [f64; 2] {
-    let mut largest = [0.0; 2];
-    widest_fused(
-        #[inline(always)]
-        |_| {
-            steps_of_limits(barrier, mu, changes, corrections, slack_step, multiplier_step);
-            largest = [
-                largest_decrease(slack_step, &barrier.slack),
-                largest_decrease(multiplier_step, &barrier.multiplier),
-            ];
-        },
-    );
+    let (slack, multiplier) = (&barrier.slack[..], &barrier.multiplier[..]);
+    let (distance, weight) = (&barrier.distance[..], &barrier.weight[..]);
+    let mut largest = [Lanes::zeros(); 2];
+    for_vectors!(at in slack.len(), N => {
+        let (s, eta) = (part::<N>(slack, at), part::<N>(multiplier, at));
+        let (d, w) = (part::<N>(distance, at), part::<N>(weight, at));
+        let (change, correction) = (change::<N>(changes, mu, at), part::<N>(corrections, at));
+        let [mut of_slack, mut of_multiplier, mut primal, mut dual] = [[0.0; N]; 4];
+        for c in 0..N {
+            let entry = Entry { slack: s[c], multiplier: eta[c], distance: d[c] + change[c] };
+            [of_slack[c], of_multiplier[c], primal[c], dual[c]] =
+                step_of_limit(entry, mu * w[c] + correction[c]);
+        }
+        slack_step[at..at + N].copy_from_slice(&of_slack);
+        multiplier_step[at..at + N].copy_from_slice(&of_multiplier);
+        largest[0].keep_largest::<N>(primal);
+        largest[1].keep_largest::<N>(dual);
+    });
     for at in barrier.equations() {
         let d = barrier.distance[at] + change::<1>(changes, mu, at)[0];
         multiplier_step[at] = -barrier.curvature(at) * d;
     }
-    largest
+    largest.map(Lanes::largest)
 }
 
-/// The steps of limits; zero for what is none.
-// A loop over single numbers with arrays that are known not to overlap: compilers make vectors of it.
-#[inline(always)]
-fn steps_of_limits(
-    barrier: &Barrier,
-    mu: f64,
-    changes: Changes<'_>,
-    corrections: &[f64],
-    slack_step: &mut [f64],
-    multiplier_step: &mut [f64],
-) {
-    let count = slack_step.len();
-    let (slack, multiplier) = (&barrier.slack[..count], &barrier.multiplier[..count]);
-    let (distance, weight) = (&barrier.distance[..count], &barrier.weight[..count]);
-    let ([zero, of_mu, more], corrections) = (changes.map(|change| &change[..count]), &corrections[..count]);
-    let multiplier_step = &mut multiplier_step[..count];
-    for at in 0..count {
-        let (s, on) = (slack[at], is_limit(slack[at]));
-        let inverse = 1.0 / if on { s } else { 1.0 };
-        let d = distance[at] + (zero[at] + mu * of_mu[at] + more[at]);
-        let of = mu * weight[at] + corrections[at] - multiplier[at] * d;
-        slack_step[at] = if on { d - s } else { 0.0 };
-        multiplier_step[at] = if on { of * inverse } else { 0.0 };
-    }
+/// Slack, multiplier, and the distance after the step.
+struct Entry {
+    slack: f64,
+    multiplier: f64,
+    distance: f64,
 }
 
-/// The largest decrease in parts of what it is taken from; what is 0 of 0 does not count.
+/// The steps of slack and multiplier, whose product is `aim` then but for the product of both steps; and by
+/// how much they fall, in parts of themselves. All zero for what is no limit. The one division is slow.
 #[inline(always)]
-fn largest_decrease(steps: &[f64], from: &[f64]) -> f64 {
-    let mut most = Lanes::zeros();
-    let (steps, last_steps) = steps.as_chunks::<LANES>();
-    let (from, last) = from.as_chunks::<LANES>();
-    for (step, from) in steps.iter().zip(from) {
-        most.keep_largest::<LANES>(std::array::from_fn(|c| -step[c] / from[c]));
-    }
-    for (step, from) in last_steps.iter().zip(last) {
-        most.keep_largest([-step / from]);
-    }
-    most.largest()
+fn step_of_limit(Entry { slack, multiplier, distance }: Entry, aim: f64) -> [f64; 4] {
+    let on = is_limit(slack);
+    let s = if on { slack } else { 1.0 };
+    // A multiplier of zero falls by all of itself or not at all.
+    let is_zero = multiplier == 0.0;
+    let eta = if is_zero { 1.0 } else { multiplier };
+    let of_product = 1.0 / (s * eta);
+    let of = aim - multiplier * distance;
+    let [step, multiplier_step] = [distance - s, of * (eta * of_product)];
+    let falls = -of * of_product;
+    let falls = if is_zero { if of < 0.0 { f64::INFINITY } else { 0.0 } } else { falls };
+    let found = [step, multiplier_step, -step * (eta * of_product), falls];
+    found.map(|value| if on { value } else { 0.0 })
 }
 
 /// Sum of slack times multiplier, after these parts of their steps.
@@ -167,6 +158,32 @@ pub(crate) fn complementarity(barrier: &Barrier, after: Option<[(f64, &[f64]); 2
         sum.add::<N>(std::array::from_fn(|c| if is_limit(s[c]) { product(c) } else { 0.0 }));
     });
     sum.sum()
+}
+
+/// Adds to the corrections what the products of slacks and multipliers after these parts of their steps lack
+/// or have too much, to come between a part and a multiple of `mu w`.
+pub(crate) fn add_corrections(
+    barrier: &Barrier,
+    mu: f64,
+    [(primal, slack_step), (dual, multiplier_step)]: [(f64, &[f64]); 2],
+    corrections: &mut [f64],
+) {
+    let (slack, multiplier, weight) = (&barrier.slack[..], &barrier.multiplier[..], &barrier.weight[..]);
+    for_vectors!(at in slack.len(), N => {
+        let (s, eta) = (part::<N>(slack, at), part::<N>(multiplier, at));
+        let (ds, deta) = (part::<N>(slack_step, at), part::<N>(multiplier_step, at));
+        let (w, mut next) = (part::<N>(weight, at), part::<N>(corrections, at));
+        for c in 0..N {
+            let target = mu * w[c];
+            let (least, most) = (LEAST_PRODUCT * target, MOST_PRODUCT * target);
+            let product = (s[c] + primal * ds[c]) * (eta[c] + dual * deta[c]);
+            let aim = if product < least { least } else { product };
+            let aim = if aim > most { most } else { aim };
+            let lacks = if aim - product < -most { -most } else { aim - product };
+            next[c] += if is_limit(s[c]) { lacks } else { 0.0 };
+        }
+        corrections[at..at + N].copy_from_slice(&next);
+    });
 }
 
 /// What the entries add to the slope of cost and barrier along a step.
@@ -279,3 +296,7 @@ pub(crate) fn logarithms(slack: &[f64], weight: &[f64]) -> f64 {
 /// Between these a product may be multiplied once more, with slacks from 1e-150 to 1e150.
 const SMALLEST: f64 = 1e-150;
 const LARGEST: f64 = 1e150;
+
+#[cfg(test)]
+#[path = "entries_tests.rs"]
+mod tests;

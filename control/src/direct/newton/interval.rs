@@ -3,7 +3,10 @@
 use crate::direct::motion::shape::{MOST_COEFFICIENTS, MOST_POINTS, Shape};
 use crate::direct::motion::spline::{Spline, TimeDerivative};
 use crate::numerics::chain::ChainMatrix;
-use crate::numerics::padded::{LANES, Parts, combine, padded, sum_of_parts};
+use crate::numerics::padded::{LANES, Parts, combine, padded, sums_of_parts};
+
+/// Most blocks that are summed at once.
+const MOST_BLOCKS: usize = 4;
 
 /// Length of the rows of a Hessian in z: the last n entries may be read as a padded row.
 pub(super) fn row_length(n: usize) -> usize {
@@ -60,22 +63,55 @@ impl IntervalHessian {
     /// Adds B'H B of the first points, so many, to the rows of interval `k` and of its ends.
     #[inline(always)]
     pub fn add_to<const FUSED: bool>(&mut self, matrix: &mut ChainMatrix, k: usize, n: usize, points: usize) {
-        let (count, width, column) = (self.shape.coefficients(), row_length(n), padded(n));
-        let size = count * n * width;
-        let pairs = (0..count).flat_map(|a| (a..count).map(move |b| (a, b)));
-        for ((a, b), sums) in pairs.zip(self.sums.chunks_exact_mut(n * column)) {
-            for (i, sums) in sums.chunks_exact_mut(column).enumerate() {
-                for (v, sum) in sums.as_chunks_mut::<LANES>().0.iter_mut().enumerate() {
-                    let of_points = self.factors[..points].iter().zip(self.products.chunks_exact(size));
-                    let terms = of_points.map(|(factors, products)| Parts {
-                        rows: &products[n * width * a..n * width * (a + 1)],
-                        factors: [0, 1, 2].map(|s| factors[s][b]),
-                    });
-                    *sum = sum_of_parts::<FUSED>(terms, [i, width, n, LANES * v]);
+        let (count, mut first) = (self.shape.coefficients(), 0);
+        for a in 0..count {
+            let mut b = a;
+            while b < count {
+                // Blocks whose sums stay in registers are made from rows that are read once.
+                let blocks = (count - b).min(MOST_BLOCKS);
+                match blocks {
+                    1 => self.sum_blocks::<FUSED, 1>([a, b, first], n, points),
+                    2 => self.sum_blocks::<FUSED, 2>([a, b, first], n, points),
+                    3 => self.sum_blocks::<FUSED, 3>([a, b, first], n, points),
+                    _ => self.sum_blocks::<FUSED, MOST_BLOCKS>([a, b, first], n, points),
                 }
+                (b, first) = (b + blocks, first + blocks);
             }
         }
         self.scatter(matrix, k, n);
+    }
+
+    /// `B` blocks of B'H B, those of coefficient a with b and the next ones; they stand in `sums` from the
+    /// block `first`.
+    #[inline(always)]
+    fn sum_blocks<const FUSED: bool, const B: usize>(
+        &mut self,
+        [a, b, first]: [usize; 3],
+        n: usize,
+        points: usize,
+    ) {
+        let (width, column) = (row_length(n), padded(n));
+        let (size, block) = (self.shape.coefficients() * n * width, n * column);
+        let mut factors = [[[0.0; B]; 3]; MOST_POINTS];
+        for (factors, all) in factors.iter_mut().zip(&self.factors) {
+            for (factors, all) in factors.iter_mut().zip(all) {
+                factors.copy_from_slice(&all[b..b + B]);
+            }
+        }
+        let sums = &mut self.sums[block * first..block * (first + B)];
+        for i in 0..n {
+            for at in (0..column).step_by(LANES) {
+                let of_points = factors[..points].iter().zip(self.products.chunks_exact(size));
+                let terms = of_points.map(|(factors, products)| Parts {
+                    rows: &products[n * width * a..n * width * (a + 1)],
+                    factors: *factors,
+                });
+                let found = sums_of_parts::<FUSED, B>(terms, [i, width, n, at]);
+                for (sums, found) in sums.chunks_exact_mut(block).zip(&found) {
+                    sums[column * i + at..][..LANES].copy_from_slice(found);
+                }
+            }
+        }
     }
 
     /// Adds the blocks to the rows of a matrix.

@@ -7,10 +7,15 @@ use crate::direct::motion::shape::Shape;
 use crate::direct::motion::spline::Spline;
 use crate::direct::points::values::Points;
 use crate::numerics::chain::ChainMatrix;
+use crate::numerics::padded::{add_squares, padded};
+use crate::numerics::widest::widest_fused;
 
 /// Room for the metric of a point, and of an interval.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Metric {
+    /// M and M'RM of a point, in padded rows.
+    mass: Vec<f64>,
+    square: Vec<f64>,
     hessian: Vec<f64>,
     interval: IntervalHessian,
 }
@@ -18,38 +23,60 @@ pub(super) struct Metric {
 impl Metric {
     /// Room for n joints.
     pub fn new(n: usize, shape: Shape) -> Self {
-        Self { hessian: vec![0.0; 3 * n * row_length(n)], interval: IntervalHessian::new(n, shape) }
+        let square = || vec![0.0; n * padded(n)];
+        Self {
+            mass: square(),
+            square: square(),
+            hessian: vec![0.0; 3 * n * row_length(n)],
+            interval: IntervalHessian::new(n, shape),
+        }
     }
 
     /// Adds `sum w T ((M da)' R (M da) + c (M dv/T)' R (M dv/T) + c (M dq/T^2)' R (M dq/T^2))` to a matrix of
     /// zeros; R is diagonal, `weights`. With the small part c every change costs something, that of positions
     /// alone too, which is left where they are free at both ends.
     pub fn fill(&mut self, matrix: &mut ChainMatrix, spline: &Spline, points: &Points, weights: &[f64]) {
-        let (n, width) = (spline.dof, 3 * spline.dof);
+        widest_fused(
+            #[inline(always)]
+            |fused| match fused {
+                true => self.fill_all::<true>(matrix, spline, points, weights),
+                false => self.fill_all::<false>(matrix, spline, points, weights),
+            },
+        );
+    }
+
+    #[inline(always)]
+    fn fill_all<const FUSED: bool>(
+        &mut self,
+        matrix: &mut ChainMatrix,
+        spline: &Spline,
+        points: &Points,
+        weights: &[f64],
+    ) {
+        let (n, width) = (spline.dof, padded(spline.dof));
         for p in 0..points.count() {
             let weight = spline.weight(p);
-            let tau_z = points.tau_z(p);
+            for (to, tau_z) in self.mass.chunks_exact_mut(width).zip(points.tau_z(p).chunks_exact(3 * n)) {
+                to[..n].copy_from_slice(&tau_z[2 * n..]);
+            }
+            self.square.fill(0.0);
+            add_squares::<FUSED>(&mut self.square, [width, n], weights, &self.mass);
             let time = spline.clock(spline.mesh.interval_of(p).0);
             let rate = 1.0 / (time * time);
             let of_states = [REST_OF_METRIC * rate * rate, REST_OF_METRIC * rate];
-            for i in 0..n {
-                for j in 0..n {
-                    let entries = (0..n).map(|l| {
-                        let row = &tau_z[width * l + 2 * n..][..n];
-                        weights[l] * row[i] * row[j]
-                    });
-                    let square = weight * entries.sum::<f64>();
-                    for (group, part) in of_states.into_iter().chain([1.0]).enumerate() {
-                        self.hessian[row_length(n) * (n * group + i) + n * group + j] = part * square;
-                    }
+            for (group, part) in of_states.into_iter().chain([1.0]).enumerate() {
+                let rows = self.hessian.chunks_exact_mut(row_length(n)).skip(n * group);
+                for (to, square) in rows.zip(self.square.chunks_exact(width)) {
+                    let to = to[n * group..][..n].iter_mut().zip(square);
+                    to.for_each(|(to, square)| *to = part * weight * square);
                 }
             }
             let (k, j) = spline.mesh.interval_of(p);
             let factors = spline.basis(k, j).in_time(1.0 / spline.clock(k));
-            self.interval.take::<false>(j, n, factors, &self.hessian);
+            self.interval.take::<FUSED>(j, n, factors, &self.hessian);
             let points = spline.mesh.own_points(k);
             if j + 1 == points {
-                self.interval.add_to::<false>(matrix, k, n, points);
+                self.interval.add_to::<FUSED>(matrix, k, n, points);
             }
         }
     }

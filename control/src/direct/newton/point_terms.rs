@@ -84,6 +84,15 @@ pub(crate) fn add_row(points: &Points, p: usize, side: &Side, factor: f64, z: &m
     z.iter_mut().zip(row).for_each(|(z, row)| *z += factor * row);
 }
 
+/// What is collected of the Hessian of a point.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Second {
+    All,
+    /// Without second derivatives of torques and rows.
+    Squares,
+    Nothing,
+}
+
 /// Arrays of one point.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Work {
@@ -134,7 +143,7 @@ impl Work {
     pub fn collect<const FUSED: bool>(
         &mut self,
         p: usize,
-        exact: bool,
+        second: Second,
         spline: &Spline,
         points: &Points,
         barrier: &Barrier,
@@ -149,10 +158,9 @@ impl Work {
         self.row_curvature.fill(0.0);
         self.take_rows(p, points);
         // The running cost, then its effort and its energy.
-        if exact {
-            pad(points.hessian(p), 3 * n, &mut self.hessian, width);
-        } else {
-            self.hessian.fill(0.0);
+        match second {
+            Second::All => pad(points.hessian(p), 3 * n, &mut self.hessian, width),
+            Second::Squares | Second::Nothing => self.hessian.fill(0.0),
         }
         let [gradient, _, _, slope] = &mut self.z;
         let mut cost = running.add_terms(z, [weight, time], gradient, slope, &mut self.hessian);
@@ -188,11 +196,30 @@ impl Work {
         for (factors, z) in self.rows.iter().zip(&mut self.z) {
             add_rows::<FUSED>(z, factors, &self.row_z);
         }
-        add_squares::<FUSED>(&mut self.hessian, width, &self.row_curvature, &self.row_z);
+        if second != Second::Nothing {
+            self.add_squares_of_rows::<FUSED>(p, points);
+        }
         for i in 0..3 * n {
             self.hessian[width * i + i] += self.curvature[i];
         }
         (weight, cost)
+    }
+
+    /// Adds the squares of the rows to the Hessian.
+    #[inline(always)]
+    fn add_squares_of_rows<const FUSED: bool>(&mut self, p: usize, points: &Points) {
+        let (n, width) = (points.dof, row_length(points.dof));
+        let (of_torques, others) = self.row_curvature.split_at(n);
+        let (of_tasks, of_powers) = others.split_at(self.counts[0]);
+        let (torques, others) = self.row_z.split_at(n * width);
+        let (tasks, powers) = others.split_at(self.counts[0] * width);
+        // Most rows of tasks depend on positions alone.
+        let rates = points.g_x(p).chunks_exact(2 * n).flat_map(|row| &row[n..]);
+        let of_states = if rates.copied().all(|entry| entry == 0.0) { n } else { 2 * n };
+        let parts = [(of_torques, torques, 3 * n), (of_tasks, tasks, of_states), (of_powers, powers, 3 * n)];
+        for (curvatures, rows, columns) in parts {
+            add_squares::<FUSED>(&mut self.hessian, [width, columns], curvatures, rows);
+        }
     }
 
     /// Takes the gradients of the rows of a point.

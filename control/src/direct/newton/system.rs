@@ -5,7 +5,7 @@ use super::by_times::ByTimes;
 use super::end_columns::EndColumns;
 use super::interval::{IntervalHessian, add_by_time, add_gradient};
 use super::metric::Metric;
-use super::point_terms::{Work, side_terms};
+use super::point_terms::{Second, Work, side_terms};
 use super::rate_rows::RateRows;
 use crate::direct::limits::at_node::{AtNode, ByTime, NodeValue};
 use crate::direct::limits::barrier::Barrier;
@@ -147,7 +147,8 @@ impl System {
         let (n, phase, inverse) = (points.dof, spline.mesh.phase(k), 1.0 / spline.clock(k));
         let factors = spline.basis(k, j).in_time(inverse);
         let work = &mut self.work;
-        let (weight, cost) = work.collect::<FUSED>(p, self.exact, spline, points, barrier, running);
+        let of_hessian = if self.exact { Second::All } else { Second::Squares };
+        let (weight, cost) = work.collect::<FUSED>(p, of_hessian, spline, points, barrier, running);
         work.differentiate_in_time(points.z(p), spline, k, &factors);
         let [gradient, at_zero, of_mu, slope] = &mut work.z;
         let by_times = &mut self.by_times;

@@ -5,7 +5,7 @@ use crate::direct::interior::iterate::Interior;
 use crate::direct::motion::shape::POINTS;
 use crate::direct::motion::spline::Spline;
 use crate::direct::newton::interval::{add_gradient, add_local};
-use crate::direct::newton::point_terms::Work;
+use crate::direct::newton::point_terms::{Second, Work};
 use crate::direct::newton::rate_rows::RateRows;
 use crate::direct::points::values::PointDynamics;
 use crate::numerics::widest::widest_fused;
@@ -61,8 +61,8 @@ impl IntervalPart {
             let (weight, cost) = widest_fused(
                 #[inline(always)]
                 |fused| match fused {
-                    true => work.collect::<true>(p, false, spline, points, barrier, running),
-                    false => work.collect::<false>(p, false, spline, points, barrier, running),
+                    true => work.collect::<true>(p, Second::Nothing, spline, points, barrier, running),
+                    false => work.collect::<false>(p, Second::Nothing, spline, points, barrier, running),
                 },
             );
             // A node that is a point belongs to the intervals beside it in proportion to their widths.

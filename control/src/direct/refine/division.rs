@@ -6,16 +6,16 @@ use crate::direct::motion::spline::Spline;
 
 impl Resolution {
     /// Nodes of a finer mesh. Intervals that exceed a limit between points are divided, and those with
-    /// the largest errors, until what is left is a small part of the whole or of `tolerance`. Where a
-    /// torque jumps inside of an interval a node moves there, or is added; other intervals are divided
-    /// evenly.
-    pub fn nodes(&mut self, spline: &Spline, tolerance: f64) -> Vec<f64> {
+    /// the largest errors, until what is left is a small part of the whole, or `enough`; all of them may
+    /// have `tolerance`. Where a torque jumps inside of an interval a node moves there, or is added;
+    /// other intervals are divided evenly.
+    pub fn nodes(&mut self, spline: &Spline, tolerance: f64, enough: f64) -> Vec<f64> {
         let beyond = |k: usize| {
             self.violations[k] > constants::VIOLATION_BETWEEN
                 || self.rates.violations.get(k).is_some_and(|&most| most > constants::VIOLATION_OF_RATES)
         };
         let mut chosen: Vec<bool> = (0..self.errors.len()).map(beyond).collect();
-        choose(&mut chosen, &self.errors, tolerance);
+        choose(&mut chosen, &self.errors, enough);
         self.divided(spline, &chosen, tolerance)
     }
 
@@ -87,12 +87,12 @@ fn with_added(mut nodes: Vec<f64>, mut added: Vec<f64>, closest: f64) -> Vec<f64
     nodes
 }
 
-/// Chooses the largest errors, until what is left is a small part of all or of `tolerance`.
-fn choose(chosen: &mut [bool], errors: &[f64], tolerance: f64) {
+/// Chooses the largest errors, until what is left is a small part of all, or `enough`.
+fn choose(chosen: &mut [bool], errors: &[f64], enough: f64) {
     let mut order: Vec<usize> = (0..errors.len()).collect();
     order.sort_by(|&a, &b| errors[b].total_cmp(&errors[a]));
     let mut rest: f64 = errors.iter().sum();
-    let enough = (constants::LEFT * rest).max(constants::ENOUGH * tolerance);
+    let enough = (constants::LEFT * rest).max(enough);
     for k in order {
         if rest <= enough {
             break;

@@ -7,11 +7,13 @@
 use super::meshes::{Start, iteration, refine};
 use super::prepare::{self, Dynamics};
 use crate::constants::direct as constants;
+use crate::direct::interior::figures::Figures;
 use crate::direct::interior::iterate::{End, Interior};
 use crate::direct::refine::resolution::Resolution;
 use crate::options::{SolverOptions, Verify};
 use crate::problem::Problem;
 use crate::solve::Recorder;
+use crate::solve::recorder::Interruption;
 use crate::status::Status;
 use crate::task::build::TaskRows;
 use costate::EvalError;
@@ -35,6 +37,7 @@ pub(super) fn around_obstacles(
     // What was checked with obstacles has no fault without them.
     let Ok(free_rows) = TaskRows::new(&free) else { return Ok((false, 0)) };
     let mut found = prepare::interior(&free, &free_rows, options, 0, None);
+    found.looseness = interior.looseness;
     let roughly = SolverOptions {
         tolerance: options.tolerance.max(constants::FREE_TOLERANCE),
         verify: Verify::None,
@@ -47,9 +50,15 @@ pub(super) fn around_obstacles(
     }
     let mut other = prepare::interior(problem, rows, options, 0, None);
     other.spline.copy_from(&found.spline);
+    other.looseness = interior.looseness;
     let guess = interior.spline.clone();
-    let of_other = first_motion(&mut other, options, recorder)?;
-    let of_own = first_motion(interior, options, recorder)?;
+    let of_other = first_motion(&mut other, options, None, recorder)?;
+    let nodes = other.spline.mesh.nodes.clone();
+    if interior.spline.mesh.nodes.len() < nodes.len() {
+        // Costs on a mesh that was too coarse for the motion without obstacles compare with nothing.
+        interior.spline = guess.on_nodes(nodes);
+    }
+    let of_own = first_motion(interior, options, of_other, recorder)?;
     let is_better = match (of_own, of_other) {
         (Some(own), Some(other)) => other < own - constants::FIRST_PRECISION * own.abs(),
         (own, other) => own.is_none() && other.is_some(),
@@ -67,10 +76,12 @@ pub(super) fn around_obstacles(
 }
 
 /// The cost of the motion on the mesh of a guess, solved roughly; `None` if that fails or limits are not
-/// kept.
+/// kept. It need not be solved further than to tell on which side of the cost of a `rival` it ends, by what
+/// is still to be gained: the gap, and what the next step promises.
 fn first_motion(
     interior: &mut Interior<Dynamics>,
     options: &SolverOptions,
+    rival: Option<f64>,
     recorder: &mut Recorder<'_>,
 ) -> Result<Option<f64>, EvalError> {
     let most = options.max_iterations;
@@ -84,6 +95,13 @@ fn first_motion(
     } else {
         interior.start(None)?;
     }
-    let end = interior.iterate(constants::FIRST_PRECISION, most, watch)?;
-    Ok((end == End::Solved).then_some(interior.figures.cost))
+    let mut is_decided = false;
+    let end = interior.iterate(constants::FIRST_PRECISION, most, |iterate, step| {
+        let Figures { cost, gap, decrement, violation, .. } = iterate.figures;
+        let open = constants::DECIDED * (gap + decrement.abs());
+        is_decided = violation < constants::DECIDED_VIOLATION
+            && rival.is_some_and(|rival| (cost - rival).abs() > open);
+        watch(iterate, step).or(is_decided.then_some(Interruption::TimeLimit))
+    })?;
+    Ok((end == End::Solved || is_decided).then_some(interior.figures.cost))
 }

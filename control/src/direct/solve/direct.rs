@@ -7,6 +7,7 @@ use super::with_effort::{Smoothing, WithEffort, with_effort};
 use crate::constants::direct as constants;
 use crate::direct::interior::inertia::Inertia;
 use crate::direct::interior::iterate::Interior;
+use crate::direct::interior::looseness::Looseness;
 use crate::direct::outcome::found::{Found, found};
 use crate::direct::outcome::report::report;
 use crate::direct::outcome::verify::{Again, integrate_again};
@@ -30,6 +31,8 @@ pub(crate) struct Direct<'a> {
     /// The functions of its task.
     pub rows: &'a TaskRows,
     pub options: &'a SolverOptions,
+    /// That of the tolerance that was asked for, which may be tighter than that of the options.
+    pub looseness: Looseness,
     /// Where the first start begins.
     pub saved: Option<&'a Trajectory>,
 }
@@ -51,7 +54,7 @@ impl Direct<'_> {
         let saved = self.saved.filter(|_| number == 0);
         let clock = Clock::new(recorder.takes_times);
         let mut interior = interior(problem, self.rows, self.options, number, saved);
-        interior.clock = clock;
+        (interior.clock, interior.looseness) = (clock, self.looseness);
         let (mut steps, mut start) = (0, if self.saved.is_some() { Start::Saved } else { Start::Guess });
         if number == 0 && saved.is_none() && problem.task.collision.is_some() {
             let (is_solved, made) =
@@ -69,7 +72,7 @@ impl Direct<'_> {
             && refined.infeasible.is_none();
         if is_hard && eases {
             let steps = interior.figures.iterations;
-            let found = with_effort((problem, self.rows), &few, &guess, recorder)?;
+            let found = with_effort((problem, self.rows), (&few, self.looseness), &guess, recorder)?;
             let is_solved = |found: &WithEffort| found.refined.status.is_solved();
             let goes_on = refined.status == Status::MeshLimit && few.max_nodes < self.options.max_nodes;
             if goes_on && !found.as_ref().is_some_and(is_solved) {

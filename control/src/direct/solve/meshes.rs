@@ -97,7 +97,7 @@ pub(super) fn refine(
     let mut refined = Refined::without(Status::MeshLimit);
     let (mut guess, mut gap, mut restorations) = (interior.spline.clone(), constants::FIRST_GAP, 0);
     // A coarse mesh is not solved much better than it resolves the motion.
-    let least = constants::PART_OF_TOLERANCE * tolerance;
+    let least = interior.looseness.between(constants::PART_OF_TOLERANCE) * tolerance;
     let mut precision = least.max(constants::FIRST_PRECISION);
     interior.last_tolerance = Some(least);
     let (mut mesh, mut left, mut mended) = (0, 0, Mended::default());
@@ -196,13 +196,14 @@ pub(super) fn refine(
         }
         mended.begin_mesh();
         precision = (constants::PRECISION * error).clamp(least, constants::FIRST_PRECISION.max(least));
-        let enough = tolerance * figures.size;
+        let allowed = tolerance * figures.size;
+        let enough = interior.looseness.between(constants::ENOUGH) * allowed;
         let narrowest = resolution.narrowest;
         let nodes = match (violated, accurate) {
             (true, _) if !unresolved => interior.spline.mesh.halved(narrowest),
             // What the estimate does not see, the integration may.
-            (false, true) => resolution.nodes_for_torques(&interior.spline, enough),
-            _ => resolution.nodes(&interior.spline, enough),
+            (false, true) => resolution.nodes_for_torques(&interior.spline, allowed),
+            _ => resolution.nodes(&interior.spline, allowed, enough),
         };
         let same = nodes == interior.spline.mesh.nodes;
         let nodes = if same { interior.spline.mesh.halved(narrowest) } else { nodes };

@@ -13,6 +13,7 @@ use super::meshes::{Refined, Start, refine};
 use super::prepare::{Dynamics, interior_on};
 use crate::constants::direct as constants;
 use crate::direct::interior::iterate::Interior;
+use crate::direct::interior::looseness::Looseness;
 use crate::direct::limits::side::Limited;
 use crate::direct::motion::spline::Spline;
 use crate::direct::refine::resolution::Resolution;
@@ -46,7 +47,7 @@ pub(super) struct Smoothing {
 /// A motion that cannot be evaluated.
 pub(super) fn with_effort(
     (problem, rows): (&Problem, &TaskRows),
-    options: &SolverOptions,
+    (options, looseness): (&SolverOptions, Looseness),
     guess: &Spline,
     recorder: &mut Recorder<'_>,
 ) -> Result<Option<WithEffort>, EvalError> {
@@ -58,6 +59,7 @@ pub(super) fn with_effort(
     while weight >= constants::LEAST_EFFORT * eased.tolerance {
         let mut interior = interior_on(problem, rows, options, 0, None, &spline.mesh.nodes);
         interior.spline.copy_from(&spline);
+        interior.looseness = looseness;
         let (own, prices) = (interior.running.effort.clone(), interior.smooth_effort());
         let added: Vec<f64> = prices.iter().zip(&own).map(|(price, own)| weight * (price - own)).collect();
         interior.running.effort = own.iter().zip(&added).map(|(own, added)| own + added).collect();
@@ -120,7 +122,9 @@ mod tests {
         let rows = TaskRows::new(&problem).unwrap();
         let guess = interior(&problem, &rows, &options, 0, None).spline;
         let mut recorder = Recorder::default();
-        let found = with_effort((&problem, &rows), &options, &guess, &mut recorder).unwrap().unwrap();
+        let found = with_effort((&problem, &rows), (&options, Looseness::default()), &guess, &mut recorder)
+            .unwrap()
+            .unwrap();
         let Smoothing { weight, bound } = found.smoothing;
         let time = found.interior.spline.duration();
         assert!(weight < 0.1 && found.refined.status.is_solved(), "{weight} {}", found.refined.status);

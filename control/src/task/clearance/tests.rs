@@ -15,13 +15,13 @@ type V = Vector3<f64>;
 /// All rows between these bodies.
 fn functions(robot: &Robot, bodies: Vec<Body>, pairs: Vec<(usize, Other)>, margin: f64) -> TaskFunctions {
     let mut functions = TaskFunctions::new(robot);
-    let mut clearances = Clearances::new(bodies, functions.placed());
+    let mut clearances = Clearances::new(bodies, functions.placed(robot));
     let mut rows = 0;
     for (body, other) in pairs {
-        rows += clearances.push(body, other, None, margin, functions.placed()).unwrap().0;
+        rows += clearances.push(body, other, None, margin, functions.placed(robot)).unwrap().0;
     }
     let row = Row::clearance(1.0, false, String::new());
-    functions.push(Part::Clearances(clearances), vec![row; rows]);
+    functions.push(robot, Part::Clearances(clearances), vec![row; rows]);
     functions
 }
 
