@@ -1,7 +1,7 @@
 //! Motions of robots with constraints: those of the same robots with multipliers as coordinates
 //! ([`crate::problem::loops`]), by the direct method.
 
-use crate::direct::Direct;
+use crate::direct::{Direct, Looseness};
 use crate::options::SolverOptions;
 use crate::problem::Problem;
 use crate::problem::check::CheckedProblem;
@@ -31,6 +31,7 @@ pub(crate) fn solve(
         problem: CheckedProblem::made(&with_multipliers),
         rows: &rows,
         options,
+        looseness: Looseness::of(options.tolerance),
         saved: saved.as_ref(),
     };
     let found = direct.solve(recorder);
