@@ -10,7 +10,7 @@ use crate::results::{Target, allocate, given};
 use crate::signals::{Signals, with_reached};
 use costate::robot::Robot;
 use pyo3::prelude::*;
-use pyo3::types::PyTuple;
+use pyo3::types::{PyBool, PyTuple};
 use std::num::NonZero;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -19,6 +19,8 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 const FEW: usize = 16;
 /// States that a thread takes at a time; a multiple of the states in one number.
 const CHUNK: usize = 64;
+/// More threads are probably a mistake.
+const MOST_THREADS: usize = 4096;
 /// Numbers that the arguments and results of a batch have at least to be worth another thread.
 const WORTH_A_THREAD: usize = 1 << 16;
 
@@ -36,7 +38,7 @@ impl Settings {
     ///
     /// # Errors
     /// `ArgumentError`.
-    pub fn of(py: Python<'_>, on_error: &str, threads: Option<usize>) -> PyResult<Self> {
+    pub fn of(py: Python<'_>, on_error: &str, threads: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
         let nan = match on_error {
             "raise" => false,
             "nan" => true,
@@ -45,8 +47,19 @@ impl Settings {
                 return Err(argument(py, "on_error", message));
             }
         };
-        let none = || argument(py, "threads", "threads is 0; at least one thread computes".into());
-        let threads = threads.map(|count| NonZero::new(count).ok_or_else(none)).transpose()?;
+        let wrong = |given: &Bound<'_, PyAny>| {
+            let given = given.repr().map_or_else(|_| "?".into(), |text| text.to_string());
+            argument(
+                py,
+                "threads",
+                format!("threads is {given}; give a whole number from 1 to {MOST_THREADS}"),
+            )
+        };
+        let count = |given: &Bound<'_, PyAny>| match given.extract::<usize>() {
+            Ok(count @ 1..=MOST_THREADS) if !given.is_instance_of::<PyBool>() => Ok(NonZero::new(count)),
+            _ => Err(wrong(given)),
+        };
+        let threads = threads.map(count).transpose()?.flatten();
         Ok(Self { nan, threads })
     }
 

@@ -31,8 +31,12 @@ impl Workspace {
         let Some(lanes) = &mut self.lanes else { return [false; 4] };
         let buffer = &mut self.four[..plan.size()];
         let (inputs, outputs) = buffer[..plan.core_outputs.end].split_at_mut(plan.core_outputs.start);
-        let certain = lanes.evaluate(&inputs[plan.core_inputs.clone()], outputs);
+        let mut certain = lanes.evaluate(&inputs[plan.core_inputs.clone()], outputs);
         plan.multiply(buffer);
+        // Lanes have looked at their own results.
+        for four in &buffer[plan.core_outputs.end..] {
+            certain.iter_mut().zip(four).for_each(|(certain, sum)| *certain &= sum.is_finite());
+        }
         certain
     }
 

@@ -95,7 +95,7 @@ def test_the_first_argument_is_named_and_nan_is_a_choice(random):
 
 def test_steps_beyond_all_numbers_are_not_a_fault_of_arguments():
     step = costate.Step(costate.Dynamics(pendulum()), "rk4", 1e300)
-    with pytest.raises(costate.StepNotSolved, match="'hinge' is beyond all numbers.*shorter step") as raised:
+    with pytest.raises(costate.NonFiniteResult, match="'hinge' is beyond all numbers.*shorter step") as raised:
         step.f([0.0], [1e200], [0.0])
     assert raised.value.joint == "hinge" and raised.value.argument is None
 
