@@ -3,7 +3,8 @@
 use crate::solved::problem;
 use costate::robot::Robot;
 use costate_control::{
-    Budget, FinalTime, MotionLimits, Problem, Resolve, ResolveError, ResolveStatus, SolverOptions, Via,
+    BoundaryState, Budget, FinalTime, MotionLimits, Problem, Resolve, ResolveError, ResolveStatus,
+    SolverOptions, Via,
 };
 use costate_test_support::allocations::allocations;
 
@@ -63,9 +64,9 @@ fn a_solve_that_failed_is_no_start() {
         assert_ne!(motion.solve().unwrap().status, ResolveStatus::Solved);
     }
     motion.set_start(&[0.0, 0.0], &[0.0, 0.0]).unwrap();
-    let found: Vec<_> = (0..2).map(|_| motion.solve().unwrap()).collect();
-    assert_eq!(found[1].status, ResolveStatus::Solved, "{found:?}");
-    assert!((found[1].cost / cost - 1.0).abs() < 1e-5, "{found:?}, not {cost}");
+    let found: Vec<_> = (0..4).map(|_| motion.solve().unwrap()).collect();
+    assert_eq!(found[3].status, ResolveStatus::Solved, "{found:?}");
+    assert!((found[3].cost / cost - 1.0).abs() < 1e-5, "{found:?}, not {cost}");
 }
 
 #[test]
@@ -79,7 +80,7 @@ fn budgets_of_one_step_still_lead_to_the_motion() {
         motion.set_start(&[-0.6 * part, 0.8 * part], &[0.0, 0.0]).unwrap();
         last = motion.solve_again(Budget::steps(1)).unwrap();
     }
-    let there = limited().with_start(costate_control::BoundaryState::at_rest(&[-0.6, 0.8]));
+    let there = limited().with_start(BoundaryState::fixed(&[-0.6, 0.8], &[0.0, 0.0]));
     let fresh = Resolve::new(&there, SolverOptions::default().with_nodes(31)).unwrap().solve().unwrap();
     assert!((last.cost / fresh.cost - 1.0).abs() < 1e-4, "{last:?}, not {fresh:?}");
 }
@@ -105,30 +106,35 @@ fn reset_begins_at_the_first_guess() {
         motion.set_end(&problem.end.q, &problem.end.v).unwrap();
         motion.reset();
         let again = motion.solve().unwrap();
-        assert_eq!((again.iterations, again.cost), (first.iterations, first.cost));
+        assert_eq!(again.iterations, first.iterations);
+        assert!((again.cost / first.cost - 1.0).abs() < 1e-9, "{again:?}, not {first:?}");
     }
 }
 
 #[test]
 fn going_back_keeps_given_times_and_allocates_nothing() {
-    let via = Via::at(&[0.4, 0.3]).with_v_free(&[0, 1]).with_time(0.5);
-    for (problem, left) in [(limited().with_vias(vec![via]), Some(0.9)), (limited(), None)] {
+    let via = Via::at(&[0.4, 0.3]).with_time(0.5);
+    for (problem, left) in [(limited().with_via(via), Some(0.9)), (limited(), None)] {
         let mut motion = Resolve::new(&problem, SolverOptions::default().with_nodes(31)).unwrap();
-        let mut last = motion.solve().unwrap();
-        assert_eq!(last.status, ResolveStatus::Solved);
+        assert_eq!(motion.solve().unwrap().status, ResolveStatus::Solved);
         motion.feedback().unwrap().unwrap();
         let mut z = [0.0; 6];
         motion.state_at(0.1, &mut z).unwrap();
         motion.advance(0.1);
+        let mut last = None;
         let found = allocations(|| {
             for (wrong, steps) in [(50.0, 2), (50.0, 200), (40.0, 200), (-30.0, 200), (0.0, 200)] {
                 motion.set_start(&z[..2], &[z[2] + wrong, z[3]]).unwrap();
-                last = motion.solve_again(Budget::steps(steps)).unwrap();
+                last = motion.solve_again(Budget::steps(steps)).ok();
             }
+            let recovered = last.map(|last| last.status);
             motion.reset();
-            last = motion.solve_again(Budget::steps(200)).unwrap();
+            last = motion
+                .solve_again(Budget::steps(200))
+                .ok()
+                .filter(|_| recovered == Some(ResolveStatus::Solved));
         });
-        assert_eq!((last.status, found), (ResolveStatus::Solved, 0), "{last:?}");
+        assert_eq!((last.map(|last| last.status), found), (Some(ResolveStatus::Solved), 0), "{last:?}");
         if let Some(left) = left {
             assert!((motion.final_time().unwrap() - left).abs() < 1e-12);
         }

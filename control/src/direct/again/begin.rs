@@ -1,6 +1,7 @@
 //! Where a solve begins: at the last iterate; after failures at the last motion that was solved, or at the
 //! first guess.
 
+use super::recovery::Recovery;
 use super::resolve::Resolve;
 use crate::constants::direct as constants;
 use crate::direct::interior::figures::Figures;
@@ -35,15 +36,18 @@ impl Resolve {
     }
 
     /// Makes the iterate the one where the next solve begins. After a failure that is the last motion that
-    /// was solved; after two the first guess, after three that motion again, and so on.
+    /// was solved; after two the first guess, after three that motion again, and so on. Where none was solved
+    /// it is the first guess, unless the solve that failed began there.
     pub(super) fn begin_solve(&mut self) -> Result<(), EvalError> {
-        let failures = self.recovery.failures;
-        if failures > 0 && failures % 2 == 0 {
+        let Recovery { failures, is_solved, was_guess, .. } = self.recovery;
+        self.recovery.was_guess = false;
+        if failures > 0 && (if is_solved { failures % 2 == 0 } else { !was_guess }) {
             self.recovery.put_guess(&mut self.interior, &self.states);
+            self.recovery.was_guess = true;
             self.damping = 0.0;
             return self.begin_anew();
         }
-        if failures > 0 && self.recovery.is_solved {
+        if failures > 0 && is_solved {
             return self.begin_at_solved();
         }
         if !self.started {

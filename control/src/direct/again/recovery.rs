@@ -55,6 +55,8 @@ pub(super) struct Recovery {
     pub other: Place,
     /// Solves without progress, and those that could not be evaluated, one after the other.
     pub failures: usize,
+    /// Whether the last solve began at the first guess after another one had failed.
+    pub was_guess: bool,
     /// Whether the last solve ended before it was solved, and not by failing.
     pub unfinished: bool,
     /// Whether there is room for the iterates of all later solves.
