@@ -15,6 +15,8 @@ pub struct Call<'a> {
     pub sources: &'a [Source],
     pub targets: &'a [Target],
     pub axes: Axes,
+    /// Whether some results are no numbers where nothing is wrong.
+    pub gaps: bool,
 }
 
 impl Call<'_> {
@@ -41,7 +43,7 @@ impl Call<'_> {
             match done {
                 Ok(()) => {
                     output.write(buffer, 0, result);
-                    finite &= all_finite(result);
+                    finite &= self.gaps || all_finite(result);
                 }
                 Err(_) => result.fill(f64::NAN),
             }

@@ -80,11 +80,17 @@ pub struct Function {
     engine: Arc<Engine>,
     /// The robot whose joints the entries of arguments belong to.
     robot: Arc<Robot>,
+    gaps: bool,
 }
 
 impl Function {
     pub fn new(plan: Plan, engine: Arc<Engine>, robot: Arc<Robot>) -> Self {
-        Self { plan, engine, robot }
+        Self { plan, engine, robot, gaps: false }
+    }
+
+    /// The same where some results are no numbers though nothing is wrong.
+    pub fn with_gaps(self, gaps: bool) -> Self {
+        Self { gaps, ..self }
     }
 
     /// Evaluates the function at all states of its arguments: one array, or a tuple of them; new ones, or
@@ -157,7 +163,7 @@ impl Function {
     }
 
     fn all<'a>(&'a self, sources: &'a [Source], targets: &'a [Target], axes: Axes) -> Call<'a> {
-        Call { plan: &self.plan, robot: &self.robot, sources, targets, axes }
+        Call { plan: &self.plan, robot: &self.robot, sources, targets, axes, gaps: self.gaps }
     }
 
     /// Evaluates all states, whose numbers are where the sources and targets of each argument and result say.

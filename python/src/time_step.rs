@@ -97,7 +97,8 @@ impl Step {
             }
         };
         let robot = dynamics.shared();
-        Ok(self.functions[verb as usize].get_or_init(|| Arc::new(Function::new(verb.plan(n), engine, robot))))
+        Ok(self.functions[verb as usize]
+            .get_or_init(|| Arc::new(Function::new(verb.plan(n, dynamics.space()), engine, robot))))
     }
 }
 

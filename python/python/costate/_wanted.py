@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, cast
 
 from ._costate import Dynamics, Robot, Step
 from ._errors import ArgumentError, argument_error
@@ -21,15 +21,16 @@ def dynamics_of(given: Any, name: str = "dynamics") -> Dynamics:
     """The dynamics; those of a robot in (q, v)."""
     if isinstance(given, Robot):
         return Dynamics(given)
-    if isinstance(given, Dynamics):
-        return given
+    # Objects with the methods of dynamics, such as those that count calls, will do.
+    if isinstance(given, Dynamics) or hasattr(given, "adjoint") and hasattr(given, "coordinates"):
+        return cast("Dynamics", given)
     raise _wrong(name, given, "costate.Dynamics, or a costate.Robot")
 
 
 def step_of(given: Any, name: str = "step") -> Step:
     """The time step."""
-    if isinstance(given, Step):
-        return given
+    if isinstance(given, Step) or hasattr(given, "dynamics") and hasattr(given, "contract"):
+        return cast("Step", given)
     raise _wrong(name, given, 'a costate.Step, such as costate.Step(costate.Dynamics(robot), "rk4", 0.01)')
 
 
