@@ -1,10 +1,11 @@
 """Times of calls from Python: beside Rust, and beside pin, adam and MJX.
 
-``python python/benches/calls.py [ROBOT.urdf] [--states 1000000] [--write]``; the least of many repetitions in one run, on
-one thread where nothing else is said. Rust is, for one state and for several threads, the same
-function without objects of Python (``Dynamics._seconds``), and for batches on one thread ``costate::batch`` as a user of
-Rust calls it (``Dynamics._batch_seconds``), all in the same build with results in memory that is there. ``--write`` puts the tables into docs/python_calls.md. Peers are compared where they are
-installed, and named where they are not. Batches of peers: loops over states for pin, whose calls take one, ``jit`` of
+``python python/benches/calls.py [ROBOT.urdf] [--states 1000000] [--write]``, with a package that was built with the feature
+``timing``; the least of many repetitions in one run, on one thread where nothing else is said. Rust is, for one state and for
+several threads, the same function without objects of Python (``Dynamics._seconds``), and for batches on one thread
+``costate::batch`` as a user of Rust calls it (``Dynamics._batch_seconds``), all in the same build with results in memory that
+is there. ``--write`` puts the tables into docs/python_calls.md. Peers are compared where they are installed, and named where
+they are not. Batches of peers: loops over states for pin, whose calls take one, ``jit`` of
 ``vmap`` for adam and MJX, whose second derivatives are ``jacfwd(jacrev(y'a))``.
 """
 
@@ -100,13 +101,15 @@ def with_pin(file: Path):
     yield "a, a_z", least(lambda: pinocchio.computeABADerivatives(model, data, q, q, q))
 
 
-def differentiated(a, n: int):
-    """Batches of a function (q, v, tau) -> a of JAX."""
+def differentiated(a, file: Path):
+    """Batches of a function (q, v, tau) -> a of JAX, which must agree with the dynamics of the file."""
     import jax
     import jax.numpy as jnp
 
-    z = jnp.full((BATCH, 3 * n), 0.3)
+    robot = costate.Robot.from_file(file)
+    z = jnp.full((BATCH, 3 * robot.n), 0.3)
     of = lambda z: a(*jnp.split(z, 3))  # noqa: E731
+    np.testing.assert_allclose(of(z[0]), costate.Dynamics(robot).aba(*arguments(robot.n, "aba", ())), rtol=1e-6)
     both = lambda z: (of(z), jax.jacfwd(of)(z))  # noqa: E731
     second = lambda z: (*both(z), jax.jacfwd(jax.jacrev(lambda z: of(z).sum()))(z))  # noqa: E731
     for name, function in (("a", of), ("a, a_z", both), ("a, a_z, y'a_zz", second)):
@@ -119,14 +122,16 @@ def with_adam(file: Path):
     from adam.jax import KinDynComputations
 
     robot = costate.Robot.from_file(file)
-    model = KinDynComputations(str(file), robot.joint_names)
+    model = KinDynComputations(str(file), robot.joint_names, gravity=jnp.array([*robot.gravity, 0.0, 0.0, 0.0]))
+    # Its arrays name their device, which vmap refuses from JAX 0.10 on.
+    model.rbdalgos.math.factory._device = None
     n, base = robot.n, jnp.eye(4)
 
     def a(q, v, tau):
         mass = model.mass_matrix(base, q)[6:, 6:]
         return jnp.linalg.solve(mass, tau - model.bias_force(base, q, jnp.zeros(6), v)[6:])
 
-    return differentiated(a, n)
+    return differentiated(a, file)
 
 
 def with_mjx(file: Path):
@@ -141,7 +146,7 @@ def with_mjx(file: Path):
     def a(q, v, tau):
         return mjx.forward(there, data.replace(qpos=q, qvel=v, qfrc_applied=tau)).qacc
 
-    return differentiated(a, model.nv)
+    return differentiated(a, file)
 
 
 def times_of(run, file: Path, results) -> None:
@@ -193,9 +198,11 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("robot", nargs="?", type=Path, default=ROOT / "robots" / "ur5.urdf")
     parser.add_argument("--states", type=int, default=1_000_000)
-    parser.add_argument("--limit", type=float, default=300, help="seconds for each other package")
+    parser.add_argument("--limit", type=float, default=600, help="seconds for each other package")
     parser.add_argument("--write", action="store_true", help=f"write the tables into {PAGE.name}")
     given = parser.parse_args()
+    if not hasattr(costate.Dynamics, "_seconds"):
+        raise SystemExit('build it first by: pip install ./python --config-settings=build-args="--features timing"')
     warnings.simplefilter("ignore", costate.RobotWarning)
     robot = costate.Robot.from_file(given.robot)
     parts = [f"{robot.name}, n = {robot.n}"]

@@ -46,11 +46,13 @@ impl Source {
     pub fn copy(&self, axes: &Axes, state: usize, start: usize, to: &mut [f64]) {
         let mut offset = 0;
         let mut rest = state;
-        for k in (0..axes.count).rev() {
+        // Along the first axis, which most batches have alone, nothing is divided.
+        for k in (1..axes.count).rev() {
             let length = axes.lengths[k];
             offset += (rest % length) as isize * self.strides[k];
             rest /= length;
         }
+        offset += rest as isize * self.strides[0];
         // SAFETY: `read_all` has checked that the array has this many numbers along its last axis, one after
         // the other, at every index of its leading axes, and that the state is one of them; the caller of
         // `dense` has promised it. Bytes are

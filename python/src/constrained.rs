@@ -46,12 +46,12 @@ use std::sync::OnceLock;
 /// >>> import costate
 /// >>> builder = costate.Robot.builder("slider", gravity=[0, -9.81, 0])
 /// >>> builder = builder.revolute("crank", axis=[0, 0, 1], mass=1, com=[0.1, 0, 0])
-/// >>> builder = builder.revolute("rod", on="crank", xyz=[0.2, 0, 0], axis=[0, 0, 1], mass=1, com=[0.3, 0, 0])
-/// >>> robot = builder.frame("end", "rod", xyz=[0.6, 0, 0]).build()
+/// >>> rod = {"on": "crank", "xyz": [0.2, 0, 0], "axis": [0, 0, 1], "mass": 1, "com": [0.3, 0, 0]}
+/// >>> robot = builder.revolute("rod", **rod).frame("end", "rod", xyz=[0.6, 0, 0]).build()
 /// >>> robot = robot.with_constraint("rail", "end", rows=["y"])
 /// >>> dynamics = costate.ConstrainedDynamics(robot)
 /// >>> q = dynamics.close([0.5, -0.5], held=["crank"])
-/// >>> abs(dynamics.constraint(q)).max() < 1e-12
+/// >>> bool(abs(dynamics.constraint(q)).max() < 1e-12)
 /// True
 /// >>> force, moment = dynamics.forces(q, [0, 0], [0, 0])
 /// >>> force.shape, int((force != 0).sum())

@@ -27,10 +27,10 @@ impl Robot {
 
     /// The robot with one more constraint: some functions g(q) stay what they are.
     ///
-    /// r is the origin of the first frame in the axes of the second, psi twice the vector of the quaternion of
-    /// its orientation there, an angle where it is small. Rows choose what a joint of the loop leaves free:
-    /// ``["x", "y"]`` closes a planar loop, ``["x", "y", "z", "turn_x", "turn_y"]`` is a revolute joint about
-    /// z.
+    /// r is the origin of the first frame in the axes of the second, psi twice the vector of the quaternion
+    /// of its orientation there, an angle where it is small. Rows choose what a joint of the loop leaves
+    /// free: ``["x", "y"]`` closes a planar loop, ``["x", "y", "z", "turn_x", "turn_y"]`` is a revolute joint
+    /// about z.
     ///
     /// Parameters
     /// ----------
@@ -39,8 +39,8 @@ impl Robot {
     /// frame, to : str, optional
     ///     The first frame, and the second one, which is the world unless given.
     /// kind : {"rows", "pinned", "rigid", "distance", "coupling"}
-    ///     Entries of r (m) and psi (rad) that ``rows`` names; r; r and psi; (r.r - length^2) / (2 length) (m);
-    ///     the sum of factor q_joint, less a constant.
+    ///     Entries of r (m) and psi (rad) that ``rows`` names; r; r and psi; (r.r - length^2) / (2 length)
+    ///     (m); the sum of factor q_joint, less a constant.
     /// rows : list of str, optional
     ///     Some of ``"x"``, ``"y"``, ``"z"``, ``"turn_x"``, ``"turn_y"``, ``"turn_z"``.
     /// length : float, optional

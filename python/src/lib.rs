@@ -48,6 +48,7 @@ mod schemes;
 mod signals;
 mod table;
 mod time_step;
+#[cfg(feature = "timing")]
 mod timing;
 mod words;
 mod workspace;
@@ -55,7 +56,8 @@ mod xla;
 
 use pyo3::prelude::*;
 
-#[pymodule]
+// Nothing here relies on the lock of the interpreter: free-threaded interpreters keep running without it.
+#[pymodule(gil_used = false)]
 mod _costate {
     #[pymodule_export]
     use crate::builder::RobotBuilder;

@@ -30,8 +30,8 @@ def documented():
 def test_everything_public_is_documented():
     missing = [name for name, thing in documented() if name != "__version__" and not inspect.getdoc(thing)]
     inherited = [name for name in missing if not hasattr(getattr(costate, name.split(".")[0]), "__dataclass_fields__")]
-    attributes = {part for of in (costate.ArgumentError, costate.ProblemError, costate.RobotError, costate.StateError)
-                  for part in vars(of) if not part.startswith("_")}  # fmt: skip
+    errors = [getattr(costate, name) for name in costate.__all__ if name.endswith("Error")]
+    attributes = {part for of in errors for part in vars(of) if not part.startswith("_")}
     assert {name.split(".")[1] for name in inherited} <= attributes
 
 

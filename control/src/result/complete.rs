@@ -1,4 +1,4 @@
-//! A solution with all that it holds, for another process.
+//! A solution as JSON: its form in files, and with all that it holds, for another process.
 
 use super::nodes::Interpolant;
 use super::solution::Solution;
@@ -57,6 +57,22 @@ impl From<Step> for Iteration {
 }
 
 impl Solution {
+    /// The JSON form by serde, that of files. It is compiled once, here.
+    ///
+    /// # Errors
+    /// Those of the writer.
+    pub fn to_json(&self) -> Result<String, serde_json::Error> {
+        serde_json::to_string(self)
+    }
+
+    /// Reads what [`to_json`](Self::to_json) wrote.
+    ///
+    /// # Errors
+    /// Those of the reader.
+    pub fn from_json(text: &str) -> Result<Self, serde_json::Error> {
+        serde_json::from_str(text)
+    }
+
     /// The whole solution as JSON, to go on with it in another process: with the polynomials between the
     /// nodes, the iterations and the estimated errors, which its JSON form by serde leaves out. Not for
     /// keeping: another version of this library may not read it.

@@ -11,8 +11,11 @@ use pyo3::prelude::*;
 /// Derivatives of cost, T, states (points, 2n) and torques (points, n).
 type Derivative<'py> = (f64, f64, Bound<'py, PyAny>, Bound<'py, PyAny>);
 
+/// A limit of a joint, by its number.
+type OfJoint = fn(usize) -> MotionParameter;
+
 /// Limits of one joint, by their keys.
-const LIMITS: [(&str, fn(usize) -> MotionParameter); 8] = [
+const LIMITS: [(&str, OfJoint); 8] = [
     ("q_min", MotionParameter::PositionMin),
     ("q_max", MotionParameter::PositionMax),
     ("v_max", MotionParameter::VelocityMax),

@@ -243,7 +243,7 @@ impl ProblemCore {
     fn solution(&self, text: &str, complete: bool, seconds: f64) -> PyResult<SolutionCore> {
         let read = match complete {
             true => Solution::from_complete_json(text),
-            false => serde_json::from_str(text),
+            false => Solution::from_json(text),
         };
         let solution: Solution = read.map_err(raise::motion)?;
         if solution.robot != RobotNames::of(&self.problem.robot) {

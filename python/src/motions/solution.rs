@@ -138,12 +138,12 @@ impl SolutionCore {
         let mut motion = Trajectory::default();
         motion.via_times = std::mem::take(&mut figures.trajectory.via_times);
         figures.trajectory = motion;
-        serde_json::to_string(&figures).map_err(raise::motion)
+        figures.to_json().map_err(raise::motion)
     }
 
     /// The JSON object of the command line, without what it prints only.
     fn json(&self, py: Python<'_>) -> PyResult<String> {
-        py.detach(|| serde_json::to_string(&*self.solution)).map_err(raise::motion)
+        py.detach(|| self.solution.to_json()).map_err(raise::motion)
     }
 
     /// The same with all that it leaves out, for pickles.

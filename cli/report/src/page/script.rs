@@ -26,7 +26,7 @@ const SCRIPT: &str = concat!(
 
 /// The elements with the data, the solution as it is saved, and the script.
 pub fn section(motion: &Motion<'_>) -> String {
-    let solution = serde_json::to_string(motion.solution).unwrap_or_else(|_| "null".into());
+    let solution = motion.solution.to_json().unwrap_or_else(|_| "null".into());
     format!(
         "<script type=\"application/json\" id=\"data\">{}</script>\n\
          <script type=\"application/json\" id=\"solution\">{}</script>\n<script>{SCRIPT}</script>\n",

@@ -17,11 +17,12 @@ except ImportError as _error:  # pragma: no cover
 from .._costate import Dynamics, Step, _xla_calls
 from .._errors import argument_error
 from .._wanted import dynamics_of
-from ._rules import Function, Order, differentiable
+from ._rules import Function, differentiable
 from ._targets import numbers_of, target
 
 if TYPE_CHECKING:
     from .._costate import Robot, _Scheme
+    from ._rules import _Order
 
 __all__ = ["Model", "calls"]
 
@@ -94,7 +95,7 @@ class Model:
     [-9.81]
     """
 
-    def __init__(self, dynamics: Dynamics | Robot, order: Order = "any") -> None:
+    def __init__(self, dynamics: Dynamics | Robot, order: _Order = "any") -> None:
         dynamics = dynamics_of(dynamics)
         if order not in ("any", "reverse"):
             raise argument_error("order", f"unknown order '{order}'; give 'any' or 'reverse'")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import jax
 import jax.numpy as jnp
@@ -12,7 +12,9 @@ from jax.interpreters import ad, batching, mlir
 
 from .._errors import argument_error
 
-Order = Literal["any", "reverse"]
+if TYPE_CHECKING:
+    _Order = Literal["any", "reverse"]
+
 Function = Callable[[Any, Any, Any], Any]
 
 
@@ -68,7 +70,7 @@ def _times(matrix: Any, vector: Any) -> Any:
 
 
 def differentiable(
-    names: tuple[str, str, str], n: int, of: tuple[Any, Any, Any], m: int, order: Order, numbers: dict[str, int]
+    names: tuple[str, str, str], n: int, of: tuple[Any, Any, Any], m: int, order: _Order, numbers: dict[str, int]
 ) -> Function:
     """A function of three vectors (n) with m results, of its value, Jacobian (m, 3n) and contracted Hessian (3n, 3n)."""
     value_of, jacobian_of, hessian_of = of

@@ -1,6 +1,6 @@
 //! The triangles of a geometry.
 
-use super::{Named, child, numbers};
+use super::elements::{Named, child, numbers};
 use roxmltree::Node;
 use std::collections::HashMap;
 

@@ -1,15 +1,16 @@
-//! Meshes in COLLADA files: the triangles and polygons of the scene, in metres. Colours, skins, lights and all
-//! else are left out.
+//! Meshes in COLLADA files: the triangles and polygons of the scene, in metres. Colours, skins, lights and
+//! all else are left out.
 //!
 //! `<up_axis>` is not applied: coordinates count as they are written. So do RViz and other programs that show
 //! URDFs, for which the meshes of robots are placed.
 
+mod elements;
 mod geometry;
 mod scene;
 
 use super::mesh::Mesh;
-use geometry::Geometry;
-use roxmltree::{Document, Node};
+use elements::child;
+use roxmltree::Document;
 use scene::{Scene, Transform};
 
 pub fn read(bytes: &[u8]) -> Result<Mesh, String> {
@@ -28,31 +29,6 @@ pub fn read(bytes: &[u8]) -> Result<Mesh, String> {
     };
     let scaled = Transform::scale([unit; 3]);
     Mesh::of_corners(Scene::new(root).corners(&scaled)?.into_iter())
-}
-
-/// The first child of this name.
-fn child<'a, 'b>(node: Node<'a, 'b>, name: &str) -> Option<Node<'a, 'b>> {
-    node.children().find(|child| child.has_tag_name_of(name))
-}
-
-/// Names of elements without their space of names.
-trait Named {
-    fn has_tag_name_of(&self, name: &str) -> bool;
-}
-
-impl Named for Node<'_, '_> {
-    fn has_tag_name_of(&self, name: &str) -> bool {
-        self.is_element() && self.tag_name().name() == name
-    }
-}
-
-/// The numbers of an element.
-fn numbers<T: std::str::FromStr>(node: Node<'_, '_>) -> Result<Vec<T>, String> {
-    let words = node.text().unwrap_or_default().split_ascii_whitespace();
-    let found: Result<Vec<T>, _> = words.map(str::parse).collect();
-    found.map_err(|_| {
-        format!("<{}> has a word that is no such number; write it again", node.tag_name().name())
-    })
 }
 
 #[cfg(test)]

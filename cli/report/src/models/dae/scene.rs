@@ -1,13 +1,13 @@
 //! The scene: nodes with their transforms, which place geometries.
 
-use super::geometry::{Ids, referred};
-use super::{Geometry, Named, child, numbers};
+use super::elements::{Named, child, numbers};
+use super::geometry::{Geometry, Ids, referred};
 use roxmltree::Node;
 use std::collections::HashMap;
 use std::rc::Rc;
 
-/// Most corners of triangles (a mesh for a page is made coarser than that), most nodes one in another, and most
-/// nodes: files may refer to one of them again and again.
+/// Most corners of triangles (a mesh for a page is made coarser than that), most nodes one in another, and
+/// most nodes: files may refer to one of them again and again.
 const MOST_CORNERS: usize = 12_000_000;
 const DEEPEST: usize = 64;
 const MOST_NODES: usize = 100_000;
