@@ -43,7 +43,7 @@ impl Call<'_> {
             match done {
                 Ok(()) => {
                     output.write(buffer, 0, result);
-                    finite &= self.gaps || all_finite(result);
+                    finite &= self.gaps || all_finite_of_many(result);
                 }
                 Err(_) => result.fill(f64::NAN),
             }
@@ -142,15 +142,19 @@ impl Call<'_> {
     }
 }
 
-/// Whether every number is finite: `0 x` is 0 if x is finite, and not a number otherwise. Eight sums do not
-/// wait for each other.
+/// Whether every number is finite: `0 x` is 0 if x is finite, and not a number otherwise.
 #[inline]
 fn all_finite(numbers: &[f64]) -> bool {
+    numbers.iter().fold(0.0, |sum, number| sum + 0.0 * number) == 0.0
+}
+
+/// The same of many numbers: eight sums do not wait for each other.
+#[inline]
+fn all_finite_of_many(numbers: &[f64]) -> bool {
     let (parts, rest) = numbers.as_chunks::<8>();
     let mut sums = [0.0; 8];
     for part in parts {
         sums.iter_mut().zip(part).for_each(|(sum, number)| *sum += 0.0 * number);
     }
-    let sum = sums.iter().sum::<f64>();
-    rest.iter().fold(sum, |sum, number| sum + 0.0 * number) == 0.0
+    sums.iter().sum::<f64>() == 0.0 && all_finite(rest)
 }

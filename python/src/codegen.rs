@@ -51,7 +51,6 @@ use pyo3::prelude::*;
 #[pyfunction]
 #[pyo3(signature = (robot, quantity, coordinates = "qv", language = "c", *, only = false, parameters = false,
     limit = 25_000))]
-#[expect(clippy::too_many_arguments, reason = "most of them by name")]
 pub fn codegen(
     py: Python<'_>,
     robot: &Robot,
