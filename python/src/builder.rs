@@ -14,7 +14,8 @@ use std::sync::{Mutex, PoisonError};
 
 /// Builds a robot joint by joint; made by `Robot.builder`.
 ///
-/// Each method returns the builder. Joint frames: ``xyz`` (m) and ``rpy`` (rad, fixed axes, as in a URDF)
+/// Each method changes the builder and returns it, also where the result is not used; ``copy.copy`` makes
+/// another one. Joint frames: ``xyz`` (m) and ``rpy`` (rad, fixed axes, as in a URDF)
 /// place the frame of the joint in the frame of the joint ``on`` (in the world without one); ``axis``,
 /// ``com`` and ``inertia`` are in the frame of the joint. Builders with equal calls are equal; a copy is a
 /// builder of its own.
@@ -209,6 +210,14 @@ impl RobotBuilder {
         let calls = |of: &Self| of.state.lock().unwrap_or_else(PoisonError::into_inner).1.copy(py);
         let (ours, theirs) = (calls(self), calls(other));
         ours.equals(py, &theirs)
+    }
+
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        let calls = self.state.lock().unwrap_or_else(PoisonError::into_inner).1.copy(py);
+        let names = |of: &[&str]| calls.names(py, of);
+        let (all, frames) = (names(&["revolute", "prismatic"])?, names(&["frame"])?);
+        let name = names(&["builder"])?.concat();
+        Ok(format!("RobotBuilder({name}, joints=[{}], frames=[{}])", all.join(", "), frames.join(", ")))
     }
 
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyTuple>> {

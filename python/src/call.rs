@@ -15,6 +15,8 @@ pub struct Call<'a> {
     pub sources: &'a [Source],
     pub targets: &'a [Target],
     pub axes: Axes,
+    /// Whether some results are no numbers where nothing is wrong.
+    pub gaps: bool,
 }
 
 impl Call<'_> {
@@ -34,35 +36,63 @@ impl Call<'_> {
             false => Err(self.not_finite(workspace.state(plan))),
         };
         let buffer = workspace.state(plan);
+        finite = true;
         for (output, target) in plan.outputs.iter().zip(*targets) {
             // SAFETY: each state of a call is evaluated once, by one thread.
             let result = unsafe { target.of(state) };
             match done {
-                Ok(()) => output.write(buffer, 0, result),
+                Ok(()) => {
+                    output.write(buffer, 0, result);
+                    finite &= self.gaps || all_finite_of_many(result);
+                }
                 Err(_) => result.fill(f64::NAN),
             }
         }
         if let Err(failure) = done {
             failures.add(state, failure);
+        } else if !finite {
+            failures.add(state, self.not_finite_result(workspace.state(plan)));
+            // SAFETY: as above.
+            targets.iter().for_each(|target| unsafe { target.of(state) }.fill(f64::NAN));
         }
+    }
+
+    /// The largest number of all arguments of a state, where a result is not finite.
+    #[cold]
+    fn not_finite_result(&self, buffer: &[f64]) -> Failure {
+        let all = self.plan.places.iter().flat_map(|place| {
+            let numbers = &buffer[place.at..place.at + place.length];
+            numbers.iter().enumerate().map(move |(k, &value)| (place.argument, place.start + k, value))
+        });
+        let larger =
+            |a: (usize, usize, f64), b: (usize, usize, f64)| if b.2.abs() > a.2.abs() { b } else { a };
+        let (argument, index, value) = all.reduce(larger).unwrap_or_default();
+        let (argument, joint) = self.entry(argument, index);
+        Failure::Result { argument, index, joint, value }
+    }
+
+    /// The name of an argument, and of the joint that an entry of it belongs to.
+    #[cold]
+    fn entry(&self, argument: usize, index: usize) -> (&'static str, Option<String>) {
+        let Argument { name, entries, .. } = self.plan.arguments[argument];
+        let joint = match entries {
+            Entries::Joints => self.robot.independent_joints().nth(index % self.robot.dof().max(1)),
+            Entries::Axes => None,
+        };
+        (name, joint.map(|joint| joint.name.clone()))
     }
 
     /// The first number of a state that is not finite, in the order of the arguments.
     #[cold]
     fn not_finite(&self, buffer: &[f64]) -> Failure {
-        let Self { plan, robot, .. } = self;
-        let found = plan.places.iter().find_map(|place| {
+        let found = self.plan.places.iter().find_map(|place| {
             let numbers = &buffer[place.at..place.at + place.length];
             Some((place, place.start + numbers.iter().position(|number| !number.is_finite())?))
         });
         // One of them is: the caller has looked.
         let (argument, index) = found.map_or((0, 0), |(place, index)| (place.argument, index));
-        let Argument { name, entries, .. } = plan.arguments[argument];
-        let joint = match entries {
-            Entries::Joints => robot.independent_joints().nth(index % robot.dof().max(1)),
-            Entries::Axes => None,
-        };
-        Failure::NonFinite { argument: name, index, joint: joint.map(|joint| joint.name.clone()) }
+        let (argument, joint) = self.entry(argument, index);
+        Failure::NonFinite { argument, index, joint }
     }
 
     /// Evaluates these states in fours, the last one repeated where they are not a multiple of four. States
@@ -116,4 +146,15 @@ impl Call<'_> {
 #[inline]
 fn all_finite(numbers: &[f64]) -> bool {
     numbers.iter().fold(0.0, |sum, number| sum + 0.0 * number) == 0.0
+}
+
+/// The same of many numbers: eight sums do not wait for each other.
+#[inline]
+fn all_finite_of_many(numbers: &[f64]) -> bool {
+    let (parts, rest) = numbers.as_chunks::<8>();
+    let mut sums = [0.0; 8];
+    for part in parts {
+        sums.iter_mut().zip(part).for_each(|(sum, number)| *sum += 0.0 * number);
+    }
+    sums.iter().sum::<f64>() == 0.0 && all_finite(rest)
 }

@@ -3,6 +3,7 @@
 use crate::dynamics::coordinates_of;
 use crate::errors::{CodegenError, argument};
 use crate::robot::Robot;
+use crate::words::in_python;
 use costate::Coordinates;
 use costate::codegen::{
     COptions, ProgramOptions, Quantity, RustOptions, StepSpec, acados_source, casadi_source, robot_program,
@@ -26,6 +27,8 @@ use pyo3::prelude::*;
 ///     Leave out the results that the quantity builds on.
 /// parameters : bool
 ///     Masses, lengths and other constants are an argument of the function.
+/// limit : int
+///     Most steps of the function: longer ones take long to compile.
 ///
 /// Returns
 /// -------
@@ -37,7 +40,7 @@ use pyo3::prelude::*;
 /// ArgumentError
 ///     For an unknown quantity, coordinates or language.
 /// CodegenError
-///     For a quantity that is not defined in these coordinates.
+///     For a quantity that is not defined in these coordinates, or a function that is longer than the limit.
 ///
 /// Examples
 /// --------
@@ -46,7 +49,8 @@ use pyo3::prelude::*;
 /// >>> "void cart_lagrangian_inverse_dynamics(" in costate.codegen(robot, "inverse_dynamics")
 /// True
 #[pyfunction]
-#[pyo3(signature = (robot, quantity, coordinates = "qv", language = "c", *, only = false, parameters = false))]
+#[pyo3(signature = (robot, quantity, coordinates = "qv", language = "c", *, only = false, parameters = false,
+    limit = 25_000))]
 pub fn codegen(
     py: Python<'_>,
     robot: &Robot,
@@ -55,6 +59,7 @@ pub fn codegen(
     language: &str,
     only: bool,
     parameters: bool,
+    limit: usize,
 ) -> PyResult<String> {
     let coordinates = coordinates_of(py, coordinates)?;
     let found = Quantity::ALL.into_iter().find(|known| known.name() == quantity).ok_or_else(|| {
@@ -62,17 +67,18 @@ pub fn codegen(
         argument(py, "quantity", format!("unknown quantity '{quantity}'; give one of {names}"))
     })?;
     robot.refuse_constraints(py, "be written as source code")?;
-    let options = ProgramOptions::default().with_only(only).with_parameters(parameters);
+    let options = ProgramOptions::default().with_only(only).with_parameters(parameters).with_limit(limit);
     let text = py.detach(|| {
         let program = robot_program(robot.model(), found, coordinates, &options)?;
         match language {
-            "c" => program.to_c(&COptions::default()).map(Some),
-            "rust" => program.to_rust(&RustOptions::default()).map(Some),
+            "c" => program.to_c(&COptions::default().with_limit(limit)).map(Some),
+            "rust" => program.to_rust(&RustOptions::default().with_limit(limit)).map(Some),
             _ => Ok(None),
         }
     });
-    let text =
-        text.map_err(|error: costate::codegen::CodegenError| CodegenError::new_err(error.to_string()))?;
+    let text = text.map_err(|error: costate::codegen::CodegenError| {
+        CodegenError::new_err(in_python(&error.to_string()))
+    })?;
     text.ok_or_else(|| argument(py, "language", format!("unknown language '{language}'; give 'c' or 'rust'")))
 }
 
@@ -106,5 +112,5 @@ pub fn _abi_source(
         "casadi" => casadi_source(robot.model(), step, &options),
         _ => acados_source(robot.model(), step, &options),
     });
-    text.map_err(|error| CodegenError::new_err(error.to_string()))
+    text.map_err(|error| CodegenError::new_err(in_python(&error.to_string())))
 }

@@ -82,7 +82,12 @@ impl ConstrainedDynamics {
 impl ConstrainedDynamics {
     #[new]
     #[pyo3(signature = (robot, *, on_error = "raise", threads = None))]
-    fn new(py: Python<'_>, robot: Robot, on_error: &str, threads: Option<usize>) -> PyResult<Self> {
+    fn new(
+        py: Python<'_>,
+        robot: Robot,
+        on_error: &str,
+        threads: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
         let rows = Constraints::<f64>::new(robot.model());
         let rows = (0..rows.count()).map(|i| rows.name(i).to_owned()).collect();
         let settings = Settings::of(py, on_error, threads)?;

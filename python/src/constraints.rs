@@ -87,7 +87,8 @@ pub fn of_constrained(robot: Arc<Robot>, verb: Verb, k: usize) -> Function {
         })
     };
     let short = n < SHORT && !matches!(verb, Project | Close);
-    Function::new(plan, Arc::new(Engine::new(core).short(short)), robot)
+    // Couplings of joints have no force.
+    Function::new(plan, Arc::new(Engine::new(core).short(short)), robot).with_gaps(verb == Forces)
 }
 
 /// The state equation and its derivatives.

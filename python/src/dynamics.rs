@@ -7,6 +7,7 @@ use crate::function::{Function, Settings};
 use crate::kinematics::{BODY_VERBS, BodyVerb, of_robot};
 use crate::quantities::Verb;
 use crate::robot::Robot;
+use crate::words::in_python;
 use costate::Coordinates;
 use costate::codegen::{CodegenError as NoQuantity, Quantity};
 use costate::robot;
@@ -17,12 +18,13 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 /// The dynamics of a robot, with exact first and second derivatives.
 ///
 /// With ``coordinates="qv"`` the state is x = (q, v), with ``"qp"`` it is x = (q, p), p = M v the conjugate
-/// momenta, and ``v`` below stands for p. z = (q, v, tau) has 3n entries, f = dx/dt has 2n. All arguments are
-/// float64 arrays (or sequences of numbers) with any leading batch axes, which are broadcast; they are not
-/// copied. Results are new arrays or, with ``out=``, arrays of the caller: large batches then need no new
-/// memory, whose pages the system would clear first. Batches run over lanes of four states, most of them on
-/// machine code, and on threads, without the interpreter's lock. Do not write to arguments, or read results,
-/// while another thread computes with them. Numbers of equations are those of the reference.
+/// momenta, and ``v`` below stands for p; errors call its entries p. Older words for the two are
+/// ``"lagrangian"`` and ``"hamiltonian"``. z = (q, v, tau) has 3n entries, f = dx/dt has 2n. All arguments
+/// are float64 arrays (or sequences of numbers) with up to eight leading batch axes, which are broadcast;
+/// they are not copied. Results are new arrays or, with ``out=``, arrays of the caller: large batches then
+/// need no new memory, whose pages the system would clear first. Batches run over lanes of four states, most
+/// of them on machine code, and on threads, without the interpreter's lock. Do not write to arguments, or
+/// read results, while another thread computes with them. Numbers of equations are those of the reference.
 ///
 /// Parameters
 /// ----------
@@ -31,11 +33,12 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 /// coordinates : {"qv", "qp"}
 ///     The state.
 /// on_error : {"raise", "nan"}
-///     What happens at a state of which any number of any argument is not finite, or at which the mass
-///     matrix is singular: a `StateError` with the batch index, or results that are not-a-number with a
-///     `StateWarning`. All other states are computed.
+///     What happens at a state of which any number of any argument or result is not finite, or at which the
+///     mass matrix is singular: a `StateError` with the batch index (`NonFiniteState`, `NonFiniteResult`,
+///     `SingularMassMatrix`), or results that are not-a-number with a `StateWarning`. All other states are
+///     computed.
 /// threads : int, optional
-///     Most threads for a batch; as many as the process may use unless given.
+///     Most threads for a batch, from 1 to 4096; as many as the process may use unless given.
 ///
 /// Raises
 /// ------
@@ -83,8 +86,8 @@ struct Known {
 /// The coordinates of these letters.
 pub fn coordinates_of(py: Python<'_>, letters: &str) -> PyResult<Coordinates> {
     match letters {
-        "qv" => Ok(Coordinates::Lagrangian),
-        "qp" => Ok(Coordinates::Hamiltonian),
+        "qv" | "lagrangian" => Ok(Coordinates::Lagrangian),
+        "qp" | "hamiltonian" => Ok(Coordinates::Hamiltonian),
         _ => {
             let message = format!("unknown coordinates '{letters}'; give 'qv' or 'qp'");
             Err(argument(py, "coordinates", message))
@@ -117,7 +120,7 @@ impl Dynamics {
     /// interpreter's lock.
     fn engine(&self, py: Python<'_>, of: Computed) -> PyResult<Known> {
         let engine = py.detach(|| self.compiled(of));
-        engine.map_err(|error| CodegenError::new_err(error.to_string()))
+        engine.map_err(|error| CodegenError::new_err(in_python(&error.to_string())))
     }
 
     fn compiled(&self, of: Computed) -> Result<Known, NoQuantity> {
@@ -181,7 +184,7 @@ impl Dynamics {
         robot: Robot,
         coordinates: &str,
         on_error: &str,
-        threads: Option<usize>,
+        threads: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         robot.refuse_constraints(py, "have Dynamics, only ConstrainedDynamics")?;
         Ok(Self {

@@ -1,5 +1,6 @@
 //! Errors as Python exceptions, which carry what they are about.
 
+use crate::words::in_python;
 use costate::EvalError;
 use costate::constraints::ConstraintError;
 use costate::robot::RobotError;
@@ -14,6 +15,7 @@ mod classes {
     pyo3::import_exception!(costate._errors, ConstraintError);
     pyo3::import_exception!(costate._errors, CostateError);
     pyo3::import_exception!(costate._errors, Interrupted);
+    pyo3::import_exception!(costate._errors, NonFiniteResult);
     pyo3::import_exception!(costate._errors, NonFiniteState);
     pyo3::import_exception!(costate._errors, RobotError);
     pyo3::import_exception!(costate._errors, RobotWarning);
@@ -47,7 +49,7 @@ pub fn robot(py: Python<'_>, error: &RobotError) -> PyErr {
         let text = text.split(" (os error").next().unwrap_or_default().to_owned();
         return pyo3::exceptions::PyOSError::new_err((code, text, path.display().to_string()));
     }
-    let mut raised = classes::RobotError::new_err(error.to_string());
+    let mut raised = classes::RobotError::new_err(in_python(&error.to_string()));
     if let RobotError::InFile { path, .. } = error
         && !path.as_os_str().is_empty()
     {
@@ -75,6 +77,13 @@ pub enum Failure {
     /// Arguments are finite, and a state between the beginning and the end of a step is not.
     Overflow {
         joint: String,
+    },
+    /// Arguments are finite, and a result is not; with the largest number of all arguments.
+    Result {
+        argument: &'static str,
+        index: usize,
+        joint: Option<String>,
+        value: f64,
     },
     Evaluation(EvalError),
     Step(StepError<EvalError>),
@@ -122,6 +131,16 @@ impl std::fmt::Display for Failure {
                 "joint '{}' is beyond all numbers within the step; take a shorter step, or smaller arguments",
                 costate::robot::printable(joint)
             ),
+            Self::Result { argument, index, joint, value } => {
+                write!(
+                    f,
+                    "a result is not finite, though all arguments are; the largest is {argument}[{index}]"
+                )?;
+                if let Some(joint) = joint {
+                    write!(f, " (joint '{}')", costate::robot::printable(joint))?;
+                }
+                write!(f, " = {value:e}; give smaller ones")
+            }
             Self::Evaluation(error) => error.fmt(f),
             Self::Step(error) => error.fmt(f),
             Self::Constraint(error) => error.fmt(f),
@@ -147,7 +166,11 @@ impl Failure {
                 let raised = with(py, classes::NonFiniteState::new_err(message), "joint", joint);
                 with(py, raised, "argument", *argument)
             }
-            Self::Overflow { joint } => with(py, classes::StepNotSolved::new_err(message), "joint", joint),
+            Self::Overflow { joint } => with(py, classes::NonFiniteResult::new_err(message), "joint", joint),
+            Self::Result { argument, joint, .. } => {
+                let raised = with(py, classes::NonFiniteResult::new_err(message), "joint", joint);
+                with(py, raised, "argument", *argument)
+            }
             Self::Evaluation(_) => classes::StateError::new_err(message),
             Self::Step(_) => classes::StepNotSolved::new_err(message),
             Self::Constraint(error) => {

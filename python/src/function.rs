@@ -10,7 +10,7 @@ use crate::results::{Target, allocate, given};
 use crate::signals::{Signals, with_reached};
 use costate::robot::Robot;
 use pyo3::prelude::*;
-use pyo3::types::PyTuple;
+use pyo3::types::{PyBool, PyTuple};
 use std::num::NonZero;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -19,6 +19,8 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 const FEW: usize = 16;
 /// States that a thread takes at a time; a multiple of the states in one number.
 const CHUNK: usize = 64;
+/// More threads are probably a mistake.
+const MOST_THREADS: usize = 4096;
 /// Numbers that the arguments and results of a batch have at least to be worth another thread.
 const WORTH_A_THREAD: usize = 1 << 16;
 
@@ -36,7 +38,7 @@ impl Settings {
     ///
     /// # Errors
     /// `ArgumentError`.
-    pub fn of(py: Python<'_>, on_error: &str, threads: Option<usize>) -> PyResult<Self> {
+    pub fn of(py: Python<'_>, on_error: &str, threads: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
         let nan = match on_error {
             "raise" => false,
             "nan" => true,
@@ -45,8 +47,19 @@ impl Settings {
                 return Err(argument(py, "on_error", message));
             }
         };
-        let none = || argument(py, "threads", "threads is 0; at least one thread computes".into());
-        let threads = threads.map(|count| NonZero::new(count).ok_or_else(none)).transpose()?;
+        let wrong = |given: &Bound<'_, PyAny>| {
+            let given = given.repr().map_or_else(|_| "?".into(), |text| text.to_string());
+            argument(
+                py,
+                "threads",
+                format!("threads is {given}; give a whole number from 1 to {MOST_THREADS}"),
+            )
+        };
+        let count = |given: &Bound<'_, PyAny>| match given.extract::<usize>() {
+            Ok(count @ 1..=MOST_THREADS) if !given.is_instance_of::<PyBool>() => Ok(NonZero::new(count)),
+            _ => Err(wrong(given)),
+        };
+        let threads = threads.map(count).transpose()?.flatten();
         Ok(Self { nan, threads })
     }
 
@@ -67,11 +80,17 @@ pub struct Function {
     engine: Arc<Engine>,
     /// The robot whose joints the entries of arguments belong to.
     robot: Arc<Robot>,
+    gaps: bool,
 }
 
 impl Function {
     pub fn new(plan: Plan, engine: Arc<Engine>, robot: Arc<Robot>) -> Self {
-        Self { plan, engine, robot }
+        Self { plan, engine, robot, gaps: false }
+    }
+
+    /// The same where some results are no numbers though nothing is wrong.
+    pub fn with_gaps(self, gaps: bool) -> Self {
+        Self { gaps, ..self }
     }
 
     /// Evaluates the function at all states of its arguments: one array, or a tuple of them; new ones, or
@@ -144,7 +163,7 @@ impl Function {
     }
 
     fn all<'a>(&'a self, sources: &'a [Source], targets: &'a [Target], axes: Axes) -> Call<'a> {
-        Call { plan: &self.plan, robot: &self.robot, sources, targets, axes }
+        Call { plan: &self.plan, robot: &self.robot, sources, targets, axes, gaps: self.gaps }
     }
 
     /// Evaluates all states, whose numbers are where the sources and targets of each argument and result say.

@@ -6,8 +6,9 @@
 //! lie, `cores` computes one state and four; `xla` takes the arrays of JAX instead.
 //! `quantities` lists what is computed of the dynamics, `kinematics` of frames, `schemes` of time steps,
 //! `constraints` of robots with loops. `robot` with `edits`, `builder` and its `recipe`, `dynamics`,
-//! `constrained`, `frame` and `time_step` are the classes that Python sees, `look` their visual models.
-//! `motions` is what its classes for optimal motions are made of, `casadi` exports functions to CasADi.
+//! `constrained`, `frame` and `time_step` are the classes that Python sees, `look` their visual models;
+//! `words` says in Python what messages advise on the command line. `motions` is what its classes for optimal
+//! motions are made of, `casadi` exports functions to CasADi.
 
 #![deny(unsafe_op_in_unsafe_fn, clippy::undocumented_unsafe_blocks)]
 
@@ -49,6 +50,7 @@ mod table;
 mod time_step;
 #[cfg(feature = "timing")]
 mod timing;
+mod words;
 mod workspace;
 mod xla;
 

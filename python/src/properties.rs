@@ -1,6 +1,7 @@
 //! What a robot says about itself.
 
 use crate::robot::Robot;
+use crate::words::in_python;
 use costate::robot::{Joint, Limits};
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
@@ -52,6 +53,10 @@ impl Robot {
     }
 
     /// The frames: the world, then those of joints, of links, and added ones.
+    ///
+    /// A name that several frames have stands here for each of them, such as ``"world"`` of a robot whose
+    /// base link has this name. It means the added one, else that of the link, else that of the joint;
+    /// ``"link:NAME"`` and ``"joint:NAME"`` say which.
     #[getter]
     fn frame_names(&self) -> Vec<&str> {
         self.model().frames().iter().map(|frame| frame.name.as_str()).collect()
@@ -101,6 +106,6 @@ impl Robot {
     /// What is unusual about it.
     #[getter]
     fn warnings(&self) -> Vec<String> {
-        self.model().warnings().iter().map(ToString::to_string).collect()
+        self.model().warnings().iter().map(|warning| in_python(&warning.to_string())).collect()
     }
 }

@@ -190,7 +190,7 @@ impl Verb {
     fn in_momenta(self, n: usize) -> Plan {
         let mut plan = PlanBuilder::new(4 * n);
         plan.core("q", n);
-        plan.core("v", n); // the caller's name of p
+        plan.core("p", n); // the parameter v of the caller
         if self == Self::Hvp {
             plan.split("tau", [(n, false)]);
             plan.core("y", 2 * n);

@@ -34,6 +34,16 @@ impl Recipe {
         Ok(equal)
     }
 
+    /// The argument `name` of each of the calls of these methods, as Python writes it.
+    ///
+    /// # Errors
+    /// What Python raises.
+    pub fn names(&self, py: Python<'_>, methods: &[&str]) -> PyResult<Vec<String>> {
+        let of = self.steps.iter().filter(|(method, _)| methods.contains(method));
+        let names = of.filter_map(|(_, arguments)| arguments.bind(py).get_item("name").transpose());
+        names.map(|name| Ok(name?.repr()?.to_string())).collect()
+    }
+
     /// One more call.
     pub fn push(&mut self, name: &'static str, arguments: Bound<'_, PyDict>) {
         self.steps.push((name, arguments.unbind()));

@@ -4,6 +4,7 @@ use crate::errors::{self, RobotWarning, argument};
 use crate::look::Look;
 use crate::recipe::{Recipe, is_rebuilding, named};
 use crate::table;
+use crate::words::in_python;
 use costate::robot::{self, LoadOptions, RobotFormat, RobotText};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
@@ -62,7 +63,8 @@ impl Robot {
         }
         let new = |warning: &&robot::Warning| !is_rebuilding() && !known.contains(warning);
         for warning in robot.warnings().iter().filter(new) {
-            let text = CString::new(format!("robot '{}': {warning}", robot.name()).replace('\0', " "))?;
+            let text =
+                CString::new(in_python(&format!("robot '{}': {warning}", robot.name())).replace('\0', " "))?;
             PyErr::warn(py, &py.get_type::<RobotWarning>(), &text, 1)?;
         }
         Ok(Self { inner: Arc::new(robot), recipe: Arc::new(recipe), look: None })

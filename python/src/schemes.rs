@@ -162,10 +162,10 @@ impl Verb {
 
     /// Arguments and results for n joints; the results of the core are the next state, its derivative by dt,
     /// J and H.
-    pub fn plan(self, n: usize) -> Plan {
+    pub fn plan(self, n: usize, coordinates: Coordinates) -> Plan {
         let mut plan = PlanBuilder::new(5 * n);
         plan.core("q", n);
-        plan.core("v", n);
+        plan.core(if coordinates == Coordinates::Hamiltonian { "p" } else { "v" }, n);
         plan.core("tau", n);
         let (jacobian, hessian) = (6 * n * n, 9 * n * n);
         let mut y = 0;

@@ -7,6 +7,7 @@ use crate::errors::{CodegenError, argument};
 use crate::function::Function;
 use crate::methods::verbs;
 use crate::schemes::{Known, NewStep, SCHEMES, Verb, evaluate, scheme_of};
+use crate::words::in_python;
 use crate::xla::registered;
 use costate::scalar::F64x4;
 use pyo3::prelude::*;
@@ -80,7 +81,7 @@ impl Step {
             None => {
                 let ((_, build), dt) = (self.scheme, self.dt);
                 let steps = py.detach(|| build.steps(dynamics.model(), space));
-                let steps = steps.map_err(|error| CodegenError::new_err(error.to_string()))?;
+                let steps = steps.map_err(|error| CodegenError::new_err(in_python(&error.to_string())))?;
                 let core = move || {
                     core_of(steps(), move |step, inputs, outputs| evaluate(step, dt, order, inputs, outputs))
                 };
@@ -96,7 +97,8 @@ impl Step {
             }
         };
         let robot = dynamics.shared();
-        Ok(self.functions[verb as usize].get_or_init(|| Arc::new(Function::new(verb.plan(n), engine, robot))))
+        Ok(self.functions[verb as usize]
+            .get_or_init(|| Arc::new(Function::new(verb.plan(n, dynamics.space()), engine, robot))))
     }
 }
 

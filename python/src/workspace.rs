@@ -31,8 +31,14 @@ impl Workspace {
         let Some(lanes) = &mut self.lanes else { return [false; 4] };
         let buffer = &mut self.four[..plan.size()];
         let (inputs, outputs) = buffer[..plan.core_outputs.end].split_at_mut(plan.core_outputs.start);
-        let certain = lanes.evaluate(&inputs[plan.core_inputs.clone()], outputs);
+        let mut certain = lanes.evaluate(&inputs[plan.core_inputs.clone()], outputs);
         plan.multiply(buffer);
+        // Lanes have looked at their own results.
+        let mut sums = [0.0; 4];
+        for four in &buffer[plan.core_outputs.end..] {
+            sums.iter_mut().zip(four).for_each(|(sum, number)| *sum += 0.0 * number);
+        }
+        certain.iter_mut().zip(sums).for_each(|(certain, sum)| *certain &= sum == 0.0);
         certain
     }
 

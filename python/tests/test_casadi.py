@@ -282,7 +282,7 @@ def test_wrong_arguments(ur5):
     ]:
         with pytest.raises(costate.ArgumentError, match=words):
             call()
-    with pytest.raises(TypeError, match="costate.Robot"):
+    with pytest.raises(costate.ArgumentError, match="costate.Robot"):
         cc.dynamics("ur5")
 
 

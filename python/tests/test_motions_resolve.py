@@ -50,7 +50,9 @@ def test_solving_again_agrees_with_solving_anew(arm):
 def test_feedback_is_the_derivative_by_the_start(arm):
     problem = problem_of(arm, [0, 0], [QUARTER, QUARTER], limits=False)
     motion = costate.Resolve(problem, tolerance=1e-9, nodes=61)
-    assert motion.feedback() is None
+    for early in (motion.feedback, lambda: motion.state(0.0), lambda: motion.derivative_by("q_max", 0)):
+        with pytest.raises(costate.MotionError, match="call solve first"):
+            early()
     motion.solve()
     feedback = motion.feedback()
     points = len(feedback.t)

@@ -61,6 +61,12 @@ pub fn run(arguments: &Arguments) -> Outcome {
             key.part()
         ));
     }
+    if task.problem.leaves_out_robot_limits() {
+        terminal::note(
+            "the limits of the robot are not kept, since the problem says nothing about limits; limits.from_robot = \
+             true keeps them",
+        );
+    }
 
     let interrupt = Interrupt::listen()?;
     let (started, cpu_before) = (Instant::now(), cpu_time());

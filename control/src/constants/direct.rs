@@ -116,6 +116,11 @@ pub const KEPT: f64 = 0.1;
 pub const SHORTEST_TIME: f64 = 0.5;
 /// What the longest Newton step took counts this part less after each later one.
 pub const FADES: f64 = 0.9;
+/// After a solve that was not finished, an iterate that costs so many times what the last solved motion cost
+/// is compared with that one..
+pub const FAR_FROM_SOLVED: f64 = 1.5;
+/// .. where a violation of all of a range costs so many times as much.
+pub const PRICE_OF_VIOLATION: f64 = 1e2;
 /// A motion with a free time begins later by at most this part of it.
 pub const LATEST: f64 = 0.5;
 /// Multipliers are always within this factor of it.

@@ -196,6 +196,13 @@ impl Problem {
         self.limits.from_robot.unwrap_or_else(|| self.needs_direct())
     }
 
+    /// Whether limits of the robot are left out since nothing is said about limits, and nothing else has them
+    /// kept.
+    pub fn leaves_out_robot_limits(&self) -> bool {
+        let is_limited = self.robot.independent_joints().any(limited);
+        self.limits == MotionLimits::unsaid() && !self.keeps_robot_limits() && is_limited
+    }
+
     /// Whether there is anything that only the direct method takes, beside limits of the robot.
     pub(crate) fn needs_direct(&self) -> bool {
         self.limits.any_given() || self.first_for_direct().is_some() || !self.robot.constraints().is_empty()
@@ -205,10 +212,6 @@ impl Problem {
     /// energy, rates, accelerations, tools, obstacles, vias and a period, which the direct method alone
     /// takes. `None` if they are not kept, if they are asked for, or if the robot has none.
     pub fn keeps_robot_limits_by(&self) -> Option<Key> {
-        let limited = |joint: &Joint| {
-            let Limits { lower, upper, velocity, effort, .. } = joint.limits;
-            lower.is_finite() || upper.is_finite() || velocity.is_finite() || effort.is_finite()
-        };
         let unsaid = self.limits == MotionLimits::unsaid();
         self.first_for_direct().filter(|_| unsaid && self.robot.independent_joints().any(limited))
     }
@@ -250,4 +253,10 @@ impl Problem {
     pub(crate) fn terms_may_be_weaker(&self) -> bool {
         !self.terms.is_empty() && (self.cost.time > 0.0 || matches!(self.time, FinalTime::Fixed(_)))
     }
+}
+
+/// Whether a joint has any limit.
+fn limited(joint: &Joint) -> bool {
+    let Limits { lower, upper, velocity, effort, .. } = joint.limits;
+    lower.is_finite() || upper.is_finite() || velocity.is_finite() || effort.is_finite()
 }

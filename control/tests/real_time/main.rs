@@ -9,6 +9,7 @@ mod feedback;
 mod kinds;
 mod kinds_feedback;
 mod motion_derivative;
+mod recovery;
 mod resolve;
 mod row_numbers;
 mod sensitivity;

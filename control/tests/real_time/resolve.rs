@@ -120,7 +120,7 @@ fn budgets_are_kept_and_the_best_motion_is_shown() {
     let mut z = [0.0; 18];
     motion.state_at(9.0, &mut z).unwrap();
     assert!(z[..6].iter().zip(&far).all(|(a, b)| (a - b).abs() < 1e-12));
-    motion.set_end(&arm.end.q, &[0.0; 6]).unwrap();
+    motion.set_end(&later(&arm.end.q, &[0.15; 6], 1.0), &[0.0; 6]).unwrap();
     let none = motion.solve_again(Budget::steps(50).within(Duration::ZERO)).unwrap();
     assert_eq!((none.status, none.iterations), (ResolveStatus::OutOfTime, 1));
     // A listener ends it too, and nothing is allocated for that.
@@ -182,7 +182,8 @@ fn a_start_that_cannot_be_evaluated_leaves_the_motion_as_it_was() {
 #[test]
 fn what_no_motion_can_meet_is_refused() {
     let robot = Robot::from_file("../robots/ur5.urdf").unwrap();
-    let arm = Problem::rest_to_rest(robot, &[0.0; 6], &[0.5; 6], 1.0);
+    let limits = MotionLimits::default().with_from_robot(true);
+    let arm = Problem::rest_to_rest(robot, &[0.0; 6], &[0.5; 6], 1.0).with_limits(limits);
     let mut motion = Resolve::new(&arm, options(8, 1e-4)).unwrap();
     let says = |error: ResolveError, words: &str| assert!(error.to_string().contains(words), "{error}");
     says(motion.set_start(&[0.0; 5], &[0.0; 6]).unwrap_err(), "q at the start: 5 entries, not 6");

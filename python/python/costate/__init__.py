@@ -13,6 +13,8 @@ poses a task, its `Solution` is the cheapest motion that does it within all limi
 ((1000, 2), (1000, 2, 3))
 """
 
+from types import FunctionType as _Function
+
 from ._branch import Branch
 from ._check import CheckReport, Comparison, check
 from ._costate import ConstrainedDynamics, Dynamics, Frame, Robot, RobotBuilder, Step, __version__, codegen
@@ -22,7 +24,9 @@ from ._errors import (
     ConstraintError,
     CostateError,
     Interrupted,
+    LimitWarning,
     MotionError,
+    NonFiniteResult,
     NonFiniteState,
     ProblemError,
     ProblemWarning,
@@ -59,8 +63,10 @@ __all__ = [
     "Interrupted",
     "Iteration",
     "JointMap",
+    "LimitWarning",
     "MotionDerivative",
     "MotionError",
+    "NonFiniteResult",
     "NonFiniteState",
     "Outcome",
     "Problem",
@@ -87,8 +93,15 @@ __all__ = [
     "sweep",
 ]
 
-# The names of classes in messages and pickles.
+# The names of classes in messages and pickles, and those of methods that they have from parts of them.
 for _name in __all__:
-    if isinstance(globals()[_name], type):
-        globals()[_name].__module__ = "costate"
-del _name
+    _class = globals()[_name]
+    if not isinstance(_class, type):
+        continue
+    _class.__module__ = "costate"
+    for _base in _class.__mro__:
+        if _base.__module__.startswith("costate._") and _base.__name__ not in __all__:
+            for _part in vars(_base).values():
+                if isinstance(_part, _Function):
+                    _part.__qualname__ = f"{_name}.{_part.__name__}"
+del _name, _class, _base, _part

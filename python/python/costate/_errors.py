@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import operator
 from typing import Any
 
 
@@ -26,6 +27,23 @@ def argument_error(name: str, message: str) -> ArgumentError:
     error = ArgumentError(message)
     error.argument = name
     return error
+
+
+def whole(name: str, given: object, least: int) -> int:
+    """A whole number that is large enough.
+
+    >>> whole("steps", 3, 1)
+    3
+    """
+    try:
+        if isinstance(given, bool):
+            raise TypeError
+        number = operator.index(given)  # type: ignore[arg-type]
+    except TypeError:
+        raise argument_error(name, f"{name} is {given!r}; give a whole number") from None
+    if not least <= number < 2**63:
+        raise argument_error(name, f"{name} is {number}; give a whole number, at least {least}")
+    return number
 
 
 class RobotError(CostateError):
@@ -127,6 +145,14 @@ class NonFiniteState(StateError):
     """An argument has an entry that is infinite or not a number."""
 
 
+class NonFiniteResult(StateError):
+    """Finite arguments lead to a result that is beyond all numbers.
+
+    ``argument`` and ``joint`` are those of the largest number of the arguments; of a state within a time step ``joint``
+    is the one that is beyond all numbers.
+    """
+
+
 class SingularMassMatrix(StateError):
     """The mass matrix has no inverse in working precision."""
 
@@ -160,6 +186,10 @@ class RobotWarning(UserWarning):
 
 class ProblemWarning(UserWarning):
     """What is probably not meant in a problem."""
+
+
+class LimitWarning(ProblemWarning):
+    """Limits of the robot that a motion was not asked to keep, since the problem says nothing about limits."""
 
 
 class StateWarning(RuntimeWarning):

@@ -7,9 +7,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._costate import Dynamics
+from ._costate import Dynamics, Robot
 from ._errors import argument_error
 from ._transcription import entries
+from ._wanted import dynamics_of
 
 _Array = NDArray[np.float64]
 
@@ -27,8 +28,8 @@ class Extremal:
 
     Parameters
     ----------
-    dynamics : Dynamics
-        The model; in "qp" f_tau is constant.
+    dynamics : Dynamics or Robot
+        The model, a robot for (q, v); in "qp" f_tau is constant.
     start, goal : array_like
         First and last state (2n), in the coordinates of the dynamics.
     effort : float or array_like
@@ -47,7 +48,10 @@ class Extremal:
     A. E. Bryson, Y.-C. Ho, Applied Optimal Control, 1975, section 2.3.
     """
 
-    def __init__(self, dynamics: Dynamics, start: ArrayLike, goal: ArrayLike, *, effort: ArrayLike = 1.0) -> None:
+    def __init__(
+        self, dynamics: Dynamics | Robot, start: ArrayLike, goal: ArrayLike, *, effort: ArrayLike = 1.0
+    ) -> None:
+        dynamics = dynamics_of(dynamics)
         self.dynamics = dynamics
         self._n = dynamics.n
         self.start, self.goal = entries("start", start, 2 * self._n), entries("goal", goal, 2 * self._n)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ._costate import _Feedback
+from ._errors import argument_error
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -99,8 +100,16 @@ class Feedback:
         -------
         ndarray (n, m) or (N, n, m), or None
             In N m/rad, N m s/rad, N/m, N s/m; of jerks in 1/s^3, 1/s^2, 1/s. None where there is no gain.
+
+        Raises
+        ------
+        ArgumentError
+            For a time that is not finite.
         """
-        found = self._core.gain(np.atleast_1d(np.asarray(t, float)))
+        times = np.atleast_1d(np.asarray(t, float))
+        if not np.isfinite(times).all():
+            raise argument_error("t", "t is not finite; give seconds since the start")
+        found = self._core.gain(times)
         return None if found is None else found[0] if np.ndim(t) == 0 else found
 
     @classmethod

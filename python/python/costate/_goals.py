@@ -144,7 +144,7 @@ class Goals:
 def copied(given: ArrayLike) -> Any:
     """The numbers of a vector; what is none is left to those who refuse it."""
     try:
-        array = np.asarray(given, dtype=float)
+        array = np.asarray(given)
     except (TypeError, ValueError):
         return given
-    return array.tolist() if array.ndim == 1 else given
+    return array.astype(float).tolist() if array.ndim == 1 and array.dtype.kind in "iuf" else given

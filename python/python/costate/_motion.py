@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ._errors import ArgumentError
+from ._errors import ArgumentError, MotionError
 from ._figures import Figures
 from ._samples import Gains, Samples, Sensitivity, fixed
 
@@ -76,7 +76,7 @@ class Motion(Figures):
         rate : float
             Samples in a second (Hz): at k/rate, and at T, the last one.
         times : array
-            Times (s) between 0 and T, instead.
+            Times (s) between 0 and T, instead. Others are refused, where `Resolve.state` gives the states of the ends.
 
         Returns
         -------
@@ -117,12 +117,14 @@ class Motion(Figures):
         ProblemError
             For a problem that it is not computed for.
         MotionError
-            Where the motion is no strict minimum.
+            Where the motion is infeasible or no strict minimum.
 
         References
         ----------
         A. E. Bryson, Y.-C. Ho, Applied Optimal Control, 1975, section 6.4.
         """
+        if self._core.status == "infeasible":
+            raise MotionError(f"an infeasible motion has no feedback: {self._core.message}")
         return Gains(self._core.gains_json(rate))
 
     def sensitivities(self) -> dict[str, Sensitivity]:

@@ -13,13 +13,11 @@ from ._errors import argument_error
 if TYPE_CHECKING:
     from ._costate import Robot
 
-_LETTERS = {"X": 0, "Y": 1, "Z": 2}
-
 
 class JointMap:
     """Order and sign of the joints of a robot in a Pinocchio model; made by ``Robot.map_to``.
 
-    Joints are found by their names. A joint has sign -1 where its axis points the other way than in the model,
+    Joints are found by their names and are of one kind in both. A joint has sign -1 where its axis points the other way than in the model,
     compared in the world at zero; a model without placements (``jointPlacements``) is taken to have the same axes.
     Continuous joints, for which Pinocchio has a cosine and a sine, are converted.
 
@@ -40,10 +38,13 @@ class JointMap:
     Raises
     ------
     ArgumentError
-        Where the joints of the two differ; it names them.
+        Where the joints of the two differ in name, kind or axis; it names them. Of the methods where the last axis of
+        an array has another length.
     """
 
     def __init__(self, robot: Robot, model: Any) -> None:
+        if not all(hasattr(model, part) for part in ("names", "joints", "idx_qs")):
+            raise argument_error("model", f"model is a {type(model).__name__}; give a pinocchio.Model")
         names = list(model.names)
         missing = [name for name in robot.joint_names if name not in names]
         other = [name for name in names[1:] if name not in robot.joint_names]
@@ -62,7 +63,7 @@ class JointMap:
         self.indices_v: list[int] = [int(velocities[j]) for j in self._joints]
         self.signs: list[float] = _signs(robot, model, self._joints)
         self._circles = [k for k, width in enumerate(widths) if width == 2]
-        self._nq = sum(widths)
+        self._nq, self._n = sum(widths), len(self._joints)
         self._index_q = np.array(self.indices_q, dtype=int)
         self._index_v = np.array(self.indices_v, dtype=int)
         self._sign = np.array(self.signs)
@@ -80,7 +81,7 @@ class JointMap:
         ndarray (..., nq)
             In the order of the model, with cosine and sine of continuous joints.
         """
-        turned = np.asarray(q, dtype=float) * self._sign
+        turned = _states("q", q, self._n) * self._sign
         out = np.zeros((*turned.shape[:-1], self._nq))
         out[..., self._index_q] = turned
         for k in self._circles:
@@ -101,7 +102,7 @@ class JointMap:
         ndarray (..., n)
             In the order of ``robot.joint_names`` (rad, m); continuous joints within pi of 0.
         """
-        given = np.asarray(q, dtype=float)
+        given = _states("q", q, self._nq)
         out = given[..., self._index_q].copy()
         for k in self._circles:
             at = self.indices_q[k]
@@ -122,7 +123,7 @@ class JointMap:
         ndarray (..., n)
             In the order of the model.
         """
-        turned = np.asarray(v, dtype=float) * self._sign
+        turned = _states("v", v, self._n) * self._sign
         out: NDArray[np.float64] = np.zeros(turned.shape)
         out[..., self._index_v] = turned
         return out
@@ -140,11 +141,24 @@ class JointMap:
         ndarray (..., n)
             In the order of ``robot.joint_names``.
         """
-        result: NDArray[np.float64] = np.asarray(v, dtype=float)[..., self._index_v] * self._sign
+        result: NDArray[np.float64] = _states("v", v, self._n)[..., self._index_v] * self._sign
         return result
 
     def __repr__(self) -> str:
         return f"JointMap(indices_q={self.indices_q}, indices_v={self.indices_v}, signs={self.signs})"
+
+
+def _states(name: str, given: ArrayLike, count: int) -> NDArray[np.float64]:
+    """Vectors of so many numbers."""
+    try:
+        array = np.asarray(given)
+    except ValueError as error:
+        raise argument_error(name, f"{name} is no array of numbers: {error}") from None
+    if array.dtype.kind not in "iuf":
+        raise argument_error(name, f"{name} has the type {array.dtype}; give an array of numbers")
+    if array.ndim == 0 or array.shape[-1] != count:
+        raise argument_error(name, f"{name} has the shape {list(array.shape)}, not (..., {count})")
+    return array.astype(float)
 
 
 def _signs(robot: Robot, model: Any, joints: Sequence[int]) -> list[float]:
@@ -157,25 +171,35 @@ def _signs(robot: Robot, model: Any, joints: Sequence[int]) -> list[float]:
     zero = np.zeros(robot.n)
     signs = []
     for k, (name, joint) in enumerate(zip(robot.joint_names, joints, strict=True)):
+        axis, kind = _axis(model, joint)
+        ours = robot.joint_kinds[k]
+        if kind != ours:
+            raise argument_error("model", f"the joint '{name}' is {kind} in the model and {ours} in the robot")
         columns = dynamics.frame(f"joint:{name}").jacobian(zero)[:, k]
-        ours = columns[:3] if robot.joint_kinds[k] == "revolute" else columns[3:]
-        product = float(ours @ _axis(model, joint))
+        product = float((columns[:3] if ours == "revolute" else columns[3:]) @ axis)
         if abs(abs(product) - 1) > 1e-6:
             raise argument_error("model", f"the axis of the joint '{name}' has another direction in the model")
         signs.append(float(np.sign(product)))
     return signs
 
 
-def _axis(model: Any, joint: int) -> NDArray[np.float64]:
-    """The axis of a joint of the model, in the world at zero."""
+def _axis(model: Any, joint: int) -> tuple[NDArray[np.float64], str]:
+    """The axis of a joint of the model, in the world at zero, and its kind."""
     kind = model.joints[joint]
-    letter = kind.shortname()[-1]
-    if letter in _LETTERS:
-        axis: NDArray[np.float64] = np.eye(3)[_LETTERS[letter]]
+    axis: NDArray[np.float64]
+    if hasattr(kind, "createData"):
+        # At zero; a continuous joint has a cosine and a sine.
+        q = np.zeros(sum(int(other.nq) for other in list(model.joints)[1:]))
+        if int(kind.nq) == 2:
+            q[int(model.idx_qs[joint])] = 1.0
+        data = kind.createData()
+        kind.calc(data, q)
+        # The motion per rate, linear first: the one of joints that all models have.
+        motion = np.asarray(data.S, dtype=float).reshape(6)
+        axis, name = (motion[3:], "revolute") if motion[3:].any() else (motion[:3], "prismatic")
     else:
-        inner = kind.extract() if hasattr(kind, "extract") else kind
-        axis = np.asarray(inner.axis, dtype=float)
+        axis, name = np.asarray(kind.axis, dtype=float), "prismatic" if "Prismatic" in kind.shortname() else "revolute"
     while joint:
         axis = np.asarray(model.jointPlacements[joint].rotation) @ axis
         joint = model.parents[joint]
-    return axis
+    return axis, name

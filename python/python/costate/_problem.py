@@ -39,8 +39,12 @@ class Problem(Solves):
         ``{"final": T}``, or ``{"free": True, "guess": T}`` for a free final time (s).
     cost : dict or array (n)
         ``effort``, ``time``, ``energy``, ``torque_rate``, ``jerk``, ``tool``, ``reference``.
-    limits : dict or bool
-        Hard limits: ``q_min``, ``q_max``, ``v_max``, ``a_max``, ``torque_max``, ``power_max``, ...; ``from_robot``.
+    limits : dict or bool, optional
+        Hard limits: ``q_min``, ``q_max``, ``v_max``, ``a_max``, ``torque_max``, ``power_max``, ... Those of the robot are
+        kept too, the tighter one of two, unless ``"from_robot": False``; True is ``{"from_robot": True}``, False
+        ``{"from_robot": False}``. If nothing is said, those of the robot are kept only if something is asked for that
+        the direct method alone takes (vias, obstacles, tools, jerks, energy, ...); otherwise a motion that exceeds them is a
+        `LimitWarning`.
     via, keep, obstacle : list of dict
         Places on the way; what tools keep; what the robot keeps away from, with the bodies of ``collision``.
     bounds, penalty, actuation, periodic, collision, solver, start_from : dict

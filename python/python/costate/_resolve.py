@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import warnings
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
 from . import _run
-from ._errors import Interrupted
+from ._errors import Interrupted, LimitWarning, whole
 from ._feedback import Feedback, MotionDerivative, Resolved
 from ._goals import copied
 from ._problem import Problem
@@ -25,7 +26,13 @@ class Resolve(Settings):
     """A problem that is solved again and again on one mesh, as a controller needs it.
 
     The mesh has (nodes - 1)/3 equal intervals. Each solve begins at the motion that is optimal for the new ends to
-    first order. The limits of the robot are kept unless the problem says otherwise.
+    first order. The limits of the robot are kept where `Problem.solve` keeps them: not where the problem says nothing about
+    limits and has nothing that only the direct method takes, which is a `LimitWarning`.
+
+    A solve that failed (the status "no_progress", an error) is no start: the next one begins at the last motion that was
+    solved, and if that fails too at the first guess. So it does where a solve ended before it was solved and the solved
+    motion is better for what is set now, as after one wrong measurement. After a wrong one for which a motion was solved,
+    `reset` begins anew.
 
     Several threads may use one object: calls wait for each other, without the interpreter's lock, and the motion is
     that of the last solve. A thread with motions of its own needs its own object.
@@ -70,6 +77,9 @@ class Resolve(Settings):
         self._joints = problem.robot.joint_names
         self._n = len(self._joints)
         self._calls = {}
+        if problem._core.leaves_out_limits():
+            text = "the limits of the robot are not kept: limits=True keeps them, limits=False leaves them out without this warning"
+            warnings.warn(text, LimitWarning, stacklevel=2)
 
     @classmethod
     def _again(cls, problem: Problem, near: Solution | None, options: dict[str, Any], calls: dict[Any, Any]) -> Resolve:
@@ -92,9 +102,22 @@ class Resolve(Settings):
         Parameters
         ----------
         dt : float
-            The time since the last solve (s).
+            The time since the last solve (s). Before the first solve it has no effect.
+
+        Raises
+        ------
+        ArgumentError
+            For a time that is negative, not finite, or longer than the motion.
         """
         self._core.advance(dt)
+
+    def reset(self) -> None:
+        """Begin anew: the next solve starts at the first guess, moved to the ends that are set now.
+
+        What was set stays. A motion is a local minimum, and the next one is near it: after a jump of the start, a motion
+        that is solved may cost more than the one that a new search finds.
+        """
+        self._core.reset()
 
     def solve(
         self,
@@ -124,12 +147,15 @@ class Resolve(Settings):
 
         Raises
         ------
+        ArgumentError
+            For steps or seconds that are not positive.
         StateError
             Where the motion cannot be evaluated.
         Interrupted
             After Ctrl-C.
         """
         _run.check_on_interrupt(on_interrupt)
+        steps = None if steps is None else whole("steps", steps, 1)
         *figures, raised = self._core.solve(steps, seconds)
         found = Resolved._make(figures)
         if raised is not None and not isinstance(raised, KeyboardInterrupt):
@@ -149,7 +175,7 @@ class Resolve(Settings):
         Parameters
         ----------
         t : float or array_like (N)
-            Times (s); beyond the ends those of the ends.
+            Times (s); beyond the ends those of the ends, which `Solution.sample` refuses.
 
         Returns
         -------
@@ -171,7 +197,7 @@ class Resolve(Settings):
         Parameters
         ----------
         t : float or array_like (N)
-            Times (s); beyond the ends those of the ends.
+            Times (s); beyond the ends those of the ends, which `Solution.sample` refuses.
 
         Returns
         -------
@@ -192,10 +218,12 @@ class Resolve(Settings):
         Returns
         -------
         Feedback or None
-            None where the motion is no strict minimum, or before it is solved.
+            None where the motion is no strict minimum.
 
         Raises
         ------
+        MotionError
+            Before the first solve.
         StateError
             Where the motion cannot be evaluated.
         """
@@ -216,7 +244,7 @@ class Resolve(Settings):
         Returns
         -------
         MotionDerivative or None
-            None where the motion is no strict minimum, or before it is solved.
+            None where the motion is no strict minimum.
 
         Raises
         ------
@@ -269,7 +297,7 @@ class Resolve(Settings):
         Returns
         -------
         MotionDerivative or None
-            None where the motion is no strict minimum, or before it is solved.
+            None where the motion is no strict minimum.
 
         Raises
         ------

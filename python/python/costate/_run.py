@@ -61,7 +61,7 @@ def finish(run: _Run, progress: _Progress, show: bool) -> tuple[_Solution, bool]
     report = _Bar() if progress is True else None
     if progress is not None and not isinstance(progress, bool) and not callable(progress):
         raise _wrong("progress", "give None, True, or a function of an Iteration")
-    interrupted = False
+    interrupted = stopped = False
     try:
         while True:
             try:
@@ -74,7 +74,8 @@ def finish(run: _Run, progress: _Progress, show: bool) -> tuple[_Solution, bool]
                         )
                     if report is not None:
                         report.show(step)
-                    elif callable(progress) and progress(step):
+                    elif not stopped and callable(progress) and progress(step):
+                        stopped = True
                         run.cancel()
                 if ended:
                     break

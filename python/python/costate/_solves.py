@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import warnings
 from os import PathLike, fspath
 from typing import TYPE_CHECKING, Any, Literal, cast
 
 from . import _run
 from ._branch import Branch
 from ._costate import _Problem
-from ._errors import Interrupted
+from ._errors import Interrupted, LimitWarning
 from ._solution import Solution
 from ._tables import text_of
 
@@ -39,7 +40,7 @@ class Solves:
         polish: Literal["auto"] | bool | None = None,
         machine_code: Literal["later", "at_once", "never"] | None = None,
         jacobian: Literal["exact", "differences", "without_hessian"] | None = None,
-        coordinates: Literal["hamiltonian", "lagrangian"] | None = None,
+        coordinates: Literal["qp", "qv", "hamiltonian", "lagrangian"] | None = None,
         start_from: Solution | _Path | None = None,
         progress: _run._Progress = None,
         on_interrupt: Literal["raise", "return"] = "raise",
@@ -55,12 +56,14 @@ class Solves:
         ----------
         tolerance, starts, seed, threads, nodes, time_limit, method, verify, polish, machine_code, jacobian, coordinates
             Options in the place of those of ``[solver]``, which ``docs/optimize.md`` describes: ``tolerance`` of the
-            cost (1e-6), number of guesses ``starts`` (1), ``time_limit`` in s.
+            cost (1e-6), number of guesses ``starts`` (1), ``time_limit`` in s (inf: none), ``coordinates`` of the indirect
+            methods, "qp" ("hamiltonian") or "qv" ("lagrangian").
         start_from : Solution or path, optional
             Begins at this motion, of a robot with these joints, or at one that was saved.
         progress : None, True or function
-            True shows a bar (of tqdm, if installed). A function is called with each `Iteration`, on this thread; if it
-            returns something true the solve ends with the status ``"cancelled"``.
+            True shows a bar (of tqdm, if installed). A function is called with each `Iteration`, on this thread, at most
+            0.05 s later. If it returns something true it is not called any more, and the solve ends before its next
+            Newton step with the status ``"cancelled"``, unless it has ended meanwhile, as those of small problems have.
         on_interrupt : {"raise", "return"}
             After Ctrl-C raise `Interrupted`, a KeyboardInterrupt with the best motion in ``solution``; or return it.
         stage_times : bool
@@ -69,7 +72,8 @@ class Solves:
         Returns
         -------
         Solution
-            Its ``status`` says how it ended. An unsolved problem is no error: ``solution.check()`` makes it one.
+            Its ``status`` says how it ended. An unsolved problem is no error: ``solution.check()`` makes it one. With a
+            `LimitWarning` where the problem says nothing about limits and the motion exceeds those of the robot.
 
         Raises
         ------
@@ -89,8 +93,15 @@ class Solves:
         solution = Solution._of(found, cast("Problem", self))
         figures = (solution.status, solution.cost, solution.final_time, solution.seconds)
         _run.logger.info("%s, cost %.9g, T %.6g s, solved in %.3g s", *figures)
-        for warning in solution.warnings:
+        exceeded = solution.warnings
+        for warning in exceeded:
             _run.logger.warning("%s", warning)
+        if exceeded:
+            # Without numbers, so that Python tells it once of many problems.
+            names = ", ".join(warning.split(" runs from")[0] for warning in exceeded)
+            text = f"the motion exceeds limits of the robot that it was not asked to keep ({names}; see .warnings): "
+            text += "limits=True keeps them, limits=False leaves them out without this warning"
+            warnings.warn(text, LimitWarning, stacklevel=2)
         if interrupted and on_interrupt == "raise":
             raise Interrupted(solution)
         return solution

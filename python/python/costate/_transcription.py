@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._costate import Step
-from ._errors import argument_error
+from ._errors import argument_error, whole
+from ._wanted import step_of
 
 _Array = NDArray[np.float64]
 
@@ -36,9 +37,8 @@ class Program:
         reach: bool = True,
         limits: bool = False,
     ) -> None:
-        if intervals < 1:
-            raise argument_error("intervals", f"intervals is {intervals}; at least one is needed")
-        self.step = step
+        intervals = whole("intervals", intervals, 1)
+        self.step = step = step_of(step)
         self.intervals = intervals
         self._n = step.dynamics.n
         n, states = self._n, 2 * self._n

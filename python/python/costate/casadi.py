@@ -3,7 +3,7 @@
 Each function is a ``casadi.Function`` that CasADi loads from costate's own library, and calls without Python. Its
 first and second derivatives are functions of the library too: nothing is differenced, and nothing is expanded into a
 graph. It can be called with numbers and with ``MX`` symbols, mapped over threads, and used by ``Opti`` and
-``nlpsol`` with the exact Hessian. It cannot be called with ``SX`` symbols.
+``nlpsol`` with the exact Hessian. ``SX`` symbols need a CasADi that calls functions in their graphs: 3.8.2 does.
 
 A state that cannot be evaluated (a number that is not finite, a singular mass matrix) is an error of CasADi, which
 solvers such as IPOPT answer with a shorter step.
@@ -30,6 +30,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from . import _costate
 from ._costate import Dynamics, Robot, _abi_source, _casadi_calls, _casadi_slots, _CasadiSlot
+from ._wanted import robot_of
 
 if TYPE_CHECKING:
     from ._costate import _Scheme
@@ -37,13 +38,13 @@ if TYPE_CHECKING:
 __all__ = ["calls", "dynamics", "frame", "inverse_dynamics", "slots", "source", "step"]
 
 
-def dynamics(robot: Robot) -> Any:
+def dynamics(robot: Robot | Dynamics) -> Any:
     """Forward dynamics (q, v, tau) -> a.
 
     Parameters
     ----------
-    robot : Robot
-        The robot; q, v, tau and a have n entries in the order of ``robot.joint_names`` (rad, m, N m, N).
+    robot : Robot or Dynamics
+        The robot, or dynamics of it in (q, v); q, v, tau and a have n entries in the order of ``robot.joint_names`` (rad, m, N m, N).
 
     Returns
     -------
@@ -52,6 +53,8 @@ def dynamics(robot: Robot) -> Any:
 
     Raises
     ------
+    ArgumentError
+        For what is neither a robot nor dynamics.
     CostateError
         Where all functions that CasADi can refer to are in use.
 
@@ -66,13 +69,13 @@ def dynamics(robot: Robot) -> Any:
     return _function("dynamics", robot)
 
 
-def inverse_dynamics(robot: Robot) -> Any:
+def inverse_dynamics(robot: Robot | Dynamics) -> Any:
     """Inverse dynamics (q, v, a) -> tau.
 
     Parameters
     ----------
-    robot : Robot
-        The robot; it may have a singular mass matrix.
+    robot : Robot or Dynamics
+        The robot, or dynamics of it in (q, v); it may have a singular mass matrix.
 
     Returns
     -------
@@ -123,13 +126,13 @@ def step(
     return _function("step", robot, "qv", scheme, dt)
 
 
-def frame(robot: Robot, name: str) -> Any:
+def frame(robot: Robot | Dynamics, name: str) -> Any:
     """Pose of a frame, q -> (R, x): orientation (3, 3) and position (3) in m, both in the world.
 
     Parameters
     ----------
-    robot : Robot
-        The robot.
+    robot : Robot or Dynamics
+        The robot, or dynamics of it in (q, v).
     name : str
         One of ``robot.frame_names``.
 
@@ -150,7 +153,7 @@ def frame(robot: Robot, name: str) -> Any:
 
 
 def source(
-    robot: Robot,
+    robot: Robot | Dynamics,
     scheme: Literal["rk4", "semi_implicit_euler"] | None = None,
     dt: float = 0.0,
     *,
@@ -160,8 +163,8 @@ def source(
 
     Parameters
     ----------
-    robot : Robot
-        The robot, whose constants become numbers of the source.
+    robot : Robot or Dynamics
+        The robot, or dynamics of it in (q, v), whose constants become numbers of the source.
     scheme : {"rk4", "semi_implicit_euler"}, optional
         Adds ``ROBOT_step`` of this scheme, for x = (q, v).
     dt : float
@@ -187,7 +190,7 @@ def source(
     >>> "int jac_adj1_cart_fd(" in costate.casadi.source(robot)
     True
     """
-    return _abi_source(robot, "casadi", scheme, float(dt), limit)
+    return _abi_source(robot_of(robot), "casadi", scheme, float(dt), limit)
 
 
 def calls(function: Any) -> dict[str, int]:
@@ -228,14 +231,12 @@ def slots() -> tuple[int, int]:
     return _casadi_slots()
 
 
-def _function(kind: str, robot: Robot, coordinates: str = "qv", name: str = "", dt: float = 0.0) -> Any:
+def _function(kind: str, robot: Robot | Dynamics, coordinates: str = "qv", name: str = "", dt: float = 0.0) -> Any:
     try:
         import casadi
     except ImportError as error:
         raise ImportError("costate.casadi needs CasADi 3.6.7 or later: pip install casadi") from error
-    if not isinstance(robot, Robot):
-        raise TypeError(f"robot is a {type(robot).__name__}; give a costate.Robot")
-    given = (kind, robot, coordinates, name, float(dt))
+    given = (kind, robot_of(robot), coordinates, name, float(dt))
     # What a pickle of the function contains: CasADi passes it to the library of the process that reads it.
     text = base64.b64encode(pickle.dumps(given, 4)).decode()
     slot = _CasadiSlot(given, text)

@@ -21,6 +21,7 @@ from numpy.typing import ArrayLike
 
 from ._costate import Step
 from ._errors import argument_error
+from ._wanted import step_of
 
 __all__ = ["ActionModel", "Costates", "FinalModel"]
 
@@ -30,6 +31,13 @@ def _weights(name: str, value: ArrayLike, count: int) -> Any:
     if array.shape not in ((), (count,)) or not np.isfinite(array).all():
         raise argument_error(name, f"{name} must be a number or {count} of them, all finite")
     return np.broadcast_to(array, (count,)).copy()
+
+
+def _again(kind: Any, base: Any, arguments: tuple[Any, ...]) -> Any:
+    """A model of a class, made by the constructor of a base; pickles set its attributes afterwards."""
+    model = kind.__new__(kind)
+    base.__init__(model, *arguments)
+    return model
 
 
 class ActionModel(crocoddyl.ActionModelAbstract):  # type: ignore[misc,unused-ignore]
@@ -64,7 +72,7 @@ class ActionModel(crocoddyl.ActionModelAbstract):  # type: ignore[misc,unused-ig
     def __init__(
         self, step: Step, goal: ArrayLike, *, effort: ArrayLike = 1.0, deviation: ArrayLike = 0.0, exact: bool = True
     ) -> None:
-        n = step.dynamics.n
+        n = step_of(step).dynamics.n
         crocoddyl.ActionModelAbstract.__init__(self, crocoddyl.StateVector(2 * n), n, 1)
         self.step, self.exact = step, exact
         self.costate: Any = None
@@ -94,6 +102,10 @@ class ActionModel(crocoddyl.ActionModelAbstract):  # type: ignore[misc,unused-ig
         x = np.array(x, dtype=float)
         tau = np.zeros(self.nu) if tau is None else np.array(tau, dtype=float)
         return x, x[: self.nu], x[self.nu :], tau
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # Classes derived from this one keep their attributes, and are made without their own __init__.
+        return (_again, (type(self), ActionModel, (self.step, self.goal)), dict(self.__dict__))
 
     def calc(self, data: Any, x: Any, u: Any = None) -> None:
         """Put the next state and the cost into ``data``, as Crocoddyl asks for.
@@ -152,9 +164,13 @@ class FinalModel(crocoddyl.ActionModelAbstract):  # type: ignore[misc,unused-ign
     """
 
     def __init__(self, step: Step, goal: ArrayLike, weight: ArrayLike) -> None:
-        states = 2 * step.dynamics.n
+        states = 2 * step_of(step).dynamics.n
         crocoddyl.ActionModelAbstract.__init__(self, crocoddyl.StateVector(states), 0, 1)
+        self.step = step
         self.goal, self.w = _weights("goal", goal, states), _weights("weight", weight, states)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (_again, (type(self), FinalModel, (self.step, self.goal, self.w)), dict(self.__dict__))
 
     def calc(self, data: Any, x: Any, u: Any = None) -> None:
         """Put the cost into ``data``, as Crocoddyl asks for.

@@ -18,9 +18,10 @@ import numpy as np
 
 from ._costate import Dynamics, Step
 from ._errors import argument_error
+from ._wanted import dynamics_of
 
 if TYPE_CHECKING:
-    from ._costate import _Scheme
+    from ._costate import Robot, _Scheme
 
 __all__ = ["Model"]
 
@@ -178,7 +179,8 @@ class Model:
     [-9.81]
     """
 
-    def __init__(self, dynamics: Dynamics) -> None:
+    def __init__(self, dynamics: Dynamics | Robot) -> None:
+        dynamics = dynamics_of(dynamics)
         self.dynamics = dynamics
         n = dynamics.n
         self._f = _function(_Methods(n, dynamics.f, dynamics.jacobian, dynamics.hessian))

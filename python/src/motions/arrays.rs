@@ -11,12 +11,14 @@ use pyo3::prelude::*;
 pub fn numbers(given: &Bound<'_, PyAny>, name: &str, expected: Option<usize>) -> PyResult<Vec<f64>> {
     let array = given.cast::<PyArray1<f64>>().ok().and_then(|array| array.to_vec().ok());
     let found = match array {
-        Some(found) => Ok(found),
-        None => given.extract::<Vec<f64>>(),
+        Some(found) => Some(found),
+        // Truth values are none, though they convert.
+        None => given.try_iter().ok().and_then(|entries| entries.map(number).collect()),
     };
-    let form = || expected.map_or("numbers".into(), |count| format!("{count} numbers"));
-    let found = found.map_err(|error| {
-        argument(given.py(), name, format!("{name} is not an array or a sequence of {}: {error}", form()))
+    let found = found.ok_or_else(|| {
+        let kind = given.get_type().name().map_or_else(|_| "?".into(), |name| name.to_string());
+        let form = expected.map_or("numbers".into(), |count| format!("{count} numbers"));
+        argument(given.py(), name, format!("{name} is a {kind}; give an array or a sequence of {form}"))
     })?;
     match expected {
         Some(count) if count != found.len() => {
@@ -25,6 +27,13 @@ pub fn numbers(given: &Bound<'_, PyAny>, name: &str, expected: Option<usize>) ->
         }
         _ => Ok(found),
     }
+}
+
+/// An entry that is a number.
+fn number(entry: PyResult<Bound<'_, PyAny>>) -> Option<f64> {
+    let entry = entry.ok()?;
+    let kind = entry.get_type().name().map_or_else(|_| String::new(), |name| name.to_string());
+    if matches!(kind.as_str(), "bool" | "bool_") { None } else { entry.extract().ok() }
 }
 
 /// Rows of so many numbers as an array.

@@ -159,6 +159,11 @@ impl ProblemCore {
         Ok(robot.looking_like(this.robot.look.clone()))
     }
 
+    /// Whether limits of the robot are left out since nothing is said about limits.
+    fn leaves_out_limits(&self) -> bool {
+        self.problem.leaves_out_robot_limits()
+    }
+
     /// The options of the solver as JSON.
     fn options_json(&self) -> PyResult<String> {
         serde_json::to_string(&self.options).map_err(raise::motion)

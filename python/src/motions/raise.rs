@@ -1,6 +1,7 @@
 //! Errors of problems and motions as Python exceptions.
 
 use crate::errors::{argument, evaluation, with};
+use crate::words::in_python;
 use costate_control::{
     GainError, ProblemError, ProblemFileCause, ProblemFileError, ResolveError, SampleError, SensitivityError,
 };
@@ -30,7 +31,7 @@ pub fn file(py: Python<'_>, error: &ProblemFileError) -> PyErr {
         (None, Some(key)) => format!("{}: {}", costate::robot::printable(key), error.cause()),
         (None, None) => error.cause().to_string(),
     };
-    let raised = classes::ProblemError::new_err(message);
+    let raised = classes::ProblemError::new_err(in_python(&message));
     let raised = with(py, raised, "path", error.path.as_ref().map(|path| path.display().to_string()));
     let raised = with(py, raised, "line", error.line);
     with(py, raised, "key", error.key.clone())

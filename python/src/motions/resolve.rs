@@ -144,7 +144,25 @@ impl ResolveCore {
     }
 
     fn advance(&self, py: Python<'_>, dt: f64) -> PyResult<()> {
-        self.with(py, |motion| motion.advance(dt))
+        let refused = |reason: String| argument(py, "dt", format!("dt is {dt} s; {reason}"));
+        if !(dt.is_finite() && dt >= 0.0) {
+            return Err(refused(
+                "give the time since the last solve, which is finite and not negative".into(),
+            ));
+        }
+        self.with(py, |motion| match motion.final_time() {
+            Some(time) if dt > time => Err(time),
+            _ => {
+                motion.advance(dt);
+                Ok(())
+            }
+        })?
+        .map_err(|time| refused(format!("the motion is over after {time} s")))
+    }
+
+    /// Begins anew.
+    fn reset(&self, py: Python<'_>) -> PyResult<()> {
+        self.with(py, Resolve::reset)
     }
 
     /// With at most so many Newton steps and seconds; with the limits of the options where neither is given.
@@ -224,7 +242,10 @@ impl ResolveCore {
     }
 
     fn feedback(&self, py: Python<'_>) -> PyResult<Option<FeedbackCore>> {
-        let found = self.with(py, |motion| motion.feedback().map(|found| found.cloned()))?;
-        Ok(found.map_err(|error| evaluation(py, error))?.map(FeedbackCore))
+        let found = self.with(py, |motion| match motion.final_time() {
+            None => Err(ResolveError::NotSolved),
+            Some(_) => Ok(motion.feedback()?.cloned()),
+        })?;
+        Ok(found.map_err(|error| raise::resolve(py, error))?.map(FeedbackCore))
     }
 }

@@ -3,6 +3,7 @@
 //! A solved motion is the [start](start::Again) of the next one; [`feedback`] is how it changes with its
 //! ends. [`Resolve`](resolve::Resolve) is what users hold.
 
+mod begin;
 pub(super) mod cost_by_robot;
 pub(super) mod feedback;
 pub(super) mod goals;
@@ -14,6 +15,7 @@ mod orientations;
 mod other_limits;
 pub(super) mod parameter_columns;
 mod phase_gains;
+mod recovery;
 pub(super) mod resolve;
 pub(super) mod resolve_error;
 pub(super) mod resolved;

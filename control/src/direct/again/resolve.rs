@@ -2,6 +2,7 @@
 
 use super::feedback::Feedback;
 use super::goals::Goals;
+use super::recovery::Recovery;
 use super::resolved::Shown;
 use super::start::Again;
 use crate::direct::interior::iterate::Interior;
@@ -27,6 +28,11 @@ use std::time::Duration;
 /// begins at the motion that is optimal for the new ends to first order ([`Feedback`]), with the multipliers
 /// it has there and the barrier where the last solve ended. After the first solve, and the first
 /// [`feedback`](Self::feedback), nothing is allocated.
+///
+/// A solve that failed ([`ResolveStatus::NoProgress`], an error) is no start: the next one begins at the last
+/// motion that was solved, and if that fails too at the first guess. So it does where a solve ended before it
+/// was solved and the solved motion is better for what is set now, as after one wrong measurement. After a
+/// wrong one for which a motion was solved, [`reset`](Self::reset) begins anew.
 ///
 /// ```
 /// use costate::robot::Robot;
@@ -62,6 +68,7 @@ pub struct Resolve {
     /// With obstacles where they are now.
     pub(super) problem: Problem,
     pub(super) again: Again,
+    pub(super) recovery: Recovery,
     feedback: Feedback,
     pub(super) shown: Shown,
     pub(super) z: Vec<f64>,
@@ -76,12 +83,13 @@ pub struct Resolve {
 
 impl Resolve {
     /// Prepares a problem, whatever [`method`](SolverOptions::method) the options say: always the direct one.
-    /// The limits of the robot are kept unless the problem says otherwise.
+    /// The limits of the robot are kept as [`Solver`](crate::Solver) keeps them
+    /// ([`Problem::keeps_robot_limits`]).
     ///
     /// # Errors
     /// [`ProblemError`] as [`Solver::new`](crate::Solver::new).
     pub fn new(problem: &Problem, options: SolverOptions) -> Result<Self, ProblemError> {
-        Self::begin(problem, options, problem.limits.from_robot.unwrap_or(true), None)
+        Self::begin(problem, options, None)
     }
 
     /// The same near a motion that was solved, on its mesh: at its nodes, whatever
@@ -98,16 +106,16 @@ impl Resolve {
         let n = problem.robot.dof();
         let fits = motion.q.iter().all(|q| q.len() == n) && motion.q.len() > 2;
         let near = motion.mesh_nodes().filter(|_| fits).map(|nodes| (motion, nodes));
-        Self::begin(problem, options, problem.keeps_robot_limits(), near)
+        Self::begin(problem, options, near)
     }
 
     fn begin(
         problem: &Problem,
         options: SolverOptions,
-        from_robot: bool,
         near: Option<(&Trajectory, Vec<f64>)>,
     ) -> Result<Self, ProblemError> {
-        let problem = &problem.clone().with_limits(problem.limits.clone().with_from_robot(from_robot));
+        let limits = problem.limits.clone().with_from_robot(problem.keeps_robot_limits());
+        let problem = &problem.clone().with_limits(limits);
         let rows = TaskRows::new(problem)?;
         problem.refuse_constraints()?;
         problem.check_for(Method::Direct)?;
@@ -124,6 +132,7 @@ impl Resolve {
         };
         let states: Vec<Vec<f64>> = problem.ends().into_iter().map(state).collect();
         Ok(Self {
+            recovery: Recovery::new(&interior.spline, &states),
             interior,
             limits: problem.joint_limits(),
             robots: problem.robots(),
@@ -166,6 +175,7 @@ impl Resolve {
     pub fn advance(&mut self, dt: f64) {
         if self.started && dt > 0.0 && dt.is_finite() {
             self.interior.shift(dt, &mut self.again);
+            self.recovery.advance(dt);
         }
     }
 

@@ -62,6 +62,7 @@ impl Resolve {
     ) -> Result<Resolved, EvalError> {
         let began = Instant::now();
         let found = self.try_again(budget, began, &mut listener);
+        self.recovery.note(found.as_ref().ok().map(|found| found.status), &self.interior);
         if found.is_err() {
             (self.started, self.factorised) = (false, false);
             // What cannot be evaluated is no guess.
@@ -78,13 +79,7 @@ impl Resolve {
         began: Instant,
         listener: &mut dyn FnMut() -> ControlFlow<()>,
     ) -> Result<Resolved, EvalError> {
-        if self.started {
-            self.interior.follow(&self.states, self.factorised, &mut self.again)?;
-        } else {
-            self.interior.put_ends(&self.states);
-            self.interior.start(None)?;
-            self.interior.reserve(&mut self.again);
-        }
+        self.begin_solve()?;
         self.shown.take(&self.interior);
         let first = self.interior.figures.iterations;
         let deadline = budget.time.and_then(|time| began.checked_add(time));

@@ -15,7 +15,7 @@ impl<D: PointDynamics> Interior<D> {
     }
 
     /// The same in room that is there.
-    pub(super) fn begin(&mut self, mu: Option<f64>) -> Result<(), EvalError> {
+    pub(crate) fn begin(&mut self, mu: Option<f64>) -> Result<(), EvalError> {
         self.spline.evaluate(&mut self.points.z);
         if self.small_cost.is_none() {
             self.model.dynamics.contract(&mut self.points)?;

@@ -32,8 +32,13 @@ const METHODS: [(&str, Method); 3] =
     [("collocation", Method::Collocation), ("shooting", Method::Shooting), ("direct", Method::Direct)];
 const MACHINE_CODE: [(&str, MachineCode); 3] =
     [("later", MachineCode::Later), ("at_once", MachineCode::AtOnce), ("never", MachineCode::Never)];
-const COORDINATES: [(&str, Coordinates); 2] =
-    [("hamiltonian", Coordinates::Hamiltonian), ("lagrangian", Coordinates::Lagrangian)];
+/// With the letters that the Python package has for them.
+const COORDINATES: [(&str, Coordinates); 4] = [
+    ("hamiltonian", Coordinates::Hamiltonian),
+    ("lagrangian", Coordinates::Lagrangian),
+    ("qp", Coordinates::Hamiltonian),
+    ("qv", Coordinates::Lagrangian),
+];
 const VERIFICATIONS: [(&str, Verify); 3] =
     [("full", Verify::Full), ("factors", Verify::Factors), ("none", Verify::None)];
 
@@ -59,7 +64,7 @@ pub(super) fn read(table: &Table<'_>, given: SolverOptions) -> Result<SolverOpti
         verify: table.choice("verify", &VERIFICATIONS)?.unwrap_or(defaults.verify),
         polish: polish(table)?.unwrap_or(defaults.polish),
         machine_code: table.choice("machine_code", &MACHINE_CODE)?.unwrap_or(defaults.machine_code),
-        time_limit: time_limit(table)?.or(defaults.time_limit),
+        time_limit: time_limit(table)?.unwrap_or(defaults.time_limit),
         ..defaults
     })
 }
@@ -74,11 +79,14 @@ fn polish(table: &Table<'_>) -> Result<Option<Polish>, Fault> {
     })
 }
 
-/// A time limit, in seconds. [`SolverOptions::check`] refuses zero.
-fn time_limit(table: &Table<'_>) -> Result<Option<Duration>, Fault> {
+/// A time limit, in seconds, none for inf. [`SolverOptions::check`] refuses zero.
+fn time_limit(table: &Table<'_>) -> Result<Option<Option<Duration>>, Fault> {
     let Some(value) = table.number("time_limit")? else { return Ok(None) };
-    Duration::try_from_secs_f64(value).map(Some).map_err(|_| {
-        let remedy = "must be a positive number of seconds";
+    if value == f64::INFINITY {
+        return Ok(Some(None));
+    }
+    Duration::try_from_secs_f64(value).map(|time| Some(Some(time))).map_err(|_| {
+        let remedy = "must be a positive number of seconds, or inf for no limit";
         let error = ProblemError::BadOption { key: "time_limit", value, remedy };
         table.fault("time_limit", ProblemFileCause::Problem(error))
     })

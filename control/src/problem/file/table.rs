@@ -121,8 +121,14 @@ impl<'d> Table<'d> {
             self.fault(name, ProblemFileCause::WrongType { expected, found: describe(found) })
         };
         let DeValue::Array(entries) = value.get_ref() else { return Err(wrong(value.get_ref())) };
+        let wrong_entry = |found: &DeValue<'_>| match found {
+            DeValue::Array(_) => {
+                self.fault(name, ProblemFileCause::WrongType { expected, found: "a list of lists".into() })
+            }
+            found => wrong(found),
+        };
         let entry =
-            |entry: &Spanned<DeValue<'_>>| read(entry.get_ref()).ok_or_else(|| wrong(entry.get_ref()));
+            |entry: &Spanned<DeValue<'_>>| read(entry.get_ref()).ok_or_else(|| wrong_entry(entry.get_ref()));
         entries.iter().map(entry).collect::<Result<_, _>>().map(Some)
     }
 

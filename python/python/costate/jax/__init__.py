@@ -16,11 +16,12 @@ except ImportError as _error:  # pragma: no cover
 
 from .._costate import Dynamics, Step, _xla_calls
 from .._errors import argument_error
+from .._wanted import dynamics_of
 from ._rules import Function, differentiable
 from ._targets import numbers_of, target
 
 if TYPE_CHECKING:
-    from .._costate import _Scheme
+    from .._costate import Robot, _Scheme
     from ._rules import _Order
 
 __all__ = ["Model", "calls"]
@@ -70,8 +71,8 @@ class Model:
 
     Parameters
     ----------
-    dynamics : Dynamics
-        The dynamics, with their coordinates and settings. They live as long as the process.
+    dynamics : Dynamics or Robot
+        The dynamics, with their coordinates and settings, or a robot for (q, v). They live as long as the process.
     order : {"any", "reverse"}
         Which derivatives are cheap. With ``"any"``, the second derivatives of all results are computed, one contraction
         for each. With ``"reverse"``, only ``grad``, ``vjp`` and ``jacrev`` of the functions and ``jacfwd`` of these are
@@ -80,7 +81,8 @@ class Model:
     Raises
     ------
     ArgumentError
-        Where an argument is not float64, or has another shape; where JAX computes in float32.
+        For what is neither dynamics nor a robot; where an argument is not float64, or has another shape; where JAX computes
+        in float32.
 
     Examples
     --------
@@ -93,7 +95,8 @@ class Model:
     [-9.81]
     """
 
-    def __init__(self, dynamics: Dynamics, order: _Order = "any") -> None:
+    def __init__(self, dynamics: Dynamics | Robot, order: _Order = "any") -> None:
+        dynamics = dynamics_of(dynamics)
         if order not in ("any", "reverse"):
             raise argument_error("order", f"unknown order '{order}'; give 'any' or 'reverse'")
         n = dynamics.n
@@ -113,6 +116,9 @@ class Model:
         value = target(at, "aba", (n,))
         of = value, lambda *z: jacobian(*z)[..., n:, :], contracted
         self._aba = differentiable(("q", "v", "tau"), n, of, n, order, numbers_of(value, jacobian, hessian))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (Model, (self.dynamics, self.order))
 
     def _function(
         self,

@@ -1,0 +1,41 @@
+"""What adapters take: a robot, its dynamics or a time step of them."""
+
+from __future__ import annotations
+
+from typing import Any, cast
+
+from ._costate import Dynamics, Robot, Step
+from ._errors import ArgumentError, argument_error
+
+
+def robot_of(given: Any, name: str = "robot") -> Robot:
+    """The robot; that of dynamics in (q, v)."""
+    if isinstance(given, Dynamics) and given.coordinates == "qv":
+        return given.robot
+    if isinstance(given, Robot):
+        return given
+    raise _wrong(name, given, 'a costate.Robot, or costate.Dynamics in "qv"')
+
+
+def dynamics_of(given: Any, name: str = "dynamics") -> Dynamics:
+    """The dynamics; those of a robot in (q, v)."""
+    if isinstance(given, Robot):
+        return Dynamics(given)
+    # Objects with the methods of dynamics, such as those that count calls, will do.
+    if isinstance(given, Dynamics) or hasattr(given, "adjoint") and hasattr(given, "coordinates"):
+        return cast("Dynamics", given)
+    raise _wrong(name, given, "costate.Dynamics, or a costate.Robot")
+
+
+def step_of(given: Any, name: str = "step") -> Step:
+    """The time step."""
+    if isinstance(given, Step) or hasattr(given, "dynamics") and hasattr(given, "contract"):
+        return cast("Step", given)
+    raise _wrong(name, given, 'a costate.Step, such as costate.Step(costate.Dynamics(robot), "rk4", 0.01)')
+
+
+def _wrong(name: str, given: Any, wanted: str) -> ArgumentError:
+    kind = type(given)
+    known = {Robot: "Robot", Step: "Step"}.get(kind)
+    found = f"costate.{known}" if known else f'Dynamics in "{given.coordinates}"' if kind is Dynamics else kind.__name__
+    return argument_error(name, f"{name} is a {found}; give {wanted}")
