@@ -4,8 +4,8 @@ use crate::numbers::short;
 use costate::robot::printable;
 use costate_control::{Method, Problem, Solution, Status};
 
-/// Errors of the cost below this, and below so many times the tolerance, miss a tolerance that is finer than the
-/// last one by little.
+/// Errors of the cost below this, and below so many times the tolerance, miss a tolerance that is finer than
+/// the last one by little.
 const NEARLY: f64 = 1e-5;
 const NEARER: f64 = 1e3;
 const FINE: f64 = 1e-6;

@@ -15,8 +15,8 @@ impl Barrier {
         }
     }
 
-    /// Moves the limit of a jerk or of the rate of a torque, a side of [`rate_sides`](Self::rate_sides), inside
-    /// by `amount` at Gauss's points of an interval, and by `most` in all.
+    /// Moves the limit of a jerk or of the rate of a torque, a side of [`rate_sides`](Self::rate_sides),
+    /// inside by `amount` at Gauss's points of an interval, and by `most` in all.
     pub fn move_rate_inside(&mut self, interval: usize, side: usize, amount: f64, most: f64) {
         self.moved.resize(self.weight.len(), 0.0);
         let (first, sides) = (self.first_of_rates() + side, self.rates.len());

@@ -166,8 +166,8 @@ pub(super) fn joint<D>(interior: &Interior<D>, side: &Side) -> Option<usize> {
     }
 }
 
-/// Where the torque of a motor is limited by its rate: the rate at z = (q, v, a), and what is to be taken from
-/// value and bound to get a torque and its limit at this rate.
+/// Where the torque of a motor is limited by its rate: the rate at z = (q, v, a), and what is to be taken
+/// from value and bound to get a torque and its limit at this rate.
 pub(super) fn rate<D>(interior: &Interior<D>, side: &Side, z: &[f64]) -> Option<(f64, f64)> {
     let n = interior.points.dof;
     let joint = joint(interior, side).filter(|_| side.limited == Limited::TorqueSpeed)?;

@@ -18,8 +18,8 @@ pub(super) struct Excess {
 impl Excess {
     /// Takes the distances at all places between the points. Of positions and rates the peaks between these
     /// places count, by the cubic through values and slopes at two neighbouring places: exact for rates where
-    /// accelerations jump, which are polynomials of degree three, and close for all else. Accelerations, powers
-    /// and limits of motors, which may be largest at the ends of an interval, are continued to them.
+    /// accelerations jump, which are polynomials of degree three, and close for all else. Accelerations,
+    /// powers and limits of motors, which may be largest at the ends of an interval, are continued to them.
     pub fn measure(&mut self, spline: &Spline, sides: &[Side], distance: &[f64]) {
         self.sides = sides.len();
         self.over.clear();
