@@ -80,7 +80,8 @@ fn a_time_limit_stops_the_verification() {
     let robot = Robot::from_file("../robots/ur5.urdf").unwrap();
     let ends = [[0.0, -1.6, 1.8, -1.8, -1.57, 0.0], [1.5, -1.0, 1.2, -1.5, -1.57, 0.5]];
     let cost = Objective::new(0.0, vec![4.4e-5, 4.4e-5, 4.4e-5, 1.3e-3, 1.3e-3, 1.3e-3]);
-    let problem = Problem::rest_to_rest(robot, &ends[0], &ends[1], 1000.0).with_cost(cost);
+    let mut problem = Problem::rest_to_rest(robot, &ends[0], &ends[1], 1000.0).with_cost(cost);
+    problem.limits.from_robot = Some(true);
     let options = SolverOptions::default().with_time_limit(Duration::from_secs(5));
     let began = Instant::now();
     let solution = Solver::new(&problem, options).unwrap().solve();
