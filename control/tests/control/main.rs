@@ -14,6 +14,7 @@ mod dynamics;
 mod equations;
 mod extremals;
 mod free_start;
+mod guessed_times;
 mod in_space;
 mod infeasible;
 mod known;

@@ -3,6 +3,7 @@
 use super::figures::Figures;
 use super::filter::Filter;
 use super::relaxation::Relaxation;
+use super::small_cost::SmallCost;
 use super::squares::Squares;
 use crate::constants::direct as constants;
 use crate::direct::limits::barrier::Barrier;
@@ -38,8 +39,8 @@ pub(crate) struct Interior<D> {
     pub ends: Ends,
     pub model: Model<D>,
     pub figures: Figures,
-    /// Least size of the cost.
-    pub(super) least_size: f64,
+    /// That of small motions, which is the least size of costs.
+    pub(super) small_cost: Option<SmallCost>,
     /// Violations that may be rounding.
     pub(super) least_violation: f64,
     /// The tolerance on the last one of several meshes: with a larger one the iterate only leads to the next.
@@ -110,7 +111,7 @@ impl<D: PointDynamics> Interior<D> {
             running,
             ends,
             figures: Figures::default(),
-            least_size: 0.0,
+            small_cost: None,
             least_violation: constants::VIOLATION_AT_POINTS,
             last_tolerance: None,
             system: System::new(n, shape, model.rows()),

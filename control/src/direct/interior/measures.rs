@@ -1,30 +1,17 @@
 //! Cost, gap and violations of an iterate.
 
 use super::iterate::Interior;
+use super::small_cost::SmallCost;
 use crate::constants::direct as constants;
 use crate::direct::limits::entries::{complementarity, violation};
 use crate::direct::points::values::PointDynamics;
 
 impl<D: PointDynamics> Interior<D> {
-    /// Cost of the efforts, of the energy, of the jerks and of the rates of torques that move each joint
-    /// alone by [`constants::SMALL_MOTION`] in it: the torque is M_ii times that motion over the squared
-    /// time.
-    pub(super) fn small_cost(&self) -> f64 {
-        let (n, time) = (self.spline.dof, self.spline.duration());
+    /// Measures what small motions cost, at the start of the motion.
+    pub(super) fn measure_small_cost(&mut self) {
+        let n = self.spline.dof;
         let tau_z = self.points.tau_z(0);
-        let cost = |(i, r): (usize, &f64)| {
-            let torque = tau_z[3 * n * i + 2 * n + i] * constants::SMALL_MOTION / (time * time);
-            let power = torque * constants::SMALL_MOTION / time;
-            let rates = &self.running.rates;
-            let of = |weights: &[f64], y: f64| weights.get(i).map_or(0.0, |w| 0.5 * w * y * y);
-            let jerk = constants::SMALL_MOTION / (time * time * time);
-            0.5 * r * torque * torque
-                + self.running.energy.weights.get(i).map_or(0.0, |e| e * power)
-                + of(&rates.jerk, jerk)
-                + of(&rates.torque, torque / time)
-        };
-        let costs: f64 = self.running.effort.iter().enumerate().map(cost).sum();
-        (time * costs).max(f64::MIN_POSITIVE.sqrt())
+        self.small_cost = Some(SmallCost::new(&self.running, |i| tau_z[3 * n * i + 2 * n + i]));
     }
 
     /// Distances to all limits from the values at the points.
@@ -41,7 +28,9 @@ impl<D: PointDynamics> Interior<D> {
 
     fn take_cost(&mut self, cost: f64) {
         self.figures.cost = cost;
-        self.figures.size = self.figures.cost.abs().max(self.least_size);
+        let small = self.small_cost.map_or(0.0, |cost| cost.within(self.spline.duration()));
+        let small = small.max(f64::MIN_POSITIVE.sqrt());
+        self.figures.size = self.figures.cost.abs().max(small);
     }
 
     pub(crate) fn measure_figures(&mut self) {

@@ -17,9 +17,9 @@ impl<D: PointDynamics> Interior<D> {
     /// The same in room that is there.
     pub(super) fn begin(&mut self, mu: Option<f64>) -> Result<(), EvalError> {
         self.spline.evaluate(&mut self.points.z);
-        if self.least_size == 0.0 {
+        if self.small_cost.is_none() {
             self.model.dynamics.contract(&mut self.points)?;
-            self.least_size = self.small_cost();
+            self.measure_small_cost();
         }
         self.evaluate()?;
         self.measure_cost();
