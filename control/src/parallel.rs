@@ -128,6 +128,8 @@ mod tests {
                 part,
                 unit: "N m".into(),
                 limit: None,
+                rate: None,
+                no_load_speed: None,
             };
             let limits = vec![limit(0.75 * part), limit(0.25 * part)];
             Infeasibility { limits, is_global, ..Infeasibility::default() }

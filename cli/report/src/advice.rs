@@ -1,8 +1,14 @@
 //! What helps where the direct method did not get there: it depends on what costs, and on the robot.
 
+use crate::numbers::short;
 use costate::robot::printable;
 use costate_control::{Method, Problem, Solution, Status};
 
+/// Errors of the cost below this, and below so many times the tolerance, miss a tolerance that is finer than
+/// the last one by little.
+const NEARLY: f64 = 1e-5;
+const NEARER: f64 = 1e3;
+const FINE: f64 = 1e-6;
 /// Most joints in a sentence.
 const MOST_JOINTS: usize = 3;
 
@@ -15,6 +21,9 @@ pub fn advice(problem: &Problem, solution: &Solution) -> Option<String> {
     );
     if !hard || solution.options.method != Method::Direct {
         return None;
+    }
+    if let Some(reason) = empty_phase(problem, solution).or_else(|| nearly(solution)) {
+        return Some(reason);
     }
     let energy = problem.cost.has_energy();
     let jumps = jumps(problem);
@@ -39,6 +48,45 @@ pub fn advice(problem: &Problem, solution: &Solution) -> Option<String> {
     let text = status.to_string();
     let reason = text.split(';').next().unwrap_or_default();
     Some(format!("{reason}; what may help: {}", remedies.join("; ")))
+}
+
+/// A phase shorter than this part of the motion goes to zero.
+const EMPTY: f64 = 1e-3;
+
+/// That a phase beside a via with a free time goes to zero.
+fn empty_phase(problem: &Problem, solution: &Solution) -> Option<String> {
+    let (times, last) = (&solution.trajectory.via_times, solution.motion.final_time);
+    let ends: Vec<f64> = [&[0.0][..], times, &[last]].concat();
+    let phase = ends.windows(2).position(|ends| ends[1] - ends[0] < EMPTY * last)?;
+    let place = |end: usize| match end {
+        0 => "the start".to_owned(),
+        end if end > times.len() => "the end".to_owned(),
+        via => format!("via {via}"),
+    };
+    let is_free = |end: usize| end > 0 && problem.vias.get(end - 1).is_some_and(|via| via.time.is_none());
+    let via = [phase, phase + 1].into_iter().find(|&end| is_free(end))?;
+    Some(format!(
+        "the time between {} and {} goes to zero: as {}'s time is free, it costs least there; give it a time, or what \
+         it asks another place (q, tool), or remove it",
+        place(phase),
+        place(phase + 1),
+        place(via)
+    ))
+}
+
+/// That the cost is known to little less than was asked for.
+fn nearly(solution: &Solution) -> Option<String> {
+    let (error, tolerance) = (*solution.motion.errors.first()?, solution.options.tolerance);
+    let keeps = solution.limits.violations().next().is_none();
+    let few = solution.motion.status == Status::MeshLimit && keeps && tolerance < FINE;
+    (few && error > tolerance && error < NEARLY.min(NEARER * tolerance)).then(|| {
+        let reached = short(1.5 * error, 2);
+        format!(
+            "its cost is known to {} relative, which is more than solver.tolerance; {reached} is reached: rounding \
+             and the nodes that a mesh may have leave no more digits",
+            short(error, 2)
+        )
+    })
 }
 
 /// Whether controls jump between their limits, or are not determined by what costs: a joint without effort,

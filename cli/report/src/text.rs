@@ -3,7 +3,9 @@
 use crate::advice::advice;
 use crate::figures::{Needed, time_is_free};
 use crate::numbers::{scientific, short};
-use costate_control::{Iteration, Method, Problem, RelaxedLimit, Solution, StartResult, Status, Verify};
+use costate_control::{
+    Iteration, Method, Problem, RelaxedLimit, Solution, SolverOptions, StartResult, Status, Verify,
+};
 
 /// What is minimised: `minimum of T + 1/2 u'Ru, final time free, actuation bounded, limits kept`. Bounds and
 /// limits that the motion does not satisfy are left out.
@@ -35,8 +37,12 @@ pub fn criterion(problem: &Problem, solution: &Solution) -> String {
     let within_bounds = problem.bounds.is_some() && !exceeded;
     let bounds = if within_bounds { ", actuation bounded" } else { "" };
     let penalty = if problem.penalty.is_some() { ", with penalties" } else { "" };
-    let kept = !solution.limits.is_empty() && solution.limits.violations().next().is_none();
-    let limits = if kept { ", limits kept" } else { "" };
+    let at_points = !solution.limits.is_empty() && solution.limits.violations().next().is_none();
+    let limits = match (solution.limits.are_kept(), at_points) {
+        (true, _) => ", limits kept",
+        (false, true) => ", limits kept at points, exceeded between them",
+        (false, false) => "",
+    };
     format!("{minimum}, {time}{bounds}{penalty}{limits}")
 }
 
@@ -79,6 +85,14 @@ pub fn explanation(problem: &Problem, solution: &Solution) -> Option<String> {
         }
         Status::PathOnly => status.to_string(),
         status if solution.trajectory.t.is_empty() => format!("no motion was found: {status}"),
+        status if status.is_interruption() && is_unverified(solution) => {
+            let what =
+                if *status == Status::Cancelled { "interrupted" } else { "the time limit was reached" };
+            format!(
+                "{what} while the motion was verified: it is solved on its mesh, but whether its torques lead along it \
+                 was not seen; allow more time, or verify = \"factors\""
+            )
+        }
         Status::Cancelled => format!("interrupted: {best}"),
         Status::TimeLimit => {
             format!("the time limit was reached: {best}; raise solver.time_limit or --time-limit")
@@ -88,6 +102,14 @@ pub fn explanation(problem: &Problem, solution: &Solution) -> Option<String> {
             format!("the motion is the best iterate, not a solution: {reason}")
         }
     })
+}
+
+/// Whether the direct method was stopped after it had solved a motion to its tolerance, and before it had
+/// verified it.
+fn is_unverified(solution: &Solution) -> bool {
+    let SolverOptions { method, tolerance, .. } = solution.options;
+    let error = solution.motion.errors.first().copied().unwrap_or(f64::INFINITY);
+    method == Method::Direct && error <= tolerance && solution.motion.verification == Verify::None
 }
 
 /// That the torques of a solution do not lead the robot to its end without a correction.
@@ -101,6 +123,44 @@ pub fn needs_feedback(problem: &Problem, solution: &Solution) -> Option<String> 
              track the positions{gains}; rotors (robot.armature) calm light wrists"
         )
     })
+}
+
+/// Which limits are kept at the points of a motion and exceeded between them, where most, by how much.
+pub fn exceeded_between(solution: &Solution) -> Option<String> {
+    let at_points = solution.limits.violations().next().is_none();
+    let all: Vec<String> = solution
+        .limits
+        .violations_between()
+        .map(|(kind, worst)| {
+            let (by, unit, time) = (short(worst.excess, 2), &worst.unit, short(worst.time, 4));
+            match kind {
+                "task" => format!("the {} is off by {by} {unit} at t = {time} s", worst.name),
+                kind => format!(
+                    "the {} of {} is beyond its limit by {by} {unit} at t = {time} s",
+                    quantity(kind),
+                    whose(&worst.name)
+                ),
+            }
+        })
+        .collect();
+    (at_points && !all.is_empty()).then(|| {
+        format!("between its points the motion does not keep all limits: {}; set these limits lower by that where it matters", all.join("; "))
+    })
+}
+
+/// What a kind of limits limits, in words.
+fn quantity(kind: &str) -> String {
+    match kind {
+        // Where a motor drives fast, its torque is limited to less.
+        "torque_speed" => "torque".into(),
+        "torque_rate" => "rate of the torque".into(),
+        kind => spaced(kind),
+    }
+}
+
+/// Of a joint, or of all.
+fn whose(name: &str) -> String {
+    if name == "all joints" { name.into() } else { format!("joint '{name}'") }
 }
 
 /// Whether the extremal is shown.
@@ -128,11 +188,23 @@ fn infeasible(solution: &Solution) -> String {
         if limit.kind == "task" {
             return format!("the {} gives by {amount} {unit} ({when})", limit.name);
         }
-        let whose =
-            if limit.name == "all joints" { limit.name.clone() } else { format!("joint '{}'", limit.name) };
-        let what = if limit.kind == "torque_speed" { "torque" } else { &limit.kind };
+        let whose = whose(&limit.name);
+        if let (Some(rate), Some(most)) = (limit.rate, limit.no_load_speed)
+            && rate.abs() >= most
+        {
+            let (rate, most) = apart(rate.abs(), most);
+            let speed = unit.replace("N m", "rad/s").replace('N', "m/s");
+            return format!(
+                "the motor of {whose} gives {amount} {unit} beyond its limits.no_load_speed {most} {speed}, where it \
+                 has no torque: the motion needs {rate} {speed} ({when})"
+            );
+        }
+        let what = if limit.kind == "torque_speed" { "torque".into() } else { spaced(&limit.kind) };
         let from = limit.limit.map_or_else(String::new, |limit| format!("{} {unit} ", short(limit, 4)));
-        format!("the {what} limit {from}of {whose} gives by {amount} {unit} ({when})")
+        let at = limit
+            .rate
+            .map_or_else(String::new, |rate| format!(", where its motor turns at {}", short(rate, 4)));
+        format!("the {what} limit {from}of {whose} gives by {amount} {unit} ({when}{at})")
     };
     let mut limits: Vec<_> = found.limits.iter().take(MOST_LIMITS).map(gives).collect();
     let more = found.limits.len().saturating_sub(MOST_LIMITS);
@@ -152,6 +224,12 @@ fn infeasible(solution: &Solution) -> String {
     format!("no motion keeps all limits unless {}{least}{later}{certain}", limits.join(" and "))
 }
 
+/// Two numbers with four digits, or as many more as tell them apart.
+fn apart(a: f64, b: f64) -> (String, String) {
+    let all = (4..=17).map(|digits| (short(a, digits), short(b, digits)));
+    all.clone().find(|(a, b)| a != b).or_else(|| all.last()).unwrap_or_default()
+}
+
 /// For each kind of limits that is exceeded: which joint, tool or body, where, by how much.
 fn exceeded(solution: &Solution) -> impl Iterator<Item = String> {
     solution.limits.violations().map(|(kind, worst)| {
@@ -159,16 +237,14 @@ fn exceeded(solution: &Solution) -> impl Iterator<Item = String> {
         if kind == "task" {
             return format!("the {name} is off by {} {unit} at t = {time} s", short(worst.excess, 4));
         }
-        let (value, limit) = (short(worst.value, 4), short(worst.limit, 4));
-        let whose = if name == "all joints" { name.clone() } else { format!("joint '{name}'") };
-        // Where a motor drives fast, its torque is limited to less.
-        let what = match kind {
-            "torque_speed" => "torque",
-            "torque_rate" => "rate of the torque",
-            kind => kind,
-        };
+        let ((value, limit), whose) = (apart(worst.value, worst.limit), whose(name));
+        let at = worst.rate.map_or_else(String::new, |rate| {
+            let speed = unit.replace("N m", "rad/s").replace('N', "m/s");
+            format!(", where its motor turns at {} {speed} (limits.no_load_speed)", short(rate, 4))
+        });
+        let what = quantity(kind);
         format!(
-            "the {what} of {whose} would have to be {value} {unit} instead of {limit} {unit} at t = {time} s"
+            "the {what} of {whose} would have to be {value} {unit} instead of {limit} {unit} at t = {time} s{at}"
         )
     })
 }
@@ -201,8 +277,16 @@ pub fn iteration_row(iteration: &Iteration) -> Vec<String> {
     ]
 }
 
-/// Header of the table of starts.
-pub const START_HEADER: [&str; 3] = ["start", "status", "cost and penalties"];
+/// Header of the table of starts. Of motions that were polished the costs are those before: each start is
+/// solved roughly, and the best one is polished.
+pub fn start_header(solution: &Solution) -> [&'static str; 3] {
+    let cost = if is_polished(solution) {
+        "cost and penalties, rough, before the polish"
+    } else {
+        "cost and penalties"
+    };
+    ["start", "status", cost]
+}
 
 /// A row of the table of starts; `index` counts from 0.
 pub fn start_row(index: usize, start: &StartResult) -> Vec<String> {

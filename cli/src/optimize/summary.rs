@@ -6,8 +6,8 @@ use costate_control::{Problem, Solution};
 use costate_report::figures::figures;
 use costate_report::numbers::short;
 use costate_report::text::{
-    ITERATION_HEADER, START_HEADER, criterion, explanation, iteration_row, needs_feedback, sentence,
-    skipped_starts, start_row, status,
+    ITERATION_HEADER, criterion, exceeded_between, explanation, iteration_row, needs_feedback, sentence,
+    skipped_starts, start_header, start_row, status,
 };
 use std::io::Write;
 
@@ -33,13 +33,17 @@ pub fn print(
         table.row(vec![format!("  {stage}"), format!("{} s, {share:.0} %", short(time, 3))]);
     }
     write!(out, "{table}")?;
-    let remarks =
-        [explanation(problem, solution), needs_feedback(problem, solution), skipped_starts(solution)];
+    let remarks = [
+        explanation(problem, solution),
+        exceeded_between(solution),
+        needs_feedback(problem, solution),
+        skipped_starts(solution),
+    ];
     for remark in remarks.into_iter().flatten() {
         writeln!(out, "\n  {}.", escape_hidden(&sentence(&remark)))?;
     }
     if solution.starts.len() > 1 {
-        let mut table = Table::new(&START_HEADER, 2);
+        let mut table = Table::new(&start_header(solution), 2);
         solution.starts.iter().enumerate().for_each(|(i, start)| table.row(start_row(i, start)));
         write!(out, "\n{table}")?;
     }

@@ -94,7 +94,8 @@ impl From<Stopped> for Failure {
     fn from(stopped: Stopped) -> Self {
         match stopped {
             Stopped::Evaluation(error) => error.into(),
-            Stopped::TooManySteps => Self::Evaluation(EvaluationFailure::Integration),
+            // None of these integrations is interrupted.
+            Stopped::TooManySteps | Stopped::Interrupted => Self::Evaluation(EvaluationFailure::Integration),
         }
     }
 }

@@ -163,6 +163,8 @@ pub const VIOLATION_BETWEEN: f64 = 1e-4;
 pub const MOST_MOVED: f64 = 3e-3;
 /// .. this many times as far as they are exceeded, ..
 pub const MOVED: f64 = 1.5;
+/// .. those of jerks and rates of torques by at most this part of their range, ..
+pub const MOST_OF_RATES: f64 = 2.0 / 7.0;
 /// .. where that is more than this part of what is allowed, ..
 pub const MOVED_FROM: f64 = 0.5;
 /// .. so many times on one mesh, ..

@@ -35,6 +35,14 @@ pub(crate) struct DormandPrince {
 pub(crate) enum Stopped {
     Evaluation(EvalError),
     TooManySteps,
+    /// By who asked for it.
+    Interrupted,
+}
+
+impl From<EvalError> for Stopped {
+    fn from(error: EvalError) -> Self {
+        Self::Evaluation(error)
+    }
 }
 
 /// Most steps of one call.
@@ -65,6 +73,16 @@ impl DormandPrince {
         time: Range<f64>,
         mut rate: impl FnMut(f64, &[f64], &mut [f64]) -> Result<(), EvalError>,
     ) -> Result<(), Stopped> {
+        self.integrate_until(x, time, |t, x, slope| rate(t, x, slope).map_err(Stopped::Evaluation))
+    }
+
+    /// The same, for a `rate` that may also stop it.
+    pub fn integrate_until(
+        &mut self,
+        x: &mut [f64],
+        time: Range<f64>,
+        mut rate: impl FnMut(f64, &[f64], &mut [f64]) -> Result<(), Stopped>,
+    ) -> Result<(), Stopped> {
         let Range { start: from, end: to } = time;
         let (mut t, mut h) = (from, to - from);
         let least = 1e-14 * (to - from).abs();
@@ -81,7 +99,7 @@ impl DormandPrince {
                 for (a, slope) in A[stage].iter().zip(&self.slopes[..stage]) {
                     costate::matrix::add_scaled(&mut self.point, h * a, slope);
                 }
-                rate(t + C[stage] * h, &self.point, &mut self.slopes[stage]).map_err(Stopped::Evaluation)?;
+                rate(t + C[stage] * h, &self.point, &mut self.slopes[stage])?;
             }
             // The last stage is at the new point.
             let mut square = 0.0;

@@ -171,8 +171,7 @@ impl Problem {
         for (key, weights) in [(Key::TORQUE_RATE, &self.cost.torque_rate), (Key::JERK, &self.cost.jerk)] {
             weights.as_ref().map_or(Ok(()), |weights| self.weights(key, weights))?;
         }
-        let Some(energy) = &self.cost.energy else { return Ok(()) };
-        self.weights(Key::ENERGY, energy)?;
+        self.cost.energy.as_ref().map_or(Ok(()), |energy| self.weights(Key::ENERGY, energy))?;
         let (key, value) = (Key::ENERGY_SMOOTHING, self.cost.energy_smoothing);
         let positive = value > 0.0 && value.is_finite();
         if positive { Ok(()) } else { Err(ProblemError::NotPositive { key, value }) }

@@ -49,6 +49,13 @@ pub enum ProblemError {
         /// Number of joints.
         dof: usize,
     },
+    /// A joint that is listed twice.
+    GivenTwice {
+        /// The field.
+        key: Key,
+        /// The joint.
+        joint: String,
+    },
     /// A number that must be positive.
     NotPositive {
         /// The field.
@@ -242,6 +249,7 @@ impl ProblemError {
             | Self::NotFinite { key, .. }
             | Self::NotANumber { key, .. }
             | Self::UnknownJoint { key, .. }
+            | Self::GivenTwice { key, .. }
             | Self::NotPositive { key, .. }
             | Self::Negative { key, .. }
             | Self::NoRoom { key, .. }

@@ -28,6 +28,7 @@ impl ProblemError {
                 };
                 format!("there is no joint {joint}; {offered} by index 0 to {last}")
             }
+            Self::GivenTwice { joint, .. } => format!("joint '{}' is listed twice; list it once", printable(joint)),
             Self::NotPositive { value, .. } => format!("must be positive and finite, but is {}", number(*value)),
             Self::Negative { key, joint, value } => {
                 let entry =

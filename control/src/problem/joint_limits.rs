@@ -6,6 +6,26 @@ use super::key::Key;
 use super::limits::JointLimits;
 use super::torque_speed_error::TorqueSpeedError;
 
+/// What exceeds a limit is measured in parts of its range: a limit from here on is none.
+const NO_LIMIT: f64 = 1e15;
+
+impl JointLimits {
+    /// The same without the limits that no motion comes near.
+    fn with_large_ones_infinite(self) -> Self {
+        let of = |limit: f64| if limit.abs() < NO_LIMIT { limit } else { limit * f64::INFINITY };
+        Self {
+            q: self.q.map(of),
+            v: of(self.v),
+            a: of(self.a),
+            torque: self.torque.map(of),
+            jerk: of(self.jerk),
+            torque_rate: of(self.torque_rate),
+            power: of(self.power),
+            speeds: self.speeds.map(of),
+        }
+    }
+}
+
 impl Problem {
     /// What the direct method keeps, for each joint in order: the tightest of [`limits`](Self::limits), of
     /// those of the robot if they are [kept](Self::keeps_robot_limits), and of [`bounds`](Self::bounds).
@@ -34,7 +54,7 @@ impl Problem {
                 let ends = [bounds.u_min[i], bounds.u_max[i]].map(|u| self.gain[i] * u);
                 limits.torque = intersection(limits.torque, [ends[0].min(ends[1]), ends[0].max(ends[1])]);
             }
-            limits
+            limits.with_large_ones_infinite()
         });
         limits.collect()
     }

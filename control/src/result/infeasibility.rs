@@ -49,9 +49,15 @@ pub struct RelaxedLimit {
     /// The unit of `amount` and `limit`.
     pub unit: String,
     /// The limit; none for tools and bodies. That of a motor that drives fast depends on its rate: the one at
-    /// `time`.
+    /// `time`, 0 beyond the no-load speed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub limit: Option<f64>,
+    /// The rate of the joint at `time`, where the torque of its motor is limited by it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rate: Option<f64>,
+    /// With it, the speed from which on the motor has no torque.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub no_load_speed: Option<f64>,
 }
 
 impl Infeasibility {

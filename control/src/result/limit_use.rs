@@ -49,14 +49,19 @@ pub struct LimitReport {
 pub struct LimitUse {
     /// Largest violation at the points of the motion, in the unit of the limit.
     pub at_points: f64,
-    /// Largest violation between them. Where an acceleration, a torque, a power, a jerk or the rate of a
-    /// torque jumps inside of an interval it may overshoot there, the shorter the finer the mesh. Torques are
-    /// cut to their limits in the trajectory; this is how much more the polynomial would need.
+    /// Largest violation between them, the ends of intervals included. Where an acceleration, a torque, a
+    /// power, a jerk or the rate of a torque jumps inside of an interval it may overshoot there, the shorter
+    /// the finer the mesh. Torques are cut to their limits in the trajectory; this is how much more the
+    /// polynomial would need.
     pub between: f64,
     /// The largest violation at the points, if there is any beyond rounding: 1e-7 of the distance between
     /// lower and upper limit.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub worst: Option<LimitViolation>,
+    /// The largest violation between the points, if it is more than 1e-4 of the distance between lower and
+    /// upper limit. None of torques: they are cut to their limits.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub worst_between: Option<LimitViolation>,
     /// Where the motion is at a limit: within 1e-4 of the distance between lower and upper limit.
     pub active: Vec<ActiveLimit>,
 }
@@ -77,8 +82,11 @@ pub struct LimitViolation {
     pub unit: String,
     /// The value there; of a tool or a clearance that of the function that is limited.
     pub value: f64,
-    /// The limit.
+    /// The limit. Of a motor that drives beyond its no-load speed, where it has no torque left, 0.
     pub limit: f64,
+    /// The rate of the joint, where the torque of its motor is limited by it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rate: Option<f64>,
 }
 
 /// A span of time in which a joint, a tool or a body is at a limit.
@@ -117,6 +125,17 @@ impl LimitReport {
     /// The kinds with a limit that is exceeded, and where it is exceeded most.
     pub fn violations(&self) -> impl Iterator<Item = (&'static str, &LimitViolation)> {
         self.kinds().filter_map(|(name, usage)| Some((name, usage?.worst.as_ref()?)))
+    }
+
+    /// The kinds with a limit that is exceeded between the points, by more than 1e-4 of its range, and where
+    /// it is exceeded most. Torques are not among them: they are cut to their limits.
+    pub fn violations_between(&self) -> impl Iterator<Item = (&'static str, &LimitViolation)> {
+        self.kinds().filter_map(|(name, usage)| Some((name, usage?.worst_between.as_ref()?)))
+    }
+
+    /// Whether something is limited and all of it is kept, at the points and between them.
+    pub fn are_kept(&self) -> bool {
+        !self.is_empty() && self.violations().next().is_none() && self.violations_between().next().is_none()
     }
 
     /// Whether nothing is limited.

@@ -5,6 +5,7 @@
 use costate::robot::{JointSpec, LinkInertia, Robot};
 use costate_control::SolverOptions;
 
+mod between;
 mod bounded;
 mod branch;
 mod direct;

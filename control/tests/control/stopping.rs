@@ -4,11 +4,11 @@ use crate::{sharp, sledge};
 use costate::robot::Robot;
 use costate_control::{
     BoundViolation, Bounds, BranchEnd, Cancel, Continuation, FinalTime, Iteration, Method, MotionLimits,
-    Objective, Parameter, Phase, Problem, Solution, Solver, SolverOptions, Status, TrajectoryError,
+    Objective, Parameter, Phase, Problem, Solution, Solver, SolverOptions, Status, TrajectoryError, Verify,
 };
 use std::fmt::Debug;
 use std::ops::ControlFlow;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 fn two_link() -> Problem {
     let robot = Robot::from_file("../robots/two_link.toml").unwrap();
@@ -72,6 +72,23 @@ fn a_token_and_a_time_limit_stop_a_search() {
     let zero = sharp().with_time_limit(Duration::ZERO);
     let error = Solver::new(&problem, zero).unwrap_err();
     assert!(error.to_string().contains("time_limit"), "{error}");
+}
+
+/// A wrist without a rotor in slow motion: the verification alone takes more than a minute.
+#[test]
+fn a_time_limit_stops_the_verification() {
+    let robot = Robot::from_file("../robots/ur5.urdf").unwrap();
+    let ends = [[0.0, -1.6, 1.8, -1.8, -1.57, 0.0], [1.5, -1.0, 1.2, -1.5, -1.57, 0.5]];
+    let cost = Objective::new(0.0, vec![4.4e-5, 4.4e-5, 4.4e-5, 1.3e-3, 1.3e-3, 1.3e-3]);
+    let mut problem = Problem::rest_to_rest(robot, &ends[0], &ends[1], 1000.0).with_cost(cost);
+    problem.limits.from_robot = Some(true);
+    let options = SolverOptions::default().with_time_limit(Duration::from_secs(5));
+    let began = Instant::now();
+    let solution = Solver::new(&problem, options).unwrap().solve();
+    let taken = began.elapsed();
+    assert!(taken < Duration::from_secs(30), "{taken:?}");
+    assert!(!solution.motion.status.is_solved() && solution.motion.verification == Verify::None);
+    assert!(solution.end_defect.is_infinite(), "{}", solution.end_defect);
 }
 
 #[test]

@@ -55,7 +55,9 @@ class Figures:
         return self.status == "converged"
 
     def check(self) -> Self:
-        """This solution; a `MotionError` with its message unless it is ``solved``."""
+        """This solution; a `MotionError` with its message unless it is ``solved``. Whether its limits are kept between
+        the points too, `keeps_limits` says.
+        """
         if not self.solved:
             raise MotionError(f"{self.status}: {self.message}")
         return self
@@ -147,10 +149,18 @@ class Figures:
         """How the motion uses its limits, by "position", "rate", "acceleration", "torque", "jerk", "torque_rate", "power",
         "torque_speed" and "task", where they are limited.
 
-        Each holds the largest violation ``at_points`` and ``between`` them, the ``worst`` one (``joint``, ``time``,
-        ``excess``, ``unit``, ``value``, ``limit``), and the spans ``active`` (``joint``, ``side``, ``from``, ``to``).
+        Each holds the largest violation ``at_points`` and ``between`` them, the ``worst`` one at the points, and one
+        ``worst_between`` them that is more than 1e-4 of the range (``joint``, ``time``, ``excess``, ``unit``,
+        ``value``, ``limit``), and the spans ``active`` (``joint``, ``side``, ``from``, ``to``).
         """
         return {kind: use for kind, use in self._figures.get("limits", {}).items() if kind != "infeasible"}
+
+    @property
+    def keeps_limits(self) -> bool:
+        """Whether all limits are kept: at the points to 1e-7, between them to 1e-4 of the distance between lower and
+        upper limit. Torques between the points are cut to their limits.
+        """
+        return not any("worst" in use or "worst_between" in use for use in self.limits.values())
 
     @property
     def infeasible(self) -> dict[str, Any] | None:

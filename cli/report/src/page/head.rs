@@ -6,6 +6,7 @@ use crate::numbers::short;
 use crate::panels;
 use crate::svg::markup::escaped;
 use crate::text;
+use costate_control::LimitViolation;
 
 /// A figure with its name, and whether it is good or bad.
 struct Card {
@@ -29,7 +30,7 @@ pub fn section(motion: &Motion<'_>) -> String {
         remarks.iter().flatten().map(|remark| format!("{}.", text::sentence(remark))).collect()
     };
     let remarks = sentences(&[text::explanation(problem, solution), text::skipped_starts(solution)]);
-    let advice = sentences(&[text::needs_feedback(problem, solution)]);
+    let advice = sentences(&[text::exceeded_between(solution), text::needs_feedback(problem, solution)]);
     let status = &solution.motion.status;
     let cards: String = cards(motion).iter().map(card).collect();
     format!(
@@ -102,15 +103,16 @@ fn cards(motion: &Motion<'_>) -> Vec<Card> {
 fn limits(motion: &Motion<'_>) -> Card {
     let limits = &motion.solution.limits;
     let name = "limits";
-    let exceeded: Vec<String> = limits
-        .violations()
-        .map(|(kind, worst)| match kind {
-            "task" => worst.name.clone(),
-            kind => format!("{} of {}", text::spaced(kind), worst.name),
-        })
-        .collect();
-    if !exceeded.is_empty() {
-        return Card { name, value: "exceeded".into(), note: exceeded.join("; "), is_good: Some(false) };
+    let named = |(kind, worst): (&str, &LimitViolation)| match kind {
+        "task" => worst.name.clone(),
+        kind => format!("{} of {}", text::spaced(kind), worst.name),
+    };
+    let [at_points, between]: [Vec<String>; 2] =
+        [limits.violations().map(named).collect(), limits.violations_between().map(named).collect()];
+    for (value, exceeded) in [("exceeded", at_points), ("exceeded between points", between)] {
+        if !exceeded.is_empty() {
+            return Card { name, value: value.into(), note: exceeded.join("; "), is_good: Some(false) };
+        }
     }
     if limits.is_empty() && !motion.problem.limit_warnings(&motion.solution.trajectory).is_empty() {
         let note = "those of the robot are exceeded".into();

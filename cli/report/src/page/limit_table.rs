@@ -94,6 +94,7 @@ fn of_kind<'a>(motion: &Motion<'a>, kind: &str, usage: &'a LimitUse) -> Row<'a> 
     let place = usage
         .worst
         .as_ref()
+        .or(usage.worst_between.as_ref())
         .map_or_else(|| "-".to_owned(), |worst| format!("{}, t = {} s", worst.name, short(worst.time, 4)));
     let between = short(usage.between, 3);
     let name = if kind == "task" { "tools, clearances".into() } else { spaced(kind) };

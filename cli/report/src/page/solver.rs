@@ -120,7 +120,7 @@ fn iterations(motion: &Motion<'_>) -> String {
     if solution.starts.len() > 1 {
         let rows = solution.starts.iter().enumerate();
         let rows = rows.map(|(i, start)| cells("td", &text::start_row(i, start))).collect();
-        sections += &format!("<h3>Starts</h3>{}", table(&text::START_HEADER, rows));
+        sections += &format!("<h3>Starts</h3>{}", table(&text::start_header(solution), rows));
     }
     sections
 }

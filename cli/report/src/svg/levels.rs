@@ -1,12 +1,20 @@
 //! Limits as lines beside the curves of a figure.
 
 use crate::numbers::short;
-use crate::plot::{Curve, Look, NEUTRAL, Plot};
+use crate::plot::{Curve, Look, Plot};
 
-/// The limits that are within half of the size of their curve from it, so that it stays legible. A limit that
-/// several joints have is drawn once.
-pub fn levels(plot: &Plot) -> Vec<Curve> {
-    let mut levels: Vec<(Curve, Option<f64>)> = Vec::new();
+/// A limit as it is drawn, with its number among those of several joints that lie on one another, and how
+/// many these are: their dashes take turns.
+pub struct Level {
+    pub curve: Curve,
+    pub turn: usize,
+    pub of: usize,
+}
+
+/// The limits that are within half of the size of their curve from it, so that it stays legible, each in the
+/// colour of its joint.
+pub fn levels(plot: &Plot) -> Vec<Level> {
+    let mut levels: Vec<(Level, Option<f64>)> = Vec::new();
     for limit in &plot.limits {
         let Some(curve) = plot.curves.iter().find(|curve| curve.color == limit.color) else { continue };
         if !limit.points.iter().any(|point| is_near(point.1, curve)) {
@@ -17,20 +25,14 @@ pub fn levels(plot: &Plot) -> Vec<Curve> {
             false => (Look::Compared, "limit of the robot, only compared,"),
         };
         let value = limit.constant();
-        let same = |(level, other): &&mut (Curve, Option<f64>)| {
-            value.is_some() && *other == value && level.look == look
+        let number = value.map_or_else(String::new, |value| format!(" {}", short(value, 6)));
+        let name = format!("{what}{number} of {}", curve.name);
+        let curve = Curve { name, color: curve.color, points: limit.points.clone(), look };
+        let same = |(level, other): &&mut (Level, Option<f64>)| {
+            value.is_some() && *other == value && level.curve.look == look
         };
-        match levels.iter_mut().find(same) {
-            Some((level, _)) => {
-                level.color = NEUTRAL;
-                level.name = format!("{}, {}", level.name, curve.name);
-            }
-            None => {
-                let number = value.map_or_else(String::new, |value| format!(" {}", short(value, 6)));
-                let name = format!("{what}{number} of {}", curve.name);
-                levels.push((Curve { name, color: curve.color, points: limit.points.clone(), look }, value));
-            }
-        }
+        let of = 1 + levels.iter_mut().filter(same).map(|(level, _)| level.of += 1).count();
+        levels.push((Level { curve, turn: of - 1, of }, value));
     }
     levels.into_iter().map(|(level, _)| level).collect()
 }

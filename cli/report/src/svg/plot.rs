@@ -1,6 +1,6 @@
 //! Plots of curves as SVG.
 
-use super::levels::levels;
+use super::levels::{Level, levels};
 use super::markup::{axis_names, cut, escaped, level, upright};
 use super::smooth;
 use crate::numbers::{decades, range, short, tick, ticks};
@@ -52,7 +52,7 @@ fn class_of(look: Look) -> &'static str {
 /// A plot as it is drawn: its curves and the limits near them.
 struct Drawing<'a> {
     plot: &'a Plot,
-    levels: Vec<Curve>,
+    levels: Vec<Level>,
     size: (f64, f64),
 }
 
@@ -65,7 +65,7 @@ pub fn svg(plot: &Plot) -> String {
 impl Drawing<'_> {
     /// The limits, then the curves before which they lie.
     fn curves(&self) -> impl Iterator<Item = &Curve> {
-        self.levels.iter().chain(&self.plot.curves)
+        self.levels.iter().map(|level| &level.curve).chain(&self.plot.curves)
     }
 
     fn shown(&self, y: f64) -> bool {
@@ -100,7 +100,8 @@ impl Drawing<'_> {
              <text class=\"title\" x=\"{LEFT}\" y=\"20\">{title}</text>"
         );
         self.axes(&frame, &mut svg);
-        self.curves().for_each(|curve| svg.push_str(&self.path(curve, &frame)));
+        self.levels.iter().for_each(|level| svg.push_str(&self.path(&level.curve, &frame, &dashes(level))));
+        self.plot.curves.iter().for_each(|curve| svg.push_str(&self.path(curve, &frame, "")));
         for (k, curve) in named.iter().enumerate().filter(|_| legend) {
             svg.push_str(&entry(curve, right + 14.0, TOP + 10.0 + LINE * k as f64));
         }
@@ -129,7 +130,8 @@ impl Drawing<'_> {
         svg.push_str(&axis_names((LEFT, right), (TOP, bottom), [self.plot.x_label, &self.plot.y_label()]));
     }
 
-    fn path(&self, curve: &Curve, frame: &Frame) -> String {
+    /// A curve, with further attributes of its line.
+    fn path(&self, curve: &Curve, frame: &Frame, line: &str) -> String {
         let shown = |&(x, y): &(f64, f64)| (x.is_finite() && self.shown(y)).then(|| (frame.x(x), frame.y(y)));
         let points: Vec<_> = curve.points.iter().map(shown).collect();
         let pieces =
@@ -142,7 +144,22 @@ impl Drawing<'_> {
         };
         let name = escaped(&curve.name);
         let class = class_of(curve.look);
-        format!("<path class=\"{class} {}\" d=\"{d}\"><title>{name}</title></path>{dots}", color(curve.color))
+        let color = color(curve.color);
+        format!("<path class=\"{class} {color}\"{line} d=\"{d}\"><title>{name}</title></path>{dots}")
+    }
+}
+
+/// The dashes of one of several limits that lie on one another; those of a single one are in `figure.css`.
+fn dashes(level: &Level) -> String {
+    let (dash, gap) = if level.curve.look == Look::Kept { (6.0, 4.0) } else { (1.5, 4.0) };
+    let (step, of) = (dash + gap, level.of as f64);
+    match level.of {
+        1 => String::new(),
+        _ => format!(
+            " style=\"stroke-dasharray:{dash} {};stroke-dashoffset:{}\"",
+            step * of - dash,
+            step * (of - level.turn as f64)
+        ),
     }
 }
 

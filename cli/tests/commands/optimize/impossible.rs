@@ -62,8 +62,12 @@ fn what_cannot_be_done_is_told_with_what_has_to_give() {
     };
     for (lines, parts) in [
         ("jerk_max = [5.0, 1e4]", &["jerk", "5 rad/s^3", "'shoulder'"][..]),
-        ("torque_rate_max = [5.0, 5.0]", &["torque", "5 N m/s", "'shoulder'"]),
+        ("torque_rate_max = [5.0, 5.0]", &["torque rate limit", "5 N m/s", "'shoulder'"]),
     ] {
         missing.check(&at_rest(lines), IMPOSSIBLE, None, parts);
     }
+    // Motors that are too slow: nobody set a torque there.
+    let motors = "torque_max = [20.0, 20.0]\ncorner_speed = [0.1, 0.1]\nno_load_speed = [0.2, 0.2]";
+    let parts = ["the motor of joint 'shoulder'", "limits.no_load_speed 0.2 rad/s", "the motion needs "];
+    missing.check(&limits(motors), IMPOSSIBLE, None, &parts);
 }

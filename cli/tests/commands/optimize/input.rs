@@ -104,6 +104,12 @@ fn numbers_and_flags_of_limits_times_and_costs_are_checked() {
             &["cost.energy: give a number or a list of numbers"],
         ),
         (and("limits", "from_robot = 1"), 11, &["limits.from_robot: give true or false, not 1"]),
+        (
+            with("effort", "energy_smoothing = 2.0\neffort"),
+            9,
+            &["cost.energy_smoothing: has no effect without cost.energy"],
+        ),
+        (and("penalty", "weight = 1e300"), 11, &["penalty.weight: nothing is penalised"]),
         (and("limits", "vmax = [1.0, 1.0]"), 11, &["limits.vmax: unknown key", "`v_max`"]),
         (and("limit", "v_max = [1.0, 1.0]"), 10, &["limit: unknown key", "`limits`"]),
         (with("", "limits = 3"), 10, &["unknown key", "limits"]),
@@ -186,6 +192,17 @@ fn tools_are_checked() {
         ("[[cost.tool]]\nframe = \"tool0\"\nxyz = [1, 0, 1]\nposition_weight = inf", 13, &["inf"]),
         ("[[cost.tool]]\nframe = \"tool0\"\nxyz = [1, 0, 1]\norientation_weight = nan", 13, &["NaN"]),
         ("[[cost.tool]]\nframe = \"tool0\"\nxyz = [1, 0, 1]\nposition_weight = \"x\"", 13, &["a number"]),
+        (
+            "[[cost.tool]]\nframe = \"tool0\"\nxyz = [1, 0, 1]\norientation_weight = 2",
+            13,
+            &["cost.tool.orientation_weight: weighs nothing without an orientation"],
+        ),
+        (
+            "[[cost.reference]]\nframe = \"tool0\"\ntimes = [0]\npositions = [[1, 0, 1]]\n\
+             orientation_weight = 2",
+            14,
+            &["cost.reference.orientation_weight: weighs nothing without orientations"],
+        ),
         ("[[keep]]\nframe = \"tool0\"", 10, &["keep.kind: missing"]),
         ("[[keep]]\nkind = \"plan\"\nframe = \"tool0\"", 11, &["`plan` is unknown", "`plane`"]),
         ("[[keep]]\nkind = \"speed\"\nframe = \"tool0\"\nspeed = -1", 13, &["keep.speed: ", "-1"]),

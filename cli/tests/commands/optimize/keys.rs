@@ -119,6 +119,7 @@ fn ends_vias_and_periodic_motions_are_checked() {
     let start = |line: &str| with("q = [0.0, 0.0]", &format!("q = [0.0, 0.0]\n{line}"));
     for (line, parts) in [
         ("q_free = [\"elbo\"]", &["start.q_free: there is no joint 'elbo'; did you mean 'elbow'?"][..]),
+        ("q_free = [0, \"shoulder\"]", &["start.q_free: joint 'shoulder' is listed twice"]),
         ("q_free = [-1]", &["start.q_free: give a list of joints"]),
         ("v_free = \"elbow\"", &["start.v_free: give a list of joints", "not the string"]),
         ("v = 3", &["start.v: give a list of numbers, not 3"]),

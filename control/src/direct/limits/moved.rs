@@ -15,6 +15,17 @@ impl Barrier {
         }
     }
 
+    /// Moves the limit of a jerk or of the rate of a torque, a side of [`rate_sides`](Self::rate_sides),
+    /// inside by `amount` at Gauss's points of an interval, and by `most` in all.
+    pub fn move_rate_inside(&mut self, interval: usize, side: usize, amount: f64, most: f64) {
+        self.moved.resize(self.weight.len(), 0.0);
+        let (first, sides) = (self.first_of_rates() + side, self.rates.len());
+        for p in POINTS * interval..POINTS * (interval + 1) {
+            let moved = &mut self.moved[first + sides * p];
+            *moved = (*moved - amount).max(-most);
+        }
+    }
+
     /// Moves the limits of each side out by so much, wherever they are measured along the motion.
     pub fn move_out(&mut self, amount: impl Fn(usize) -> f64) {
         self.moved.clear();

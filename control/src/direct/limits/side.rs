@@ -44,6 +44,12 @@ impl Limited {
         matches!(self, Self::Task | Self::ToolAcceleration)
     }
 
+    /// Whether it is a smooth function in each interval that may be largest at its ends. Torques are cut to
+    /// their limits there.
+    pub fn is_largest_at_ends(self) -> bool {
+        matches!(self, Self::Acceleration | Self::Power | Self::TorqueSpeed | Self::ToolAcceleration)
+    }
+
     /// Whether it may jump at nodes: only its values at points are those of the motion that is meant.
     pub fn jumps(self, shape: Shape) -> bool {
         match self {

@@ -41,6 +41,7 @@ pub(super) fn integrate(
     (problem, loops): (&Problem, &Loops),
     spline: &Spline,
     part: f64,
+    stops: &mut dyn FnMut() -> bool,
     mut at_part: impl FnMut(&[f64], &[f64]),
 ) -> Result<Vec<f64>, Stopped> {
     let (all, limits) = (spline.dof, problem.joint_limits());
@@ -62,7 +63,10 @@ pub(super) fn integrate(
     let mut since = 0.0;
     for k in 0..spline.mesh.intervals() {
         let length = spline.length(k);
-        integrator.integrate(&mut x, 0.0..length, |t, x, rate| -> Result<(), EvalError> {
+        integrator.integrate_until(&mut x, 0.0..length, |t, x, rate| -> Result<(), Stopped> {
+            if stops() {
+                return Err(Stopped::Interrupted);
+            }
             spline.in_interval(k, t / length, &mut z);
             torques.inverse_dynamics(&z, &mut tau)?;
             for (tau, limit) in tau.iter_mut().zip(&limits) {

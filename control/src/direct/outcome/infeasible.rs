@@ -1,6 +1,6 @@
 //! What limits give, in the words of the user.
 
-use super::report::{excess, name, of_rate, unit};
+use super::report::{excess, joint, name, rate, torque_limit, unit};
 use crate::constants::direct as constants;
 use crate::direct::interior::elastic::Given;
 use crate::direct::interior::iterate::Interior;
@@ -31,6 +31,8 @@ pub(crate) fn with_proof(problem: &Problem, found: Option<Infeasibility>) -> Opt
             part: 0.5 * short.amount / short.limit,
             unit: unit.into(),
             limit: Some(if forward { short.limit } else { -short.limit }),
+            rate: None,
+            no_load_speed: None,
         })
     };
     let mut found = found.unwrap_or_else(|| Infeasibility {
@@ -49,19 +51,20 @@ pub(crate) fn relaxed<D: PointDynamics>(problem: &Problem, interior: &Interior<D
     let least = given.first().map_or(0.0, |first| constants::NOTICED_RELIEF * first.part.max(0.0));
     given.retain(|given| given.part > least);
     let (names, kinds) = problem.named_coordinates();
-    let limits = given.iter().map(|given| limit(interior, given, &names, &kinds)).collect();
+    let limits = given.iter().map(|given| limit(problem, interior, given, &names, &kinds)).collect();
     // No proof, linear limits or not: between the points of a mesh other motions keep more.
     Infeasibility { limits, ..Infeasibility::default() }
 }
 
 fn limit<D: PointDynamics>(
+    problem: &Problem,
     interior: &Interior<D>,
     given: &Given,
     names: &[String],
     kinds: &[JointKind],
 ) -> RelaxedLimit {
     let side = interior.barrier.numbered(given.side);
-    let of_rate = of_rate(interior, given.at);
+    let rate = interior.barrier.point_of(given.at).and_then(|p| rate(interior, side, interior.points.z(p)));
     RelaxedLimit {
         kind: side.limited.name().into(),
         name: name(interior, side, None, names).into(),
@@ -75,6 +78,8 @@ fn limit<D: PointDynamics>(
         amount: excess(interior, side, None, -given.amount),
         part: given.part,
         unit: unit(interior, side, None, kinds).into(),
-        limit: (!side.limited.is_task()).then_some(side.bound - of_rate),
+        limit: (!side.limited.is_task()).then_some(torque_limit(side, rate).unwrap_or(side.bound)),
+        rate: rate.map(|(rate, _)| rate),
+        no_load_speed: rate.and(joint(interior, side)).map(|joint| problem.joint_limits()[joint].speeds[1]),
     }
 }

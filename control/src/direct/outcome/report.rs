@@ -1,9 +1,10 @@
 //! How the motion that was found uses its limits.
 
-use crate::constants::direct::{ACTIVE, VIOLATION_ACCEPTED};
+use crate::constants::direct::{ACTIVE, VIOLATION_ACCEPTED, VIOLATION_BETWEEN};
 use crate::direct::interior::iterate::Interior;
 use crate::direct::limits::side::{Limited, Side};
 use crate::direct::refine::at_ends::AtEnds;
+use crate::direct::refine::peak::{self, WITH_ENDS};
 use crate::direct::refine::resolution::Resolution;
 use crate::problem::Problem;
 use crate::result::infeasibility::Infeasibility;
@@ -48,14 +49,31 @@ fn usage<D>(
         false => (barrier.sides(), [resolution.distances(), &ends.distance]),
     };
     let mut found: Option<LimitUse> = None;
+    let (mut worst_between, mut z) = (VIOLATION_BETWEEN, vec![0.0; 3 * spline.dof]);
     let is_this = |side: &Side| match limited {
         Limited::Task => side.limited.is_task(),
         _ => side.limited == limited,
     };
     for (i, side) in sides.iter().enumerate().filter(|(_, side)| is_this(side)) {
         let usage = found.get_or_insert_default();
-        let between = distances.iter().flat_map(|all| all.iter().skip(i).step_by(sides.len()));
-        usage.between = between.fold(usage.between, |most, &d| most.max(excess(interior, side, None, d)));
+        for k in 0..spline.mesh.intervals() {
+            let (place, distance) = least(side, sides.len(), i, k, distances);
+            usage.between = usage.between.max(excess(interior, side, None, distance));
+            let part = side.violation(distance);
+            // Torques are cut to their limits, and equations that may jump cannot be kept around a jump.
+            let counts =
+                limited != Limited::Torque && !(side.is_equation && side.limited.jumps(spline.mesh.shape));
+            if part > worst_between && counts {
+                worst_between = part;
+                spline.in_interval(k, place, &mut z);
+                let s = spline.mesh.nodes[k] + place * spline.mesh.width(k);
+                let rate = rate(interior, side, &z);
+                let named = (name(interior, side, None, names), unit(interior, side, None, kinds));
+                let excess = excess(interior, side, None, distance);
+                usage.worst_between =
+                    Some(violation(side, distance, named, (spline.time_at(s), excess), rate));
+            }
+        }
         if matches!(limited, Limited::Position | Limited::Rate) {
             usage.between = usage.between.max(resolution.exceeded_by(i) * side.range);
         }
@@ -73,17 +91,56 @@ fn usage<D>(
         let part = side.violation(distance);
         if part > worst {
             worst = part;
-            usage.worst = Some(LimitViolation {
-                name: name(interior, side, end, names).into(),
-                time: spline.time_at(barrier.place(at, spline)),
-                excess: excess(interior, side, end, distance),
-                unit: unit(interior, side, end, kinds).into(),
-                value: side.bound + side.sign * distance - of_rate(interior, at),
-                limit: side.bound - of_rate(interior, at),
-            });
+            let rate = barrier.point_of(at).and_then(|p| rate(interior, side, interior.points.z(p)));
+            let named = (name(interior, side, end, names), unit(interior, side, end, kinds));
+            let time = spline.time_at(barrier.place(at, spline));
+            let excess = excess(interior, side, end, distance);
+            usage.worst = Some(violation(side, distance, named, (time, excess), rate));
         }
     }
     found
+}
+
+/// Where a side is nearest to its limit in interval `k`, or beyond it, and its distance there: from those
+/// between the points and at the ends, of `count` sides.
+fn least(side: &Side, count: usize, i: usize, k: usize, [between, ends]: [&[f64]; 2]) -> (f64, f64) {
+    let last = WITH_ENDS.len() - 1;
+    let at = |at: usize| match at {
+        0 => ends[count * 2 * k + i],
+        at if at == last => ends[count * (2 * k + 1) + i],
+        at => between[count * ((last - 1) * k + at - 1) + i],
+    };
+    // Distances of bodies have corners; peaks of positions and rates are those of `Excess`.
+    if !side.limited.is_largest_at_ends() && side.limited < Limited::Jerk {
+        let part = |p: &usize| side.violation(at(*p));
+        let worst = (0..=last).max_by(|a, b| part(a).total_cmp(&part(b))).unwrap_or(0);
+        return (WITH_ENDS[worst], at(worst));
+    }
+    let below = peak::least(std::array::from_fn(at));
+    if !side.is_equation {
+        return below;
+    }
+    let above = peak::least(std::array::from_fn(|p| -at(p)));
+    if above.1 < below.1 { (above.0, -above.1) } else { below }
+}
+
+/// Where a limit is exceeded: name and unit, time and excess, and the rate of a motor.
+fn violation(
+    side: &Side,
+    distance: f64,
+    (name, unit): (&str, &str),
+    (time, excess): (f64, f64),
+    rate: Option<(f64, f64)>,
+) -> LimitViolation {
+    LimitViolation {
+        name: name.into(),
+        time,
+        excess,
+        unit: unit.into(),
+        value: side.bound + side.sign * distance - rate.map_or(0.0, |(_, line)| line),
+        limit: torque_limit(side, rate).unwrap_or(side.bound),
+        rate: rate.map(|(rate, _)| rate),
+    }
 }
 
 /// The name of a joint, of all, or of a row at an end or along the motion.
@@ -100,23 +157,25 @@ pub(super) fn name<'a, D>(
 }
 
 /// The joint of a side that is not a row of a task; `None` for all.
-fn joint<D>(interior: &Interior<D>, side: &Side) -> Option<usize> {
+pub(super) fn joint<D>(interior: &Interior<D>, side: &Side) -> Option<usize> {
     match side.limited {
         Limited::Power | Limited::TorqueSpeed => interior.model.powers.joint(side.joint),
         _ => Some(side.joint),
     }
 }
 
-/// What is to be taken from value and bound of an entry to get a torque and its limit at this rate; zero
-/// where the limit does not depend on the rate.
-pub(super) fn of_rate<D>(interior: &Interior<D>, at: usize) -> f64 {
-    let (side, n) = (interior.barrier.side(at), interior.points.dof);
-    match interior.barrier.point_of(at) {
-        Some(p) if side.limited == Limited::TorqueSpeed => {
-            interior.model.powers.line(side.joint, &interior.points.z(p)[n..2 * n])
-        }
-        _ => 0.0,
-    }
+/// Where the torque of a motor is limited by its rate: the rate at z = (q, v, a), and what is to be taken
+/// from value and bound to get a torque and its limit at this rate.
+pub(super) fn rate<D>(interior: &Interior<D>, side: &Side, z: &[f64]) -> Option<(f64, f64)> {
+    let n = interior.points.dof;
+    let joint = joint(interior, side).filter(|_| side.limited == Limited::TorqueSpeed)?;
+    Some((z[n + joint], interior.model.powers.line(side.joint, &z[n..2 * n])))
+}
+
+/// The limit of a torque at a [`rate`]; 0 beyond the no-load speed, where the motor has none.
+pub(super) fn torque_limit(side: &Side, rate: Option<(f64, f64)>) -> Option<f64> {
+    let limit = side.bound - rate?.1;
+    Some(if side.sign * limit < 0.0 { limit } else { 0.0 })
 }
 
 /// The unit of a limit.

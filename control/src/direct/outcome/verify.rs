@@ -11,7 +11,6 @@ use crate::options::{SolverOptions, Verify};
 use crate::problem::Problem;
 use crate::problem::loop_rows::Loops;
 use crate::result::verify::verification_bound;
-use costate::EvalError;
 use costate::lagrangian::Lagrangian;
 use std::sync::Arc;
 
@@ -26,12 +25,14 @@ pub(crate) struct Again {
     pub parts: f64,
     /// Whether the torques lead along the motion: to its end, or at least to the end of each part.
     pub leads: bool,
+    /// Whether the integration was done, or not needed: not so where the search was stopped.
+    pub is_complete: bool,
 }
 
 impl Again {
     /// Without an integration.
     pub fn unknown(leads: bool) -> Self {
-        Self { state: None, defect: f64::INFINITY, parts: f64::INFINITY, leads }
+        Self { state: None, defect: f64::INFINITY, parts: f64::INFINITY, leads, is_complete: true }
     }
 }
 
@@ -42,11 +43,14 @@ impl Again {
 /// integrated once through misses its end, [`PARTS`](constants::PARTS) of it are looked at one by one, as in
 /// multiple shooting. Their misses are added: what limits cut off torques moves a motion that forgets nothing
 /// by that much.
+///
+/// It ends early where the search is to stop, which `stops` tells: nothing is known then.
 pub(crate) fn integrate_again<D>(
     problem: &Problem,
     options: &SolverOptions,
     interior: &mut Interior<D>,
     resolution: &Resolution,
+    stops: &mut dyn FnMut() -> bool,
 ) -> Again {
     let spline = &interior.spline;
     let bound = constants::VERIFIED * options.tolerance.sqrt();
@@ -76,12 +80,19 @@ pub(crate) fn integrate_again<D>(
     };
     let mut last = vec![0.0; 3 * spline.dof];
     spline.in_interval(spline.mesh.intervals() - 1, 1.0, &mut last);
-    let state = integrate(problem, spline, f64::INFINITY, |_, _| ()).ok();
+    let stopped = || Again { is_complete: false, ..Again::unknown(false) };
+    let state = match integrate(problem, spline, f64::INFINITY, stops, |_, _| ()) {
+        Err(Stopped::Interrupted) => return stopped(),
+        state => state.ok(),
+    };
     let mut again = Again::unknown(state.as_ref().is_some_and(|state| distance(state, &last) <= bound));
     if !again.leads {
         let mut parts = 0.0_f64;
         let each = spline.duration() / constants::PARTS;
-        let ended = integrate(problem, spline, each, |x, z| parts += distance(x, z));
+        let ended = integrate(problem, spline, each, stops, |x, z| parts += distance(x, z));
+        if ended == Err(Stopped::Interrupted) {
+            return stopped();
+        }
         again.parts = ended.map_or(f64::INFINITY, |state| parts + distance(&state, &last));
         again.leads = again.parts <= bound;
     }
@@ -115,10 +126,11 @@ fn integrate(
     problem: &Problem,
     spline: &Spline,
     part: f64,
+    stops: &mut dyn FnMut() -> bool,
     mut at_part: impl FnMut(&[f64], &[f64]),
 ) -> Result<Vec<f64>, Stopped> {
     if let Some(loops) = &problem.loops {
-        return closed_verify::integrate((problem, loops), spline, part, at_part);
+        return closed_verify::integrate((problem, loops), spline, part, stops, at_part);
     }
     let n = spline.dof;
     let limits = problem.joint_limits();
@@ -133,7 +145,10 @@ fn integrate(
     let mut since = 0.0;
     for k in 0..spline.mesh.intervals() {
         let (length, [inverse, forward]) = (spline.length(k), &mut models[spline.mesh.phase(k)]);
-        integrator.integrate(&mut x, 0.0..length, |t, x, rate| -> Result<(), EvalError> {
+        integrator.integrate_until(&mut x, 0.0..length, |t, x, rate| -> Result<(), Stopped> {
+            if stops() {
+                return Err(Stopped::Interrupted);
+            }
             spline.in_interval(k, t / length, &mut z);
             tau.copy_from_slice(inverse.inverse_dynamics(&z[..n], &z[n..2 * n], &z[2 * n..])?);
             for (tau, limit) in tau.iter_mut().zip(&limits) {

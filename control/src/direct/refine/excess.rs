@@ -1,6 +1,7 @@
 //! By how much each limit is exceeded inside of each interval.
 
 use super::between::BETWEEN;
+use super::peak::least_between;
 use crate::direct::limits::side::{Limited, Side};
 use crate::direct::motion::spline::Spline;
 
@@ -17,7 +18,8 @@ pub(super) struct Excess {
 impl Excess {
     /// Takes the distances at all places between the points. Of positions and rates the peaks between these
     /// places count, by the cubic through values and slopes at two neighbouring places: exact for rates where
-    /// accelerations jump, which are polynomials of degree three, and close for all else.
+    /// accelerations jump, which are polynomials of degree three, and close for all else. Accelerations,
+    /// powers and limits of motors, which may be largest at the ends of an interval, are continued to them.
     pub fn measure(&mut self, spline: &Spline, sides: &[Side], distance: &[f64]) {
         self.sides = sides.len();
         self.over.clear();
@@ -30,6 +32,10 @@ impl Excess {
                 for ((over, side), &distance) in over.iter_mut().zip(sides).zip(distances) {
                     *over = over.max(side.violation(distance));
                 }
+            }
+            for (i, side) in sides.iter().enumerate().filter(|(_, side)| side.limited.is_largest_at_ends()) {
+                let value = |at: usize| distance[sides.len() * (BETWEEN.len() * k + at) + i];
+                over[i] = over[i].max(side.violation(least_between(std::array::from_fn(value))));
             }
             if states > 0 {
                 self.add_peaks(k, spline, &sides[..states]);

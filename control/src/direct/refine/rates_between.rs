@@ -1,6 +1,7 @@
 //! Jerks and rates of torques beside the points of a motion.
 
 use super::between::{BETWEEN, weight};
+use super::peak::least_between;
 use crate::direct::interior::iterate::Interior;
 use crate::direct::limits::distances::measure_rates;
 use crate::direct::motion::shape::{POINTS, WEIGHTS};
@@ -20,6 +21,8 @@ pub(super) struct RatesBetween {
     pub distance: Vec<f64>,
     /// Largest violation in each interval, in parts of ranges.
     pub violations: Vec<f64>,
+    /// The same of each side, the sides of one interval after the other; 0 for none.
+    over: Vec<f64>,
 }
 
 impl RatesBetween {
@@ -62,11 +65,24 @@ impl RatesBetween {
         measure_rates(sides, values, &mut self.distance);
         self.violations.clear();
         self.violations.resize(spline.mesh.intervals(), 0.0);
-        for (p, distance) in self.distance.chunks_exact(sides.len().max(1)).enumerate() {
-            let most = &mut self.violations[p / places.len()];
-            *most = distance.iter().zip(sides).fold(*most, |most, (d, side)| most.max(side.violation(*d)));
+        self.over.clear();
+        if places.len() != BETWEEN.len() {
+            return Ok(());
+        }
+        for k in 0..spline.mesh.intervals() {
+            for (i, side) in sides.iter().enumerate() {
+                let values = std::array::from_fn(|at| self.distance(BETWEEN.len() * k + at)[i]);
+                let over = side.violation(least_between(values)).max(0.0);
+                self.over.push(over);
+                self.violations[k] = self.violations[k].max(over);
+            }
         }
         Ok(())
+    }
+
+    /// Largest violation of a side in an interval, its ends included, in parts of its range.
+    pub fn of(&self, interval: usize, side: usize) -> f64 {
+        self.over[self.sides * interval + side]
     }
 
     /// Distances to all limits at a place.

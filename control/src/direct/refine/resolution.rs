@@ -9,7 +9,7 @@ use crate::direct::interior::iterate::Interior;
 use crate::direct::limits::distances::measure;
 use crate::direct::limits::multipliers::Multipliers;
 use crate::direct::limits::side::{Limited, Side};
-use crate::direct::motion::shape::{PLACES, POINTS};
+use crate::direct::motion::shape::{PLACES, POINTS, WEIGHTS};
 use crate::direct::points::rates::RateCosts;
 use crate::direct::points::values::{PointDynamics, Points};
 use crate::numerics::lagrange::values;
@@ -24,7 +24,7 @@ pub(crate) struct Resolution {
     /// not jump at nodes.
     pub violations: Vec<f64>,
     /// The same of those whose values may jump there. Where jumps are as close to each other as nodes may be,
-    /// these are not resolved: 0 there.
+    /// those of accelerations and torques are not resolved: 0 there.
     pub overshoots: Vec<f64>,
     /// What it costs in each interval to move these inside as far as they are exceeded.
     pub losses: Vec<f64>,
@@ -105,6 +105,9 @@ impl Resolution {
         self.estimate(interior);
         self.compare_costs(interior);
         self.look_between(interior);
+        if interior.spline.mesh.shape.is_smooth() {
+            self.overshoots.copy_from_slice(&self.rates.violations);
+        }
         for (k, most) in self.violations.iter_mut().enumerate() {
             *most = most.max(interior.model.tasks.sweep(&interior.spline, k)?);
         }
@@ -261,6 +264,10 @@ impl Resolution {
             }
             for i in 0..interior.barrier.rate_sides().len() {
                 let densities = [0, 1, 2].map(|j| multipliers.at_gauss_point(POINTS * k + j, i));
+                let mean: f64 = WEIGHTS.iter().zip(densities).map(|(weight, d)| weight * d).sum();
+                let over = (constants::MOVED * self.rates.of(k, i)).min(constants::MOST_OF_RATES);
+                let over = over * interior.barrier.rate_sides()[i].range;
+                self.losses[k] += interior.spline.mesh.width(k) * mean * over;
                 let signed = BETWEEN.iter().enumerate().map(|(at, &x)| {
                     let density: f64 =
                         values(&PLACES, x).iter().zip(densities).map(|(part, d)| part * d).sum();

@@ -102,10 +102,14 @@ impl Direct<'_> {
         let ends = AtEnds::of(interior)?;
         let Found { trajectory, hamiltonians } = found(problem, interior, &ends)?;
         // What exceeds its limits leads nowhere.
-        let exceeds = matches!(status, Status::LimitsNotKept | Status::Infeasible);
+        let exceeds = matches!(status, Status::LimitsNotKept | Status::Infeasible)
+            || interior.figures.violation > constants::VIOLATION_ACCEPTED;
         let again = again.unwrap_or_else(|| match status.is_interruption() || exceeds {
             true => Again::unknown(false),
-            false => integrate_again(problem, self.options, interior, resolution),
+            false => {
+                let mut stops = || recorder.interruption().is_some();
+                integrate_again(problem, self.options, interior, resolution, &mut stops)
+            }
         });
         let iterations = std::mem::take(&mut recorder.iterations);
         let certificate = match status.is_converged().then(|| interior.inertia()).transpose()? {

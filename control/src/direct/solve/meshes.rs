@@ -101,7 +101,7 @@ pub(super) fn refine(
     let mut precision = least.max(constants::FIRST_PRECISION);
     interior.last_tolerance = Some(least);
     let (mut mesh, mut left, mut mended) = (0, 0, Mended::default());
-    // Limits do not move where accelerations are continuous.
+    // Where accelerations are continuous only limits of jerks and of rates of torques move.
     let smooth = interior.spline.mesh.shape.is_smooth();
     interior.clock.lap(Stage::Preparation);
     while mesh < constants::MESHES {
@@ -151,7 +151,8 @@ pub(super) fn refine(
         let error = (resolution.error() + figures.gap) / figures.size;
         let violated = figures.violation > constants::VIOLATION_ACCEPTED;
         let accurate = error <= tolerance && resolution.violation() <= constants::VIOLATION_BETWEEN;
-        let moves = end == End::Solved && !unresolved && !smooth && {
+        let can_move = !smooth || resolution.violation() <= constants::VIOLATION_BETWEEN;
+        let moves = end == End::Solved && !unresolved && can_move && {
             let loss = resolution.loss() / figures.size;
             // A motion that is not verified is one to begin with.
             let overshoot = if options.verify == Verify::None { 0.0 } else { resolution.overshoot() };
@@ -172,7 +173,11 @@ pub(super) fn refine(
             End::NoProgress => Status::NewtonFailed,
             End::IterationLimit => Status::IterationLimit,
             End::Solved if accurate && precision <= least && !moves => {
-                verified(problem, options, interior, resolution, &mut again)
+                let status = verified(problem, options, interior, resolution, &mut again, recorder);
+                if status.is_interruption() {
+                    return Ok(Refined { error, again, ..Refined::without(status) });
+                }
+                status
             }
             End::Solved => Status::MeshLimit,
         };
@@ -242,16 +247,21 @@ fn come_back(
     Ok(resolution.error() / interior.figures.size)
 }
 
-/// Whether the torques lead along the motion, to the tolerance of the options.
+/// Whether the torques lead along the motion, to the tolerance of the options; or what stopped the search.
 fn verified(
     problem: &Problem,
     options: &SolverOptions,
     interior: &mut Interior<Dynamics>,
     resolution: &Resolution,
     again: &mut Option<Again>,
+    recorder: &mut Recorder<'_>,
 ) -> Status {
-    let found = again.insert(integrate_again(problem, options, interior, resolution));
+    let mut stops = || recorder.interruption().is_some();
+    let found = again.insert(integrate_again(problem, options, interior, resolution, &mut stops));
     interior.clock.lap(Stage::Verification);
+    if !found.is_complete {
+        return recorder.interruption().map_or(Status::NotVerified, Status::from);
+    }
     if found.leads { Status::Converged } else { Status::NotVerified }
 }
 

@@ -20,7 +20,7 @@ pub(super) fn joints(table: &Table<'_>, name: &str) -> Result<Option<Vec<JointNa
     })
 }
 
-/// Indices of joints, sorted, each once.
+/// Indices of joints, sorted; none may be given twice.
 pub(super) fn indices(problem: &Problem, key: Key, names: &[JointName]) -> Result<Vec<usize>, ProblemError> {
     let index = |name: &JointName| match name {
         JointName::Index(index) => Ok(*index),
@@ -31,6 +31,11 @@ pub(super) fn indices(problem: &Problem, key: Key, names: &[JointName]) -> Resul
     };
     let mut indices: Vec<usize> = names.iter().map(index).collect::<Result<_, _>>()?;
     indices.sort_unstable();
-    indices.dedup();
-    Ok(indices)
+    match indices.windows(2).find(|pair| pair[0] == pair[1]) {
+        Some(pair) => match problem.robot.independent_joints().nth(pair[0]) {
+            Some(joint) => Err(ProblemError::GivenTwice { key, joint: joint.name.clone() }),
+            None => Err(problem.unknown_joint(key, pair[0].to_string())),
+        },
+        None => Ok(indices),
+    }
 }

@@ -60,7 +60,12 @@ pub(super) fn reference(table: &Table<'_>) -> Result<Reference, Fault> {
         let read = |value: &DeValue<'_>| <[f64; 3]>::try_from(numbers(value)?).ok();
         table.list(name, "a list of lists of three numbers, one list for each time", read)
     };
-    let weight = |name: &str| Ok::<_, Fault>(table.number(name)?.unwrap_or(1.0));
+    let weight = |name: &str, of: &str, message| match table.number(name)? {
+        Some(weight) if weight > 0.0 && !table.has(of) => {
+            Err(table.fault(name, ProblemFileCause::Conflict(message)))
+        }
+        weight => Ok(weight.unwrap_or(1.0)),
+    };
     let orientations = triples("orientations")?;
     if let Some(k) = orientations.as_ref().and_then(|list| list.windows(2).position(turns_too_far)) {
         let cause = TaskError::HalfTurn { time: times.get(k).copied().unwrap_or_default() };
@@ -74,8 +79,16 @@ pub(super) fn reference(table: &Table<'_>) -> Result<Reference, Fault> {
         positions: triples("positions")?,
         velocities: triples("velocities")?,
         orientations,
-        position_weight: weight("position_weight")?,
-        orientation_weight: weight("orientation_weight")?,
+        position_weight: weight(
+            "position_weight",
+            "positions",
+            "weighs nothing without positions; give them, or remove it",
+        )?,
+        orientation_weight: weight(
+            "orientation_weight",
+            "orientations",
+            "weighs nothing without orientations; give them, or remove it",
+        )?,
     }))
 }
 

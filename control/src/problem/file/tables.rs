@@ -129,6 +129,10 @@ pub(super) fn read(root: &Table<'_>, source: Source) -> Result<Tables, Fault> {
     let limits = optional("limits", LIMITS)?.as_ref().map(limits).transpose()?;
     let task = task::read(root)?;
     let energy = cost.map_or(Ok(None), energy)?;
+    if let Some(cost) = cost.filter(|cost| cost.has("energy_smoothing") && !cost.has("energy")) {
+        let message = "has no effect without cost.energy; add that, or remove this";
+        return Err(cost.fault("energy_smoothing", ProblemFileCause::Conflict(message)));
+    }
     let numbers = |name| cost.map_or(Ok(None), |cost| cost.numbers(name));
     Ok(Tables {
         robot,
@@ -197,6 +201,10 @@ fn bounds(table: &Table<'_>) -> Result<Bounds, Fault> {
 }
 
 fn penalty(table: &Table<'_>) -> Result<Penalty, Fault> {
+    if !["q_min", "q_max", "v_max"].iter().any(|limit| table.has(limit)) {
+        let message = "nothing is penalised; give q_min, q_max or v_max, or remove [penalty]";
+        return Err(table.fault("weight", ProblemFileCause::Conflict(message)));
+    }
     Ok(Penalty {
         weight: table.need("weight", table.number("weight")?)?,
         q_min: table.numbers("q_min")?,

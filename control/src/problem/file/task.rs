@@ -1,5 +1,6 @@
 //! The tables of what a motion does beside its ends: what tools keep, costs of tools, references, obstacles.
 
+use super::error::ProblemFileCause;
 use super::fault::Fault;
 use super::obstacles::obstacles;
 use super::references::references;
@@ -46,9 +47,24 @@ pub(super) fn read(root: &Table<'_>) -> Result<Task, Fault> {
     let mut tool_costs = Vec::new();
     if let Some(costs) = root.table("cost")? {
         for table in costs.tables("tool", COST)? {
-            let weight = |name: &str| Ok::<_, Fault>(table.number(name)?.unwrap_or(1.0));
-            let weights = [weight("position_weight")?, weight("orientation_weight")?];
-            tool_costs.push(ToolCost::new(pose(&table)?, weights[0], weights[1]));
+            let pose = pose(&table)?;
+            let weight = |name: &str, is_given: bool, message| match table.number(name)? {
+                Some(weight) if weight > 0.0 && !is_given => {
+                    Err(table.fault(name, ProblemFileCause::Conflict(message)))
+                }
+                weight => Ok(weight.unwrap_or(1.0)),
+            };
+            let position = weight(
+                "position_weight",
+                pose.position.is_some(),
+                "weighs nothing without a position; give xyz, or remove it",
+            )?;
+            let orientation = weight(
+                "orientation_weight",
+                pose.orientation.is_some(),
+                "weighs nothing without an orientation; give rpy, rotation or along, or remove it",
+            )?;
+            tool_costs.push(ToolCost::new(pose, position, orientation));
         }
     }
     let references = root.table("cost")?.map_or(Ok(Vec::new()), |costs| references(&costs))?;

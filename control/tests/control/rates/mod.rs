@@ -74,7 +74,7 @@ fn check_samples(solution: &Solution, problem: &Problem, jerk_max: [f64; 2]) {
     for (t, a) in samples.t.windows(2).zip(samples.a.windows(2)) {
         for i in 0..2 {
             let change = (a[1][i] - a[0][i]).abs();
-            // The jerk overshoots inside of the interval where it jumps.
+            // The jerk may overshoot inside of the interval where it jumps.
             assert!(change <= 1.4 * jerk_max[i] * (t[1] - t[0]) + 1e-9, "{} {i}: {change}", t[0]);
         }
     }

@@ -70,10 +70,16 @@ const makePlots = (player) => {
       return [low, high];
     };
 
-    // The limits of the curves that are shown, near enough not to flatten them.
-    const limitsNear = (shown, [low, high]) => plot.limits.filter((limit) => {
+    // The limits of the curves that are shown, near enough not to flatten them. Where the limits of some joints
+    // are shown, those of others are from farther away: a curve beyond the limit of another joint is seen to
+    // have its own.
+    const limitsNear = (shown, range) => {
+      const near = limitsWithin(shown, range, 0.55);
+      return near.length ? limitsWithin(shown, range, 1.6) : near;
+    };
+    const limitsWithin = (shown, [low, high], part) => plot.limits.filter((limit) => {
       if (!shown.some((curve) => curve.color === limit.color)) return false;
-      const room = 0.55 * (high - low);
+      const room = part * (high - low);
       const values = Array.isArray(limit.value) ? limit.value.map((_, k) => limitValue(limit, k)) : [limitValue(limit, 0)];
       return values.some((value) => value >= low - room && value <= high + room);
     });
@@ -155,14 +161,25 @@ const makePlots = (player) => {
       draw(draw(draw(svg, "defs"), "clipPath", { id: clip }), "rect",
         { x: MARGIN.left, y: MARGIN.top, width: width - MARGIN.left - MARGIN.right, height: bottom - MARGIN.top });
       const group = draw(svg, "g", { "clip-path": `url(#${clip})` });
-      limits.forEach((limit) => {
+      limits.forEach((limit, number) => {
+        // Dashes of limits that lie on one another take turns, so that the colour of each joint is seen.
+        const same = limits.map((other, k) => k).filter((k) => limits[k].kept === limit.kept
+          && !Array.isArray(limit.value) && limitValue(limits[k], 0) === limitValue(limit, 0));
+        const [dash, step] = limit.kept ? [6, 10] : [1.5, 5.5];
+        const dashes = same.length < 2 ? ""
+          : `;stroke-dasharray:${dash} ${step * same.length - dash};stroke-dashoffset:${-step * same.indexOf(number)}`;
         const curve = shown.find((each) => each.color === limit.color);
         const area = beyond(curve, limit, scale);
         if (area) draw(group, "path", { class: "beyond", d: area });
         const list = Array.isArray(limit.value) ? times.map((t, k) => [t, limitValue(limit, k)])
           : [[from, limitValue(limit, 0)], [to, limitValue(limit, 0)]];
         const d = `M${list.map(([t, value]) => `${scale.x(t).toFixed(1)} ${scale.y(value).toFixed(1)}`).join("L")}`;
-        draw(group, "path", { class: limit.kept ? "limit kept" : "limit compared", d, style: `stroke:${jointColour(limit.color)}` });
+        draw(group, "path", { class: limit.kept ? "limit kept" : "limit compared", d, style: `stroke:${jointColour(limit.color)}${dashes}` });
+        // Whose limit it is, at its right end: other curves may go beyond.
+        if (same.length && same[0] === number && shown.length > same.length) {
+          const others = same.length > 1 ? ` and ${same.length - 1} more` : "";
+          draw(group, "text", { class: "whose", x: width - MARGIN.right - 4, y: scale.y(limitValue(limit, 0)) + (limit.upper ? -4 : 11), "text-anchor": "end" }, `limit of ${curve.name}${others}`);
+        }
       });
       shown.forEach((curve) => {
         draw(group, "path", { class: "curve", d: pathOf(curve, scale), style: `stroke:${jointColour(curve.color)}` });
