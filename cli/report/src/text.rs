@@ -226,8 +226,8 @@ fn infeasible(solution: &Solution) -> String {
 
 /// Two numbers with four digits, or as many more as tell them apart.
 fn apart(a: f64, b: f64) -> (String, String) {
-    let all = (4..=17).map(|digits| (short(a, digits), short(b, digits)));
-    all.clone().find(|(a, b)| a != b).or_else(|| all.next_back()).unwrap_or_default()
+    let with = |digits| (short(a, digits), short(b, digits));
+    (4..=17).map(with).find(|(a, b)| a != b).unwrap_or_else(|| with(17))
 }
 
 /// For each kind of limits that is exceeded: which joint, tool or body, where, by how much.
