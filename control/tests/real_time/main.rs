@@ -9,6 +9,7 @@ mod feedback;
 mod kinds;
 mod kinds_feedback;
 mod motion_derivative;
+mod moving_tasks;
 mod recovery;
 mod resolve;
 mod row_numbers;
