@@ -18,7 +18,7 @@ fn read(text: &str) -> Result<ProblemFile, String> {
 fn every_key_reaches_the_problem() {
     let text = "robot = \"two_link.toml\"\n[start]\nq = [0, 0.1]\nv = [0.2, 0.3]\nq_free = [1]\n\
                 v_free = [\"elbow\", 0]\n\
-                [end]\nq = [1, 1.1]\nv = [1.2, 1.3]\nq_free = [\"elbow\", 1, 0]\nv_free = [\"shoulder\"]\n\
+                [end]\nq = [1, 1.1]\nv = [1.2, 1.3]\nq_free = [\"elbow\", 0]\nv_free = [\"shoulder\"]\n\
                 [time]\nfree = true\nguess = 2\n\
                 [cost]\ntime = 3\neffort = [2, 0]\n\
                 [actuation]\ngain = [5, -6]\n\

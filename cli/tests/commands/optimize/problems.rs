@@ -75,7 +75,7 @@ fn bad_problems_are_refused_with_file_line_and_key() {
         ),
         (and("[solver]\ntime_limit = -1"), Some(11), &["solver.time_limit", "positive", "seconds", "-1"]),
         (and("[solver]\ntime_limit = 0"), Some(11), &["solver.time_limit", "positive", "seconds"]),
-        (and("[solver]\ntime_limit = inf"), Some(11), &["solver.time_limit", "positive", "seconds"]),
+        (and("[solver]\ntime_limit = nan"), Some(11), &["solver.time_limit", "positive", "seconds"]),
         (and("[solver]\ntime_limit = \"1 s\""), Some(11), &["solver.time_limit", "a number", "1 s"]),
         (and("[solver]\nspeed = 1"), Some(11), &["solver.speed", "`tolerance`"]),
         (

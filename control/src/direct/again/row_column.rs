@@ -41,8 +41,12 @@ impl Resolve {
     pub(super) fn is_of_rows(&self, number: &MotionParameter) -> bool {
         use MotionParameter as Of;
         match number {
-            Of::KeepMax(_) | Of::ObstacleRadius(_) | Of::CollisionMargin => true,
-            Of::CornerSpeed(joint) | Of::NoLoadSpeed(joint) | Of::TorqueMax(joint) => {
+            Of::KeepMax(_)
+            | Of::ObstacleRadius(_)
+            | Of::CollisionMargin
+            | Of::CornerSpeed(_)
+            | Of::NoLoadSpeed(_) => true,
+            Of::TorqueMax(joint) => {
                 self.limits.get(*joint).is_some_and(|limits| limits.speeds[1].is_finite())
             }
             _ => false,
@@ -59,7 +63,8 @@ impl Resolve {
         column: &mut Column,
     ) -> Result<(), ResolveError> {
         let mut changed = self.problem.clone();
-        let value = *number_in(&mut changed, number).ok_or(no_number(number))?;
+        let value = number_in(&mut changed, number).copied().filter(|value| value.is_finite());
+        let value = value.ok_or(no_number(number))?;
         let step = STEP * value.max(SMALLEST);
         let mut with = |steps: f64| -> Result<WithNumber, ResolveError> {
             if let Some(to) = number_in(&mut changed, number) {
