@@ -7,7 +7,9 @@ use costate::constraints::{ConstrainedHamiltonian, ConstrainedHamiltonianSecondO
 use costate::kernels::KernelOne;
 use costate::kinematics::Kinematics;
 use costate::lagrangian::Lagrangian;
-use costate::robot::{ConstraintKind, ConstraintRow, ConstraintSpec, Placement, Robot, Tree};
+use costate::robot::{
+    ConstraintFrame, ConstraintKind, ConstraintRow, ConstraintSpec, Placement, Robot, Tree,
+};
 use costate::scalar::Scalar;
 use costate_test_support::properties;
 use costate_test_support::random_robot::{Case, cases, tolerance};
@@ -49,12 +51,33 @@ fn closed(case: &Case, choices: &[Choice], friction: bool) -> Robot {
         };
         let spec = spec.placed(Placement::from_xyz_rpy(at, turned));
         let spec = if kind % 2 == 0 { spec } else { spec.to_placed(Placement::from_xyz_rpy(turned, at)) };
-        // Rows that depend on each other have no forces to compare.
+        // Rows that depend on each other have no forces to compare; towards half a turn orientations lose digits.
         match robot.with_constraint(spec) {
-            Ok(closed) if independence(&closed, &case.q) > 1e-3 => closed,
+            Ok(closed) if independence(&closed, &case.q) > 1e-3 && turn(&closed, &case.q) < 2.5 => closed,
             _ => robot,
         }
     })
+}
+
+/// Rotation and position of a frame that a constraint holds.
+fn placed(kinematics: &Kinematics<f64>, seat: &ConstraintFrame) -> (Matrix3<f64>, Vector3<f64>) {
+    let pose = kinematics.pose(seat.frame).unwrap();
+    let rotation = Matrix3::from_fn(|i, j| pose.rotation[i][j]);
+    (rotation * seat.placement.rotation, Vector3::from(pose.position) + rotation * seat.placement.translation)
+}
+
+/// The largest angle (rad) between two frames that constraints hold.
+fn turn(robot: &Robot, q: &[f64]) -> f64 {
+    let mut kinematics = Kinematics::<f64>::new(robot);
+    kinematics.set_position(q).unwrap();
+    let angle = |kind: &ConstraintKind| match kind {
+        ConstraintKind::Frames { frame, to, .. } => {
+            let [a, b] = [frame, to].map(|seat| placed(&kinematics, seat).0);
+            Rotation3::from_matrix_unchecked(b.transpose() * a).angle()
+        }
+        _ => 0.0,
+    };
+    robot.constraints().iter().map(|constraint| angle(&constraint.kind)).fold(0.0, f64::max)
 }
 
 /// Eigenvalues of `J M^-1 J'` scaled to a unit diagonal: the least one, 1 without constraints.
@@ -215,14 +238,11 @@ properties! {
         dense.view_mut((n, 0), (k, n)).copy_from(&j);
         dense.view_mut((0, n), (n, k)).copy_from(&-j.transpose());
         let rhs = DVector::from_fn(n + k, |i, _| if i < n { u[i] - bias[i] } else { -moving.values()[i - n].eps1eps2 });
-        let stretches = dense.singular_values();
         let expected = dense.lu().solve(&rhs).unwrap();
-        // Rounding is in proportion to the terms of (v, mu)_x F, and the dense solution is off by the condition
-        // number of its matrix.
+        // Rounding is in proportion to the terms of (v, mu)_x F.
         let size = terms.max(expected.amax()).max(rhs.amax());
-        let dense = (n + k) as f64 * f64::EPSILON * stretches.max() / stretches.min() * expected.amax();
         let worst = (DVector::from_vec(found) - expected).amax();
-        prop_assert!(worst <= bound * size + dense, "{worst:.1e} of {:.1e} and {dense:.1e}", bound * size);
+        prop_assert!(worst <= bound * size, "{:.1e} of {bound:.1e}", worst / size);
     }
 
     /// Rows of frames are components of relative poses, by poses of frames and rotations of nalgebra.
@@ -233,12 +253,7 @@ properties! {
         constraints.set_position(&case.q).unwrap();
         let mut kinematics = Kinematics::<f64>::new(&robot);
         kinematics.set_position(&case.q).unwrap();
-        let placed = |seat: &costate::robot::ConstraintFrame| {
-            let pose = kinematics.pose(seat.frame).unwrap();
-            let rotation = Matrix3::from_fn(|i, j| pose.rotation[i][j]);
-            let at = Vector3::from(pose.position) + rotation * seat.placement.translation;
-            (rotation * seat.placement.rotation, at)
-        };
+        let placed = |seat: &ConstraintFrame| placed(&kinematics, seat);
         let mut values = constraints.values().iter();
         for constraint in robot.constraints() {
             let expected: Vec<f64> = match &constraint.kind {
@@ -257,9 +272,7 @@ properties! {
                         ConstraintRow::TurnY => psi.y,
                         ConstraintRow::TurnZ => psi.z,
                     };
-                    // The sign of a quaternion is open, and its digits are lost, near half a turn.
-                    let near = angle > 3.0;
-                    rows.iter().map(|row| if near { f64::NAN } else { component(row) }).collect()
+                    rows.iter().map(component).collect()
                 }
                 ConstraintKind::Distance { frame, to, length } => {
                     let square = (placed(frame).1 - placed(to).1).norm_squared();
@@ -273,7 +286,7 @@ properties! {
             };
             for expected in expected {
                 let found = values.next().unwrap();
-                prop_assert!(expected.is_nan() || (found - expected).abs() < 1e-12 * (1.0 + expected.abs()),
+                prop_assert!((found - expected).abs() < 1e-12 * (1.0 + expected.abs()),
                     "{}: {found} {expected}", constraint.name);
             }
         }
