@@ -1,6 +1,6 @@
 //! Problems that are solved again with tools, obstacles and references that move.
 
-use crate::resolve::{later, options};
+use crate::resolve::options;
 use costate::kinematics::Kinematics;
 use costate::robot::Robot;
 use costate_control::{

@@ -17,7 +17,7 @@ pub fn options(intervals: usize, tolerance: f64) -> SolverOptions {
 }
 
 /// The position of a joint that goes on at a rate.
-pub fn later(q: &[f64], v: &[f64], t: f64) -> Vec<f64> {
+fn later(q: &[f64], v: &[f64], t: f64) -> Vec<f64> {
     q.iter().zip(v).map(|(q, v)| q + t * v).collect()
 }
 
