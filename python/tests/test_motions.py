@@ -121,7 +121,7 @@ def test_free_time_and_least_time():
 
 def test_vias_tools_obstacles_and_payloads():
     solution = costate.Problem.from_file(PROBLEMS / "ur5_pick_and_place.toml").solve()
-    assert solution.solved and len(solution.via_times) == 3
+    assert solution.solved and solution.keeps_limits and len(solution.via_times) == 3
     samples = solution.sample(500)
     assert set(samples.phase) == {1, 2, 3, 4} and (np.diff(samples.phase) >= 0).all()
     assert "phase" in samples.to_csv().splitlines()[0]
