@@ -29,10 +29,10 @@ use std::time::Duration;
 /// it has there and the barrier where the last solve ended. After the first solve, and the first
 /// [`feedback`](Self::feedback), nothing is allocated.
 ///
-/// A solve that failed ([`ResolveStatus::NoProgress`](crate::ResolveStatus::NoProgress), an error) is no start: the next one begins at the last
-/// motion that was solved, and if that fails too at the first guess. So it does where a solve ended before it
-/// was solved and the solved motion is better for what is set now, as after one wrong measurement. After a
-/// wrong one for which a motion was solved, [`reset`](Self::reset) begins anew.
+/// A solve that failed ([`NoProgress`](crate::ResolveStatus::NoProgress), an error) is no start: the next one
+/// begins at the last motion that was solved, and if that fails too at the first guess. So it does where a
+/// solve ended before it was solved and the solved motion is better for what is set now, as after one wrong
+/// measurement. After a wrong one for which a motion was solved, [`reset`](Self::reset) begins anew.
 ///
 /// ```
 /// use costate::robot::Robot;
