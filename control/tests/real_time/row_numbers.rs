@@ -96,6 +96,6 @@ fn what_has_no_number_is_refused() {
     refused(&mut motion, MotionParameter::ObstacleRadius(0), "obstacle", 0);
     refused(&mut motion, MotionParameter::CollisionMargin, "collision", 0);
     assert_eq!(motion.set_limit(&MotionParameter::CollisionMargin, 1.0), Err(ResolveError::NotALimit));
-    let none = motion.derivative_by(&MotionParameter::CornerSpeed(0)).unwrap_err();
-    assert!(matches!(none, ResolveError::NotALimit), "{none}");
+    refused(&mut motion, MotionParameter::CornerSpeed(0), "limits", 0);
+    assert_eq!(motion.set_limit(&MotionParameter::CornerSpeed(0), 1.0), Err(ResolveError::NotALimit));
 }

@@ -60,7 +60,7 @@ fn bad_problems_are_refused_with_file_line_and_key() {
             &["cost.effort", "elbow", "both sides", "bounds.u_max"],
         ),
         (and("[bounds]\nu_max = [1.0, 2.0]"), Some(10), &["bounds.u_min", "missing", "add it"]),
-        (and("[penalty]\nweight = -1.0"), Some(11), &["penalty.weight", "negative"]),
+        (and("[penalty]\nweight = -1.0\nv_max = [1.0, 1.0]"), Some(11), &["penalty.weight", "negative"]),
         (and("[penalty]\nweight = 1.0\nv_max = [1.0]"), Some(12), &["penalty.v_max", "1", "2"]),
         (and("[actuation]\ngain = [1.0, 0.0]"), Some(11), &["actuation.gain", "elbow"]),
         (and("[solver]\nnodes = 1"), Some(11), &["solver.nodes", "1"]),
