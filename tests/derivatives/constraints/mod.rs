@@ -51,7 +51,8 @@ fn closed(case: &Case, choices: &[Choice], friction: bool) -> Robot {
         };
         let spec = spec.placed(Placement::from_xyz_rpy(at, turned));
         let spec = if kind % 2 == 0 { spec } else { spec.to_placed(Placement::from_xyz_rpy(turned, at)) };
-        // Rows that depend on each other have no forces to compare; towards half a turn orientations lose digits.
+        // Rows that depend on each other have no forces to compare; towards half a turn orientations lose
+        // digits.
         match robot.with_constraint(spec) {
             Ok(closed) if independence(&closed, &case.q) > 1e-3 && turn(&closed, &case.q) < 2.5 => closed,
             _ => robot,
