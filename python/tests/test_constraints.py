@@ -228,7 +228,7 @@ def test_what_would_ignore_a_constraint_refuses_it(four_bar):
         (lambda: costate.Dynamics(four_bar), costate.RobotError),
         (lambda: costate.check(four_bar, 1), costate.RobotError),
         (lambda: costate.codegen(four_bar, "f"), costate.RobotError),
-        (lambda: costate.Problem(four_bar, **task), costate.ProblemError),
+        (lambda: costate.Problem(four_bar, **task).resolve(), costate.ProblemError),
         (lambda: four_bar.with_constraint("more", "nowhere", rows=["x"]), costate.RobotError),
         (lambda: four_bar.with_constraint("rocker_pivot", "crank", rows=["x"]), costate.RobotError),
     ):
