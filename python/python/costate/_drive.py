@@ -13,6 +13,7 @@ from ._errors import ArgumentError
 from ._outcomes import Outcome, WorkerDied, said
 from ._parquet import Table
 from ._runners import Given, Pool
+from ._workers import Result
 
 # How often a task that runs alone is tried again when its worker dies, or when its executor fails.
 _LIVES = 2
@@ -75,12 +76,16 @@ def drive(
         for future in list(running):
             finish(future)
 
+    def take(future: Future[Any], keep: Callable[[Outcome], None] = keep) -> list[Result]:
+        results = runner.results(future)
+        for index, result in zip(running[future], results):
+            keep(Outcome(index, tasks[index], *result))
+        return results
+
     def finish(future: Future[Any]) -> None:
         chunk, error = running[future], _failure(future)
         if error is None:
-            results = runner.results(future)
-            for index, result in zip(chunk, results):
-                keep(Outcome(index, tasks[index], *result))
+            results = take(future)
             # A chunk ends early after a while.
             chunks.again(chunk[len(results) :])
             chunks.measured(seconds for *_, seconds, _ in results)
@@ -126,11 +131,10 @@ def drive(
                 tell(text)
     except BaseException:
         # What has come in the meantime is not lost.
-        for future, chunk in running.items():
+        for future in running:
             with suppress(Exception):
                 if future.done() and not future.cancelled() and future.exception() is None:
-                    for index, result in zip(chunk, runner.results(future)):
-                        keep(Outcome(index, tasks[index], *result), False)
+                    take(future, lambda outcome: keep(outcome, False))
         raise
 
 
