@@ -9,6 +9,7 @@ mod between;
 mod bounded;
 mod branch;
 mod direct;
+mod direct_refused;
 mod documents;
 mod dynamics;
 mod equations;
