@@ -12,9 +12,11 @@ they are not. Batches of peers: loops over states for pin, whose calls take one,
 import argparse
 import multiprocessing
 import os
+import platform
 import queue
 import time
 import warnings
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 import costate
@@ -76,7 +78,7 @@ def batches(robot: costate.Robot, states: int) -> str:
             new = min(least(lambda: method(*given)) for _ in range(2))
             del out
             machine, generic = dynamics._batch_seconds(verb, count, 1) if threads == 1 else (None, float("nan"))
-            rust = min(generic, machine or generic) if threads == 1 else dynamics._seconds(verb, count, 1, False)
+            rust = min(generic, machine or generic) if threads == 1 else min(dynamics._seconds(verb, count, 1, False) for _ in range(8))
             times = " | ".join(f"{time / count * 1e9:.0f}" for time in (rust, ours, new))
             rows.append((ours / rust, f"| `{verb}` | {count:.0e} | {threads} | {times} | {ours / rust:.2f} |"))
     rows.sort(reverse=True)
@@ -194,6 +196,22 @@ def peers(robot: costate.Robot, file: Path, limit: float) -> str:
     return text + "".join(f"\nNot compared: {line}." for line in absent)
 
 
+def machine() -> str:
+    """The processor, and the versions of the packages that are compared."""
+    file = Path("/proc/cpuinfo")
+    info = file.read_text() if file.exists() else ""
+    names = [line.partition(":")[2].strip() for line in info.splitlines() if line.startswith("model name")]
+    vectors = "with AVX-512" if "avx512f" in info else "without AVX-512"
+    found = [f"{(names or [platform.processor()])[0]}, {len(os.sched_getaffinity(0))} cores, {vectors}",
+             f"Python {platform.python_version()}"]  # fmt: skip
+    for name in ("numpy", "pin", "adam-robotics", "mujoco-mjx", "jax"):
+        try:
+            found.append(f"{name} {version(name)}")
+        except PackageNotFoundError:
+            continue
+    return "; ".join(found)
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("robot", nargs="?", type=Path, default=ROOT / "robots" / "ur5.urdf")
@@ -205,7 +223,7 @@ def main() -> None:
         raise SystemExit('build it first by: pip install ./python --config-settings=build-args="--features timing"')
     warnings.simplefilter("ignore", costate.RobotWarning)
     robot = costate.Robot.from_file(given.robot)
-    parts = [f"{robot.name}, n = {robot.n}"]
+    parts = [f"{robot.name}, n = {robot.n}; {machine()}"]
     for part in (lambda: overhead(robot), lambda: batches(robot, given.states), lambda: peers(robot, given.robot, given.limit)):
         parts.append(part())
         print(parts[-1], flush=True)
