@@ -142,13 +142,14 @@ mod tests {
     /// No corner of a box is outside of its capsule.
     #[test]
     fn a_capsule_contains_the_corners_of_its_box() {
-        for size in [[0.3, 0.2, 0.1], [0.1, 0.1, 0.1], [0.2, 0.5, 0.5]] {
+        for size in [[0.3_f64, 0.2, 0.1], [0.1, 0.1, 0.1], [0.2, 0.5, 0.5]] {
             let [x, y, z] = size;
             let text = urdf(&model("", &format!("<box size=\"{x} {y} {z}\"/>")));
             let body = Collision::default().with_urdf(&text).unwrap().capsules.remove(0);
-            let end = body.to.unwrap();
+            let end: [f64; 3] = body.to.unwrap();
             for corner in 0..8 {
-                let at = [0, 1, 2].map(|k| 0.5 * size[k] * if corner >> k & 1 == 1 { 1.0 } else { -1.0 });
+                let at: [f64; 3] =
+                    [0, 1, 2].map(|k| 0.5 * size[k] * if corner >> k & 1 == 1 { 1.0 } else { -1.0 });
                 // The segment lies along an axis of the box.
                 let square: f64 = (0..3).map(|k| (at[k].abs() - end[k].abs()).max(0.0).powi(2)).sum();
                 assert!(square.sqrt() <= body.radius + 1e-15, "{size:?} {at:?}");

@@ -1,6 +1,6 @@
 //! Tools: every key of a problem file, the same in Rust, and errors.
 
-use costate::robot::{LoadOptions, Robot};
+use costate::robot::{LoadOptions, Placement, Robot};
 use costate_control::{
     BoundaryState, Keep, Kept, Method, Parameter, Problem, ProblemError, ProblemFile, Solver, SolverOptions,
     Task, TaskError, Tool, ToolCost, ToolPose,
