@@ -55,9 +55,9 @@ const BESIDE: &str = "[[obstacle]]\nkind = \"sphere\"\nname = \"ball\"\nradius =
 #[test]
 fn a_motion_keeps_the_models_of_a_urdf_away_from_obstacles() {
     let folder = Folder::new("urdf_bodies", ARM);
-    let distance = 0.5;
+    let distance = 0.5_f64;
     // With the margin the rod ends exactly where it touches.
-    let touching = 1.0 + ((0.1 + 0.1 + 0.02) / distance as f64).asin();
+    let touching = 1.0 + ((0.1 + 0.1 + 0.02) / distance).asin();
     let ball = |angle: f64| {
         let (sin, cos) = angle.sin_cos();
         format!(

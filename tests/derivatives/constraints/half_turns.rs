@@ -18,8 +18,8 @@ const HELD: [&[ConstraintRow]; 4] = {
     [&[TurnX, TurnY], &[TurnY, TurnZ], &[TurnX, TurnZ], &[X, TurnX, TurnY]]
 };
 
-/// The robot with a constraint between two links whose frames are turned by `angle` (rad) about an axis at its
-/// state; `None` where the rows depend on each other.
+/// The robot with a constraint between two links whose frames are turned by `angle` (rad) about an axis at
+/// its state; `None` where the rows depend on each other.
 fn turned(case: &Case, choice: usize, axis: [f64; 3], angle: f64) -> Option<Robot> {
     let (robot, links) = (case.robot(), case.robot().joints().len() + 1);
     let name = |k: usize| if k == 0 { "world".into() } else { format!("j{}", k - 1) };
