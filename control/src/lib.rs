@@ -83,8 +83,8 @@ pub use problem::warning::ProblemWarning;
 pub use problem::{
     BodyPairs, BoundaryState, Bounds, Collision, EndError, FinalTime, JointReference, Keep, Kept, Leads,
     LinkCapsule, LoopError, MotionLimits, Objective, Obstacle, Payload, Penalty, Problem, Reference, Shape,
-    Task, TaskError, Tool, ToolCost, ToolOrientation, ToolPose, ToolReference, TorqueSpeedError, Via,
-    ViaError,
+    Task, TaskError, Tool, ToolCost, ToolOrientation, ToolPose, ToolReference, TorqueSpeedError,
+    UrdfBodyError, Via, ViaError,
 };
 pub use progress::{Cancel, Iteration, Phase};
 pub use result::constraint_forces::ConstraintForces;

@@ -27,6 +27,7 @@ pub(crate) mod task;
 pub(crate) mod task_error;
 pub(crate) mod tools;
 pub(crate) mod torque_speed_error;
+pub(crate) mod urdf_bodies;
 mod via;
 mod via_error;
 pub(crate) mod warning;
@@ -41,6 +42,7 @@ pub use task::Task;
 pub use task_error::TaskError;
 pub use tools::{Keep, Kept, Tool, ToolCost, ToolOrientation, ToolPose};
 pub use torque_speed_error::TorqueSpeedError;
+pub use urdf_bodies::UrdfBodyError;
 pub use via::{Payload, Via};
 pub use via_error::ViaError;
 
