@@ -195,7 +195,15 @@ impl Problem {
     /// Whether the limits of the robot's joints are limits of the motion, which the direct method keeps
     /// ([`MotionLimits::from_robot`]).
     pub fn keeps_robot_limits(&self) -> bool {
-        self.limits.from_robot.unwrap_or_else(|| self.needs_direct())
+        let by_default = || self.needs_direct() || self.has_limits_of_a_product();
+        self.limits.from_robot.unwrap_or_else(by_default)
+    }
+
+    /// Whether all joints of the robot have limits of rate and effort, as those of arms that are sold have,
+    /// and the problem has no other way to limit them.
+    fn has_limits_of_a_product(&self) -> bool {
+        let is_complete = |joint: &Joint| joint.limits.velocity.is_finite() && joint.limits.effort.is_finite();
+        self.bounds.is_none() && self.penalty.is_none() && self.robot.independent_joints().all(is_complete)
     }
 
     /// Whether limits of the robot are left out since nothing is said about limits, and nothing else has them

@@ -26,8 +26,8 @@ class Resolve(Settings):
     """A problem that is solved again and again on one mesh, as a controller needs it.
 
     The mesh has (nodes - 1)/3 equal intervals. Each solve begins at the motion that is optimal for the new ends to
-    first order. The limits of the robot are kept where `Problem.solve` keeps them: not where the problem says nothing about
-    limits and has nothing that only the direct method takes, which is a `LimitWarning`.
+    first order. The limits of the robot are kept where `Problem.solve` keeps them, and where they are left out
+    although the problem does not say so, a `LimitWarning` tells.
 
     A solve that failed (the status "no_progress", an error) is no start: the next one begins at the last motion that was
     solved, and if that fails too at the first guess. So it does where a solve ended before it was solved and the solved
