@@ -45,8 +45,8 @@ def prepare(folder: Path) -> None:
         (folder / name).symlink_to(ROOT / name, target_is_directory=True)
 
 
-def run(page: Path, folder: Path) -> None:
-    """Runs all blocks in one namespace; their pictures are then in the folder."""
+def set_style() -> None:
+    """The looks of all pictures."""
     import matplotlib
 
     matplotlib.use("Agg")
@@ -55,6 +55,12 @@ def run(page: Path, folder: Path) -> None:
     style = {"svg.hashsalt": "costate", "svg.fonttype": "none", "font.family": "sans-serif", "figure.figsize": (6.4, 3.6)}
     style |= {"figure.constrained_layout.use": True, "axes.spines.top": False, "axes.spines.right": False}
     plt.rcParams.update(style | {"axes.grid": True, "grid.alpha": 0.3, "figure.facecolor": "white"})
+
+
+def run(page: Path, folder: Path) -> None:
+    """Runs all blocks in one namespace; their pictures are then in the folder."""
+    if pictures(page):
+        set_style()
     before = Path.cwd()
     os.chdir(folder)
     sys.path.insert(0, str(folder))
@@ -72,7 +78,10 @@ def run(page: Path, folder: Path) -> None:
     finally:
         sys.path.remove(str(folder))
         os.chdir(before)
-        plt.close("all")
+        if pictures(page):
+            import matplotlib.pyplot as plt
+
+            plt.close("all")
 
 
 def main(arguments: list[str]) -> None:
