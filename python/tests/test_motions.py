@@ -1,6 +1,7 @@
 """Optimal motions: their values are published or follow from other equations."""
 
 import math
+import pickle
 
 import costate
 import numpy as np
