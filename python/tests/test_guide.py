@@ -30,7 +30,9 @@ def test_blocks_of_a_page(page, tmp_path):
     for name in (*pages.needs(page), *(["matplotlib"] if pages.pictures(page) else [])):
         pytest.importorskip(name)
     pages.prepare(tmp_path)
-    pages.run(page, tmp_path)
+    said = pages.run(page, tmp_path)
+    for line, text in pages.printed_on(page).items():
+        assert pages.words(text) == pages.words(said[line])
     made = {path.name for path in tmp_path.glob("*.svg")}
     assert made == set(pages.pictures(page))
     assert all((GUIDE / "pictures" / name).exists() for name in made)
