@@ -56,7 +56,9 @@ use std::collections::HashMap;
 /// [`RobotError::InFile`] with the line of the culprit and an empty path; the error itself where no line is
 /// known.
 pub fn parse(text: &str, options: LoadOptions) -> Result<Robot, RobotError> {
-    built(source::read(text)?, options)
+    let mut source = source::read(text)?;
+    let xacro = source.xacro.take();
+    built(source, options).map_err(|error| error.unexpanded(xacro))
 }
 
 fn built(mut source: Source, options: LoadOptions) -> Result<Robot, RobotError> {
