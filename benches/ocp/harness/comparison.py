@@ -87,7 +87,7 @@ class Comparison:
         if not judged:
             found["cost"] = found["told"]
         if judgement:
-            for key in ("cost", "gap", "cut", "end", "held", "at_points", "between"):
+            for key in ("cost", "gap", "cut", "end", "held", "at_points", "between", "states"):
                 found[key] = number(getattr(judgement, key))
         return found
 

@@ -40,6 +40,8 @@ class Judgement:
     held: float
     at_points: float
     between: float
+    # Of `between` what is not torques.
+    states: float
 
     def accepted(self):
         return self.gap <= GAP and self.at_points <= AT_POINTS
@@ -58,7 +60,8 @@ class Judge:
         at_points, between = self.violations(task, motion)
         limited = numpy.isfinite([task.u_min, task.u_max]).any()
         cut = self.gap(task, motion, *parts) if limited else gap
-        return Judgement(cost(task, motion), gap, cut, end, self.held(task, motion, *parts), at_points, between)
+        return Judgement(cost(task, motion), gap, cut, end, self.held(task, motion, *parts), max(at_points), max(between),
+                         between[0])
 
     def parts(self, task, motion):
         """Times of the parts' ends, the states at their starts and those to be reached, and the sizes of components."""
@@ -108,7 +111,8 @@ class Judge:
         return (abs(x - wanted) / size).max()
 
     def step(self, task, motion, state, begin, end, limits=(-numpy.inf, numpy.inf)):
-        """From `begin` to `end` with torques cut to `limits`, stopping where pieces meet; None where the integration does not arrive."""
+        """From `begin` to `end` with torques cut to `limits`, stopping where pieces meet; None where the integration does
+        not arrive."""
         n = task.n
         inner = motion.knots[(motion.knots > begin + 1e-12) & (motion.knots < end - 1e-12)]
         stops = numpy.concatenate([[begin], inner, [end]])
@@ -126,23 +130,25 @@ class Judge:
         return state
 
     def violations(self, task, motion):
-        """Largest violation of a limit at the solver's points and between them, in parts of the range of the limit."""
+        """Largest violations of a limit at the solver's points and between them, in parts of the range of the limit: of
+        positions, rates and clearances, and of torques."""
         pieces = numpy.repeat(numpy.arange(len(motion.knots) - 1), LOOKS)
         grid = numpy.concatenate([numpy.linspace(a, b, LOOKS) for a, b in zip(motion.knots[:-1], motion.knots[1:])])
         state, torque = (numpy.array(part) for part in zip(*(motion.at(t, piece) for t, piece in zip(grid, pieces))))
         return self.violation(task, *motion.given), self.violation(task, state[:, :task.n], state[:, task.n:], torque)
 
     def violation(self, task, q, v, u):
-        worst = 0.0
+        worst = []
         for values, low, high in ((q, task.q_min, task.q_max), (v, -task.v_max, task.v_max), (u, task.u_min, task.u_max)):
             spread = high - low
             spread = numpy.where(numpy.isfinite(spread), spread, 1.0)
-            worst = max(worst, ((low - values) / spread).max(), ((values - high) / spread).max())
+            worst.append(max(0.0, ((low - values) / spread).max(), ((values - high) / spread).max()))
+        states, torques = max(worst[:2]), worst[2]
         if task.obstacles:
             clearance = numpy.array(self.clearances(task).map(len(q))(q.T, numpy.tile(
                 numpy.array(task.obstacles_flat)[:, None], len(q))))
-            worst = max(worst, -clearance.min() / (task.obstacles[0][1] + task.own_radius))
-        return worst
+            states = max(states, -clearance.min() / (task.obstacles[0][1] + task.own_radius))
+        return states, torques
 
     def clearances(self, task):
         key = task.robot.name, len(task.obstacles)

@@ -45,11 +45,15 @@ def findings(task, peer):
     inner = rows.reshape(-1, 5)[:, 1:4].ravel()
     peak = abs(torques(*at(inner))).max(0)
     limited = judge.judge(task.but(u_min=-peak / (1 + OVER), u_max=peak / (1 + OVER)), ours)
+    rate = abs(v).max(0)
+    fast = judge.judge(task.but(v_max=rate / (1 + OVER)), theirs)
     cut = judge.judge(task.but(u_min=-0.5 * peak, u_max=0.5 * peak), ours)
     return {
         f"gap {found.gap:.0e}, of the collocation {other.gap:.0e}": found.gap < 1e-9 and other.gap < 1e-5,
         f"miss with torques held {found.held:.2e}, of the collocation {other.held:.2e}": same and found.held > 0,
         f"a limit exceeded by {limited.at_points:.2e} of its range at points": abs(limited.at_points / (OVER / 2) - 1) < WITHIN,
+        f"a limit of rates exceeded by {fast.states:.2e} of its range":
+            abs(fast.states / (OVER / 2) - 1) < 1e-3 and fast.between == fast.states and limited.states == 0.0,
         f"with half of the torques miss {cut.held:.4e}, gap {cut.cut:.4e}":
             cut.held > 1e-2 and abs(cut.held - cut.cut) < WITHIN_HELD * cut.cut and found.cut == found.gap == cut.gap,
         f"cost {found.cost:.8g}, of the collocation {other.cost:.8g}": abs(found.cost - other.cost) < 1e-6 * found.cost,

@@ -25,7 +25,7 @@ from classes import CLASSES
 from comparison import DEFAULT, Comparison
 from judge import Judge
 from ours import Ours
-from peer import LOOSE, TIGHT, Peer
+from peer import LOOSE, MIDDLE, TIGHT, Peer
 from record import Record
 from shell import compilers, first_line, say, stop
 
@@ -56,7 +56,8 @@ def arguments():
     parser.add_argument("--costate-arguments", nargs="*", default=[], metavar="ARGUMENT",
                         help="further arguments of `costate optimize`, without their dashes: strict, method=direct")
     parser.add_argument("--only-write-tasks", action="store_true", help="write the problem files and stop")
-    parser.add_argument("--values", action="store_true", help="check the peer and the judge by derivatives and known values, and stop")
+    parser.add_argument("--values", action="store_true",
+                        help="check the peer and the judge by derivatives and known values, and stop")
     parser.add_argument("--from", dest="source", type=Path, metavar="FILE", help="no run: report the figures in FILE")
     return parser.parse_args()
 
@@ -81,7 +82,7 @@ def describe(options, costate):
         "seed": options.seed,
         "elements": options.elements,
         "tolerances": options.tolerances,
-        "peer_tolerances": [TIGHT, LOOSE],
+        "peer_tolerances": [TIGHT, MIDDLE, LOOSE],
         "repeats": options.repeats,
         # What else the figures depend on: an interrupted run goes on only where all of it is the same.
         "options": {key: getattr(options, key) for key in ("classes", "robots", "tasks", "time_limit", "best", "inside",
@@ -96,8 +97,10 @@ def the_peer(options):
 
 def run(options, costate, file):
     first = the_peer(options)
-    # The same program to a looser tolerance.
-    peers = {"peer": first, "loose": Peer(first.points, options.time_limit, LOOSE)}
+    # The same program to looser tolerances.
+    looser = {"middle": MIDDLE, "loose": LOOSE}
+    peers = {"peer": first}
+    peers |= {label: Peer(first.points, options.time_limit, tolerance) for label, tolerance in looser.items()}
     if options.inside:
         own = lambda robot, spheres: inside.build(options.cache, costate, robot, spheres, first.points(robot, spheres))
         peers["peer_ours"] = Peer(own, options.time_limit)

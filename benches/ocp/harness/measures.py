@@ -5,8 +5,8 @@ from statistics import median
 from classes import CLASSES
 from comparison import DEFAULT, excess
 
-# The peer, the same to a looser tolerance, and with costate's functions inside.
-PEER, LOOSE, INSIDE = "peer", "loose", "peer_ours"
+# The peer, the same to looser tolerances, and with costate's functions inside.
+PEER, MIDDLE, LOOSE, INSIDE = "peer", "middle", "loose", "peer_ours"
 # costate at its first and at its second tolerance.
 OURS, ACCURATE = "costate", "accurate"
 COSTATE = OURS, ACCURATE, DEFAULT
@@ -44,10 +44,10 @@ def number_of(value):
 
 
 def error(row, label):
-    """The larger one of the error of the cost and of the gap with torques cut to their limits, infinite where no motion came of
-    that."""
+    """The largest of three: the error of the cost, the gap with torques cut to their limits (infinite where no motion came of
+    that), and the violation between the points of limits of positions, rates and clearances."""
     found = cost_error(row, label)
-    return None if found is None else max(found, number_of(row["sides"][label]["cut"]))
+    return None if found is None else max(found, *(number_of(row["sides"][label][key]) for key in ("cut", "states")))
 
 
 def ratios_at_accuracy(rows, error_of):

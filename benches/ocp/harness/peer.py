@@ -25,14 +25,15 @@ OPTIONS = {
     "ipopt.bound_relax_factor": 0.0,
     "ipopt.max_iter": 1000,
 }
-# Of IPOPT by default, and of a peer that is as loose as costate's first tolerance.
-TIGHT, LOOSE = 1e-8, 1e-4
+# Of IPOPT by default; with which costs come out about as near to the best ones as costate's at its first tolerance; and the
+# number of that tolerance itself.
+TIGHT, MIDDLE, LOOSE = 1e-8, 1e-6, 1e-4
 SOLVED = ("Solve_Succeeded", "Solved_To_Acceptable_Level")
 
 
 def tolerances(tolerance):
-    """Options of IPOPT. What it accepts after 15 iterations without progress is as loose as 1e-6 with the tight tolerance,
-    which is its default, and no looser than the tolerance with others."""
+    """Options of IPOPT. What it accepts after 15 iterations without progress is 1e-6 with the tight tolerance, its default, and
+    no looser than the tolerance with others."""
     if tolerance == TIGHT:
         return {"ipopt.tol": tolerance}
     keys = ("tol", "constr_viol_tol", "compl_inf_tol", "acceptable_tol", "acceptable_constr_viol_tol",

@@ -8,7 +8,8 @@ from comparison import NEAR, STARTS, TIMES, excess
 from shell import stop
 
 NAMES = {"costate": "costate", "accurate": "costate, accurate", "default": "costate, default options", "peer": "peer",
-         "loose": "peer, loose", "peer_ours": "peer, costate's functions inside", "interpreted": "peer, interpreted"}
+         "middle": "peer, tolerance 1e-6", "loose": "peer, tolerance 1e-4",
+         "peer_ours": "peer, costate's functions inside", "interpreted": "peer, interpreted"}
 
 
 def tables(figures):
@@ -128,11 +129,11 @@ def machine_text(figures):
     head = figures[0]
     packages = ", ".join(f"{name} {number}" for name, number in head["packages"].items())
     tolerances = " and ".join(f"{tolerance:g}" for tolerance in head["tolerances"])
-    theirs = " and ".join(f"{tolerance:g}" for tolerance in head["peer_tolerances"])
+    theirs = ", ".join(f"{tolerance:g}" for tolerance in head["peer_tolerances"])
     times = 1 + TIMES * (head["repeats"] - 1)
     return (f"{head['machine']}; {'; '.join(head['compilers'])}; {packages}; {head['costate']}. Seed {head['seed']}; peer: "
-            f"{head['elements']} elements of 3 Radau points, tolerances {theirs}; costate: tolerances {tolerances}; the least of "
-            f"{times} times for both sides, {head['repeats']} of them in a process or with a solver object of their own; with "
+            f"{head['elements']} elements of 3 Radau points, tolerances {theirs}; costate: tolerances {tolerances}; the "
+            f"least of {times} times for both sides, {head['repeats']} of them in a process or with a solver object of their own; with "
             f"default options once. {draws(figures)}\n")
 
 
@@ -142,9 +143,9 @@ def draws(figures):
     made, failed = (sum(row[key] for row in rows) for key in ("draws", "peer_failed"))
     kinds = ", ".join(f"{kind} {count}" for kind in measures.kinds(figures)
                       if (count := sum(row["peer_failed"] for row in measures.of(figures, kind))))
+    others = made - len(rows) - failed
     return (f"{len(rows)} tasks of {made} draws; {failed} draws were thrown away because the peer did not find the motion without "
-            f"limits{f' ({kinds})' if kinds else ''}, {made - len(rows) - failed} because their limits would not be active or no "
-            "known motion keeps them.")
+            f"limits{f' ({kinds})' if kinds else ''}, {others} because limits would not be active or no known motion keeps them.")
 
 
 def print_all(figures):
