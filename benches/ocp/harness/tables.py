@@ -133,8 +133,7 @@ def machine_text(figures):
     times = 1 + TIMES * (head["repeats"] - 1)
     return (f"{head['machine']}; {'; '.join(head['compilers'])}; {packages}; {head['costate']}. Seed {head['seed']}; peer: "
             f"{head['elements']} elements of 3 Radau points, tolerances {theirs}; costate: tolerances {tolerances}; the "
-            f"least of {times} times for both sides, {head['repeats']} of them in a process or with a solver object of their own; with "
-            f"default options once. {draws(figures)}\n")
+            f"least of {times} calls of both sides; with default options once. {draws(figures)}\n")
 
 
 def draws(figures):
@@ -144,8 +143,9 @@ def draws(figures):
     kinds = ", ".join(f"{kind} {count}" for kind in measures.kinds(figures)
                       if (count := sum(row["peer_failed"] for row in measures.of(figures, kind))))
     others = made - len(rows) - failed
-    return (f"{len(rows)} tasks of {made} draws; {failed} draws were thrown away because the peer did not find the motion without "
-            f"limits{f' ({kinds})' if kinds else ''}, {others} because limits would not be active or no known motion keeps them.")
+    return (f"{len(rows)} tasks of {made} draws; {failed} draws were thrown away because the peer did not find the motion "
+            f"without limits{f' ({kinds})' if kinds else ''}, {others} because limits would not be active or no known motion "
+            "keeps them.")
 
 
 def print_all(figures):
