@@ -11,4 +11,5 @@ pub(super) mod infeasible;
 pub(super) mod interval_part;
 pub(super) mod report;
 pub(super) mod smooth_costates;
+mod stationarity;
 pub(super) mod verify;
