@@ -150,8 +150,12 @@ fn directly(
         let from = alone.as_ref().unwrap_or(stage);
         let direct = Direct { problem, rows, options: from, looseness, saved: start.as_ref() };
         let mut found = direct.solve(recorder);
-        if let Some(starts) = kept.take() {
-            found.starts = starts;
+        if let Some((starts, total)) = kept.take() {
+            let of_best = std::mem::replace(&mut found.starts, starts).pop();
+            let best = found.starts.iter_mut().find(|start| start.total.to_bits() == f64::to_bits(total));
+            if let (Some(best), Some(of_best)) = (best, of_best) {
+                *best = of_best;
+            }
         }
         times = times.and(&found.stage_times.unwrap_or_default());
         let taken = began.elapsed();
@@ -169,7 +173,7 @@ fn directly(
         let outcome = found.polish.as_ref().map(|report| report.outcome);
         let is_limited = outcome == Some(PolishOutcome::Limited) && found.motion.status.is_solved();
         let is_infeasible = found.motion.status == Status::Infeasible && found.trajectory.t.len() > 1;
-        kept = (is_limited || is_infeasible).then(|| std::mem::take(&mut found.starts));
+        kept = (is_limited || is_infeasible).then(|| (std::mem::take(&mut found.starts), found.total()));
         start = if found.is_motion() || is_infeasible { Some(found.trajectory) } else { start };
     }
     Solution::missing(&problem.robot, Status::Cancelled, problem.time.value())

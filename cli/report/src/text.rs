@@ -5,8 +5,8 @@ pub use crate::criterion::criterion;
 use crate::figures::{Needed, time_is_free};
 use crate::numbers::{scientific, short};
 use costate_control::{
-    Certificate, Iteration, Method, Problem, RelaxedLimit, Solution, SolverOptions, StartResult, Status,
-    Verify,
+    Certificate, Iteration, Method, PolishOutcome, Problem, RelaxedLimit, Solution, SolverOptions,
+    StartResult, Status, Verify,
 };
 
 /// A status in words.
@@ -268,12 +268,14 @@ pub fn iteration_row(iteration: &Iteration) -> Vec<String> {
 }
 
 /// Header of the table of starts. Of motions that were polished the costs are those before: each start is
-/// solved roughly, and the best one is polished.
+/// solved roughly, and the best one is polished. Where that turns out not to apply, only the best one is
+/// solved to the tolerance.
 pub fn start_header(solution: &Solution) -> [&'static str; 3] {
-    let cost = if is_polished(solution) {
-        "cost and penalties, rough, before the polish"
-    } else {
-        "cost and penalties"
+    let outcome = solution.polish.as_ref().map(|report| report.outcome);
+    let cost = match outcome {
+        Some(PolishOutcome::Polished) => "cost and penalties, rough, before the polish",
+        Some(PolishOutcome::Limited) => "cost and penalties; all but the best may be rough",
+        _ => "cost and penalties",
     };
     ["start", "status", cost]
 }
