@@ -70,7 +70,7 @@ pub(crate) fn polish(
         _ if !keeps(&limits, &powers, &problem.gain, &polished.trajectory) => PolishOutcome::BeyondLimits,
         _ => PolishOutcome::Polished,
     };
-    let usage = usage(&found.limits, &problem, &polished.trajectory);
+    let usage = usage(&found.limits, &problem, (&limits, &powers), &polished.trajectory);
     with_report(found, outcome, None, Some((polished, usage)))
 }
 
@@ -99,7 +99,7 @@ pub(crate) fn polish_saved(
             torque: any(|limits| limits.torque.iter().any(|torque| torque.is_finite())),
             ..LimitReport::default()
         };
-        let limits = usage(&limited, &bounded, &found.trajectory);
+        let limits = usage(&limited, &bounded, (&limits, &powers), &found.trajectory);
         Solution { limits, options: options.clone(), ..found }
     })
 }
@@ -193,14 +193,18 @@ fn with_report(
     Solution { newton_iterations: steps, polish: Some(report), ..shown }
 }
 
-/// Positions, rates and controls at the nodes of a motion and between them.
-fn states(motion: &Trajectory) -> impl Iterator<Item = [Vec<f64>; 3]> {
+/// Positions, rates and controls at the nodes of a motion.
+fn at_nodes(motion: &Trajectory) -> impl Iterator<Item = [Vec<f64>; 3]> {
+    (0..motion.t.len()).map(|k| [&motion.q, &motion.v, &motion.u].map(|rows| rows[k].clone()))
+}
+
+/// The same between them.
+fn between_nodes(motion: &Trajectory) -> impl Iterator<Item = [Vec<f64>; 3]> {
     let between =
         motion.t.windows(2).filter(|pair| pair[1] > pair[0]).flat_map(|pair| {
             PLACES.iter().filter_map(|part| motion.at(pair[0] + part * (pair[1] - pair[0])))
         });
-    let nodes = (0..motion.t.len()).map(|k| [&motion.q, &motion.v, &motion.u].map(|rows| rows[k].clone()));
-    nodes.chain(between.map(|point| [point.q, point.v, point.u]))
+    between.map(|point| [point.q, point.v, point.u])
 }
 
 /// Whether a motion keeps the limits on positions, rates and powers.
@@ -209,7 +213,7 @@ fn keeps(limits: &[JointLimits], powers: &Powers, gain: &[f64], motion: &Traject
         let slack = VIOLATION_ACCEPTED * (1.0 + x.abs());
         x >= low - slack && x <= high + slack
     };
-    states(motion).all(|[q, v, u]| {
+    at_nodes(motion).chain(between_nodes(motion)).all(|[q, v, u]| {
         let tau: Vec<f64> = u.iter().zip(gain).map(|(u, gain)| gain * u).collect();
         let mut joints = limits.iter().zip(q.iter().zip(&v));
         joints.all(|(limits, (&q, &v))| within(q, limits.q) && within(v, [-limits.v, limits.v]))
@@ -217,19 +221,54 @@ fn keeps(limits: &[JointLimits], powers: &Powers, gain: &[f64], motion: &Traject
     })
 }
 
-/// How a polished motion uses the limits that `direct` lists: those on torques, which are its bounds, and
-/// none of the others.
-fn usage(direct: &LimitReport, problem: &Problem, motion: &Trajectory) -> LimitReport {
-    let none = |usage: &Option<LimitUse>| usage.as_ref().map(|_| LimitUse::default());
+/// By how much states exceed limits most, in their units: of positions, rates, torques, powers, and of
+/// torques where motors drive fast. `problem` has the limits on torques as bounds.
+fn excesses(
+    problem: &Problem,
+    (limits, powers): (&[JointLimits], &Powers),
+    states: impl Iterator<Item = [Vec<f64>; 3]>,
+) -> [f64; 5] {
+    let beyond = |x: f64, [low, high]: [f64; 2]| (x - high).max(low - x).max(0.0);
+    let mut most = [0.0_f64; 5];
+    for [q, v, u] in states {
+        let tau: Vec<f64> = u.iter().zip(&problem.gain).map(|(u, gain)| gain * u).collect();
+        let [power, torque_speed] = powers.excesses(&v, &tau);
+        let mut found = [0.0, 0.0, 0.0, power, torque_speed];
+        for (i, limits) in limits.iter().enumerate() {
+            let bounds = problem.bounds.as_ref().map(|bounds| [bounds.u_min[i], bounds.u_max[i]]);
+            let control = bounds.map_or(0.0, |bounds| beyond(u[i], bounds));
+            let own = [beyond(q[i], limits.q), beyond(v[i], [-limits.v, limits.v])];
+            let own = own.into_iter().chain([problem.gain[i].abs() * control]);
+            found.iter_mut().zip(own).for_each(|(most, own)| *most = most.max(own));
+        }
+        most.iter_mut().zip(found).for_each(|(most, found)| *most = most.max(found));
+    }
+    most
+}
+
+/// How a polished motion uses the limits that `direct` lists: how far it exceeds them at its nodes and
+/// between them, and where torques, whose limits are its bounds, are at one. The others it does not reach.
+fn usage(
+    direct: &LimitReport,
+    problem: &Problem,
+    limited: (&[JointLimits], &Powers),
+    motion: &Trajectory,
+) -> LimitReport {
+    let (at_points, between) =
+        (excesses(problem, limited, at_nodes(motion)), excesses(problem, limited, between_nodes(motion)));
+    let measured = |usage: &Option<LimitUse>, kind: usize| {
+        let (at_points, between) = (at_points[kind], between[kind]);
+        usage.as_ref().map(|_| LimitUse { at_points, between, ..LimitUse::default() })
+    };
     let mut limits = LimitReport {
-        position: none(&direct.position),
-        rate: none(&direct.rate),
+        position: measured(&direct.position, 0),
+        rate: measured(&direct.rate, 1),
         acceleration: None,
-        torque: none(&direct.torque),
+        torque: measured(&direct.torque, 2),
         jerk: None,
         torque_rate: None,
-        power: none(&direct.power),
-        torque_speed: none(&direct.torque_speed),
+        power: measured(&direct.power, 3),
+        torque_speed: measured(&direct.torque_speed, 4),
         task: None,
         infeasible: None,
     };

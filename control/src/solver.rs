@@ -8,6 +8,7 @@ use crate::problem::Problem;
 use crate::problem::check::CheckedProblem;
 use crate::problem::error::ProblemError;
 use crate::progress::{Cancel, Iteration, Listener};
+use crate::result::polish_report::PolishOutcome;
 use crate::result::solution::Solution;
 use crate::result::stage_times::StageTimes;
 use crate::result::trajectory::Trajectory;
@@ -141,10 +142,21 @@ fn directly(
     let first = SolverOptions { tolerance, verify: options.verify.min(Verify::Factors), ..options.clone() };
     // A polish begins at a motion as exact as that of an extremal does.
     let looseness = if polishes { Looseness::default() } else { Looseness::of(options.tolerance) };
+    // The starts of a rough stage of which only the best motion is worth going on with.
+    let mut kept = None;
     for stage in rough.then_some(&first).into_iter().chain([&options]) {
         let began = Instant::now();
-        let direct = Direct { problem, rows, options: stage, looseness, saved: start.as_ref() };
-        let found = direct.solve(recorder);
+        let alone = kept.is_some().then(|| SolverOptions { starts: 1, ..stage.clone() });
+        let from = alone.as_ref().unwrap_or(stage);
+        let direct = Direct { problem, rows, options: from, looseness, saved: start.as_ref() };
+        let mut found = direct.solve(recorder);
+        if let Some((starts, total)) = kept.take() {
+            let of_best = std::mem::replace(&mut found.starts, starts).pop();
+            let best = found.starts.iter_mut().find(|start| start.total.to_bits() == f64::to_bits(total));
+            if let (Some(best), Some(of_best)) = (best, of_best) {
+                *best = of_best;
+            }
+        }
         times = times.and(&found.stage_times.unwrap_or_default());
         let taken = began.elapsed();
         let mut found = polish(&problem, &options, found, taken, recorder);
@@ -158,7 +170,11 @@ fn directly(
             return Solution { newton_iterations: steps, stage_times, options: options.clone(), ..found };
         }
         iterations = std::mem::take(&mut found.motion.iterations);
-        start = if found.is_motion() { Some(found.trajectory) } else { start };
+        let outcome = found.polish.as_ref().map(|report| report.outcome);
+        let is_limited = outcome == Some(PolishOutcome::Limited) && found.motion.status.is_solved();
+        let is_infeasible = found.motion.status == Status::Infeasible && found.trajectory.t.len() > 1;
+        kept = (is_limited || is_infeasible).then(|| (std::mem::take(&mut found.starts), found.total()));
+        start = if found.is_motion() || is_infeasible { Some(found.trajectory) } else { start };
     }
     Solution::missing(&problem.robot, Status::Cancelled, problem.time.value())
 }

@@ -71,12 +71,16 @@ pub enum Status {
     /// The collocation equations are solved to the tolerance, but integrating the motion again misses its end
     /// by more than the [verification bound](crate::Motion::verification_bound), or the integration stopped.
     /// This is typical of unstable motions. Of the direct method: not even parts of it end where they should.
+    /// With [`Verify::Factors`](crate::Verify::Factors) nothing is integrated: rounding errors are amplified
+    /// too much, or too much is cut off torques between points.
     NotVerified,
     /// No damped Newton step reduced the correction.
     NewtonFailed,
     /// Newton's method used up its iterations.
     IterationLimit,
-    /// The tolerance needs more nodes than allowed.
+    /// The tolerance needs more nodes than allowed; of the direct method also where 16 meshes, or six that
+    /// did not resolve the motion one after the other, did not reach it, or where least time was solved only
+    /// with a cost of torques that may cost too much.
     MeshLimit,
     /// The linearised equations are singular: at a conjugate point, or where the motion is not determined.
     Singular,
@@ -162,8 +166,8 @@ impl fmt::Display for Status {
                 "converged, with a smoothed control: the motion has no isolated switching times"
             }
             Self::NotVerified => {
-                "the equations are solved, but the motion integrated again with its torques goes elsewhere; \
-                 lower solver.tolerance"
+                "the equations are solved, but their check (solver.verify) failed: integrated again with its torques the \
+                 motion goes elsewhere; lower solver.tolerance"
             }
             Self::NewtonFailed => {
                 "Newton's method found no step that reduces the error; \
@@ -172,7 +176,10 @@ impl fmt::Display for Status {
             Self::IterationLimit => {
                 "Newton's method used up its iterations; raise solver.starts or solver.nodes, or allow more time (time.final, time.guess)"
             }
-            Self::MeshLimit => "the tolerance needs more nodes than a mesh may have; raise solver.tolerance",
+            Self::MeshLimit => {
+                "no mesh that was tried, or may be, resolves the motion to solver.tolerance; raise solver.starts or \
+                 solver.nodes, or solver.tolerance where the error is little above it"
+            }
             Self::Singular => {
                 "the linearised equations are singular: a conjugate point, or a motion that is not determined; \
                  raise solver.starts, or change time.final a little"

@@ -1,14 +1,20 @@
 //! What helps where the direct method did not get there: it depends on what costs, and on the robot.
 
-use crate::numbers::short;
+use crate::numbers::{scientific, short};
 use costate::robot::printable;
-use costate_control::{Method, Problem, Solution, Status};
+use costate_control::{Method, Problem, Solution, Status, Verify};
 
 /// Errors of the cost below this, and below so many times the tolerance, miss a tolerance that is finer than
 /// the last one by little.
 const NEARLY: f64 = 1e-5;
 const NEARER: f64 = 1e3;
 const FINE: f64 = 1e-6;
+/// Meshes with an error of the cost above this do not resolve the motion.
+const UNRESOLVED: f64 = 0.1;
+/// A larger tolerance helps where the error is below so many times the tolerance.
+const NEAR_TOLERANCE: f64 = 100.0;
+/// A cost of torques that may cost more than this, relative to the cost, does not solve least time.
+const SMOOTHED: f64 = 1e-2;
 /// Most joints in a sentence.
 const MOST_JOINTS: usize = 3;
 
@@ -19,8 +25,11 @@ pub fn advice(problem: &Problem, solution: &Solution) -> Option<String> {
         status,
         Status::NotVerified | Status::MeshLimit | Status::IterationLimit | Status::NewtonFailed
     );
-    if !hard || solution.options.method != Method::Direct {
+    if !hard {
         return None;
+    }
+    if solution.options.method != Method::Direct {
+        return amplified(solution);
     }
     if let Some(reason) = empty_phase(problem, solution).or_else(|| nearly(solution)) {
         return Some(reason);
@@ -35,19 +44,79 @@ pub fn advice(problem: &Problem, solution: &Solution) -> Option<String> {
     if energy {
         remedies.push("a larger cost.energy_smoothing".into());
     }
+    let is_coarse = *status == Status::MeshLimit && error(solution) > UNRESOLVED;
     // Fast motions of what is nearly without inertia are behind the others too.
-    let light = without_rotors(problem).filter(|_| jumps || energy || *status != Status::NewtonFailed);
+    let others = !(is_coarse || *status == Status::NewtonFailed);
+    let light = without_rotors(problem).filter(|_| jumps || energy || others);
     remedies.extend(light.map(|joints| format!("robot.armature (the inertia of rotors: {joints} without)")));
     match status {
         Status::NotVerified => remedies.push("a smaller solver.tolerance".into()),
+        Status::MeshLimit if is_coarse => {
+            remedies.push("another start (solver.starts), more solver.nodes, another time".into());
+        }
+        Status::MeshLimit if jumps || energy => {}
+        Status::MeshLimit if error(solution) < NEAR_TOLERANCE * solution.options.tolerance => {
+            remedies.push("a larger solver.tolerance".into());
+        }
+        Status::MeshLimit => remedies.push("another start (solver.starts)".into()),
         _ if remedies.is_empty() => return None,
-        Status::MeshLimit if !jumps && !energy => remedies.push("a larger solver.tolerance".into()),
         _ => {}
     }
-    // What a status says has the form "reason; advice for all problems".
-    let text = status.to_string();
-    let reason = text.split(';').next().unwrap_or_default();
+    let reason = match status {
+        Status::MeshLimit => unresolved(solution),
+        Status::NotVerified if solution.motion.verification == Verify::Factors => {
+            "the equations are solved, but between its points the motion needs more torque than its limits, which is \
+             cut off, than verify = \"factors\" allows (nothing was integrated)"
+                .into()
+        }
+        // What a status says has the form "reason; advice for all problems".
+        status => status.to_string().split(';').next().unwrap_or_default().to_owned(),
+    };
     Some(format!("{reason}; what may help: {}", remedies.join("; ")))
+}
+
+/// The estimated error of the cost, relative to it.
+fn error(solution: &Solution) -> f64 {
+    solution.motion.errors.first().copied().unwrap_or(f64::INFINITY)
+}
+
+/// Why no mesh of the direct method was fine enough.
+fn unresolved(solution: &Solution) -> String {
+    let Solution { motion, options, .. } = solution;
+    let (error, nodes) = (short(error(solution), 2), solution.mesh_nodes());
+    if motion.smoothing_bound > SMOOTHED {
+        return format!(
+            "least time was solved with a cost of torques only, and that may cost {} relative",
+            short(motion.smoothing_bound, 2)
+        );
+    }
+    let reached =
+        format!("the error of its cost is {error} relative, solver.tolerance {}", options.tolerance);
+    if !motion.errors.first().is_some_and(|error| *error <= UNRESOLVED) {
+        return format!(
+            "the meshes that were tried, the last one of {nodes} nodes, do not resolve the motion: {reached}"
+        );
+    }
+    if 2 * nodes > options.max_nodes {
+        return format!(
+            "the next mesh would have more than the {} nodes that are allowed: {reached}",
+            options.max_nodes
+        );
+    }
+    format!("the search ended with a mesh of {nodes} nodes: {reached}, or limits are exceeded between points")
+}
+
+/// That the equations of an indirect method amplify rounding errors too much.
+fn amplified(solution: &Solution) -> Option<String> {
+    let Solution { motion, .. } = solution;
+    let is_it = motion.status == Status::NotVerified && motion.verification == Verify::Factors;
+    is_it.then(|| {
+        format!(
+            "the equations are solved, but they amplify rounding errors by {}, too much for solver.tolerance (nothing \
+             was integrated); what may help: a larger solver.tolerance; solver.method = \"direct\"",
+            scientific(motion.conditioning)
+        )
+    })
 }
 
 /// A phase shorter than this part of the motion goes to zero.
@@ -129,8 +198,11 @@ fn without_rotors(problem: &Problem) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::advice;
+    use crate::text::{remarks, saddle};
     use costate::robot::Robot;
-    use costate_control::{FinalTime, Objective, Problem, Solution, Solver, SolverOptions, Status};
+    use costate_control::{
+        Certificate, FinalTime, Objective, Problem, Solution, Solver, SolverOptions, Status, Verify,
+    };
 
     fn arm(robot: Robot, cost: Objective) -> Problem {
         Problem::rest_to_rest(robot, &[0.0; 2], &[1.0; 2], 1.0).with_cost(cost)
@@ -141,6 +213,17 @@ mod tests {
         let mut solution = solution.clone();
         solution.motion.status = status;
         solution
+    }
+
+    #[test]
+    fn a_saddle_is_told() {
+        let robot = Robot::from_file("../../robots/two_link.toml").unwrap();
+        let problem = arm(robot, Objective::new(0.0, vec![1.0; 2]));
+        let mut solution = Solver::new(&problem, SolverOptions::default()).unwrap().solve();
+        assert!(saddle(&solution).is_none() && remarks(&problem, &solution).is_empty());
+        solution.motion.certificate = Certificate::SaddleOnMesh;
+        let told = remarks(&problem, &solution).join("; ");
+        assert!(told.contains("a saddle") && told.contains("solver.starts"), "{told}");
     }
 
     #[test]
@@ -172,6 +255,15 @@ mod tests {
             drifts.contains("joint 'elbow' is without") && drifts.ends_with("a smaller solver.tolerance")
         );
         let fine = told(&light, effort(), Status::MeshLimit).unwrap();
-        assert!(fine.contains("solver.tolerance") && !fine.contains("cost.effort"), "{fine}");
+        assert!(fine.contains("a larger solver.tolerance") && !fine.contains("cost.effort"), "{fine}");
+        let mut coarse = ended(&solved, Status::MeshLimit);
+        coarse.motion.errors = vec![0.64];
+        let coarse = advice(&arm(light.clone(), effort()), &coarse).unwrap();
+        assert!(coarse.contains("do not resolve the motion: the error of its cost is 0.64"), "{coarse}");
+        assert!(!coarse.contains("larger solver.tolerance") && !coarse.contains("armature"), "{coarse}");
+        let mut cut = ended(&solved, Status::NotVerified);
+        cut.motion.verification = Verify::Factors;
+        let cut = advice(&arm(light, effort()), &cut).unwrap();
+        assert!(cut.contains("cut off") && cut.contains("nothing was integrated"), "{cut}");
     }
 }

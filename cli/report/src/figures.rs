@@ -94,7 +94,8 @@ pub fn figures(problem: &Problem, solution: &Solution) -> Vec<(&'static str, Str
     if solution.options.method == Method::Direct && !extremal {
         figures.extend(verification(motion));
         figures.extend(direct_figures(problem, solution));
-        figures.extend([iterations, ("mesh nodes", solution.nodes().to_string())]);
+        let mesh = format!("{} intervals, {} nodes", solution.intervals(), solution.mesh_nodes());
+        figures.extend([iterations, ("mesh", mesh)]);
         return figures;
     }
     figures.extend([
@@ -143,6 +144,10 @@ fn direct_figures(problem: &Problem, solution: &Solution) -> Vec<(&'static str, 
     // A saved motion does not have it.
     if let Some(&error) = motion.errors.first() {
         figures.push(("error of the cost", format!("{} relative, estimated", scientific(error))));
+    }
+    if motion.stationarity.is_finite() {
+        let [stationarity, gap] = [motion.stationarity, motion.duality_gap].map(scientific);
+        figures.push(("residual", format!("stationarity {stationarity}, complementarity {gap}, relative")));
     }
     if !solution.constraints.is_empty() {
         let drift = solution.constraints.iter().map(|one| one.drift).fold(0.0, f64::max);

@@ -20,6 +20,7 @@
 //! ```
 
 mod advice;
+mod criterion;
 pub mod figures;
 mod limits;
 pub mod models;

@@ -1,50 +1,13 @@
 //! A solution in words: what is minimised, how it ended and why, rows of tables.
 
 use crate::advice::advice;
+pub use crate::criterion::criterion;
 use crate::figures::{Needed, time_is_free};
 use crate::numbers::{scientific, short};
 use costate_control::{
-    Iteration, Method, Problem, RelaxedLimit, Solution, SolverOptions, StartResult, Status, Verify,
+    Certificate, Iteration, Method, PolishOutcome, Problem, RelaxedLimit, Solution, SolverOptions,
+    StartResult, Status, Verify,
 };
-
-/// What is minimised: `minimum of T + 1/2 u'Ru, final time free, actuation bounded, limits kept`. Bounds and
-/// limits that the motion does not satisfy are left out.
-pub fn criterion(problem: &Problem, solution: &Solution) -> String {
-    let status = &solution.motion.status;
-    let effort = problem.cost.effort.iter().any(|&r| r != 0.0);
-    let time = match problem.cost.time {
-        0.0 => None,
-        1.0 => Some("T".to_owned()),
-        weight => Some(format!("{} T", short(weight, 6))),
-    };
-    let energy = problem.cost.has_energy();
-    let costs = |list: &Option<Vec<f64>>| list.as_ref().is_some_and(|list| list.iter().any(|&w| w != 0.0));
-    let (rate, jerk) = (costs(&problem.cost.torque_rate), costs(&problem.cost.jerk));
-    let terms = [
-        time,
-        effort.then(|| "\u{222b} \u{bd} \u{3a3} r\u{1d62} u\u{1d62}\u{b2} dt".to_owned()),
-        energy.then(|| "\u{222b} \u{3a3} e\u{1d62} (\u{3c4}\u{1d62} v\u{1d62})\u{207a} dt".to_owned()),
-        rate.then(|| "\u{222b} \u{bd} \u{3a3} w\u{1d62} (d\u{3c4}\u{1d62}/dt)\u{b2} dt".to_owned()),
-        jerk.then(|| "\u{222b} \u{bd} \u{3a3} w\u{1d62} (da\u{1d62}/dt)\u{b2} dt".to_owned()),
-    ];
-    let terms: Vec<_> = terms.into_iter().flatten().collect();
-    let minimum = match terms.is_empty() {
-        true => "motion without a cost".into(),
-        false => format!("minimum of {}", terms.join(" + ")),
-    };
-    let time = if time_is_free(problem) { "final time free" } else { "final time fixed" };
-    let exceeded = matches!(status, Status::BoundsNotReached | Status::LimitsNotKept | Status::Infeasible);
-    let within_bounds = problem.bounds.is_some() && !exceeded;
-    let bounds = if within_bounds { ", actuation bounded" } else { "" };
-    let penalty = if problem.penalty.is_some() { ", with penalties" } else { "" };
-    let at_points = !solution.limits.is_empty() && solution.limits.violations().next().is_none();
-    let limits = match (solution.limits.are_kept(), at_points) {
-        (true, _) => ", limits kept",
-        (false, true) => ", limits kept at points, exceeded between them",
-        (false, false) => "",
-    };
-    format!("{minimum}, {time}{bounds}{penalty}{limits}")
-}
 
 /// A status in words.
 pub fn status(status: &Status) -> String {
@@ -125,6 +88,28 @@ pub fn needs_feedback(problem: &Problem, solution: &Solution) -> Option<String> 
     })
 }
 
+/// That a solution is a saddle.
+pub fn saddle(solution: &Solution) -> Option<String> {
+    let motion = &solution.motion;
+    (motion.status.is_solved() && motion.certificate == Certificate::SaddleOnMesh).then(|| {
+        "the motion is a saddle: it is stationary, but motions nearby cost less; another start may find one (a larger \
+         solver.starts, another solver.seed, [start_from])"
+            .into()
+    })
+}
+
+/// All that there is to say about a motion beside its figures.
+pub fn remarks(problem: &Problem, solution: &Solution) -> Vec<String> {
+    let all = [
+        explanation(problem, solution),
+        saddle(solution),
+        exceeded_between(solution),
+        needs_feedback(problem, solution),
+        skipped_starts(solution),
+    ];
+    all.into_iter().flatten().collect()
+}
+
 /// Which limits are kept at the points of a motion and exceeded between them, where most, by how much.
 pub fn exceeded_between(solution: &Solution) -> Option<String> {
     let at_points = solution.limits.violations().next().is_none();
@@ -193,7 +178,7 @@ fn infeasible(solution: &Solution) -> String {
             && rate.abs() >= most
         {
             let (rate, most) = apart(rate.abs(), most);
-            let speed = unit.replace("N m", "rad/s").replace('N', "m/s");
+            let speed = speed(unit);
             return format!(
                 "the motor of {whose} gives {amount} {unit} beyond its limits.no_load_speed {most} {speed}, where it \
                  has no torque: the motion needs {rate} {speed} ({when})"
@@ -224,6 +209,11 @@ fn infeasible(solution: &Solution) -> String {
     format!("no motion keeps all limits unless {}{least}{later}{certain}", limits.join(" and "))
 }
 
+/// The unit of the rate of a joint whose torque or force has this unit.
+fn speed(unit: &str) -> &'static str {
+    if unit == "N" { "m/s" } else { "rad/s" }
+}
+
 /// Two numbers with four digits, or as many more as tell them apart.
 fn apart(a: f64, b: f64) -> (String, String) {
     let with = |digits| (short(a, digits), short(b, digits));
@@ -239,7 +229,7 @@ fn exceeded(solution: &Solution) -> impl Iterator<Item = String> {
         }
         let ((value, limit), whose) = (apart(worst.value, worst.limit), whose(name));
         let at = worst.rate.map_or_else(String::new, |rate| {
-            let speed = unit.replace("N m", "rad/s").replace('N', "m/s");
+            let speed = speed(unit);
             format!(", where its motor turns at {} {speed} (limits.no_load_speed)", short(rate, 4))
         });
         let what = quantity(kind);
@@ -278,12 +268,14 @@ pub fn iteration_row(iteration: &Iteration) -> Vec<String> {
 }
 
 /// Header of the table of starts. Of motions that were polished the costs are those before: each start is
-/// solved roughly, and the best one is polished.
+/// solved roughly, and the best one is polished. Where that turns out not to apply, only the best one is
+/// solved to the tolerance.
 pub fn start_header(solution: &Solution) -> [&'static str; 3] {
-    let cost = if is_polished(solution) {
-        "cost and penalties, rough, before the polish"
-    } else {
-        "cost and penalties"
+    let outcome = solution.polish.as_ref().map(|report| report.outcome);
+    let cost = match outcome {
+        Some(PolishOutcome::Polished) => "cost and penalties, rough, before the polish",
+        Some(PolishOutcome::Limited) => "cost and penalties; all but the best may be rough",
+        _ => "cost and penalties",
     };
     ["start", "status", cost]
 }

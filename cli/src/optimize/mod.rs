@@ -120,8 +120,7 @@ pub fn run(arguments: &Arguments) -> Outcome {
         terminal::note("interrupted; the best motion so far was kept");
     }
     if arguments.json || outputs.use_standard_output() {
-        let remarks = [text::explanation(problem, &solution), text::skipped_starts(&solution)];
-        remarks.iter().flatten().for_each(terminal::warning);
+        text::remarks(problem, &solution).iter().for_each(terminal::warning);
     }
     if arguments.json {
         let continuation = branch.as_ref().map(continuation::Points::new);

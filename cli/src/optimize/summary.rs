@@ -6,8 +6,7 @@ use costate_control::{Problem, Solution};
 use costate_report::figures::figures;
 use costate_report::numbers::short;
 use costate_report::text::{
-    ITERATION_HEADER, criterion, exceeded_between, explanation, iteration_row, needs_feedback, sentence,
-    skipped_starts, start_header, start_row, status,
+    ITERATION_HEADER, criterion, iteration_row, remarks, sentence, start_header, start_row, status,
 };
 use std::io::Write;
 
@@ -33,13 +32,7 @@ pub fn print(
         table.row(vec![format!("  {stage}"), format!("{} s, {share:.0} %", short(time, 3))]);
     }
     write!(out, "{table}")?;
-    let remarks = [
-        explanation(problem, solution),
-        exceeded_between(solution),
-        needs_feedback(problem, solution),
-        skipped_starts(solution),
-    ];
-    for remark in remarks.into_iter().flatten() {
+    for remark in remarks(problem, solution) {
         writeln!(out, "\n  {}.", escape_hidden(&sentence(&remark)))?;
     }
     if solution.starts.len() > 1 {

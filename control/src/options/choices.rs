@@ -39,7 +39,8 @@ pub enum Method {
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum Polish {
-    /// Where it applies, for at most ten times the time that the direct method took.
+    /// Where it applies, for at most ten times the time that the direct method took, or 250 ms if that is
+    /// more.
     #[default]
     Auto,
     /// Where it applies.

@@ -74,7 +74,8 @@ pub struct Motion {
     /// `None` where the integration stopped, or for a motion that is not converged.
     pub end_state: Option<Vec<f64>>,
     /// What was done to verify the motion: the level of the options, or [`Verify::None`] where there was no
-    /// solution to verify.
+    /// motion to verify, or the search was stopped. Of the direct method also for the best iterate of a
+    /// problem that is not solved, if it keeps its limits.
     pub verification: Verify,
     /// How much the equations amplify rounding errors: the largest change of a component at a node, in parts
     /// of its largest value, when the equations of all intervals change by independent errors of size 1;
@@ -88,9 +89,16 @@ pub struct Motion {
     /// Sum of slack times multiplier of all limits, relative to the cost: about what the barrier costs at
     /// most. NaN without the direct method.
     pub duality_gap: f64,
-    /// Twice what another step of Newton's method promises to gain, relative to the cost: the residual of the
-    /// optimality conditions in the metric of the Hessian. NaN without the direct method.
+    /// Twice what another step of Newton's method promises to gain, relative to the cost: the squared
+    /// residual of the optimality conditions in the metric of the inverse Hessian, damped as in the last
+    /// step. NaN without the direct method.
     pub newton_decrement: f64,
+    /// The residual of stationarity: what is left of the gradient of the Lagrange function by positions,
+    /// rates and so on, the largest entry of each joint in parts of the largest sum of magnitudes of its
+    /// terms. [`duality_gap`](Self::duality_gap) is that of complementarity, and
+    /// [`hamiltonian`](Self::hamiltonian), which is zero for a free time, that by times. NaN without the
+    /// direct method.
+    pub stationarity: f64,
     /// First conjugate time (s), if there is one up to T.
     pub conjugate_time: Option<f64>,
     /// Number of independent Jacobi fields that vanish at the conjugate time; 0 without one.
@@ -128,6 +136,7 @@ impl Motion {
             shooting_defect: f64::INFINITY,
             duality_gap: f64::NAN,
             newton_decrement: f64::NAN,
+            stationarity: f64::NAN,
             conjugate_time: None,
             conjugate_multiplicity: 0,
             certificate: Certificate::NotChecked,
@@ -141,6 +150,11 @@ impl Motion {
     /// Cost and penalties together: what was minimised.
     pub fn total(&self) -> f64 {
         self.cost + self.penalty_cost
+    }
+
+    /// Whether it is one of the direct method, not an extremal.
+    pub(crate) fn is_direct(&self) -> bool {
+        !self.newton_decrement.is_nan()
     }
 
     /// Largest end defect, relative to the size of each component of x, with which a motion that was solved

@@ -81,6 +81,8 @@ struct Document {
     duality_gap: Option<f64>,
     #[serde(default)]
     newton_decrement: Option<f64>,
+    #[serde(default)]
+    stationarity: Option<f64>,
     #[serde(default = "not_verified")]
     verification: Verify,
     #[serde(default)]
@@ -186,6 +188,7 @@ impl From<&Solution> for Document {
             shooting_defect: finite(motion.shooting_defect),
             duality_gap: finite(motion.duality_gap),
             newton_decrement: finite(motion.newton_decrement),
+            stationarity: finite(motion.stationarity),
             verification: motion.verification,
             conditioning: finite(motion.conditioning),
             newton_iterations: solution.newton_iterations,
@@ -229,6 +232,7 @@ impl TryFrom<Document> for Solution {
             shooting_defect: document.shooting_defect.unwrap_or(f64::INFINITY),
             duality_gap: document.duality_gap.unwrap_or(f64::NAN),
             newton_decrement: document.newton_decrement.unwrap_or(f64::NAN),
+            stationarity: document.stationarity.unwrap_or(f64::NAN),
             verification: document.verification,
             conditioning: document.conditioning.unwrap_or(f64::NAN),
             conjugate_time: document.conjugate_time,

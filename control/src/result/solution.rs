@@ -21,7 +21,7 @@ pub struct Solution {
     /// Largest miss of a position or velocity that is fixed at the end, when the motion is integrated again
     /// with the control that was found (rad, m, rad/s, m/s); infinite where that was not possible.
     pub end_defect: f64,
-    /// Newton steps on extremals, over all meshes and starts.
+    /// Newton steps of the direct method and on extremals, over all meshes and starts.
     pub newton_iterations: usize,
     /// How the motion uses its hard limits; empty without the direct method.
     pub limits: LimitReport,
@@ -87,9 +87,28 @@ impl Solution {
         self.motion.total()
     }
 
-    /// Number of nodes of the mesh.
+    /// Number of rows of the trajectory, `nodes` in JSON. Of extremals these are the nodes of the mesh, a
+    /// switch two. Of the direct method they are points and nodes, where torques may jump five for each
+    /// interval (both ends and three points), with continuous accelerations four for each and one more.
     pub fn nodes(&self) -> usize {
         self.trajectory.t.len()
+    }
+
+    /// Number of intervals of the last mesh; 0 without a motion.
+    pub fn intervals(&self) -> usize {
+        self.trajectory.mesh_nodes().map_or(0, |nodes| nodes.len() - 1)
+    }
+
+    /// Nodes of the last mesh as [`SolverOptions::nodes`] and `max_nodes` count them: of extremals one more
+    /// than intervals, of the direct method 3k + 1 for k intervals, 4k + 1 where accelerations are
+    /// continuous.
+    pub fn mesh_nodes(&self) -> usize {
+        let stride = match self.motion.is_direct() {
+            true if self.trajectory.has_continuous_accelerations() => 4,
+            true => 3,
+            false => 1,
+        };
+        stride * self.intervals() + 1
     }
 
     /// The costates at the start: `y(0) = -dJ/dx(0)`. Empty for a solution without a motion.

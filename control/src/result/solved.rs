@@ -99,6 +99,7 @@ impl Solved {
             shooting_defect,
             duality_gap: f64::NAN,
             newton_decrement: f64::NAN,
+            stationarity: f64::NAN,
             conjugate_time: conjugate.map(|conjugate| conjugate.time),
             conjugate_multiplicity: conjugate.map_or(0, |conjugate| conjugate.multiplicity),
             certificate,

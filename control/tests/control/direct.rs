@@ -45,9 +45,10 @@ fn check(problem: &Problem, solution: &Solution, value: f64, defect: f64) {
     let cost = solution.total();
     assert!((cost / value - 1.0).abs() < 3e-6, "{name}: {cost} instead of {value}");
     assert!(solution.end_defect < defect, "{name}: end defect {}", solution.end_defect);
-    let Motion { duality_gap, newton_decrement, .. } = solution.motion;
+    let Motion { duality_gap, newton_decrement, stationarity, .. } = solution.motion;
     let small = (0.0..1e-6).contains(&duality_gap) && (0.0..1e-6).contains(&newton_decrement);
-    assert!(small || solution.polish.is_some(), "{name}: {duality_gap} {newton_decrement}");
+    let small = small && (0.0..1e-3).contains(&stationarity);
+    assert!(small || solution.polish.is_some(), "{name}: {duality_gap} {newton_decrement} {stationarity}");
     assert!(violation(solution, [1.0; 4]) < 1e-6, "{name}: {:?}", solution.limits);
 }
 

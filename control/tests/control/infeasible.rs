@@ -54,6 +54,21 @@ fn a_force_that_is_too_small_gives_as_far_as_from_bound_to_bound() {
     close(only(&lacks(&braked)).amount, 0.5 * (65.0_f64.sqrt() - 5.0), 0.02);
 }
 
+/// A polish makes the search rough at first. What is infeasible then is looked at once more from its best
+/// motion, not from all starts, which would take twice the steps.
+#[test]
+fn infeasible_starts_are_not_all_repeated_to_the_tolerance() {
+    let problem = metre(MotionLimits::none().with_torque_max(vec![1.0]));
+    let steps = |polish: Polish| {
+        let options = SolverOptions::default().with_polish(polish).with_starts(4).with_tolerance(1e-8);
+        let solution = Solver::new(&problem, options).unwrap().solve();
+        assert_eq!((&solution.motion.status, solution.starts.len()), (&Status::Infeasible, 4));
+        solution.newton_iterations as f64
+    };
+    let (without, with) = (steps(Polish::Never), steps(Polish::Always));
+    assert!(with < 1.5 * without, "{with} steps, {without} without a polish");
+}
+
 #[test]
 fn a_rate_or_an_acceleration_that_is_too_small_is_proven() {
     let found = lacks(&metre(MotionLimits::none().with_a_max(vec![1.0])));

@@ -30,7 +30,11 @@ pub fn section(motion: &Motion<'_>) -> String {
         remarks.iter().flatten().map(|remark| format!("{}.", text::sentence(remark))).collect()
     };
     let remarks = sentences(&[text::explanation(problem, solution), text::skipped_starts(solution)]);
-    let advice = sentences(&[text::exceeded_between(solution), text::needs_feedback(problem, solution)]);
+    let advice = sentences(&[
+        text::saddle(solution),
+        text::exceeded_between(solution),
+        text::needs_feedback(problem, solution),
+    ]);
     let status = &solution.motion.status;
     let cards: String = cards(motion).iter().map(card).collect();
     format!(

@@ -39,6 +39,7 @@ fn json_has_the_documented_keys_and_the_cost_of_the_swing_up() {
         "solve_cpu_time",
         "solve_time",
         "starts",
+        "stationarity",
         "status",
         "switches",
         "trajectory",

@@ -4,7 +4,8 @@
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Figures {
     pub cost: f64,
-    /// Size of the cost, for tolerances: no less than that of a small motion.
+    /// Size of the cost, for tolerances: the integral of the magnitudes of its parts, no less than that of a
+    /// small motion.
     pub size: f64,
     /// Sum of slack times multiplier.
     pub gap: f64,

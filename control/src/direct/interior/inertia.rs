@@ -1,7 +1,8 @@
-//! Whether a stationary motion is a minimum or a saddle.
+//! Whether a stationary motion is a minimum or a saddle, and the way down from a saddle.
 
 use super::iterate::Interior;
 use crate::constants::direct as constants;
+use crate::direct::motion::spline::Spline;
 use crate::direct::points::values::PointDynamics;
 use costate::EvalError;
 
@@ -45,5 +46,115 @@ impl<D: PointDynamics> Interior<D> {
         }
         self.barrier.stiffness = stiffness;
         Ok(found)
+    }
+
+    /// A motion near a saddle that costs less, with the limits as their multipliers price them: along a
+    /// direction in which the matrix of [`inertia`](Self::inertia) is negative. The iterate stays; `None`
+    /// where no such motion was found.
+    pub fn below_saddle(&mut self) -> Option<Spline> {
+        self.find_negative_direction()?;
+        let n = self.spline.dof;
+        let (mut moved, mut extent) = (0.0_f64, constants::SMALL_MOTION);
+        for i in 0..n {
+            let values = || (0..self.points.count()).map(|p| self.points.z(p)[i]);
+            let [low, high] =
+                [values().fold(f64::INFINITY, f64::min), values().fold(-f64::INFINITY, f64::max)];
+            extent = extent.max(high - low);
+        }
+        for p in 0..self.points.count() {
+            self.change_of_z(p, 0);
+            moved = self.trial.dz[..n].iter().fold(moved, |most, dq| most.max(dq.abs()));
+        }
+        let first = constants::FROM_SADDLE * extent / moved;
+        let now = self.lagrangian(self.figures.cost, &self.barrier.distance);
+        let rounding = constants::ROUNDING * self.figures.size;
+        let mut part = if first.is_finite() { first } else { return None };
+        for _ in 0..constants::TRIALS_FROM_SADDLE {
+            let mut best: Option<(f64, Spline)> = None;
+            for sign in [1.0, -1.0] {
+                let value = self.value_along(sign * part).filter(|value| *value < now - rounding);
+                if let Some(value) = value.filter(|value| best.as_ref().is_none_or(|best| *value < best.0)) {
+                    best = Some((value, self.trial.spline.clone()));
+                }
+            }
+            if let Some((_, spline)) = best {
+                return Some(spline);
+            }
+            part *= 0.5;
+        }
+        None
+    }
+
+    /// A direction of negative curvature as the first part of the step, by inverse iteration with the matrix
+    /// and just so much of the metric of damping that it is positive definite; `None` where it is so without.
+    fn find_negative_direction(&mut self) -> Option<()> {
+        let (mut low, mut high) = (constants::ROUNDED_INERTIA, constants::ROUNDED_INERTIA);
+        while !self.factorise(high) {
+            (low, high) = (high, high * constants::DAMPING_UP);
+            if high > constants::MOST_DAMPING {
+                return None;
+            }
+        }
+        if low == high {
+            return None;
+        }
+        for _ in 0..constants::BISECTIONS_OF_SADDLE {
+            let middle = (low * high).sqrt();
+            (low, high) = if self.factorise(middle) { (low, middle) } else { (middle, high) };
+        }
+        if !self.factorise(high) {
+            return None;
+        }
+        // No symmetry of a problem has this start.
+        let places = |count: usize| (0..count).map(|i| (1.0 + i as f64).sqrt().sin());
+        let mut unknowns: Vec<f64> = places(self.spline.unknowns.len()).collect();
+        let by_times: Vec<f64> = places(self.spline.times.len()).collect();
+        let mut shared = vec![0.0; self.ends.shared()];
+        self.ends.reduce(&self.spline.mesh, &mut unknowns, &by_times, &mut shared);
+        for _ in 0..constants::INVERSE_ITERATIONS {
+            self.system.finish_solution(&mut unknowns, &mut shared);
+            let size = unknowns.iter().chain(&shared).fold(0.0_f64, |most, x| most.max(x.abs()));
+            if !(size > 0.0 && size.is_finite()) {
+                return None;
+            }
+            unknowns.iter_mut().chain(&mut shared).for_each(|x| *x /= size);
+        }
+        (self.steps[0], self.shared_steps[0]) = (unknowns, shared);
+        self.finish_part(0);
+        Some(())
+    }
+
+    /// The Lagrange function of the motion that is so far along the first part of the step, which the trial
+    /// has then; `None` where it cannot be evaluated, or exceeds limits by more than a small part of their
+    /// ranges.
+    fn value_along(&mut self, part: f64) -> Option<f64> {
+        let trial = &mut self.trial;
+        trial.spline.copy_from(&self.spline);
+        let steps =
+            [(&mut trial.spline.unknowns, &self.steps[0]), (&mut trial.spline.times, &self.time_steps[0])];
+        for (values, steps) in steps {
+            values.iter_mut().zip(steps).for_each(|(value, step)| *value += part * step);
+        }
+        if !trial.spline.times.iter().all(|time| *time > 0.0) {
+            return None;
+        }
+        self.model.resize_values(&trial.spline, &mut trial.points);
+        self.model.evaluate(&trial.spline, &mut trial.points).ok()?;
+        trial.distance.resize(self.barrier.count(), 0.0);
+        self.barrier.measure(&trial.spline, &trial.points, &mut trial.distance);
+        let is_near = (0..self.barrier.count()).filter(|&at| self.barrier.is_on(at)).all(|at| {
+            let distance = trial.distance[at];
+            let off = if self.barrier.is_limit(at) { -distance } else { distance.abs() };
+            self.barrier.unit[at] * off <= constants::OFF_AFTER_SADDLE
+        });
+        let cost = is_near.then(|| self.running.cost(&self.trial.spline, &self.trial.points))?;
+        let value = self.lagrangian(cost, &self.trial.distance);
+        value.is_finite().then_some(value)
+    }
+
+    /// The cost less all distances times their multipliers.
+    fn lagrangian(&self, cost: f64, distance: &[f64]) -> f64 {
+        let on = (0..self.barrier.count()).filter(|&at| self.barrier.is_on(at));
+        cost - on.map(|at| self.barrier.multiplier[at] * distance[at]).sum::<f64>()
     }
 }

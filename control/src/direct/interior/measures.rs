@@ -30,7 +30,8 @@ impl<D: PointDynamics> Interior<D> {
         self.figures.cost = cost;
         let small = self.small_cost.map_or(0.0, |cost| cost.within(self.spline.duration()));
         let small = small.max(f64::MIN_POSITIVE.sqrt());
-        self.figures.size = self.figures.cost.abs().max(small);
+        let magnitude = cost + 2.0 * self.running.negative_parts(&self.spline, &self.points);
+        self.figures.size = magnitude.abs().max(small);
     }
 
     pub(crate) fn measure_figures(&mut self) {

@@ -131,6 +131,17 @@ impl Powers {
         self.sides.iter().map(of).fold(0.0, f64::max)
     }
 
+    /// By how much powers (W), and torques where motors drive fast (N m, N), exceed their limits most.
+    pub fn excesses(&self, v: &[f64], tau: &[f64]) -> [f64; 2] {
+        let mut most = [0.0_f64; 2];
+        for side in &self.sides {
+            let excess = side.sign * (side.bound - self.functions[side.joint].value(v, tau));
+            let most = &mut most[usize::from(side.limited == Limited::TorqueSpeed)];
+            *most = most.max(excess);
+        }
+        most
+    }
+
     /// h at all points, from z and the torques.
     pub fn evaluate(&self, points: &mut Points) {
         let (n, rows) = (points.dof, points.powers);

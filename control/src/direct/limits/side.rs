@@ -71,8 +71,8 @@ pub(crate) struct Side {
     /// 1 for a lower bound, -1 for an upper one.
     pub sign: f64,
     pub bound: f64,
-    /// Distance to the bound on the other side, or the size of values, if there is none: the unit of
-    /// violations.
+    /// Distance to the bound on the other side; if there is none, the magnitude of the bound, and 1 of its
+    /// unit at least. The unit of violations.
     pub range: f64,
     pub is_equation: bool,
     /// One of two limits that stand for an equation.

@@ -1,6 +1,7 @@
 //! Costates of a motion from the multipliers of the direct method.
 
 use super::interval_part::IntervalPart;
+use super::stationarity::Stationarity;
 use crate::direct::interior::iterate::Interior;
 use crate::direct::motion::shape::{PLACES, POINTS, WEIGHTS};
 use crate::direct::points::values::PointDynamics;
@@ -18,6 +19,8 @@ pub(super) struct Costates {
     pub hamiltonian: Vec<f64>,
     /// The mean of H* on each interval.
     pub means: Vec<f64>,
+    /// What is left of the gradient of the Lagrange function, in parts of its terms.
+    pub stationarity: f64,
 }
 
 /// From an iterate whose points are contracted.
@@ -40,10 +43,13 @@ pub(super) fn costates<D: PointDynamics>(interior: &mut Interior<D>) -> Costates
         at_points: vec![vec![0.0; 2 * n]; mesh.points()],
         hamiltonian: vec![0.0; mesh.points()],
         means: Vec::with_capacity(mesh.intervals()),
+        stationarity: 0.0,
     };
+    let mut stationarity = Stationarity::new(spline);
     let (mut part, integrals) = (IntervalPart::new(spline, interior.rows()), integrals());
     for k in 0..mesh.intervals() {
         part.take(interior, k);
+        stationarity.add(&part, spline, k);
         found.means.push(-part.by_duration);
         let (left, right) = (part.by_state(spline, k, -1.0), part.by_state(spline, k + 1, 1.0));
         for (j, integrals) in integrals.iter().enumerate() {
@@ -63,6 +69,7 @@ pub(super) fn costates<D: PointDynamics>(interior: &mut Interior<D>) -> Costates
         found.before.push(right.clone());
         found.at_nodes[k + 1] = right;
     }
+    found.stationarity = stationarity.residual(interior);
     found
 }
 

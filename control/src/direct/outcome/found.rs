@@ -26,6 +26,8 @@ const LEAST_PIVOT: f64 = 1e-3;
 pub(crate) struct Found {
     pub trajectory: Trajectory,
     pub hamiltonians: Hamiltonians,
+    /// What is left of the gradient of the Lagrange function, in parts of its terms.
+    pub stationarity: f64,
 }
 
 /// The trajectory at the nodes and at the points between them, with H*.
@@ -41,11 +43,12 @@ pub(crate) fn found<D: PointDynamics>(
     let smooth = interior.spline.mesh.shape.is_smooth();
     let costates = if smooth { smooth_costates(interior) } else { costates(interior) };
     let hamiltonians = hamiltonians(interior, &costates);
+    let stationarity = costates.stationarity;
     let trajectory = match smooth {
         true => smooth_trajectory(problem, interior, costates),
         false => trajectory(problem, interior, ends, &costates),
     };
-    Ok(Found { trajectory: trajectory?, hamiltonians })
+    Ok(Found { trajectory: trajectory?, hamiltonians, stationarity })
 }
 
 /// Where accelerations jump.

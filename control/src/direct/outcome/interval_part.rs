@@ -22,11 +22,14 @@ pub(super) struct IntervalPart {
     rows: RateRows,
     /// By the unknowns of the motion.
     gradient: Vec<f64>,
+    /// Sums of the magnitudes of what the points add to that.
+    terms: Vec<f64>,
     /// Derivatives of the Lagrange function per second by (q, v, a), 3n for each point of the interval.
     densities: Vec<f64>,
     /// By the duration of the interval: minus the mean of H* on it.
     pub by_duration: f64,
     scaled: Vec<f64>,
+    magnitudes: Vec<f64>,
 }
 
 impl IntervalPart {
@@ -37,9 +40,11 @@ impl IntervalPart {
             work: Work::new(n, rows),
             rows: RateRows::new(n),
             gradient: vec![0.0; spline.unknowns.len()],
+            terms: vec![0.0; spline.unknowns.len()],
             densities: vec![0.0; 3 * n * spline.mesh.shape.places().len()],
             by_duration: 0.0,
             scaled: vec![0.0; 3 * n],
+            magnitudes: vec![0.0; 3 * n],
         }
     }
 
@@ -49,8 +54,10 @@ impl IntervalPart {
         let (n, node, mesh) = (spline.dof, spline.node(), &spline.mesh);
         // That of the interval alone, which nothing else reads.
         let (inner, first) = (mesh.shape.inner() * n, node * mesh.nodes.len());
-        self.gradient[node * k..node * (k + 2)].fill(0.0);
-        self.gradient[first + inner * k..first + inner * (k + 1)].fill(0.0);
+        for vector in [&mut self.gradient, &mut self.terms] {
+            vector[node * k..node * (k + 2)].fill(0.0);
+            vector[first + inner * k..first + inner * (k + 1)].fill(0.0);
+        }
         // The cost of time, which does not depend on the unknowns.
         let (time, mut by_time) = (spline.clock(k), running.time * mesh.width(k));
         // Those of rates of torques are added afterwards.
@@ -73,6 +80,9 @@ impl IntervalPart {
             by_time += own * weight * cost;
             by_time += self.scaled.iter().zip(&self.work.z_t).map(|(a, b)| a * b).sum::<f64>();
             add_gradient(spline, k, &factors, &self.scaled, &mut self.gradient);
+            self.magnitudes.iter_mut().zip(&self.scaled).for_each(|(to, from)| *to = from.abs());
+            let factors = factors.map(|row| row.map(f64::abs));
+            add_gradient(spline, k, &factors, &self.magnitudes, &mut self.terms);
             let densities = self.densities[3 * n * j..].iter_mut().zip(&self.work.z[0]);
             densities.for_each(|(to, from)| *to = from / (weight * time));
         }
@@ -84,11 +94,17 @@ impl IntervalPart {
         for (j, i) in (0..rates).flat_map(|j| (0..n).map(move |i| (j, i))) {
             let (rates, p) = (&points.rates, n * (POINTS * k + j) + i);
             let [first, _] = self.rows.take_jerk(k, j, i, spline, points);
-            add_local(spline, k, &self.rows.row, rates.jerk_terms[p].first[0], &mut self.gradient);
+            let of_jerk = rates.jerk_terms[p].first[0];
+            add_local(spline, k, &self.rows.row, of_jerk, &mut self.gradient);
+            self.rows.row.iter_mut().for_each(|entry| *entry = entry.abs());
+            add_local(spline, k, &self.rows.row, of_jerk.abs(), &mut self.terms);
             by_time += rates.jerk_terms[p].cost + rates.jerk_terms[p].first[0] * first;
             if has_torques {
                 let first = self.rows.take_torque_rate(k, j, i, spline, points);
-                add_local(spline, k, &self.rows.row, rates.torque_terms[p].first[0], &mut self.gradient);
+                let of_torque = rates.torque_terms[p].first[0];
+                add_local(spline, k, &self.rows.row, of_torque, &mut self.gradient);
+                self.rows.row.iter_mut().for_each(|entry| *entry = entry.abs());
+                add_local(spline, k, &self.rows.row, of_torque.abs(), &mut self.terms);
                 by_time += rates.torque_terms[p].cost + rates.torque_terms[p].first[0] * first;
             }
         }
@@ -98,6 +114,17 @@ impl IntervalPart {
             by_time += [0.0, 1.0, 2.0][i % node / n] * g * x / time;
         }
         self.by_duration = by_time / mesh.width(k);
+    }
+
+    /// Adds the derivatives by the unknowns of interval `k`, and the sums of magnitudes.
+    pub fn add_to(&self, spline: &Spline, k: usize, to: [&mut Vec<f64>; 2]) {
+        let (node, inner) = (spline.node(), spline.mesh.shape.inner() * spline.dof);
+        let first = node * spline.mesh.nodes.len() + inner * k;
+        for (to, from) in to.into_iter().zip([&self.gradient, &self.terms]) {
+            for range in [node * k..node * (k + 2), first..first + inner] {
+                to[range.clone()].iter_mut().zip(&from[range]).for_each(|(to, from)| *to += from);
+            }
+        }
     }
 
     /// Derivatives by q and v at a node, 2n, times `sign`, from those by the unknowns: v = x/T.

@@ -12,4 +12,5 @@ mod integrate;
 pub(super) mod interval_part;
 pub(super) mod report;
 pub(super) mod smooth_costates;
+mod stationarity;
 pub(super) mod verify;

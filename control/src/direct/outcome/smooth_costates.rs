@@ -2,6 +2,7 @@
 
 use super::costates::Costates;
 use super::interval_part::IntervalPart;
+use super::stationarity::Stationarity;
 use crate::direct::interior::iterate::Interior;
 use crate::direct::points::values::PointDynamics;
 
@@ -17,8 +18,10 @@ pub(super) fn smooth_costates<D: PointDynamics>(interior: &mut Interior<D>) -> C
     let mut at_nodes = vec![vec![0.0; 2 * n]; mesh.nodes.len()];
     let mut before: Vec<Vec<f64>> = Vec::with_capacity(mesh.intervals());
     let mut means = Vec::with_capacity(mesh.intervals());
+    let mut stationarity = Stationarity::new(spline);
     for k in 0..mesh.intervals() {
         part.take(interior, k);
+        stationarity.add(&part, spline, k);
         means.push(-part.by_duration);
         let right = part.by_state(spline, k + 1, 1.0);
         at_nodes[k] = part.by_state(spline, k, -1.0);
@@ -39,5 +42,6 @@ pub(super) fn smooth_costates<D: PointDynamics>(interior: &mut Interior<D>) -> C
         at_nodes,
         before,
         means,
+        stationarity: stationarity.residual(interior),
     }
 }

@@ -29,6 +29,12 @@ impl Energy {
         }
     }
 
+    /// The magnitudes of those parts of the cost that are negative, per second.
+    pub fn negative_parts(&self, v: &[f64], tau: &[f64]) -> f64 {
+        let powers = v.iter().zip(tau).map(|(v, tau)| v * tau);
+        (0..self.weights.len()).zip(powers).map(|(i, power)| (-self.term(i, power).value).max(0.0)).sum()
+    }
+
     /// The cost of all powers, per second.
     pub fn rate(&self, v: &[f64], tau: &[f64]) -> f64 {
         let powers = v.iter().zip(tau).map(|(v, tau)| v * tau);
@@ -59,6 +65,9 @@ mod tests {
             assert_eq!(energy.term(1, 0.0).value, 0.0);
         }
         assert_eq!(energy(1.0).rate(&[2.0, 3.0], &[5.0, 0.0]), 0.0);
+        let (v, tau) = ([1.0; 2], [0.0, -1e9]);
+        assert!((energy(1.0).negative_parts(&v, &tau) - 1.5).abs() < 1e-6);
+        assert_eq!(energy(1.0).negative_parts(&v, &[0.0, 2.0]), 0.0);
         assert!(Energy::new(&Objective::new(0.0, vec![1.0]).with_energy(vec![0.0])).weights.is_empty());
     }
 

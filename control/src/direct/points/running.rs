@@ -79,6 +79,24 @@ impl Running {
         (0..points.count()).map(cost).sum::<f64>() + points.rates.cost(spline, &self.rates)
     }
 
+    /// The integral of the magnitudes of those parts that are negative: energy, which its smoothing lets be
+    /// so where motors brake, joint by joint, and all user terms together. The other parts never are. A cost
+    /// that crosses zero is not small: the sum of the magnitudes of its parts is its size.
+    pub fn negative_parts(&self, spline: &Spline, points: &Points) -> f64 {
+        let has_energy = !self.energy.weights.is_empty();
+        if !has_energy && !self.terms.any() {
+            return 0.0;
+        }
+        let n = points.dof;
+        let of = |p: usize| {
+            let (z, tau) = (points.z(p), points.tau(p));
+            let (q, v) = (&z[..n], &z[n..2 * n]);
+            let terms = if self.terms.any() { self.terms.at(q, v) } else { 0.0 };
+            spline.weight(p) * (self.energy.negative_parts(v, tau) + (-terms).max(0.0))
+        };
+        (0..points.count()).map(of).sum()
+    }
+
     /// l at a time without the costs of jerks and of rates of torques; infinite where tools cannot be
     /// evaluated.
     pub fn rate(&mut self, time: f64, z: &[f64], tau: &[f64]) -> f64 {

@@ -3,6 +3,7 @@
 use super::around::around_obstacles;
 use super::meshes::{Refined, Start, refine};
 use super::prepare::{Dynamics, interior};
+use super::saddle::leave_saddles;
 use super::with_effort::{Smoothing, WithEffort, with_effort};
 use crate::constants::direct as constants;
 use crate::direct::interior::inertia::Inertia;
@@ -85,6 +86,8 @@ impl Direct<'_> {
                 return self.finish(&mut eased, &resolution, refined, smoothing, recorder);
             }
         }
+        let model = (problem, self.rows);
+        leave_saddles(model, self.options, &mut interior, &mut resolution, &mut refined, recorder)?;
         self.finish(&mut interior, &resolution, refined, Smoothing::default(), recorder)
     }
 
@@ -100,13 +103,14 @@ impl Direct<'_> {
         let problem = self.problem.problem();
         interior.clock.lap(Stage::Meshes);
         let ends = AtEnds::of(interior)?;
-        let Found { trajectory, hamiltonians } = found(problem, interior, &ends)?;
+        let Found { trajectory, hamiltonians, stationarity } = found(problem, interior, &ends)?;
         // What exceeds its limits leads nowhere.
         let exceeds = matches!(status, Status::LimitsNotKept | Status::Infeasible)
             || interior.figures.violation > constants::VIOLATION_ACCEPTED;
-        let again = again.unwrap_or_else(|| match status.is_interruption() || exceeds {
-            true => Again::unknown(false),
-            false => {
+        let is_checked = !(status.is_interruption() || exceeds);
+        let again = again.unwrap_or_else(|| match is_checked {
+            false => Again::unknown(false),
+            true => {
                 let mut stops = || recorder.interruption().is_some();
                 integrate_again(problem, self.options, interior, resolution, &mut stops)
             }
@@ -129,11 +133,9 @@ impl Direct<'_> {
             end_state: again.state,
             shooting_defect: again.parts,
             duality_gap: interior.figures.gap / interior.figures.size,
+            stationarity,
             newton_decrement: interior.figures.decrement.abs() / interior.figures.size,
-            verification: match status {
-                Status::Converged | Status::ConvergedSmoothed | Status::NotVerified => self.options.verify,
-                _ => Verify::None,
-            },
+            verification: if is_checked && again.is_complete { self.options.verify } else { Verify::None },
             certificate,
             errors: vec![error],
             iterations,

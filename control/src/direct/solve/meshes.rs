@@ -293,7 +293,7 @@ pub(super) fn iteration(iterate: &Interior<Dynamics>, first: usize, step: f64) -
     let figures = &iterate.figures;
     Iteration {
         phase: Phase::Direct,
-        nodes: iterate.spline.mesh.points(),
+        nodes: iterate.spline.mesh.shape.stride() * iterate.spline.mesh.intervals() + 1,
         number: figures.iterations - first,
         residual: (figures.gap.max(figures.decrement.abs()) / figures.size).max(figures.violation),
         step,

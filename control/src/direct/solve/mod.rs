@@ -10,5 +10,6 @@ mod mending;
 mod meshes;
 pub(super) mod prepare;
 pub(super) mod restore;
+mod saddle;
 pub(super) mod smoothing;
 mod with_effort;

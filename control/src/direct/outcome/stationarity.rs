@@ -1,0 +1,83 @@
+//! How well the motion that was found meets the conditions of first order.
+
+use super::interval_part::IntervalPart;
+use crate::constants::direct::LEAST_SCALE;
+use crate::direct::interior::iterate::Interior;
+use crate::direct::limits::at_node::AtNode;
+use crate::direct::motion::spline::Spline;
+use crate::direct::newton::point_terms::side_terms;
+
+/// The gradient of the Lagrange function by all unknowns of a motion, with its multipliers; and for each
+/// unknown the sum of the magnitudes that the points add to it, which cancel.
+pub(super) struct Stationarity {
+    gradient: Vec<f64>,
+    terms: Vec<f64>,
+}
+
+impl Stationarity {
+    /// Nothing added yet.
+    pub fn new(spline: &Spline) -> Self {
+        let zeros = || vec![0.0; spline.unknowns.len()];
+        Self { gradient: zeros(), terms: zeros() }
+    }
+
+    /// Adds the part of interval `k`.
+    pub fn add(&mut self, part: &IntervalPart, spline: &Spline, k: usize) {
+        part.add_to(spline, k, [&mut self.gradient, &mut self.terms]);
+    }
+
+    /// The largest entry of the gradient by positions at nodes, by rates there and so on, of each joint, in
+    /// parts of the largest sum of magnitudes of these of this joint. A joint to which next to nothing is
+    /// added is measured by the others. Unknowns that are given do not count; those that both ends of a
+    /// periodic motion share count once. The times of phases are left to H*.
+    pub fn residual<D>(mut self, interior: &Interior<D>) -> f64 {
+        let Interior { spline, points, barrier, ends, .. } = interior;
+        let (n, node, mesh) = (spline.dof, spline.node(), &spline.mesh);
+        for k in 0..mesh.nodes.len() {
+            let at_node = AtNode::new(spline, k);
+            for at in barrier.at_node(k) {
+                let side = barrier.side(at);
+                let ([first, ..], value) = (side_terms(barrier, at, side.sign).0, at_node.of(side));
+                self.gradient[value.unknown] += value.scale * first;
+                self.terms[value.unknown] += (value.scale * first).abs();
+            }
+        }
+        for (at, row) in barrier.at_ends().zip(points.ends.g_x.chunks_exact(2 * n)) {
+            let [first, ..] = side_terms(barrier, at, barrier.side(at).sign).0;
+            for (i, entry) in spline.end_unknowns(barrier.end_of(at)).zip(&row[..n]) {
+                self.gradient[i] += first * entry;
+                self.terms[i] += (first * entry).abs();
+            }
+        }
+        let mut tied = vec![0.0; ends.shared()];
+        ends.reduce(mesh, &mut self.gradient, &vec![0.0; mesh.phases()], &mut tied);
+        let last = node * mesh.intervals();
+        for (&i, sum) in ends.tied.iter().zip(&tied[ends.times.count()..]) {
+            self.gradient[i] = *sum;
+            self.terms[i] += self.terms[last + i];
+        }
+        let states = node * mesh.nodes.len();
+        let inner = mesh.shape.inner() * n;
+        // v = x/T, a = x/T^2 inside of phases.
+        let in_time = |i: usize| match i / node {
+            k if i < states && !mesh.is_end(k) => spline.clock_at(k).powi((i % node / n) as i32),
+            _ => 1.0,
+        };
+        let column = |i: usize| if i < states { i % node } else { node + (i - states) % inner };
+        let mut largest = vec![[0.0_f64; 2]; node + inner];
+        for (i, (gradient, terms)) in self.gradient.iter().zip(&self.terms).enumerate() {
+            let scale = in_time(i);
+            for (most, value) in largest[column(i)].iter_mut().zip([gradient.abs(), *terms]) {
+                let value = scale * value;
+                *most = if value.is_nan() { f64::INFINITY } else { most.max(value) };
+            }
+        }
+        let of_kind = |kind: &[[f64; 2]]| {
+            let least = LEAST_SCALE * kind.iter().fold(0.0, |most: f64, [_, terms]| most.max(*terms));
+            let parts = kind.iter().map(|[gradient, terms]| gradient / terms.max(least));
+            // Where nothing is added nothing is left.
+            parts.filter(|part| !part.is_nan()).fold(0.0, f64::max)
+        };
+        largest.chunks(n).map(of_kind).fold(0.0, f64::max)
+    }
+}

@@ -1,0 +1,54 @@
+//! What is done where a motion turns out to be a saddle: the search goes on below it.
+
+use super::meshes::{Refined, Start, refine};
+use super::prepare::{Dynamics, interior_on};
+use crate::constants::direct as constants;
+use crate::direct::interior::inertia::Inertia;
+use crate::direct::interior::iterate::Interior;
+use crate::direct::refine::resolution::Resolution;
+use crate::options::SolverOptions;
+use crate::problem::Problem;
+use crate::solve::Recorder;
+use crate::task::build::TaskRows;
+use costate::EvalError;
+
+/// Goes on from a solved motion that is a saddle, along a direction of negative curvature, at most
+/// [`SADDLES`](constants::SADDLES) times. The motion is replaced by what is solved there if that costs less.
+///
+/// # Errors
+/// A motion that cannot be evaluated.
+pub(super) fn leave_saddles(
+    (problem, rows): (&Problem, &TaskRows),
+    options: &SolverOptions,
+    interior: &mut Interior<Dynamics>,
+    resolution: &mut Resolution,
+    refined: &mut Refined,
+    recorder: &mut Recorder<'_>,
+) -> Result<(), EvalError> {
+    for _ in 0..constants::SADDLES {
+        let goes_on = refined.status.is_converged() && recorder.interruption().is_none();
+        if !goes_on || interior.inertia()? != Inertia::Negative {
+            break;
+        }
+        let Some(spline) = interior.below_saddle() else { break };
+        let mut other = interior_on(problem, rows, options, 0, None, &spline.mesh.nodes);
+        other.spline.copy_from(&spline);
+        other.looseness = interior.looseness;
+        other.figures.iterations = interior.figures.iterations;
+        other.clock = std::mem::take(&mut interior.clock);
+        // The barrier of a cold start would hide the way down.
+        other.start(None)?;
+        other.start(Some(constants::WARM * other.mu))?;
+        let mut of_other = Resolution::default();
+        let found = refine(problem, options, Start::Solved, &mut other, &mut of_other, recorder)?;
+        interior.clock = std::mem::take(&mut other.clock);
+        interior.figures.iterations = other.figures.iterations;
+        let gain = constants::ROUNDING * other.figures.size;
+        if !(found.status.is_converged() && of_other.cost < resolution.cost - gain) {
+            break;
+        }
+        std::mem::swap(&mut interior.clock, &mut other.clock);
+        (*interior, *resolution, *refined) = (other, of_other, found);
+    }
+    Ok(())
+}
