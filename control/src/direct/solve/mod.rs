@@ -9,6 +9,8 @@ pub(super) mod first_time;
 mod mending;
 mod meshes;
 pub(super) mod prepare;
+mod rest_pose;
 pub(super) mod restore;
 pub(super) mod smoothing;
+mod waiting;
 mod with_effort;
