@@ -2,7 +2,7 @@
 
 use crate::numbers::short;
 use costate::robot::printable;
-use costate_control::{Method, Problem, Solution, Status};
+use costate_control::{FastJoint, Method, Problem, Solution, Status};
 
 /// Errors of the cost below this, and below so many times the tolerance, miss a tolerance that is finer than
 /// the last one by little.
@@ -36,8 +36,14 @@ pub fn advice(problem: &Problem, solution: &Solution) -> Option<String> {
         remedies.push("a larger cost.energy_smoothing".into());
     }
     // Fast motions of what is nearly without inertia are behind the others too.
-    let light = without_rotors(problem).filter(|_| jumps || energy || *status != Status::NewtonFailed);
-    remedies.extend(light.map(|joints| format!("robot.armature (the inertia of rotors: {joints} without)")));
+    let fast = solution.fastest_joint(problem).ok().flatten();
+    let light = match &fast {
+        Some(fast) => with_rotor(problem, fast),
+        None => without_rotors(problem)
+            .filter(|_| jumps || energy || *status != Status::NewtonFailed)
+            .map(|joints| format!("robot.armature (the inertia of rotors: {joints} without)")),
+    };
+    remedies.extend(light);
     match status {
         Status::NotVerified => remedies.push("a smaller solver.tolerance".into()),
         _ if remedies.is_empty() => return None,
@@ -47,7 +53,45 @@ pub fn advice(problem: &Problem, solution: &Solution) -> Option<String> {
     // What a status says has the form "reason; advice for all problems".
     let text = status.to_string();
     let reason = text.split(';').next().unwrap_or_default();
-    Some(format!("{reason}; what may help: {}", remedies.join("; ")))
+    let cause = fast.map(|fast| format!("; {}", too_fast(problem, &fast))).unwrap_or_default();
+    Some(format!("{reason}{cause}; what may help: {}", remedies.join("; ")))
+}
+
+/// The name of a joint by its number among those that mimic no other.
+fn joint_name(problem: &Problem, joint: usize) -> String {
+    problem
+        .robot
+        .independent_joints()
+        .nth(joint)
+        .map_or(String::new(), |joint| printable(&joint.name).to_string())
+}
+
+/// That a joint moves faster than the mesh follows.
+fn too_fast(problem: &Problem, fast: &FastJoint) -> String {
+    format!(
+        "joint '{}' moves faster than the mesh follows: near the motion deviations change within {} s at t = {} s, and \
+         intervals are {} s long",
+        joint_name(problem, fast.joint),
+        short(fast.time_constant, 2),
+        short(fast.time, 4),
+        short(fast.interval, 2)
+    )
+}
+
+/// The inertia of a rotor that makes a joint as slow as the mesh.
+fn with_rotor(problem: &Problem, fast: &FastJoint) -> Option<String> {
+    let name = joint_name(problem, fast.joint);
+    Some(match fast.armature {
+        Some(inertia) => format!(
+            "robot.armature = {{ {name} = {} }} (inertia of its rotor, with which the mesh would follow)",
+            short(inertia, 2)
+        ),
+        None => {
+            let rotors =
+                without_rotors(problem).map_or(String::new(), |joints| format!(": {joints} without"));
+            format!("robot.armature (the inertia of rotors, of '{name}' first{rotors})")
+        }
+    })
 }
 
 /// A phase shorter than this part of the motion goes to zero.
