@@ -13,6 +13,7 @@ pub(crate) mod direct;
 mod extremals;
 pub(crate) mod states;
 pub(crate) mod task;
+pub(crate) mod waiting;
 
 pub(crate) use extremals::{arcs, attempts, branch, free_time, homotopy, newton, refinement, shooting};
 

@@ -6,6 +6,7 @@ pub(crate) mod constraint_forces;
 mod csv;
 pub(crate) mod defect;
 pub(crate) mod disconjugate;
+pub(crate) mod fast_joint;
 mod forward;
 pub(crate) mod infeasibility;
 pub(crate) mod jacobi_fields;

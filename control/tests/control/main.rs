@@ -14,6 +14,7 @@ mod documents;
 mod dynamics;
 mod equations;
 mod extremals;
+mod fast_joints;
 mod free_start;
 mod guessed_times;
 mod in_space;
@@ -21,6 +22,7 @@ mod infeasible;
 mod known;
 mod lagrangian;
 mod linear_algebra;
+mod long_motions;
 mod loops;
 #[cfg(feature = "jit")]
 mod machine_code;

@@ -30,7 +30,7 @@ impl<D: PointDynamics> Interior<D> {
     }
 
     /// `None` where the motion cannot be evaluated.
-    fn figures_of(&mut self, spline: &Spline) -> Option<Figures> {
+    pub(super) fn figures_of(&mut self, spline: &Spline) -> Option<Figures> {
         self.spline.copy_from(spline);
         self.prepare();
         self.evaluate().ok()?;

@@ -126,6 +126,13 @@ pub(super) fn refine(
         if stuck || unresolved {
             end = recorder.interruption().map_or(End::NoProgress, End::Interrupted);
         }
+        let rounded = end == End::NoProgress
+            && !(stuck || unresolved)
+            && precision <= least
+            && interior.is_solved_but_for_rounding(tolerance);
+        if rounded {
+            end = End::Solved;
+        }
         let mut figures = interior.figures;
         let is_over = matches!(end, End::NoProgress | End::IterationLimit);
         if is_over
@@ -148,7 +155,8 @@ pub(super) fn refine(
         }
         resolution.measure(interior)?;
         interior.clock.lap(Stage::Meshes);
-        let error = (resolution.error() + figures.gap) / figures.size;
+        let promised = if rounded { figures.promised } else { 0.0 };
+        let error = (resolution.error() + figures.gap + promised) / figures.size;
         let violated = figures.violation > constants::VIOLATION_ACCEPTED;
         let accurate = error <= tolerance && resolution.violation() <= constants::VIOLATION_BETWEEN;
         let can_move = !smooth || resolution.violation() <= constants::VIOLATION_BETWEEN;

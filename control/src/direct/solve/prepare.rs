@@ -1,5 +1,6 @@
 //! A problem with a guess, ready to iterate.
 
+use super::waiting::rest_between;
 use crate::constants::direct as constants;
 use crate::cubics::Disturbance;
 use crate::direct::interior::iterate::Interior;
@@ -45,7 +46,12 @@ pub(crate) fn interior(
         let least = if phases > 1 { constants::INTERVALS_OF_PHASE } else { 1 };
         Mesh::even(phases, ((options.nodes - 1) / stride / phases).max(least))
     });
-    interior_on(problem, rows, options, number, saved, &nodes)
+    let mut interior = interior_on(problem, rows, options, number, saved, &nodes);
+    if number == 0 && saved.is_none() {
+        // States that cannot be evaluated are told when the iteration begins.
+        let _ = rest_between(problem, options, &mut interior);
+    }
+    interior
 }
 
 /// The same on these nodes.
