@@ -20,6 +20,7 @@
 //! ```
 
 mod advice;
+pub mod between;
 pub mod figures;
 mod limits;
 pub mod models;

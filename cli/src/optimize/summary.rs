@@ -3,11 +3,12 @@
 use crate::report::{Table, title};
 use costate::robot::escape_hidden;
 use costate_control::{Problem, Solution};
+use costate_report::between::{cut_between, exceeded_between};
 use costate_report::figures::figures;
 use costate_report::numbers::short;
 use costate_report::text::{
-    ITERATION_HEADER, criterion, exceeded_between, explanation, iteration_row, needs_feedback, sentence,
-    skipped_starts, start_header, start_row, status,
+    ITERATION_HEADER, criterion, explanation, iteration_row, needs_feedback, sentence, skipped_starts,
+    start_header, start_row, status,
 };
 use std::io::Write;
 
@@ -36,6 +37,7 @@ pub fn print(
     let remarks = [
         explanation(problem, solution),
         exceeded_between(solution),
+        cut_between(solution),
         needs_feedback(problem, solution),
         skipped_starts(solution),
     ];

@@ -1,5 +1,6 @@
 //! The beginning of the page: robot, task, how it ended, time, cost, limits, what stands out, warnings.
 
+use crate::between;
 use crate::figures::time_is_free;
 use crate::motion::Motion;
 use crate::numbers::short;
@@ -30,7 +31,11 @@ pub fn section(motion: &Motion<'_>) -> String {
         remarks.iter().flatten().map(|remark| format!("{}.", text::sentence(remark))).collect()
     };
     let remarks = sentences(&[text::explanation(problem, solution), text::skipped_starts(solution)]);
-    let advice = sentences(&[text::exceeded_between(solution), text::needs_feedback(problem, solution)]);
+    let advice = sentences(&[
+        between::exceeded_between(solution),
+        between::cut_between(solution),
+        text::needs_feedback(problem, solution),
+    ]);
     let status = &solution.motion.status;
     let cards: String = cards(motion).iter().map(card).collect();
     format!(

@@ -9,6 +9,7 @@ pub(super) mod first_time;
 mod mending;
 mod meshes;
 pub(super) mod prepare;
-pub(super) mod restore;
+pub(super) mod refined;
+mod restore;
 pub(super) mod smoothing;
 mod with_effort;
