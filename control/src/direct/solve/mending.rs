@@ -19,8 +19,10 @@ pub(super) struct Mended {
     before: [f64; 2],
     /// Meshes that are finer for nothing else.
     meshes: usize,
-    /// The accurate motion that the first of them began with.
+    /// The accurate motion that the first of them began with, or that was there before limits moved far.
     accurate: Option<Spline>,
+    /// Whether that one was taken again.
+    gives_up: bool,
 }
 
 /// What a motion does not keep between its points, and what that costs.
@@ -55,7 +57,14 @@ impl Beyond {
 
 impl Default for Mended {
     fn default() -> Self {
-        Self { moves: 0, is_whole: false, before: [f64::INFINITY; 2], meshes: 0, accurate: None }
+        Self {
+            moves: 0,
+            is_whole: false,
+            before: [f64::INFINITY; 2],
+            meshes: 0,
+            accurate: None,
+            gives_up: false,
+        }
     }
 }
 
@@ -79,7 +88,7 @@ impl Mended {
                 && falls
                 && self.moves < constants::MOVES
         };
-        let is_beyond = others > constants::VIOLATION_BETWEEN;
+        let is_beyond = others > constants::VIOLATION_BETWEEN && !self.gives_up;
         let wanted = [true, false].into_iter().take(if is_beyond { 2 } else { 1 });
         let found = wanted.into_iter().find(moves).map(|torques| Inside { torques, whole: false });
         if found.is_some() {
@@ -101,7 +110,8 @@ impl Mended {
         [allowed, enough]: [f64; 2],
         most: usize,
     ) -> Option<Vec<f64>> {
-        if beyond.overshoots[0] <= constants::VIOLATION_BETWEEN || self.meshes >= constants::MESHES_BETWEEN {
+        let is_kept = beyond.overshoots[0] <= constants::VIOLATION_BETWEEN;
+        if is_kept || self.gives_up || self.meshes >= constants::MESHES_BETWEEN {
             return None;
         }
         let nodes = resolution.nodes_for_limits(spline, allowed, enough);
@@ -109,19 +119,24 @@ impl Mended {
             return None;
         }
         self.meshes += 1;
-        self.accurate.get_or_insert_with(|| spline.clone());
+        self.keep(spline);
         self.begin_mesh();
         Some(nodes)
     }
 
-    /// Takes an accurate motion again where finer meshes led to none, and does no more about what it exceeds.
+    /// Keeps an accurate motion in case that nothing better is found.
+    pub fn keep(&mut self, spline: &Spline) {
+        self.accurate.get_or_insert_with(|| spline.clone());
+    }
+
+    /// Takes an accurate motion again where what was done led to none, and does no more about what it exceeds.
     /// Whether there is one.
     ///
     /// # Errors
     /// A motion that cannot be evaluated.
     pub fn comes_back(&mut self, interior: &mut Interior<Dynamics>) -> Result<bool, EvalError> {
-        self.meshes = constants::MESHES_BETWEEN;
         let Some(spline) = self.accurate.take() else { return Ok(false) };
+        self.gives_up = true;
         interior.spline = spline;
         interior.start(None)?;
         self.begin_mesh();

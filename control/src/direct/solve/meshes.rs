@@ -150,6 +150,9 @@ pub(super) fn refine(
             precision = least;
             continue;
         }
+        if moves.is_some_and(|inside| inside.whole) {
+            mended.keep(&interior.spline);
+        }
         let moves = moves.filter(|inside| resolution.move_limits_inside(interior, *inside)).is_some();
         let mut again = None;
         let status = match end {
