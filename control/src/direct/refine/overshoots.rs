@@ -13,12 +13,13 @@ pub(crate) struct Overshoots {
 /// By how much limits of one group are exceeded in each interval, and what it costs to keep them there.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Group {
-    /// Largest violation inside of each interval, in parts of ranges. Where jumps are as close to each other as
-    /// nodes may be, those of accelerations and torques are not resolved: 0 there.
+    /// Largest violation inside of each interval, in parts of ranges. Where jumps are as close to each other
+    /// as nodes may be, those of accelerations and torques are not resolved: 0 there.
     pub most: Vec<f64>,
     /// What it costs in each interval to move limits inside as far as they are exceeded.
     pub losses: Vec<f64>,
-    /// The same for limits that move so far that no quadratic within them at the points is beyond them between.
+    /// The same for limits that move so far that no quadratic which keeps them at the points is beyond what
+    /// they were between.
     pub whole: Vec<f64>,
 }
 
@@ -33,8 +34,8 @@ impl Overshoots {
         }
     }
 
-    /// Adds what it costs to move a limit that is exceeded in interval `k` by the part `over` of its range, of
-    /// which all costs `price`. Nothing where jumps are not resolved.
+    /// Adds what it costs to move a limit that is exceeded in interval `k` by the part `over` of its range,
+    /// of which all costs `price`. Nothing where jumps are not resolved.
     pub fn add_loss(&mut self, k: usize, side: &Side, over: f64, price: f64) {
         let most = most_moved(side.limited);
         let group = self.of_mut(side);

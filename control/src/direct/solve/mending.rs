@@ -129,8 +129,8 @@ impl Mended {
         self.accurate.get_or_insert_with(|| spline.clone());
     }
 
-    /// Takes an accurate motion again where what was done led to none, and does no more about what it exceeds.
-    /// Whether there is one.
+    /// Takes an accurate motion again where what was done led to none, and does no more about what it
+    /// exceeds. Whether there is one.
     ///
     /// # Errors
     /// A motion that cannot be evaluated.
