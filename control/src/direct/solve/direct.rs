@@ -1,8 +1,9 @@
 //! From a problem to a motion: starts, meshes, verification.
 
 use super::around::around_obstacles;
-use super::meshes::{Refined, Start, refine};
+use super::meshes::{Start, refine};
 use super::prepare::{Dynamics, interior};
+use super::refined::Refined;
 use super::saddle::leave_saddles;
 use super::with_effort::{Smoothing, WithEffort, with_effort};
 use crate::constants::direct as constants;

@@ -9,6 +9,7 @@ pub(super) mod first_time;
 mod mending;
 mod meshes;
 pub(super) mod prepare;
+pub(super) mod refined;
 mod rest_pose;
 pub(super) mod restore;
 mod saddle;

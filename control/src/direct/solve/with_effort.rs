@@ -9,8 +9,9 @@
 //! $$ c \, (T - T^\ast) \le w \, (E(T^\ast) - E) \le w \, \Bigl( T \sum_i \frac12 p_i \max \tau_i^2 - E
 //! \Bigr). $$
 
-use super::meshes::{Refined, Start, refine};
+use super::meshes::{Start, refine};
 use super::prepare::{Dynamics, interior_on};
+use super::refined::Refined;
 use crate::constants::direct as constants;
 use crate::direct::interior::iterate::Interior;
 use crate::direct::interior::looseness::Looseness;
