@@ -16,6 +16,7 @@ mod equations;
 mod extremals;
 mod free_start;
 mod guessed_times;
+mod guesses;
 mod in_space;
 mod infeasible;
 mod known;

@@ -56,6 +56,7 @@ fn meaning(name: &str) -> &'static str {
         "shooting defect" => {
             "largest mismatch when pieces of the motion are integrated again, costates included"
         }
+        "guess" => "what the motion began as, and how many guesses were looked at",
         "Newton iterations" => "steps of Newton's method, over all meshes and starts",
         "mesh nodes" => "points at which the motion was computed",
         "conjugate time" => "from this time on motions nearby would cost less; none means a local minimum",
