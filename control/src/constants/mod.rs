@@ -10,6 +10,7 @@
 
 pub(crate) mod direct;
 mod extremals;
+pub(crate) mod guesses;
 pub(crate) mod states;
 pub(crate) mod task;
 

@@ -5,7 +5,7 @@
 
 use super::first::First;
 use super::prepare::Dynamics;
-use crate::constants::direct::guesses as constants;
+use crate::constants::guesses as constants;
 use crate::cubics::Disturbance;
 use crate::direct::interior::iterate::Interior;
 use crate::direct::motion::reached::{other_positions, with_tools_reached};
