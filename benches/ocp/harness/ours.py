@@ -25,10 +25,10 @@ class Ours:
         self.limit, self.arguments = limit, list(arguments)
         self.understands_limits = None
 
-    def write(self, task, starts=1):
+    def write(self, task, starts=None):
         if self.understands_limits is None:
             self.understands_limits = self._probe(task)
-        file = self.folder / (f"{task.name}.toml" if starts == 1 else f"{task.name}_{starts}_starts.toml")
+        file = self.folder / (f"{task.name}.toml" if starts is None else f"{task.name}_{starts}_starts.toml")
         file.write_text(problem_file.text(task, self.understands_limits, self.tolerance, starts))
         return file
 
@@ -47,7 +47,7 @@ class Ours:
         one_core = {**os.environ, "RAYON_NUM_THREADS": "1"}
         return subprocess.run(command, capture_output=True, text=True, check=False, env=one_core)
 
-    def solve(self, task, times=1, starts=1):
+    def solve(self, task, times=1, starts=None):
         """Solved so many times in one process; the first time compiles the dynamics of the robot."""
         file = self.write(task, starts)
         before = children_seconds()

@@ -220,7 +220,7 @@ fn exceeded(solution: &Solution) -> impl Iterator<Item = String> {
 
 /// A search that ended before all of its starts were tried.
 pub fn skipped_starts(solution: &Solution) -> Option<String> {
-    let (tried, all) = (solution.starts.len(), solution.options.starts);
+    let (tried, all) = (solution.starts.len(), solution.options.starts.unwrap_or(1));
     (1..all).contains(&tried).then(|| format!("the search ended during start {tried} of {all}"))
 }
 

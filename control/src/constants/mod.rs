@@ -11,6 +11,7 @@
 pub(crate) mod differences;
 pub(crate) mod direct;
 mod extremals;
+pub(crate) mod guesses;
 pub(crate) mod states;
 pub(crate) mod task;
 pub(crate) mod waiting;

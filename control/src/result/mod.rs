@@ -25,6 +25,7 @@ pub(crate) mod saved_start;
 pub(crate) mod solution;
 pub(crate) mod solved;
 pub(crate) mod stage_times;
+pub(crate) mod start;
 pub(crate) mod trajectory;
 pub(crate) mod trajectory_error;
 pub(crate) mod verify;

@@ -17,6 +17,7 @@ mod extremals;
 mod fast_joints;
 mod free_start;
 mod guessed_times;
+mod guesses;
 mod in_space;
 mod infeasible;
 mod known;
