@@ -202,7 +202,8 @@ impl Problem {
     /// Whether all joints of the robot have limits of rate and effort, as those of arms that are sold have,
     /// and the problem has no other way to limit them.
     fn has_limits_of_a_product(&self) -> bool {
-        let is_complete = |joint: &Joint| joint.limits.velocity.is_finite() && joint.limits.effort.is_finite();
+        let is_complete =
+            |joint: &Joint| joint.limits.velocity.is_finite() && joint.limits.effort.is_finite();
         self.bounds.is_none() && self.penalty.is_none() && self.robot.independent_joints().all(is_complete)
     }
 
