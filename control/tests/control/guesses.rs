@@ -69,7 +69,7 @@ fn board() -> Problem {
     let mut problem = Problem::rest_to_rest(robot, &start, &end, 3.0);
     problem.cost.effort = vec![4.4e-5, 4.4e-5, 4.4e-5, 1.3e-3, 1.3e-3, 1.3e-3];
     let size = [0.8, 0.04, 0.4];
-    let placement = Placement::translation([0.6, 0.0, 0.2]);
+    let placement = Placement::from_xyz_rpy([0.6, 0.0, 0.2], [0.0; 3]);
     let board = Obstacle::new("board", Shape::Box { placement, size });
     let bodies = Collision::along_links(0.05);
     problem
