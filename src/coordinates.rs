@@ -15,9 +15,9 @@ pub enum Coordinates {
     Lagrangian,
 }
 
-/// A name that is neither `hamiltonian` nor `lagrangian`.
+/// A name that is none of `hamiltonian`, `lagrangian`, `qp` and `qv`.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("unknown coordinates '{0}'; use 'hamiltonian' or 'lagrangian'")]
+#[error("unknown coordinates '{0}'; use 'hamiltonian' or 'qp', 'lagrangian' or 'qv'")]
 #[non_exhaustive]
 pub struct UnknownCoordinates(pub String);
 
@@ -32,6 +32,14 @@ impl Coordinates {
             Self::Lagrangian => "lagrangian",
         }
     }
+
+    /// `qp` or `qv`, which are read as well.
+    pub fn short_name(self) -> &'static str {
+        match self {
+            Self::Hamiltonian => "qp",
+            Self::Lagrangian => "qv",
+        }
+    }
 }
 
 impl fmt::Display for Coordinates {
@@ -44,7 +52,9 @@ impl FromStr for Coordinates {
     type Err = UnknownCoordinates;
 
     fn from_str(name: &str) -> Result<Self, UnknownCoordinates> {
-        let found = Self::ALL.into_iter().find(|coordinates| coordinates.name() == name);
+        let found = Self::ALL
+            .into_iter()
+            .find(|coordinates| [coordinates.name(), coordinates.short_name()].contains(&name));
         found.ok_or_else(|| UnknownCoordinates(name.into()))
     }
 }
@@ -57,6 +67,7 @@ mod tests {
     fn names_are_read_back() {
         for coordinates in Coordinates::ALL {
             assert_eq!(coordinates.to_string().parse(), Ok(coordinates));
+            assert_eq!(coordinates.short_name().parse(), Ok(coordinates));
         }
         let error = "cartesian".parse::<Coordinates>().unwrap_err();
         assert!(error.to_string().contains("'cartesian'"), "{error}");

@@ -8,8 +8,9 @@ use costate::robot::Robot;
 use costate::step::{RungeKutta4, Step};
 use costate_c::dynamics::{
     CostateDynamics, costate_contract, costate_dynamics_delete, costate_dynamics_new, costate_f,
-    costate_hessian, costate_jacobian, costate_rnea_jacobian,
+    costate_hessian, costate_jacobian,
 };
+use costate_c::quantities::costate_rnea_jacobian;
 use costate_c::robot::{CostateRobot, costate_robot_delete, costate_robot_from_file};
 use costate_c::status::costate_last_error;
 use costate_c::step::{

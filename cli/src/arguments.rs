@@ -165,7 +165,10 @@ pub fn count(text: &str) -> Result<NonZeroUsize, String> {
 
 /// Parser of coordinates; `help` says what Hamiltonian and Lagrangian coordinates mean to the command.
 pub fn coordinates(help: [&'static str; 2]) -> impl TypedValueParser<Value = Coordinates> {
-    let named = |(coordinates, help): (Coordinates, _)| PossibleValue::new(coordinates.name()).help(help);
+    let named = |(coordinates, help): (Coordinates, _)| {
+        let short = coordinates.short_name();
+        PossibleValue::new(coordinates.name()).alias(short).help(format!("or {short}: {help}"))
+    };
     PossibleValuesParser::new(Coordinates::ALL.into_iter().zip(help).map(named))
         .try_map(|name| name.parse::<Coordinates>())
 }

@@ -71,6 +71,12 @@ impl Disturbance {
         Self { waves: distances.map(wave).collect() }
     }
 
+    /// One joint of n out and back by this amplitude (rad, m).
+    pub fn bend(n: usize, joint: usize, amplitude: f64) -> Self {
+        let wave = |i: usize| Wave { amplitude: if i == joint { amplitude } else { 0.0 }, count: 1.0 };
+        Self { waves: (0..n).map(wave).collect() }
+    }
+
     fn add(&self, joint: usize, time: f64, s: f64, at: JointState) -> JointState {
         let Some(&Wave { amplitude, count: k }) = self.waves.get(joint) else { return at };
         let (sin, cos) = (std::f64::consts::PI * k * s).sin_cos();

@@ -83,11 +83,12 @@ pub use problem::warning::ProblemWarning;
 pub use problem::{
     BodyPairs, BoundaryState, Bounds, Collision, EndError, FinalTime, JointReference, Keep, Kept, Leads,
     LinkCapsule, LoopError, MotionLimits, Objective, Obstacle, Payload, Penalty, Problem, Reference, Shape,
-    Task, TaskError, Tool, ToolCost, ToolOrientation, ToolPose, ToolReference, TorqueSpeedError, Via,
-    ViaError,
+    Task, TaskError, Tool, ToolCost, ToolOrientation, ToolPose, ToolReference, TorqueSpeedError,
+    UrdfBodyError, Via, ViaError,
 };
 pub use progress::{Cancel, Iteration, Phase};
 pub use result::constraint_forces::ConstraintForces;
+pub use result::fast_joint::FastJoint;
 pub use result::infeasibility::{Infeasibility, RelaxedLimit};
 pub use result::limit_use::{ActiveLimit, LimitReport, LimitUse, LimitViolation};
 pub use result::motion::{Certificate, ExtremalSolution, Motion};
@@ -96,8 +97,9 @@ pub use result::polish_report::{PolishOutcome, PolishReport};
 pub use result::rates::MotionRates;
 pub use result::samples::{SampleError, Samples};
 pub use result::saved_start::SavedStart;
-pub use result::solution::{CostateStart, RobotNames, Solution, StartResult};
+pub use result::solution::{CostateStart, RobotNames, Solution};
 pub use result::stage_times::StageTimes;
+pub use result::start::{GuessKind, StartResult};
 pub use result::trajectory::{Trajectory, TrajectoryPoint};
 pub use result::trajectory_error::TrajectoryError;
 pub use sensitivity::{CostDerivative, cost_by_parameters};

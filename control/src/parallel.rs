@@ -1,8 +1,9 @@
 //! Several starts of a problem, on several threads.
 
 use crate::options::SolverOptions;
-use crate::result::solution::{Solution, StartResult};
+use crate::result::solution::Solution;
 use crate::result::stage_times::StageTimes;
+use crate::result::start::{GuessKind, StartResult};
 use crate::solve::Recorder;
 use crate::status::Status;
 use std::cmp::Ordering;
@@ -31,9 +32,10 @@ pub(crate) fn best_of_starts(
     solve: impl Fn(usize, &mut Recorder<'_>) -> Solution + Sync,
 ) -> Option<Solution> {
     let shared = Mutex::new(Shared::default());
-    let threads = options.threads_for(options.starts);
+    let count = options.count();
+    let threads = options.threads();
     recorder.split(threads, |recorder| {
-        while let Some(number) = next(&shared, options.starts, recorder) {
+        while let Some(number) = next(&shared, count, recorder) {
             let solution = solve(number, recorder);
             lock(&shared).take(number, solution);
         }
@@ -63,9 +65,12 @@ fn lock(shared: &Mutex<Shared>) -> MutexGuard<'_, Shared> {
 }
 
 impl Shared {
-    fn take(&mut self, number: usize, solution: Solution) {
-        let motion = &solution.motion;
-        self.starts.push((number, StartResult { total: motion.total(), status: motion.status.clone() }));
+    fn take(&mut self, number: usize, mut solution: Solution) {
+        let own = solution.starts.pop().unwrap_or_else(|| {
+            let guess = if number == 0 { GuessKind::Straight } else { GuessKind::Disturbed };
+            StartResult::of(&solution.motion, guess, 1)
+        });
+        self.starts.push((number, own));
         self.newton_iterations += solution.newton_iterations;
         self.stage_times = solution.stage_times.map(|own| own.and(&self.stage_times.unwrap_or_default()));
         let better = self
@@ -82,7 +87,7 @@ impl Shared {
 /// other motions that keep their limits, then what would have to give, then motions that exceed limits, and
 /// what is no motion last. What would have to give is compared by how much that is, all others by their
 /// costs.
-fn compare(a: &Solution, b: &Solution) -> Ordering {
+pub(crate) fn compare(a: &Solution, b: &Solution) -> Ordering {
     let cost = |solution: &Solution| match solution.motion.total() {
         total if total.is_nan() => f64::INFINITY,
         total => total,

@@ -11,6 +11,7 @@ use crate::progress::{Cancel, Iteration, Listener};
 use crate::result::polish_report::PolishOutcome;
 use crate::result::solution::Solution;
 use crate::result::stage_times::StageTimes;
+use crate::result::start::StartResult;
 use crate::result::trajectory::Trajectory;
 use crate::result::trajectory_error::TrajectoryError;
 use crate::solve::Recorder;
@@ -25,10 +26,12 @@ use std::time::Instant;
 /// Solves a [`Problem`] from one or several guesses and keeps the cheapest motion found.
 ///
 /// The first guess is a saved motion if there is one, else cubics in the joint coordinates that meet both
-/// ends. Further starts add seeded waves to the cubics. The direct method begins there, and where nothing
-/// but controls is at its limits, what it found is the first guess of an extremal
-/// ([`Polish`](crate::Polish)). Collocation and shooting begin at what the direct method finds roughly, and
-/// go on from cubics and from relaxed problems where that fails ([`Strategy`](crate::Strategy)).
+/// ends. Further starts add seeded waves to the cubics. The direct method begins there, unless the number of
+/// starts is left to it: then it looks at other guesses for tools and obstacles too
+/// ([`GuessKind`](crate::GuessKind)), and goes on with the best one. Where nothing but controls is at its
+/// limits, what it found is the first guess of an extremal ([`Polish`](crate::Polish)). Collocation and
+/// shooting begin at what the direct method finds roughly, and go on from cubics and from relaxed problems
+/// where that fails ([`Strategy`](crate::Strategy)).
 ///
 /// ```
 /// use costate_control::{SolverOptions, Problem, Solver};
@@ -131,7 +134,8 @@ fn directly(
     recorder: &mut Recorder<'_>,
 ) -> Solution {
     let polishes = options.polish != Polish::Never && may_polish(&problem);
-    if let Some(saved) = start.as_ref().filter(|_| polishes && options.starts == 1 && !problem.needs_direct())
+    if let Some(saved) =
+        start.as_ref().filter(|_| polishes && options.count() == 1 && !problem.needs_direct())
         && let Some(found) = polish_saved(&problem, &options, saved_motion(saved), recorder)
     {
         return found;
@@ -139,6 +143,7 @@ fn directly(
     let tolerance = rough_tolerance(&problem, &options);
     let rough = polishes && tolerance > options.tolerance;
     let (mut iterations, mut steps, mut times) = (Vec::new(), 0, StageTimes::default());
+    let mut begun = Vec::new();
     let first = SolverOptions { tolerance, verify: options.verify.min(Verify::Factors), ..options.clone() };
     // A polish begins at a motion as exact as that of an extremal does.
     let looseness = if polishes { Looseness::default() } else { Looseness::of(options.tolerance) };
@@ -146,7 +151,7 @@ fn directly(
     let mut kept = None;
     for stage in rough.then_some(&first).into_iter().chain([&options]) {
         let began = Instant::now();
-        let alone = kept.is_some().then(|| SolverOptions { starts: 1, ..stage.clone() });
+        let alone = kept.is_some().then(|| SolverOptions { starts: Some(1), ..stage.clone() });
         let from = alone.as_ref().unwrap_or(stage);
         let direct = Direct { problem, rows, options: from, looseness, saved: start.as_ref() };
         let mut found = direct.solve(recorder);
@@ -154,8 +159,11 @@ fn directly(
             let of_best = std::mem::replace(&mut found.starts, starts).pop();
             let best = found.starts.iter_mut().find(|start| start.total.to_bits() == f64::to_bits(total));
             if let (Some(best), Some(of_best)) = (best, of_best) {
-                *best = of_best;
+                *best = StartResult { guess: best.guess, looks: best.looks, ..of_best };
             }
+        } else if let ([begun], [start]) = (&begun[..], &mut found.starts[..]) {
+            let StartResult { guess, looks, .. } = begun;
+            (start.guess, start.looks) = (*guess, *looks);
         }
         times = times.and(&found.stage_times.unwrap_or_default());
         let taken = began.elapsed();
@@ -174,6 +182,7 @@ fn directly(
         let is_limited = outcome == Some(PolishOutcome::Limited) && found.motion.status.is_solved();
         let is_infeasible = found.motion.status == Status::Infeasible && found.trajectory.t.len() > 1;
         kept = (is_limited || is_infeasible).then(|| (std::mem::take(&mut found.starts), found.total()));
+        begun = std::mem::take(&mut found.starts);
         start = if found.is_motion() || is_infeasible { Some(found.trajectory) } else { start };
     }
     Solution::missing(&problem.robot, Status::Cancelled, problem.time.value())

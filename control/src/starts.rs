@@ -136,6 +136,7 @@ impl Starts<'_> {
             seed,
             verify: Verify::None,
             polish: Polish::Never,
+            starts: Some(1),
             ..SolverOptions::default()
         };
         // Newton's method needs meshes and gaps of tight tolerances.

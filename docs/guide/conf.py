@@ -14,9 +14,14 @@ extensions = ["myst_parser", "sphinx.ext.autodoc", "numpydoc"]
 root_doc = "guide/index"
 html_theme = "furo"
 html_title = f"costate {version}"
+# Lines of code have up to 96 columns.
+code = {"code-font-size": "var(--font-size--small--3)"}
+html_theme_options = {"light_css_variables": code, "dark_css_variables": code}
 exclude_patterns = ["guide/README.md", "guide/notebooks"]
 myst_heading_anchors = 4
 autodoc_member_order = "bysource"
+# Names in single backticks are links.
+default_role = "py:obj"
 numpydoc_show_class_members = False
 # The reference of their modules does not need them.
 friends = ("casadi", "crocoddyl", "jax", "scipy", "torch")

@@ -3,7 +3,9 @@
 With `--write`, the pictures that they save become those of the guide.
 """
 
+import contextlib
 import importlib.util
+import io
 import os
 import re
 import subprocess
@@ -34,6 +36,31 @@ def blocks(page: Path) -> list[tuple[int, str]]:
     return [(text.count("\n", 0, block.start(2)), block[2]) for block in found if not block[1]]
 
 
+# A block of Python with the block of text right after it, which is what it prints.
+PRINTED = re.compile(r"(^```python\n(?:(?!```)[^\n]*\n)*```\n\n```text\n)(.*?)^```$", re.M | re.S)
+
+
+def _line(block: re.Match[str]) -> int:
+    """The lines before the code of a block."""
+    return block.string.count("\n", 0, block.start()) + 1
+
+
+def printed_on(page: Path) -> dict[int, str]:
+    """What the page says that blocks print, by the lines before each."""
+    return {_line(block): block[2] for block in PRINTED.finditer(page.read_text(encoding="utf-8"))}
+
+
+def write_printed(page: Path, said: dict[int, str]) -> None:
+    """Writes what blocks print into the page."""
+    text = page.read_text(encoding="utf-8")
+    page.write_text(PRINTED.sub(lambda block: f"{block[1]}{said[_line(block)]}```", text), encoding="utf-8")
+
+
+def words(text: str) -> list[str]:
+    """What is printed without numbers and blanks, which differ with the processor."""
+    return re.sub(r"[-+]?[0-9][0-9.e+-]*", "0", text).split()
+
+
 def pictures(page: Path) -> list[str]:
     """The pictures that a page shows."""
     return re.findall(r"\]\((?:guide/)?pictures/([a-z_]+\.svg)\)", page.read_text(encoding="utf-8"))
@@ -45,8 +72,8 @@ def prepare(folder: Path) -> None:
         (folder / name).symlink_to(ROOT / name, target_is_directory=True)
 
 
-def run(page: Path, folder: Path) -> None:
-    """Runs all blocks in one namespace; their pictures are then in the folder."""
+def set_style() -> None:
+    """The looks of all pictures."""
     import matplotlib
 
     matplotlib.use("Agg")
@@ -55,6 +82,13 @@ def run(page: Path, folder: Path) -> None:
     style = {"svg.hashsalt": "costate", "svg.fonttype": "none", "font.family": "sans-serif", "figure.figsize": (6.4, 3.6)}
     style |= {"figure.constrained_layout.use": True, "axes.spines.top": False, "axes.spines.right": False}
     plt.rcParams.update(style | {"axes.grid": True, "grid.alpha": 0.3, "figure.facecolor": "white"})
+
+
+def run(page: Path, folder: Path) -> dict[int, str]:
+    """Runs all blocks in one namespace; their pictures are then in the folder. What each printed, by the lines before."""
+    said: dict[int, str] = {}
+    if pictures(page):
+        set_style()
     before = Path.cwd()
     os.chdir(folder)
     sys.path.insert(0, str(folder))
@@ -68,11 +102,17 @@ def run(page: Path, folder: Path) -> None:
                     (folder / program[1]).write_text(code, encoding="utf-8")
                     subprocess.run([sys.executable, program[1]], cwd=folder, check=True)
                 else:
-                    exec(compile("\n" * line + code, str(page), "exec"), names)
+                    with contextlib.redirect_stdout(io.StringIO()) as out:
+                        exec(compile("\n" * line + code, str(page), "exec"), names)
+                    said[line] = out.getvalue()
     finally:
         sys.path.remove(str(folder))
         os.chdir(before)
-        plt.close("all")
+        if pictures(page):
+            import matplotlib.pyplot as plt
+
+            plt.close("all")
+    return said
 
 
 def main(arguments: list[str]) -> None:
@@ -86,7 +126,12 @@ def main(arguments: list[str]) -> None:
             folder = Path(name)
             prepare(folder)
             print(f"{page.name}: {len(blocks(page))} blocks")
-            run(page, folder)
+            said = run(page, folder)
+            for line, text in printed_on(page).items():
+                if not write and words(text) != words(said[line]):
+                    raise SystemExit(f"{page.name}: the block in line {line} prints\n{said[line]}")
+            if write:
+                write_printed(page, said)
             for picture in pictures(page):
                 made = folder / picture
                 if write:

@@ -2,7 +2,7 @@
 
 use crate::errors::{Failure, argument};
 use crate::robot::Robot;
-use crate::signals::Signals;
+use crate::signals::{PAUSE, Signals};
 use costate::codegen::{Coordinates, Quantity};
 use costate::derivative::{DerivativeError, Figure, StateReport, Verdict, worse};
 use costate::hamiltonian::Hamiltonian;
@@ -11,6 +11,8 @@ use costate::{EvalError, robot};
 use costate_comparison::{Routes, StepRoutes};
 use costate_jit::{Backend, JitQuantity};
 use pyo3::prelude::*;
+use std::sync::Arc;
+use std::sync::mpsc::{self, RecvTimeoutError};
 
 /// Duration of the steps that are compared (s).
 const STEP: f64 = 1e-3;
@@ -38,7 +40,7 @@ pub fn _compare(py: Python<'_>, robot: &Robot, states: Vec<[Vec<f64>; 4]>) -> Py
         }
     }
     let mut signals = Signals::default();
-    let compared = py.detach(|| compare(robot.model(), &states, &mut signals));
+    let compared = py.detach(|| compare(robot.shared(), states, &mut signals))?;
     let (report, seen, left_out) = compared.map_err(|(state, failure)| failure.raise(py, vec![state]))?;
     let raised = signals.raised().map(|raised| raised.into_value(py).into_any());
     let row = |figure: &Figure| {
@@ -72,43 +74,67 @@ struct Compare {
 }
 
 /// Compares all states, or those before a signal; the number of a state that cannot be evaluated comes with
-/// its error.
+/// its error. One state of a large robot takes seconds. So a thread of its own compares, and after a signal
+/// it is left to finish the state that it is at, of which nobody hears any more.
+///
+/// # Errors
+/// Where there is no thread.
 fn compare(
-    robot: &robot::Robot,
-    states: &[[Vec<f64>; 4]],
+    robot: Arc<robot::Robot>,
+    states: Vec<[Vec<f64>; 4]>,
     signals: &mut Signals,
-) -> Result<Compared, (usize, Failure)> {
-    let codes = [None, Some(0)].map(|limit| {
-        let of = (Quantity::YFXX, Coordinates::Hamiltonian);
-        match limit {
-            None => JitQuantity::new(robot, of.0, of.1),
-            Some(limit) => JitQuantity::with_limit(robot, of.0, of.1, limit),
+) -> std::io::Result<Result<Compared, (usize, Failure)>> {
+    let (send, found) = mpsc::channel();
+    let work = move || {
+        let mut all = Compare::new(&robot);
+        for state in &states {
+            let at = all.at(state);
+            let failed = at.is_err();
+            if send.send(at).is_err() || failed {
+                return;
+            }
         }
-        .ok()
-    });
-    let hamiltonian = Hamiltonian::new(robot);
-    let mut all = Compare { routes: Routes::new(robot), steps: StepRoutes::new(robot), hamiltonian, codes };
-    let (mut worst, mut left_out) = (None::<(StateReport, Option<[f64; 2]>)>, 0);
-    for (index, state) in states.iter().enumerate() {
-        if signals.came() {
-            return Ok((worst, index, left_out));
+    };
+    let thread = std::thread::Builder::new().spawn(work)?;
+    let (mut worst, mut seen, mut left_out) = (None::<AtState>, 0, 0);
+    while !signals.came() {
+        match found.recv_timeout(PAUSE) {
+            Ok(Ok(Some((report, machine)))) => {
+                worst = Some(match worst.take() {
+                    None => (report, machine),
+                    Some((before, of)) => (before.with_worse_of(&report), nearer(of, machine)),
+                });
+                seen += 1;
+            }
+            Ok(Ok(None)) => (seen, left_out) = (seen + 1, left_out + 1),
+            Ok(Err(failure)) => return Ok(Err((seen, failure))),
+            Err(RecvTimeoutError::Timeout) => {}
+            Err(RecvTimeoutError::Disconnected) => {
+                thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+                break;
+            }
         }
-        let Some((report, machine)) = all.at(state).map_err(|failure| (index, failure))? else {
-            left_out += 1;
-            continue;
-        };
-        worst = Some(match worst.take() {
-            None => (report, machine),
-            Some((before, of)) => (before.with_worse_of(&report), nearer(of, machine)),
-        });
     }
-    Ok((worst, states.len(), left_out))
+    Ok(Ok((worst, seen, left_out)))
 }
 
 /// The figures of a state, and those of machine code, if there is any.
 type AtState = (StateReport, Option<[f64; 2]>);
 
 impl Compare {
+    fn new(robot: &robot::Robot) -> Self {
+        let codes = [None, Some(0)].map(|limit| {
+            let of = (Quantity::YFXX, Coordinates::Hamiltonian);
+            match limit {
+                None => JitQuantity::new(robot, of.0, of.1),
+                Some(limit) => JitQuantity::with_limit(robot, of.0, of.1, limit),
+            }
+            .ok()
+        });
+        let hamiltonian = Hamiltonian::new(robot);
+        Self { routes: Routes::new(robot), steps: StepRoutes::new(robot), hamiltonian, codes }
+    }
+
     /// All figures at a state; none where the mass matrix is singular.
     fn at(&mut self, [q, v, tau, y]: &[Vec<f64>; 4]) -> Result<Option<AtState>, Failure> {
         let x = [q.as_slice(), self.hamiltonian.momentum(q, v)?].concat();

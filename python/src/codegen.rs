@@ -1,7 +1,7 @@
 //! Source text of a quantity.
 
 use crate::dynamics::coordinates_of;
-use crate::errors::{CodegenError, argument};
+use crate::errors::{CodegenError, argument, whole};
 use crate::robot::Robot;
 use crate::words::in_python;
 use costate::Coordinates;
@@ -9,6 +9,9 @@ use costate::codegen::{
     COptions, ProgramOptions, Quantity, RustOptions, StepSpec, acados_source, casadi_source, robot_program,
 };
 use pyo3::prelude::*;
+
+/// Most steps of a function, unless given.
+const LIMIT: usize = 25_000;
 
 /// Source code of one quantity of a robot: a function without branches that needs no library.
 ///
@@ -38,7 +41,7 @@ use pyo3::prelude::*;
 /// Raises
 /// ------
 /// ArgumentError
-///     For an unknown quantity, coordinates or language.
+///     For an unknown quantity, coordinates or language, and a limit that is negative or no whole number.
 /// CodegenError
 ///     For a quantity that is not defined in these coordinates, or a function that is longer than the limit.
 ///
@@ -49,8 +52,12 @@ use pyo3::prelude::*;
 /// >>> "void cart_lagrangian_inverse_dynamics(" in costate.codegen(robot, "inverse_dynamics")
 /// True
 #[pyfunction]
-#[pyo3(signature = (robot, quantity, coordinates = "qv", language = "c", *, only = false, parameters = false,
-    limit = 25_000))]
+#[pyo3(
+    signature = (robot, quantity, coordinates = "qv", language = "c", *, only = false, parameters = false,
+        limit = None),
+    text_signature = "(robot, quantity, coordinates='qv', language='c', *, only=False, parameters=False, \
+        limit=25000)"
+)]
 pub fn codegen(
     py: Python<'_>,
     robot: &Robot,
@@ -59,8 +66,9 @@ pub fn codegen(
     language: &str,
     only: bool,
     parameters: bool,
-    limit: usize,
+    limit: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<String> {
+    let limit = limit.map_or(Ok(LIMIT), |given| whole("limit", given, 0..=usize::MAX))?;
     let coordinates = coordinates_of(py, coordinates)?;
     let found = Quantity::ALL.into_iter().find(|known| known.name() == quantity).ok_or_else(|| {
         let names = Quantity::ALL.map(Quantity::name).join(", ");

@@ -85,14 +85,10 @@ struct Known {
 
 /// The coordinates of these letters.
 pub fn coordinates_of(py: Python<'_>, letters: &str) -> PyResult<Coordinates> {
-    match letters {
-        "qv" | "lagrangian" => Ok(Coordinates::Lagrangian),
-        "qp" | "hamiltonian" => Ok(Coordinates::Hamiltonian),
-        _ => {
-            let message = format!("unknown coordinates '{letters}'; give 'qv' or 'qp'");
-            Err(argument(py, "coordinates", message))
-        }
-    }
+    letters.parse().map_err(|_| {
+        let message = format!("unknown coordinates '{letters}'; give 'qv' or 'qp'");
+        argument(py, "coordinates", message)
+    })
 }
 
 impl Dynamics {

@@ -7,6 +7,8 @@ use costate::robot::RobotError;
 use costate::step::StepError;
 use pyo3::PyErr;
 use pyo3::prelude::*;
+use pyo3::types::PyBool;
+use std::ops::RangeInclusive;
 
 /// The classes of `costate._errors`.
 mod classes {
@@ -36,6 +38,25 @@ pub fn with<'py>(py: Python<'py>, error: PyErr, name: &str, value: impl IntoPyOb
 #[cold]
 pub fn argument(py: Python<'_>, name: &str, message: String) -> PyErr {
     with(py, classes::ArgumentError::new_err(message), "argument", name)
+}
+
+/// An argument that is a whole number in a range; a truth value is none.
+///
+/// # Errors
+/// `ArgumentError` for another type, and for a number out of the range.
+pub fn whole(name: &str, given: &Bound<'_, PyAny>, range: RangeInclusive<usize>) -> PyResult<usize> {
+    match given.extract::<usize>() {
+        Ok(number) if range.contains(&number) && !given.is_instance_of::<PyBool>() => Ok(number),
+        _ => {
+            let shown = given.repr().map_or_else(|_| "?".into(), |text| text.to_string());
+            let (least, most) = range.into_inner();
+            let message = match most {
+                usize::MAX => format!("{name} is {shown}; give a whole number, at least {least}"),
+                most => format!("{name} is {shown}; give a whole number from {least} to {most}"),
+            };
+            Err(argument(given.py(), name, message))
+        }
+    }
 }
 
 /// A robot that cannot be read, built or changed.

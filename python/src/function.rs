@@ -3,15 +3,16 @@
 use crate::arrays::{Axes, Source, read_all};
 use crate::call::Call;
 use crate::engine::Engine;
-use crate::errors::argument;
+use crate::errors::{argument, whole};
 use crate::failures::{Failures, report};
 use crate::plan::Plan;
 use crate::results::{Target, allocate, given};
 use crate::signals::{Signals, with_reached};
 use costate::robot::Robot;
 use pyo3::prelude::*;
-use pyo3::types::{PyBool, PyTuple};
+use pyo3::types::PyTuple;
 use std::num::NonZero;
+use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
@@ -19,6 +20,8 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 const FEW: usize = 16;
 /// States that a thread takes at a time; a multiple of the states in one number.
 const CHUNK: usize = 64;
+/// States that a thread fills at a time after a signal.
+const FILLED: usize = 4096;
 /// More threads are probably a mistake.
 const MOST_THREADS: usize = 4096;
 /// Numbers that the arguments and results of a batch have at least to be worth another thread.
@@ -47,20 +50,8 @@ impl Settings {
                 return Err(argument(py, "on_error", message));
             }
         };
-        let wrong = |given: &Bound<'_, PyAny>| {
-            let given = given.repr().map_or_else(|_| "?".into(), |text| text.to_string());
-            argument(
-                py,
-                "threads",
-                format!("threads is {given}; give a whole number from 1 to {MOST_THREADS}"),
-            )
-        };
-        let count = |given: &Bound<'_, PyAny>| match given.extract::<usize>() {
-            Ok(count @ 1..=MOST_THREADS) if !given.is_instance_of::<PyBool>() => Ok(NonZero::new(count)),
-            _ => Err(wrong(given)),
-        };
-        let threads = threads.map(count).transpose()?.flatten();
-        Ok(Self { nan, threads })
+        let threads = threads.map(|given| whole("threads", given, 1..=MOST_THREADS)).transpose()?;
+        Ok(Self { nan, threads: threads.and_then(NonZero::new) })
     }
 
     /// `"raise"` or `"nan"`.
@@ -217,26 +208,12 @@ impl Function {
                 }
             })
         };
-        let failures = match self.threads(states, settings) {
-            1 => work(signals),
-            // Threads live as long as the call: none is missing in a process that was forked.
-            threads => std::thread::scope(|scope| {
-                let helper = || std::thread::Builder::new().spawn_scoped(scope, || work(None)).ok();
-                let helpers: Vec<_> = (1..threads).map_while(|_| helper()).collect();
-                let mut failures = work(signals);
-                for helper in helpers {
-                    match helper.join() {
-                        Ok(found) => failures.join(found),
-                        Err(panic) => std::panic::resume_unwind(panic),
-                    }
-                }
-                failures
-            }),
-        };
+        let threads = self.threads(states, settings);
+        let mut failures = Failures::default();
+        on_threads(threads, || work(None), || work(signals), |found| failures.join(found));
         let done = next.into_inner().min(states);
-        for target in call.targets {
-            // SAFETY: no thread computes any more.
-            (done..states).for_each(|state| unsafe { target.of(state) }.fill(f64::NAN));
+        if done < states {
+            fill(call.targets, done..states, threads);
         }
         (failures, done)
     }
@@ -250,4 +227,46 @@ impl Function {
         let most = || std::thread::available_parallelism().map_or(1, NonZero::get);
         if worth > 1 { settings.threads.map_or_else(most, NonZero::get).min(worth) } else { 1 }
     }
+}
+
+/// Runs `first` on this thread and `other` on all others at the same time, and takes what each returns.
+/// Threads live as long as the call: none is missing in a process that was forked.
+fn on_threads<R: Send>(
+    threads: usize,
+    other: impl Fn() -> R + Sync,
+    first: impl FnOnce() -> R,
+    mut take: impl FnMut(R),
+) {
+    if threads == 1 {
+        return take(first());
+    }
+    std::thread::scope(|scope| {
+        let helper = || std::thread::Builder::new().spawn_scoped(scope, &other).ok();
+        let helpers: Vec<_> = (1..threads).map_while(|_| helper()).collect();
+        take(first());
+        for helper in helpers {
+            match helper.join() {
+                Ok(found) => take(found),
+                Err(panic) => std::panic::resume_unwind(panic),
+            }
+        }
+    });
+}
+
+/// Makes the results of states that were not reached not-a-number. Memory that nobody has written to yet is
+/// given by the system page by page, which takes longer than the writing: all threads ask for it.
+fn fill(targets: &[Target], states: Range<usize>, threads: usize) {
+    let next = AtomicUsize::new(states.start);
+    let work = || {
+        loop {
+            let start = next.fetch_add(FILLED, Ordering::Relaxed);
+            if start >= states.end {
+                return;
+            }
+            let part = start..states.end.min(start + FILLED);
+            // SAFETY: no thread computes any more, and no other one fills these states.
+            targets.iter().for_each(|target| unsafe { target.of_all(part.clone()) }.fill(f64::NAN));
+        }
+    };
+    on_threads(threads, work, work, |()| ());
 }

@@ -1,4 +1,4 @@
-//! What a robot looks like: the visual models of the URDF that it was read from.
+//! What a robot looks like and touches with: the models of the URDF that it was read from.
 
 use costate::robot::{RobotError, RobotFormat};
 use costate_report::models::{Models, of_urdf};
@@ -21,6 +21,11 @@ impl Look {
         let path = path.map(|path| std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf()));
         let folder = path.as_deref().and_then(Path::parent).unwrap_or(Path::new("")).to_path_buf();
         Some(Arc::new(Self { text: text.to_owned(), folder }))
+    }
+
+    /// The text of the URDF.
+    pub fn urdf(&self) -> &str {
+        &self.text
     }
 
     /// The models, with a sentence for each mesh that cannot be read.

@@ -46,6 +46,17 @@ impl Target {
         // SAFETY: the promise of the caller.
         unsafe { std::slice::from_raw_parts_mut(self.data.add(state * self.length), self.length) }
     }
+
+    /// The numbers of states that follow each other.
+    ///
+    /// # Safety
+    /// As for `of`, for each of these states.
+    #[expect(clippy::mut_from_ref, reason = "the caller promises that no other reference is alive")]
+    pub unsafe fn of_all(&self, states: Range<usize>) -> &mut [f64] {
+        let (start, length) = (states.start * self.length, states.len() * self.length);
+        // SAFETY: the promise of the caller.
+        unsafe { std::slice::from_raw_parts_mut(self.data.add(start), length) }
+    }
 }
 
 /// A result array and its memory.

@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 use std::time::{Duration, Instant};
 
 /// Time between two looks: one takes the interpreter's lock.
-const PAUSE: Duration = Duration::from_millis(50);
+pub const PAUSE: Duration = Duration::from_millis(50);
 
 /// Looks now and then whether a signal came whose handler raised an exception. Handlers run on the main
 /// thread of Python alone: on others no signal is ever seen.

@@ -1,5 +1,6 @@
 """Robots and states that all tests use."""
 
+import math
 import warnings
 from pathlib import Path
 
@@ -9,6 +10,8 @@ import pytest
 from interface import Recorder
 
 ROBOTS = Path(__file__).parents[2] / "robots"
+PROBLEMS = ROBOTS.parent / "examples" / "problems"
+QUARTER = math.pi / 2
 
 RECORDER = Recorder()
 RAN: set[str] = set()  # Files whose tests other processes ran.
@@ -58,6 +61,24 @@ def ur5() -> costate.Robot:
 @pytest.fixture(scope="session")
 def puma() -> costate.Robot:
     return load("puma560.toml")
+
+
+@pytest.fixture(scope="session")
+def arm() -> costate.Robot:
+    """Two links in a plane."""
+    return load("two_link.toml")
+
+
+@pytest.fixture(scope="session")
+def limited(arm) -> costate.Problem:
+    """A quarter turn of both joints of the arm in 1 s, with |v_2| <= 7."""
+    limits = {"v_max": [math.inf, 7.0], "from_robot": False}
+    return costate.Problem(arm, start=[0, 0], end=[QUARTER, QUARTER], time=1.0, cost=[1, 1], limits=limits)
+
+
+@pytest.fixture(scope="session")
+def solved(limited) -> costate.Solution:
+    return limited.solve(tolerance=1e-7)
 
 
 @pytest.fixture

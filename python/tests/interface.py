@@ -54,6 +54,31 @@ def public() -> Iterator[tuple[str, Any, Any]]:
                         yield f"{full}.{part}", base, own
 
 
+def written() -> set[str]:
+    """Public classes, functions, methods and fields as the sources have them, also of modules whose packages are not
+    installed: their names alone. ``costate.__all__`` says which of the package are public."""
+    folder = Path(costate.__file__).parent
+    classes: dict[str, ast.ClassDef] = {}
+    found = set(costate.__all__) - {"__version__"}
+    for path in [*folder.glob("*.py"), *folder.glob("*/__init__.py"), folder / "_costate.pyi"]:
+        body = ast.parse(path.read_text(encoding="utf-8")).body
+        classes |= {node.name: node for node in body if isinstance(node, ast.ClassDef)}
+        if (path.parent.name if path.name == "__init__.py" else path.stem) in FRIENDS:
+            named = (node.name for node in body if isinstance(node, (ast.ClassDef, ast.FunctionDef)))
+            found |= {name for name in named if not name.startswith("_")}
+    # With the classes that public ones are made of.
+    of = [classes[name] for name in found if name in classes]
+    for node in of:
+        bases = [classes[base.id] for base in node.bases if isinstance(base, ast.Name) and base.id in classes]
+        of.extend(base for base in bases if base not in of)
+    for part in (part for node in of for part in node.body):
+        if isinstance(part, ast.FunctionDef):
+            found.add(part.name)
+        elif isinstance(part, ast.AnnAssign) and isinstance(part.target, ast.Name):
+            found.add(part.target.id)
+    return {name for name in found if not name.startswith("_")}
+
+
 def function_of(thing: Any) -> Any:
     """The function of a static method or of one of the class."""
     return thing.__func__ if isinstance(thing, (staticmethod, classmethod)) else thing

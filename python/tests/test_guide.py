@@ -27,10 +27,12 @@ pages = _pages()
 def test_blocks_of_a_page(page, tmp_path):
     if not pages.blocks(page):
         pytest.skip("no Python on this page")
-    for name in ("matplotlib", *pages.needs(page)):
+    for name in (*pages.needs(page), *(["matplotlib"] if pages.pictures(page) else [])):
         pytest.importorskip(name)
     pages.prepare(tmp_path)
-    pages.run(page, tmp_path)
+    said = pages.run(page, tmp_path)
+    for line, text in pages.printed_on(page).items():
+        assert pages.words(text) == pages.words(said[line])
     made = {path.name for path in tmp_path.glob("*.svg")}
     assert made == set(pages.pictures(page))
     assert all((GUIDE / "pictures" / name).exists() for name in made)
@@ -51,6 +53,11 @@ def test_the_reference_has_everything_public():
     page = (GUIDE / "api_python.md").read_text()
     listed = re.findall(r"^\.\. auto(?:class|function|exception):: (\w+)$", page, re.M)
     assert sorted(listed) == sorted(set(costate.__all__) - {"__version__"})
+    # Of classes that are made of parts, the methods of these too.
+    classes = [name for name in listed if isinstance(getattr(costate, name), type)]
+    made = [name for name in classes if any("costate._" in part.__module__ for part in getattr(costate, name).__mro__)]
+    inherited = re.findall(r"^\.\. autoclass:: (\w+)\n   :members:\n   :inherited-members:$", page, re.M)
+    assert {"Problem", "Resolve", "Solution"} <= set(made) and sorted(inherited) == sorted(made)
     modules = re.findall(r"^\.\. automodule:: costate\.(\w+)\n   :members:$", page, re.M)
     public = [name for _, name, _ in pkgutil.iter_modules(costate.__path__) if not name.startswith("_")]
     assert sorted(modules) == sorted(public)

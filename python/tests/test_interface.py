@@ -1,7 +1,12 @@
 """What is said about the public interface is said of all of it."""
 
+import re
+from pathlib import Path
+
 import costate
-from interface import Recorder, public
+from interface import FRIENDS, Recorder, public, written
+
+ROOT = Path(__file__).parents[2]
 
 
 class Thing:
@@ -41,3 +46,14 @@ def test_all_classes_are_looked_into():
     assert {"Dynamics.f", "Step.hvp", "Frame.pose", "Robot.lock", "Resolve.set_start", "Solution.save", "check"} <= names
     assert len([name for name in names if "." in name]) > 150 and not [name for name in names if "._" in name]
     assert set(costate.__all__) <= names
+
+
+def test_every_public_name_is_used_by_a_test_or_an_example():
+    """Of modules whose packages are not installed too; what tests call is recorded where they are."""
+    names = written()
+    assert {"Dynamics", "contract", "Model", "step", "ActionModel", "ipopt", "set_via", "left_out"} <= names
+    files = [*ROOT.glob("python/tests/*.py"), *ROOT.glob("python/examples/*.py"), *ROOT.glob("docs/**/*.md")]
+    text = "\n".join(path.read_text(encoding="utf-8") for path in files)
+    used = set(re.findall(r"(?<![A-Za-z0-9])[A-Za-z][A-Za-z0-9_]*", text))
+    assert sorted(names - used) == []
+    assert all(f"costate.{name}" in text for name in FRIENDS)

@@ -161,6 +161,29 @@ def test_a_comparison_ends_with_the_states_that_were_compared():
     assert out == "interrupted\n"
 
 
+def test_a_comparison_ends_within_a_state():
+    """A state of this chain takes many seconds; the call does not wait for it."""
+    out = interrupted(
+        """
+        builder = costate.Robot.builder("chain")
+        for k in range(80):
+            on = {"on": f"joint_{k - 1}"} if k else {}
+            builder.revolute(f"joint_{k}", axis=[k % 2, 1 - k % 2, 0], xyz=[0, 0, 0.1], mass=1, com=[0, 0, 0.05], **on)
+        chain = builder.build()
+        print("ready", flush=True)
+        try:
+            costate.check(chain, 1)
+            print("not interrupted")
+        except costate.Interrupted as caught:
+            report = caught.reached
+            assert (report.states, report.comparisons, report.passed) == (0, [], False)
+            print("interrupted")
+        """,
+        0.5,
+    )
+    assert out == "interrupted\n"
+
+
 RESOLVE = f"""
 problem = costate.Problem.from_file({str(ROBOTS.parent / "examples/problems/panda_reach.toml")!r})
 motion = problem.resolve(nodes=1501, tolerance=1e-12, machine_code="never")

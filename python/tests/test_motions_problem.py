@@ -6,12 +6,7 @@ import pickle
 import costate
 import numpy as np
 import pytest
-from conftest import ROBOTS, load
-
-
-@pytest.fixture(scope="module")
-def arm() -> costate.Robot:
-    return load("two_link.toml")
+from conftest import ROBOTS
 
 
 def test_problems_as_keywords_tables_and_text(arm):

@@ -8,14 +8,7 @@ import threading
 import costate
 import numpy as np
 import pytest
-from conftest import assert_close, load
-
-QUARTER = math.pi / 2
-
-
-@pytest.fixture(scope="module")
-def arm() -> costate.Robot:
-    return load("two_link.toml")
+from conftest import QUARTER, assert_close
 
 
 def problem_of(arm, start, end, **tables) -> costate.Problem:

@@ -7,14 +7,7 @@ import pickle
 import costate
 import numpy as np
 import pytest
-from conftest import assert_close, load
-
-QUARTER = math.pi / 2
-
-
-@pytest.fixture(scope="module")
-def arm() -> costate.Robot:
-    return load("two_link.toml")
+from conftest import QUARTER, assert_close, load
 
 
 def test_references_obstacles_and_tools_move():

@@ -8,12 +8,6 @@ import warnings
 import costate
 import numpy as np
 import pytest
-from conftest import load
-
-
-@pytest.fixture(scope="module")
-def arm() -> costate.Robot:
-    return load("two_link.toml")
 
 
 @pytest.fixture(scope="module")

@@ -1,9 +1,10 @@
 //! The orientation rows: twice the vector part of the quaternion of a rotation.
 
+use crate::kinematics::quaternion;
 use crate::scalar::Scalar;
 use crate::spatial::Vec3;
 
-/// The quaternion (eps, eta) of a rotation R, eta > 0.
+/// The quaternion (eps, eta) of a rotation R, eta >= 0.
 ///
 /// With w the axis of a joint nearer to the second frame than all others, or the only one,
 ///
@@ -13,7 +14,8 @@ use crate::spatial::Vec3;
 /// ```
 ///
 /// for s not beyond t: three independent rows for every angle below pi, and gradients, so that constraints
-/// made of them are holonomic.
+/// made of them are holonomic. At a half turn psi jumps to -psi, and `psi_,s = w_s x eps` is zero for turns
+/// about the axis: a singular pose, where its values and derivatives are those of one side.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct HalfTurn<S> {
     eps: Vec3<S>,
@@ -21,12 +23,10 @@ pub(super) struct HalfTurn<S> {
 }
 
 impl<S: Scalar> HalfTurn<S> {
-    /// From a rotation by rows: `eta = 1/2 sqrt(1 + tr R)`, `eps = vee(R - R') / (4 eta)`.
+    /// From a rotation by rows.
     pub fn of(rotation: &[Vec3<S>; 3]) -> Self {
-        let [x, y, z] = rotation;
-        let twice = (x.x + y.y + z.z).plus(1.0).sqrt();
-        let vee = Vec3::new(z.y - y.z, x.z - z.x, y.x - x.y);
-        Self { eps: vee.scaled(twice.recip().times(0.5)), eta: twice.times(0.5) }
+        let (eta, eps) = quaternion(*rotation);
+        Self { eps, eta }
     }
 
     /// `psi = 2 eps`.
@@ -56,7 +56,8 @@ impl<S: Scalar> HalfTurn<S> {
 mod tests {
     use super::*;
     use crate::scalar::Tangent;
-    use num_dual::HyperDual64;
+    use num_dual::{Dual64, HyperDual64};
+    use std::f64::consts::PI;
 
     /// Products of turns about the axes; the first is the innermost.
     fn rotation<S: Scalar>(angles: &[S], axes: &[[f64; 3]]) -> [Vec3<S>; 3] {
@@ -113,5 +114,81 @@ mod tests {
         let rate = HalfTurn::of(&rotation(&moving, &AXES)).value().to_array().map(|psi| psi.eps);
         let sum = (0..3).fold(Vec3::zero(), |sum, k| sum + plain.slope(seen(k)).scaled(along[k])).to_array();
         assert!(rate.iter().zip(sum).all(|(a, b): (&f64, f64)| (a - b).abs() < 1e-14));
+    }
+
+    /// The same turns as a product of quaternions: nothing is divided, and no digit is lost at any angle.
+    fn product<S: Scalar>(angles: &[S], axes: &[[f64; 3]]) -> HalfTurn<S> {
+        let mut all = HalfTurn { eps: Vec3::zero(), eta: S::one() };
+        for (angle, &axis) in angles.iter().zip(axes) {
+            let (sin, eta) = angle.times(0.5).sin_cos();
+            let (HalfTurn { eps: a, eta: b }, eps) = (all, Vec3::<S>::constant(axis).scaled(sin));
+            all = HalfTurn { eps: eps.scaled(b) + a.scaled(eta) + a.cross(eps), eta: b * eta - a.dot(eps) };
+        }
+        let is_negative = all.eta.less(S::zero());
+        let turned = |entry: S| S::select(is_negative, -entry, entry);
+        HalfTurn { eps: Vec3::from(all.eps.to_array().map(turned)), eta: turned(all.eta) }
+    }
+
+    fn random_axis(random: &mut fastrand::Rng) -> [f64; 3] {
+        loop {
+            let axis = [0; 3].map(|_| 2.0 * random.f64() - 1.0);
+            let length = axis.iter().map(|x| x * x).sum::<f64>().sqrt();
+            if (0.1..1.0).contains(&length) {
+                return axis.map(|x| x / length);
+            }
+        }
+    }
+
+    /// All entries of (eps, eta), each with what `parts` makes of it.
+    fn entries<S: Scalar, const N: usize>(turn: &HalfTurn<S>, parts: impl Fn(S) -> [f64; N]) -> Vec<f64> {
+        turn.eps.to_array().into_iter().chain([turn.eta]).flat_map(parts).collect()
+    }
+
+    /// Just before half a turn about any axis, with numbers that carry derivatives by three turns.
+    #[test]
+    fn no_digit_is_lost_just_before_half_a_turn() {
+        let mut random = fastrand::Rng::with_seed(5);
+        for missing in (3..=9).map(|k| 10.0_f64.powi(-k)) {
+            for _ in 0..200 {
+                let axes = [(); 3].map(|()| random_axis(&mut random));
+                let angles = [PI - missing, 0.0, 0.0];
+                let mut rates = || [(); 3].map(|()| 2.0 * random.f64() - 1.0);
+                let (first, second) = (rates(), rates());
+                let close = |found: &[f64], expected: &[f64]| {
+                    for (found, expected) in found.iter().zip(expected) {
+                        assert!((found - expected).abs() < 4e-15, "{missing:e}: {found} {expected} {axes:?}");
+                    }
+                };
+                let [found, expected] = [HalfTurn::of(&rotation(&angles, &axes)), product(&angles, &axes)]
+                    .map(|turn| entries(&turn, |x| [x]));
+                close(&found, &expected);
+                let duals = [0, 1, 2].map(|k| Dual64::new(angles[k], first[k]));
+                let [found, expected] = [HalfTurn::of(&rotation(&duals, &axes)), product(&duals, &axes)]
+                    .map(|turn| entries(&turn, |x| [x.re, x.eps]));
+                close(&found, &expected);
+                let tangents = [0, 1, 2].map(|k| Tangent::new(angles[k], first[k]));
+                let found = entries(&HalfTurn::of(&rotation(&tangents, &axes)), |x| [x.re, x.eps]);
+                close(&found, &expected);
+                let hyper = [0, 1, 2].map(|k| HyperDual64::new(angles[k], first[k], second[k], 0.0));
+                let [found, expected] = [HalfTurn::of(&rotation(&hyper, &axes)), product(&hyper, &axes)]
+                    .map(|turn| entries(&turn, |x| [x.re, x.eps1, x.eps2, x.eps1eps2]));
+                close(&found, &expected);
+            }
+        }
+    }
+
+    /// Beyond half a turn psi is that of the shorter way; at it, one of the two with finite derivatives.
+    #[test]
+    fn half_a_turn_is_a_singular_pose_without_infinite_numbers() {
+        let axes = [[0.6, 0.0, 0.8], [0.0, 1.0, 0.0]];
+        let psi = |angle: f64| HalfTurn::of(&rotation(&[angle], &axes)).value();
+        let (before, after) = (psi(PI - 1e-6), psi(PI + 1e-6));
+        assert!((before + after).to_array().iter().all(|sum| sum.abs() < 1e-14), "{before:?} {after:?}");
+        let duals = [Dual64::new(PI, 0.3), Dual64::new(0.0, 0.7)];
+        let turn = HalfTurn::of(&rotation(&duals, &axes));
+        let [psi, along] = [turn.value(), turn.slope(Vec3::constant(axes[0]))].map(Vec3::to_array);
+        assert!((psi.map(|x| x.re * x.re).iter().sum::<f64>() - 4.0).abs() < 1e-14);
+        assert!(along.iter().all(|x| x.re.abs() < 1e-15), "no turn about the axis changes psi: {along:?}");
+        assert!(psi.iter().chain(&along).all(|x| x.eps.is_finite()));
     }
 }

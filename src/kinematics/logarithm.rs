@@ -46,7 +46,7 @@ const ZETA_LESS_ONE: [f64; 14] = [
 ///
 /// Of the four formulas `4 (cos^2, x^2, y^2, z^2) = 1 +- R_xx +- R_yy +- R_zz` the one with the largest
 /// square, at least 1, gives its entry by a root, and the others by division with it.
-pub(super) fn quaternion<S: Scalar>([a, b, c]: [Vec3<S>; 3]) -> (S, Vec3<S>) {
+pub(crate) fn quaternion<S: Scalar>([a, b, c]: [Vec3<S>; 3]) -> (S, Vec3<S>) {
     let [x, y, z] = [c.y - b.z, a.z - c.x, b.x - a.y];
     let [xy, xz, yz] = [a.y + b.x, a.z + c.x, b.z + c.y];
     let candidates = [

@@ -41,7 +41,7 @@ pub use centroidal::CentreOfMass;
 pub use external::ExternalForces;
 pub use frame::Pose;
 pub(crate) use joints::Seat;
-pub(crate) use logarithm::{curvature, rotation_vector};
+pub(crate) use logarithm::{curvature, quaternion, rotation_vector};
 pub use momentum::Momentum;
 pub use orientation::{OrientationContraction, OrientationError};
 pub use reference_frame::ReferenceFrame;

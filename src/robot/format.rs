@@ -34,11 +34,13 @@ impl RobotFormat {
     /// The format that the extension of a path names, in capital or small letters.
     ///
     /// # Errors
-    /// [`RobotError::UnknownFormat`] for anything but `.urdf` and `.toml`.
+    /// [`RobotError::IsXacro`] for `.xacro`, [`RobotError::UnknownFormat`] for anything else but `.urdf` and
+    /// `.toml`.
     pub fn of_path(path: impl AsRef<Path>) -> Result<Self, RobotError> {
         match path.as_ref().extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
             Some("urdf") => Ok(Self::Urdf),
             Some("toml") => Ok(Self::Toml),
+            Some("xacro") => Err(RobotError::IsXacro),
             _ => Err(RobotError::UnknownFormat),
         }
     }

@@ -76,8 +76,8 @@ impl RobotText {
     ///
     /// # Errors
     /// [`RobotError::InFile`] with the path and, where it is known, the line. In it:
-    /// [`RobotError::Unreadable`], [`RobotError::UnknownFormat`] for another extension,
-    /// [`RobotError::TooLong`] and [`RobotError::NotUtf8`].
+    /// [`RobotError::Unreadable`], [`RobotError::IsXacro`], [`RobotError::UnknownFormat`] for another
+    /// extension, [`RobotError::TooLong`] and [`RobotError::NotUtf8`].
     pub fn from_file(path: impl AsRef<Path>) -> Result<Self, RobotError> {
         let path = path.as_ref();
         let read = || {

@@ -6,11 +6,23 @@ use costate::robot::urdf::parse;
 use costate::robot::{LoadOptions, Robot, RobotFormat, Warning};
 use std::error::Error;
 
+#[test]
+fn the_name_of_a_xacro_file_says_so() {
+    for name in ["arm.urdf.xacro", "arm.XACRO"] {
+        let error = RobotFormat::of_path(name).unwrap_err();
+        assert!(matches!(error, E::IsXacro), "{error:?}");
+        assert!(error.to_string().contains("xacro robot.xacro > robot.urdf"), "{error}");
+    }
+}
+
 /// Ten thousand references to an entity of ten thousand characters.
 fn bomb() -> String {
     let (entity, references) = ("a".repeat(10_000), "&a;".repeat(10_000));
     format!("<!DOCTYPE robot [<!ENTITY a '{entity}'>]><robot name='{references}'><link name='a'/></robot>")
 }
+
+/// What a xacro file of ROS begins with.
+const XACRO: &str = "<robot name=\"bench\" xmlns:xacro=\"http://www.ros.org/wiki/xacro\">\n";
 
 /// Bad inputs, each a test: the text, the line to blame, the kind of error, words that the message must have.
 macro_rules! refuses {
@@ -80,6 +92,13 @@ refuses! {
     four_numbers: elbow("revolute", "<origin rpy=\"0 0 0 1\"/>"), line 8, E::Malformed { .. }, ["<origin>", "elbow", "4 numbers"];
     commas: elbow("revolute", "<origin xyz=\"0, 0, 1\"/>"), line 8, E::Malformed { .. }, ["<origin>", "elbow", "comma", "blanks"];
     xacro: elbow("revolute", "<origin xyz=\"0 0 ${l / 2}\"/>"), line 8, E::Malformed { .. }, ["<origin>", "elbow", "xacro", "expand"];
+    included: XACRO.to_owned() + "<xacro:include filename=\"arm.xacro\"/>\n</robot>", line 1, E::Unexpanded { .. },
+        ["'include' in line 2", "pip install xacro", "no moving joint"];
+    parts_included: more("<xacro:arm prefix=\"left\"/>\n<link name=\"floor\"/>"), line 11, E::Unexpanded { line: 10, .. },
+        ["'arm' in line 10", "xacro robot.xacro > robot.urdf", "'floor'"];
+    inertia_by_a_macro: arm("<inertial><xacro:box/><mass value=\"1\"/></inertial>"), line 4, E::Unexpanded { .. },
+        ["'box' in line 4", "<inertia>"];
+    xacro_with_elements: elbow("revolute", "<xacro:a/><origin xyz=\"0 0 ${l / 2}\"/>"), line 8, E::Malformed { .. }, ["<origin>", "expand"];
     origin_nan: elbow("fixed", "<origin xyz=\"0 nan 0\"/>"), line 8, E::Malformed { .. }, ["<origin>", "elbow", "NaN"];
     origin_twice: elbow("fixed", "<origin/>\n<origin/>"), line 9, E::Malformed { .. }, ["<origin>", "elbow", "twice"];
     axis_without_xyz: elbow("revolute", "<axis/>"), line 8, E::Malformed { .. }, ["<axis>", "elbow", "xyz"];

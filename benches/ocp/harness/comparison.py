@@ -1,6 +1,7 @@
 """One task solved by every side, judged, and set beside the best cost known."""
 
 import math
+from dataclasses import replace
 
 from classes import CLASSES
 
@@ -21,8 +22,11 @@ JUMPING = "bcg"
 CLOSE = 1e-6
 # A solver that took longer than this (s) is not repeated.
 LONG = 2.0
-# How often costate solves in one process where it is repeated: the peer's functions are compiled before, its own are then.
+# Both sides solve once, each time in a new process or with a new solver object of CasADi, and where they are repeated so many
+# times in one: machine code of costate is there then, memory of IPOPT too.
 TIMES = 3
+# Sides whose answers count for the best cost known, and costate with the options of its command.
+COUNTED, DEFAULT = ("peer", "costate", "accurate"), "default"
 
 
 class Comparison:
@@ -35,7 +39,7 @@ class Comparison:
         # Compiled before anything is timed.
         for peer in self.peers.values():
             peer.points_of(task)
-        sides = {label: (lambda again, peer=peer: peer.solve(task, self.options.elements))
+        sides = {label: (lambda again, peer=peer: peer.solve(task, self.options.elements, times=TIMES if again else 1))
                  for label, peer in self.peers.items()}
         sides |= {label: (lambda again, ours=ours: ours.solve(task, TIMES if again else 1))
                   for label, ours in self.ours.items()}
@@ -44,16 +48,19 @@ class Comparison:
         for number in range(self.options.repeats):
             for label, solve in sides.items():
                 earlier = answers.get(label)
-                if earlier and (earlier.seconds > LONG or not earlier.solved):
+                if earlier and (earlier.seconds > LONG or not earlier.solved or label == DEFAULT):
                     continue
                 answer = solve(number > 0)
-                if earlier is None or answer.seconds < earlier.seconds:
+                if earlier is None:
                     answers[label] = answer
+                elif answer.seconds < earlier.seconds:
+                    # With start: where it solved once.
+                    answers[label] = replace(answer, process_seconds=earlier.process_seconds)
         row = {"task": task.name, "class": task.kind, "title": CLASSES[task.kind][0], "robot": task.robot.name, "n": task.n,
-               "elements": self.options.elements}
-        judgements = {label: self.judge.judge(task, answer.motion) for label, answer in answers.items()}
-        row["sides"] = {label: self.side(answer, judgements[label]) for label, answer in answers.items()}
-        row["best"] = self.best(task, answers, row["sides"]) if self.options.best else None
+               "elements": self.options.elements, "draws": task.draws, "peer_failed": task.peer_failed}
+        judge = lambda label, answer: None if label == DEFAULT else self.judge.judge(task, answer.motion)
+        row["sides"] = {label: self.side(answer, judge(label, answer), label != DEFAULT) for label, answer in answers.items()}
+        row["best"], row["best_by"] = self.best(task, answers, row["sides"]) if self.options.best else (None, None)
         row["starts"] = self.starts(task, row)
         return row
 
@@ -67,30 +74,31 @@ class Comparison:
         found = self.side(answer, self.judge.judge(task, answer.motion))
         if not found["solved"]:
             return None
-        if found["gap"] <= CLOSE:
-            row["best"] = min(row["best"], found["cost"])
+        if found["gap"] <= CLOSE and found["cost"] < row["best"]:
+            row["best"], row["best_by"] = found["cost"], "starts"
         return found["cost"]
 
-    def side(self, answer, judgement):
-        accepted = bool(judgement and judgement.accepted())
+    def side(self, answer, judgement, judged=True):
+        """The figures of an answer; one that is not judged is as its solver says."""
+        accepted = bool(judgement and judgement.accepted()) or not judged
         found = {"status": answer.status, "says": answer.solved, "solved": answer.solved and accepted,
                  "told": number(answer.cost), "duration": number(answer.duration), "iterations": answer.iterations,
                  "ms": round(1e3 * answer.seconds, 3), "process_ms": round(1e3 * answer.process_seconds, 3)}
+        if not judged:
+            found["cost"] = found["told"]
         if judgement:
-            for key in ("cost", "gap", "end", "at_points", "between"):
+            for key in ("cost", "gap", "cut", "end", "held", "at_points", "between", "states"):
                 found[key] = number(getattr(judgement, key))
         return found
 
     def best(self, task, answers, sides):
-        """Least cost among those with a small error: the peer's on a finer mesh from several starts, and answers that obey
-        the dynamics closely. Where the peer is slow, finer meshes are left out."""
-        # Further peers solve the same program as the first one.
-        first, *others = self.peers
-        peer = self.peers[first]
-        coarse = [answer for label, answer in answers.items() if sides[label]["solved"] and label not in others]
-        solved = [side for side in sides.values() if side["solved"]]
+        """Least cost among those with a small error, and whose it is: the peer's on a finer mesh from several starts, and
+        answers that obey the dynamics closely. Where the peer is slow, finer meshes are left out."""
+        peer = self.peers["peer"]
+        solved = {label: sides[label] for label in COUNTED if label in sides and sides[label]["solved"]}
+        coarse = [answers[label] for label in solved]
         most = BETWEEN_JUMPS if task.kind in JUMPING else BETWEEN
-        costs = [side["cost"] for side in solved if side["gap"] <= CLOSE and side["between"] <= most]
+        costs = [(side["cost"], label) for label, side in solved.items() if side["gap"] <= CLOSE and side["between"] <= most]
         if any(answer.seconds > LONG for label, answer in answers.items() if label in self.peers):
             coarse = []
         else:
@@ -101,8 +109,9 @@ class Comparison:
             if start.motion is not None:
                 fine = peer.solve(task, FINER * self.options.elements, start.motion)
                 judgement = self.judge.judge(task, fine.motion) if fine.solved else None
-                costs += [fine.cost] if judgement and judgement.accepted() and judgement.between <= most else []
-        return min((cost for cost in costs if math.isfinite(cost)), default=None)
+                if judgement and judgement.accepted() and judgement.between <= most:
+                    costs.append((fine.cost, "peer, finer mesh"))
+        return min((pair for pair in costs if math.isfinite(pair[0])), default=(None, None))
 
 
 def number(value):

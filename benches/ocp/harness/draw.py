@@ -32,6 +32,8 @@ class Draw:
     peer: object
     name: str
     kind: str
+    # Whether the peer did not find the motion without limits.
+    peer_failed: bool = False
 
     def ends(self):
         low, high = [], []
@@ -75,6 +77,7 @@ class Draw:
         if self.robot.n <= MANY:
             answer = self.peer.solve(task, ELEMENTS, **{"ipopt.max_iter": ITERATIONS})
             if not answer.solved:
+                self.peer_failed = True
                 return None
             motion = answer.motion
             way = numpy.array([motion.at(s * task.duration)[0][: self.robot.n] for s in GRID[::4]])

@@ -14,6 +14,7 @@ import agreement
 import derivatives
 import in_space
 import inside
+import judged
 import points
 import robots
 import sensitivities
@@ -21,10 +22,10 @@ import tables
 import tasks
 import values
 from classes import CLASSES
-from comparison import Comparison
+from comparison import DEFAULT, Comparison
 from judge import Judge
 from ours import Ours
-from peer import Peer
+from peer import LOOSE, MIDDLE, TIGHT, Peer
 from record import Record
 from shell import compilers, first_line, say, stop
 
@@ -37,14 +38,15 @@ def arguments():
     parser.add_argument("--write", action="store_true", help="write the tables of BENCHMARKS.md")
     parser.add_argument("--classes", nargs="*", default=list(CLASSES), choices=CLASSES, metavar="CLASS",
                         help="of " + ", ".join(f"{kind} ({title})" for kind, (title, _) in CLASSES.items()))
-    parser.add_argument("--robots", nargs="*", default=list(robots.ALL), choices=robots.ALL, metavar="ROBOT",
-                        help="of " + ", ".join(robots.ALL))
+    parser.add_argument("--robots", nargs="*", default=list(robots.ALL), choices=robots.KNOWN, metavar="ROBOT",
+                        help="of " + ", ".join(robots.KNOWN) + "; all but the last one")
     parser.add_argument("--tasks", type=int, default=16, help="tasks a class, taken in turn from the robots (16)")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--elements", type=int, default=20, help="elements of the peer's mesh, 3 Radau points each (20)")
     parser.add_argument("--tolerances", nargs=2, type=float, default=[1e-4, 1e-7], metavar="TOLERANCE",
                         help="of costate: relative error of the cost; the first one for the comparison (1e-4 1e-7)")
-    parser.add_argument("--repeats", type=int, default=3, help="times each solver runs; the least time counts (3)")
+    parser.add_argument("--repeats", type=int, default=3, help="rounds: each side solves once in the first one, three times "
+                        "in each of the others; the least time counts (3)")
     parser.add_argument("--time-limit", type=float, default=60.0, help="of each solver (s, 60)")
     parser.add_argument("--interpreted", action="store_true", help="also the peer without compiled functions")
     parser.add_argument("--inside", action="store_true",
@@ -54,7 +56,8 @@ def arguments():
     parser.add_argument("--costate-arguments", nargs="*", default=[], metavar="ARGUMENT",
                         help="further arguments of `costate optimize`, without their dashes: strict, method=direct")
     parser.add_argument("--only-write-tasks", action="store_true", help="write the problem files and stop")
-    parser.add_argument("--values", action="store_true", help="check the peer by derivatives and known values, and stop")
+    parser.add_argument("--values", action="store_true",
+                        help="check the peer and the judge by derivatives and known values, and stop")
     parser.add_argument("--from", dest="source", type=Path, metavar="FILE", help="no run: report the figures in FILE")
     return parser.parse_args()
 
@@ -79,6 +82,7 @@ def describe(options, costate):
         "seed": options.seed,
         "elements": options.elements,
         "tolerances": options.tolerances,
+        "peer_tolerances": [TIGHT, MIDDLE, LOOSE],
         "repeats": options.repeats,
         # What else the figures depend on: an interrupted run goes on only where all of it is the same.
         "options": {key: getattr(options, key) for key in ("classes", "robots", "tasks", "time_limit", "best", "inside",
@@ -93,7 +97,10 @@ def the_peer(options):
 
 def run(options, costate, file):
     first = the_peer(options)
+    # The same program to looser tolerances.
+    looser = {"middle": MIDDLE, "loose": LOOSE}
     peers = {"peer": first}
+    peers |= {label: Peer(first.points, options.time_limit, tolerance) for label, tolerance in looser.items()}
     if options.inside:
         own = lambda robot, spheres: inside.build(options.cache, costate, robot, spheres, first.points(robot, spheres))
         peers["peer_ours"] = Peer(own, options.time_limit)
@@ -101,7 +108,7 @@ def run(options, costate, file):
         peers["interpreted"] = Peer(points.interpreted, options.time_limit)
     further = [f"--{text}" for text in options.costate_arguments]
     ours = {label: Ours(options.cache, costate, first, tolerance, options.time_limit, further)
-            for label, tolerance in zip(("costate", "accurate"), options.tolerances)}
+            for label, tolerance in zip(("costate", "accurate", DEFAULT), (*options.tolerances, None))}
     for name in options.robots:
         difference = agreement.check(costate, first, robots.read(ROOT, costate, name))
         say(f"{name}: inverse dynamics of both agree: {difference:.0e}")
@@ -127,7 +134,8 @@ def main():
     if options.source is None:
         costate = (options.costate or build()).resolve()
         if options.values:
-            kept = [part.check(ROOT, costate, the_peer(options)) for part in (derivatives, values, sensitivities, in_space)]
+            parts = (derivatives, judged, values, sensitivities, in_space)
+            kept = [part.check(ROOT, costate, the_peer(options)) for part in parts]
             raise SystemExit(0 if all(kept) else 1)
         file = options.cache / "figures.jsonl"
         figures = run(options, costate, file)

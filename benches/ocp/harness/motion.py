@@ -3,6 +3,7 @@
 import numpy
 
 import radau
+from shell import stop
 
 # Coefficients, lowest first, of the Lagrange polynomials: a row for each node.
 STATE = numpy.array([numpy.append(polynomial.coeffs[::-1], numpy.zeros(radau.DEGREE + 1))[: radau.DEGREE + 1]
@@ -58,9 +59,56 @@ class Collocated(Motion):
         return powers(self.share(t, piece), radau.DEGREE) @ self._torque[piece]
 
 
+class Quartic(Motion):
+    """costate's own motion by the direct method, from positions and rates alone: on an interval q is a polynomial of degree
+    four, and torques are inverse dynamics along it, nowhere cut to their limits. Each interval has five rows, its ends and
+    Gauss's three points, at which limits are kept."""
+
+    PLACES = numpy.array([0.0, 0.5 - 0.15**0.5, 0.5, 0.5 + 0.15**0.5, 1.0])
+    # What rounding may do to places, and to positions and rates in parts of their sizes.
+    ROUNDING, EXACT = 1e-6, 1e-9
+
+    @classmethod
+    def suits(cls, t):
+        """Whether rows at these times come in fives."""
+        if len(t) < 5 or len(t) % 5:
+            return False
+        rows = t.reshape(-1, 5)
+        places = (rows - rows[:, :1]) / numpy.maximum(rows[:, -1:] - rows[:, :1], 1e-300)
+        return bool((abs(places - cls.PLACES) < cls.ROUNDING).all())
+
+    def __init__(self, t, q, v, inverse_dynamics):
+        """`inverse_dynamics` takes rows of q, v and a."""
+        rows, q, v = t.reshape(-1, 5), q.reshape(-1, 5, q.shape[1]), v.reshape(-1, 5, v.shape[1])
+        self._h = rows[:, -1] - rows[:, 0]
+        # The rate is a cubic. Its integral is the position, its derivative the acceleration, in units of h.
+        at = lambda exponents: self.PLACES[:, None] ** exponents
+        self._v = numpy.linalg.pinv(at(numpy.arange(4))) @ v
+        self._q = numpy.concatenate([q[:, :1], self._h[:, None, None] * self._v / numpy.arange(1, 5)[:, None]], axis=1)
+        self._a = self._v[:, 1:] * numpy.arange(1, 4)[:, None] / self._h[:, None, None]
+        for name, given, found in (("positions", q, self._q), ("rates", v, self._v)):
+            missed = abs(at(numpy.arange(found.shape[1])) @ found - given).max()
+            if missed > self.EXACT * (1 + abs(given).max()):
+                stop(f"{name} of costate are off its polynomials by {missed:.1e}: are the rows of its JSON object others?")
+        self._inverse_dynamics = inverse_dynamics
+        a = at(numpy.arange(3)) @ self._a
+        points = [part[:, 1:4].reshape(-1, q.shape[2]) for part in (q, v, a)]
+        super().__init__(numpy.append(rows[:, 0], rows[-1, -1]), (*points[:2], inverse_dynamics(*points)))
+
+    def _values(self, t, piece):
+        x = self.share(t, piece)
+        return [powers(x, len(part[piece])) @ part[piece] for part in (self._q, self._v, self._a)]
+
+    def state(self, t, piece):
+        return numpy.concatenate(self._values(t, piece)[:2])
+
+    def torque(self, t, piece):
+        return self._inverse_dynamics(*(part[None] for part in self._values(t, piece)))[0]
+
+
 class Sampled(Motion):
-    """q: quintics through position, rate and acceleration of both nodes of a piece; torques: inverse dynamics along them,
-    and straight lines on pieces so short that rounding would show in accelerations.
+    """costate's motion by its other methods. q: quintics through position, rate and acceleration of both nodes of a piece;
+    torques: inverse dynamics along them, and straight lines on pieces so short that rounding would show in accelerations.
 
     A time that occurs twice is a jump of the torques: pieces of no length are left out."""
 

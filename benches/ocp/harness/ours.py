@@ -8,7 +8,7 @@ import subprocess
 import numpy
 
 import problem_file
-from motion import Sampled
+from motion import Quartic, Sampled
 from peer import Answer
 
 # Keys of the JSON that may hold the time of the solver (s), the best first.
@@ -18,16 +18,17 @@ SOLVED = ("converged", "converged_smoothed")
 
 class Ours:
     def __init__(self, cache, costate, peer, tolerance, limit, arguments):
-        self.folder = cache / "tasks" / f"{tolerance:g}"
+        """`tolerance` is None for the options that the command has by default."""
+        self.folder = cache / "tasks" / ("default" if tolerance is None else f"{tolerance:g}")
         self.folder.mkdir(parents=True, exist_ok=True)
         self.costate, self.peer, self.tolerance = costate, peer, tolerance
         self.limit, self.arguments = limit, list(arguments)
         self.understands_limits = None
 
-    def write(self, task, starts=1):
+    def write(self, task, starts=None):
         if self.understands_limits is None:
             self.understands_limits = self._probe(task)
-        file = self.folder / (f"{task.name}.toml" if starts == 1 else f"{task.name}_{starts}_starts.toml")
+        file = self.folder / (f"{task.name}.toml" if starts is None else f"{task.name}_{starts}_starts.toml")
         file.write_text(problem_file.text(task, self.understands_limits, self.tolerance, starts))
         return file
 
@@ -46,7 +47,7 @@ class Ours:
         one_core = {**os.environ, "RAYON_NUM_THREADS": "1"}
         return subprocess.run(command, capture_output=True, text=True, check=False, env=one_core)
 
-    def solve(self, task, times=1, starts=1):
+    def solve(self, task, times=1, starts=None):
         """Solved so many times in one process; the first time compiles the dynamics of the robot."""
         file = self.write(task, starts)
         before = children_seconds()
@@ -66,9 +67,12 @@ class Ours:
 
     def motion(self, task, trajectory):
         t, q, v, u = (numpy.array(trajectory[key], dtype=float) for key in ("t", "q", "v", "u"))
-        a = self.peer.accelerations(task, q, v, u)
-        one = lambda *z: self.peer.torques(task, *(numpy.array(row)[None] for row in z))[0]
-        return Sampled(t, q, v, a, u, one)
+        torques = lambda *z: self.peer.torques(task, *z)
+        if Quartic.suits(t):
+            # Without its torques: they are cut to their limits.
+            return Quartic(t, q, v, torques)
+        one = lambda *z: torques(*(numpy.array(row)[None] for row in z))[0]
+        return Sampled(t, q, v, self.peer.accelerations(task, q, v, u), u, one)
 
 
 def children_seconds():

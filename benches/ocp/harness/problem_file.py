@@ -22,8 +22,9 @@ def table(name, *lines):
     return [f"[{name}]", *lines, ""]
 
 
-def text(task, understands_limits, tolerance, starts=1):
-    """The file; without the table `[limits]` for a costate that has none, if the task needs none."""
+def text(task, understands_limits, tolerance, starts=None):
+    """The file; without the table `[limits]` for a costate that has none, if the task needs none; without options of the
+    solver if the tolerance is None."""
     robot = task.robot
     rows = []
     if robot.source.armature:
@@ -41,9 +42,9 @@ def text(task, understands_limits, tolerance, starts=1):
         rows += table("bounds", *bounds)
     if limits or understands_limits:
         rows += table("limits", f"from_robot = {str(task.from_robot).lower()}", *limits)
-    if understands_limits:
+    if understands_limits and tolerance is not None:
         rows += table("solver", 'method = "direct"', "polish = false", 'machine_code = "at_once"',
-                      'verify = "factors"', f"tolerance = {tolerance!r}", f"starts = {starts}")
+                      'verify = "factors"', f"tolerance = {tolerance!r}", *([f"starts = {starts}"] if starts else []))
     return "\n".join(rows + obstacles_of(task))
 
 

@@ -13,6 +13,9 @@ from shell import stop
 UR5_ARMATURE = {"shoulder_pan_joint": 2.0, "shoulder_lift_joint": 2.0, "elbow_joint": 1.0, "wrist_1_joint": 0.3,
                 "wrist_2_joint": 0.3, "wrist_3_joint": 0.3}
 PANDA_ARMATURE = {f"panda_joint{i + 1}": value for i, value in enumerate((0.6, 0.6, 0.5, 0.5, 0.2, 0.2, 0.2))}
+# The same of a biped's joints.
+BIPED_ARMATURE = {f"{leg}_{joint}": value for leg in ("stance", "swing") for joint, value in (
+    ("ankle_roll", 0.1), ("ankle_pitch", 0.1), ("knee", 0.2), ("hip_yaw", 0.2), ("hip_roll", 0.2), ("hip_pitch", 0.2))}
 
 
 @dataclass(frozen=True)
@@ -31,11 +34,15 @@ SOURCES = {
     "panda": Source("robots/panda.urdf", ("panda_joint7", (0.0, 0.0, 0.2))),
     "ur5_armature": Source("robots/ur5.urdf", ("wrist_3_joint", (0.0, 0.0, 0.1)), UR5_ARMATURE),
     "panda_armature": Source("robots/panda.urdf", ("panda_joint7", (0.0, 0.0, 0.2)), PANDA_ARMATURE),
+    "biped_armature": Source("robots/biped.toml", ("swing_ankle_roll", (0.15, 0.0, -0.067899)), BIPED_ARMATURE),
+    # Only where it is asked for: without rotors its feet whirl, and motions without limits are not resolved by either side.
     "biped": Source("robots/biped.toml", ("swing_ankle_roll", (0.15, 0.0, -0.067899))),
     # Of the reference values only.
     "pendulum": Source("robots/pendulum.toml", ("pivot", (0.0, 0.0, -1.0))),
 }
-ALL = tuple(name for name in SOURCES if name != "pendulum")
+KNOWN = tuple(name for name in SOURCES if name != "pendulum")
+# Those that tasks are spread over.
+ALL = tuple(name for name in KNOWN if name != "biped")
 
 
 @dataclass

@@ -3,10 +3,12 @@
 from statistics import median, quantiles
 
 import goals
-from comparison import excess
+import measures
+from comparison import NEAR, STARTS, TIMES, excess
 from shell import stop
 
-NAMES = {"costate": "costate", "accurate": "costate, accurate", "peer": "peer",
+NAMES = {"costate": "costate", "accurate": "costate, accurate", "default": "costate, default options", "peer": "peer",
+         "middle": "peer, tolerance 1e-6", "loose": "peer, tolerance 1e-4",
          "peer_ours": "peer, costate's functions inside", "interpreted": "peer, interpreted"}
 
 
@@ -27,21 +29,22 @@ def verdict_table(figures):
 
 def class_table(figures):
     rows = []
-    for kind in goals.kinds(figures):
-        found = goals.of(figures, kind)
+    for kind in measures.kinds(figures):
+        found = measures.of(figures, kind)
         for label in labels(figures):
             rows.append([f"{kind} {found[0]['title']}" if label == "costate" else "", *line(found, label)])
     return markdown(HEAD, rows)
 
 
 HEAD = ["class", "solver", "solved", "CPU ms, median (quartiles)", "with start, ms", "peer's time / costate's", "iterations",
-        "cost above the best known, median, worst", "gap", "miss at the end", "limits at points", "between"]
+        "cost above the best known, median, worst", "gap", "gap, torques cut", "miss at the end", "miss, torques held",
+        "limits at points", "between"]
 
 
 def robot_table(figures):
     rows = []
-    for robot in dict.fromkeys(row["robot"] for row in goals.of(figures)):
-        found = [row for row in goals.of(figures) if row["robot"] == robot]
+    for robot in dict.fromkeys(row["robot"] for row in measures.of(figures)):
+        found = [row for row in measures.of(figures) if row["robot"] == robot]
         for label in labels(figures):
             rows.append([robot if label == "costate" else "", *line(found, label)])
     return markdown(["robot", *HEAD[1:]], rows)
@@ -49,19 +52,24 @@ def robot_table(figures):
 
 def labels(figures):
     """costate first, then what else there is."""
-    found = dict.fromkeys(label for row in goals.of(figures) for label in row["sides"])
+    found = dict.fromkeys(label for row in measures.of(figures) for label in row["sides"])
     return ["costate", *(label for label in found if label != "costate")]
 
 
 def line(rows, label):
-    done = goals.solved(rows, label)
+    done = measures.solved(rows, label)
     sides = [row["sides"][label] for row in done]
     above = [value for row in done if (value := excess(row, label)) is not None]
-    ratio = "" if label in (goals.OURS, goals.ACCURATE) else spread(goals.ratios(rows, label), "{:.2f}")
+    ratio = spread(ratios(rows, label), "{:.2f}") if label not in (measures.OURS, measures.DEFAULT) else ""
     return [NAMES[label], f"{len(done)} of {len(rows)}", spread([side["ms"] for side in sides], "{:.1f}"),
             middle(sides, "process_ms", "{:.1f}"), ratio, middle(sides, "iterations", "{:.0f}"),
-            f"{median(above):.0e}, {max(above):.0e}" if above else "-", worst(sides, "gap"), worst(sides, "end"),
-            worst(sides, "at_points"), worst(sides, "between")]
+            f"{median(above):.0e}, {max(above):.0e}" if above else "-", worst(sides, "gap"), worst(sides, "cut"),
+            worst(sides, "end"), worst(sides, "held"), worst(sides, "at_points"), worst(sides, "between")]
+
+
+def ratios(rows, label):
+    """On rows of peers their time over costate's at its first tolerance, with the second tolerance the first peer's over it."""
+    return measures.ratios(rows, measures.PEER, label) if label in measures.COSTATE else measures.ratios(rows, label)
 
 
 def spread(values, form):
@@ -78,30 +86,30 @@ def middle(sides, key, form):
 
 
 def worst(sides, key):
-    """The median and the largest."""
-    values = [side[key] if side[key] is not None else float("inf") for side in sides]
+    """The median and the largest; nothing of sides that are not judged."""
+    values = [side[key] if side[key] is not None else float("inf") for side in sides if key in side]
     return f"{median(values):.0e}, {max(values):.0e}" if values else "-"
 
 
 def losses(figures):
     """Tasks that the peer solves and costate does not, and those that cost more; then what the peer does not solve."""
     rows, refused = [], {}
-    for row in goals.of(figures):
-        ours, theirs = row["sides"]["costate"], row["sides"][goals.PEER]
+    for row in measures.of(figures):
+        ours, theirs = row["sides"]["costate"], row["sides"][measures.PEER]
         above = excess(row, "costate")
         if ours["status"].startswith("refused"):
             refused.setdefault(row["class"], []).append(row)
         elif not ours["solved"]:
             rows.append((1 if theirs["solved"] else 3, [row["task"], "not solved", reason(ours), reason(theirs)]))
-        elif above is not None and above > goals.NEAR:
+        elif above is not None and above > NEAR:
             text = f"cost {above:.1e} above the best known"
             if row.get("starts") is not None:
-                text += f", from {goals.STARTS} starts {row['starts'] / row['best'] - 1:.0e}"
+                text += f", from {STARTS} starts {row['starts'] / row['best'] - 1:.0e}"
             rows.append((2, [row["task"], text, reason(ours), reason(theirs)]))
         elif not theirs["solved"]:
             rows.append((4, [row["task"], "solved by costate only", reason(ours), reason(theirs)]))
     for kind, found in refused.items():
-        solved = len(goals.solved(found, goals.PEER))
+        solved = len(measures.solved(found, measures.PEER))
         rows.append((0, [f"class {kind}: {len(found)} tasks", "cannot be posed", reason(found[0]["sides"]["costate"]),
                          f"solved {solved}"]))
     rows.sort(key=lambda pair: pair[0])
@@ -121,9 +129,23 @@ def machine_text(figures):
     head = figures[0]
     packages = ", ".join(f"{name} {number}" for name, number in head["packages"].items())
     tolerances = " and ".join(f"{tolerance:g}" for tolerance in head["tolerances"])
+    theirs = ", ".join(f"{tolerance:g}" for tolerance in head["peer_tolerances"])
+    times = 1 + TIMES * (head["repeats"] - 1)
     return (f"{head['machine']}; {'; '.join(head['compilers'])}; {packages}; {head['costate']}. Seed {head['seed']}; peer: "
-            f"{head['elements']} elements of 3 Radau points; costate: tolerances {tolerances}; "
-            f"the least of {head['repeats']} times, machine code and compiled functions being there.\n")
+            f"{head['elements']} elements of 3 Radau points, tolerances {theirs}; costate: tolerances {tolerances}; the "
+            f"least of {times} calls of both sides; with default options once. {draws(figures)}\n")
+
+
+def draws(figures):
+    """What was thrown away before there were the tasks."""
+    rows = measures.of(figures)
+    made, failed = (sum(row[key] for row in rows) for key in ("draws", "peer_failed"))
+    kinds = ", ".join(f"{kind} {count}" for kind in measures.kinds(figures)
+                      if (count := sum(row["peer_failed"] for row in measures.of(figures, kind))))
+    others = made - len(rows) - failed
+    return (f"{len(rows)} tasks of {made} draws; {failed} draws were thrown away because the peer did not find the motion "
+            f"without limits{f' ({kinds})' if kinds else ''}, {others} because limits would not be active or no known motion "
+            "keeps them.")
 
 
 def print_all(figures):

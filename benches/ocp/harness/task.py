@@ -42,6 +42,10 @@ class Task:
     obstacles: list = field(default_factory=list)
     # The radius of each sphere of the robot (m).
     own_radius: float = 0.0
+    # Draws that were made for it, this one included, and those among them that were thrown away because the peer did not find
+    # the motion without limits.
+    draws: int = 1
+    peer_failed: int = 0
 
     def __post_init__(self):
         infinite = numpy.full(self.n, numpy.inf)

@@ -29,8 +29,11 @@ def make(root, costate, peer, kinds, names, count, seed, finished=()):
 def one(peer, kind, robot, number, seed, name):
     place = robots.ALL.index(robot.name) if robot.name in robots.ALL else len(robots.ALL)
     rng = numpy.random.default_rng([seed, ord(kind), place, number])
-    for _ in range(DRAWS):
-        task = classes.CLASSES[kind][1](Draw(rng, robot, peer, name, kind))
+    failed = 0
+    for number in range(DRAWS):
+        draw = Draw(rng, robot, peer, name, kind)
+        task = classes.CLASSES[kind][1](draw)
+        failed += draw.peer_failed
         if task is not None:
-            return task
+            return task.but(draws=number + 1, peer_failed=failed)
     return None

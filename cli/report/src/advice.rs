@@ -2,7 +2,7 @@
 
 use crate::numbers::{scientific, short};
 use costate::robot::printable;
-use costate_control::{Method, Problem, Solution, Status, Verify};
+use costate_control::{FastJoint, Method, Problem, Solution, Status, Verify};
 
 /// Errors of the cost below this, and below so many times the tolerance, miss a tolerance that is finer than
 /// the last one by little.
@@ -46,9 +46,15 @@ pub fn advice(problem: &Problem, solution: &Solution) -> Option<String> {
     }
     let is_coarse = *status == Status::MeshLimit && error(solution) > UNRESOLVED;
     // Fast motions of what is nearly without inertia are behind the others too.
+    let fast = solution.fastest_joint(problem).ok().flatten();
     let others = !(is_coarse || *status == Status::NewtonFailed);
-    let light = without_rotors(problem).filter(|_| jumps || energy || others);
-    remedies.extend(light.map(|joints| format!("robot.armature (the inertia of rotors: {joints} without)")));
+    let light = match &fast {
+        Some(fast) => with_rotor(problem, fast),
+        None => without_rotors(problem)
+            .filter(|_| jumps || energy || others)
+            .map(|joints| format!("robot.armature (the inertia of rotors: {joints} without)")),
+    };
+    remedies.extend(light);
     match status {
         Status::NotVerified => remedies.push("a smaller solver.tolerance".into()),
         Status::MeshLimit if is_coarse => {
@@ -72,7 +78,45 @@ pub fn advice(problem: &Problem, solution: &Solution) -> Option<String> {
         // What a status says has the form "reason; advice for all problems".
         status => status.to_string().split(';').next().unwrap_or_default().to_owned(),
     };
-    Some(format!("{reason}; what may help: {}", remedies.join("; ")))
+    let cause = fast.map(|fast| format!("; {}", too_fast(problem, &fast))).unwrap_or_default();
+    Some(format!("{reason}{cause}; what may help: {}", remedies.join("; ")))
+}
+
+/// The name of a joint by its number among those that mimic no other.
+fn joint_name(problem: &Problem, joint: usize) -> String {
+    problem
+        .robot
+        .independent_joints()
+        .nth(joint)
+        .map_or(String::new(), |joint| printable(&joint.name).to_string())
+}
+
+/// That a joint moves faster than the mesh follows.
+fn too_fast(problem: &Problem, fast: &FastJoint) -> String {
+    format!(
+        "joint '{}' moves faster than the mesh follows: near the motion deviations change within {} s at t = {} s, and \
+         intervals are {} s long",
+        joint_name(problem, fast.joint),
+        short(fast.time_constant, 2),
+        short(fast.time, 4),
+        short(fast.interval, 2)
+    )
+}
+
+/// The inertia of a rotor that makes a joint as slow as the mesh.
+fn with_rotor(problem: &Problem, fast: &FastJoint) -> Option<String> {
+    let name = joint_name(problem, fast.joint);
+    Some(match fast.armature {
+        Some(inertia) => format!(
+            "robot.armature = {{ {name} = {} }} (inertia of its rotor, with which the mesh would follow)",
+            short(inertia, 2)
+        ),
+        None => {
+            let rotors =
+                without_rotors(problem).map_or(String::new(), |joints| format!(": {joints} without"));
+            format!("robot.armature (the inertia of rotors, of '{name}' first{rotors})")
+        }
+    })
 }
 
 /// The estimated error of the cost, relative to it.

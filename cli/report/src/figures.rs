@@ -77,6 +77,11 @@ pub fn figures(problem: &Problem, solution: &Solution) -> Vec<(&'static str, Str
     }
     let [position, rate] = [units::POSITION, units::RATE].map(|unit| units::of_robot(&problem.robot, unit));
     figures.push(("final time", format!("{} s", short(motion.final_time, 10))));
+    if let [start] = &solution.starts[..]
+        && start.looks > 1
+    {
+        figures.push(("guess", format!("{}, the best of {}", start.guess, start.looks)));
+    }
     let vias: Vec<String> = solution.trajectory.via_times.iter().map(|&time| short(time, 6)).collect();
     if !vias.is_empty() {
         figures.push(("vias at", format!("{} s", vias.join(", "))));

@@ -20,6 +20,7 @@
 //! ```
 
 mod advice;
+pub mod between;
 mod criterion;
 pub mod figures;
 mod limits;

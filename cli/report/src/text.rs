@@ -1,6 +1,7 @@
 //! A solution in words: what is minimised, how it ended and why, rows of tables.
 
 use crate::advice::advice;
+use crate::between;
 pub use crate::criterion::criterion;
 use crate::figures::{Needed, time_is_free};
 use crate::numbers::{scientific, short};
@@ -103,38 +104,16 @@ pub fn remarks(problem: &Problem, solution: &Solution) -> Vec<String> {
     let all = [
         explanation(problem, solution),
         saddle(solution),
-        exceeded_between(solution),
+        between::exceeded_between(solution),
+        between::cut_between(solution),
         needs_feedback(problem, solution),
         skipped_starts(solution),
     ];
     all.into_iter().flatten().collect()
 }
 
-/// Which limits are kept at the points of a motion and exceeded between them, where most, by how much.
-pub fn exceeded_between(solution: &Solution) -> Option<String> {
-    let at_points = solution.limits.violations().next().is_none();
-    let all: Vec<String> = solution
-        .limits
-        .violations_between()
-        .map(|(kind, worst)| {
-            let (by, unit, time) = (short(worst.excess, 2), &worst.unit, short(worst.time, 4));
-            match kind {
-                "task" => format!("the {} is off by {by} {unit} at t = {time} s", worst.name),
-                kind => format!(
-                    "the {} of {} is beyond its limit by {by} {unit} at t = {time} s",
-                    quantity(kind),
-                    whose(&worst.name)
-                ),
-            }
-        })
-        .collect();
-    (at_points && !all.is_empty()).then(|| {
-        format!("between its points the motion does not keep all limits: {}; set these limits lower by that where it matters", all.join("; "))
-    })
-}
-
 /// What a kind of limits limits, in words.
-fn quantity(kind: &str) -> String {
+pub(crate) fn quantity(kind: &str) -> String {
     match kind {
         // Where a motor drives fast, its torque is limited to less.
         "torque_speed" => "torque".into(),
@@ -144,12 +123,12 @@ fn quantity(kind: &str) -> String {
 }
 
 /// Of a joint, or of all.
-fn whose(name: &str) -> String {
+pub(crate) fn whose(name: &str) -> String {
     if name == "all joints" { name.into() } else { format!("joint '{name}'") }
 }
 
 /// Whether the extremal is shown.
-fn is_polished(solution: &Solution) -> bool {
+pub(crate) fn is_polished(solution: &Solution) -> bool {
     solution.polish.as_ref().is_some_and(|report| report.outcome.is_polished())
 }
 
@@ -241,7 +220,7 @@ fn exceeded(solution: &Solution) -> impl Iterator<Item = String> {
 
 /// A search that ended before all of its starts were tried.
 pub fn skipped_starts(solution: &Solution) -> Option<String> {
-    let (tried, all) = (solution.starts.len(), solution.options.starts);
+    let (tried, all) = (solution.starts.len(), solution.options.starts.unwrap_or(1));
     (1..all).contains(&tried).then(|| format!("the search ended during start {tried} of {all}"))
 }
 

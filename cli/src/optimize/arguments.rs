@@ -52,8 +52,9 @@ pub struct Arguments {
     /// code that the first one compiled
     #[arg(long, value_name = "COUNT", value_parser = count, conflicts_with = "range")]
     pub repeat: Option<NonZeroUsize>,
-    /// Number of guesses from which the search begins, the first one and disturbed ones; the cheapest motion
-    /// is kept; overrides solver.starts of the problem file
+    /// Number of guesses that are solved to the end, the first one and disturbed ones; the cheapest motion is
+    /// kept [default: one, the best of several that are looked at roughly]; overrides solver.starts of the
+    /// problem file
     #[arg(long, value_name = "COUNT", value_parser = count)]
     pub starts: Option<NonZeroUsize>,
     /// Threads for several starts; by default as many as the processor runs at once; overrides solver.threads

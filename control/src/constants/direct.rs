@@ -175,14 +175,16 @@ pub const VIOLATION_BETWEEN: f64 = 1e-4;
 pub const MOST_MOVED: f64 = 3e-3;
 /// .. this many times as far as they are exceeded, ..
 pub const MOVED: f64 = 1.5;
-/// .. those of jerks and rates of torques by at most this part of their range, ..
-pub const MOST_OF_RATES: f64 = 2.0 / 7.0;
+/// .. those of what may jump by at most this part of their range, ..
+pub const MOST_OF_JUMPS: f64 = 2.0 / 7.0;
 /// .. where that is more than this part of what is allowed, ..
 pub const MOVED_FROM: f64 = 0.5;
 /// .. so many times on one mesh, ..
 pub const MOVES: usize = 3;
 /// .. as long as less than this part of what was exceeded before is left.
 pub const LESS_EXCEEDED: f64 = 0.5;
+/// Where that costs more than the tolerance, at most so many meshes are finer around jumps for nothing else.
+pub const MESHES_BETWEEN: usize = 6;
 /// Intervals in which a jerk or the rate of a torque exceeds its limit by more than this part of its
 /// range are divided with those that have large errors.
 pub const VIOLATION_OF_RATES: f64 = 0.01;

@@ -8,10 +8,13 @@
 //! direct method on `VERIFIED` and the names that begin with `VIOLATION`; and which of two motions is
 //! shown on the slack of the polish.
 
+pub(crate) mod differences;
 pub(crate) mod direct;
 mod extremals;
+pub(crate) mod guesses;
 pub(crate) mod states;
 pub(crate) mod task;
+pub(crate) mod waiting;
 
 pub(crate) use extremals::{arcs, attempts, branch, free_time, homotopy, newton, refinement, shooting};
 

@@ -42,6 +42,12 @@ pub mod reach {
     pub const FAR: f64 = 2.0;
     /// .. and then so many others are looked for, one of which may be nearer.
     pub const OTHERS: usize = 12;
+    /// Positions from which others are looked for as further guesses, ..
+    pub const BRANCHES: usize = 8;
+    /// .. in at most so many steps, ..
+    pub const BRANCH_STEPS: usize = 20;
+    /// .. which differ by more than this in a joint (rad).
+    pub const APART: f64 = 0.5;
     /// Most steps from each of them.
     pub const STEPS: usize = 60;
     /// First damping, in squares of m or rad per rad.

@@ -89,7 +89,8 @@ pub enum Strategy {
 ///
 /// Machine code takes a fifth to a tenth of the time of the generic code, and some milliseconds to make for a
 /// robot of six joints. It is kept for the last four robots. Results differ by rounding. Robots of more than
-/// 14 joints, and very long programs, are left to the generic code.
+/// 14 joints, and very long programs, are left to the generic code, and so is all on processors without AVX2
+/// or FMA and on other architectures: it computes one point after the other there, not in lanes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]

@@ -38,9 +38,12 @@ pub struct SolverOptions {
     pub polish: Polish,
     /// Lobatto points in an interval: 3 (order 4) or 4 (order 6).
     pub points: usize,
-    /// Number of guesses: the first as described in [`Solver`](crate::Solver), the others with random
-    /// disturbances.
-    pub starts: usize,
+    /// Number of starts, each solved to the end: the first from the guess that [`Solver`](crate::Solver)
+    /// describes, the others from random disturbances of it. `None`: one, and the direct method chooses its
+    /// guess among several that it looks at on a coarse mesh ([`StartResult::looks`]).
+    ///
+    /// [`StartResult::looks`]: crate::StartResult#structfield.looks
+    pub starts: Option<usize>,
     /// Threads for several starts; by default as many as the processor runs at once. Results do not depend on
     /// it.
     pub threads: Option<usize>,
@@ -84,7 +87,7 @@ impl Default for SolverOptions {
             verify: Verify::Full,
             polish: Polish::Auto,
             points: 4,
-            starts: 1,
+            starts: None,
             threads: None,
             machine_code: MachineCode::Later,
             seed: 0,
@@ -178,7 +181,7 @@ impl SolverOptions {
     /// Sets [`starts`](Self#structfield.starts).
     #[must_use]
     pub fn with_starts(self, starts: usize) -> Self {
-        Self { starts, ..self }
+        Self { starts: Some(starts), ..self }
     }
 
     /// Sets [`threads`](Self#structfield.threads).
@@ -213,8 +216,14 @@ const MOST_STARTS: usize = 1_000_000;
 const MOST_THREADS: usize = 1024;
 
 impl SolverOptions {
-    /// The number of threads for so many starts.
-    pub(crate) fn threads_for(&self, starts: usize) -> usize {
+    /// The number of starts that are solved to the end.
+    pub(crate) fn count(&self) -> usize {
+        self.starts.unwrap_or(1)
+    }
+
+    /// The number of threads for the starts.
+    pub(crate) fn threads(&self) -> usize {
+        let starts = self.count();
         let all = || std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
         if starts == 1 { 1 } else { self.threads.unwrap_or_else(all).min(starts) }
     }
@@ -244,8 +253,8 @@ impl SolverOptions {
         if !(3..=4).contains(&self.points) {
             return bad("points", self.points as f64, "must be 3 or 4");
         }
-        if !(1..=MOST_STARTS).contains(&self.starts) {
-            return bad("starts", self.starts as f64, "must be between 1 and 1000000");
+        if !(1..=MOST_STARTS).contains(&self.count()) {
+            return bad("starts", self.count() as f64, "must be between 1 and 1000000");
         }
         if let Some(threads) = self.threads.filter(|threads| !(1..=MOST_THREADS).contains(threads)) {
             return bad("threads", threads as f64, "must be between 1 and 1024");

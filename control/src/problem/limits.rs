@@ -34,7 +34,8 @@ pub struct MotionLimits {
     pub corner_speed: Option<Vec<f64>>,
     /// Rates $v_0$ at which a motor gives no torque any more (rad/s, m/s).
     pub no_load_speed: Option<Vec<f64>>,
-    /// Whether the limits of the robot's joints are kept too: positions, rates and efforts. `None`: only if
+    /// Whether the limits of the robot's joints are kept too: positions, rates and efforts. `None`: if all of
+    /// its joints have limits of rate and effort and the problem has neither bounds nor penalties, or if
     /// something else in the problem needs the direct method, such as a limit or a tool; a motion that
     /// exceeds them gets [warnings](crate::Problem::limit_warnings) otherwise.
     pub from_robot: Option<bool>,

@@ -27,6 +27,7 @@ pub(crate) mod task;
 pub(crate) mod task_error;
 pub(crate) mod tools;
 pub(crate) mod torque_speed_error;
+pub(crate) mod urdf_bodies;
 mod via;
 mod via_error;
 pub(crate) mod warning;
@@ -41,6 +42,7 @@ pub use task::Task;
 pub use task_error::TaskError;
 pub use tools::{Keep, Kept, Tool, ToolCost, ToolOrientation, ToolPose};
 pub use torque_speed_error::TorqueSpeedError;
+pub use urdf_bodies::UrdfBodyError;
 pub use via::{Payload, Via};
 pub use via_error::ViaError;
 
@@ -193,7 +195,16 @@ impl Problem {
     /// Whether the limits of the robot's joints are limits of the motion, which the direct method keeps
     /// ([`MotionLimits::from_robot`]).
     pub fn keeps_robot_limits(&self) -> bool {
-        self.limits.from_robot.unwrap_or_else(|| self.needs_direct())
+        let by_default = || self.needs_direct() || self.has_limits_of_a_product();
+        self.limits.from_robot.unwrap_or_else(by_default)
+    }
+
+    /// Whether all joints of the robot have limits of rate and effort, as those of arms that are sold have,
+    /// and the problem has no other way to limit them.
+    fn has_limits_of_a_product(&self) -> bool {
+        let is_complete =
+            |joint: &Joint| joint.limits.velocity.is_finite() && joint.limits.effort.is_finite();
+        self.bounds.is_none() && self.penalty.is_none() && self.robot.independent_joints().all(is_complete)
     }
 
     /// Whether limits of the robot are left out since nothing is said about limits, and nothing else has them

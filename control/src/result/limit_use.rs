@@ -59,7 +59,8 @@ pub struct LimitUse {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub worst: Option<LimitViolation>,
     /// The largest violation between the points, if it is more than 1e-4 of the distance between lower and
-    /// upper limit. None of torques: they are cut to their limits.
+    /// upper limit. That of a torque is what the polynomial would need; the torque itself is cut to its
+    /// limit.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub worst_between: Option<LimitViolation>,
     /// Where the motion is at a limit: within 1e-4 of the distance between lower and upper limit.
@@ -128,9 +129,17 @@ impl LimitReport {
     }
 
     /// The kinds with a limit that is exceeded between the points, by more than 1e-4 of its range, and where
-    /// it is exceeded most. Torques are not among them: they are cut to their limits.
+    /// it is exceeded most. Torques are not among them: they are cut to their limits, which
+    /// [`worst_cut`](Self::worst_cut) tells.
     pub fn violations_between(&self) -> impl Iterator<Item = (&'static str, &LimitViolation)> {
-        self.kinds().filter_map(|(name, usage)| Some((name, usage?.worst_between.as_ref()?)))
+        let kinds = self.kinds().filter(|(name, _)| *name != "torque");
+        kinds.filter_map(|(name, usage)| Some((name, usage?.worst_between.as_ref()?)))
+    }
+
+    /// Where the torque of a motion would have to be beyond its limit most, between the points, by more than
+    /// 1e-4 of its range; it is cut to the limit there.
+    pub fn worst_cut(&self) -> Option<&LimitViolation> {
+        self.torque.as_ref()?.worst_between.as_ref()
     }
 
     /// Whether something is limited and all of it is kept, at the points and between them.

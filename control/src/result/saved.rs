@@ -6,7 +6,8 @@ use crate::result::limit_use::LimitReport;
 use crate::result::motion::{Certificate, Motion};
 use crate::result::polish_report::PolishReport;
 use crate::result::rows::Rows;
-use crate::result::solution::{CostateStart, RobotNames, Solution, StartResult};
+use crate::result::solution::{CostateStart, RobotNames, Solution};
+use crate::result::start::{GuessKind, StartResult};
 use crate::result::trajectory_error::{TrajectoryError, VERSION, check_version};
 use crate::status::{BoundViolation, Status};
 use serde::de::Error;
@@ -32,6 +33,10 @@ struct SavedCostates {
 struct SavedStart {
     total: Option<f64>,
     status: Status,
+    #[serde(default)]
+    guess: GuessKind,
+    #[serde(default = "one")]
+    looks: usize,
 }
 
 /// A [`BoundViolation`], with its joint by name.
@@ -116,6 +121,10 @@ fn units() -> Units {
     UNITS
 }
 
+fn one() -> usize {
+    1
+}
+
 fn not_verified() -> Verify {
     Verify::None
 }
@@ -133,6 +142,20 @@ impl Serialize for Solution {
 impl<'de> Deserialize<'de> for Solution {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         Document::deserialize(deserializer)?.try_into().map_err(Error::custom)
+    }
+}
+
+impl From<&StartResult> for SavedStart {
+    fn from(start: &StartResult) -> Self {
+        let StartResult { total, status, guess, looks } = start.clone();
+        Self { total: finite(total), status, guess, looks }
+    }
+}
+
+impl From<SavedStart> for StartResult {
+    fn from(start: SavedStart) -> Self {
+        let SavedStart { total, status, guess, looks } = start;
+        Self { total: total.unwrap_or(f64::INFINITY), status, guess, looks }
     }
 }
 
@@ -159,8 +182,6 @@ impl From<&Solution> for Document {
     fn from(solution: &Solution) -> Self {
         let motion = &solution.motion;
         let CostateStart { y_q, y_p } = solution.costate_start();
-        let start =
-            |start: &StartResult| SavedStart { total: finite(start.total), status: start.status.clone() };
         Self {
             format: VERSION,
             costate: env!("CARGO_PKG_VERSION").into(),
@@ -200,7 +221,7 @@ impl From<&Solution> for Document {
             limits: solution.limits.clone(),
             constraints: solution.constraints.clone(),
             polish: solution.polish.clone(),
-            starts: solution.starts.iter().map(start).collect(),
+            starts: solution.starts.iter().map(SavedStart::from).collect(),
             options: solution.options.clone(),
             trajectory: Rows::from(&solution.trajectory),
         }
@@ -242,16 +263,12 @@ impl TryFrom<Document> for Solution {
             bound_violation: violation,
             ..Motion::missing(document.status, document.final_time.unwrap_or(f64::NAN))
         };
-        let start = |start: SavedStart| StartResult {
-            total: start.total.unwrap_or(f64::INFINITY),
-            status: start.status,
-        };
         Ok(Self {
             motion,
             end_defect: document.end_defect.unwrap_or(f64::INFINITY),
             newton_iterations: document.newton_iterations,
             trajectory: document.trajectory.into_trajectory(n).with_via_times(document.via_times),
-            starts: document.starts.into_iter().map(start).collect(),
+            starts: document.starts.into_iter().map(StartResult::from).collect(),
             limits: document.limits,
             constraints: document.constraints,
             polish: document.polish,

@@ -6,6 +6,7 @@ use crate::result::limit_use::LimitReport;
 use crate::result::motion::Motion;
 use crate::result::polish_report::PolishReport;
 use crate::result::stage_times::StageTimes;
+use crate::result::start::StartResult;
 use crate::result::trajectory::Trajectory;
 use crate::status::Status;
 use costate::robot::Robot;
@@ -41,16 +42,6 @@ pub struct Solution {
     pub options: SolverOptions,
     /// The robot that moves.
     pub robot: RobotNames,
-}
-
-/// Where one start led.
-#[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
-pub struct StartResult {
-    /// Cost and penalties.
-    pub total: f64,
-    /// How it ended.
-    pub status: Status,
 }
 
 /// A robot by its name and the names of its joints: what tells the solutions of two robots apart.

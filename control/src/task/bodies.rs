@@ -83,3 +83,7 @@ fn lay_along(robot: &Robot, joint: usize, radius: f64, links: &mut Vec<Link>) {
         body: Body { carried: Some(Carried::new(robot, 1 + joint)), from: Vector3::zeros(), to, radius },
     }));
 }
+
+#[cfg(test)]
+#[path = "bodies_tests.rs"]
+mod tests;

@@ -1,7 +1,9 @@
 //! Positions at which tools are where they shall be.
 
 use super::functions::{PathFunction, TaskFunctions};
-use crate::constants::task::reach::{DAMPING, FAR, MOST_DAMPING, OTHERS, REACHED, STARTS, STEPS, STILL};
+use crate::constants::task::reach::{
+    APART, BRANCH_STEPS, BRANCHES, DAMPING, FAR, MOST_DAMPING, OTHERS, REACHED, STARTS, STEPS, STILL,
+};
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
 
@@ -27,6 +29,8 @@ struct Search<'a> {
     /// The free coordinates.
     free: &'a [usize],
     limits: &'a [[f64; 2]],
+    /// Most steps of a descent.
+    steps: usize,
     still: Vec<f64>,
     g: Vec<f64>,
     jacobian: Vec<f64>,
@@ -125,6 +129,47 @@ pub(crate) fn reach_near(
     best
 }
 
+/// Positions at which all rows have their values, beside one that is `known`: from seeded positions, each
+/// turned back towards `near` as [`reach_near`] does, and again with whole turns the other way round. Each
+/// joint that turns by more than [`APART`] between two of them tells them apart.
+pub(crate) fn others(
+    functions: &mut TaskFunctions,
+    near: &[f64],
+    known: &[f64],
+    free: &[usize],
+    limits: &[[f64; 2]],
+) -> Vec<Vec<f64>> {
+    let mut search = Search { steps: BRANCH_STEPS, ..Search::new(functions, free, limits) };
+    let mut all = vec![known.to_vec()];
+    let is_new = |all: &[Vec<f64>], q: &[f64]| {
+        all.iter().all(|other| free.iter().any(|&i| (q[i] - other[i]).abs() > APART))
+    };
+    for start in 1..=BRANCHES {
+        let mut from = near.to_vec();
+        for &i in free {
+            from[i] = seeded(start, i, limits[i], near[i]);
+        }
+        let found = search.descend(from);
+        let found = search.turned_back(found, near);
+        if found.is_there() && is_new(&all, &found.q) {
+            all.push(found.q);
+        }
+    }
+    for k in 0..all.len() {
+        for &i in free {
+            let way = all[k][i] - near[i];
+            let mut other = all[k].clone();
+            other[i] -= TAU.copysign(way);
+            let is_inside = (limits[i][0]..=limits[i][1]).contains(&other[i]);
+            if way.abs() > FAR && is_inside && search.values(&other).amax() <= REACHED && is_new(&all, &other)
+            {
+                all.push(other);
+            }
+        }
+    }
+    all.split_off(1)
+}
+
 impl<'a> Search<'a> {
     fn new(functions: &'a mut TaskFunctions, free: &'a [usize], limits: &'a [[f64; 2]]) -> Self {
         let (rows, width) = (functions.rows(), 2 * limits.len());
@@ -136,6 +181,7 @@ impl<'a> Search<'a> {
             functions,
             free,
             limits,
+            steps: STEPS,
         }
     }
 
@@ -168,7 +214,7 @@ impl<'a> Search<'a> {
             q[i] = q[i].max(self.limits[i][0]).min(self.limits[i][1]);
         }
         let (mut damping, mut residuals) = (DAMPING, self.linearise(&q));
-        for _ in 0..STEPS {
+        for _ in 0..self.steps {
             if residuals.amax() <= 0.1 * REACHED || damping > MOST_DAMPING {
                 break;
             }

@@ -1,9 +1,9 @@
 //! Limits between the points of a mesh, as fine samples of a motion show them.
 
-use costate::robot::Robot;
+use costate::robot::{LoadOptions, Robot};
 use costate_control::{
-    BoundaryState, FinalTime, MotionLimits, Objective, Problem, Solution, Solver, SolverOptions, Status,
-    Verify,
+    BoundaryState, FinalTime, LimitUse, MotionLimits, Objective, Problem, ProblemFile, Solution, Solver,
+    SolverOptions, Status, Verify,
 };
 
 const RATE: f64 = 50_000.0;
@@ -56,14 +56,65 @@ fn jerks_that_jump_are_kept_or_told() {
     }
 }
 
-/// The same of rates of torques.
+/// The largest part of its range by which limits of a kind are exceeded between points, from their `between`;
+/// the range is that of the largest limit.
+fn beyond(usage: Option<&LimitUse>, range: f64) -> f64 {
+    usage.unwrap().between / range
+}
+
+/// Rates of torques that jump are kept between points too, to 1e-4 of their range.
 #[test]
-fn rates_of_torques_are_kept_or_told() {
+fn rates_of_torques_are_kept() {
     let problem = Problem::rest_to_rest(two_link(), &[0.0; 2], &[1.57; 2], 1.0)
         .with_limits(MotionLimits::none().with_torque_rate_max(vec![75.0, 120.0]));
     let found = solve(&problem);
     assert_eq!(found.motion.status, Status::Converged);
-    is_told(&found, most(&found, &problem, &[75.0, 120.0], true));
+    assert!(found.limits.are_kept(), "{:?}", found.limits);
+    assert!(beyond(found.limits.torque_rate.as_ref(), 150.0) < 1.6e-4, "{:?}", found.limits.torque_rate);
+    let part = most(&found, &problem, &[75.0, 120.0], true);
+    assert!(part < 1.0 + 4e-4, "{part}");
+}
+
+/// A problem of a UR5 whose rotors count, with these lines at the end of its file.
+fn ur5(time: f64, lines: &str) -> Problem {
+    let text = format!(
+        "[robot]\nfile = \"ur5.urdf\"\narmature = {{ shoulder_pan_joint = 1.0, shoulder_lift_joint = 1.0, \
+         elbow_joint = 1.0, wrist_1_joint = 0.2, wrist_2_joint = 0.2, wrist_3_joint = 0.2 }}\n\
+         [start]\nq = [0.0, -1.6, 1.8, -1.8, -1.57, 0.0]\n[end]\nq = [1.5, -1.0, 1.2, -1.5, -1.57, 0.5]\n\
+         [time]\nfinal = {time}\n[cost]\neffort = [1, 1, 1, 1, 1, 1]\n[limits]\nfrom_robot = true\n{lines}"
+    );
+    ProblemFile::from_text(&text, "../robots", LoadOptions::default()).unwrap().problem
+}
+
+/// Six joints with continuous accelerations, whose jerks jump at many times.
+#[test]
+fn jerks_of_an_arm_are_kept() {
+    let problem = ur5(1.5, "jerk_max = [80, 80, 80, 80, 80, 80]\n");
+    let found = solve(&problem);
+    assert_eq!(found.motion.status, Status::Converged);
+    assert!(found.limits.are_kept(), "{:?}", found.limits.jerk);
+    assert!(!found.limits.jerk.as_ref().unwrap().active.is_empty());
+    assert!(beyond(found.limits.jerk.as_ref(), 160.0) < 1e-4, "{:?}", found.limits.jerk);
+    let part = most(&found, &problem, &[80.0; 6], false);
+    assert!(part < 1.0 + 4e-4, "{part}");
+}
+
+/// Powers, accelerations of joints and of a tool, whose values jump with the accelerations.
+#[test]
+fn powers_and_accelerations_are_kept() {
+    let keep = "[[keep]]\nkind = \"acceleration\"\nframe = \"tool0\"\nacceleration = 6.0\n";
+    for lines in [
+        "power_max = [40, 40, 40, 8, 8, 8]\n",
+        "total_power_max = 60\n",
+        "a_max = [5, 5, 5, 5, 5, 5]\n",
+        keep,
+    ] {
+        let found = solve(&ur5(1.2, lines));
+        assert_eq!(found.motion.status, Status::Converged, "{lines}");
+        assert!(found.limits.are_kept(), "{lines} {:?}", found.limits);
+        let kinds = [&found.limits.power, &found.limits.acceleration, &found.limits.task];
+        assert!(kinds.into_iter().flatten().any(|usage| !usage.active.is_empty()), "{lines}");
+    }
 }
 
 /// What is not kept between the points is told: with where, and how much.

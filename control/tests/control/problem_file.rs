@@ -39,7 +39,7 @@ fn every_key_reaches_the_problem() {
     assert_eq!(problem.bounds, Some(bounds));
     let limits = Penalty::new(9.0).with_q_min(vec![-10.0, -11.0]).with_q_max(vec![10.0, 11.0]);
     assert_eq!(problem.penalty, Some(limits.with_v_max(vec![12.0, 13.0])));
-    assert_eq!((options.starts, options.seed, options.tolerance, options.nodes), (14, 15, 1e-6, 17));
+    assert_eq!((options.starts, options.seed, options.tolerance, options.nodes), (Some(14), 15, 1e-6, 17));
     assert_eq!((options.jacobian, options.method), (JacobianRoute::WithoutHessian, Method::Shooting));
     assert_eq!((options.coordinates, options.threads), (Coordinates::Lagrangian, Some(3)));
     assert_eq!(options.machine_code, MachineCode::AtOnce);

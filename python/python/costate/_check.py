@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ._costate import Robot, _compare
-from ._errors import Interrupted
+from ._errors import Interrupted, whole
 
 
 @dataclass(frozen=True)
@@ -87,10 +87,13 @@ def check(robot: Robot, states: int = 5, *, seed: int = 0) -> CheckReport:
 
     Raises
     ------
+    ArgumentError
+        For a number of states or a seed that is negative or no whole number.
     StateError
         Where a state cannot be evaluated, with its number.
     Interrupted
-        After Ctrl-C: ``reached`` is the report on the states that were compared.
+        After Ctrl-C: ``reached`` is the report on the states that were compared. The state at which it came is finished
+        by a thread and forgotten: with a large robot that takes seconds.
 
     References
     ----------
@@ -103,7 +106,8 @@ def check(robot: Robot, states: int = 5, *, seed: int = 0) -> CheckReport:
     >>> costate.check(robot).passed
     True
     """
-    random = np.random.default_rng(seed)
+    states = whole("states", states, 0)
+    random = np.random.default_rng(whole("seed", seed, 0))
     lower, upper = _ranges(robot)
     sample = []
     for k in range(states):

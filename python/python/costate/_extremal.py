@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._costate import Dynamics, Robot
-from ._errors import argument_error
+from ._errors import argument_error, whole
 from ._transcription import entries
 from ._wanted import dynamics_of
 
@@ -174,7 +174,7 @@ class Extremal:
         guess : array_like (4n, m), optional
             z at equal times; a straight line from start to goal with costates of zero unless given.
         nodes : int
-            Number of times of that line.
+            Number of times of that line, 2 or more.
         **options
             Of ``solve_bvp``: ``tol``, ``max_nodes``, ...
 
@@ -182,11 +182,16 @@ class Extremal:
         -------
         scipy.integrate.BVPResult
             ``sol(t)`` is z.
+
+        Raises
+        ------
+        ArgumentError
+            For fewer nodes.
         """
         from scipy.integrate import solve_bvp
 
         if guess is None:
-            straight = np.linspace(self.start, self.goal, nodes, axis=1)
+            straight = np.linspace(self.start, self.goal, whole("nodes", nodes, 2), axis=1)
             guess = np.concatenate([straight, np.zeros_like(straight)])
         guess = np.asarray(guess, dtype=float)
         times = np.linspace(0.0, duration, guess.shape[1])

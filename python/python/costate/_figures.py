@@ -179,7 +179,7 @@ class Figures:
 
     @property
     def starts(self) -> list[dict[str, Any]]:
-        """``total`` cost and ``status`` of each start."""
+        """``total`` cost and ``status`` of each start; ``looks``, how many guesses it looked at, and ``guess``, the best one."""
         starts: list[dict[str, Any]] = self._figures["starts"]
         return starts
 

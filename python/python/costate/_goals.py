@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ._costate import _Resolve
+from ._errors import whole
 from ._tables import text_of
 
 if TYPE_CHECKING:
@@ -25,6 +26,16 @@ class Goals:
         getattr(self._core, name)(*arguments)
         self._calls[name, key] = arguments
 
+    def _set_numbered(self, name: str, number: int, *arguments: Any) -> None:
+        """Sets what an entry of a list of the problem is about."""
+        number = whole("number", number, 0)
+        self._set(name, number, number, *arguments)
+
+    def _set_of_tool(self, name: str, of: str, number: int, *arguments: Any) -> None:
+        """Sets what an entry of the tools of the start, the end or the cost is about."""
+        number = whole("number", number, 0)
+        self._set(name, (of, number), of, number, *arguments)
+
     def set_start_tool(self, number: int, xyz: ArrayLike) -> None:
         """Move a tool of the start; coordinates that are free stay so.
 
@@ -40,7 +51,7 @@ class Goals:
         ArgumentError
             For a tool that the problem has not.
         """
-        self._set("set_tool", ("start", number), "start", number, copied(xyz))
+        self._set_of_tool("set_tool", "start", number, copied(xyz))
 
     def set_end_tool(self, number: int, xyz: ArrayLike) -> None:
         """Move a tool of the end; coordinates that are free stay so.
@@ -57,7 +68,7 @@ class Goals:
         ArgumentError
             For a tool that the problem has not.
         """
-        self._set("set_tool", ("end", number), "end", number, copied(xyz))
+        self._set_of_tool("set_tool", "end", number, copied(xyz))
 
     def set_tool_cost(self, number: int, xyz: ArrayLike) -> None:
         """Move the goal of a cost of a tool.
@@ -74,7 +85,7 @@ class Goals:
         ArgumentError
             For a cost that the problem has not.
         """
-        self._set("set_tool", ("cost", number), "cost", number, copied(xyz))
+        self._set_of_tool("set_tool", "cost", number, copied(xyz))
 
     def set_start_orientation(self, number: int, table: Mapping[str, Any] | None = None, **keys: Any) -> None:
         """Turn a tool of the start; it stays an orientation of all axes, or of one.
@@ -100,7 +111,7 @@ class Goals:
         --------
         >>> motion.set_start_orientation(0, rpy=[3.14, 0.0, 0.5])  # doctest: +SKIP
         """
-        self._set("set_orientation", ("start", number), "start", number, text_of({**(table or {}), **keys}))
+        self._set_of_tool("set_orientation", "start", number, text_of({**(table or {}), **keys}))
 
     def set_end_orientation(self, number: int, table: Mapping[str, Any] | None = None, **keys: Any) -> None:
         """Turn a tool of the end, as `set_start_orientation`.
@@ -119,7 +130,7 @@ class Goals:
         ArgumentError, ProblemError
             As there.
         """
-        self._set("set_orientation", ("end", number), "end", number, text_of({**(table or {}), **keys}))
+        self._set_of_tool("set_orientation", "end", number, text_of({**(table or {}), **keys}))
 
     def set_tool_cost_orientation(self, number: int, table: Mapping[str, Any] | None = None, **keys: Any) -> None:
         """Turn the goal of a cost of a tool, as `set_start_orientation`.
@@ -138,7 +149,7 @@ class Goals:
         ArgumentError, ProblemError
             As there.
         """
-        self._set("set_orientation", ("cost", number), "cost", number, text_of({**(table or {}), **keys}))
+        self._set_of_tool("set_orientation", "cost", number, text_of({**(table or {}), **keys}))
 
 
 def copied(given: ArrayLike) -> Any:

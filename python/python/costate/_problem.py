@@ -42,9 +42,10 @@ class Problem(Solves):
     limits : dict or bool, optional
         Hard limits: ``q_min``, ``q_max``, ``v_max``, ``a_max``, ``torque_max``, ``power_max``, ... Those of the robot are
         kept too, the tighter one of two, unless ``"from_robot": False``; True is ``{"from_robot": True}``, False
-        ``{"from_robot": False}``. If nothing is said, those of the robot are kept only if something is asked for that
-        the direct method alone takes (vias, obstacles, tools, jerks, energy, ...); otherwise a motion that exceeds them is a
-        `LimitWarning`.
+        ``{"from_robot": False}``. If nothing is said, those of the robot are kept if each of its joints has limits of
+        rate and effort, as in the URDF of a product, and there are neither bounds nor penalties, or if something is asked
+        for that the direct method alone takes (vias, obstacles, tools, jerks, energy, ...); otherwise a motion that exceeds
+        them is a `LimitWarning`.
     via, keep, obstacle : list of dict
         Places on the way; what tools keep; what the robot keeps away from, with the bodies of ``collision``.
     bounds, penalty, actuation, periodic, collision, solver, start_from : dict

@@ -8,11 +8,10 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from . import _run
+from ._derivatives import Derivatives
 from ._errors import Interrupted, LimitWarning, whole
-from ._feedback import Feedback, MotionDerivative, Resolved
-from ._goals import copied
+from ._feedback import Feedback, Resolved
 from ._problem import Problem
-from ._settings import Settings
 from ._solution import Solution
 from ._tables import text_of
 
@@ -22,12 +21,12 @@ if TYPE_CHECKING:
     _Array = NDArray[np.float64]
 
 
-class Resolve(Settings):
+class Resolve(Derivatives):
     """A problem that is solved again and again on one mesh, as a controller needs it.
 
     The mesh has (nodes - 1)/3 equal intervals. Each solve begins at the motion that is optimal for the new ends to
-    first order. The limits of the robot are kept where `Problem.solve` keeps them: not where the problem says nothing about
-    limits and has nothing that only the direct method takes, which is a `LimitWarning`.
+    first order. The limits of the robot are kept where `Problem.solve` keeps them, and where they are left out
+    although the problem does not say so, a `LimitWarning` tells.
 
     A solve that failed (the status "no_progress", an error) is no start: the next one begins at the last motion that was
     solved, and if that fails too at the first guess. So it does where a solve ended before it was solved and the solved
@@ -229,83 +228,6 @@ class Resolve(Settings):
         """
         found = self._core.feedback()
         return None if found is None else Feedback(found)
-
-    def derivative_by(self, limit: str, joint: str | int | None = None) -> MotionDerivative | None:
-        """Derivatives by a limit of a joint, or of all, from the factors of the last Newton step.
-
-        Parameters
-        ----------
-        limit : {"q_min", "q_max", "v_max", "a_max", "torque_max", "power_max", "jerk_max", "torque_rate_max", \
-                "corner_speed", "no_load_speed", "total_power_max"}
-            The limit.
-        joint : str or int, optional
-            The joint, by name or from 0; none for ``"total_power_max"``.
-
-        Returns
-        -------
-        MotionDerivative or None
-            None where the motion is no strict minimum.
-
-        Raises
-        ------
-        ArgumentError
-            For a joint or a limit that the problem has not.
-        """
-        found = self._core.derivative_by_limit(limit, self._joint(joint))
-        return None if found is None else MotionDerivative._make(found)
-
-    def derivative_by_task(self, table: str, entry: int = 0) -> MotionDerivative | None:
-        """Derivatives by a number of the task.
-
-        Parameters
-        ----------
-        table : {"keep", "obstacle", "margin"}
-            What ``keep[entry]`` allows at most (m, rad, m/s, m/s^2), the radius of ``obstacles[entry]`` (m), or the
-            distance that bodies keep (m).
-        entry : int
-            Counted from 0; it does not count for the margin.
-
-        Returns
-        -------
-        MotionDerivative or None
-            None where the motion is no strict minimum, or before it is solved.
-
-        Raises
-        ------
-        ArgumentError
-            For an entry that the problem has not, a box, or an equation.
-        """
-        found = self._core.derivative_by_task(table, entry)
-        return None if found is None else MotionDerivative._make(found)
-
-    def derivative_by_mass(
-        self, frame: str, mass: float, com: ArrayLike = (0.0, 0.0, 0.0), inertia: ArrayLike = (0.0,) * 6
-    ) -> MotionDerivative | None:
-        """Derivatives by the mass of a body on a frame, whose inertia grows with it.
-
-        Parameters
-        ----------
-        frame : str
-            One of ``robot.frame_names``.
-        mass : float
-            In kg.
-        com : array_like (3)
-            Its centre of mass in the frame (m).
-        inertia : array_like (6)
-            xx, yy, zz, xy, xz, yz about the centre of mass (kg m^2).
-
-        Returns
-        -------
-        MotionDerivative or None
-            None where the motion is no strict minimum.
-
-        Raises
-        ------
-        ArgumentError
-            For a frame that the robot has not, or a body that cannot be.
-        """
-        found = self._core.derivative_by_mass(frame, mass, copied(com), copied(inertia))
-        return None if found is None else MotionDerivative._make(found)
 
     def __repr__(self) -> str:
         return f"Resolve({self._problem!r}, T={self.final_time:.6g} s)"

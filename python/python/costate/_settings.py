@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from ._errors import argument_error
+from ._errors import argument_error, whole
 from ._goals import Goals, copied
 from ._tables import text_of
 
@@ -63,7 +63,7 @@ class Settings(Goals):
         ArgumentError
             For a via that the problem has not, and for numbers beyond their limits.
         """
-        self._set("set_via", number, number, copied(q), copied(v))
+        self._set_numbered("set_via", number, copied(q), copied(v))
 
     def set_start_acceleration(self, a: ArrayLike) -> None:
         """Start the next solve with other accelerations.
@@ -119,8 +119,10 @@ class Settings(Goals):
 
     def _joint(self, joint: str | int | None) -> int | None:
         """The number of a joint."""
+        if joint is None:
+            return None
         if not isinstance(joint, str):
-            return joint
+            return whole("joint", joint, 0)
         if joint not in self._joints:
             raise argument_error("joint", f"there is no joint '{joint}'; the joints are {', '.join(self._joints)}")
         return self._joints.index(joint)
@@ -148,7 +150,7 @@ class Settings(Goals):
         --------
         >>> motion.set_obstacle(0, kind="sphere", xyz=[0.4, 0.1, 0.3], radius=0.1)  # doctest: +SKIP
         """
-        self._set("set_obstacle", number, number, text_of({**(table or {}), **keys}))
+        self._set_numbered("set_obstacle", number, text_of({**(table or {}), **keys}))
 
     def set_reference(self, number: int, table: Mapping[str, Any] | None = None, **keys: Any) -> None:
         """Replace a reference.
@@ -169,7 +171,7 @@ class Settings(Goals):
         ProblemError
             With ``key``: for a wrong key.
         """
-        self._set("set_reference", number, number, text_of({**(table or {}), **keys}))
+        self._set_numbered("set_reference", number, text_of({**(table or {}), **keys}))
 
     def set_start_time(self, time: float) -> None:
         """Start the next solve at another time of all references.

@@ -56,8 +56,9 @@ class Solves:
         ----------
         tolerance, starts, seed, threads, nodes, time_limit, method, verify, polish, machine_code, jacobian, coordinates
             Options in the place of those of ``[solver]``, which ``docs/optimize.md`` describes: ``tolerance`` of the
-            cost (1e-6), number of guesses ``starts`` (1), ``time_limit`` in s (inf: none), ``coordinates`` of the indirect
-            methods, "qp" ("hamiltonian") or "qv" ("lagrangian").
+            cost (1e-6), number of guesses ``starts`` that are solved to the end (not given: the best one of several that
+            are looked at roughly), ``time_limit`` in s (inf: none), ``coordinates`` of the indirect methods, "qp"
+            ("hamiltonian") or "qv" ("lagrangian").
         start_from : Solution or path, optional
             Begins at this motion, of a robot with these joints, or at one that was saved.
         progress : None, True or function

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-import operator
 import os
 import warnings
 from collections.abc import Callable, Iterable
@@ -13,7 +12,7 @@ from typing import Any
 from . import _workers
 from ._chunks import Chunks
 from ._drive import drive
-from ._errors import Interrupted, argument_error
+from ._errors import Interrupted, argument_error, whole
 from ._outcomes import Outcome, said
 from ._parquet import Table
 from ._progress import Counter
@@ -102,9 +101,9 @@ def sweep(
     """
     if not callable(function):
         raise argument_error("function", f"function {function!r} cannot be called; give a function of one task")
-    retries = _whole("retries", retries, 0)
-    chunk = None if chunk is None else _whole("chunk", chunk, 1)
-    workers = None if workers is None else _whole("workers", workers, 1)
+    retries = whole("retries", retries, 0)
+    chunk = None if chunk is None else whole("chunk", chunk, 1)
+    workers = None if workers is None else whole("workers", workers, 1)
     if progress is not None and not isinstance(progress, bool) and not callable(progress):
         raise argument_error("progress", f"progress is {progress!r}; give None, True, or a function of an Outcome")
     try:
@@ -161,16 +160,6 @@ def sweep(
         runner.stop()
         raise
     return [found[index] for index in range(len(tasks))]
-
-
-def _whole(name: str, value: Any, least: int) -> int:
-    try:
-        number = operator.index(value)
-    except TypeError:
-        number = least - 1
-    if number < least:
-        raise argument_error(name, f"{name} is {value!r}; a whole number of at least {least} is needed")
-    return number
 
 
 def _path(given: Any) -> str:

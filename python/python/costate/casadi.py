@@ -30,6 +30,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from . import _costate
 from ._costate import Dynamics, Robot, _abi_source, _casadi_calls, _casadi_slots, _CasadiSlot
+from ._errors import whole
 from ._wanted import robot_of
 
 if TYPE_CHECKING:
@@ -180,6 +181,8 @@ def source(
 
     Raises
     ------
+    ArgumentError
+        For an unknown scheme, and a limit that is negative or no whole number.
     CodegenError
         Where a function is longer than the limit.
 
@@ -190,7 +193,7 @@ def source(
     >>> "int jac_adj1_cart_fd(" in costate.casadi.source(robot)
     True
     """
-    return _abi_source(robot_of(robot), "casadi", scheme, float(dt), limit)
+    return _abi_source(robot_of(robot), "casadi", scheme, float(dt), whole("limit", limit, 0))
 
 
 def calls(function: Any) -> dict[str, int]:

@@ -109,7 +109,8 @@ impl ProblemCore {
         folder: PathBuf,
         start: Option<&str>,
     ) -> PyResult<Self> {
-        let file = ProblemFile::for_robot(text, robot.model(), folder);
+        let urdf = robot.look.as_ref().map(|look| look.urdf());
+        let file = ProblemFile::for_robot_of_urdf(text, robot.model(), urdf, folder);
         let file = file.map_err(|error| raise::file(py, &error))?;
         let start = start.map(|start| Trajectory::from_json(start, &file.problem.robot)).transpose();
         Self::new(py, file, robot, start.map_err(raise::motion)?)

@@ -6,7 +6,7 @@ impl RobotError {
     /// The joint, link or frame at fault, where there is one.
     pub fn culprit(&self) -> Option<&str> {
         match self {
-            Self::InFile { error, .. } => error.culprit(),
+            Self::InFile { error, .. } | Self::Unexpanded { error, .. } => error.culprit(),
             Self::UnknownParent { joint, .. }
             | Self::UnknownChild { joint, .. }
             | Self::UnknownMimic { joint, .. }

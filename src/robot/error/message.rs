@@ -23,6 +23,15 @@ impl fmt::Display for RobotError {
                 "unknown kind of robot file; use a name that ends in .urdf or .toml, or give the format by --format \
                  (Robot::read)",
             ),
+            Self::IsXacro => {
+                write!(f, "this is xacro, not URDF; expand it first: {EXPAND}")
+            }
+            Self::Unexpanded { error, element, line } => write!(
+                f,
+                "the file holds xacro elements (the first is '{}' in line {line}), which are not read; expand it first: \
+                 {EXPAND}; as it is: {error}",
+                printable(element)
+            ),
             Self::ReaderMissing { feature } => write!(
                 f,
                 "this program was built without the reader of this format; build `costate` with the feature `{feature}`"
@@ -214,6 +223,9 @@ impl fmt::Display for RobotError {
         }
     }
 }
+
+/// How a URDF is made of xacro.
+const EXPAND: &str = "xacro robot.xacro > robot.urdf (the program comes with ROS, or by pip install xacro)";
 
 /// Names to use instead of an unknown one.
 fn offer(nearest: &[String], otherwise: &str) -> String {

@@ -32,6 +32,17 @@ pub enum RobotError {
     },
     /// Neither .urdf nor .toml.
     UnknownFormat,
+    /// A file whose name says that it is xacro, from which a URDF is made first.
+    IsXacro,
+    /// Refused, maybe since the file holds xacro elements, which nobody has expanded.
+    Unexpanded {
+        /// What is wrong with the text as it is.
+        error: Box<RobotError>,
+        /// The name of the first xacro element.
+        element: String,
+        /// Its line, from 1.
+        line: usize,
+    },
     /// The library was built without the reader of this format.
     ReaderMissing {
         /// The cargo feature that contains it: `"urdf"` or `"toml"`.

@@ -3,15 +3,17 @@
 //! The root link is the base: it does not move, nor does anything fixed to it. Links behind fixed joints are
 //! merged into the body that carries them. `continuous` is revolute without position limits; `floating` and
 //! `planar` joints become several joints with massless links between them. Joints keep the order of the file,
-//! except that parents come before their children. Collision models, transmissions and extensions of
-//! simulators are not read; visual models are, by [`visuals`], and belong to no robot. A joint with `<mimic>`
-//! follows another one ([`Mimic`](super::Mimic)); one that mimics a fixed joint is fixed at its offset.
-//! Elements and attributes that URDF does not know are ignored with a warning that names the line.
+//! except that parents come before their children. Transmissions and extensions of simulators are not read;
+//! visual and collision models are, by [`visuals`] and [`collisions`], and belong to no robot. A joint with
+//! `<mimic>` follows another one ([`Mimic`](super::Mimic)); one that mimics a fixed joint is fixed at its
+//! offset. Elements and attributes that URDF does not know are ignored with a warning that names the line.
 //!
 //! A text may have 16 MiB and 500 000 elements and texts between them, an element 256 attributes. A document
 //! type (`<!DOCTYPE`) is refused.
 
+mod collision;
 mod element;
+mod geometry;
 mod limits;
 mod mimics;
 mod parts;
@@ -22,7 +24,9 @@ mod visual;
 mod vocabulary;
 mod xml;
 
-pub use self::visual::{Geometry, Visual, visuals};
+pub use self::collision::{CollisionModel, collisions};
+pub use self::geometry::Geometry;
+pub use self::visual::{Visual, visuals};
 
 use self::parts::{JointType, Source, SourceJoint};
 use self::tree::{Attachment, Attachments};
@@ -52,7 +56,9 @@ use std::collections::HashMap;
 /// [`RobotError::InFile`] with the line of the culprit and an empty path; the error itself where no line is
 /// known.
 pub fn parse(text: &str, options: LoadOptions) -> Result<Robot, RobotError> {
-    built(source::read(text)?, options)
+    let mut source = source::read(text)?;
+    let xacro = source.xacro.take();
+    built(source, options).map_err(|error| error.unexpanded(xacro))
 }
 
 fn built(mut source: Source, options: LoadOptions) -> Result<Robot, RobotError> {

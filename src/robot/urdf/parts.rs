@@ -92,6 +92,8 @@ pub(super) struct Source {
     pub(super) joints: Vec<SourceJoint>,
     /// What is unusual about the file.
     pub(super) warnings: Vec<Warning>,
+    /// The name and the line of the first xacro element, which nobody has expanded.
+    pub(super) xacro: Option<(String, usize)>,
 }
 
 impl Source {

@@ -25,21 +25,29 @@ pub(super) fn read(text: &str) -> Result<Source, RobotError> {
         let message = format!("the outermost element is <{tag}>; a URDF begins with <robot>");
         return Err(RobotError::malformed(message).at(lines.line(root)));
     }
-    let mut reader = Reader::new(root, &lines);
-    reader.unknown.check(root, "<robot>", &lines);
+    let is_xacro = |node: &Node<'_, '_>| {
+        let namespace = node.tag_name().namespace();
+        namespace != root.tag_name().namespace() && namespace.is_some_and(|uri| uri.contains("xacro"))
+    };
+    let xacro = root.descendants().find(is_xacro);
+    let xacro = xacro.map(|node| (node.tag_name().name().to_owned(), lines.line(node)));
+    elements(root, &lines, xacro.clone()).map_err(|error| error.unexpanded(xacro))
+}
+
+/// Reads the elements of a robot.
+fn elements(root: Node<'_, '_>, lines: &Lines, xacro: Option<(String, usize)>) -> Result<Source, RobotError> {
+    let mut reader = Reader::new(root, lines);
+    reader.unknown.check(root, "<robot>", lines);
     for node in root.children().filter(Node::is_element) {
         let same_namespace = node.tag_name().namespace() == root.tag_name().namespace();
         match node.tag_name().name() {
             "link" if same_namespace => reader.link(node)?,
             "joint" if same_namespace => reader.joint(node)?,
-            "material" if same_namespace => reader.unknown.check(node, "<material>", &lines),
-            name if node.tag_name().namespace().is_some_and(|uri| uri.contains("xacro")) => {
-                reader.unexpanded(name, lines.line(node));
-            }
+            "material" if same_namespace => reader.unknown.check(node, "<material>", lines),
             _ => {}
         }
     }
-    Ok(reader.finish(root))
+    Ok(reader.finish(root, xacro))
 }
 
 /// What has been read so far.
@@ -52,7 +60,6 @@ struct Reader<'a> {
     limits: LimitReader,
     unknown: Unknown,
     notes: Vec<Warning>,
-    is_xacro: bool,
 }
 
 impl<'a> Reader<'a> {
@@ -66,11 +73,17 @@ impl<'a> Reader<'a> {
             limits: LimitReader::new(version),
             unknown: Unknown::default(),
             notes: Vec::new(),
-            is_xacro: false,
         }
     }
 
-    fn finish(self, root: Node<'_, '_>) -> Source {
+    fn finish(mut self, root: Node<'_, '_>, xacro: Option<(String, usize)>) -> Source {
+        if let Some((element, line)) = &xacro {
+            self.note(format!(
+                "the file holds xacro elements (the first is '{}' in line {line}), which were ignored; \
+                 expand it first (xacro robot.xacro > robot.urdf)",
+                printable(element)
+            ));
+        }
         let name = root.attribute("name").filter(|name| !name.trim().is_empty()).unwrap_or("robot");
         let warnings = self.unknown.warnings().chain(self.notes).chain(self.limits.warnings());
         Source {
@@ -79,21 +92,12 @@ impl<'a> Reader<'a> {
             links: self.links,
             joints: self.joints,
             warnings: warnings.collect(),
+            xacro,
         }
     }
 
     fn note(&mut self, text: String) {
         self.notes.push(Warning::Note { text });
-    }
-
-    fn unexpanded(&mut self, name: &str, line: usize) {
-        if !std::mem::replace(&mut self.is_xacro, true) {
-            self.note(format!(
-                "the file holds xacro elements (the first is '{}' in line {line}), which were ignored; \
-                 expand it first (xacro robot.xacro > robot.urdf)",
-                printable(name)
-            ));
-        }
     }
 
     fn link(&mut self, node: Node<'a, 'a>) -> Result<(), RobotError> {

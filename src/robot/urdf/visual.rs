@@ -1,12 +1,13 @@
 //! Visual models of the links of a URDF: what a picture of the robot shows, no part of its dynamics.
 
 use super::element::Element;
+use super::geometry::{Geometry, children, placed, shape};
 use super::source;
 use super::xml::{self, Lines};
 use crate::robot::error::RobotError;
 use crate::robot::link::Placement;
 use crate::robot::printable::printable;
-use roxmltree::{Document, Node};
+use roxmltree::Document;
 use std::collections::HashMap;
 
 /// A `<visual>` of a link.
@@ -23,36 +24,6 @@ pub struct Visual {
     pub colour: Option<[f64; 4]>,
     /// Line of the file, from 1.
     pub line: usize,
-}
-
-/// The shape of a visual model, about the origin of its own axes.
-#[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
-pub enum Geometry {
-    /// A box with these sides along x, y and z (m).
-    Box {
-        /// Sides (m).
-        size: [f64; 3],
-    },
-    /// A cylinder along z.
-    Cylinder {
-        /// Radius (m).
-        radius: f64,
-        /// Length (m).
-        length: f64,
-    },
-    /// A sphere.
-    Sphere {
-        /// Radius (m).
-        radius: f64,
-    },
-    /// A mesh of a file.
-    Mesh {
-        /// Its name as the file gives it: a path, `file://...`, or `package://NAME/...`.
-        file: String,
-        /// Factors of its coordinates.
-        scale: [f64; 3],
-    },
 }
 
 /// The visual models of all links, in the order of the file.
@@ -97,15 +68,6 @@ pub fn visuals(text: &str) -> Result<Vec<Visual>, RobotError> {
     Ok(all)
 }
 
-fn children<'a>(node: Node<'a, 'a>, name: &'a str) -> impl Iterator<Item = Node<'a, 'a>> {
-    node.children().filter(move |child| child.is_element() && child.tag_name().name() == name)
-}
-
-fn placed(visual: &Element<'_>, has_quaternions: bool) -> Result<Placement, RobotError> {
-    let origin = visual.child("origin")?;
-    origin.map_or(Ok(Placement::identity()), |origin| source::placement(&origin, has_quaternions))
-}
-
 /// The colours of the materials that the robot defines by name.
 fn colours<'a>(
     document: &'a Document<'a>,
@@ -124,39 +86,6 @@ fn colours<'a>(
 fn colour(material: &Element<'_>) -> Result<Option<[f64; 4]>, RobotError> {
     let Some(colour) = material.child("color")? else { return Ok(None) };
     Ok(colour.numbers::<4>("rgba")?.map(|rgba| rgba.map(|part| part.clamp(0.0, 1.0))))
-}
-
-/// The first shape of a `<geometry>`; `None` if there is none that is known.
-fn shape(geometry: &Element<'_>) -> Result<Option<Geometry>, RobotError> {
-    let positive = |shape: &Element<'_>, name: &str| match shape.required_number(name)? {
-        x if x > 0.0 => Ok(x),
-        x => Err(shape.refuse(format_args!("has {name} = {x}; give a positive number"))),
-    };
-    if let Some(shape) = geometry.child("box")? {
-        let size = shape.numbers::<3>("size")?;
-        let size = size.ok_or_else(|| shape.refuse("has no size; add size=\"...\""))?;
-        return Ok(Some(Geometry::Box { size: size.map(f64::abs) }));
-    }
-    for name in ["cylinder", "capsule"] {
-        let Some(shape) = geometry.child(name)? else { continue };
-        let (radius, length) = (positive(&shape, "radius")?, positive(&shape, "length")?);
-        return Ok(Some(Geometry::Cylinder { radius, length }));
-    }
-    if let Some(shape) = geometry.child("sphere")? {
-        return Ok(Some(Geometry::Sphere { radius: positive(&shape, "radius")? }));
-    }
-    if let Some(shape) = geometry.child("mesh")? {
-        let file = shape.attribute("filename").unwrap_or_default().trim().to_owned();
-        if file.is_empty() {
-            return Err(shape.refuse("has no filename; add filename=\"...\""));
-        }
-        let scale = match shape.attribute("scale").map(|text| text.split_whitespace().count()) {
-            Some(1) => shape.number("scale")?.map(|scale| [scale; 3]),
-            _ => shape.numbers::<3>("scale")?,
-        };
-        return Ok(Some(Geometry::Mesh { file, scale: scale.unwrap_or([1.0; 3]) }));
-    }
-    Ok(None)
 }
 
 #[cfg(test)]

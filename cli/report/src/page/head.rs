@@ -1,5 +1,6 @@
 //! The beginning of the page: robot, task, how it ended, time, cost, limits, what stands out, warnings.
 
+use crate::between;
 use crate::figures::time_is_free;
 use crate::motion::Motion;
 use crate::numbers::short;
@@ -32,7 +33,8 @@ pub fn section(motion: &Motion<'_>) -> String {
     let remarks = sentences(&[text::explanation(problem, solution), text::skipped_starts(solution)]);
     let advice = sentences(&[
         text::saddle(solution),
-        text::exceeded_between(solution),
+        between::exceeded_between(solution),
+        between::cut_between(solution),
         text::needs_feedback(problem, solution),
     ]);
     let status = &solution.motion.status;

@@ -56,6 +56,7 @@ fn meaning(name: &str) -> &'static str {
         "shooting defect" => {
             "largest mismatch when pieces of the motion are integrated again, costates included"
         }
+        "guess" => "what the motion began as, and how many guesses were looked at",
         "Newton iterations" => "steps of Newton's method, over all meshes and starts",
         "mesh nodes" => "nodes of the last mesh",
         "mesh" => "the last one; nodes as solver.nodes counts them, inner points included",

@@ -84,6 +84,39 @@ fn plots_show_values_limits_and_follow_the_pointer() {
     assert_silent(&page);
 }
 
+/// The joints whose limits are drawn are named within the plot, and no name lies on another one.
+#[test]
+fn limits_have_names_that_can_be_read() {
+    let puma = Case::of("puma560_pick_and_place");
+    let Some(mut page) = browser("names") else { return };
+    for (case, least) in [(&puma, 6), (Case::phases(), 2)] {
+        for width in [1400, 390] {
+            page.show(&case.file, (width, 900), "dark");
+            let names = page.value(
+                "[...document.querySelectorAll('[data-plot=controls] .whose')].map((text) => { \
+                 const edge = text.ownerSVGElement.querySelector('clipPath rect').getBBox(), b = text.getBBox(); \
+                 return [b.x >= edge.x && b.y >= edge.y - 1 && b.y + b.height <= edge.y + edge.height + 1, \
+                 b.x, b.x + b.width, b.y, b.y + b.height]; })",
+            );
+            let names = names.as_array().unwrap();
+            assert!(names.len() >= least, "{names:?}");
+            let number = |name: &serde_json::Value, k: usize| name[k].as_f64().unwrap();
+            for (k, name) in names.iter().enumerate() {
+                assert_eq!(name[0], true, "{names:?}");
+                // Lines are a little higher than the letters on them.
+                let lies_on = |other: &serde_json::Value| {
+                    number(name, 1) < number(other, 2)
+                        && number(other, 1) < number(name, 2)
+                        && number(name, 3) + 2.0 < number(other, 4)
+                        && number(other, 3) + 2.0 < number(name, 4)
+                };
+                assert!(!names[..k].iter().any(lies_on), "{names:?}");
+            }
+        }
+    }
+    assert_silent(&page);
+}
+
 /// The table has the columns of `--sample-to`, and more; its rows are the motion.
 #[test]
 fn the_table_holds_the_motion() {

@@ -6,7 +6,7 @@ use serde_json::json;
 
 #[test]
 fn a_route_that_does_not_lead_to_the_coordinates_is_refused_before_any_line_is_read() {
-    let arguments = ["eval", "robots/two_link.toml", "--coordinates", "lagrangian", "--route", "tensors"];
+    let arguments = ["eval", "robots/two_link.toml", "--coordinates", "qv", "--route", "tensors"];
     let output = costate(&arguments, br#"{"q":[0.1,0.2],"v":[1.0,-0.5]}"#);
     assert_eq!((output.status.code(), stdout(&output).as_str()), (Some(2), ""));
     assert!(stderr(&output).contains("Hamiltonian coordinates only"), "{}", stderr(&output));

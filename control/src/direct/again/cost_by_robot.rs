@@ -12,6 +12,7 @@
 //! what a length does to bodies along links and to frames is then what the problem says.
 
 use super::resolve::Resolve;
+use super::row_differences::RowDifference;
 use super::sensitivity_error::SensitivityError;
 use crate::numerics::chain::dot;
 use crate::task::build::TaskRows;
@@ -21,8 +22,6 @@ use crate::task::references::References;
 use costate::EvalError;
 use costate::parameters::{Parameter, ParameterSet, Regressor};
 
-/// Displacement of links in differences (m, rad): the fourth power is below rounding.
-const STEP: f64 = 1e-3;
 /// Slopes of equations that are larger are not rounding.
 const STILL: f64 = 1e-9;
 
@@ -126,20 +125,24 @@ impl Resolve {
         j: usize,
         mut take: impl FnMut(TaskRows, f64) -> Result<bool, EvalError>,
     ) -> Result<(), SensitivityError> {
-        for (place, factor) in [(-2.0, 1.0), (-1.0, -8.0), (1.0, 8.0), (2.0, -1.0)] {
-            let step = STEP * place;
-            let displaced =
-                |cause: String| SensitivityError::Displaced { name: set.names()[j].clone(), step, cause };
-            let mut values = set.values().to_vec();
-            values[j] += step;
-            let mut problem = self.problem.clone();
-            problem.robot = set.robot_with(&values).map_err(|error| displaced(error.to_string()))?;
-            let rows = TaskRows::new(&problem).map_err(|error| displaced(error.to_string()))?;
-            if !take(rows, factor / (12.0 * STEP))? {
-                return Err(displaced("other bodies are near each other".into()));
-            }
-        }
-        Ok(())
+        let displaced = |step: f64, cause: String| SensitivityError::Displaced {
+            name: set.names()[j].clone(),
+            step,
+            cause,
+        };
+        let values = set.values();
+        RowDifference::by_displacement().take_rows(
+            self.problem.clone(),
+            |problem, step| {
+                let mut values = values.to_vec();
+                values[j] += step;
+                let robot = set.robot_with(&values);
+                problem.robot = robot.map_err(|error| displaced(step, error.to_string()))?;
+                Ok(())
+            },
+            displaced,
+            |_, rows, factor| take(rows, factor),
+        )
     }
 
     /// The rows along the motion with their weights; `None` if these are others than those of the problem.

@@ -21,6 +21,7 @@ pub(super) mod resolve_error;
 pub(super) mod resolved;
 mod rest_gains;
 mod row_column;
+mod row_differences;
 pub(super) mod sensitivity_error;
 mod settings;
 mod solve_again;

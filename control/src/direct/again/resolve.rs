@@ -6,6 +6,7 @@ use super::recovery::Recovery;
 use super::resolved::Shown;
 use super::start::Again;
 use crate::direct::interior::iterate::Interior;
+use crate::direct::solve::first::First;
 use crate::direct::solve::prepare::{Dynamics, interior, interior_on};
 use crate::options::{Method, SolverOptions};
 use crate::problem::error::ProblemError;
@@ -122,7 +123,13 @@ impl Resolve {
         options.check()?;
         let n = problem.robot.dof();
         let interior = match near {
-            Some((motion, nodes)) => interior_on(problem, &rows, &options, 0, Some(motion), &nodes),
+            Some((motion, nodes)) => interior_on(
+                problem,
+                &rows,
+                &options,
+                &First::new(problem, &rows, &options, 0, Some(motion)),
+                &nodes,
+            ),
             None => interior(problem, &rows, &options, 0, None),
         };
         let state = |state: BoundaryState| {

@@ -12,6 +12,7 @@ use super::motion_derivative::MotionParameter;
 use super::parameter_columns::Column;
 use super::resolve::Resolve;
 use super::resolve_error::ResolveError;
+use super::row_differences::RowDifference;
 use crate::direct::limits::power::Powers;
 use crate::direct::limits::side::{Limited, Side};
 use crate::direct::limits::tasks::Tasks;
@@ -20,20 +21,53 @@ use crate::direct::newton::point_terms::{Work, add_row};
 use crate::direct::points::values::Points;
 use crate::numerics::chain::dot;
 use crate::problem::{Kept, MotionLimits, Problem, Shape};
-use crate::task::build::TaskRows;
+use costate::matrix::add_scaled;
 
-/// Step of differences, in parts of the number.
-const STEP: f64 = 1e-4;
-/// Numbers count as at least this large (m, rad, m/s, m/s^2).
-const SMALLEST: f64 = 1e-2;
-/// Factors of the values at 0, 1 and 2 steps in the difference of second order at 0: no number becomes
-/// negative.
-const FACTORS: [f64; 3] = [-1.5, 2.0, -0.5];
+/// Derivatives of the rows along a motion, and of the bounds of limits, by a number.
+struct Slopes {
+    /// One for each limit at a point.
+    bounds: Vec<f64>,
+    g: Vec<f64>,
+    g_x: Vec<f64>,
+    h: Vec<f64>,
+    h_z: Vec<f64>,
+}
 
-/// The rows along a motion with one value of a number.
-struct WithNumber {
-    points: Points,
-    sides: Vec<Side>,
+impl Slopes {
+    fn new(points: &Points, limits: usize) -> Self {
+        let like = |values: &[f64]| vec![0.0; values.len()];
+        let (g, g_x) = (like(&points.g), like(&points.g_x));
+        Self { bounds: vec![0.0; limits], g, g_x, h: like(&points.h), h_z: like(&points.h_z) }
+    }
+
+    /// Adds a multiple of rows with another value of the number, and of their bounds.
+    fn add(&mut self, factor: f64, points: &Points, bounds: impl Iterator<Item = f64>) {
+        let lists = [
+            (&mut self.g, &points.g),
+            (&mut self.g_x, &points.g_x),
+            (&mut self.h, &points.h),
+            (&mut self.h_z, &points.h_z),
+        ];
+        for (sums, values) in lists {
+            add_scaled(sums, factor, values);
+        }
+        self.bounds.iter_mut().zip(bounds).for_each(|(sum, bound)| *sum += factor * bound);
+    }
+
+    /// What the value that a side limits at a point, and its gradient by (q, v) or z, change by; `None` for
+    /// what does not depend on such a number.
+    fn of_side(&self, side: &Side, points: &Points, p: usize) -> Option<(f64, &[f64])> {
+        let n = points.dof;
+        let (values, gradients, row, width) = match side.limited {
+            Limited::Torque => return Some((0.0, &[])),
+            Limited::Task => (&self.g, &self.g_x, points.rows * p + side.joint, 2 * n),
+            Limited::TorqueSpeed | Limited::ToolAcceleration => {
+                (&self.h, &self.h_z, points.powers * p + side.joint, 3 * n)
+            }
+            _ => return None,
+        };
+        Some((values[row], &gradients[width * row..][..width]))
+    }
 }
 
 impl Resolve {
@@ -62,88 +96,77 @@ impl Resolve {
         number: &MotionParameter,
         column: &mut Column,
     ) -> Result<(), ResolveError> {
-        let mut changed = self.problem.clone();
-        let value = number_in(&mut changed, number).copied().filter(|value| value.is_finite());
-        let value = value.ok_or(no_number(number))?;
-        let step = STEP * value.max(SMALLEST);
-        let mut with = |steps: f64| -> Result<WithNumber, ResolveError> {
-            if let Some(to) = number_in(&mut changed, number) {
-                *to = value + steps * step;
-            }
-            let rows = TaskRows::new(&changed).map_err(|_| no_number(number))?;
-            let powers = Powers::new(&changed);
-            let mut tasks = Tasks::new(&rows, self.dof(), powers.rows());
-            let mut points = self.interior.points.clone();
-            if tasks.rows() != self.interior.model.rows() {
-                return Err(no_number(number));
-            }
-            powers.contract(&mut points);
-            tasks.contract(&self.interior.spline, &mut points)?;
-            Ok(WithNumber { points, sides: powers.sides().iter().copied().chain(tasks.sides()).collect() })
-        };
-        let all = [with(0.0)?, with(1.0)?, with(2.0)?];
-        let own = |at: usize, side: &Side| {
-            all[at].sides.iter().find(|other| {
-                (other.limited, other.joint, other.sign) == (side.limited, side.joint, side.sign)
-            })
-        };
-        let bounds: Vec<f64> = self
-            .interior
-            .barrier
-            .sides()
-            .iter()
-            .map(|side| match (number, side.limited) {
-                (MotionParameter::TorqueMax(joint), Limited::Torque) if side.joint == *joint => -side.sign,
-                (_, Limited::Task | Limited::ToolAcceleration | Limited::TorqueSpeed) => {
-                    let bound = |at: usize| own(at, side).map_or(0.0, |other| other.bound);
-                    (0..3).map(|at| FACTORS[at] * bound(at)).sum::<f64>() / step
-                }
-                _ => 0.0,
-            })
-            .collect();
-        let slope = |of: &dyn Fn(&Points) -> f64| -> f64 {
-            all.iter().zip(FACTORS).map(|(with, factor)| factor * of(&with.points)).sum::<f64>() / step
-        };
+        let slopes = self.row_slopes(number)?;
         let (spline, points, barrier) =
             (&self.interior.spline, &self.interior.points, &self.interior.barrier);
-        let n = spline.dof;
         column.reset(spline.unknowns.len(), spline.times.len());
-        let mut work = Work::new(n, [0; 2]);
+        let mut work = Work::new(spline.dof, [0; 2]);
         for p in 0..points.count() {
             let (k, j) = spline.mesh.interval_of(p);
             work.z[0].fill(0.0);
-            for ((at, side), bound) in barrier.at_point(p).zip(barrier.sides()).zip(&bounds) {
+            for ((at, side), bound) in barrier.at_point(p).zip(barrier.sides()).zip(&slopes.bounds) {
                 if !barrier.is_on(at) || side.is_equation {
                     continue;
                 }
-                let row = side.joint;
-                let (value, width) = match side.limited {
-                    Limited::Torque => (0.0, 0),
-                    Limited::Task => (slope(&|points| points.g(p)[row]), 2 * n),
-                    Limited::TorqueSpeed | Limited::ToolAcceleration => {
-                        (slope(&|points| points.h(p)[row]), 3 * n)
-                    }
-                    _ => continue,
-                };
+                let Some((value, gradient)) = slopes.of_side(side, points, p) else { continue };
                 let by = side.sign * (value - bound);
                 column.cost -= barrier.multiplier[at] * by;
                 let factor = -side.sign * barrier.curvature(at) * by;
                 add_row(points, p, side, factor, &mut work.z[0]);
-                for i in 0..width {
-                    let entry = width * row + i;
-                    let by_number = match side.limited {
-                        Limited::Task => slope(&|points| points.g_x(p)[entry]),
-                        _ => slope(&|points| points.h_z(p)[entry]),
-                    };
-                    work.z[0][i] += side.sign * barrier.multiplier[at] * by_number;
-                }
+                add_scaled(&mut work.z[0], side.sign * barrier.multiplier[at], gradient);
             }
             let factors = spline.basis(k, j).in_time(1.0 / spline.clock(k));
             work.differentiate_in_time(points.z(p), spline, k, &factors);
             add_gradient(spline, k, &factors, &work.z[0], &mut column.unknowns);
-            column.times[spline.mesh.phase(k)] += dot(&work.z[0][..3 * n], &work.z_t);
+            column.times[spline.mesh.phase(k)] += dot(&work.z[0][..3 * spline.dof], &work.z_t);
         }
         Ok(())
+    }
+
+    /// The derivatives of rows and bounds by a number.
+    fn row_slopes(&self, number: &MotionParameter) -> Result<Slopes, ResolveError> {
+        let mut problem = self.problem.clone();
+        if let MotionParameter::TorqueMax(_) = number {
+            list_torques(&mut problem);
+        }
+        let (interior, barrier) = (&self.interior, &self.interior.barrier);
+        let value = number_in(&mut problem, number).copied().filter(|value| value.is_finite());
+        let value = value.ok_or(no_number(number))?;
+        let mut points = interior.points.clone();
+        let mut slopes = Slopes::new(&points, barrier.sides().len());
+        RowDifference::above(value).take_rows(
+            problem,
+            |problem, by| {
+                *number_in(problem, number).ok_or(no_number(number))? = value + by;
+                Ok(())
+            },
+            |_, _| no_number(number),
+            |problem, rows, factor| {
+                let powers = Powers::new(problem);
+                let mut tasks = Tasks::new(&rows, self.dof(), powers.rows());
+                if tasks.rows() != interior.model.rows() {
+                    return Ok(false);
+                }
+                powers.contract(&mut points);
+                tasks.contract(&interior.spline, &mut points)?;
+                let sides: Vec<Side> = powers.sides().iter().copied().chain(tasks.sides()).collect();
+                let key = |side: &Side| (side.limited, side.joint, side.sign);
+                let bound = |side: &Side| {
+                    let own = sides.iter().find(|other| key(other) == key(side));
+                    own.map_or(0.0, |own| own.bound)
+                };
+                slopes.add(factor, &points, barrier.sides().iter().map(bound));
+                Ok(true)
+            },
+        )?;
+        if let MotionParameter::TorqueMax(joint) = number {
+            for (slope, side) in slopes.bounds.iter_mut().zip(barrier.sides()) {
+                if side.limited == Limited::Torque && side.joint == *joint {
+                    *slope = -side.sign;
+                }
+            }
+        }
+        Ok(slopes)
     }
 }
 
@@ -179,15 +202,17 @@ fn number_in<'a>(problem: &'a mut Problem, number: &MotionParameter) -> Option<&
         MotionParameter::CollisionMargin => problem.task.collision.as_mut().map(|bodies| &mut bodies.margin),
         MotionParameter::CornerSpeed(joint) => problem.limits.corner_speed.as_mut()?.get_mut(joint),
         MotionParameter::NoLoadSpeed(joint) => problem.limits.no_load_speed.as_mut()?.get_mut(joint),
-        MotionParameter::TorqueMax(joint) => {
-            // Those of the robot and of bounds too, as one list.
-            if problem.limits.from_robot != Some(false) || problem.bounds.is_some() {
-                let torques = problem.joint_limits().iter().map(|limits| limits.torque[1]).collect();
-                let MotionLimits { torque_max, from_robot, .. } = &mut problem.limits;
-                (*torque_max, *from_robot, problem.bounds) = (Some(torques), Some(false), None);
-            }
-            problem.limits.torque_max.as_mut()?.get_mut(joint)
-        }
+        MotionParameter::TorqueMax(joint) => problem.limits.torque_max.as_mut()?.get_mut(joint),
         _ => None,
+    }
+}
+
+/// Writes the largest torques of all joints into the problem as one list, those of the robot and of bounds
+/// too.
+fn list_torques(problem: &mut Problem) {
+    if problem.limits.from_robot != Some(false) || problem.bounds.is_some() {
+        let torques = problem.joint_limits().iter().map(|limits| limits.torque[1]).collect();
+        let MotionLimits { torque_max, from_robot, .. } = &mut problem.limits;
+        (*torque_max, *from_robot, problem.bounds) = (Some(torques), Some(false), None);
     }
 }

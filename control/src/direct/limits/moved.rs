@@ -4,14 +4,16 @@ use super::barrier::Barrier;
 use crate::direct::motion::shape::POINTS;
 
 impl Barrier {
-    /// Moves the limit of a side inside by `amount` at the points and nodes of an interval.
-    pub fn move_inside(&mut self, interval: usize, side: usize, amount: f64) {
+    /// Moves the limit of a side inside by `amount` at the points and nodes of an interval, and by `most` in
+    /// all.
+    pub fn move_inside(&mut self, interval: usize, side: usize, amount: f64, most: f64) {
         self.moved.resize(self.weight.len(), 0.0);
         let points = POINTS * interval..POINTS * (interval + 1);
         let nodes = if side < self.states { interval..interval + 2 } else { 0..0 };
         let entries = points.map(|p| self.at_point(p).start).chain(nodes.map(|k| self.at_node(k).start));
         for first in entries.collect::<Vec<_>>() {
-            self.moved[first + side] -= amount;
+            let moved = &mut self.moved[first + side];
+            *moved = (*moved - amount).max(-most);
         }
     }
 

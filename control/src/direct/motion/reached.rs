@@ -3,17 +3,19 @@
 use super::phase_times::with_guesses;
 use crate::problem::Problem;
 use crate::task::build::TaskRows;
-use crate::task::reach::{reach, reach_near};
+use crate::task::reach::{others, reach, reach_near};
 use std::borrow::Cow;
 
 /// The problem with positions at the ends of its phases at which tools are where they shall be.
 ///
 /// Each is near the place before it, unless the problem gives a guess of its own: an arm has several
-/// positions for a pose, whole turns of its joints aside. Starts after the first one look for other ones.
+/// positions for a pose, whole turns of its joints aside. Starts after the first one look for other ones. At
+/// the end with the number of a `chosen` position that one is taken.
 pub(crate) fn with_tools_reached<'a>(
     problem: &'a Problem,
     rows: &TaskRows,
     number: usize,
+    chosen: Option<(usize, &[f64])>,
 ) -> Cow<'a, Problem> {
     let mut found = Cow::Borrowed(problem);
     let limits: Vec<[f64; 2]> = problem.joint_limits().iter().map(|limits| limits.q).collect();
@@ -34,17 +36,37 @@ pub(crate) fn with_tools_reached<'a>(
         if !is_given {
             free.iter().for_each(|&i| q[i] = ends[end - 1].q[i]);
         }
-        let reached = match is_given {
-            true => reach(&mut rows.clone(), &q, free, &limits, number),
-            false => reach_near(&mut rows.clone(), &q, free, &limits, number),
+        let q = match chosen {
+            Some((number, position)) if number == end => position.to_vec(),
+            _ if is_given => reach(&mut rows.clone(), &q, free, &limits, number).q,
+            _ => reach_near(&mut rows.clone(), &q, free, &limits, number).q,
         };
         let q_free = free.clone();
         let problem = found.to_mut();
         match end {
-            0 => problem.start.q = reached.q,
-            _ if end == last => problem.end.q = reached.q,
-            _ => (problem.vias[end - 1].q, problem.vias[end - 1].q_free) = (Some(reached.q), q_free),
+            0 => problem.start.q = q,
+            _ if end == last => problem.end.q = q,
+            _ => (problem.vias[end - 1].q, problem.vias[end - 1].q_free) = (Some(q), q_free),
         }
+    }
+    found
+}
+
+/// Other positions of the joints for the places of tools, each with the number of its end; `reached` has
+/// those that are known.
+pub(crate) fn other_positions(reached: &Problem, rows: &TaskRows) -> Vec<(usize, Vec<f64>)> {
+    let limits: Vec<[f64; 2]> = reached.joint_limits().iter().map(|limits| limits.q).collect();
+    let ends = with_guesses(reached);
+    let mut found = Vec::new();
+    for (end, rows) in rows.at_ends().enumerate() {
+        let free = &ends[end].q_free;
+        if rows.is_empty() || free.is_empty() {
+            continue;
+        }
+        // The place before it; that after the start.
+        let near = &ends[if end == 0 { 1 } else { end - 1 }].q;
+        let others = others(&mut rows.clone(), near, &ends[end].q, free, &limits);
+        found.extend(others.into_iter().map(|q| (end, q)));
     }
     found
 }

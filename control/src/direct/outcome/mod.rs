@@ -8,6 +8,7 @@ mod costates;
 pub(super) mod found;
 pub(super) mod hamiltonians;
 pub(super) mod infeasible;
+mod integrate;
 pub(super) mod interval_part;
 pub(super) mod report;
 pub(super) mod smooth_costates;

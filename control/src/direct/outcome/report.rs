@@ -60,9 +60,8 @@ fn usage<D>(
             let (place, distance) = least(side, sides.len(), i, k, distances);
             usage.between = usage.between.max(excess(interior, side, None, distance));
             let part = side.violation(distance);
-            // Torques are cut to their limits, and equations that may jump cannot be kept around a jump.
-            let counts =
-                limited != Limited::Torque && !(side.is_equation && side.limited.jumps(spline.mesh.shape));
+            // Equations that may jump cannot be kept around a jump.
+            let counts = !(side.is_equation && side.limited.jumps(spline.mesh.shape));
             if part > worst_between && counts {
                 worst_between = part;
                 spline.in_interval(k, place, &mut z);

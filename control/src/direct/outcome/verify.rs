@@ -1,17 +1,16 @@
 //! The motion integrated again with its torques.
 
-use super::closed_verify;
+use super::closed_verify::{self, ClosedTree};
+use super::integrate::{Driven, OpenTree, integrate};
 use crate::bvp::collocation::error::defined;
 use crate::constants::direct as constants;
 use crate::direct::interior::iterate::Interior;
-use crate::direct::motion::spline::Spline;
 use crate::direct::refine::resolution::Resolution;
-use crate::numerics::dormand_prince::{DormandPrince, Stopped};
+use crate::numerics::dormand_prince::Stopped;
 use crate::options::{SolverOptions, Verify};
 use crate::problem::Problem;
 use crate::problem::loop_rows::Loops;
 use crate::result::verify::verification_bound;
-use costate::lagrangian::Lagrangian;
 use std::sync::Arc;
 
 /// A motion integrated again.
@@ -81,7 +80,12 @@ pub(crate) fn integrate_again<D>(
     let mut last = vec![0.0; 3 * spline.dof];
     spline.in_interval(spline.mesh.intervals() - 1, 1.0, &mut last);
     let stopped = || Again { is_complete: false, ..Again::unknown(false) };
-    let state = match integrate(problem, spline, f64::INFINITY, stops, |_, _| ()) {
+    let limits = problem.joint_limits();
+    let mut driven: Box<dyn Driven> = match &problem.loops {
+        Some(loops) => Box::new(ClosedTree::new(loops)),
+        None => Box::new(OpenTree::new(&problem.robots())),
+    };
+    let state = match integrate(&mut *driven, &limits, spline, f64::INFINITY, stops, &mut |_, _| ()) {
         Err(Stopped::Interrupted) => return stopped(),
         state => state.ok(),
     };
@@ -89,7 +93,8 @@ pub(crate) fn integrate_again<D>(
     if !again.leads {
         let mut parts = 0.0_f64;
         let each = spline.duration() / constants::PARTS;
-        let ended = integrate(problem, spline, each, stops, |x, z| parts += distance(x, z));
+        let mut add = |x: &[f64], z: &[f64]| parts += distance(x, z);
+        let ended = integrate(&mut *driven, &limits, spline, each, stops, &mut add);
         if ended == Err(Stopped::Interrupted) {
             return stopped();
         }
@@ -117,53 +122,4 @@ fn sizes<D>(interior: &Interior<D>, joints: usize) -> Vec<f64> {
     let of_all = |group: usize| (group * n..group * n + joints).map(largest).fold(0.0, f64::max);
     let least = [0, 1].map(|group| (constants::LEAST_SCALE * of_all(group)).max(constants::REST));
     (0..2 * n).map(|i| largest(i).max(least[i / n])).collect()
-}
-
-/// The state (q, v) at the end when the torques of a motion, cut to their limits, move the robot from its
-/// start, and from its own state at the first node after each `part` (s) again; `at_part` sees the state that
-/// was reached there and that of the motion.
-fn integrate(
-    problem: &Problem,
-    spline: &Spline,
-    part: f64,
-    stops: &mut dyn FnMut() -> bool,
-    mut at_part: impl FnMut(&[f64], &[f64]),
-) -> Result<Vec<f64>, Stopped> {
-    if let Some(loops) = &problem.loops {
-        return closed_verify::integrate((problem, loops), spline, part, stops, at_part);
-    }
-    let n = spline.dof;
-    let limits = problem.joint_limits();
-    let robots = problem.robots();
-    let models = robots.iter().map(|robot| [0, 1].map(|_| Lagrangian::<f64>::new(robot)));
-    let mut models: Vec<_> = models.collect();
-    let mut z = vec![0.0; 3 * n];
-    spline.in_interval(0, 0.0, &mut z);
-    let mut x = z[..2 * n].to_vec();
-    let mut tau = vec![0.0; n];
-    let mut integrator = DormandPrince::new(2 * n, constants::INTEGRATION);
-    let mut since = 0.0;
-    for k in 0..spline.mesh.intervals() {
-        let (length, [inverse, forward]) = (spline.length(k), &mut models[spline.mesh.phase(k)]);
-        integrator.integrate_until(&mut x, 0.0..length, |t, x, rate| -> Result<(), Stopped> {
-            if stops() {
-                return Err(Stopped::Interrupted);
-            }
-            spline.in_interval(k, t / length, &mut z);
-            tau.copy_from_slice(inverse.inverse_dynamics(&z[..n], &z[n..2 * n], &z[2 * n..])?);
-            for (tau, limit) in tau.iter_mut().zip(&limits) {
-                *tau = tau.clamp(limit.torque[0], limit.torque[1]);
-            }
-            rate.copy_from_slice(forward.evaluate(&x[..n], &x[n..], &tau)?);
-            Ok(())
-        })?;
-        since += length;
-        if since >= part && k + 1 < spline.mesh.intervals() {
-            spline.in_interval(k, 1.0, &mut z);
-            at_part(&x, &z[..2 * n]);
-            x.copy_from_slice(&z[..2 * n]);
-            since = 0.0;
-        }
-    }
-    Ok(x)
 }

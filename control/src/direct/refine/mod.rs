@@ -9,6 +9,7 @@ mod division;
 mod excess;
 pub(super) mod jumps;
 pub(super) mod move_inside;
+pub(super) mod overshoots;
 pub(super) mod peak;
 pub(super) mod rates_between;
 pub(super) mod resolution;

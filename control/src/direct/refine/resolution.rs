@@ -3,6 +3,7 @@
 use super::between::{BETWEEN, evaluate_places, weight};
 use super::excess::Excess;
 use super::jumps::Jumps;
+use super::overshoots::Overshoots;
 use super::rates_between::RatesBetween;
 use crate::constants::direct as constants;
 use crate::direct::interior::iterate::Interior;
@@ -23,11 +24,8 @@ pub(crate) struct Resolution {
     /// Largest violation of a limit inside of each interval, in parts of its range; of those whose values do
     /// not jump at nodes.
     pub violations: Vec<f64>,
-    /// The same of those whose values may jump there. Where jumps are as close to each other as nodes may be,
-    /// those of accelerations and torques are not resolved: 0 there.
-    pub overshoots: Vec<f64>,
-    /// What it costs in each interval to move these inside as far as they are exceeded.
-    pub losses: Vec<f64>,
+    /// Violations of those whose values may jump there.
+    pub overshoots: Overshoots,
     /// Time integral of what limits cut off torques in each interval, in parts of their ranges (s).
     pub cut: Vec<f64>,
     /// The cost of the motion, by a finer rule than that of its points.
@@ -64,16 +62,6 @@ impl Resolution {
         self.violations.iter().fold(0.0, |most, &violation| most.max(violation))
     }
 
-    /// What it costs to keep limits between points whose values may jump at nodes.
-    pub fn loss(&self) -> f64 {
-        self.losses.iter().sum()
-    }
-
-    /// Largest violation between points of these.
-    pub fn overshoot(&self) -> f64 {
-        self.overshoots.iter().fold(0.0, |most, &violation| most.max(violation))
-    }
-
     /// Distances to all limits between the points, all sides of one place after the other.
     pub fn distances(&self) -> &[f64] {
         &self.distance
@@ -97,17 +85,16 @@ impl Resolution {
         self.errors.resize(intervals, 0.0);
         self.cut.clear();
         self.cut.resize(intervals, 0.0);
-        for violations in [&mut self.violations, &mut self.overshoots, &mut self.losses] {
-            violations.clear();
-            violations.resize(intervals, 0.0);
-        }
+        self.violations.clear();
+        self.violations.resize(intervals, 0.0);
+        self.overshoots.clear(intervals);
         self.evaluate_between(interior)?;
+        if interior.spline.mesh.shape.is_smooth() {
+            self.overshoots.others.most.copy_from_slice(&self.rates.violations);
+        }
         self.estimate(interior);
         self.compare_costs(interior);
         self.look_between(interior);
-        if interior.spline.mesh.shape.is_smooth() {
-            self.overshoots.copy_from_slice(&self.rates.violations);
-        }
         for (k, most) in self.violations.iter_mut().enumerate() {
             *most = most.max(interior.model.tasks.sweep(&interior.spline, k)?);
         }
@@ -224,7 +211,10 @@ impl Resolution {
                 match (side.limited.jumps(shape), side.is_equation) {
                     (false, _) => self.violations[k] = self.violations[k].max(over),
                     (true, false) if interior.spline.mesh.width(k) < 2.0 * self.narrowest => {}
-                    (true, false) => self.overshoots[k] = self.overshoots[k].max(over),
+                    (true, false) => {
+                        let most = &mut self.overshoots.of_mut(side).most[k];
+                        *most = most.max(over);
+                    }
                     (true, true) => {}
                 }
             }
@@ -257,17 +247,17 @@ impl Resolution {
                 }
                 let smooth = side.limited.jumps(shape) || side.is_equation;
                 *error += interior.spline.mesh.width(k) * if smooth { signed.abs() } else { unsigned };
-                if side.limited.jumps(shape) && !side.is_equation && self.overshoots[k] > 0.0 {
-                    let over = constants::MOVED * self.excess.of(k, i) * side.range;
-                    self.losses[k] += interior.spline.mesh.width(k) * densities * over;
+                if side.limited.jumps(shape) && !side.is_equation {
+                    let price = interior.spline.mesh.width(k) * densities * side.range;
+                    self.overshoots.add_loss(k, side, self.excess.of(k, i), price);
                 }
             }
             for i in 0..interior.barrier.rate_sides().len() {
                 let densities = [0, 1, 2].map(|j| multipliers.at_gauss_point(POINTS * k + j, i));
                 let mean: f64 = WEIGHTS.iter().zip(densities).map(|(weight, d)| weight * d).sum();
-                let over = (constants::MOVED * self.rates.of(k, i)).min(constants::MOST_OF_RATES);
-                let over = over * interior.barrier.rate_sides()[i].range;
-                self.losses[k] += interior.spline.mesh.width(k) * mean * over;
+                let side = &interior.barrier.rate_sides()[i];
+                let price = interior.spline.mesh.width(k) * mean * side.range;
+                self.overshoots.add_loss(k, side, self.rates.of(k, i), price);
                 let signed = BETWEEN.iter().enumerate().map(|(at, &x)| {
                     let density: f64 =
                         values(&PLACES, x).iter().zip(densities).map(|(part, d)| part * d).sum();

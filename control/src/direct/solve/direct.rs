@@ -1,30 +1,34 @@
 //! From a problem to a motion: starts, meshes, verification.
 
-use super::around::around_obstacles;
-use super::meshes::{Refined, Start, refine};
-use super::prepare::{Dynamics, interior};
+use super::first::First;
+use super::looks::{Found, Looked, Looks};
+use super::meshes::{Start, refine};
+use super::prepare::{Dynamics, interior_of};
+use super::refined::Refined;
 use super::saddle::leave_saddles;
 use super::with_effort::{Smoothing, WithEffort, with_effort};
 use crate::constants::direct as constants;
 use crate::direct::interior::inertia::Inertia;
 use crate::direct::interior::iterate::Interior;
 use crate::direct::interior::looseness::Looseness;
-use crate::direct::outcome::found::{Found, found};
+use crate::direct::outcome::found::{self, found};
 use crate::direct::outcome::report::report;
 use crate::direct::outcome::verify::{Again, integrate_again};
 use crate::direct::refine::at_ends::AtEnds;
 use crate::direct::refine::resolution::Resolution;
 use crate::options::{SolverOptions, Verify};
-use crate::parallel::best_of_starts;
+use crate::parallel::{best_of_starts, compare};
 use crate::problem::check::CheckedProblem;
 use crate::result::motion::{Certificate, Motion};
 use crate::result::solution::{RobotNames, Solution};
 use crate::result::stage_times::{Clock, Stage};
+use crate::result::start::StartResult;
 use crate::result::trajectory::Trajectory;
 use crate::solve::Recorder;
 use crate::status::Status;
 use crate::task::build::TaskRows;
 use costate::EvalError;
+use std::cmp::Ordering;
 
 /// A problem that the direct method solves from one or several guesses.
 pub(crate) struct Direct<'a> {
@@ -49,26 +53,48 @@ impl Direct<'_> {
         best_of_starts(self.options, recorder, solve).unwrap_or_else(|| missing(Status::Cancelled))
     }
 
-    /// One start.
+    /// One start: from the best guess that it looks at, or from the second best one where that fails.
     pub fn start(&self, number: usize, recorder: &mut Recorder<'_>) -> Result<Solution, EvalError> {
         let problem = self.problem.problem();
         let saved = self.saved.filter(|_| number == 0);
         let clock = Clock::new(recorder.takes_times);
-        let mut interior = interior(problem, self.rows, self.options, number, saved);
-        (interior.clock, interior.looseness) = (clock, self.looseness);
-        let (mut steps, mut start) = (0, if self.saved.is_some() { Start::Saved } else { Start::Guess });
-        if number == 0 && saved.is_none() && problem.task.collision.is_some() {
-            let (is_solved, made) =
-                around_obstacles(problem, self.rows, self.options, &mut interior, recorder)?;
-            (steps, start) = (made, if is_solved { Start::Solved } else { start });
+        let first = First::new(problem, self.rows, self.options, number, saved);
+        let Self { rows, options, looseness, .. } = *self;
+        let Found { best, next, looks, steps } = match saved {
+            None if number == 0 => {
+                Looks { problem, rows, options, looseness }.best(&first, clock, recorder)?
+            }
+            _ => {
+                let mut interior = interior_of(problem, rows, options, &first);
+                (interior.clock, interior.looseness) = (clock, looseness);
+                let start = if self.saved.is_some() { Start::Saved } else { Start::Guess };
+                Found::alone(first.kind, interior, start)
+            }
+        };
+        let mut guess = best.kind;
+        let mut solution = self.carry_on(best, recorder)?;
+        if let Some(next) = next.filter(|_| fails(&solution)) {
+            let kind = next.kind;
+            let other = self.carry_on(next, recorder)?;
+            if better_of(&mut solution, other) {
+                guess = kind;
+            }
         }
+        solution.newton_iterations += steps;
+        solution.starts = vec![StartResult::of(&solution.motion, guess, looks)];
+        Ok(solution)
+    }
+
+    /// From a guess, or from what a look has made of it, to a solution.
+    fn carry_on(&self, looked: Looked, recorder: &mut Recorder<'_>) -> Result<Solution, EvalError> {
+        let problem = self.problem.problem();
+        let Looked { mut interior, start, .. } = looked;
         let mut resolution = Resolution::default();
         let guess = interior.spline.clone();
         let eases = interior.needs_smoothing() && self.options.verify != Verify::None;
         let most = if eases { constants::NODES_OF_LEAST_TIME } else { usize::MAX };
         let few = self.options.clone().with_max_nodes(self.options.max_nodes.min(most));
         let mut refined = refine(problem, &few, start, &mut interior, &mut resolution, recorder)?;
-        interior.figures.iterations += steps;
         let is_hard = !(refined.status.is_converged() || refined.status.is_interruption())
             && refined.infeasible.is_none();
         if is_hard && eases {
@@ -103,7 +129,7 @@ impl Direct<'_> {
         let problem = self.problem.problem();
         interior.clock.lap(Stage::Meshes);
         let ends = AtEnds::of(interior)?;
-        let Found { trajectory, hamiltonians, stationarity } = found(problem, interior, &ends)?;
+        let found::Found { trajectory, hamiltonians, stationarity } = found(problem, interior, &ends)?;
         // What exceeds its limits leads nowhere.
         let exceeds = matches!(status, Status::LimitsNotKept | Status::Infeasible)
             || interior.figures.violation > constants::VIOLATION_ACCEPTED;
@@ -157,4 +183,28 @@ impl Direct<'_> {
             motion,
         })
     }
+}
+
+/// Whether another guess may lead to a better motion: nothing was found, and it is not proven that there is
+/// nothing.
+fn fails(solution: &Solution) -> bool {
+    let status = &solution.motion.status;
+    let is_proven = solution.limits.infeasible.as_ref().is_some_and(|found| found.is_global);
+    !status.is_solved() && !status.is_interruption() && *status != Status::NotVerified && !is_proven
+}
+
+/// Keeps the better one of two solutions, with the steps of both. Whether it is the other one.
+fn better_of(solution: &mut Solution, mut other: Solution) -> bool {
+    let is_better = compare(&other, solution) == Ordering::Less;
+    if is_better {
+        std::mem::swap(solution, &mut other);
+    }
+    solution.newton_iterations += other.newton_iterations;
+    let times = other.stage_times;
+    solution.stage_times = solution.stage_times.map(|own| own.and(&times.unwrap_or_default()));
+    let [own, others] = [&mut solution.motion.iterations, &mut other.motion.iterations];
+    let [first, second] = if is_better { [others, own] } else { [own, others] };
+    let all = first.drain(..).chain(second.drain(..)).collect();
+    solution.motion.iterations = all;
+    is_better
 }

@@ -15,8 +15,6 @@ impl<D: PointDynamics> Interior<D> {
     /// Far inside of all limits nothing but the barrier would bend the motion of least time, and the first
     /// steps would lead anywhere.
     pub fn choose_time(&mut self, at: impl Fn(f64) -> Spline) {
-        let smooth = if self.needs_smoothing() { self.smooth_effort() } else { self.running.effort.clone() };
-        let effort = std::mem::replace(&mut self.running.effort, smooth);
         let (first, mut best): (Spline, Option<(Figures, Spline)>) = (self.spline.clone(), None);
         for k in -constants::TIMES..=constants::TIMES {
             let spline = at(first.duration() * 2.0_f64.powf(f64::from(k) * constants::OCTAVES));
@@ -26,11 +24,19 @@ impl<D: PointDynamics> Interior<D> {
             }
         }
         self.spline = best.map_or(first, |(_, spline)| spline);
-        self.running.effort = effort;
     }
 
-    /// `None` where the motion cannot be evaluated.
-    fn figures_of(&mut self, spline: &Spline) -> Option<Figures> {
+    /// How good a guess is, whose spline is that of the iterate then; torques without a cost count with that
+    /// of the first motion. `None` where it cannot be evaluated.
+    pub(super) fn figures_of(&mut self, spline: &Spline) -> Option<Figures> {
+        let smooth = if self.needs_smoothing() { self.smooth_effort() } else { self.running.effort.clone() };
+        let effort = std::mem::replace(&mut self.running.effort, smooth);
+        let figures = self.evaluate_guess(spline);
+        self.running.effort = effort;
+        figures
+    }
+
+    fn evaluate_guess(&mut self, spline: &Spline) -> Option<Figures> {
         self.spline.copy_from(spline);
         self.prepare();
         self.evaluate().ok()?;

@@ -1,7 +1,8 @@
 //! One mesh after the other, until the motion is accurate.
 
-use super::mending::Mended;
+use super::mending::{Beyond, Mended};
 use super::prepare::Dynamics;
+use super::refined::Refined;
 use super::restore::{Patience, Restored, restore};
 use crate::constants::direct as constants;
 use crate::direct::interior::iterate::{End, Interior};
@@ -12,42 +13,11 @@ use crate::direct::refine::resolution::Resolution;
 use crate::options::{SolverOptions, Verify};
 use crate::problem::Problem;
 use crate::progress::{Iteration, Phase};
-use crate::result::infeasibility::Infeasibility;
 use crate::result::stage_times::Stage;
 use crate::solve::Recorder;
 use crate::solve::recorder::Interruption;
 use crate::status::Status;
 use costate::EvalError;
-
-/// How the refinement ended.
-pub(super) struct Refined {
-    pub status: Status,
-    /// Estimated error of the cost, relative to it.
-    pub error: f64,
-    /// The motion integrated again, if that was done on its last mesh.
-    pub again: Option<Again>,
-    /// Why there is no motion that keeps all limits.
-    pub infeasible: Option<Infeasibility>,
-}
-
-impl Refined {
-    /// Of a smoothed problem whose solution costs more than that of the problem by at most `bound`, relative
-    /// to it, its own tolerance included: the problem itself is solved if that is twice the tolerance at
-    /// most.
-    pub fn smoothed(self, bound: f64, options: &SolverOptions) -> Self {
-        let status = match self.status {
-            Status::Converged if bound > constants::SMOOTHED_ENOUGH => Status::MeshLimit,
-            Status::Converged if bound > 2.0 * options.tolerance => Status::ConvergedSmoothed,
-            status => status,
-        };
-        Self { status, ..self }
-    }
-
-    /// Without a motion that was solved.
-    fn without(status: Status) -> Self {
-        Self { status, error: f64::INFINITY, again: None, infeasible: None }
-    }
-}
 
 /// Where a refinement begins.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -126,8 +96,19 @@ pub(super) fn refine(
         if stuck || unresolved {
             end = recorder.interruption().map_or(End::NoProgress, End::Interrupted);
         }
-        let mut figures = interior.figures;
+        let rounded = end == End::NoProgress
+            && !(stuck || unresolved)
+            && precision <= least
+            && interior.is_solved_but_for_rounding(tolerance);
+        if rounded {
+            end = End::Solved;
+        }
         let is_over = matches!(end, End::NoProgress | End::IterationLimit);
+        if is_over && mended.comes_back(interior)? {
+            precision = least;
+            continue;
+        }
+        let mut figures = interior.figures;
         if is_over
             && figures.violation > constants::VIOLATION_ACCEPTED
             && restorations < constants::RESTORATIONS
@@ -148,16 +129,39 @@ pub(super) fn refine(
         }
         resolution.measure(interior)?;
         interior.clock.lap(Stage::Meshes);
-        let error = (resolution.error() + figures.gap) / figures.size;
+        let promised = if rounded { figures.promised } else { 0.0 };
+        let error = (resolution.error() + figures.gap + promised) / figures.size;
         let violated = figures.violation > constants::VIOLATION_ACCEPTED;
         let accurate = error <= tolerance && resolution.violation() <= constants::VIOLATION_BETWEEN;
         let can_move = !smooth || resolution.violation() <= constants::VIOLATION_BETWEEN;
-        let moves = end == End::Solved && !unresolved && can_move && {
-            let loss = resolution.loss() / figures.size;
+        let mut beyond = Beyond::new(resolution, figures.size, error);
+        if options.verify == Verify::None {
             // A motion that is not verified is one to begin with.
-            let overshoot = if options.verify == Verify::None { 0.0 } else { resolution.overshoot() };
-            mended.moves_limits([resolution.violation(), overshoot], [error, loss], tolerance)
+            beyond.overshoots = [0.0; 2];
+        }
+        let is_solved = end == End::Solved && !unresolved;
+        let moves = if is_solved && can_move { mended.moves_limits(&beyond, tolerance) } else { None };
+        let allowed = tolerance * figures.size;
+        let enough = interior.looseness.between(constants::ENOUGH) * allowed;
+        let stride = interior.spline.mesh.shape.stride();
+        let finer = match is_solved && accurate && moves.is_none() && mesh + 1 < constants::MESHES {
+            true => {
+                let most = (options.max_nodes - 1) / stride + 1;
+                mended.finer(&beyond, (resolution, &interior.spline), [allowed, enough], most)
+            }
+            false => None,
         };
+        if let Some(nodes) = finer {
+            interior.move_to(nodes)?;
+            interior.clock.lap(Stage::Meshes);
+            (guess, gap, mesh) = (interior.spline.clone(), constants::WARM, mesh + 1);
+            precision = least;
+            continue;
+        }
+        if moves.is_some_and(|inside| inside.whole) {
+            mended.keep(&interior.spline);
+        }
+        let moves = moves.filter(|inside| resolution.move_limits_inside(interior, *inside)).is_some();
         let mut again = None;
         let status = match end {
             End::Interrupted(interruption) => {
@@ -190,7 +194,7 @@ pub(super) fn refine(
         {
             break;
         }
-        if moves && resolution.move_limits_inside(interior) {
+        if moves {
             precision = least;
             interior.begin_inside();
             continue;
@@ -201,8 +205,6 @@ pub(super) fn refine(
         }
         mended.begin_mesh();
         precision = (constants::PRECISION * error).clamp(least, constants::FIRST_PRECISION.max(least));
-        let allowed = tolerance * figures.size;
-        let enough = interior.looseness.between(constants::ENOUGH) * allowed;
         let narrowest = resolution.narrowest;
         let nodes = match (violated, accurate) {
             (true, _) if !unresolved => interior.spline.mesh.halved(narrowest),
@@ -212,10 +214,13 @@ pub(super) fn refine(
         };
         let same = nodes == interior.spline.mesh.nodes;
         let nodes = if same { interior.spline.mesh.halved(narrowest) } else { nodes };
-        let stride = interior.spline.mesh.shape.stride();
         left = if unresolved { left + 1 } else { 0 };
         let is_last = mesh + 1 == constants::MESHES || left == constants::UNRESOLVED_MESHES;
         if stride * (nodes.len() - 1) + 1 > options.max_nodes || is_last {
+            if mended.comes_back(interior)? {
+                precision = least;
+                continue;
+            }
             if unresolved {
                 refined.error = come_back(interior, resolved, resolution)?;
             }

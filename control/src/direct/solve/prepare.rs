@@ -1,16 +1,15 @@
 //! A problem with a guess, ready to iterate.
 
+use super::first::First;
+use super::waiting::rest_between;
 use crate::constants::direct as constants;
-use crate::cubics::Disturbance;
 use crate::direct::interior::iterate::Interior;
 use crate::direct::limits::ends::Ends;
 use crate::direct::limits::model::Model;
 use crate::direct::limits::power::Powers;
 use crate::direct::limits::side::{Limited, Side};
 use crate::direct::limits::tasks::Tasks;
-use crate::direct::motion::guess::guess;
 use crate::direct::motion::mesh::Mesh;
-use crate::direct::motion::reached::with_tools_reached;
 use crate::direct::motion::shape::Shape;
 use crate::direct::points::phases::PhaseDynamics;
 use crate::direct::points::robot_points::AnyPoints;
@@ -18,6 +17,7 @@ use crate::direct::points::running::Running;
 use crate::options::SolverOptions;
 use crate::problem::limits::JointLimits;
 use crate::problem::{FinalTime, Problem};
+use crate::result::start::GuessKind;
 use crate::result::trajectory::Trajectory;
 use crate::task::build::TaskRows;
 use costate::robot::Robot;
@@ -33,6 +33,16 @@ pub(crate) fn interior(
     number: usize,
     saved: Option<&Trajectory>,
 ) -> Interior<Dynamics> {
+    interior_of(problem, rows, options, &First::new(problem, rows, options, number, saved))
+}
+
+/// The same from this guess.
+pub(crate) fn interior_of(
+    problem: &Problem,
+    rows: &TaskRows,
+    options: &SolverOptions,
+    first: &First<'_>,
+) -> Interior<Dynamics> {
     let (shape, phases) = (Shape::of(problem), problem.phases());
     let stride = shape.stride();
     // With continuous accelerations a fine mesh does not converge from multipliers that are not known.
@@ -41,11 +51,16 @@ pub(crate) fn interior(
             && nodes[nodes.len() - 1] == phases as f64
             && stride * (nodes.len() - 1) < options.max_nodes
     };
-    let nodes = saved.and_then(Trajectory::mesh_nodes).filter(fits).unwrap_or_else(|| {
+    let nodes = first.saved.and_then(Trajectory::mesh_nodes).filter(fits).unwrap_or_else(|| {
         let least = if phases > 1 { constants::INTERVALS_OF_PHASE } else { 1 };
         Mesh::even(phases, ((options.nodes - 1) / stride / phases).max(least))
     });
-    interior_on(problem, rows, options, number, saved, &nodes)
+    let mut interior = interior_on(problem, rows, options, first, &nodes);
+    if first.kind == GuessKind::Straight {
+        // States that cannot be evaluated are told when the iteration begins.
+        let _ = rest_between(problem, options, &mut interior);
+    }
+    interior
 }
 
 /// The same on these nodes.
@@ -53,16 +68,10 @@ pub(crate) fn interior_on(
     problem: &Problem,
     rows: &TaskRows,
     options: &SolverOptions,
-    number: usize,
-    saved: Option<&Trajectory>,
+    first: &First<'_>,
     nodes: &[f64],
 ) -> Interior<Dynamics> {
-    let reached = with_tools_reached(problem, rows, number);
-    let disturbance = Disturbance::draw(&reached, options.seed, number);
-    let smooth = Shape::of(problem).is_smooth();
-    let complete = saved.filter(|_| smooth).and_then(|saved| saved.completed(problem));
-    let saved = complete.as_ref().or(saved);
-    let spline = guess(&reached, saved, &disturbance, nodes.to_vec());
+    let spline = first.spline(nodes.to_vec(), None);
     let points = |robot: &Robot| AnyPoints::new(problem, robot, options);
     let dynamics = PhaseDynamics::new(&problem.robots(), points);
     let powers = Powers::new(problem);
@@ -74,11 +83,8 @@ pub(crate) fn interior_on(
     let can_choose = matches!(problem.time, FinalTime::Free { .. })
         && problem.vias.iter().all(|via| via.time.is_none())
         && problem.loops.is_none();
-    if saved.is_none() && can_choose {
-        interior.choose_time(|time| {
-            let problem = reached.clone().into_owned().with_time(FinalTime::Free { guess: time });
-            guess(&problem, None, &disturbance, nodes.to_vec())
-        });
+    if first.saved.is_none() && can_choose {
+        interior.choose_time(|time| first.spline(nodes.to_vec(), Some(time)));
     }
     interior
 }

@@ -1,7 +1,9 @@
 //! What is done where a motion turns out to be a saddle: the search goes on below it.
 
-use super::meshes::{Refined, Start, refine};
+use super::first::First;
+use super::meshes::{Start, refine};
 use super::prepare::{Dynamics, interior_on};
+use super::refined::Refined;
 use crate::constants::direct as constants;
 use crate::direct::interior::inertia::Inertia;
 use crate::direct::interior::iterate::Interior;
@@ -31,7 +33,13 @@ pub(super) fn leave_saddles(
             break;
         }
         let Some(spline) = interior.below_saddle() else { break };
-        let mut other = interior_on(problem, rows, options, 0, None, &spline.mesh.nodes);
+        let mut other = interior_on(
+            problem,
+            rows,
+            options,
+            &First::new(problem, rows, options, 0, None),
+            &spline.mesh.nodes,
+        );
         other.spline.copy_from(&spline);
         other.looseness = interior.looseness;
         other.figures.iterations = interior.figures.iterations;

@@ -9,8 +9,10 @@
 //! $$ c \, (T - T^\ast) \le w \, (E(T^\ast) - E) \le w \, \Bigl( T \sum_i \frac12 p_i \max \tau_i^2 - E
 //! \Bigr). $$
 
-use super::meshes::{Refined, Start, refine};
+use super::first::First;
+use super::meshes::{Start, refine};
 use super::prepare::{Dynamics, interior_on};
+use super::refined::Refined;
 use crate::constants::direct as constants;
 use crate::direct::interior::iterate::Interior;
 use crate::direct::interior::looseness::Looseness;
@@ -56,8 +58,9 @@ pub(super) fn with_effort(
         SolverOptions { tolerance: options.tolerance.max(constants::EFFORT_TOLERANCE), ..options.clone() };
     let mut weight = 1.0;
     let mut iterations = 0;
+    let first = First::new(problem, rows, options, 0, None);
     while weight >= constants::LEAST_EFFORT * eased.tolerance {
-        let mut interior = interior_on(problem, rows, options, 0, None, &spline.mesh.nodes);
+        let mut interior = interior_on(problem, rows, options, &first, &spline.mesh.nodes);
         interior.spline.copy_from(&spline);
         interior.looseness = looseness;
         let (own, prices) = (interior.running.effort.clone(), interior.smooth_effort());

@@ -25,7 +25,7 @@ use crate::problem::file::fault::Fault;
 use crate::problem::file::robot::Source;
 use crate::problem::key::Key;
 use crate::problem::{Payload, Problem};
-use costate::robot::{LoadOptions, Robot};
+use costate::robot::{LoadOptions, Robot, RobotFormat, RobotText};
 use std::error::Error;
 use std::fs::File;
 use std::io::Read;
@@ -65,8 +65,8 @@ pub struct ProblemFile {
 enum Given<'a> {
     /// How the robot file is loaded.
     Options(LoadOptions),
-    /// The robot.
-    Robot(&'a Robot),
+    /// The robot, and the text of its URDF.
+    Robot(&'a Robot, Option<&'a str>),
 }
 
 impl ProblemFile {
@@ -120,22 +120,44 @@ impl ProblemFile {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn for_robot(text: &str, robot: &Robot, folder: impl AsRef<Path>) -> Result<Self, ProblemFileError> {
-        Self::parse(text, folder.as_ref(), Given::Robot(robot), None).map_err(|fault| fault.in_file(None))
+        Self::for_robot_of_urdf(text, robot, None, folder)
+    }
+
+    /// The same for a robot that was read from the text of a URDF: that of its bodies where
+    /// `collision.capsules = "urdf"` asks for them.
+    ///
+    /// # Errors
+    /// As [`read`](Self::read).
+    pub fn for_robot_of_urdf(
+        text: &str,
+        robot: &Robot,
+        urdf: Option<&str>,
+        folder: impl AsRef<Path>,
+    ) -> Result<Self, ProblemFileError> {
+        let given = Given::Robot(robot, urdf);
+        Self::parse(text, folder.as_ref(), given, None).map_err(|fault| fault.in_file(None))
     }
 
     fn parse(text: &str, folder: &Path, given: Given<'_>, path: Option<&Path>) -> Result<Self, Fault> {
         let document = Document::parse(text)?;
         let root = document.root();
-        let source = if matches!(given, Given::Robot(_)) { Source::Caller } else { Source::File };
-        let tables = tables::read(&root, source)?;
+        let source = if matches!(given, Given::Robot(..)) { Source::Caller } else { Source::File };
+        let mut tables = tables::read(&root, source)?;
         let robot_path = tables.robot.file.as_ref().map(|file| folder.join(file));
+        let path_of_robot = robot_path.as_deref().unwrap_or(Path::new(""));
         let robot = match given {
-            Given::Options(load) => {
-                let path = robot_path.as_deref().unwrap_or(Path::new(""));
-                tables.robot.load(&root, path, load)?
-            }
-            Given::Robot(robot) => tables.robot.changed(&root, robot, LoadOptions::default())?,
+            Given::Options(load) => tables.robot.load(&root, path_of_robot, load)?,
+            Given::Robot(robot, _) => tables.robot.changed(&root, robot, LoadOptions::default())?,
         };
+        if obstacles::asks_for_urdf(&root)? {
+            let read = match given {
+                Given::Options(_) => Some(tables.robot.text(&root, path_of_robot)?),
+                Given::Robot(..) => None,
+            };
+            let of_file = read.as_ref().filter(|read| read.format() == RobotFormat::Urdf);
+            let urdf = if let Given::Robot(_, urdf) = given { urdf } else { of_file.map(RobotText::as_str) };
+            obstacles::add_urdf(&root, urdf, &mut tables.task)?;
+        }
         let in_document = |error| document.fault_of(error);
         let problem = tables.problem(robot).map_err(in_document)?;
         problem.check_for(tables.options.method).map_err(in_document)?;

@@ -5,10 +5,18 @@ use super::fault::Fault;
 use super::robot::triple;
 use super::table::{Table, string};
 use crate::problem::obstacles::{BodyPairs, Collision, LinkCapsule, Obstacle, Shape};
+use crate::problem::task::Task;
 use costate::robot::Placement;
 use toml::de::DeValue;
 
 const COLLISION: &[&str] = &["capsules", "radius", "capsule", "margin", "pairs", "except"];
+/// Where bodies come from beside those that are listed.
+#[derive(Clone, Copy, PartialEq)]
+enum Capsules {
+    AlongLinks,
+    OfUrdf,
+}
+const CAPSULES: [(&str, Capsules); 2] = [("auto", Capsules::AlongLinks), ("urdf", Capsules::OfUrdf)];
 const CAPSULE: &[&str] = &["name", "frame", "from", "to", "radius"];
 
 /// The shapes of obstacles, with the keys of each.
@@ -51,7 +59,7 @@ fn shape(table: &Table<'_>) -> Result<Shape, Fault> {
 
 fn collision(table: &Table<'_>) -> Result<Collision, Fault> {
     table.only(COLLISION)?;
-    let auto = table.choice("capsules", &[("auto", ())])?.is_some();
+    let auto = table.choice("capsules", &CAPSULES)? == Some(Capsules::AlongLinks);
     let along_links = match (auto, table.number("radius")?) {
         (true, radius) => Some(table.need("radius", radius)?),
         (false, None) => None,
@@ -74,6 +82,25 @@ fn collision(table: &Table<'_>) -> Result<Collision, Fault> {
         pairs: asked,
         except: pairs("except")?.unwrap_or_default(),
     })
+}
+
+/// Whether the bodies are those of a URDF, which is read apart.
+pub(super) fn asks_for_urdf(root: &Table<'_>) -> Result<bool, Fault> {
+    let Some(table) = root.table("collision")? else { return Ok(false) };
+    Ok(table.choice("capsules", &CAPSULES)? == Some(Capsules::OfUrdf))
+}
+
+/// Adds the bodies of the text of a URDF, if there is one.
+pub(super) fn add_urdf(root: &Table<'_>, urdf: Option<&str>, task: &mut Task) -> Result<(), Fault> {
+    let refuse = |cause| match root.table("collision") {
+        Ok(Some(table)) => table.fault("capsules", cause),
+        _ => cause.into(),
+    };
+    let message = "the robot was not read from a URDF; list its bodies as [[collision.capsule]]";
+    let urdf = urdf.ok_or_else(|| refuse(ProblemFileCause::Conflict(message)))?;
+    let collision = task.collision.take().unwrap_or_default().with_urdf(urdf);
+    task.collision = Some(collision.map_err(|error| refuse(ProblemFileCause::Other(error.into())))?);
+    Ok(())
 }
 
 fn capsule(table: &Table<'_>) -> Result<LinkCapsule, Fault> {

@@ -35,7 +35,7 @@ impl SolverOptions {
     /// use costate_control::{Method, SolverOptions};
     /// let options = SolverOptions::default().with_starts(3);
     /// let options = options.with_text("method = \"shooting\"\ntolerance = 1e-8")?;
-    /// assert_eq!((options.method, options.starts), (Method::Shooting, 3));
+    /// assert_eq!((options.method, options.starts), (Method::Shooting, Some(3)));
     /// # Ok::<(), costate_control::ProblemFileError>(())
     /// ```
     pub fn with_text(self, text: &str) -> Result<Self, ProblemFileError> {

@@ -5,8 +5,8 @@ use super::fault::Fault;
 use super::table::Table;
 use crate::problem::Payload;
 use costate::robot::{
-    FrameSpec, Friction, Joint, LimitChange, LinkInertia, LoadOptions, Placement, Robot, RobotEdit, Wrench,
-    WrenchAxes,
+    FrameSpec, Friction, Joint, LimitChange, LinkInertia, LoadOptions, Placement, Robot, RobotEdit,
+    RobotError, RobotText, Wrench, WrenchAxes,
 };
 use std::path::Path;
 
@@ -177,14 +177,21 @@ pub(super) fn triple(table: &Table<'_>, name: &str) -> Result<Option<[f64; 3]>, 
 }
 
 impl RobotTable {
+    /// The error of the robot file.
+    fn refused(&self, root: &Table<'_>, error: RobotError) -> Fault {
+        let (key, start) = self.file_at;
+        let line = start.map(|start| root.line_at(start));
+        Fault { line, key: Some(key.into()), cause: Box::new(ProblemFileCause::Robot(error)) }
+    }
+
+    /// The text of the robot file.
+    pub fn text(&self, root: &Table<'_>, path: &Path) -> Result<RobotText, Fault> {
+        RobotText::from_file(path).map_err(|error| self.refused(root, error))
+    }
+
     /// Loads the robot file and changes the robot.
     pub fn load(&self, root: &Table<'_>, path: &Path, options: LoadOptions) -> Result<Robot, Fault> {
-        let (key, start) = self.file_at;
-        let refused = |error| Fault {
-            line: start.map(|start| root.line_at(start)),
-            key: Some(key.into()),
-            cause: Box::new(ProblemFileCause::Robot(error)),
-        };
+        let refused = |error| self.refused(root, error);
         let options = self.friction.map_or(options, |friction| options.friction(friction));
         if self.changes.is_empty() && self.friction != Some(false) {
             return Robot::from_file_with(path, options).map_err(refused);

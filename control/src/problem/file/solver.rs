@@ -47,15 +47,14 @@ pub(super) fn read(table: &Table<'_>, given: SolverOptions) -> Result<SolverOpti
     let method = table.choice("method", &METHODS)?.unwrap_or(given.method);
     let steps = if method == given.method { &given } else { &SolverOptions::of(method) };
     let defaults = SolverOptions { method, max_iterations: steps.max_iterations, ..given.clone() };
-    let count = |name: &str, default: usize| -> Result<usize, Fault> {
+    let some = |name: &str, default: Option<usize>| -> Result<Option<usize>, Fault> {
         let found = table.whole(name)?;
-        Ok(found.map_or(default, |count| usize::try_from(count).unwrap_or(usize::MAX)))
+        Ok(found.map(|count| usize::try_from(count).unwrap_or(usize::MAX)).or(default))
     };
+    let count = |name: &str, default: usize| some(name, Some(default)).map(|count| count.unwrap_or(default));
     Ok(SolverOptions {
-        starts: count("starts", defaults.starts)?,
-        threads: table
-            .whole("threads")?
-            .map_or(defaults.threads, |count| Some(usize::try_from(count).unwrap_or(usize::MAX))),
+        starts: some("starts", defaults.starts)?,
+        threads: some("threads", defaults.threads)?,
         seed: table.whole("seed")?.unwrap_or(defaults.seed),
         tolerance: table.number("tolerance")?.unwrap_or(defaults.tolerance),
         nodes: count("nodes", defaults.nodes)?,

@@ -161,6 +161,18 @@ const makePlots = (player) => {
       draw(draw(draw(svg, "defs"), "clipPath", { id: clip }), "rect",
         { x: MARGIN.left, y: MARGIN.top, width: width - MARGIN.left - MARGIN.right, height: bottom - MARGIN.top });
       const group = draw(svg, "g", { "clip-path": `url(#${clip})` });
+      // The name of a limit at its right end, on its outer side unless the edge of the plot is there; to the left of
+      // names at this height, and nowhere if there is no room.
+      const named = [];
+      const name = (words, at, isUpper) => {
+        const [above, below] = [at - 4, at + 11];
+        const baseline = isUpper ? (above < MARGIN.top + 8 ? below : above) : (below > bottom - 3 ? above : below);
+        const beside = named.filter((other) => Math.abs(other.baseline - baseline) < 10).map((other) => other.start - 8);
+        const end = Math.min(width - MARGIN.right - 4, ...beside);
+        const text = draw(group, "text", { class: "whose", x: end, y: baseline, "text-anchor": "end" }, words);
+        const start = end - text.getComputedTextLength();
+        if (start < MARGIN.left + 4) text.remove(); else named.push({ baseline, start });
+      };
       limits.forEach((limit, number) => {
         // Dashes of limits that lie on one another take turns, so that the colour of each joint is seen.
         const same = limits.map((other, k) => k).filter((k) => limits[k].kept === limit.kept
@@ -175,10 +187,10 @@ const makePlots = (player) => {
           : [[from, limitValue(limit, 0)], [to, limitValue(limit, 0)]];
         const d = `M${list.map(([t, value]) => `${scale.x(t).toFixed(1)} ${scale.y(value).toFixed(1)}`).join("L")}`;
         draw(group, "path", { class: limit.kept ? "limit kept" : "limit compared", d, style: `stroke:${jointColour(limit.color)}${dashes}` });
-        // Whose limit it is, at its right end: other curves may go beyond.
+        // Whose limit it is: other curves may go beyond.
         if (same.length && same[0] === number && shown.length > same.length) {
           const others = same.length > 1 ? ` and ${same.length - 1} more` : "";
-          draw(group, "text", { class: "whose", x: width - MARGIN.right - 4, y: scale.y(limitValue(limit, 0)) + (limit.upper ? -4 : 11), "text-anchor": "end" }, `limit of ${curve.name}${others}`);
+          name(`limit of ${curve.name}${others}`, scale.y(limitValue(limit, 0)), limit.upper);
         }
       });
       shown.forEach((curve) => {

@@ -1,0 +1,75 @@
+"""What the figures say: rows of a class, tasks that a side solves, errors of answers, and ratios of times."""
+
+from statistics import median
+
+from classes import CLASSES
+from comparison import DEFAULT, excess
+
+# The peer, the same to looser tolerances, and with costate's functions inside.
+PEER, MIDDLE, LOOSE, INSIDE = "peer", "middle", "loose", "peer_ours"
+# costate at its first and at its second tolerance.
+OURS, ACCURATE = "costate", "accurate"
+COSTATE = OURS, ACCURATE, DEFAULT
+# Errors below this count as equal: the best cost known is not better known, and it is costate's second tolerance.
+FLOOR = 1e-7
+
+
+def of(figures, kind=None):
+    return [row for row in figures if "task" in row and kind in (None, row["class"])]
+
+
+def kinds(figures):
+    return [kind for kind in CLASSES if of(figures, kind)]
+
+
+def solved(rows, label):
+    return [row for row in rows if row["sides"].get(label, {}).get("solved")]
+
+
+def ratios(rows, peer=PEER, ours=OURS):
+    """The peer's time over costate's where both solved the task."""
+    return [row["sides"][peer]["ms"] / row["sides"][ours]["ms"] for row in solved(solved(rows, peer), ours)]
+
+
+def cost_error(row, label):
+    """Distance of the cost from the best one known, relative; None where one of the two is missing. A cost below the best one
+    is an error too: of a motion that does not obey the dynamics or the limits between the solver's points."""
+    above = excess(row, label)
+    return None if above is None else abs(above)
+
+
+def number_of(value):
+    """Infinite where JSON has none."""
+    return float("inf") if value is None else value
+
+
+def error(row, label):
+    """The largest of three: the error of the cost, the gap with torques cut to their limits (infinite where no motion came of
+    that), and the violation between the points of limits of positions, rates and clearances."""
+    found = cost_error(row, label)
+    return None if found is None else max(found, *(number_of(row["sides"][label][key]) for key in ("cut", "states")))
+
+
+def ratios_at_accuracy(rows, error_of):
+    """The peer's time over that of the fastest answer of costate whose error is at most the peer's, or FLOOR; 0 where there is
+    none. Tasks on which the peer's error is not known are left out."""
+    found = []
+    for row in rows:
+        theirs = error_of(row, PEER)
+        if theirs is not None:
+            near = [label for label in (OURS, ACCURATE)
+                    if (own := error_of(row, label)) is not None and own <= max(theirs, FLOOR)]
+            found.append(max((row["sides"][PEER]["ms"] / row["sides"][label]["ms"] for label in near), default=0.0))
+    return found
+
+
+def by_class(figures, values):
+    """Class -> median of what `values` gives of its rows, where it gives anything."""
+    return {kind: median(found) for kind in kinds(figures) if (found := values(of(figures, kind)))}
+
+
+def middle_of(rows, label, key):
+    """Median of a figure of a side, or of what a function gives, over the tasks that it solved; infinite where it has none."""
+    done = solved(rows, label)
+    values = [key(row, label) if callable(key) else row["sides"][label][key] for row in done]
+    return median(map(number_of, values)) if values else float("inf")

@@ -1,0 +1,15 @@
+//! Guesses that are looked at (`direct::solve::looks`).
+
+/// Most steps of a look.
+pub const STEPS: usize = 40;
+/// Most guesses beside that of the start, and beside the motion without obstacles.
+pub const LOOKS: usize = 2;
+/// Another position of the joints is looked at if the straight motion there costs less than this part of
+/// that of the start ..
+pub const PROMISING: f64 = 1.5;
+/// .. and a detour around obstacles if it costs less than this many times as much.
+pub const DETOUR: f64 = 3.0;
+/// A guess that exceeds limits by less than this part of their ranges exceeds none.
+pub const EXCEEDED: f64 = 0.06;
+/// Waves in the joints (rad, m).
+pub const BENDS: [f64; 2] = [0.6, 1.2];

@@ -1,0 +1,186 @@
+//! Joints that are too light for the mesh of a motion.
+//!
+//! Near a motion `M dd = -tau_q d - tau_v d'`, so the largest eigenvalue
+//!
+//! $$ \rho = \max |\lambda|, \qquad \lambda \in \sigma \begin{pmatrix} 0 & 1 \\\\ -M^{-1} \tau\_q & -M^{-1} \tau\_v
+//!    \end{pmatrix}, $$
+//!
+//! is the rate at which deviations grow, or turn. Those of the costates have the same one. A polynomial on an
+//! interval of the length h follows them as long as `rho h` is about one. A link without a rotor that whirls,
+//! or that its heavy neighbours shake, has rates far above those of the robot.
+
+use crate::numerics::cholesky;
+use crate::problem::Problem;
+use crate::result::samples::SampleError;
+use crate::result::solution::Solution;
+use costate::lagrangian::Lagrangian;
+
+/// `rho h` above which a mesh does not follow.
+const RESOLVED: f64 = 4.0;
+/// Squarings of the matrix: the norm of `A^k` to the power `1/k`, with k = 2^8, is its largest eigenvalue to
+/// a few per cent.
+const SQUARINGS: u32 = 8;
+/// Most places of a motion that are looked at.
+const PLACES: usize = 400;
+/// A joint is held by an inertia of so many times the largest one of the robot.
+const HELD: f64 = 1e6;
+/// Bisections, on a logarithmic scale, of the inertia that helps.
+const BISECTIONS: usize = 40;
+
+/// A joint that moves faster than the mesh of a motion can follow.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct FastJoint {
+    /// The joint, counted from 0 among those that mimic no other.
+    pub joint: usize,
+    /// When that is so most (s).
+    pub time: f64,
+    /// The reciprocal of the largest eigenvalue of the dynamics near the motion (s).
+    pub time_constant: f64,
+    /// The length of the interval of the mesh there (s).
+    pub interval: f64,
+    /// Inertia of a rotor at this joint with which the mesh would follow (kg m^2, kg), the inertias of other
+    /// joints being what they are; `None` where others are as fast.
+    pub armature: Option<f64>,
+}
+
+/// The dynamics near a motion, row by row.
+struct Near {
+    n: usize,
+    mass: Vec<f64>,
+    tau_q: Vec<f64>,
+    tau_v: Vec<f64>,
+}
+
+impl Near {
+    /// The largest magnitude of an eigenvalue with further inertias at the joints; `None` where the mass
+    /// matrix is singular.
+    fn rate(&self, more: &[f64]) -> Option<f64> {
+        let (n, m) = (self.n, 2 * self.n);
+        let mut factor = self.mass.clone();
+        (0..n).for_each(|i| factor[(n + 1) * i] += more[i]);
+        if !cholesky::factorise(&mut factor, n) {
+            return None;
+        }
+        let mut a = vec![0.0; m * m];
+        let mut column = vec![0.0; n];
+        for j in 0..n {
+            a[m * j + n + j] = 1.0;
+            for (from, first) in [(&self.tau_q, 0), (&self.tau_v, n)] {
+                (0..n).for_each(|i| column[i] = -from[n * i + j]);
+                cholesky::solve(&factor, n, &mut column);
+                (0..n).for_each(|i| a[m * (n + i) + first + j] = column[i]);
+            }
+        }
+        // Positions in a unit of time in which both halves have about the same size.
+        let norm = |rows: std::ops::Range<usize>, columns: std::ops::Range<usize>| {
+            let entries = rows.flat_map(|i| columns.clone().map(move |j| m * i + j));
+            entries.map(|at| a[at] * a[at]).sum::<f64>().sqrt()
+        };
+        let unit = norm(n..m, 0..n).sqrt().max(norm(n..m, n..m));
+        if unit == 0.0 || !unit.is_finite() {
+            return (unit == 0.0).then_some(0.0);
+        }
+        for i in 0..n {
+            a[m * i + n + i] = 1.0;
+            (0..n).for_each(|j| a[m * (n + i) + j] /= unit * unit);
+            (0..n).for_each(|j| a[m * (n + i) + n + j] /= unit);
+        }
+        let (mut logarithm, mut power, mut square) = (0.0, 1.0, vec![0.0; m * m]);
+        for _ in 0..SQUARINGS {
+            for i in 0..m {
+                for j in 0..m {
+                    square[m * i + j] = (0..m).map(|k| a[m * i + k] * a[m * k + j]).sum();
+                }
+            }
+            let size = square.iter().fold(0.0_f64, |most, entry| most.max(entry.abs()));
+            power *= 2.0;
+            if size == 0.0 {
+                return Some(0.0);
+            }
+            logarithm += size.ln() / power;
+            a.iter_mut().zip(&square).for_each(|(a, entry)| *a = entry / size);
+        }
+        Some(unit * f64::exp(logarithm))
+    }
+
+    /// The joint that makes it fast, and the inertia with which it is no faster than `allowed`.
+    fn joint(&self, allowed: f64) -> Option<(usize, Option<f64>)> {
+        let largest = (0..self.n).map(|i| self.mass[(self.n + 1) * i]).fold(0.0, f64::max);
+        let with = |joint: usize, inertia: f64| {
+            let more: Vec<f64> = (0..self.n).map(|i| if i == joint { inertia } else { 0.0 }).collect();
+            self.rate(&more)
+        };
+        let held = (0..self.n).filter_map(|i| Some((i, with(i, HELD * largest)?)));
+        let (joint, rest) = held.min_by(|a, b| a.1.total_cmp(&b.1))?;
+        if rest > allowed {
+            return Some((joint, None));
+        }
+        let (mut low, mut high) = (1.0 / HELD * largest, HELD * largest);
+        for _ in 0..BISECTIONS {
+            let middle = (low * high).sqrt();
+            match with(joint, middle)? <= allowed {
+                true => high = middle,
+                false => low = middle,
+            }
+        }
+        Some((joint, Some(high)))
+    }
+}
+
+impl Solution {
+    /// The joint that moves faster than the mesh of the motion follows, where there is one: the cause of most
+    /// motions of light links without rotors that are not solved. `None` for a motion that its mesh can
+    /// follow, for robots with constraints, and without a motion. `problem` is the one that was solved.
+    ///
+    /// # Errors
+    /// [`SampleError`], for a motion of another robot and where the dynamics cannot be evaluated.
+    pub fn fastest_joint(&self, problem: &Problem) -> Result<Option<FastJoint>, SampleError> {
+        let Some(row) = self.trajectory.q.first() else { return Ok(None) };
+        let (found, expected) = (row.len(), problem.robot.dof());
+        if !problem.robot.constraints().is_empty() {
+            return Ok(None);
+        }
+        if found != expected {
+            return Err(SampleError::OtherRobot { found, expected });
+        }
+        let (Some(nodes), Some(times)) = (self.trajectory.mesh_nodes(), self.trajectory.phase_times()) else {
+            return Ok(None);
+        };
+        let (n, none) = (found, vec![0.0; found]);
+        let mut models: Vec<_> = problem.robots().iter().map(Lagrangian::<f64>::new).collect();
+        let mut worst: Option<(f64, FastJoint, Near)> = None;
+        let stride = nodes.len().div_ceil(PLACES);
+        for ends in nodes.windows(2).step_by(stride) {
+            let phase = (ends[0] as usize).min(times.len() - 1);
+            let before: f64 = times[..phase].iter().sum();
+            let interval = (ends[1] - ends[0]) * times[phase];
+            let t = self.trajectory.t[0] + before + (0.5 * (ends[0] + ends[1]) - phase as f64) * times[phase];
+            let (Some(point), Some(a)) = (self.trajectory.at(t), self.trajectory.acceleration(t)) else {
+                return Ok(None);
+            };
+            let model = phase.min(models.len() - 1);
+            let torque = models[model].linearise_inverse_dynamics(&point.q, &point.v, &a)?;
+            let entries = |of: &dyn Fn(usize, usize) -> f64| -> Vec<f64> {
+                (0..n * n).map(|at| of(at / n, at % n)).collect()
+            };
+            let near = Near {
+                n,
+                mass: entries(&|i, j| torque.tau_a[(i, j)]),
+                tau_q: entries(&|i, j| torque.tau_q[(i, j)]),
+                tau_v: entries(&|i, j| torque.tau_v[(i, j)]),
+            };
+            let Some(rate) = near.rate(&none) else { continue };
+            let steps = rate * interval;
+            if steps > RESOLVED && worst.as_ref().is_none_or(|(most, ..)| steps > *most) {
+                let joint =
+                    FastJoint { joint: 0, time: t, time_constant: 1.0 / rate, interval, armature: None };
+                worst = Some((steps, joint, near));
+            }
+        }
+        Ok(worst.and_then(|(_, fast, near)| {
+            let (joint, armature) = near.joint(RESOLVED / fast.interval)?;
+            Some(FastJoint { joint, armature, ..fast })
+        }))
+    }
+}

@@ -1,0 +1,105 @@
+//! Which guess the direct method goes on from where the number of starts is left to it.
+
+use costate::robot::{Placement, Robot};
+use costate_control::{
+    Collision, GuessKind, MotionLimits, Obstacle, Polish, Problem, Shape, Solution, Solver, SolverOptions,
+    Status, Task, Tool, ToolPose,
+};
+use std::ops::ControlFlow;
+
+const FREE: f64 = f64::INFINITY;
+
+fn two_link() -> Problem {
+    let robot = Robot::from_file("../robots/two_link.toml").unwrap();
+    Problem::rest_to_rest(robot, &[0.0; 2], &[0.0; 2], 1.0).with_limits(MotionLimits::none())
+}
+
+/// The tip of the two-link arm ends on the line y = 1.2; nothing is said about where the joints are then.
+fn to_the_line() -> Problem {
+    let mut problem = two_link();
+    problem.end.q_free = vec![0, 1];
+    let tip = Tool::new("joint:elbow").with_offset([1.0, 0.0, 0.0]);
+    problem.with_task(Task::default().with_end_tool(ToolPose::of(tip).with_position([FREE, 1.2, FREE])))
+}
+
+fn options() -> SolverOptions {
+    SolverOptions::default().with_polish(Polish::Never)
+}
+
+fn solve(problem: &Problem, options: SolverOptions) -> Solution {
+    Solver::new(problem, options).unwrap().solve()
+}
+
+fn is_about(cost: f64, value: f64, tolerance: f64) {
+    assert!((cost / value - 1.0).abs() < tolerance, "{cost} instead of {value}");
+}
+
+#[test]
+fn another_position_of_the_joints_is_cheaper() {
+    // The values: of two other methods, and of the direct method from the nearest position.
+    let problem = to_the_line();
+    let near = solve(&problem, options().with_starts(1));
+    is_about(near.total(), 79.44, 1e-3);
+    assert_eq!((near.starts[0].guess, near.starts[0].looks), (GuessKind::Straight, 1));
+    let best = solve(&problem, options());
+    is_about(best.total(), 68.527_088_5, 1e-6);
+    let [start] = &best.starts[..] else { panic!("{:?}", best.starts) };
+    assert!(start.guess == GuessKind::OtherPosition && start.looks > 1, "{start:?}");
+    assert_eq!((start.total, &start.status), (best.total(), &Status::Converged));
+    // What is printed and saved tells it too, and nothing depends on chance or on threads.
+    let saved: Solution = serde_json::from_str(&serde_json::to_string(&best).unwrap()).unwrap();
+    assert_eq!((&saved.starts, saved.options.starts), (&best.starts, None));
+    let again = solve(&problem, options().with_threads(2).with_seed(5));
+    assert_eq!((&again.trajectory, &again.starts), (&best.trajectory, &best.starts));
+}
+
+#[test]
+fn where_nothing_else_promises_to_be_cheaper_the_start_is_the_only_guess() {
+    let mut problem = two_link();
+    problem.end.q = vec![1.0, -0.5];
+    let (one, free) = (solve(&problem, options().with_starts(1)), solve(&problem, options()));
+    assert_eq!((&one.trajectory, &one.starts), (&free.trajectory, &free.starts));
+    assert_eq!(one.newton_iterations, free.newton_iterations);
+}
+
+/// A UR5 as its URDF is, with a board in its way.
+fn board() -> Problem {
+    let robot = Robot::from_file("../robots/ur5.urdf").unwrap();
+    let [start, end] = [[-0.7, -0.7, 1.2, -1.6, -1.57, 0.0], [0.7, -0.7, 1.2, -1.6, -1.57, 0.3]];
+    let mut problem = Problem::rest_to_rest(robot, &start, &end, 3.0);
+    problem.cost.effort = vec![4.4e-5, 4.4e-5, 4.4e-5, 1.3e-3, 1.3e-3, 1.3e-3];
+    let size = [0.8, 0.04, 0.4];
+    let placement = Placement::translation([0.6, 0.0, 0.2]);
+    let board = Obstacle::new("board", Shape::Box { placement, size });
+    let bodies = Collision::along_links(0.05);
+    problem
+        .with_limits(MotionLimits::none().with_from_robot(true))
+        .with_task(Task::default().with_obstacle(board).with_collision(bodies))
+}
+
+#[test]
+fn a_board_is_passed() {
+    let options = options().with_tolerance(1e-4);
+    let solution = solve(&board(), options.clone());
+    let start = &solution.starts[0];
+    assert!(solution.motion.status.is_solved() && start.looks > 2, "{} {start:?}", solution.motion.status);
+    let task = solution.limits.task.as_ref().unwrap();
+    assert!(task.at_points < 1e-7 && task.between < 1e-4, "{task:?}");
+}
+
+#[test]
+fn looks_are_steps_that_can_be_stopped() {
+    let problem = to_the_line();
+    let whole = solve(&problem, options());
+    let steps = whole.motion.iterations.len();
+    for most in [1, 5, 12] {
+        let mut made = 0;
+        let solver = Solver::new(&problem, options()).unwrap().on_iteration(|_| {
+            made += 1;
+            if made < most { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+        });
+        let stopped = solver.solve();
+        assert_eq!((&stopped.motion.status, made), (&Status::Cancelled, most));
+        assert!(stopped.trajectory.t.len() > 1 && most < steps);
+    }
+}
