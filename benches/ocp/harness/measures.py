@@ -69,7 +69,11 @@ def by_class(figures, values):
 
 
 def middle_of(rows, label, key):
-    """Median of a figure of a side, or of what a function gives, over the tasks that it solved; infinite where it has none."""
+    """Median of a figure of a side over the tasks that it solved, infinite where the figure is; or of what a function gives,
+    over the tasks on which it gives something."""
     done = solved(rows, label)
-    values = [key(row, label) if callable(key) else row["sides"][label][key] for row in done]
-    return median(map(number_of, values)) if values else float("inf")
+    if callable(key):
+        values = [value for row in done if (value := key(row, label)) is not None]
+    else:
+        values = [number_of(row["sides"][label][key]) for row in done]
+    return median(values) if values else float("nan")

@@ -3,7 +3,7 @@
 from statistics import median
 
 from measures import (ACCURATE, INSIDE, LOOSE, MIDDLE, OURS, PEER, by_class, cost_error, error, middle_of, of, ratios,
-                      ratios_at_accuracy)
+                      ratios_at_accuracy, solved)
 
 # Peer's time over costate's: median of all tasks, median of the worst class.
 MEDIAN_RATIO, WORST_RATIO = 20.0, 10.0
@@ -18,6 +18,8 @@ def goals(figures, verdict):
     what = (f"peer's time at {figures[0]['peer_tolerances'][0]:g} over that of the faster answer of costate, at {ours:g} or "
             f"{accurate:g}, whose error is at most the peer's")
     reached = f", reached on {sum(ratio > 0 for ratio in every)} of {len(every)} tasks"
+    if left := len(rows) - len(every):
+        reached += f"; left out, not solved by the peer or without a best cost known: {left}"
     yield (f"at the peer's accuracy: median at least {MEDIAN_RATIO:g} ({what})",
            f"{median(every):.2f}{reached}" if every else "-", verdict(median(every) >= MEDIAN_RATIO if every else None))
     yield (f"the same, median of every class at least {WORST_RATIO:g}", listed(medians) or "-",
@@ -45,6 +47,8 @@ def comparisons(figures):
 
 
 def accuracy(rows, label, peer):
+    """Over the tasks that both solved."""
+    rows = solved(solved(rows, peer), label)
     pair = lambda key: " / ".join(f"{middle_of(rows, side, key):.0e}" for side in (label, peer))
     return (f"medians costate / peer: error of cost {pair(cost_error)}, gap with torques cut {pair('cut')}, miss with torques "
             f"held {pair('held')}, limits of positions, rates, clearances {pair('states')}")

@@ -225,7 +225,7 @@ fn limits_move_inside_at_the_points_and_nodes_of_an_interval() {
     let mut interior = started(Shape::Quartic);
     let side = interior.barrier.sides().iter().position(|side| side.limited == Limited::Rate).unwrap();
     let before = interior.barrier.distance.clone();
-    interior.barrier.move_inside(1, side, 0.01);
+    interior.barrier.move_inside(1, side, 0.01, 1.0);
     interior.begin_again();
     let barrier = &interior.barrier;
     let mut moved = 0;

@@ -43,7 +43,7 @@ pub(super) fn rest_between<D: PointDynamics>(
     let simple = problem.vias.is_empty() && problem.periodic.is_none() && problem.loops.is_none();
     let costs = interior.running.effort.iter().any(|r| *r > 0.0);
     let [from, to] = ends.each_ref().map(|state| &state[..n]);
-    if !(simple && rests && costs) || !is_slow([from, to], time, interior)? {
+    if !(simple && rests && costs && is_slow([from, to], time, interior)?) {
         return Ok(());
     }
     let (limits, effort) = (problem.joint_limits(), interior.running.effort.clone());
