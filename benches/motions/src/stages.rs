@@ -31,7 +31,7 @@ pub fn table(short: bool) -> Result<String, Failure> {
             name.to_owned(),
             solution.motion.status.name().to_owned(),
             solution.newton_iterations.to_string(),
-            solution.nodes().to_string(),
+            solution.mesh_nodes().to_string(),
             duration(seconds),
         ];
         rows.push(head.into_iter().chain(parts.map(part)).collect::<Vec<_>>());

@@ -242,11 +242,8 @@ fn without_rotors(problem: &Problem) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::advice;
-    use crate::text::{remarks, saddle};
     use costate::robot::Robot;
-    use costate_control::{
-        Certificate, FinalTime, Objective, Problem, Solution, Solver, SolverOptions, Status, Verify,
-    };
+    use costate_control::{FinalTime, Objective, Problem, Solution, Solver, SolverOptions, Status, Verify};
 
     fn arm(robot: Robot, cost: Objective) -> Problem {
         Problem::rest_to_rest(robot, &[0.0; 2], &[1.0; 2], 1.0).with_cost(cost)
@@ -257,17 +254,6 @@ mod tests {
         let mut solution = solution.clone();
         solution.motion.status = status;
         solution
-    }
-
-    #[test]
-    fn a_saddle_is_told() {
-        let robot = Robot::from_file("../../robots/two_link.toml").unwrap();
-        let problem = arm(robot, Objective::new(0.0, vec![1.0; 2]));
-        let mut solution = Solver::new(&problem, SolverOptions::default()).unwrap().solve();
-        assert!(saddle(&solution).is_none() && remarks(&problem, &solution).is_empty());
-        solution.motion.certificate = Certificate::SaddleOnMesh;
-        let told = remarks(&problem, &solution).join("; ");
-        assert!(told.contains("a saddle") && told.contains("solver.starts"), "{told}");
     }
 
     #[test]

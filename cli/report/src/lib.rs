@@ -31,6 +31,7 @@ mod options;
 mod page;
 mod panels;
 mod plot;
+pub mod remarks;
 mod svg;
 pub mod text;
 mod tools;

@@ -1,7 +1,6 @@
 //! A solution in words: what is minimised, how it ended and why, rows of tables.
 
 use crate::advice::advice;
-use crate::between;
 pub use crate::criterion::criterion;
 use crate::figures::{Needed, time_is_free};
 use crate::numbers::{scientific, short};
@@ -97,19 +96,6 @@ pub fn saddle(solution: &Solution) -> Option<String> {
          solver.starts, another solver.seed, [start_from])"
             .into()
     })
-}
-
-/// All that there is to say about a motion beside its figures.
-pub fn remarks(problem: &Problem, solution: &Solution) -> Vec<String> {
-    let all = [
-        explanation(problem, solution),
-        saddle(solution),
-        between::exceeded_between(solution),
-        between::cut_between(solution),
-        needs_feedback(problem, solution),
-        skipped_starts(solution),
-    ];
-    all.into_iter().flatten().collect()
 }
 
 /// What a kind of limits limits, in words.

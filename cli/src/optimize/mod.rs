@@ -17,7 +17,8 @@ use crate::{Outcome, terminal};
 pub use arguments::Arguments;
 use costate::robot::LoadOptions;
 use costate_control::{BranchEnd, CostDerivative, FinalTime, Method, Samples, Solution, Solver, StageTimes};
-use costate_report::{ReportOptions, text};
+use costate_report::ReportOptions;
+use costate_report::remarks::remarks;
 use cpu_time::cpu_time;
 use outputs::Outputs;
 use std::error::Error;
@@ -120,7 +121,7 @@ pub fn run(arguments: &Arguments) -> Outcome {
         terminal::note("interrupted; the best motion so far was kept");
     }
     if arguments.json || outputs.use_standard_output() {
-        text::remarks(problem, &solution).iter().for_each(terminal::warning);
+        remarks(problem, &solution).iter().for_each(terminal::warning);
     }
     if arguments.json {
         let continuation = branch.as_ref().map(continuation::Points::new);

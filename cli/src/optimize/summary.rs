@@ -5,8 +5,9 @@ use costate::robot::escape_hidden;
 use costate_control::{Problem, Solution};
 use costate_report::figures::figures;
 use costate_report::numbers::short;
+use costate_report::remarks::remarks;
 use costate_report::text::{
-    ITERATION_HEADER, criterion, iteration_row, remarks, sentence, start_header, start_row, status,
+    ITERATION_HEADER, criterion, iteration_row, sentence, start_header, start_row, status,
 };
 use std::io::Write;
 

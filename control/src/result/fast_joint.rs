@@ -2,8 +2,8 @@
 //!
 //! Near a motion `M dd = -tau_q d - tau_v d'`, so the largest eigenvalue
 //!
-//! $$ \rho = \max |\lambda|, \qquad \lambda \in \sigma \begin{pmatrix} 0 & 1 \\\\ -M^{-1} \tau\_q & -M^{-1} \tau\_v
-//!    \end{pmatrix}, $$
+//! $$ \rho = \max |\lambda|, \qquad \lambda \in \sigma \begin{pmatrix} 0 & 1 \\\\ -M^{-1} \tau\_q &
+//!    -M^{-1} \tau\_v \end{pmatrix}, $$
 //!
 //! is the rate at which deviations grow, or turn. Those of the costates have the same one. A polynomial on an
 //! interval of the length h follows them as long as `rho h` is about one. A link without a rotor that whirls,

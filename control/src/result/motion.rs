@@ -32,7 +32,8 @@ pub enum Certificate {
     LocalMinimumOnMesh,
     /// A saddle among the motions of its mesh: stationary, but that Hessian has a negative eigenvalue, also
     /// with a small damping, so that a motion nearby on the same mesh costs less, with the barrier of its
-    /// limits. Of the direct method. Disturb the guess (`starts`), or begin at another motion.
+    /// limits. Of the direct method, where going on along a direction of negative curvature led to nothing
+    /// cheaper. Disturb the guess (`starts`), or begin at another motion.
     SaddleOnMesh,
     /// A conjugate time lies before T: motions nearby cost less.
     NotMinimal,

@@ -31,6 +31,39 @@ impl Stationarity {
     /// added is measured by the others. Unknowns that are given do not count; those that both ends of a
     /// periodic motion share count once. The times of phases are left to H*.
     pub fn residual<D>(mut self, interior: &Interior<D>) -> f64 {
+        self.complete(interior);
+        self.largest_part(&interior.spline)
+    }
+
+    fn largest_part(&self, spline: &Spline) -> f64 {
+        let (n, node, mesh) = (spline.dof, spline.node(), &spline.mesh);
+        let states = node * mesh.nodes.len();
+        let inner = mesh.shape.inner() * n;
+        // v = x/T, a = x/T^2 inside of phases.
+        let in_time = |i: usize| match i / node {
+            k if i < states && !mesh.is_end(k) => spline.clock_at(k).powi((i % node / n) as i32),
+            _ => 1.0,
+        };
+        let column = |i: usize| if i < states { i % node } else { node + (i - states) % inner };
+        let mut largest = vec![[0.0_f64; 2]; node + inner];
+        for (i, (gradient, terms)) in self.gradient.iter().zip(&self.terms).enumerate() {
+            let scale = in_time(i);
+            for (most, value) in largest[column(i)].iter_mut().zip([gradient.abs(), *terms]) {
+                let value = scale * value;
+                *most = if value.is_nan() { f64::INFINITY } else { most.max(value) };
+            }
+        }
+        let of_kind = |kind: &[[f64; 2]]| {
+            let least = LEAST_SCALE * kind.iter().fold(0.0, |most: f64, [_, terms]| most.max(*terms));
+            let parts = kind.iter().map(|[gradient, terms]| gradient / terms.max(least));
+            // Where nothing is added nothing is left.
+            parts.filter(|part| !part.is_nan()).fold(0.0, f64::max)
+        };
+        largest.chunks(n).map(of_kind).fold(0.0, f64::max)
+    }
+
+    /// Adds what limits at nodes and rows at ends make of it, and takes out what is given.
+    fn complete<D>(&mut self, interior: &Interior<D>) {
         let Interior { spline, points, barrier, ends, .. } = interior;
         let (n, node, mesh) = (spline.dof, spline.node(), &spline.mesh);
         for k in 0..mesh.nodes.len() {
@@ -56,28 +89,48 @@ impl Stationarity {
             self.gradient[i] = *sum;
             self.terms[i] += self.terms[last + i];
         }
-        let states = node * mesh.nodes.len();
-        let inner = mesh.shape.inner() * n;
-        // v = x/T, a = x/T^2 inside of phases.
-        let in_time = |i: usize| match i / node {
-            k if i < states && !mesh.is_end(k) => spline.clock_at(k).powi((i % node / n) as i32),
-            _ => 1.0,
-        };
-        let column = |i: usize| if i < states { i % node } else { node + (i - states) % inner };
-        let mut largest = vec![[0.0_f64; 2]; node + inner];
-        for (i, (gradient, terms)) in self.gradient.iter().zip(&self.terms).enumerate() {
-            let scale = in_time(i);
-            for (most, value) in largest[column(i)].iter_mut().zip([gradient.abs(), *terms]) {
-                let value = scale * value;
-                *most = if value.is_nan() { f64::INFINITY } else { most.max(value) };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::direct::interior::iterate::tests::started;
+    use crate::direct::motion::shape::Shape;
+
+    /// Where slacks are the distances and multipliers on the central path, the gradient is that of cost and
+    /// barrier, which Newton's equations have.
+    #[test]
+    fn the_gradient_is_that_of_the_equations() {
+        for shape in [Shape::Quartic, Shape::Quintic] {
+            let mut interior = started(shape);
+            for at in (0..interior.barrier.count()).filter(|&at| interior.barrier.is_on(at)) {
+                let barrier = &mut interior.barrier;
+                barrier.distance[at] = barrier.slack[at];
+                if !barrier.is_limit(at) {
+                    barrier.multiplier[at] = 0.3;
+                }
             }
+            interior.refresh().unwrap();
+            interior.system.exact = true;
+            interior.assemble();
+            let spline = interior.spline.clone();
+            let mut part = IntervalPart::new(&spline, interior.rows());
+            let mut found = Stationarity::new(&spline);
+            for k in 0..spline.mesh.intervals() {
+                part.take(&mut interior, k);
+                found.add(&part, &spline, k);
+            }
+            found.complete(&interior);
+            let [at_zero, of_mu] = &interior.system.gradient;
+            let size = at_zero.iter().fold(0.0_f64, |most, g| most.max(g.abs()));
+            for (i, (g, terms)) in found.gradient.iter().zip(&found.terms).enumerate() {
+                let expected = at_zero[i] + interior.mu * of_mu[i];
+                assert!((g - expected).abs() < 1e-10 * size, "{shape:?} {i}: {g} instead of {expected}");
+                assert!(g.abs() <= terms * (1.0 + 1e-12), "{shape:?} {i}: {g} of {terms}");
+            }
+            let residual = found.largest_part(&spline);
+            assert!(residual > 1e-3, "a guess is not stationary: {residual}");
         }
-        let of_kind = |kind: &[[f64; 2]]| {
-            let least = LEAST_SCALE * kind.iter().fold(0.0, |most: f64, [_, terms]| most.max(*terms));
-            let parts = kind.iter().map(|[gradient, terms]| gradient / terms.max(least));
-            // Where nothing is added nothing is left.
-            parts.filter(|part| !part.is_nan()).fold(0.0, f64::max)
-        };
-        largest.chunks(n).map(of_kind).fold(0.0, f64::max)
     }
 }
