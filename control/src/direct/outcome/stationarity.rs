@@ -104,7 +104,11 @@ mod tests {
     fn the_gradient_is_that_of_the_equations() {
         for shape in [Shape::Quartic, Shape::Quintic] {
             let mut interior = started(shape);
-            for at in (0..interior.barrier.count()).filter(|&at| interior.barrier.is_on(at)) {
+            let count = interior.barrier.count();
+            for at in 0..count {
+                if !interior.barrier.is_on(at) {
+                    continue;
+                }
                 let barrier = &mut interior.barrier;
                 barrier.distance[at] = barrier.slack[at];
                 if !barrier.is_limit(at) {
