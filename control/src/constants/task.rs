@@ -44,6 +44,10 @@ pub mod reach {
     pub const OTHERS: usize = 12;
     /// Positions from which others are looked for as further guesses, ..
     pub const BRANCHES: usize = 8;
+    /// .. and so many within this distance of the known one in each joint (rad, m), if places leave joints
+    /// free, ..
+    pub const AROUND: usize = 4;
+    pub const ASIDE: f64 = 1.2;
     /// .. in at most so many steps, ..
     pub const BRANCH_STEPS: usize = 20;
     /// .. which differ by more than this in a joint (rad).

@@ -2,7 +2,8 @@
 
 use super::functions::{PathFunction, TaskFunctions};
 use crate::constants::task::reach::{
-    APART, BRANCH_STEPS, BRANCHES, DAMPING, FAR, MOST_DAMPING, OTHERS, REACHED, STARTS, STEPS, STILL,
+    APART, AROUND, ASIDE, BRANCH_STEPS, BRANCHES, DAMPING, FAR, MOST_DAMPING, OTHERS, REACHED, STARTS, STEPS,
+    STILL,
 };
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
@@ -129,9 +130,10 @@ pub(crate) fn reach_near(
     best
 }
 
-/// Positions at which all rows have their values, beside one that is `known`: from seeded positions, each
-/// turned back towards `near` as [`reach_near`] does, and again with whole turns the other way round. Each
-/// joint that turns by more than [`APART`] between two of them tells them apart.
+/// Positions at which all rows have their values, beside one that is `known`: from seeded positions, and from
+/// some around the known one where the rows do not fix all joints, each turned back towards `near` as
+/// [`reach_near`] does, and again with whole turns the other way round. A joint that turns by more than
+/// [`APART`] between two of them tells them apart.
 pub(crate) fn others(
     functions: &mut TaskFunctions,
     near: &[f64],
@@ -144,10 +146,16 @@ pub(crate) fn others(
     let is_new = |all: &[Vec<f64>], q: &[f64]| {
         all.iter().all(|other| free.iter().any(|&i| (q[i] - other[i]).abs() > APART))
     };
-    for start in 1..=BRANCHES {
+    // Where places are left free there are positions all around.
+    let around = if search.g.len() < free.len() { AROUND } else { 0 };
+    for start in 1..=BRANCHES + around {
         let mut from = near.to_vec();
         for &i in free {
-            from[i] = seeded(start, i, limits[i], near[i]);
+            let aside = [known[i] - ASIDE, known[i] + ASIDE];
+            from[i] = match start <= BRANCHES {
+                true => seeded(start, i, limits[i], near[i]),
+                false => seeded(start, i, aside, known[i]).max(limits[i][0]).min(limits[i][1]),
+            };
         }
         let found = search.descend(from);
         let found = search.turned_back(found, near);
