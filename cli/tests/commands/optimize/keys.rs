@@ -222,8 +222,9 @@ fn messages_name_what_helps() {
 /// Of the limits of a joint those change that are given.
 #[test]
 fn limits_of_the_robot_that_are_not_given_stay() {
-    // So fast that the joint exceeds its rate.
-    let ur5 = arm("").replacen("robot = ", "[robot]\nfile = ", 1).replace("final = 1.0", "final = 0.2");
+    // So fast that the joint exceeds its rate, which nobody asks to keep where u has bounds.
+    let bounds = format!("[bounds]\nu_min = {:?}\nu_max = {:?}\n", [-9e3; 6], [9e3; 6]);
+    let ur5 = arm(&bounds).replacen("robot = ", "[robot]\nfile = ", 1).replace("final = 1.0", "final = 0.2");
     let with_limits = |line: &str| ur5.replacen("[start]", &format!("{line}\n[start]"), 1);
     let limits = "limits = { shoulder_lift_joint = { lower = -1.0, upper = 1.0 } }";
     let output = optimize("keys_limits", &with_limits(limits), &["--json", "--time-limit", "20"]);
