@@ -136,9 +136,9 @@ fn limits_of_positions_and_torques() {
     let active = &solution.limits.position.as_ref().unwrap().active;
     assert!(active.iter().all(|span| span.side == "min") && !active.is_empty(), "{active:?}");
     let totals: Vec<f64> = solution.starts.iter().map(|start| start.total).collect();
-    let best = totals.iter().fold(INF, |least, &total| least.min(total));
-    assert!(totals.len() == 4 && best == solution.total(), "{totals:?}");
-    assert!(totals.iter().all(|&total| total < (1.0 + 1e-6) * best), "{totals:?}");
+    // Starts beside the best one are as rough as their first stage.
+    assert!(totals.len() == 4 && totals.contains(&solution.total()), "{totals:?}");
+    assert!(totals.iter().all(|&total| (total / solution.total() - 1.0).abs() < 1e-4), "{totals:?}");
 
     check(&arm, &arm_solution, 22.5760933, 1e-4);
     assert!(violation(&arm_solution, [1.0, 6.0, INF, 10.0]) <= 1e-8, "{:?}", arm_solution.limits);

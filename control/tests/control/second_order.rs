@@ -18,14 +18,14 @@ impl RunningCost for Repelled {
     }
 }
 
-/// Whether the mass stays at 0, where nothing is to be gained, or the search has left this saddle for a
-/// motion that costs less.
+/// Whether the mass stays at 0 as at a minimum. If that is a saddle, the search leaves it for a motion that
+/// costs less, or says so.
 fn stays(problem: &Problem) -> bool {
     let options = SolverOptions::of(Method::Direct).with_polish(Polish::Never);
     let motion = Solver::new(problem, options).unwrap().solve().motion;
-    assert_eq!((motion.status, motion.certificate), (Status::Converged, Certificate::LocalMinimumOnMesh));
+    assert_eq!(motion.status, Status::Converged);
     assert!(motion.cost.abs() < 1e-9 || motion.cost < -1e-3, "{}", motion.cost);
-    motion.cost > -1e-9
+    motion.certificate == Certificate::LocalMinimumOnMesh && motion.cost > -1e-9
 }
 
 /// A mass that may stay at 0, where the cost `1/2 (q''^2 - k q^2)` is stationary. Its second variation is

@@ -104,7 +104,7 @@ fn a_robot_without_a_urdf_and_a_radius_are_refused() {
     let robot = Robot::from_urdf_str(ARM, LoadOptions::default()).unwrap();
     let text = problem(&urdf);
     let message = ProblemFile::for_robot(&text, &robot, "").unwrap_err().to_string();
-    assert!(message.contains("not read from a URDF") && message.contains("problem:11"), "{message}");
+    assert!(message.contains("not read from a URDF") && message.contains("problem:12"), "{message}");
     let file = ProblemFile::for_robot_of_urdf(&text, &robot, Some(ARM), "").unwrap();
     assert_eq!(file.problem.task.collision.unwrap().capsules.len(), 2);
     let toml = text.replace("arm.urdf", "two_link.toml").replace("[0.0]", "[0.0, 0.0]");

@@ -15,9 +15,6 @@ pub(crate) struct Figures {
     pub equations: f64,
     /// Newton decrement: twice the change of cost that the next step promises.
     pub decrement: f64,
-    /// Its magnitude for the step with the exact matrix, without damping; infinite where that is not positive
-    /// definite.
-    pub promised: f64,
     pub iterations: usize,
     /// Whether the matrix of the last step, with exact second derivatives, was positive definite without
     /// damping.

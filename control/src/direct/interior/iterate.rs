@@ -172,7 +172,6 @@ impl<D: PointDynamics> Interior<D> {
         for _ in 0..most {
             self.figures.iterations += 1;
             let equations = self.figures.equations;
-            self.figures.promised = f64::INFINITY;
             self.refresh()?;
             self.clock.lap(Stage::Points);
             self.system.exact = true;
@@ -186,9 +185,6 @@ impl<D: PointDynamics> Interior<D> {
                     self.solve();
                     self.choose_barrier(tolerance);
                     self.figures.decrement = self.decrement();
-                    if damping == 0.0 && self.system.exact {
-                        self.figures.promised = self.figures.decrement.abs();
-                    }
                     self.clock.lap(Stage::Limits);
                     if damping <= constants::SOLVED_DAMPING && self.is_solved(tolerance) {
                         self.figures.is_minimum = damping == 0.0 && self.system.exact;
@@ -241,15 +237,6 @@ impl<D: PointDynamics> Interior<D> {
             None => (1.0, self.least_violation),
         };
         decrement.abs() <= part * scale && gap <= scale && violation <= exceeded
-    }
-
-    /// Whether a motion from which no step leads on is solved to a tolerance, up to rounding: at a minimum,
-    /// with limits that are kept, so that gap and decrement tell what it costs more than the best one nearby.
-    /// Where both are below what cost and torques are rounded by, steps no longer find anything better.
-    pub fn is_solved_but_for_rounding(&self, tolerance: f64) -> bool {
-        let Figures { size, gap, violation, promised, .. } = self.figures;
-        // Not true for NaN.
-        gap + promised <= tolerance * size && violation <= constants::VIOLATION_ACCEPTED
     }
 
     /// Whether squares say how far to go: there is an effort, and there are no equations, whose stiff squares

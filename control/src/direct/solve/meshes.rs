@@ -96,13 +96,6 @@ pub(super) fn refine(
         if stuck || unresolved {
             end = recorder.interruption().map_or(End::NoProgress, End::Interrupted);
         }
-        let rounded = end == End::NoProgress
-            && !(stuck || unresolved)
-            && precision <= least
-            && interior.is_solved_but_for_rounding(tolerance);
-        if rounded {
-            end = End::Solved;
-        }
         let is_over = matches!(end, End::NoProgress | End::IterationLimit);
         if is_over && mended.comes_back(interior)? {
             precision = least;
@@ -129,8 +122,7 @@ pub(super) fn refine(
         }
         resolution.measure(interior)?;
         interior.clock.lap(Stage::Meshes);
-        let promised = if rounded { figures.promised } else { 0.0 };
-        let error = (resolution.error() + figures.gap + promised) / figures.size;
+        let error = (resolution.error() + figures.gap) / figures.size;
         let violated = figures.violation > constants::VIOLATION_ACCEPTED;
         let accurate = error <= tolerance && resolution.violation() <= constants::VIOLATION_BETWEEN;
         let can_move = !smooth || resolution.violation() <= constants::VIOLATION_BETWEEN;
