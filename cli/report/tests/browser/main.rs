@@ -68,7 +68,7 @@ impl Case {
         CASE.get_or_init(|| Self::of("ur5_pick_and_place"))
     }
 
-    /// A UR5 that moves faster than its limits allow, which it was not asked to keep.
+    /// A UR5 that moves faster than its limits allow, which it was not asked to keep: u has bounds, if infinite ones.
     fn hasty() -> &'static Self {
         static CASE: OnceLock<Case> = OnceLock::new();
         CASE.get_or_init(|| Self::of_text("hasty", HASTY))
@@ -91,6 +91,9 @@ q = [2.0, -1.0, 1.2, -1.5, -1.57, 0.5]
 final = 0.6
 [cost]
 effort = [4.4e-5, 4.4e-5, 4.4e-5, 1.3e-3, 1.3e-3, 1.3e-3]
+[bounds]
+u_min = [-inf, -inf, -inf, -inf, -inf, -inf]
+u_max = [inf, inf, inf, inf, inf, inf]
 "#;
 
 const AROUND: &str = r#"

@@ -223,7 +223,7 @@ fn messages_name_what_helps() {
 #[test]
 fn limits_of_the_robot_that_are_not_given_stay() {
     // So fast that the joint exceeds its rate, which nobody asks to keep where u has bounds.
-    let bounds = format!("[bounds]\nu_min = {:?}\nu_max = {:?}\n", [-9e3; 6], [9e3; 6]);
+    let bounds = format!("[bounds]\nu_min = {:?}\nu_max = {:?}\n", [-f64::INFINITY; 6], [f64::INFINITY; 6]);
     let ur5 = arm(&bounds).replacen("robot = ", "[robot]\nfile = ", 1).replace("final = 1.0", "final = 0.2");
     let with_limits = |line: &str| ur5.replacen("[start]", &format!("{line}\n[start]"), 1);
     let limits = "limits = { shoulder_lift_joint = { lower = -1.0, upper = 1.0 } }";

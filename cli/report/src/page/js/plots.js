@@ -196,7 +196,9 @@ const makePlots = (player) => {
       shown.forEach((curve) => {
         draw(group, "path", { class: "curve", d: pathOf(curve, scale), style: `stroke:${jointColour(curve.color)}` });
         if (!curve.dotted) return;
-        curve.y.forEach((_, k) => draw(group, "circle", { class: "dot", cx: scale.x(xs(curve)[k]), cy: scale.y(y(curve, k)), r: 2.2, style: `stroke:${jointColour(curve.color)}` }));
+        // What a step did not compute has no dot.
+        const known = curve.y.map((_, k) => k).filter((k) => y(curve, k) !== null && Number.isFinite(scale.y(y(curve, k))));
+        known.forEach((k) => draw(group, "circle", { class: "dot", cx: scale.x(xs(curve)[k]), cy: scale.y(y(curve, k)), r: 2.2, style: `stroke:${jointColour(curve.color)}` }));
       });
       cursor = plot.overTime ? {
         now: draw(svg, "path", { class: "cursor" }),
