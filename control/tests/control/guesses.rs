@@ -34,7 +34,7 @@ fn is_about(cost: f64, value: f64, tolerance: f64) {
     assert!((cost / value - 1.0).abs() < tolerance, "{cost} instead of {value}");
 }
 
-/// A pose of the flange of a PUMA 560, beside which a position of the joints is given; the arm reaches it with
+/// A pose of the flange of a PUMA 560 near a given position of the joints, which the arm also reaches with
 /// its shoulder turned over too.
 const POSE: &str = r#"
 robot = "puma560.toml"
