@@ -68,8 +68,8 @@ impl Case {
         CASE.get_or_init(|| Self::of("ur5_pick_and_place"))
     }
 
-    /// A UR5 that moves faster than its limits allow, which it was not asked to keep: u has bounds, if infinite
-    /// ones.
+    /// A UR5 that moves faster than its limits allow, which it was not asked to keep: u has
+    /// bounds, if infinite ones.
     fn hasty() -> &'static Self {
         static CASE: OnceLock<Case> = OnceLock::new();
         CASE.get_or_init(|| Self::of_text("hasty", HASTY))
