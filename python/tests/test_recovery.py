@@ -72,9 +72,8 @@ def told(work) -> list[str]:
 
 
 def test_limits_that_are_left_out_are_told_of(arm):
-    slow = arm
-    for name in arm.joint_names:
-        slow = slow.with_limits(name, velocity=0.5)
+    # One joint without a limit of its rate: limits of such robots are kept where they are asked for.
+    slow = arm.with_limits(arm.joint_names[0], velocity=0.5)
     task = {"start": [0, 0], "end": [1, 0.5], "time": 1.0, "cost": [1, 1]}
     unsaid = costate.Problem(slow, **task)
     [text] = told(unsaid.solve)
@@ -91,6 +90,10 @@ def test_limits_that_are_left_out_are_told_of(arm):
     kept = costate.Problem(slow, **task, limits={"a_max": [100, 100]})
     assert told(lambda: costate.Resolve(kept)) == [] and told(kept.solve) == []
     assert kept.solve().status == "infeasible" and abs(silent.solve().cost / costs[0] - 1) < 1e-6
+    # Where all joints have limits of rate and effort they are kept, unless that is denied.
+    complete = slow.with_limits(arm.joint_names[1], velocity=0.5)
+    assert costate.Problem(complete, **task).solve().status == "infeasible"
+    assert costate.Problem(complete, **task, limits=False).solve().solved
     # A robot without limits has none to leave out.
     cart = costate.Robot.builder("cart").prismatic("rail", mass=2).build()
     free = costate.Problem(cart, start=[0], end=[1], time=1, cost=[1])
