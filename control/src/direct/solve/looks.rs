@@ -9,6 +9,7 @@ use super::candidates::candidates;
 use super::first::First;
 use super::meshes::{Start, iteration};
 use super::prepare::{Dynamics, interior_of, interior_on};
+use super::waiting::rest_between;
 use crate::constants::direct as constants;
 use crate::constants::guesses;
 use crate::direct::interior::figures::Figures;
@@ -73,6 +74,10 @@ impl Looks<'_> {
     ) -> Result<Found, EvalError> {
         let Self { problem, rows, options, looseness } = *self;
         let mut own = interior_of(problem, rows, options, first);
+        if first.kind == GuessKind::Straight {
+            // States that cannot be evaluated are told when the iteration begins.
+            let _ = rest_between(problem, options, &mut own);
+        }
         own.looseness = looseness;
         let looks_on =
             options.starts.is_none() && problem.too_short().is_none() && recorder.interruption().is_none();

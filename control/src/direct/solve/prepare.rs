@@ -1,7 +1,6 @@
 //! A problem with a guess, ready to iterate.
 
 use super::first::First;
-use super::waiting::rest_between;
 use crate::constants::direct as constants;
 use crate::direct::interior::iterate::Interior;
 use crate::direct::limits::ends::Ends;
@@ -17,7 +16,6 @@ use crate::direct::points::running::Running;
 use crate::options::SolverOptions;
 use crate::problem::limits::JointLimits;
 use crate::problem::{FinalTime, Problem};
-use crate::result::start::GuessKind;
 use crate::result::trajectory::Trajectory;
 use crate::task::build::TaskRows;
 use costate::robot::Robot;
@@ -55,12 +53,7 @@ pub(crate) fn interior_of(
         let least = if phases > 1 { constants::INTERVALS_OF_PHASE } else { 1 };
         Mesh::even(phases, ((options.nodes - 1) / stride / phases).max(least))
     });
-    let mut interior = interior_on(problem, rows, options, first, &nodes);
-    if first.kind == GuessKind::Straight {
-        // States that cannot be evaluated are told when the iteration begins.
-        let _ = rest_between(problem, options, &mut interior);
-    }
-    interior
+    interior_on(problem, rows, options, first, &nodes)
 }
 
 /// The same on these nodes.

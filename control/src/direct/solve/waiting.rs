@@ -54,7 +54,8 @@ pub(super) fn rest_between<D: PointDynamics>(
     let Some([exceeded, cost]) = interior.figures_of(&straight) else { return Ok(()) };
     interior.spline = straight;
     for plan in plans {
-        if plan.cost > constants::CHEAPER * cost {
+        let moves = plan.rest[0] > 0.0 || plan.rest[1] < time;
+        if !moves || plan.cost > constants::CHEAPER * cost {
             break;
         }
         let shape = interior.spline.mesh.shape;
