@@ -57,11 +57,7 @@ pub(crate) fn reach(
             best = search.descend(q.to_vec());
             continue;
         }
-        let mut from = q.to_vec();
-        for &i in free {
-            from[i] = seeded(start, i, limits[i], q[i]);
-        }
-        let found = search.descend(from);
+        let found = search.descend(seeded_position(start, q, free, limits));
         if found.miss < best.miss {
             best = found;
         }
@@ -98,6 +94,15 @@ fn seeded(start: usize, coordinate: usize, [low, high]: [f64; 2], near: f64) -> 
     low + part * (high - low)
 }
 
+/// A position whose free coordinates are seeded.
+fn seeded_position(start: usize, near: &[f64], free: &[usize], limits: &[[f64; 2]]) -> Vec<f64> {
+    let mut q = near.to_vec();
+    for &i in free {
+        q[i] = seeded(start, i, limits[i], near[i]);
+    }
+    q
+}
+
 /// The same, near q: turned back by whole turns towards it, as far as limits and tools allow. If what is
 /// found first from q itself is [`FAR`] from it, others are looked for, and the one to which the joints turn
 /// least is taken.
@@ -116,11 +121,7 @@ pub(crate) fn reach_near(
         return best;
     }
     for start in 1..=OTHERS {
-        let mut from = near.to_vec();
-        for &i in free {
-            from[i] = seeded(start, i, limits[i], near[i]);
-        }
-        let found = search.descend(from);
+        let found = search.descend(seeded_position(start, near, free, limits));
         let found = search.turned_back(found, near);
         let way = |found: &Reached| free.iter().map(|&i| (found.q[i] - near[i]).powi(2)).sum::<f64>();
         if found.is_there() && way(&found) < way(&best) {
@@ -149,13 +150,12 @@ pub(crate) fn others(
     // Where places are left free there are positions all around.
     let around = if search.g.len() < free.len() { AROUND } else { 0 };
     for start in 1..=BRANCHES + around {
-        let mut from = near.to_vec();
-        for &i in free {
-            let aside = [known[i] - ASIDE, known[i] + ASIDE];
-            from[i] = match start <= BRANCHES {
-                true => seeded(start, i, limits[i], near[i]),
-                false => seeded(start, i, aside, known[i]).max(limits[i][0]).min(limits[i][1]),
-            };
+        let mut from = seeded_position(start, near, free, limits);
+        if start > BRANCHES {
+            for &i in free {
+                let aside = [known[i] - ASIDE, known[i] + ASIDE];
+                from[i] = seeded(start, i, aside, known[i]).max(limits[i][0]).min(limits[i][1]);
+            }
         }
         let found = search.descend(from);
         let found = search.turned_back(found, near);
