@@ -65,7 +65,8 @@ def arguments():
 def build():
     """The release build of the command line."""
     say("cargo build: costate-cli")
-    command = ["cargo", "build", "--release", "--locked", "-q", "-p", "costate-cli"]
+    # With the features of the main command, whose libraries need not be compiled again.
+    command = ["cargo", "build", "--release", "--locked", "-q", "--bin", "costate"]
     if subprocess.run(command, cwd=ROOT, check=False).returncode:
         stop("cargo cannot build costate-cli")
     return Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "release/costate"
