@@ -47,18 +47,6 @@ pub const SOLVED_DAMPING: f64 = 1.0;
 pub const STIFFNESSES: [f64; 3] = [1.0, 1e2, 1e4];
 /// With this damping, in parts of the effort, the matrix of a saddle is still not positive definite.
 pub const ROUNDED_INERTIA: f64 = 1e-6;
-/// A saddle is left this part of the extent of the motion away, ..
-pub const FROM_SADDLE: f64 = 0.25;
-/// .. or half of that, and so on, so many times, where that does not cost less. ..
-pub const TRIALS_FROM_SADDLE: usize = 12;
-/// .. Limits may be exceeded there by this part of their ranges. ..
-pub const OFF_AFTER_SADDLE: f64 = 1e-2;
-/// .. The direction is found by so many steps of inverse iteration, with a damping that is bisected so many
-/// times, ..
-pub const INVERSE_ITERATIONS: usize = 8;
-pub const BISECTIONS_OF_SADDLE: usize = 5;
-/// .. and saddles are left so many times.
-pub const SADDLES: usize = 2;
 /// Factor from one damping to the next larger one.
 pub const DAMPING_UP: f64 = 10.0;
 /// Factor from the damping of one step to the first one of the next.

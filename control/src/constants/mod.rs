@@ -12,6 +12,7 @@ pub(crate) mod differences;
 pub(crate) mod direct;
 mod extremals;
 pub(crate) mod guesses;
+pub(crate) mod saddle;
 pub(crate) mod states;
 pub(crate) mod task;
 pub(crate) mod waiting;

@@ -1,7 +1,7 @@
 //! Whether a stationary motion is a minimum or a saddle, and the way down from a saddle.
 
 use super::iterate::Interior;
-use crate::constants::direct as constants;
+use crate::constants::{direct as constants, saddle};
 use crate::direct::motion::spline::Spline;
 use crate::direct::points::values::PointDynamics;
 use costate::EvalError;
@@ -65,11 +65,11 @@ impl<D: PointDynamics> Interior<D> {
             self.change_of_z(p, 0);
             moved = self.trial.dz[..n].iter().fold(moved, |most, dq| most.max(dq.abs()));
         }
-        let first = constants::FROM_SADDLE * extent / moved;
+        let first = saddle::FIRST_PART * extent / moved;
         let now = self.lagrangian(self.figures.cost, &self.barrier.distance);
         let rounding = constants::ROUNDING * self.figures.size;
         let mut part = if first.is_finite() { first } else { return None };
-        for _ in 0..constants::TRIALS_FROM_SADDLE {
+        for _ in 0..saddle::TRIALS {
             let mut best: Option<(f64, Spline)> = None;
             for sign in [1.0, -1.0] {
                 let value = self.value_along(sign * part).filter(|value| *value < now - rounding);
@@ -98,7 +98,7 @@ impl<D: PointDynamics> Interior<D> {
         if low == high {
             return None;
         }
-        for _ in 0..constants::BISECTIONS_OF_SADDLE {
+        for _ in 0..saddle::BISECTIONS {
             let middle = (low * high).sqrt();
             (low, high) = if self.factorise(middle) { (low, middle) } else { (middle, high) };
         }
@@ -111,7 +111,7 @@ impl<D: PointDynamics> Interior<D> {
         let by_times: Vec<f64> = places(self.spline.times.len()).collect();
         let mut shared = vec![0.0; self.ends.shared()];
         self.ends.reduce(&self.spline.mesh, &mut unknowns, &by_times, &mut shared);
-        for _ in 0..constants::INVERSE_ITERATIONS {
+        for _ in 0..saddle::INVERSE_ITERATIONS {
             self.system.finish_solution(&mut unknowns, &mut shared);
             let size = unknowns.iter().chain(&shared).fold(0.0_f64, |most, x| most.max(x.abs()));
             if !(size > 0.0 && size.is_finite()) {
@@ -145,7 +145,7 @@ impl<D: PointDynamics> Interior<D> {
         let is_near = (0..self.barrier.count()).filter(|&at| self.barrier.is_on(at)).all(|at| {
             let distance = trial.distance[at];
             let off = if self.barrier.is_limit(at) { -distance } else { distance.abs() };
-            self.barrier.unit[at] * off <= constants::OFF_AFTER_SADDLE
+            self.barrier.unit[at] * off <= saddle::OFF
         });
         let cost = is_near.then(|| self.running.cost(&self.trial.spline, &self.trial.points))?;
         let value = self.lagrangian(cost, &self.trial.distance);

@@ -4,7 +4,7 @@ use super::first::First;
 use super::meshes::{Start, refine};
 use super::prepare::{Dynamics, interior_on};
 use super::refined::Refined;
-use crate::constants::direct as constants;
+use crate::constants::{direct as constants, saddle};
 use crate::direct::interior::inertia::Inertia;
 use crate::direct::interior::iterate::Interior;
 use crate::direct::refine::resolution::Resolution;
@@ -15,7 +15,7 @@ use crate::task::build::TaskRows;
 use costate::EvalError;
 
 /// Goes on from a solved motion that is a saddle, along a direction of negative curvature, at most
-/// [`SADDLES`](constants::SADDLES) times. The motion is replaced by what is solved there if that costs less.
+/// [`MOST`](saddle::MOST) times. The motion is replaced by what is solved there if that costs less.
 ///
 /// # Errors
 /// A motion that cannot be evaluated.
@@ -27,7 +27,7 @@ pub(super) fn leave_saddles(
     refined: &mut Refined,
     recorder: &mut Recorder<'_>,
 ) -> Result<(), EvalError> {
-    for _ in 0..constants::SADDLES {
+    for _ in 0..saddle::MOST {
         let goes_on = refined.status.is_converged() && recorder.interruption().is_none();
         if !goes_on || interior.inertia()? != Inertia::Negative {
             break;
