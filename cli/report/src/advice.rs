@@ -1,8 +1,8 @@
 //! What helps where the direct method did not get there: it depends on what costs, and on the robot.
 
+use crate::light_joints::{too_fast, with_rotor, without_rotors};
 use crate::numbers::{scientific, short};
-use costate::robot::printable;
-use costate_control::{FastJoint, Method, Problem, Solution, Status, Verify};
+use costate_control::{Method, Problem, Solution, Status, Verify};
 
 /// Errors of the cost below this, and below so many times the tolerance, miss a tolerance that is finer than
 /// the last one by little.
@@ -15,8 +15,6 @@ const UNRESOLVED: f64 = 0.1;
 const NEAR_TOLERANCE: f64 = 100.0;
 /// A cost of torques that may cost more than this, relative to the cost, does not solve least time.
 const SMOOTHED: f64 = 1e-2;
-/// Most joints in a sentence.
-const MOST_JOINTS: usize = 3;
 
 /// The reason of a status with what helps this problem; `None` where what the status says is all.
 pub fn advice(problem: &Problem, solution: &Solution) -> Option<String> {
@@ -80,43 +78,6 @@ pub fn advice(problem: &Problem, solution: &Solution) -> Option<String> {
     };
     let cause = fast.map(|fast| format!("; {}", too_fast(problem, &fast))).unwrap_or_default();
     Some(format!("{reason}{cause}; what may help: {}", remedies.join("; ")))
-}
-
-/// The name of a joint by its number among those that mimic no other.
-fn joint_name(problem: &Problem, joint: usize) -> String {
-    problem
-        .robot
-        .independent_joints()
-        .nth(joint)
-        .map_or(String::new(), |joint| printable(&joint.name).to_string())
-}
-
-/// That a joint moves faster than the mesh follows.
-fn too_fast(problem: &Problem, fast: &FastJoint) -> String {
-    format!(
-        "joint '{}' moves faster than the mesh follows: near the motion deviations change within {} s at t = {} s, and \
-         intervals are {} s long",
-        joint_name(problem, fast.joint),
-        short(fast.time_constant, 2),
-        short(fast.time, 4),
-        short(fast.interval, 2)
-    )
-}
-
-/// The inertia of a rotor that makes a joint as slow as the mesh.
-fn with_rotor(problem: &Problem, fast: &FastJoint) -> Option<String> {
-    let name = joint_name(problem, fast.joint);
-    Some(match fast.armature {
-        Some(inertia) => format!(
-            "robot.armature = {{ {name} = {} }} (inertia of its rotor, with which the mesh would follow)",
-            short(inertia, 2)
-        ),
-        None => {
-            let rotors =
-                without_rotors(problem).map_or(String::new(), |joints| format!(": {joints} without"));
-            format!("robot.armature (the inertia of rotors, of '{name}' first{rotors})")
-        }
-    })
 }
 
 /// The estimated error of the cost, relative to it.
@@ -215,28 +176,6 @@ fn jumps(problem: &Problem) -> bool {
         || limited(&limits.jerk_max)
         || limited(&limits.torque_rate_max);
     (cost.time > 0.0 || cost.has_energy()) && cost.effort.contains(&0.0) && !smooth
-}
-
-/// The joints without inertia of a rotor: "all joints are", "'a' and 'b' are".
-fn without_rotors(problem: &Problem) -> Option<String> {
-    let robot = &problem.robot;
-    let has_none = |&&i: &&usize| robot.armature_entry(i, i) == 0.0;
-    let all = robot.independent_indices();
-    let light: Vec<usize> = all.iter().filter(has_none).copied().collect();
-    let names: Vec<String> = light
-        .iter()
-        .take(MOST_JOINTS)
-        .map(|&i| format!("'{}'", printable(&robot.joints()[i].name)))
-        .collect();
-    match light.len() {
-        0 => None,
-        count if count == all.len() => Some("all joints are".into()),
-        1 => Some(format!("joint {} is", names.concat())),
-        count if count > MOST_JOINTS => {
-            Some(format!("joints {} and {} more are", names.join(", "), count - MOST_JOINTS))
-        }
-        _ => Some(format!("joints {} are", names.join(", "))),
-    }
 }
 
 #[cfg(test)]
