@@ -48,12 +48,13 @@ const COMMANDS: [(Kind, &[&str]); 10] = [
 /// If it cannot be built.
 pub fn binary() -> Result<PathBuf, String> {
     let mut build = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
-    // With `rayon`, as this package: the library is built once. Not this package: it is running.
-    build.args(["build", "--locked", "--quiet", "-p", "costate-cli", "--features", "rayon"]);
-    build.current_dir(project());
-    if !cfg!(debug_assertions) {
-        build.arg("--release");
+    // As the tests and the main command build it, so that nothing is compiled twice. Tests of commands need it.
+    if cfg!(debug_assertions) {
+        build.args(["test", "--locked", "--quiet", "--no-run", "--test", "commands"]);
+    } else {
+        build.args(["build", "--locked", "--quiet", "--release", "--bin", "costate"]);
     }
+    build.current_dir(project());
     let status = build.status().map_err(|error| format!("cargo: {error}"))?;
     let own = std::env::current_exe().map_err(|error| error.to_string())?;
     let binary = own.with_file_name(format!("costate{}", std::env::consts::EXE_SUFFIX));
