@@ -77,8 +77,8 @@ fn ur5(time: f64, lines: &str) -> Problem {
     ProblemFile::from_text(&text, "../robots", LoadOptions::default()).unwrap().problem
 }
 
-/// Six joints with continuous accelerations, whose jerks jump at many times: no sample is beyond the limit but
-/// for rounding, also where the rate of a joint is at its limit too.
+/// Six joints with continuous accelerations, whose jerks jump at many times: no sample is beyond the limit
+/// but for rounding, also where the rate of a joint is at its limit too.
 #[test]
 fn jerks_of_an_arm_are_kept() {
     for most_jerk in [40.0, 80.0] {

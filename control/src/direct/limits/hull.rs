@@ -1,16 +1,18 @@
 //! Limits that are kept everywhere in an interval, not only at its points.
 
 use super::barrier::Barrier;
+use super::side::Side;
 use crate::direct::motion::shape::{PLACES, POINTS};
 use crate::numerics::lagrange::{slopes, values};
 
-/// The coefficients of the quadratic with these values at Gauss's points of an interval, in Bernstein's basis,
+/// The coefficients of the quadratic with these values at Gauss's points of an interval, in Bernstein's
+/// basis,
 ///
 /// $$ f(x) = b\_0 (1 - x)^2 + 2 b\_1 x (1 - x) + b\_2 x^2 $$
 ///
 /// a row for each of them. The basis is positive on [0, 1] and its sum is one, so the quadratic is within all
-/// limits that its coefficients are within (the property of the convex hull; G. Farin, Curves and surfaces for
-/// CAGD, 5th edition, 2002, chapter 4). A constant has itself as its coefficients: along a limit they cost
+/// limits that its coefficients are within (the property of the convex hull; G. Farin, Curves and surfaces
+/// for CAGD, 5th edition, 2002, chapter 4). A constant has itself as its coefficients: along a limit they cost
 /// nothing.
 pub(crate) const COEFFICIENTS: [[f64; POINTS]; POINTS] = {
     let (left, slope, right) = (values(&PLACES, 0.0), slopes(&PLACES, 0.0), values(&PLACES, 1.0));
@@ -72,12 +74,28 @@ impl Barrier {
         }
     }
 
-    /// What the entries of a side in interval `k` add to the derivative by its value at point `j`, if they add
-    /// `of` to that by themselves.
+    /// What the entries of a side in interval `k` add to the derivative by its value at point `j`, if they
+    /// add `of` to that by themselves.
     #[inline(always)]
     pub fn by_value(&self, (k, j): (usize, usize), side: usize, of: impl Fn(usize) -> f64) -> f64 {
         let entries = self.in_interval(k, side).into_iter().zip(COEFFICIENTS);
         entries.map(|(at, factors)| factors[j] * of(at)).sum()
+    }
+
+    /// The density of the multipliers of a limit whose coefficients are limited, at point `j` of interval
+    /// `k`: those of this side less those of the other one. The quadratic through these values has the integral
+    /// with every quadratic that the multipliers give it.
+    pub fn net_density(&self, (k, j): (usize, usize), side: usize) -> f64 {
+        let own = self.numbered(side);
+        let same = |other: &&Side| (other.limited, other.joint) == (own.limited, own.joint);
+        let first = self.all_sides().take_while(|other| !same(other)).count();
+        let all = first..first + self.all_sides().filter(same).count();
+        let weight = self.weight[self.in_interval(k, side)[j]];
+        let part = |other: usize| {
+            let sign = own.sign * self.numbered(other).sign;
+            sign * self.by_value((k, j), other, |at| self.multiplier[at])
+        };
+        all.map(part).sum::<f64>() / weight
     }
 }
 

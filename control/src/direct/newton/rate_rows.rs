@@ -61,8 +61,8 @@ impl RateRows {
         }
     }
 
-    /// Derivatives of coefficient `c` of what a side limits ([`COEFFICIENTS`]) by the unknowns of the interval,
-    /// as the row; the one by T. Rates of torques come after the torques.
+    /// Derivatives of coefficient `c` of what a side limits ([`COEFFICIENTS`]) by the unknowns of the
+    /// interval, as the row; the one by T. Rates of torques come after the torques.
     pub fn take_coefficient(
         &mut self,
         k: usize,

@@ -15,9 +15,10 @@ pub(crate) struct Inside {
 }
 
 impl Resolution {
-    /// Limits the coefficients of what may jump and is not cut, where it is exceeded anywhere between points:
-    /// then it is not, but for what is no quadratic in an interval. Whether any values were limited before.
-    pub fn take_hulls<D: PointDynamics>(&self, interior: &mut Interior<D>) -> bool {
+    /// Limits the coefficients of what may jump where it is exceeded anywhere between points, of `torques` or
+    /// of all else: then it is not, but for what is no quadratic in an interval. Whether any values were
+    /// limited before.
+    pub fn take_hulls<D: PointDynamics>(&self, interior: &mut Interior<D>, torques: bool) -> bool {
         let (barrier, shape) = (&mut interior.barrier, interior.spline.mesh.shape);
         let sides: Vec<Side> = barrier.all_sides().copied().collect();
         let at_points = barrier.sides().len();
@@ -28,8 +29,9 @@ impl Resolution {
             None if self.overshoots.of(&sides[i]).most[k] > 0.0 => self.excess.of(k, i),
             None => 0.0,
         };
-        let counts =
-            |side: &Side| side.limited.jumps(shape) && side.limited != Limited::Torque && !side.is_equation;
+        let counts = |side: &Side| {
+            side.limited.jumps(shape) && (side.limited == Limited::Torque) == torques && !side.is_equation
+        };
         let exceeds = |i: usize| counts(&sides[i]) && (0..self.violations.len()).any(|k| over(i, k) > least);
         let of = |i: usize| (sides[i].limited, sides[i].joint);
         // Both sides of a limit have the same rows.

@@ -65,6 +65,11 @@ impl Mended {
         beyond.overshoots[0] > constants::VIOLATION_BETWEEN && !self.gives_up
     }
 
+    /// The same of torques, which are cut to their limits, and lead elsewhere then.
+    pub fn wants_torques(&self, beyond: &Beyond) -> bool {
+        beyond.overshoots[1] > constants::VIOLATION_BETWEEN && !self.gives_up
+    }
+
     /// Which limits move inside by what they are exceeded, if any: all of them, if that costs no more than
     /// the tolerance allows; otherwise all but those of torques, which are cut to their limits.
     pub fn moves_limits(&mut self, beyond: &Beyond, tolerance: f64) -> Option<Inside> {

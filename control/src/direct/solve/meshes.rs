@@ -132,7 +132,7 @@ pub(super) fn refine(
             beyond.overshoots = [0.0; 2];
         }
         let is_solved = end == End::Solved && !unresolved;
-        if is_solved && accurate && mended.wants_hulls(&beyond) && resolution.take_hulls(interior) {
+        if is_solved && accurate && mended.wants_hulls(&beyond) && resolution.take_hulls(interior, false) {
             mended.keep(&interior.spline);
             mended.begin_mesh();
             precision = least;
@@ -181,7 +181,14 @@ pub(super) fn refine(
             }
             End::Solved => Status::MeshLimit,
         };
+        let is_cut = status == Status::NotVerified && mended.wants_torques(&beyond);
         refined = Refined { status, error, again, infeasible: None };
+        if is_cut && resolution.take_hulls(interior, true) {
+            mended.keep(&interior.spline);
+            mended.begin_mesh();
+            interior.begin_inside();
+            continue;
+        }
         let kept = accurate && precision <= least && !moves;
         let unverified = kept && options.verify == Verify::None;
         if refined.status.is_converged()
