@@ -243,6 +243,9 @@ pub const LEAST_JUMP: f64 = 0.01;
 /// Polynomials that miss the value of the next interval by more than this part of a change contain a
 /// jump.
 pub const MISS: f64 = 0.01;
+/// Where coefficients are limited a jump misses no value of the next interval: there the slopes beside an
+/// interval with a jump explain all but this part of the change at most.
+pub const STEEP: f64 = 0.5;
 /// A jump at a node is one of the exact motion if it is larger than this part of the range of the
 /// torque, and that at the other end of an interval smaller than this part of it.
 pub const EXACT_JUMP: f64 = 0.05;

@@ -99,19 +99,23 @@ impl System {
             #[inline(always)]
             |_| {
                 for p in 0..points.count() {
-                    if corrections[barrier.at_point(p)].iter().all(|&correction| correction == 0.0) {
+                    let own = &corrections[barrier.at_point(p)];
+                    if !barrier.has_hulls() && own.iter().all(|&correction| correction == 0.0) {
                         continue;
                     }
                     let [z, ..] = &mut work.z;
                     z.fill(0.0);
-                    for (at, side) in barrier.at_point(p).zip(barrier.sides()) {
-                        let value = of(at, side.sign);
+                    let (k, j) = spline.mesh.interval_of(p);
+                    for ((i, side), at) in barrier.sides().iter().enumerate().zip(barrier.at_point(p)) {
+                        let value = match barrier.is_hull(i) {
+                            true => barrier.by_value((k, j), i, |at| of(at, side.sign)),
+                            false => of(at, side.sign),
+                        };
                         if value == 0.0 {
                             continue;
                         }
                         add_row(points, p, side, value, z);
                     }
-                    let (k, j) = spline.mesh.interval_of(p);
                     let factors = spline.basis(k, j).in_time(1.0 / spline.clock(k));
                     work.differentiate_in_time(points.z(p), spline, k, &factors);
                     time_correction[spline.mesh.phase(k)] += dot(&work.z[0], &work.z_t);

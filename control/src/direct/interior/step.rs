@@ -82,6 +82,7 @@ impl<D: PointDynamics> Interior<D> {
         );
         self.change_of_rates(part);
         self.change_at_ends(part);
+        self.barrier.take_coefficients(&mut self.changes[part]);
     }
 
     /// Change of the distances at the points by a part of the step.

@@ -47,6 +47,8 @@ pub(crate) struct Barrier {
     /// How far the limit of an entry is moved out; inside where it is negative, so that it is kept between
     /// points too. Empty on most meshes.
     pub(super) moved: Vec<f64>,
+    /// For each side whether its coefficients are limited ([`is_hull`](Self::is_hull)); empty for none.
+    pub(super) hulls: Vec<bool>,
 }
 
 impl Barrier {
@@ -194,6 +196,11 @@ impl Barrier {
 
     pub(super) fn first_at_ends(&self) -> usize {
         self.first_of_rates() + self.rates.len() * self.gauss_points
+    }
+
+    /// Number of intervals.
+    pub(super) fn intervals(&self) -> usize {
+        self.nodes - 1
     }
 
     /// Number of points.

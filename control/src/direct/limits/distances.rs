@@ -34,6 +34,7 @@ impl Barrier {
                 }
             }
         }
+        self.take_coefficients(distance);
         distance.iter_mut().zip(&self.moved).for_each(|(distance, moved)| *distance += moved);
     }
 }

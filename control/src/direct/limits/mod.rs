@@ -9,6 +9,7 @@ pub(super) mod barrier;
 pub(super) mod distances;
 pub(super) mod ends;
 pub(super) mod entries;
+pub(super) mod hull;
 pub(super) mod model;
 mod moved;
 pub(super) mod multipliers;

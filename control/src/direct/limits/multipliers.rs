@@ -1,6 +1,7 @@
 //! Multipliers of limits between the points.
 
 use super::barrier::Barrier;
+use super::side::Limited;
 use crate::direct::motion::shape::POINTS;
 use crate::direct::motion::spline::Spline;
 
@@ -20,10 +21,18 @@ pub(crate) struct Multipliers {
 }
 
 impl Multipliers {
-    /// Those of a motion, with all of them at the points: for an integral over the points alone.
+    /// Those of a motion, with all of them at the points: for an integral over the points alone. Where the
+    /// coefficients of torques are limited they are those of the torques, of either sign.
     pub fn at_points(spline: &Spline, barrier: &Barrier) -> Self {
         let mut found = Self::default();
         found.take(spline, barrier, false);
+        let sides = found.sides;
+        let is_torque = |i: &usize| barrier.is_hull(*i) && barrier.sides()[*i].limited == Limited::Torque;
+        for i in (0..sides).filter(is_torque) {
+            for (p, to) in found.densities.iter_mut().skip(i).step_by(sides).enumerate() {
+                *to = barrier.net_density((p / POINTS, p % POINTS), i);
+            }
+        }
         found
     }
 

@@ -34,7 +34,11 @@ pub(crate) fn weigh(spline: &Spline, points: &mut Points, barrier: &Barrier, run
             points.h_weights[powers * p + i] =
                 weight * running.energy.term(i, points.h[powers * p + i]).first;
         }
-        for (side, multiplier) in barrier.sides().iter().zip(&barrier.multiplier[barrier.at_point(p)]) {
+        for ((i, side), at) in barrier.sides().iter().enumerate().zip(barrier.at_point(p)) {
+            let multiplier = match barrier.is_hull(i) {
+                true => barrier.by_value(spline.mesh.interval_of(p), i, |at| barrier.multiplier[at]),
+                false => barrier.multiplier[at],
+            };
             match side.limited {
                 Limited::Torque => weights[side.joint] -= side.sign * multiplier,
                 Limited::Power | Limited::TorqueSpeed | Limited::ToolAcceleration => {
@@ -64,6 +68,23 @@ pub(crate) fn side_terms(barrier: &Barrier, at: usize, sign: f64) -> ([f64; 3], 
     let sigma = barrier.curvature(at);
     let of_mu = if s > 0.0 { -sign * barrier.weight[at] / s } else { 0.0 };
     ([-sign * eta, -sign * (eta - sigma * d), of_mu], sigma)
+}
+
+/// The same of a side by its number and its value at point `j` of interval `k`, which has the entry `at`. The
+/// second derivative is zero where coefficients are limited: it is not one by this value alone.
+#[inline(always)]
+pub(crate) fn entry_terms(
+    barrier: &Barrier,
+    place: (usize, usize),
+    number: usize,
+    at: usize,
+) -> ([f64; 3], f64) {
+    let sign = barrier.numbered(number).sign;
+    if !barrier.is_hull(number) {
+        return side_terms(barrier, at, sign);
+    }
+    let part = |i: usize| barrier.by_value(place, number, |at| side_terms(barrier, at, sign).0[i]);
+    ([0, 1, 2].map(part), 0.0)
 }
 
 /// Adds `factor` times the gradient in z of the value that a side limits at a point.
@@ -187,7 +208,7 @@ impl Work {
         at_zero.copy_from_slice(gradient);
         let [gradient, at_zero, _] = &mut self.rows;
         at_zero.copy_from_slice(gradient);
-        self.add_sides(p, n, barrier);
+        self.add_sides(p, spline.mesh.interval_of(p), n, barrier);
         if points.rates.has_torques {
             for (rows, by_rates) in self.rows.iter_mut().zip(&points.rates.by_torques) {
                 rows[..n].iter_mut().zip(&by_rates[n * p..]).for_each(|(tau, by_rate)| *tau += by_rate);
@@ -256,9 +277,9 @@ impl Work {
 
     /// The limits of a point.
     #[inline(always)]
-    fn add_sides(&mut self, p: usize, n: usize, barrier: &Barrier) {
-        for (at, side) in barrier.at_point(p).zip(barrier.sides()) {
-            let (parts, sigma) = side_terms(barrier, at, side.sign);
+    fn add_sides(&mut self, p: usize, place: (usize, usize), n: usize, barrier: &Barrier) {
+        for ((i, side), at) in barrier.sides().iter().enumerate().zip(barrier.at_point(p)) {
+            let (parts, sigma) = entry_terms(barrier, place, i, at);
             let (gradients, curvatures, index) = match side.limited {
                 Limited::Torque => (&mut self.rows[..], &mut self.row_curvature, side.joint),
                 Limited::Task => (&mut self.rows[..], &mut self.row_curvature, n + side.joint),

@@ -1,12 +1,15 @@
-//! Derivatives of jerks and rates of torques by the unknowns of an interval and by T.
+//! Derivatives of jerks and rates of torques, and of coefficients of what is limited, by the unknowns of an
+//! interval and by T.
 
-use super::point_terms::Work;
+use super::point_terms::{Work, add_row};
 use crate::direct::limits::barrier::Barrier;
-use crate::direct::limits::side::Limited;
+use crate::direct::limits::hull::COEFFICIENTS;
+use crate::direct::limits::side::{Limited, Side};
 use crate::direct::motion::shape::{MOST_POINTS, POINTS};
 use crate::direct::motion::spline::{Spline, TimeDerivative};
 use crate::direct::points::rates::SLOPES;
 use crate::direct::points::values::Points;
+use crate::numerics::chain::dot;
 
 /// Room for the rows of an interval.
 #[derive(Clone, Debug, Default)]
@@ -16,6 +19,8 @@ pub(crate) struct RateRows {
     by_time: Vec<f64>,
     /// The derivative of one value.
     pub row: Vec<f64>,
+    /// That of a coefficient, while it is summed.
+    sum: Vec<f64>,
     work: Work,
 }
 
@@ -46,14 +51,60 @@ impl RateRows {
             for (i, at) in barrier.at_gauss_point(POINTS * k + j).enumerate().filter(|&(_, at)| wanted(at)) {
                 let side = &barrier.rate_sides()[i];
                 if last.replace((side.limited, side.joint)) != Some((side.limited, side.joint)) {
-                    by_time = match side.limited {
-                        Limited::Jerk => self.take_jerk(k, j, side.joint, spline, points)[0],
-                        _ => self.take_torque_rate(k, j, side.joint, spline, points),
+                    by_time = match barrier.is_hull(barrier.sides().len() + i) {
+                        true => self.take_coefficient(k, j, side, spline, points),
+                        false => self.take_value(k, j, side, spline, points),
                     };
                 }
                 take(at, i, &self.row, by_time);
             }
         }
+    }
+
+    /// Derivatives of coefficient `c` of what a side limits ([`COEFFICIENTS`]) by the unknowns of the
+    /// interval, as the row; the one by T. Rates of torques come after the torques.
+    pub fn take_coefficient(
+        &mut self,
+        k: usize,
+        c: usize,
+        side: &Side,
+        spline: &Spline,
+        points: &Points,
+    ) -> f64 {
+        let (mut sum, mut by_time) = (std::mem::take(&mut self.sum), 0.0);
+        sum.clear();
+        sum.resize(spline.mesh.shape.coefficients() * spline.dof, 0.0);
+        for (j, factor) in COEFFICIENTS[c].into_iter().enumerate() {
+            by_time += factor * self.take_value(k, j, side, spline, points);
+            sum.iter_mut().zip(&self.row).for_each(|(sum, entry)| *sum += factor * entry);
+        }
+        self.sum = std::mem::replace(&mut self.row, sum);
+        by_time
+    }
+
+    /// The same of its value at one of Gauss's points.
+    fn take_value(&mut self, k: usize, j: usize, side: &Side, spline: &Spline, points: &Points) -> f64 {
+        match side.limited {
+            Limited::Jerk => self.take_jerk(k, j, side.joint, spline, points)[0],
+            Limited::TorqueRate => self.take_torque_rate(k, j, side.joint, spline, points),
+            _ => self.take_at_point(k, j, side, spline, points),
+        }
+    }
+
+    /// The same of what is no rate.
+    fn take_at_point(&mut self, k: usize, j: usize, side: &Side, spline: &Spline, points: &Points) -> f64 {
+        let (n, p) = (spline.dof, spline.mesh.first_point(k) + j);
+        let factors = spline.basis(k, j).in_time(1.0 / spline.clock(k));
+        self.work.differentiate_in_time(points.z(p), spline, k, &factors);
+        let z = &mut self.work.z[0];
+        z.fill(0.0);
+        add_row(points, p, side, 1.0, z);
+        self.row.clear();
+        for b in 0..spline.mesh.shape.coefficients() {
+            let [f, g, h] = [0, 1, 2].map(|s| factors[s][b]);
+            self.row.extend((0..n).map(|l| f * z[l] + g * z[n + l] + h * z[2 * n + l]));
+        }
+        dot(&z[..3 * n], &self.work.z_t)
     }
 
     /// Derivatives of a jerk at one of Gauss's points by the unknowns of the interval, as the row; the first

@@ -1,6 +1,6 @@
 //! What the Lagrange function makes of jerks and rates of torques.
 
-use super::point_terms::side_terms;
+use super::point_terms::entry_terms;
 use crate::direct::limits::barrier::Barrier;
 use crate::direct::limits::side::Limited;
 use crate::direct::motion::shape::POINTS;
@@ -31,8 +31,9 @@ impl Rates {
             };
             self.jerk_terms.extend((0..n).map(|i| of_costs(&costs.jerk, i, self.jerk[n * p + i])));
             self.torque_terms.extend((0..n).map(|i| of_costs(&costs.torque, i, self.torque[n * p + i])));
-            for (at, side) in barrier.at_gauss_point(p).zip(barrier.rate_sides()) {
-                let (parts, sigma) = side_terms(barrier, at, side.sign);
+            for (i, side) in barrier.rate_sides().iter().enumerate() {
+                let (at, number) = (barrier.at_gauss_point(p).start + i, barrier.sides().len() + i);
+                let (parts, sigma) = entry_terms(barrier, (p / POINTS, p % POINTS), number, at);
                 let terms = match side.limited {
                     Limited::Jerk => &mut self.jerk_terms,
                     _ => &mut self.torque_terms,

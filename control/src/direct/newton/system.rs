@@ -115,6 +115,7 @@ impl System {
             self.add_point::<FUSED>(p, spline, points, barrier, running);
         }
         self.add_rates(spline, points);
+        self.add_hulls(spline, points, barrier);
         for k in 0..spline.mesh.nodes.len() {
             self.add_node(k, spline, barrier);
         }

@@ -193,6 +193,16 @@ impl Case {
         }
     }
 
+    /// The same whose limits of what may jump are those of coefficients.
+    pub fn with_hulls(shape: Shape, kind: Kind) -> Self {
+        let mut case = Self::new(shape, kind);
+        let sides: Vec<Side> = case.barrier.all_sides().copied().collect();
+        let jumps = |i: &usize| sides[*i].limited.jumps(shape) && !sides[*i].is_equation;
+        let hulls = (0..sides.len()).filter(jumps).filter(|&i| case.barrier.take_hull(i)).count();
+        assert!(hulls >= 4, "{hulls}");
+        case
+    }
+
     /// Whether an unknown is given, or tied to another one.
     pub fn is_removed(&self, at: usize) -> bool {
         let mut removed = self.ends.removed(&self.spline.mesh);

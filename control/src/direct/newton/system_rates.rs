@@ -1,8 +1,11 @@
-//! What jerks and rates of torques add to Newton's equations: squares of rows over an interval.
+//! What jerks, rates of torques and coefficients of limits add to Newton's equations: squares of rows over an
+//! interval.
 
 use super::interval::add_local;
 use super::rate_rows::RateRows;
 use super::system::System;
+use crate::direct::limits::barrier::Barrier;
+use crate::direct::limits::side::{Limited, Side};
 use crate::direct::motion::shape::POINTS;
 use crate::direct::motion::spline::{Spline, TimeDerivative};
 use crate::direct::points::rates::Term;
@@ -73,6 +76,38 @@ impl System {
                 self.add_row(k, spline, &rows.row, term, &in_time);
             }
         }
+    }
+
+    /// Adds the squares of limits whose coefficients are limited. All else that they add is added by their
+    /// values at the points.
+    pub(super) fn add_hulls(&mut self, spline: &Spline, points: &Points, barrier: &Barrier) {
+        if !barrier.has_hulls() {
+            return;
+        }
+        let mut rows = std::mem::take(&mut self.rate_rows);
+        for k in 0..spline.mesh.intervals() {
+            let (mut has_torques, mut number) = (false, 0);
+            while number < barrier.all_sides().count() {
+                // Both sides of a limit stand together.
+                let (first, side) = (number, barrier.numbered(number));
+                let is_same = |other: &Side| (other.limited, other.joint) == (side.limited, side.joint);
+                number += barrier.all_sides().skip(first).take_while(|other| is_same(other)).count();
+                let own = || (first..number).filter(|&number| barrier.is_hull(number));
+                if own().next().is_none() {
+                    continue;
+                }
+                if side.limited == Limited::TorqueRate && !std::mem::replace(&mut has_torques, true) {
+                    rows.differentiate_torques(k, spline, points);
+                }
+                for c in 0..POINTS {
+                    let second = own().map(|own| barrier.curvature(barrier.in_interval(k, own)[c])).sum();
+                    let first = rows.take_coefficient(k, c, side, spline, points);
+                    let in_time = InTime { first, mixed: 0.0, second: 0.0, gradient: 0.0 };
+                    self.add_row(k, spline, &rows.row, &Term { second, ..Term::default() }, &in_time);
+                }
+            }
+        }
+        self.rate_rows = rows;
     }
 
     /// Adds the square of the derivatives of a value, by the unknowns of an interval and by T.

@@ -91,9 +91,11 @@ fn steps_solve_the_bordered_equations(case: &mut Case) {
 fn check(shape: Shape) {
     for kind in Kind::ALL {
         assert_eq!(Case::new(shape, kind).ends.shared(), [1, 2, 3][kind as usize], "{kind:?}");
-        gradients_are_those_of_the_lagrange_function(&mut Case::new(shape, kind));
-        the_matrix_is_the_derivative_of_the_gradient(&mut Case::new(shape, kind));
-        steps_solve_the_bordered_equations(&mut Case::new(shape, kind));
+        for new in [Case::new, Case::with_hulls] {
+            gradients_are_those_of_the_lagrange_function(&mut new(shape, kind));
+            the_matrix_is_the_derivative_of_the_gradient(&mut new(shape, kind));
+            steps_solve_the_bordered_equations(&mut new(shape, kind));
+        }
     }
 }
 

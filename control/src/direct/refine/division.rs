@@ -19,18 +19,12 @@ impl Resolution {
         self.divided(spline, &chosen, tolerance)
     }
 
-    /// Nodes of a finer mesh on which limits of what may jump are exceeded by less between points, or cost
-    /// less to keep there: where that costs more than is `allowed`, the intervals in which it costs most are
-    /// divided, otherwise all in which a limit is exceeded. Torques, which are cut, do not count.
-    pub fn nodes_for_limits(&mut self, spline: &Spline, allowed: f64, enough: f64) -> Vec<f64> {
-        let others = &self.overshoots.others;
-        let is_dear = self.error() + others.whole() > allowed;
-        let beyond = |&most: &f64| !is_dear && most > constants::VIOLATION_BETWEEN;
-        let mut chosen: Vec<bool> = others.most.iter().map(beyond).collect();
-        if is_dear {
-            let all: Vec<f64> = self.errors.iter().zip(&others.whole).map(|(a, b)| a + b).collect();
-            choose(&mut chosen, &all, enough);
-        }
+    /// Nodes of a finer mesh on which limits of what may jump are exceeded by less between points: all
+    /// intervals are divided in which one is. Their coefficients are limited already, so the values are no
+    /// quadratics there. Torques, which are cut, do not count.
+    pub fn nodes_for_limits(&mut self, spline: &Spline, allowed: f64) -> Vec<f64> {
+        let beyond = |&most: &f64| most > constants::VIOLATION_BETWEEN;
+        let chosen: Vec<bool> = self.overshoots.others.most.iter().map(beyond).collect();
         self.divided(spline, &chosen, allowed)
     }
 

@@ -1,7 +1,8 @@
 //! Where torques and accelerations jump inside of intervals.
 
 use crate::constants::direct as constants;
-use crate::direct::limits::side::{Limited, Side};
+use crate::direct::limits::barrier::Barrier;
+use crate::direct::limits::side::Limited;
 use crate::direct::motion::mesh::Mesh;
 use crate::direct::motion::shape::{PLACES, POINTS, WEIGHTS};
 use crate::direct::points::values::Points;
@@ -42,6 +43,8 @@ pub(super) struct Jumps {
     range: Vec<f64>,
     /// Where accelerations are continuous: the values that limits make jump.
     limited: Option<Range<usize>>,
+    /// Values whose coefficients are limited, so that they may go from limit to limit within an interval.
+    steep: Vec<bool>,
 }
 
 /// Where an interval is to be cut.
@@ -54,10 +57,23 @@ pub(super) struct Cut {
 }
 
 impl Jumps {
-    /// Takes the values at Gauss's points of a motion; `rates` are the limits of jerks and rates of torques.
-    pub fn measure(&mut self, points: &Points, mesh: &Mesh, rates: &[Side]) {
+    /// Takes the values at Gauss's points of a motion with these limits.
+    pub fn measure(&mut self, points: &Points, mesh: &Mesh, barrier: &Barrier) {
         let (n, shape) = (points.dof, mesh.shape);
-        let any = |limited| rates.iter().any(|side| side.limited == limited);
+        let any = |limited| barrier.rate_sides().iter().any(|side| side.limited == limited);
+        let of_value = if shape.is_smooth() {
+            [Limited::TorqueRate, Limited::Jerk]
+        } else {
+            [Limited::Torque, Limited::Acceleration]
+        };
+        self.steep.clear();
+        self.steep.resize(2 * n, false);
+        let hulls = barrier.all_sides().enumerate().filter(|(i, _)| barrier.is_hull(*i));
+        for (_, side) in hulls {
+            if let Some(group) = of_value.iter().position(|limited| *limited == side.limited) {
+                self.steep[n * group + side.joint] = true;
+            }
+        }
         self.limited = shape.is_smooth().then(|| {
             let first = if any(Limited::TorqueRate) { 0 } else { n };
             first..if any(Limited::Jerk) { 2 * n } else { n }
@@ -152,14 +168,17 @@ impl Jumps {
     fn jump(&self, k: usize, i: usize) -> Option<f64> {
         let (before, after) = (self.piece(k - 1, i), self.piece(k + 1, i));
         let change = before.right[0] - after.left[0];
-        let jumps = change.abs() > constants::LEAST_JUMP * self.range[i]
-            && self.least(k, i) > constants::MISS * change.abs();
-        if !jumps {
-            return None;
-        }
         // Slopes by the part of this interval.
         let of_before = before.right[1] * self.widths[k] / self.widths[k - 1];
         let of_after = after.left[1] * self.widths[k] / self.widths[k + 1];
+        // What neither of the values beside the interval leads to.
+        let beside = (change + of_before).abs().min((change + of_after).abs());
+        let jumps = change.abs() > constants::LEAST_JUMP * self.range[i]
+            && (self.least(k, i) > constants::MISS * change.abs()
+                || self.steep[i] && beside > constants::STEEP * change.abs());
+        if !jumps {
+            return None;
+        }
         let mut place = 0.5;
         for _ in 0..constants::STEPS_OF_JUMP {
             let a = before.right[0] + 0.5 * place * of_before;
@@ -191,7 +210,7 @@ mod tests {
         points.tau.copy_from_slice(tau);
         let mut jumps = Jumps::default();
         let mesh = Mesh::new(Mesh::even(1, tau.len() / POINTS), Shape::Quartic);
-        jumps.measure(&points, &mesh, &[]);
+        jumps.measure(&points, &mesh, &Barrier::default());
         jumps
     }
 

@@ -7,23 +7,42 @@ use crate::direct::interior::iterate::Interior;
 use crate::direct::limits::side::{Limited, Side};
 use crate::direct::points::values::PointDynamics;
 
-/// Which limits move inside, and how far.
+/// Which limits move inside.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Inside {
     /// Whether those of torques move, which are cut to their limits anyway.
     pub torques: bool,
-    /// Whether those of what may jump move as far as is of use at once, where they are exceeded.
-    pub whole: bool,
-}
-
-impl Inside {
-    /// How far a limit of what may jump moves that is exceeded by so much, in parts of its range.
-    fn amount(self, over: f64) -> f64 {
-        if self.whole { constants::MOST_OF_JUMPS } else { constants::MOVED * over }
-    }
 }
 
 impl Resolution {
+    /// Limits the coefficients of what may jump where it is exceeded anywhere between points, of `torques` or
+    /// of all else: then it is not, but for what is no quadratic in an interval. Whether any values were
+    /// limited before.
+    pub fn take_hulls<D: PointDynamics>(&self, interior: &mut Interior<D>, torques: bool) -> bool {
+        let (barrier, shape) = (&mut interior.barrier, interior.spline.mesh.shape);
+        let sides: Vec<Side> = barrier.all_sides().copied().collect();
+        let at_points = barrier.sides().len();
+        let least = constants::MOVED_FROM * constants::VIOLATION_BETWEEN;
+        let over = |i: usize, k: usize| match i.checked_sub(at_points) {
+            Some(rate) => self.rates.of(k, rate),
+            // Jumps that are not resolved stay.
+            None if self.overshoots.of(&sides[i]).most[k] > 0.0 => self.excess.of(k, i),
+            None => 0.0,
+        };
+        let counts = |side: &Side| {
+            side.limited.jumps(shape) && (side.limited == Limited::Torque) == torques && !side.is_equation
+        };
+        let exceeds = |i: usize| counts(&sides[i]) && (0..self.violations.len()).any(|k| over(i, k) > least);
+        let of = |i: usize| (sides[i].limited, sides[i].joint);
+        // Both sides of a limit have the same rows.
+        let limits: Vec<_> = (0..sides.len()).filter(|&i| exceeds(i)).map(of).collect();
+        let mut any = false;
+        for i in (0..sides.len()).filter(|&i| limits.contains(&of(i))) {
+            any |= barrier.take_hull(i);
+        }
+        any
+    }
+
     /// Moves limits inside by what they are exceeded between points, in the intervals where that is too much,
     /// if this may be enough: equations and bodies that pass through each other need narrower intervals.
     /// Whether any were moved.
@@ -31,7 +50,7 @@ impl Resolution {
         let sides = interior.barrier.sides();
         let (count, shape) = (sides.len(), interior.spline.mesh.shape);
         if shape.is_smooth() {
-            return self.move_rates_inside(interior, inside);
+            return self.move_rates_inside(interior);
         }
         let moves = |i: &usize| !sides[*i].is_equation;
         let most = |k: usize| (0..count).filter(moves).map(|i| self.excess.of(k, i)).fold(0.0, f64::max);
@@ -52,10 +71,8 @@ impl Resolution {
             .filter(|&(_, _, over)| over > least)
             .map(|(k, i, over)| {
                 let Side { range, limited, .. } = sides[i];
-                match limited.jumps(shape) {
-                    true => (k, i, inside.amount(over) * range, most_moved(limited) * range),
-                    false => (k, i, constants::MOVED * over * range, f64::INFINITY),
-                }
+                let most = if limited.jumps(shape) { most_moved(limited) } else { f64::INFINITY };
+                (k, i, constants::MOVED * over * range, most * range)
             })
             .collect();
         for (k, i, amount, most) in far {
@@ -64,18 +81,15 @@ impl Resolution {
         true
     }
 
-    /// The same of jerks and rates of torques, which are about quadratic in an interval. Around a jump from
-    /// limit to limit a quadratic whose values at the points are within them is beyond them by up to 4/3 of
-    /// them at its ends. Limits that are moved by 2/7 of their range, to 3/7 of what they are, are kept
-    /// everywhere.
-    fn move_rates_inside<D: PointDynamics>(&self, interior: &mut Interior<D>, inside: Inside) -> bool {
+    /// The same of jerks and rates of torques.
+    fn move_rates_inside<D: PointDynamics>(&self, interior: &mut Interior<D>) -> bool {
         let ranges: Vec<f64> = interior.barrier.rate_sides().iter().map(|side| side.range).collect();
         let least = constants::MOVED_FROM * constants::VIOLATION_BETWEEN;
         for k in 0..self.violations.len() {
             for (i, range) in ranges.iter().enumerate() {
                 let over = self.rates.of(k, i);
                 if over > least {
-                    let (amount, most) = (inside.amount(over) * range, constants::MOST_OF_JUMPS * range);
+                    let (amount, most) = (constants::MOVED * over * range, constants::MOST_OF_JUMPS * range);
                     interior.barrier.move_rate_inside(k, i, amount, most);
                 }
             }
@@ -92,7 +106,7 @@ mod tests {
     use crate::direct::limits::side::Limited;
     use crate::direct::motion::shape::Shape;
 
-    const ALL: Inside = Inside { torques: true, whole: false };
+    const ALL: Inside = Inside { torques: true };
 
     #[test]
     fn limits_move_only_if_that_may_be_enough() {

@@ -18,16 +18,13 @@ pub(crate) struct Group {
     pub most: Vec<f64>,
     /// What it costs in each interval to move limits inside as far as they are exceeded.
     pub losses: Vec<f64>,
-    /// The same for limits that move so far that no quadratic which keeps them at the points is beyond what
-    /// they were between.
-    pub whole: Vec<f64>,
 }
 
 impl Overshoots {
     /// None in so many intervals.
     pub fn clear(&mut self, intervals: usize) {
         for group in [&mut self.torques, &mut self.others] {
-            for values in [&mut group.most, &mut group.losses, &mut group.whole] {
+            for values in [&mut group.most, &mut group.losses] {
                 values.clear();
                 values.resize(intervals, 0.0);
             }
@@ -41,7 +38,6 @@ impl Overshoots {
         let group = self.of_mut(side);
         if group.most[k] > 0.0 && over > constants::MOVED_FROM * constants::VIOLATION_BETWEEN {
             group.losses[k] += price * (constants::MOVED * over).min(most);
-            group.whole[k] += price * constants::MOST_OF_JUMPS;
         }
     }
 
@@ -63,11 +59,6 @@ pub(super) fn most_moved(limited: Limited) -> f64 {
 }
 
 impl Group {
-    /// What it costs to move all limits that are exceeded as far as that is of use.
-    pub fn whole(&self) -> f64 {
-        self.whole.iter().sum()
-    }
-
     /// Largest violation.
     pub fn largest(&self) -> f64 {
         self.most.iter().copied().fold(0.0, f64::max)

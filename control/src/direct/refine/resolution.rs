@@ -124,7 +124,7 @@ impl Resolution {
     fn estimate<D: PointDynamics>(&mut self, interior: &Interior<D>) {
         let (spline, n) = (&interior.spline, interior.spline.dof);
         let shape = spline.mesh.shape;
-        self.jumps.measure(&interior.points, &spline.mesh, interior.barrier.rate_sides());
+        self.jumps.measure(&interior.points, &spline.mesh, &interior.barrier);
         for (k, error) in self.errors.iter_mut().enumerate() {
             if spline.mesh.is_end(k) && spline.mesh.is_end(k + 1) {
                 // Nothing to compare with.

@@ -13,13 +13,12 @@ use costate::EvalError;
 pub(super) struct Mended {
     /// How often limits were moved on this mesh.
     moves: usize,
-    /// Whether they were moved as far as is of use.
-    is_whole: bool,
     /// By how much limits were exceeded before the last time, in parts of ranges: without torques, and all.
     before: [f64; 2],
     /// Meshes that are finer for nothing else.
     meshes: usize,
-    /// The accurate motion that the first of them began with, or that was there before limits moved far.
+    /// The accurate motion that the first of them began with, or that was there before coefficients were
+    /// limited.
     accurate: Option<Spline>,
     /// Whether that one was taken again.
     gives_up: bool,
@@ -36,8 +35,6 @@ pub(super) struct Beyond {
     pub error: f64,
     /// What it costs to keep both of these, relative to the cost.
     pub losses: [f64; 2],
-    /// What it costs to move all limits but those of torques as far as is of use, relative to it.
-    pub whole: f64,
 }
 
 impl Beyond {
@@ -50,33 +47,33 @@ impl Beyond {
             overshoots: groups.map(|group| group.largest()),
             error,
             losses: groups.map(|group| group.loss() / size),
-            whole: overshoots.others.whole() / size,
         }
     }
 }
 
 impl Default for Mended {
     fn default() -> Self {
-        Self {
-            moves: 0,
-            is_whole: false,
-            before: [f64::INFINITY; 2],
-            meshes: 0,
-            accurate: None,
-            gives_up: false,
-        }
+        Self { moves: 0, before: [f64::INFINITY; 2], meshes: 0, accurate: None, gives_up: false }
     }
 }
 
 impl Mended {
+    /// Whether an accurate motion exceeds limits of what may jump and is not cut. Such values overshoot on
+    /// the interval in which the exact motion jumps or a limit begins to be active, on any mesh, unless their
+    /// coefficients are limited there.
+    pub fn wants_hulls(&self, beyond: &Beyond) -> bool {
+        beyond.overshoots[0] > constants::VIOLATION_BETWEEN && !self.gives_up
+    }
+
+    /// The same of torques, which are cut to their limits, and lead elsewhere then.
+    pub fn wants_torques(&self, beyond: &Beyond) -> bool {
+        beyond.overshoots[1] > constants::VIOLATION_BETWEEN && !self.gives_up
+    }
+
     /// Which limits move inside by what they are exceeded, if any: all of them, if that costs no more than
-    /// the tolerance allows; otherwise all but those of torques, which are cut to their limits. Where that
-    /// does not help any more, what is not cut moves as far as is of use, if that is not too dear either.
-    ///
-    /// Values that may jump overshoot on the interval in which the exact motion jumps or a limit begins to be
-    /// active, on any mesh. They stay so where it costs too much to keep the limit there.
+    /// the tolerance allows; otherwise all but those of torques, which are cut to their limits.
     pub fn moves_limits(&mut self, beyond: &Beyond, tolerance: f64) -> Option<Inside> {
-        let Beyond { violation, overshoots: [others, torques], error, losses, whole } = *beyond;
+        let Beyond { violation, overshoots: [others, torques], error, losses } = *beyond;
         let most = [violation.max(others), violation.max(others).max(torques)];
         let loss = [losses[0], losses[0] + losses[1]];
         let is_cheap = |loss: f64| violation < constants::MOST_MOVED && error + loss <= tolerance;
@@ -90,15 +87,12 @@ impl Mended {
         };
         let is_beyond = others > constants::VIOLATION_BETWEEN && !self.gives_up;
         let wanted = [true, false].into_iter().take(if is_beyond { 2 } else { 1 });
-        let found = wanted.into_iter().find(moves).map(|torques| Inside { torques, whole: false });
+        let found = wanted.into_iter().find(moves).map(|torques| Inside { torques });
         if found.is_some() {
             self.moves += 1;
             self.before = most;
-            return found;
         }
-        let goes_on = is_beyond && !self.is_whole && is_cheap(whole);
-        self.is_whole |= goes_on;
-        goes_on.then_some(Inside { torques: false, whole: true })
+        found
     }
 
     /// The nodes of a finer mesh for an accurate motion of which nothing is left to move, but which exceeds
@@ -107,14 +101,14 @@ impl Mended {
         &mut self,
         beyond: &Beyond,
         (resolution, spline): (&mut Resolution, &Spline),
-        [allowed, enough]: [f64; 2],
+        allowed: f64,
         most: usize,
     ) -> Option<Vec<f64>> {
         let is_kept = beyond.overshoots[0] <= constants::VIOLATION_BETWEEN;
         if is_kept || self.gives_up || self.meshes >= constants::MESHES_BETWEEN {
             return None;
         }
-        let nodes = resolution.nodes_for_limits(spline, allowed, enough);
+        let nodes = resolution.nodes_for_limits(spline, allowed);
         if nodes == spline.mesh.nodes || nodes.len() > most {
             return None;
         }
@@ -137,6 +131,7 @@ impl Mended {
     pub fn comes_back(&mut self, interior: &mut Interior<Dynamics>) -> Result<bool, EvalError> {
         let Some(spline) = self.accurate.take() else { return Ok(false) };
         self.gives_up = true;
+        interior.barrier.drop_hulls();
         interior.spline = spline;
         interior.start(None)?;
         self.begin_mesh();
@@ -145,7 +140,7 @@ impl Mended {
 
     /// Begins a new mesh.
     pub fn begin_mesh(&mut self) {
-        (self.moves, self.is_whole, self.before) = (0, false, [f64::INFINITY; 2]);
+        (self.moves, self.before) = (0, [f64::INFINITY; 2]);
     }
 }
 
@@ -154,7 +149,7 @@ mod tests {
     use super::{Beyond, Inside, Mended, constants};
 
     const TOLERANCE: f64 = 1e-4;
-    const ALL: Option<Inside> = Some(Inside { torques: true, whole: false });
+    const ALL: Option<Inside> = Some(Inside { torques: true });
 
     fn torques(part: f64, loss: f64) -> Beyond {
         Beyond { overshoots: [0.0, part], losses: [0.0, loss], ..Beyond::default() }
@@ -189,29 +184,11 @@ mod tests {
     /// What is not cut moves alone where torques would cost too much.
     #[test]
     fn torques_are_left_first() {
-        let both = Beyond {
-            overshoots: [0.01, 0.3],
-            losses: [0.5 * TOLERANCE, TOLERANCE],
-            whole: 2.0 * TOLERANCE,
-            ..Beyond::default()
-        };
-        let alone = |whole: bool| Some(Inside { torques: false, whole });
-        assert_eq!(Mended::default().moves_limits(&both, TOLERANCE), alone(false));
+        let both =
+            Beyond { overshoots: [0.01, 0.3], losses: [0.5 * TOLERANCE, TOLERANCE], ..Beyond::default() };
+        let alone = Some(Inside { torques: false });
+        assert_eq!(Mended::default().moves_limits(&both, TOLERANCE), alone);
         let dear = Beyond { losses: [2.0 * TOLERANCE, 0.0], ..both };
         assert_eq!(Mended::default().moves_limits(&dear, TOLERANCE), None);
-    }
-
-    /// What is not cut moves once more, as far as is of use, where less does not help.
-    #[test]
-    fn what_does_not_fall_moves_all_the_way_once() {
-        let mut mended = Mended::default();
-        let mut moves = |part: f64| {
-            let overshoots = [part, 0.0];
-            let beyond = Beyond { overshoots, whole: 0.9 * TOLERANCE, ..Beyond::default() };
-            mended.moves_limits(&beyond, TOLERANCE)
-        };
-        assert_eq!(moves(0.1), ALL);
-        assert_eq!(moves(0.09), Some(Inside { torques: false, whole: true }));
-        assert_eq!(moves(0.08), None);
     }
 }

@@ -132,6 +132,13 @@ pub(super) fn refine(
             beyond.overshoots = [0.0; 2];
         }
         let is_solved = end == End::Solved && !unresolved;
+        if is_solved && accurate && mended.wants_hulls(&beyond) && resolution.take_hulls(interior, false) {
+            mended.keep(&interior.spline);
+            mended.begin_mesh();
+            precision = least;
+            interior.begin_inside();
+            continue;
+        }
         let moves = if is_solved && can_move { mended.moves_limits(&beyond, tolerance) } else { None };
         let allowed = tolerance * figures.size;
         let enough = interior.looseness.between(constants::ENOUGH) * allowed;
@@ -139,7 +146,7 @@ pub(super) fn refine(
         let finer = match is_solved && accurate && moves.is_none() && mesh + 1 < constants::MESHES {
             true => {
                 let most = (options.max_nodes - 1) / stride + 1;
-                mended.finer(&beyond, (resolution, &interior.spline), [allowed, enough], most)
+                mended.finer(&beyond, (resolution, &interior.spline), allowed, most)
             }
             false => None,
         };
@@ -149,9 +156,6 @@ pub(super) fn refine(
             (guess, gap, mesh) = (interior.spline.clone(), constants::WARM, mesh + 1);
             precision = least;
             continue;
-        }
-        if moves.is_some_and(|inside| inside.whole) {
-            mended.keep(&interior.spline);
         }
         let moves = moves.filter(|inside| resolution.move_limits_inside(interior, *inside)).is_some();
         let mut again = None;
@@ -177,7 +181,14 @@ pub(super) fn refine(
             }
             End::Solved => Status::MeshLimit,
         };
+        let is_cut = status == Status::NotVerified && mended.wants_torques(&beyond);
         refined = Refined { status, error, again, infeasible: None };
+        if is_cut && resolution.take_hulls(interior, true) {
+            mended.keep(&interior.spline);
+            mended.begin_mesh();
+            interior.begin_inside();
+            continue;
+        }
         let kept = accurate && precision <= least && !moves;
         let unverified = kept && options.verify == Verify::None;
         if refined.status.is_converged()
