@@ -48,8 +48,8 @@ pub enum EvalError {
     /// A robot with a floating or spherical joint, where this computation takes none.
     #[error(
         "joint '{}' is {kind}, its orientation a quaternion: this computation does not take such joints, or q has \
-         no entries for the quaternion; `Hamiltonian` and `Lagrangian` take them, to second order; for \
-         all else describe the joint as a chain of joints of one degree of freedom",
+         no entries for the quaternion; `Hamiltonian`, `ConstrainedHamiltonian` and `Lagrangian` take them, to \
+         second order; for all else describe the joint as a chain of joints of one degree of freedom",
         printable(joint)
     )]
     FreeJoint {

@@ -36,6 +36,7 @@ pub mod batch;
 pub mod codegen;
 pub mod configuration;
 pub mod constraints;
+pub mod contacts;
 mod coordinates;
 pub mod derivative;
 pub mod dynamics;
@@ -65,3 +66,8 @@ pub use num_dual;
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 struct Readme;
+
+/// The example of the manual of contacts.
+#[cfg(doctest)]
+#[doc = include_str!("../docs/contacts.md")]
+struct Contacts;

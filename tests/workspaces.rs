@@ -1,7 +1,11 @@
 //! Every public workspace can be printed and sent to another thread.
 
 use costate::batch::{Batch, Model, NodeFunction, StepMap};
-use costate::constraints::{ConstrainedHamiltonian, ConstrainedHamiltonianSecondOrder, Constraints};
+use costate::constraints::{
+    ConstrainedHamiltonian, ConstrainedHamiltonianSecondOrder, ConstrainedLagrangian,
+    ConstrainedLagrangianSecondOrder, Constraints, Impact,
+};
+use costate::contacts::{Contact, ContactForces, ForceMap, Margin, Stance};
 use costate::derivative::{
     Directional, ForwardDynamics, Hessian, Jacobian, NestedHessian, PhaseVelocity, Routes,
 };
@@ -41,6 +45,8 @@ fn workspaces_are_sent_shared_cloned_and_printed() {
         FullHessian<f64>, ExternalForces<f64>, Kinematics<f64>, KinematicsSecondOrder<f64>, Lagrangian<f64>,
         ParameterSet, Regressor<f64>, HamiltonianParameters<f64>, LagrangianParameters<f64>,
         Constraints<f64>, ConstrainedHamiltonian<f64>, ConstrainedHamiltonianSecondOrder<f64>,
+        ConstrainedLagrangian<f64>, ConstrainedLagrangianSecondOrder<f64>, Impact<f64>,
+        Contact, Stance, Margin, ForceMap<f64>, ContactForces<f64>,
         Velocities, LegendreTransform<f64>,
         MassMatrixDerivatives<f64>, ChristoffelKernel<f64>, IndexSets, QuadraticCost,
         PhaseVelocity, ForwardDynamics, OneStep<HamiltonianRobot, Verlet>, OneStep<LagrangianRobot, SemiImplicit>,

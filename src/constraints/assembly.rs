@@ -9,10 +9,15 @@ impl<S: Scalar> ConstrainedHamiltonian<S> {
     /// F, F_x, mu_x, accelerations and lambda, after [`prepare`](Self::prepare).
     #[inline(never)]
     pub(super) fn assemble(&mut self, q: &[S], u: &[S]) {
+        self.assemble_chart(q, u);
+        self.balance();
+    }
+
+    /// The same without accelerations and lambda, in the coordinates of the chains of joints.
+    pub(super) fn assemble_chart(&mut self, q: &[S], u: &[S]) {
         self.rate(q, u);
         self.responses();
         self.forces();
-        self.balance();
         let n = self.dof();
         for &i in self.tree.with_friction() {
             let slope = self.friction[i].first;
@@ -28,7 +33,7 @@ impl<S: Scalar> ConstrainedHamiltonian<S> {
     }
 
     /// The rows of v and mu: a column of (v, mu)_x for each unit direction.
-    fn responses(&mut self) {
+    pub(super) fn responses(&mut self) {
         let n = self.dof();
         let [mut d_q, mut d_p] = std::mem::take(&mut self.direction);
         let [mut dv, mut dmu] = std::mem::take(&mut self.change);
@@ -49,7 +54,7 @@ impl<S: Scalar> ConstrainedHamiltonian<S> {
 
     /// The conservative rows of p: `LL_qq + (P - (mu . J)_q)' v_q - (J v)_q' mu_q` and `-v_q'`, and v_p
     /// exactly symmetric.
-    fn forces(&mut self) {
+    pub(super) fn forces(&mut self) {
         let (n, blocks) = (self.dof(), &self.moving.blocks);
         for i in 0..n {
             for j in 0..=i {
@@ -71,7 +76,7 @@ impl<S: Scalar> ConstrainedHamiltonian<S> {
     }
 
     /// `(a; lambda) = (v; mu)_x F`, all forces included.
-    fn balance(&mut self) {
+    pub(super) fn balance(&mut self) {
         let [mut a, mut lambda] = std::mem::take(&mut self.rates);
         for (i, a) in a.iter_mut().enumerate() {
             *a = dot(self.f_x.row(i), &self.f);

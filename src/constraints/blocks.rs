@@ -29,11 +29,45 @@ impl<S: Scalar> Blocks<S> {
     }
 }
 
+/// A position with derivatives: constant orientations, and coordinates of the chains of joints that move.
+#[derive(Clone, Debug)]
+pub(super) struct ChartPoint<S, T> {
+    still: Vec<S>,
+    /// nq entries, if there are quaternions among them.
+    pub q: Vec<T>,
+    /// n entries.
+    pub chart: Vec<T>,
+}
+
+impl<S: Scalar, T: Scalar> ChartPoint<S, T> {
+    pub fn new(tree: &Tree) -> Self {
+        let nq = if tree.free().is_empty() { 0 } else { tree.nq() };
+        Self {
+            still: filled(S::zero(), tree.dof()),
+            q: filled(T::zero(), nq),
+            chart: filled(T::zero(), tree.dof()),
+        }
+    }
+
+    /// With the entries of q and of the chart made by these functions.
+    pub fn set(
+        &mut self,
+        rows: &Constraints<T>,
+        q: &[S],
+        constant: impl Fn(S) -> T,
+        moving: impl Fn(S, usize) -> T,
+    ) {
+        rows.tree().chart_coordinates(q, &mut self.still);
+        self.q.iter_mut().zip(q).for_each(|(to, &q)| *to = constant(q));
+        self.chart.iter_mut().zip(&self.still).enumerate().for_each(|(i, (to, &q))| *to = moving(q, i));
+    }
+}
+
 /// The blocks at (q, v, mu).
 #[derive(Clone, Debug)]
 pub(super) struct Moving<S: Scalar> {
     rows: Constraints<Tangent<S>>,
-    q: Vec<Tangent<S>>,
+    at: ChartPoint<S, Tangent<S>>,
     mu: Vec<Tangent<S>>,
     pub blocks: Blocks<S>,
 }
@@ -42,17 +76,22 @@ impl<S: Scalar> Moving<S> {
     pub fn new(tree: &Tree) -> Self {
         let rows = Constraints::from_tree(tree);
         let (n, k, zero) = (rows.dof(), rows.count(), Tangent::zero());
-        Self { rows, q: filled(zero, n), mu: filled(zero, k), blocks: Blocks::new(n, k) }
+        Self { rows, at: ChartPoint::new(tree), mu: filled(zero, k), blocks: Blocks::new(n, k) }
     }
 
     #[inline(never)]
     pub fn place(&mut self, q: &[S], v: &[S], mu: &[S]) {
-        self.q.iter_mut().zip(q.iter().zip(v)).for_each(|(to, (&q, &v))| *to = Tangent::new(q, v));
+        self.at.set(
+            &self.rows,
+            q,
+            |value| Tangent::new(value, S::zero()),
+            |value, i| Tangent::new(value, v[i]),
+        );
         self.mu.iter_mut().zip(mu).for_each(|(to, &mu)| *to = Tangent::new(mu, S::zero()));
-        self.rows.place(&self.q);
+        self.rows.place_chart(&self.at.q, &self.at.chart);
         self.rows.contract(&self.mu);
         let Blocks { jacobian, slope, curvature, bend } = &mut self.blocks;
-        take(self.rows.jacobian(), |entry| [entry.re, entry.eps], [jacobian, slope]);
+        take(self.rows.chart_jacobian(), |entry| [entry.re, entry.eps], [jacobian, slope]);
         take(self.rows.contracted(), |entry| [entry.re, entry.eps], [curvature, bend]);
     }
 }
@@ -61,7 +100,7 @@ impl<S: Scalar> Moving<S> {
 #[derive(Clone, Debug)]
 pub(super) struct Changing<S: Scalar> {
     rows: Constraints<Tangent<Tangent<S>>>,
-    q: Vec<Tangent<Tangent<S>>>,
+    at: ChartPoint<S, Tangent<Tangent<S>>>,
     mu: Vec<Tangent<Tangent<S>>>,
     pub blocks: Blocks<S>,
 }
@@ -70,22 +109,22 @@ impl<S: Scalar> Changing<S> {
     pub fn new(tree: &Tree) -> Self {
         let rows = Constraints::from_tree(tree);
         let (n, k, zero) = (rows.dof(), rows.count(), Scalar::zero());
-        Self { rows, q: filled(zero, n), mu: filled(zero, k), blocks: Blocks::new(n, k) }
+        Self { rows, at: ChartPoint::new(tree), mu: filled(zero, k), blocks: Blocks::new(n, k) }
     }
 
     /// At (q, v, mu), along (dq, dv, dmu).
     #[inline(never)]
     pub fn place(&mut self, [q, v, mu]: [&[S]; 3], [dq, dv, dmu]: [&[S]; 3]) {
-        for (i, to) in self.q.iter_mut().enumerate() {
-            *to = Tangent::new(Tangent::new(q[i], v[i]), Tangent::new(dq[i], dv[i]));
-        }
+        let still = Tangent::new(S::zero(), S::zero());
+        let moving = |value, i: usize| Tangent::new(Tangent::new(value, v[i]), Tangent::new(dq[i], dv[i]));
+        self.at.set(&self.rows, q, |value| Tangent::new(Tangent::new(value, S::zero()), still), moving);
         for (i, to) in self.mu.iter_mut().enumerate() {
             *to = Tangent::new(Tangent::new(mu[i], S::zero()), Tangent::new(dmu[i], S::zero()));
         }
-        self.rows.place(&self.q);
+        self.rows.place_chart(&self.at.q, &self.at.chart);
         self.rows.contract(&self.mu);
         let Blocks { jacobian, slope, curvature, bend } = &mut self.blocks;
-        take(self.rows.jacobian(), |entry| [entry.eps.re, entry.eps.eps], [jacobian, slope]);
+        take(self.rows.chart_jacobian(), |entry| [entry.eps.re, entry.eps.eps], [jacobian, slope]);
         take(self.rows.contracted(), |entry| [entry.eps.re, entry.eps.eps], [curvature, bend]);
     }
 }

@@ -4,7 +4,9 @@ use super::Constraints;
 use super::blocks::Moving;
 use super::kkt::Kkt;
 use super::linearisation::{ConstrainedAdjoint, ConstrainedLinearisation, ConstrainedRate};
+use super::position::check_position;
 use crate::error::EvalError;
+use crate::hamiltonian::Free;
 use crate::kernels::{Factor, FrictionDerivatives, KernelOne, check_entries, friction_of};
 use crate::kinematics::ExternalForces;
 use crate::matrix::{Matrix, add_scaled, dot, filled};
@@ -34,8 +36,10 @@ use crate::scalar::Scalar;
 ///
 /// Slices q (rad, m), v (rad/s, m/s), p (kg m^2/s, kg m/s), u (N m, N) have n entries, in the order of
 /// [`Robot::independent_joints`]. Every method can fail with [`EvalError::WrongLength`],
-/// [`EvalError::NonFinite`], [`EvalError::SingularMassMatrix`], and with [`EvalError::FreeJoint`] for robots
-/// with floating or spherical joints. Rows that depend on others are left out: see [`rank`](Self::rank).
+/// [`EvalError::NonFinite`], [`EvalError::SingularMassMatrix`]. Rows that depend on others are left out: see
+/// [`rank`](Self::rank). With floating and spherical joints q has [`Tree::nq`] entries, and F, F_x, y'F_xx
+/// and mu_x are those in the left-trivialised tangent space, as in
+/// [`Hamiltonian`](crate::hamiltonian::Hamiltonian).
 /// Without constraints the results are those of [`Hamiltonian`](crate::hamiltonian::Hamiltonian).
 ///
 /// ```
@@ -74,7 +78,9 @@ pub struct ConstrainedHamiltonian<S: Scalar> {
     /// mu_x, k x 2n.
     pub(super) mu_x: Matrix<S>,
     pub(super) f_u: Matrix<S>,
-    product: Vec<S>,
+    pub(super) product: Vec<S>,
+    /// What floating and spherical joints need, if there are any.
+    pub(super) free: Option<Box<Free<S>>>,
     /// Acceleration and lambda.
     pub(super) rates: [Vec<S>; 2],
     pub(super) drift: Vec<S>,
@@ -108,6 +114,7 @@ impl<S: Scalar> ConstrainedHamiltonian<S> {
             mu_x: Matrix::zeros(k, 2 * n),
             f_u,
             product: filled(S::zero(), 2 * n),
+            free: Free::where_any(&tree),
             rates: [zeros, multipliers.clone()],
             drift: multipliers,
             tree,
@@ -130,6 +137,9 @@ impl<S: Scalar> ConstrainedHamiltonian<S> {
     /// See [`ConstrainedHamiltonian`].
     pub fn evaluate(&mut self, q: &[S], p: &[S], u: &[S]) -> Result<ConstrainedRate<'_, S>, EvalError> {
         self.check(&[("q", q), ("p", p), ("u", u)])?;
+        if self.free.is_some() {
+            return self.evaluate_free([q, p, u]);
+        }
         self.first_order(q, p)?;
         self.rows.contract(&self.mu);
         let n = self.dof();
@@ -151,6 +161,9 @@ impl<S: Scalar> ConstrainedHamiltonian<S> {
         u: &[S],
     ) -> Result<ConstrainedLinearisation<'_, S>, EvalError> {
         self.check(&[("q", q), ("p", p), ("u", u)])?;
+        if self.free.is_some() {
+            return self.linearise_free([q, p, u]);
+        }
         self.prepare(q, p)?;
         self.assemble(q, u);
         Ok(self.linearisation())
@@ -170,6 +183,9 @@ impl<S: Scalar> ConstrainedHamiltonian<S> {
         let n = self.dof();
         self.check(&[("q", q), ("p", p), ("u", u)])?;
         check_entries(&self.tree, "y", y, 2 * n)?;
+        if self.free.is_some() {
+            return self.adjoint_free([q, p, u, y]);
+        }
         self.prepare(q, p)?;
         self.rate(q, u);
         self.set_costate(y);
@@ -188,11 +204,22 @@ impl<S: Scalar> ConstrainedHamiltonian<S> {
         Ok(ConstrainedAdjoint { f: &self.f, y_f_x: &self.product })
     }
 
-    /// Every argument has n finite entries.
+    /// Every argument has n finite entries, positions nq.
     pub(super) fn check(&self, arguments: &[(&'static str, &[S])]) -> Result<(), EvalError> {
-        self.tree.refuse_free()?;
+        if !self.tree.wrenches().is_empty() {
+            self.tree.refuse_free()?;
+        }
         let n = self.dof();
-        arguments.iter().try_for_each(|&(what, values)| check_entries(&self.tree, what, values, n))
+        arguments.iter().try_for_each(|&(what, values)| match what {
+            "q" | "q_0" => check_position(&self.tree, what, values),
+            _ => check_entries(&self.tree, what, values, n),
+        })
+    }
+
+    /// The same, for what takes no floating and spherical joints.
+    pub(super) fn check_plain(&self, arguments: &[(&'static str, &[S])]) -> Result<(), EvalError> {
+        self.tree.refuse_free()?;
+        self.check(arguments)
     }
 
     /// M, J and the factors of their matrix.
@@ -203,7 +230,7 @@ impl<S: Scalar> ConstrainedHamiltonian<S> {
         factor.factor(kernel.mass_matrix(), |k| kernel.size_of_entry(tree, k)).map_err(singular)?;
         self.rows.place(q);
         self.kkt.set_sizes(self.rows.sizes(), self.kernel.mass_matrix());
-        self.kkt.factor(&self.factor, self.rows.jacobian());
+        self.kkt.factor(&self.factor, self.rows.chart_jacobian());
         Ok(())
     }
 
@@ -243,7 +270,7 @@ impl<S: Scalar> ConstrainedHamiltonian<S> {
     }
 
     /// v, and what friction, actuation and wrenches add to F^p.
-    fn add_outer_forces(&mut self, q: &[S], u: &[S]) {
+    pub(super) fn add_outer_forces(&mut self, q: &[S], u: &[S]) {
         let (f_q, f_p) = self.f.split_at_mut(self.v.len());
         f_q.copy_from_slice(&self.v);
         f_p.iter_mut().zip(u).for_each(|(f, &u)| *f += u);
@@ -254,32 +281,5 @@ impl<S: Scalar> ConstrainedHamiltonian<S> {
         if let Some(external) = &mut self.external {
             f_p.iter_mut().zip(external.force(q)).for_each(|(f, &tau)| *f += tau);
         }
-    }
-
-    /// `(dv; dmu) = MM^-1 (d_p - (P - (mu . J)_q) d_q ; (J v)_q d_q)`: the change of (v, mu) along
-    /// (d_q, d_p).
-    pub(super) fn respond(&mut self, d_q: &[S], d_p: &[S], [dv, dmu]: [&mut [S]; 2]) {
-        for (i, dv) in dv.iter_mut().enumerate() {
-            *dv = d_p[i] - dot(self.cross.row(i), d_q);
-        }
-        for (i, dmu) in dmu.iter_mut().enumerate() {
-            *dmu = dot(self.moving.blocks.slope.row(i), d_q);
-        }
-        self.kkt.solve(&self.factor, dv, dmu);
-    }
-
-    /// The direction `w = (-y_p, y_q + D_v y_p)` and the response to it.
-    pub(super) fn set_costate(&mut self, y: &[S]) {
-        let [mut w_q, mut w_p] = std::mem::take(&mut self.direction);
-        let [mut dv, mut dmu] = std::mem::take(&mut self.change);
-        let (y_q, y_p) = y.split_at(w_q.len());
-        w_q.iter_mut().zip(y_p).for_each(|(w, &y)| *w = -y);
-        w_p.copy_from_slice(y_q);
-        for &i in self.tree.with_friction() {
-            w_p[i] += friction_of(&self.tree, i, self.v[i]).first * y_p[i];
-        }
-        self.respond(&w_q, &w_p, [&mut dv, &mut dmu]);
-        self.direction = [w_q, w_p];
-        self.change = [dv, dmu];
     }
 }

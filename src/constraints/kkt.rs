@@ -128,6 +128,15 @@ impl<S: Scalar> Kkt<S> {
         }
     }
 
+    /// `m' C m`, never negative: `sum D_i (L'm)_i^2`.
+    pub fn square(&self, m: &[S]) -> S {
+        (0..m.len()).fold(S::zero(), |sum, i| {
+            let after = m.iter().enumerate().skip(i + 1);
+            let entry = after.fold(m[i], |sum, (j, &m)| sum + self.lower[(j, i)] * m);
+            sum + self.pivots[i] * entry * entry
+        })
+    }
+
     /// Velocity and multipliers at p: `v <- M^-1 (v + J'mu)` with `J v = 0`, from p in the place of v.
     pub fn velocity(&mut self, factor: &Factor<S>, v: &mut [S], mu: &mut [S]) {
         mu.fill(S::zero());

@@ -4,6 +4,8 @@
 //! `[[constraint]]` of a [file](crate::robot::file). [`Constraints`] computes g, its Jacobian J and its
 //! contracted Hessian; [`ConstrainedHamiltonian`] F, F_x, y'F_x, accelerations and the forces of the
 //! constraints; [`ConstrainedHamiltonianSecondOrder`] adds y'F_xx and its product with a vector.
+//! [`ConstrainedLagrangian`] and [`ConstrainedLagrangianSecondOrder`] have accelerations and forces in
+//! (q, v, u), [`Impact`] what happens where constraints set in or are released.
 //!
 //! The transform is that of impetus and striction (J. H. Maddocks, R. L. Pego, "An unconstrained Hamiltonian
 //! formulation for incompressible fluid flow", Communications in Mathematical Physics 170 (1995) 207-217),
@@ -12,13 +14,27 @@
 mod assembly;
 mod blocks;
 mod chain;
+mod directions;
 mod error;
+#[cfg(test)]
+mod free_samples;
+mod free_state;
+#[cfg(test)]
+mod free_tests;
 mod hamiltonian;
 mod held;
+mod impact;
+#[cfg(test)]
+mod impact_tests;
 mod kkt;
+mod lagrangian;
+mod lagrangian_second_order;
+#[cfg(test)]
+mod lagrangian_tests;
 mod linearisation;
 #[cfg(test)]
 mod loop_tests;
+mod position;
 mod projection;
 mod quaternion;
 mod rows;
@@ -31,6 +47,9 @@ mod tests;
 
 pub use error::ConstraintError;
 pub use hamiltonian::ConstrainedHamiltonian;
+pub use impact::{AfterImpact, Impact, ImpactLinearisation, ImpactWeights};
+pub use lagrangian::{AccelerationLinearisation, ConstrainedLagrangian};
+pub use lagrangian_second_order::{AccelerationContraction, ConstrainedLagrangianSecondOrder};
 pub use linearisation::{
     ConstrainedAdjoint, ConstrainedContraction, ConstrainedLinearisation, ConstrainedRate,
 };

@@ -1,7 +1,9 @@
 //! Closing loops, and removing drift.
 
 use super::{ConstrainedHamiltonian, ConstraintError};
+use crate::configuration::ConfigurationSpace;
 use crate::error::{EvalError, check_length};
+use crate::robot::Tree;
 
 /// No step is tried where no row misses by more than this (m, rad).
 const CLOSED: f64 = 1e-13;
@@ -48,14 +50,13 @@ impl ConstrainedHamiltonian<f64> {
     /// As [`close`](Self::close).
     pub fn project(&mut self, q: &mut [f64], p: &mut [f64], q_0: &[f64]) -> Result<(), ConstraintError> {
         self.check(&[("q", q), ("p", p), ("q_0", q_0)])?;
-        self.solve_velocity(q, p)?;
-        let v = self.v.clone();
+        let v = self.velocity(q, p)?.0.to_vec();
         self.rows.place(q_0);
         let target = self.rows.values().to_vec();
-        self.move_to(q, &target, &vec![false; q.len()])?;
+        self.move_to(q, &target, &vec![false; self.dof()])?;
         p.copy_from_slice(self.momentum(q, &v)?);
-        self.first_order(q, p)?;
-        p.copy_from_slice(self.kernel.momentum());
+        let v = self.velocity(q, p)?.0.to_vec();
+        p.copy_from_slice(self.momentum(q, &v)?);
         Ok(())
     }
 
@@ -63,11 +64,15 @@ impl ConstrainedHamiltonian<f64> {
     /// other by chance no longer do.
     fn move_to(&mut self, q: &mut [f64], target: &[f64], held: &[bool]) -> Result<(), ConstraintError> {
         self.check(&[("q", q)])?;
-        let mut search = Search::new(q, target.len());
+        let mut search = Search::new(&self.tree, q, target.len());
         for attempt in 0..ATTEMPTS {
             if attempt > 0 {
-                let unheld = q.iter_mut().zip(held).enumerate().filter(|(_, (_, held))| !**held);
-                unheld.for_each(|(i, (q, _))| *q += NUDGE * (1.0 + 2.0 * i as f64 + attempt as f64).sin());
+                for (i, (nudge, held)) in search.change.iter_mut().zip(held).enumerate() {
+                    let by = NUDGE * (1.0 + 2.0 * i as f64 + attempt as f64).sin();
+                    *nudge = if *held { 0.0 } else { by };
+                }
+                search.space.integrate(q, &search.change, &mut search.trial)?;
+                q.copy_from_slice(&search.trial);
             }
             self.newton(q, target, held, &mut search)?;
             if largest(&search.miss) <= NEARLY {
@@ -87,7 +92,7 @@ impl ConstrainedHamiltonian<f64> {
         held: &[bool],
         search: &mut Search,
     ) -> Result<(), EvalError> {
-        let Search { change, trial, weights, miss, .. } = search;
+        let Search { space, change, step, trial, weights, miss, .. } = search;
         self.miss(q, target, miss);
         for _ in 0..STEPS {
             if largest(miss) <= CLOSED {
@@ -96,12 +101,13 @@ impl ConstrainedHamiltonian<f64> {
             self.weigh(q, held, weights)?;
             let size = self.counted_square(miss);
             self.kkt.correct(miss, change);
-            let mut step = 1.0;
+            let mut length = 1.0;
             let nearer = (0..HALVINGS).any(|_| {
-                trial.iter_mut().zip(q.iter().zip(&*change)).for_each(|(to, (q, dq))| *to = q + step * dq);
-                step *= 0.5;
+                step.iter_mut().zip(&*change).for_each(|(to, dq)| *to = length * dq);
+                length *= 0.5;
+                let moved = space.integrate(q, step, trial).is_ok();
                 self.miss(trial, target, miss);
-                self.counted_square(miss) < size
+                moved && self.counted_square(miss) < size
             });
             if !nearer {
                 break;
@@ -166,7 +172,10 @@ impl ConstrainedHamiltonian<f64> {
 
 /// Buffers of a search, and the nearest position that it has found.
 struct Search {
+    space: ConfigurationSpace,
     change: Vec<f64>,
+    /// A part of the change.
+    step: Vec<f64>,
     trial: Vec<f64>,
     weights: Vec<f64>,
     miss: Vec<f64>,
@@ -175,11 +184,13 @@ struct Search {
 }
 
 impl Search {
-    fn new(q: &[f64], rows: usize) -> Self {
-        let zeros = vec![0.0; q.len()];
+    fn new(tree: &Tree, q: &[f64], rows: usize) -> Self {
+        let zeros = vec![0.0; tree.dof()];
         Self {
+            space: ConfigurationSpace::from_tree(tree.clone()),
             change: zeros.clone(),
-            trial: zeros.clone(),
+            step: zeros.clone(),
+            trial: q.to_vec(),
             weights: zeros,
             miss: vec![0.0; rows],
             nearest: q.to_vec(),

@@ -1,8 +1,9 @@
 //! All constraints of a robot: g, J and the contracted Hessian of g.
 
 use super::held::Held;
+use super::position::check_position;
+use crate::configuration::ChartFrame;
 use crate::error::EvalError;
-use crate::kernels::check_entries;
 use crate::kinematics::Kinematics;
 use crate::matrix::{Matrix, filled};
 use crate::robot::{Robot, Tree};
@@ -12,7 +13,8 @@ use std::ops::Range;
 /// Workspace for the constraints g(q) of a robot, k rows; no call allocates.
 ///
 /// The rows are those of the [constraints](Robot::constraints), one after the other. Coordinates are as in
-/// [`Hamiltonian`](crate::hamiltonian::Hamiltonian): q has n entries (rad, m). Rows of positions and
+/// [`Hamiltonian`](crate::hamiltonian::Hamiltonian): q has n entries (rad, m), with floating and spherical
+/// joints nq. Rows of positions and
 /// distances are in m, rows of orientations and couplings of revolute joints in rad.
 ///
 /// ```
@@ -38,6 +40,17 @@ pub struct Constraints<S: Scalar> {
     jacobian: Matrix<S>,
     sizes: Matrix<S>,
     hessian: Matrix<S>,
+    /// Coordinates of the chains of joints.
+    chart: Vec<S>,
+    /// For robots with floating or spherical joints, J in the axes of the frames that they move.
+    seen: Option<Box<Seen<S>>>,
+}
+
+/// J in the axes of moved frames.
+#[derive(Clone, Debug)]
+struct Seen<S> {
+    frames: Vec<ChartFrame<S>>,
+    jacobian: Matrix<S>,
 }
 
 impl<S: Scalar> Constraints<S> {
@@ -66,6 +79,11 @@ impl<S: Scalar> Constraints<S> {
             jacobian: Matrix::zeros(k, n),
             sizes: Matrix::zeros(k, n),
             hessian: Matrix::zeros(n, n),
+            chart: filled(S::zero(), n),
+            seen: (!tree.free().is_empty()).then(|| {
+                let frames = tree.free().iter().map(ChartFrame::new).collect();
+                Box::new(Seen { frames, jacobian: Matrix::zeros(k, n) })
+            }),
         }
     }
 
@@ -91,12 +109,12 @@ impl<S: Scalar> Constraints<S> {
         self.rows[k].clone()
     }
 
-    /// Computes g and J at q (n).
+    /// Computes g and J at q (nq: n without floating and spherical joints).
     ///
     /// # Errors
-    /// [`EvalError::WrongLength`] or [`EvalError::NonFinite`].
+    /// [`EvalError::WrongLength`] or [`EvalError::NonFinite`]; [`EvalError::NotUnit`].
     pub fn set_position(&mut self, q: &[S]) -> Result<(), EvalError> {
-        check_entries(self.kinematics.tree(), "q", q, self.dof())?;
+        check_position(self.kinematics.tree(), "q", q)?;
         self.place(q);
         Ok(())
     }
@@ -104,12 +122,33 @@ impl<S: Scalar> Constraints<S> {
     /// The same without a check.
     #[inline(never)]
     pub(super) fn place(&mut self, q: &[S]) {
-        self.kinematics.place_still(q);
+        let mut chart = std::mem::take(&mut self.chart);
+        self.kinematics.tree().chart_coordinates(q, &mut chart);
+        self.place_chart(q, &chart);
+        self.chart = chart;
+        if let Some(seen) = &mut self.seen {
+            let Seen { frames, jacobian } = &mut **seen;
+            jacobian.copy_from(&self.jacobian);
+            for frame in frames {
+                frame.set_configuration(q);
+                (0..jacobian.rows()).for_each(|i| frame.inward(jacobian.row_mut(i)));
+            }
+        }
+    }
+
+    /// At the orientations of q, and these coordinates of the chains of joints.
+    pub(super) fn place_chart(&mut self, q: &[S], chart: &[S]) {
+        self.kinematics.place_chart(q, chart);
         self.jacobian.fill_zero();
         for (held, rows) in self.held.iter_mut().zip(&self.rows) {
-            held.place(&self.kinematics, q, &mut self.values[rows.clone()]);
+            held.place(&self.kinematics, chart, &mut self.values[rows.clone()]);
             held.add_gradients(&mut self.jacobian, rows.start);
         }
+    }
+
+    /// The model.
+    pub(super) fn tree(&self) -> &Tree {
+        self.kinematics.tree()
     }
 
     /// Squares of what the rounding errors of J are in proportion to, at the position of the last call, k x
@@ -127,16 +166,22 @@ impl<S: Scalar> Constraints<S> {
         &self.values
     }
 
-    /// `J = g_q`, k x n.
+    /// `J = g_q`, k x n; with floating and spherical joints in the tangent space, `g' = J v`.
     pub fn jacobian(&self) -> &Matrix<S> {
+        self.seen.as_ref().map_or(&self.jacobian, |seen| &seen.jacobian)
+    }
+
+    /// J by the coordinates of the chains of joints.
+    pub(super) fn chart_jacobian(&self) -> &Matrix<S> {
         &self.jacobian
     }
 
     /// `(mu . g)_qq = (J'mu)_q` for constant mu (k), n x n, symmetric.
     ///
     /// # Errors
-    /// [`EvalError::WrongLength`] unless mu has k entries.
+    /// [`EvalError::WrongLength`] unless mu has k entries; [`EvalError::FreeJoint`].
     pub fn hessian(&mut self, mu: &[S]) -> Result<&Matrix<S>, EvalError> {
+        self.tree().refuse_free()?;
         crate::error::check_length("mu", mu, self.count())?;
         Ok(self.contract(mu))
     }

@@ -3,7 +3,7 @@
 use super::ConstrainedHamiltonian;
 use super::blocks::Changing;
 use super::linearisation::ConstrainedContraction;
-use crate::error::EvalError;
+use crate::error::{EvalError, check_length};
 use crate::kernels::{KernelTwo, check_entries, friction_of};
 use crate::matrix::{Matrix, add_scaled, dot, filled};
 use crate::robot::Robot;
@@ -23,16 +23,16 @@ use crate::scalar::Scalar;
 /// is [`KernelTwo`].
 #[derive(Clone, Debug)]
 pub struct ConstrainedHamiltonianSecondOrder<S: Scalar> {
-    first: ConstrainedHamiltonian<S>,
+    pub(super) first: ConstrainedHamiltonian<S>,
     along: KernelTwo<S>,
     changing: Changing<S>,
-    y_f_xx: Matrix<S>,
+    pub(super) y_f_xx: Matrix<S>,
     /// `dPP + dMM E / 2`, rows of v and of mu, 2n columns each.
     pull: [Matrix<S>; 2],
     /// Response to a direction, and the change of the derivatives of Lc by s along it.
-    response: [Vec<S>; 2],
+    pub(super) response: [Vec<S>; 2],
     force: [Vec<S>; 2],
-    product: Vec<S>,
+    pub(super) product: Vec<S>,
 }
 
 impl<S: Scalar> ConstrainedHamiltonianSecondOrder<S> {
@@ -63,6 +63,11 @@ impl<S: Scalar> ConstrainedHamiltonianSecondOrder<S> {
         &mut self.first
     }
 
+    /// The same, to read from.
+    pub(crate) fn constrained(&self) -> &ConstrainedHamiltonian<S> {
+        &self.first
+    }
+
     /// F, F_x and `sum_k y_k d2 F_k / dx dx` for the costate y = (y_q, y_p) of length 2n.
     ///
     /// # Errors
@@ -77,6 +82,9 @@ impl<S: Scalar> ConstrainedHamiltonianSecondOrder<S> {
         let n = self.dof();
         self.first.check(&[("q", q), ("p", p), ("u", u)])?;
         check_entries(&self.first.tree, "y", y, 2 * n)?;
+        if self.first.free.is_some() {
+            return self.contract_free([q, p, u, y]);
+        }
         self.first.prepare(q, p)?;
         self.differentiate(q, y)?;
         self.first.assemble(q, u);
@@ -102,6 +110,9 @@ impl<S: Scalar> ConstrainedHamiltonianSecondOrder<S> {
         self.first.check(&[("q", q), ("p", p)])?;
         check_entries(&self.first.tree, "y", y, 2 * n)?;
         check_entries(&self.first.tree, "d", d, 2 * n)?;
+        if self.first.free.is_some() {
+            return self.hessian_product_free([q, p, y, d]);
+        }
         self.first.prepare(q, p)?;
         self.differentiate(q, y)?;
         let (d_q, d_p) = d.split_at(n);
@@ -150,9 +161,33 @@ impl<S: Scalar> ConstrainedHamiltonianSecondOrder<S> {
         Ok(&self.product)
     }
 
+    /// `sum_i y_i d2 v_i / dx dx + sum_i c_i d2 mu_i / dx dx`, 2n x 2n, symmetric, for weights y (n) of the
+    /// velocities and c (k) of the multipliers; v_x and mu_x are those of
+    /// [`linearise`](ConstrainedHamiltonian::linearise).
+    ///
+    /// The formula is that of y'F_xx with `w~ = (0, MM^-1 (y; c))`.
+    ///
+    /// # Errors
+    /// See [`ConstrainedHamiltonian`].
+    pub fn velocity_hessian(&mut self, q: &[S], p: &[S], y: &[S], c: &[S]) -> Result<&Matrix<S>, EvalError> {
+        self.first.check_plain(&[("q", q), ("p", p), ("y", y)])?;
+        check_length("c", c, self.first.mu.len())?;
+        self.first.responses_at(q, p)?;
+        self.first.set_weights(y, c);
+        self.along_response(q)?;
+        self.pull();
+        self.congruence();
+        Ok(&self.y_f_xx)
+    }
+
     /// The derivatives of all blocks along `w~`.
-    fn differentiate(&mut self, q: &[S], y: &[S]) -> Result<(), EvalError> {
+    pub(super) fn differentiate(&mut self, q: &[S], y: &[S]) -> Result<(), EvalError> {
         self.first.set_costate(y);
+        self.along_response(q)
+    }
+
+    /// The same for the direction that is set.
+    fn along_response(&mut self, q: &[S]) -> Result<(), EvalError> {
         let ConstrainedHamiltonian { tree, kernel, v, mu, direction: [w_q, _], change: [dv, dmu], .. } =
             &self.first;
         self.along.differentiate(tree, kernel, w_q, dv)?;
@@ -161,7 +196,7 @@ impl<S: Scalar> ConstrainedHamiltonianSecondOrder<S> {
     }
 
     /// `dPP [1 0] + dMM s_x / 2`, so that the congruence is `s_x'` times it plus its transpose.
-    fn pull(&mut self) {
+    pub(super) fn pull(&mut self) {
         let n = self.dof();
         let Self { first, along, changing: Changing { blocks, .. }, pull: [pull_v, pull_mu], .. } = self;
         let half = S::from_f64(0.5);
@@ -188,7 +223,7 @@ impl<S: Scalar> ConstrainedHamiltonianSecondOrder<S> {
     }
 
     /// `-(dLL_qq + s_x' pull + pull' s_x)`, both triangles.
-    fn congruence(&mut self) {
+    pub(super) fn congruence(&mut self) {
         let n = self.dof();
         let Self { first, along, changing: Changing { blocks, .. }, pull: [pull_v, pull_mu], y_f_xx, .. } =
             self;
@@ -217,7 +252,7 @@ impl<S: Scalar> ConstrainedHamiltonianSecondOrder<S> {
     }
 
     /// `V' (y_p . D_vv) V`, V the rows of v in F_x.
-    fn add_friction(&mut self, y_p: &[S]) {
+    pub(super) fn add_friction(&mut self, y_p: &[S]) {
         let Self { first, y_f_xx, .. } = self;
         for &l in first.tree.with_friction() {
             if !first.tree.has_coulomb_friction(l) {

@@ -3,7 +3,7 @@
 use super::ConstrainedHamiltonian;
 use crate::error::EvalError;
 use crate::hamiltonian::Energy;
-use crate::matrix::dot;
+use crate::matrix::{Block, dot};
 use crate::scalar::Scalar;
 
 impl<S: Scalar> ConstrainedHamiltonian<S> {
@@ -13,6 +13,9 @@ impl<S: Scalar> ConstrainedHamiltonian<S> {
     /// See [`ConstrainedHamiltonian`].
     pub fn momentum(&mut self, q: &[S], v: &[S]) -> Result<&[S], EvalError> {
         self.check(&[("q", q), ("v", v)])?;
+        if self.free.is_some() {
+            return self.momentum_free(q, v);
+        }
         self.kernel.set_position(&self.tree, q)?;
         self.kernel.set_velocity(&self.tree, v)?;
         Ok(self.kernel.momentum())
@@ -25,8 +28,32 @@ impl<S: Scalar> ConstrainedHamiltonian<S> {
     /// See [`ConstrainedHamiltonian`].
     pub fn velocity(&mut self, q: &[S], p: &[S]) -> Result<(&[S], &[S]), EvalError> {
         self.check(&[("q", q), ("p", p)])?;
-        self.solve_velocity(q, p)?;
+        if self.free.is_some() {
+            self.velocity_free(q, p)?;
+        } else {
+            self.solve_velocity(q, p)?;
+        }
         Ok((&self.v, &self.mu))
+    }
+
+    /// v, mu and their Jacobians v_x, mu_x at (q, p), to be read by [`velocity_x`](Self::velocity_x).
+    pub(crate) fn linearise_velocity(&mut self, q: &[S], p: &[S]) -> Result<(), EvalError> {
+        self.check(&[("q", q), ("p", p)])?;
+        if self.free.is_none() {
+            return self.responses_at(q, p);
+        }
+        // The actuation does not enter.
+        let mut none = std::mem::take(&mut self.product);
+        none.fill(S::zero());
+        let outcome = self.linearise_free([q, p, &none[..p.len()]]).map(drop);
+        self.product = none;
+        outcome
+    }
+
+    /// v_x, n x 2n, of the last call that computes it.
+    pub(crate) fn velocity_x(&self) -> Block<'_, S> {
+        let n = self.dof();
+        self.f_x.block(0, 0, n, 2 * n)
     }
 
     /// Kinetic and potential energy (J); their sum is H_c.
@@ -35,7 +62,11 @@ impl<S: Scalar> ConstrainedHamiltonian<S> {
     /// See [`ConstrainedHamiltonian`].
     pub fn energy(&mut self, q: &[S], p: &[S]) -> Result<Energy<S>, EvalError> {
         self.check(&[("q", q), ("p", p)])?;
-        self.first_order(q, p)?;
+        if self.free.is_some() {
+            self.first_order_free(q, p)?;
+        } else {
+            self.first_order(q, p)?;
+        }
         let kinetic = dot(&self.v, self.kernel.momentum()).times(0.5);
         Ok(Energy { kinetic, potential: self.kernel.potential(&self.tree) })
     }

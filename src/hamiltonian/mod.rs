@@ -50,7 +50,7 @@ use crate::robot::{Robot, Tree};
 use crate::scalar::Scalar;
 use conservative::Conservative;
 use direction::Direction;
-use free::Free;
+pub(crate) use free::Free;
 use state::StateEquation;
 
 /// Workspace for the Hamiltonian state equation of one robot; no call allocates.

@@ -52,7 +52,7 @@ use crate::kernels::{Coupled, check_entries, rates};
 use crate::matrix::{Matrix, filled};
 use crate::robot::{Robot, Tree, TreeFrame};
 use crate::scalar::Scalar;
-use crate::spatial::{Inertia, Vec3};
+use crate::spatial::{Inertia, Quaternion, Vec3};
 use body::Body;
 use columns::Column;
 use moment::Moment;
@@ -101,6 +101,8 @@ pub struct Kinematics<S: Scalar> {
     momentum_terms: Vec<MomentumTerm<S>>,
     composites: Vec<Inertia<S>>,
     zero: Vec<S>,
+    /// Which joints the quaternions of floating and spherical joints turn, and how.
+    orientations: Vec<(usize, Quaternion<S>)>,
     /// Positions, velocities and accelerations of all joints.
     all: [Vec<S>; 3],
     /// A direction and a product with it.
@@ -139,6 +141,11 @@ impl<S: Scalar> Kinematics<S> {
             momentum_terms: filled(MomentumTerm::zero(), n),
             composites: tree.joints().iter().map(|joint| joint.inertia.lift()).collect(),
             zero: filled(S::zero(), tree.dof()),
+            orientations: tree
+                .free()
+                .iter()
+                .map(|free| (free.turned, Quaternion::constant([0.0, 0.0, 0.0, 1.0])))
+                .collect(),
             all: [(); 3].map(|()| filled(S::zero(), n)),
             direction: filled(S::zero(), n),
             product: Coupled::row(&tree),
@@ -202,6 +209,19 @@ impl<S: Scalar> Kinematics<S> {
         let zero = std::mem::take(&mut self.zero);
         self.place(q, &zero, &zero);
         self.zero = zero;
+    }
+
+    /// At rest at q (nq), with the joints of the chains of floating and spherical joints at `chart` (n):
+    /// where the quaternions of q and then the angles of the chart turn them. Other entries of q do not
+    /// count.
+    pub(crate) fn place_chart(&mut self, q: &[S], chart: &[S]) {
+        let Self { tree, orientations, .. } = self;
+        for ((_, orientation), free) in orientations.iter_mut().zip(tree.free()) {
+            let (sin, cos) = chart[free.coordinate + free.kind.slides()].times(0.5).sin_cos();
+            let turn = Quaternion::new([S::zero(), S::zero(), sin, cos]);
+            *orientation = free.orientation(q).then_after(turn);
+        }
+        self.place_still(chart);
     }
 
     /// As [`set_state`](Self::set_state), without a check.

@@ -5,7 +5,7 @@ use super::body::Body;
 use crate::kernels::{positions, rates};
 use crate::robot::JointKind;
 use crate::scalar::Scalar;
-use crate::spatial::Vec3;
+use crate::spatial::{JointPosition, Vec3};
 
 impl<S: Scalar> Kinematics<S> {
     /// All links at (q, v, a), n each:
@@ -27,7 +27,11 @@ impl<S: Scalar> Kinematics<S> {
         let world = Body { rows: self.world_axes(), ..Body::still() };
         for (i, joint) in self.tree.joints().iter().enumerate() {
             let parent = joint.parent.map_or(world, |p| self.bodies[p]);
-            let transform = joint.transform(self.all[0][i]);
+            let oriented = self.orientations.iter().find(|(turned, _)| *turned == i);
+            let transform = match oriented {
+                None => joint.transform(self.all[0][i]),
+                Some(&(_, orientation)) => joint.transform_at(JointPosition::Oriented(orientation)),
+            };
             let [(x, along_x), (y, along_y), (z, along_z)] =
                 parent.rows.map(|row| transform.vector_down_with_arm(row));
             let (rows, arm) = ([x, y, z], Vec3::new(along_x, along_y, along_z));

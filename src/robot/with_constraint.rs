@@ -45,7 +45,7 @@ impl Robot {
     /// # Errors
     /// [`RobotError::BadName`] or [`RobotError::DuplicateName`]; [`RobotError::UnknownFrame`];
     /// [`RobotError::UnknownJoint`] and [`RobotError::StillJoint`] for the joints of a coupling;
-    /// [`RobotError::BadConstraint`] for what cannot be held; [`RobotError::FreeJoint`] for a robot with a
+    /// [`RobotError::BadConstraint`] for what cannot be held; [`RobotError::FreeJoint`] for a coupling of a
     /// floating or spherical joint.
     pub fn with_constraint(&self, spec: ConstraintSpec) -> Result<Self, RobotError> {
         self.clone().with_constraints(std::iter::once(spec)).map_err(|(_, error)| error)
@@ -81,10 +81,6 @@ impl Robot {
     ) -> Result<Constraint, RobotError> {
         let ConstraintSpec { name, held, frame, to } = spec;
         checks::name("constraint", &name)?;
-        if let Some(free) = self.free.first() {
-            let (joint, kind) = (free.name.clone(), free.kind.name());
-            return Err(RobotError::FreeJoint { joint, kind, what: "be part of a robot with constraints" });
-        }
         let bad = |problem| RobotError::BadConstraint { constraint: name.clone(), problem };
         let kind = match held {
             Held::Rows(rows) => {
@@ -113,6 +109,7 @@ impl Robot {
                 };
                 let found = terms.iter().map(|(joint, factor)| Ok((index(joint)?, *factor)));
                 let terms = found.collect::<Result<Vec<_>, RobotError>>()?;
+                self.plain_joints(&terms)?;
                 if terms.is_empty() {
                     return Err(bad("it couples no joint; name at least one, with a factor"));
                 }
@@ -120,6 +117,17 @@ impl Robot {
             }
         };
         Ok(Constraint { name, kind })
+    }
+
+    /// None of these joints is part of a floating or spherical one, whose orientation is no sum of angles.
+    fn plain_joints(&self, terms: &[(usize, f64)]) -> Result<(), RobotError> {
+        match terms.iter().find_map(|&(joint, _)| self.joints[joint].free.as_ref()) {
+            None => Ok(()),
+            Some(part) => {
+                let (joint, kind) = (part.joint.clone(), part.kind.name());
+                Err(RobotError::FreeJoint { joint, kind, what: "be coupled to other joints" })
+            }
+        }
     }
 
     /// Frames of two different links, or of a link and the world.

@@ -18,15 +18,15 @@ use part::Part;
 
 /// What the state equation needs besides that of the chains of joints.
 #[derive(Clone, Debug)]
-pub(super) struct Free<S: Scalar> {
-    pub(super) parts: Vec<Part<S>>,
+pub(crate) struct Free<S: Scalar> {
+    pub(crate) parts: Vec<Part<S>>,
     /// p in the chart, u without that of free joints.
-    pub(super) p: Vec<S>,
-    pub(super) u: Vec<S>,
+    pub(crate) p: Vec<S>,
+    pub(crate) u: Vec<S>,
     /// y of the chart in the axes of the frames, and in those of the parents.
-    pub(super) y: Vec<S>,
-    pub(super) y_chart: Vec<S>,
-    pub(super) mass_matrix: Matrix<S>,
+    pub(crate) y: Vec<S>,
+    pub(crate) y_chart: Vec<S>,
+    pub(crate) mass_matrix: Matrix<S>,
 }
 
 impl<S: Scalar> Free<S> {
@@ -46,12 +46,12 @@ impl<S: Scalar> Free<S> {
         })
     }
 
-    pub(super) fn set_configuration(&mut self, q: &[S]) {
+    pub(crate) fn set_configuration(&mut self, q: &[S]) {
         self.parts.iter_mut().for_each(|part| part.frame.set_configuration(q));
     }
 
     /// A momentum, or a velocity, in the axes of the chart.
-    pub(super) fn set_momentum(&mut self, p: &[S]) {
+    pub(crate) fn set_momentum(&mut self, p: &[S]) {
         self.p.copy_from_slice(p);
         for part in &mut self.parts {
             part.set_momentum(p);
@@ -59,7 +59,7 @@ impl<S: Scalar> Free<S> {
         }
     }
 
-    pub(super) fn set_actuation(&mut self, u: &[S]) {
+    pub(crate) fn set_actuation(&mut self, u: &[S]) {
         self.u.copy_from_slice(u);
         for (at, m) in self.parts.iter().map(Part::place) {
             self.u[at..at + m].fill(S::zero());
@@ -67,7 +67,7 @@ impl<S: Scalar> Free<S> {
     }
 
     /// F of the chart becomes that of the tangent space.
-    pub(super) fn finish_rate(&mut self, f: &mut [S], u: &[S]) {
+    pub(crate) fn finish_rate(&mut self, f: &mut [S], u: &[S]) {
         let n = u.len();
         for part in &mut self.parts {
             part.finish_rate(f);
@@ -77,12 +77,25 @@ impl<S: Scalar> Free<S> {
     }
 
     /// F_x of the chart by (xi, pi), in the axes of the frames.
-    pub(super) fn prepare_jacobian(&self, f_x: &mut Matrix<S>) {
+    pub(crate) fn prepare_jacobian(&self, f_x: &mut Matrix<S>) {
         self.turn_blocks(f_x);
         self.parts.iter().for_each(|part| part.spread_columns(f_x));
     }
 
-    pub(super) fn turn_blocks(&self, matrix: &mut Matrix<S>) {
+    /// The same for rows of other functions of (q, p_c), k x 2n.
+    pub(crate) fn prepare_rows(&self, matrix: &mut Matrix<S>) {
+        let n = matrix.columns() / 2;
+        for part in &self.parts {
+            for i in 0..matrix.rows() {
+                let (in_q, in_p) = matrix.row_mut(i).split_at_mut(n);
+                part.frame.inward(in_q);
+                part.frame.inward(in_p);
+            }
+            part.spread_columns(matrix);
+        }
+    }
+
+    pub(crate) fn turn_blocks(&self, matrix: &mut Matrix<S>) {
         let n = matrix.rows() / 2;
         for part in &self.parts {
             for block in [[0, 0], [0, n], [n, 0], [n, n]] {
@@ -91,7 +104,7 @@ impl<S: Scalar> Free<S> {
         }
     }
 
-    pub(super) fn set_mass_matrix(&mut self, mass_matrix: &Matrix<S>) -> &Matrix<S> {
+    pub(crate) fn set_mass_matrix(&mut self, mass_matrix: &Matrix<S>) -> &Matrix<S> {
         self.mass_matrix.copy_from(mass_matrix);
         let n = mass_matrix.rows();
         self.parts.iter().for_each(|part| part.frame.turn_block(&mut self.mass_matrix, [0, 0], n));
@@ -99,7 +112,7 @@ impl<S: Scalar> Free<S> {
     }
 
     /// The costate of the chart.
-    pub(super) fn set_costate(&mut self, y: &[S]) {
+    pub(crate) fn set_costate(&mut self, y: &[S]) {
         self.y.copy_from_slice(y);
         for part in &self.parts {
             part.costate(&mut self.y);

@@ -3,6 +3,7 @@
 
 mod exceptions;
 mod half_turns;
+mod impacts;
 
 use costate::constraints::{ConstrainedHamiltonian, ConstrainedHamiltonianSecondOrder, Constraints};
 use costate::kernels::KernelOne;
