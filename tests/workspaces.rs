@@ -5,7 +5,7 @@ use costate::constraints::{ConstrainedHamiltonian, ConstrainedHamiltonianSecondO
 use costate::derivative::{
     Directional, ForwardDynamics, Hessian, Jacobian, NestedHessian, PhaseVelocity, Routes,
 };
-use costate::dynamics::{Automatic, AutomaticCost, QuadraticCost};
+use costate::dynamics::{Automatic, AutomaticCost, QuadraticCost, QuaternionDynamics};
 use costate::hamiltonian::{DualPass, FullHessian, Hamiltonian, HamiltonianSecondOrder};
 use costate::kernels::{Factor, KernelOne, KernelTwo};
 use costate::kinematics::{ExternalForces, Kinematics, KinematicsSecondOrder};
@@ -43,6 +43,7 @@ fn workspaces_are_sent_shared_cloned_and_printed() {
         Constraints<f64>, ConstrainedHamiltonian<f64>, ConstrainedHamiltonianSecondOrder<f64>,
         Velocities, LegendreTransform<f64>,
         MassMatrixDerivatives<f64>, ChristoffelKernel<f64>, IndexSets, QuadraticCost,
+        QuaternionDynamics<f64>,
         PhaseVelocity, ForwardDynamics, OneStep<HamiltonianRobot, Verlet>, OneStep<LagrangianRobot, SemiImplicit>,
         RungeKutta4<f64, Momenta>, StoermerVerlet<f64, Momenta>, ImplicitMidpoint<f64, Velocities>,
         SemiImplicitEuler<f64, Velocities>, Model<Momenta>, StepMap<RungeKutta4<f64, Momenta>>,
