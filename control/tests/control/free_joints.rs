@@ -48,7 +48,7 @@ fn a_ball_turns_about_one_axis() {
     // dJ/dT = -H*, and y = -dJ/dx at the start: a turn xi of the start along the axis changes the angle.
     assert!((motion.hamiltonian / (3.0 * motion.cost / 1.5) - 1.0).abs() < 1e-5);
     let slope: f64 = solution.costate_start().y_q.iter().zip(axis).map(|(y, axis)| y * axis).sum();
-    assert!((slope / (2.0 * motion.cost / angle) - 1.0).abs() < 1e-5, "{slope}");
+    assert!((slope / (2.0 * motion.cost / angle) - 1.0).abs() < 1e-4, "{slope}");
     let both = SolverOptions::default().with_tolerance(1e-8).with_starts(2);
     let both = Solver::new(&problem, both).unwrap().solve();
     assert_eq!(both.motion.cost.to_bits(), motion.cost.to_bits());
@@ -105,8 +105,8 @@ fn what_nothing_drives_keeps_its_momentum() {
         let none = BoundaryState::fixed(&end, &[0.0; 8]);
         let none = none.with_q_free(&[0, 1, 2, 3, 4, 5]);
         let end = if gravity == [0.0; 3] { none } else { none.with_v_free(&[0, 1, 2, 3, 4, 5, 6, 7]) };
-        let limits = MotionLimits::none().with_torque_max([&[0.0; 6][..], &[0.5, 0.5]].concat());
-        let problem = Problem::rest_to_rest(robot.clone(), &start, &end.q, 1.0)
+        let limits = MotionLimits::none().with_torque_max([&[0.0; 6][..], &[4.0, 4.0]].concat());
+        let problem = Problem::rest_to_rest(robot.clone(), &start, &end.q, 3.0)
             .with_start(BoundaryState::fixed(&start, &v))
             .with_end(end)
             .with_limits(limits);
@@ -153,7 +153,7 @@ fn what_is_saved_is_read_again() {
     );
     let start = Trajectory::from_json(&text, &problem.robot).unwrap();
     let again = Solver::new(&problem, SolverOptions::default()).unwrap().with_start(&start).unwrap().solve();
-    assert!((again.motion.cost / solution.motion.cost - 1.0).abs() < 1e-6);
+    assert!((again.motion.cost / solution.motion.cost - 1.0).abs() < 1e-5);
     let broken = text.replace("\"position\":0", "\"position\":3");
     assert!(Solution::from_json(&broken).unwrap_err().to_string().contains("free_joints"));
     // Samples move as their velocities say.

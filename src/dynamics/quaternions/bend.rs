@@ -33,10 +33,9 @@ impl<S: Scalar> Bend<'_, S> {
             y_f_xx[(at + i, at + j)] += (square - by_scale).times(2.0) - (lv * a.dot(b)).times(4.0);
         }
         // l changes with a, and so does F with all of x.
-        let slopes = costate_slopes(four(self.y, at));
-        for i in 0..4 {
-            let (angular, linear) =
-                (slopes[i].times(0.5).to_array(), l.cross(turn.w[i]).times(2.0).to_array());
+        for (i, slope) in costate_slopes(four(self.y, at)).into_iter().enumerate() {
+            let angular = slope.times(0.5).to_array();
+            let linear = l.cross(turn.w[i]).times(2.0).to_array();
             for k in 0..3 {
                 add_both(y_f_xx, self.slopes.row(first + k), at + i, angular[k]);
                 if turn.slides {
