@@ -1,4 +1,5 @@
-//! Motions of robots with floating and spherical joints: closed forms, what nothing can change, refusals, files.
+//! Motions of robots with floating and spherical joints: closed forms, what nothing can change, refusals,
+//! files.
 
 use costate::configuration::ConfigurationSpace;
 use costate::hamiltonian::Hamiltonian;
@@ -270,8 +271,8 @@ fn ends_that_no_motion_meets_are_named() {
     assert_eq!(error.key().unwrap().to_string(), "time.free");
 }
 
-/// A pendulum on a ball joint without a motor at the joint, a wheel on the bob: its moment of momentum about the
-/// vertical stays, which is one of the three that rest asks for.
+/// A pendulum on a ball joint without a motor, wheels on the bob: its moment of momentum about the vertical
+/// stays, which is one of the three that rest asks for.
 #[test]
 fn gravity_keeps_one_momentum_of_a_ball_joint() {
     let bob = LinkInertia::about_com(1.0, [0.0, 0.0, -0.5], Matrix3::identity() * 0.05);

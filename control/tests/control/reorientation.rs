@@ -64,7 +64,7 @@ fn extremal_from(options: &SolverOptions, guess: impl FnMut(f64, &mut [f64])) ->
     solve_extremal(&mut extremal, FinalTime::Fixed(TIME), options, guess)
 }
 
-/// Cost, the length of the quaternion, and a pitch near the singular pose of a chain of joints (79.6 degrees).
+/// Cost, the length of the quaternion, and a pitch near the singular pose of a chain of joints (79.6 deg).
 fn check(found: &ExtremalSolution) {
     let motion = &found.motion;
     assert!(motion.status.is_converged(), "{:?}", motion.status);
