@@ -4,6 +4,8 @@
 
 #[path = "allocation/constraints.rs"]
 mod constraints;
+#[path = "allocation/quaternions.rs"]
+mod quaternions;
 
 use costate_test_support::allocations::{Counting, allocations};
 

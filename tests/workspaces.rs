@@ -9,7 +9,7 @@ use costate::contacts::{Contact, ContactForces, ForceMap, Margin, Stance};
 use costate::derivative::{
     Directional, ForwardDynamics, Hessian, Jacobian, NestedHessian, PhaseVelocity, Routes,
 };
-use costate::dynamics::{Automatic, AutomaticCost, QuadraticCost};
+use costate::dynamics::{Automatic, AutomaticCost, QuadraticCost, QuaternionDynamics};
 use costate::hamiltonian::{DualPass, FullHessian, Hamiltonian, HamiltonianSecondOrder};
 use costate::kernels::{Factor, KernelOne, KernelTwo};
 use costate::kinematics::{ExternalForces, Kinematics, KinematicsSecondOrder};
@@ -49,6 +49,7 @@ fn workspaces_are_sent_shared_cloned_and_printed() {
         Contact, Stance, Margin, ForceMap<f64>, ContactForces<f64>,
         Velocities, LegendreTransform<f64>,
         MassMatrixDerivatives<f64>, ChristoffelKernel<f64>, IndexSets, QuadraticCost,
+        QuaternionDynamics<f64>,
         PhaseVelocity, ForwardDynamics, OneStep<HamiltonianRobot, Verlet>, OneStep<LagrangianRobot, SemiImplicit>,
         RungeKutta4<f64, Momenta>, StoermerVerlet<f64, Momenta>, ImplicitMidpoint<f64, Velocities>,
         SemiImplicitEuler<f64, Velocities>, Model<Momenta>, StepMap<RungeKutta4<f64, Momenta>>,

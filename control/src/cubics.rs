@@ -77,7 +77,8 @@ impl Disturbance {
         Self { waves: (0..n).map(wave).collect() }
     }
 
-    fn add(&self, joint: usize, time: f64, s: f64, at: JointState) -> JointState {
+    /// An entry of q that was moved out of its way, at s = t/T.
+    pub fn add(&self, joint: usize, time: f64, s: f64, at: JointState) -> JointState {
         let Some(&Wave { amplitude, count: k }) = self.waves.get(joint) else { return at };
         let (sin, cos) = (std::f64::consts::PI * k * s).sin_cos();
         JointState {

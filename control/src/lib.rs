@@ -31,6 +31,7 @@ mod cubics;
 mod direct;
 mod direct_states;
 mod extremal;
+mod free_motions;
 mod gains;
 mod numerics;
 mod options;
@@ -73,22 +74,24 @@ pub use numerics::almost_block_diagonal::{AlmostBlockDiagonal, SingularMatrix};
 pub use options::{Coordinates, JacobianRoute, MachineCode, Method, Polish, SolverOptions, Strategy, Verify};
 pub use problem::check::CheckedProblem;
 pub use problem::continuation_cause::ContinuationCause;
-pub use problem::error::{ProblemError, SourceError};
+pub use problem::error::ProblemError;
 #[cfg(feature = "toml")]
 pub use problem::file::{ProblemFile, ProblemFileCause, ProblemFileError};
 pub use problem::key::Key;
 pub use problem::limits::JointLimits;
 pub use problem::running_cost::{RunningCost, UserTerm};
+pub use problem::source_error::SourceError;
 pub use problem::warning::ProblemWarning;
 pub use problem::{
-    BodyPairs, BoundaryState, Bounds, Collision, EndError, FinalTime, JointReference, Keep, Kept, Leads,
-    LinkCapsule, LoopError, MotionLimits, Objective, Obstacle, Payload, Penalty, Problem, Reference, Shape,
-    Task, TaskError, Tool, ToolCost, ToolOrientation, ToolPose, ToolReference, TorqueSpeedError,
-    UrdfBodyError, Via, ViaError,
+    BodyPairs, BoundaryState, Bounds, Collision, EndError, FinalTime, FreeMotionError, JointReference, Keep,
+    Kept, Leads, LinkCapsule, LoopError, MotionLimits, Objective, Obstacle, Payload, Penalty, Problem,
+    Reference, Shape, Task, TaskError, Tool, ToolCost, ToolOrientation, ToolPose, ToolReference,
+    TorqueSpeedError, UrdfBodyError, Via, ViaError,
 };
 pub use progress::{Cancel, Iteration, Phase};
 pub use result::constraint_forces::ConstraintForces;
 pub use result::fast_joint::FastJoint;
+pub use result::free_entries::FreeEntries;
 pub use result::infeasibility::{Infeasibility, RelaxedLimit};
 pub use result::limit_use::{ActiveLimit, LimitReport, LimitUse, LimitViolation};
 pub use result::motion::{Certificate, ExtremalSolution, Motion};

@@ -2,6 +2,7 @@
 
 use crate::closed_loops;
 use crate::direct::{Direct, Looseness};
+use crate::free_motions;
 use crate::options::{Method, Polish, SolverOptions, Verify};
 use crate::polish::{may_polish, polish, polish_saved};
 use crate::problem::Problem;
@@ -64,7 +65,7 @@ impl<'a> Solver<'a> {
     /// [`ProblemError`]: the first key of the problem or option that is out of range.
     pub fn new(problem: &'a Problem, options: SolverOptions) -> Result<Self, ProblemError> {
         let rows = match options.method {
-            Method::Direct => Some(TaskRows::new(problem)?),
+            Method::Direct if problem.robot.free_joints().is_empty() => Some(TaskRows::new(problem)?),
             _ => None,
         };
         let problem = problem.check_for(options.method)?;
@@ -114,6 +115,9 @@ impl<'a> Solver<'a> {
         recorder.takes_times = takes_times;
         if !problem.robot.constraints().is_empty() {
             return closed_loops::solve(problem.problem(), &options, start.as_ref(), &mut recorder);
+        }
+        if !problem.robot.free_joints().is_empty() {
+            return free_motions::solve(problem.problem(), &options, start.as_ref(), &mut recorder);
         }
         if let Some(rows) = rows {
             return directly(problem, &rows, options, start, &mut recorder);

@@ -10,6 +10,7 @@
 //! | [`hamiltonian::HamiltonianSecondOrder`](crate::hamiltonian::HamiltonianSecondOrder) | [`Dynamics`], x = (q, p) | analytic |
 //! | [`hamiltonian::DualPass`](crate::hamiltonian::DualPass) | the same by any route | analytic, one dual pass |
 //! | [`lagrangian::LagrangianSecondOrder`](crate::lagrangian::LagrangianSecondOrder) | [`Dynamics`], x = (q, v) | analytic, one dual pass |
+//! | [`QuaternionDynamics`] | [`Dynamics`], x = (q, p) with quaternions as plain numbers | analytic |
 //! | [`Automatic`] | [`Dynamics`] of any [`Function`](crate::derivative::Function) of (x, u) | automatic |
 //! | [`QuadraticCost`] | [`Cost`] | analytic |
 //! | [`AutomaticCost`] | [`Cost`] of any function of (x, u) with one output | automatic |
@@ -20,12 +21,14 @@ mod automatic_cost;
 mod cost;
 pub(crate) mod joined;
 mod quadratic_cost;
+mod quaternions;
 mod robots;
 
 pub use automatic::Automatic;
 pub use automatic_cost::AutomaticCost;
 pub use cost::{Cost, CostGradient, CostHessian};
 pub use quadratic_cost::QuadraticCost;
+pub use quaternions::QuaternionDynamics;
 
 use crate::matrix::{Block, add_scaled, dot};
 use crate::scalar::Scalar;

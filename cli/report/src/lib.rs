@@ -47,6 +47,7 @@ use motion::Motion;
 ///
 /// Quantities over time are those of [`Solution::sample_at`] and [`Solution::rates_at`], at the nodes of the
 /// motion, at equal steps between them, and on both sides of each jump. Without a motion the page says why.
+/// Motions of robots with floating or spherical joints are not drawn: their page has figures alone.
 pub fn report(problem: &Problem, solution: &Solution, options: &ReportOptions) -> String {
     page::text(&Motion::new(problem, solution, options))
 }

@@ -88,6 +88,12 @@ pub struct Arguments {
     /// Load <dynamics damping friction> of a URDF as viscous and smooth Coulomb friction
     #[arg(long)]
     pub friction: bool,
+    /// Let the root link of a URDF float: it moves by a floating joint, `root_joint`, with a quaternion
+    #[arg(long)]
+    pub floating_base: bool,
+    /// Read joints of type `floating` of a URDF as such, with quaternions, not as six joints
+    #[arg(long)]
+    pub quaternions: bool,
 }
 
 /// How a solution is verified.

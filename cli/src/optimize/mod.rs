@@ -15,7 +15,7 @@ mod task;
 use crate::interrupt::{self, Interrupt};
 use crate::{Outcome, terminal};
 pub use arguments::Arguments;
-use costate::robot::LoadOptions;
+use costate::robot::{LoadOptions, Robot, printable};
 use costate_control::{BranchEnd, CostDerivative, FinalTime, Method, Samples, Solution, Solver, StageTimes};
 use costate_report::ReportOptions;
 use costate_report::remarks::remarks;
@@ -32,7 +32,11 @@ use task::Task;
 const NOT_SOLVED: u8 = 3;
 
 pub fn run(arguments: &Arguments) -> Outcome {
-    let load = LoadOptions::default().strict(arguments.strict).friction(arguments.friction);
+    let load = LoadOptions::default()
+        .strict(arguments.strict)
+        .friction(arguments.friction)
+        .floating_base(arguments.floating_base)
+        .quaternions(arguments.quaternions);
     let mut task = Task::read(&arguments.problem, load)?;
     if let Some(limit) = arguments.time_limit {
         task.options = task.options.with_time_limit(limit);
@@ -49,6 +53,7 @@ pub fn run(arguments: &Arguments) -> Outcome {
     if let Some(when) = arguments.polish {
         task.options = task.options.with_polish(when.into());
     }
+    refuse_pictures(arguments, &task.problem.robot)?;
     let outputs = Outputs::prepare(arguments, &task.inputs)?;
     if let (Some(rate), FinalTime::Fixed(time), None) = (arguments.sample, task.problem.time, arguments.range)
     {
@@ -157,6 +162,23 @@ pub fn run(arguments: &Arguments) -> Outcome {
         (false, true) => ExitCode::SUCCESS,
         (false, false) => ExitCode::from(NOT_SOLVED),
     })
+}
+
+/// Pictures of robots with joints that turn freely are not drawn.
+///
+/// # Errors
+/// A message that names the flag and the joint.
+fn refuse_pictures(arguments: &Arguments, robot: &Robot) -> Result<(), String> {
+    let flags = [("-o", arguments.output.is_some()), ("--svg", arguments.svg.is_some())];
+    match (flags.iter().find(|(_, is_given)| *is_given), robot.free_joints().first()) {
+        (Some((flag, _)), Some(free)) => Err(format!(
+            "{flag}: joint '{}' is {}, and reports do not draw robots with such joints; --save, --sample and --json \
+             have the motion",
+            printable(&free.name),
+            free.kind.name()
+        )),
+        _ => Ok(()),
+    }
 }
 
 /// What `--json` prints: the solution as it is saved, the time it took, the points of a continuation,

@@ -34,8 +34,7 @@ impl Interior {
                 }
             }
         }
-        let last = self.layout.node(self.layout.intervals);
-        figure.theta += self.fixed.iter().map(|&i| (w[last + i] - task.problem.end.x[i]).abs()).sum::<f64>();
+        figure.theta += self.ends.iter().map(|end| end.missed(&self.layout, w).abs()).sum::<f64>();
         let limits = self.low.iter().zip(&self.high).zip(&self.weights);
         for (&w, ((&low, &high), &weight)) in w.iter().zip(limits) {
             if low.is_finite() {
@@ -112,7 +111,9 @@ impl Interior {
             }
         }
         let last = layout.node(layout.intervals);
-        self.fixed.iter().for_each(|&i| residual[last + i] += self.nu[i]);
+        for (end, nu) in self.ends.iter().zip(&self.nu) {
+            end.entries().for_each(|(i, c)| residual[last + i] += c * nu);
+        }
         // Components that are fixed at the start, and a fixed time, are no unknowns.
         (0..n).filter(|i| !self.free.contains(i)).for_each(|i| residual[i] = 0.0);
         if !self.free.contains(&n) {

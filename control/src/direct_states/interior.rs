@@ -1,5 +1,6 @@
 //! The iterate on one mesh, its limits and multipliers.
 
+use super::ends::EndRow;
 use super::interval::{Interval, Scratch};
 use super::points::{Layout, POINTS, Radau};
 use super::problem::DirectDynamics;
@@ -27,11 +28,11 @@ pub(super) struct Interior {
     pub(super) weights: Vec<f64>,
     /// Sum of the weights of all limits.
     logarithms: f64,
-    /// Multipliers of the defects, and of the fixed components of the end.
+    /// Multipliers of the defects, and of what is given at the end.
     pub lambda: Vec<f64>,
     pub(super) nu: Vec<f64>,
-    /// Components of x that are fixed at the end.
-    pub fixed: Vec<usize>,
+    /// What is given at the end.
+    pub ends: Vec<EndRow>,
     /// Components of (x, T) that are free at the start.
     pub(super) free: Vec<usize>,
     pub intervals: Vec<Interval>,
@@ -70,7 +71,7 @@ pub(super) struct Work {
 }
 
 impl Work {
-    fn new(layout: &Layout) -> Self {
+    fn new(layout: &Layout, ends: usize) -> Self {
         let Layout { n, m, intervals } = *layout;
         let zeros = |count| vec![0.0; count];
         let (count, size) = (layout.count(), n + m);
@@ -81,14 +82,14 @@ impl Work {
             dz_low: zeros(count),
             dz_high: zeros(count),
             lambda: zeros(intervals * POINTS * n),
-            nu: zeros(n),
+            nu: zeros(ends),
             l_1: zeros(size),
             l_2: zeros(size * size),
             f_2: zeros(size * size),
             y: zeros(n + 1 + POINTS * m),
             state: zeros(n + 1),
             after: zeros(n),
-            end_weights: zeros(n),
+            end_weights: zeros(ends),
             scratch: Scratch::new(n, m),
         }
     }
@@ -107,7 +108,7 @@ impl Interior {
         let [low, high] = limits(task, &layout);
         let (mut low, mut high) = (low, high);
         let fixed_of = |free: &[usize]| (0..n).filter(|i| !free.contains(i)).collect::<Vec<_>>();
-        let fixed = fixed_of(&task.problem.end.free);
+        let (fixed, ends) = (fixed_of(&task.problem.end.free), EndRow::of(&task.problem.end));
         let mut fix = |at: usize, value: f64| {
             (low[at], high[at], w[at]) = (f64::NEG_INFINITY, f64::INFINITY, value);
         };
@@ -152,10 +153,10 @@ impl Interior {
             weights,
             logarithms,
             lambda: vec![0.0; layout.intervals * POINTS * n],
-            nu: vec![0.0; n],
+            nu: vec![0.0; ends.len()],
             intervals: vec![Interval::new(n, layout.m); layout.intervals],
             recursion: Recursion::new(&layout),
-            work: Work::new(&layout),
+            work: Work::new(&layout, ends.len()),
             filter,
             mu,
             damping: 0.0,
@@ -168,7 +169,7 @@ impl Interior {
             high,
             z_low,
             z_high,
-            fixed,
+            ends,
             free,
         }
     }
@@ -187,9 +188,14 @@ impl Interior {
         (0..=self.layout.intervals).map(at).fold(constants::LEAST_SIZE, f64::max)
     }
 
-    /// What fixed component i of the end is missed by.
-    pub fn missed<D, C>(&self, task: &DirectDynamics<D, C>, i: usize) -> f64 {
-        self.w[self.layout.node(self.layout.intervals) + i] - task.problem.end.x[i]
+    /// What row i of the end is missed by.
+    pub fn missed(&self, i: usize) -> f64 {
+        self.ends[i].missed(&self.layout, &self.w)
+    }
+
+    /// The size of row i of the end.
+    pub fn end_size(&self, i: usize) -> f64 {
+        self.ends[i].size(|component| self.size(component))
     }
 
     /// Curvature and force of the barrier of unknown i.

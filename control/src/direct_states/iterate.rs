@@ -1,15 +1,17 @@
 //! The iteration on one mesh.
 
 use super::interior::Interior;
+use super::points::POINTS;
 use super::problem::DirectDynamics;
 use super::solution::StateStep;
 use crate::constants::{direct as shared, states as constants};
 use crate::direct::{Figure, is_better};
 use crate::options::SolverOptions;
+use crate::progress::{Iteration, Phase};
+use crate::solve::Recorder;
 use crate::status::Status;
 use costate::EvalError;
 use costate::dynamics::{Cost, Dynamics};
-use std::time::Instant;
 
 impl Interior {
     /// Iterates until the error of the problem is below this tolerance.
@@ -18,7 +20,7 @@ impl Interior {
         task: &mut DirectDynamics<D, C>,
         tolerance: f64,
         options: &SolverOptions,
-        deadline: Option<Instant>,
+        recorder: &mut Recorder<'_>,
         steps: &mut Vec<StateStep>,
     ) -> Result<(), Status> {
         let failed = |error: EvalError| Status::EvaluationFailed(error.into());
@@ -32,8 +34,8 @@ impl Interior {
         let mut restarts = 0;
         steps.reserve(options.max_iterations.min(constants::MOST_RESERVED));
         for number in 0..options.max_iterations {
-            if deadline.is_some_and(|deadline| Instant::now() >= deadline) {
-                return Err(Status::TimeLimit);
+            if let Some(interruption) = recorder.interruption() {
+                return Err(interruption.into());
             }
             let stationarity = self.linearise(task).map_err(failed)?;
             if stationarity.is_infinite() {
@@ -56,13 +58,23 @@ impl Interior {
             self.find_step(task)?;
             let [primal, dual] = self.lengths();
             let found = self.search(task, &now, primal);
+            let length = found.map_or(0.0, |(_, length)| length);
             steps.push(StateStep {
                 intervals: self.layout.intervals,
                 residual: self.residual,
                 infeasibility: now.theta,
                 cost: now.cost,
                 barrier: self.mu,
-                length: found.map_or(0.0, |(_, length)| length),
+                length,
+            });
+            recorder.record(Iteration {
+                phase: Phase::Direct,
+                nodes: POINTS * self.layout.intervals + 1,
+                number: number + 1,
+                residual: self.residual,
+                step: length,
+                final_time: self.time(),
+                cost: task.reference * now.cost,
             });
             if let Some((new, length)) = found {
                 now = new;

@@ -11,7 +11,8 @@
 //! Newton equations have the exact Hessian: the second derivatives of $\lambda_j^\top f$, contracted by
 //! the model. The defects of an interval give $dX$ by $(dx_k, dT, dU)$, and what is left is a
 //! linear-quadratic problem over the nodes with state (x, T) and control $(U_1, U_2, U_3)$, solved by
-//! Riccati's recursion in O(N n^3). Fixed components of the end are squares with a multiplier. All Cholesky
+//! Riccati's recursion in O(N n^3). What is given at the end, components and linear functions of x, are
+//! squares with a multiplier. All Cholesky
 //! factors of the recursion exist if and only if the Hessian plus these squares is positive definite along
 //! the linearised defects, so that the last step also tells a minimum on the mesh from a saddle.
 //!
@@ -20,6 +21,7 @@
 //! | [`problem`] | what is asked for, and what is refused |
 //! | [`guess`], [`begin`] | where the iteration begins, and the size of the cost |
 //! | [`points`] | Radau's points, unknowns and their bounds |
+//! | [`ends`] | what is given at the end |
 //! | [`running_cost`], [`evaluate`] | cost, defects and their derivatives |
 //! | [`interval`] | derivatives of one interval, and its condensation |
 //! | [`recursion`] | Riccati's recursion |
@@ -35,6 +37,7 @@
 
 mod begin;
 mod cost_error;
+mod ends;
 mod evaluate;
 mod guess;
 mod interior;
@@ -44,7 +47,7 @@ mod newton;
 #[cfg(test)]
 mod newton_tests;
 mod outcome;
-mod points;
+pub(crate) mod points;
 pub(crate) mod problem;
 mod recursion;
 mod refine;

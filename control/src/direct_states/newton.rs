@@ -15,8 +15,8 @@ impl Interior {
     /// if no damping makes the Hessian positive definite.
     pub(super) fn find_step<D, C>(&mut self, task: &DirectDynamics<D, C>) -> Result<(), Status> {
         self.add_barriers();
-        for i in 0..self.layout.n {
-            let size = self.size(i);
+        for i in 0..self.ends.len() {
+            let size = self.end_size(i);
             self.work.end_weights[i] = constants::END_WEIGHT * self.cost_size() / (size * size);
         }
         let (layout, radau, scratch) = (&self.layout, &self.radau, &mut self.work.scratch);
@@ -60,15 +60,17 @@ impl Interior {
     /// Condenses the intervals and goes back over the nodes, to (dx, dT) at the start.
     fn factorise<D, C>(&mut self, task: &DirectDynamics<D, C>, damping: f64) -> bool {
         let layout = self.layout;
-        let Layout { n, intervals, .. } = layout;
+        let n = layout.n;
         let z = n + 1;
         let (p, p_1) = self.recursion.end();
         p.fill(0.0);
         p_1.fill(0.0);
-        for &i in &self.fixed {
-            let missed = self.w[layout.node(intervals) + i] - task.problem.end.x[i];
-            p[i * z + i] = self.work.end_weights[i];
-            p_1[i] = self.nu[i] + self.work.end_weights[i] * missed;
+        for ((end, nu), weight) in self.ends.iter().zip(&self.nu).zip(&self.work.end_weights) {
+            let force = nu + weight * end.missed(&layout, &self.w);
+            for (i, c) in end.entries() {
+                end.entries().for_each(|(j, other)| p[i * z + j] += weight * c * other);
+                p_1[i] += c * force;
+            }
         }
         let scratch = &mut self.work.scratch;
         self.intervals.iter_mut().for_each(|interval| interval.condense(&layout, damping, scratch));
@@ -104,7 +106,10 @@ impl Interior {
             let dt = work.state[n];
             self.intervals[k].multipliers(&layout, &work.step[range], dt, damping, &work.after, out);
         }
-        work.nu.fill(0.0);
-        self.fixed.iter().for_each(|&i| work.nu[i] = work.after[i]);
+        let last = layout.node(intervals);
+        for (i, end) in self.ends.iter().enumerate() {
+            let missed = end.missed(&layout, &self.w) + end.of_state(&work.step[last..]);
+            work.nu[i] = self.nu[i] + work.end_weights[i] * missed;
+        }
     }
 }

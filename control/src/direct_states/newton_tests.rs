@@ -33,13 +33,16 @@ impl Function for Any {
     }
 }
 
+/// What is given at the end.
+const ENDS: [[f64; STATES]; 2] = [[1.0, 0.0, 0.0], [0.0, 0.6, -0.8]];
+
 type Task = DirectDynamics<Automatic<Any>, QuadraticCost>;
 
-/// A mesh of three intervals with random derivatives; one component of the start is free, one of the end,
-/// and T.
+/// A mesh of three intervals with random derivatives; one component of the start is free, two of the end, of
+/// which a sum is given, and T.
 fn random(seed: u64) -> (Task, Interior) {
     let start = EndState::fixed(&[0.1, 0.2, -0.3]).with_free(&[1]);
-    let end = EndState::fixed(&[1.0, 0.0, 0.5]).with_free(&[2]);
+    let end = EndState::fixed(&[1.0, 0.0, 0.5]).with_free(&[1, 2]).with_given(vec![vec![0.0, 0.6, -0.8]]);
     let problem = DynamicsProblem::new(start, end, FinalTime::Free { guess: 1.5 }, CONTROLS)
         .with_cost(Objective::new(0.4, vec![1.0; CONTROLS]));
     let task = DirectDynamics::new(Automatic::<Any>::new(Any), &problem).unwrap();
@@ -112,11 +115,13 @@ fn dense(task: &Task, mesh: &Interior, damping: f64) -> (DVector<f64>, DVector<f
             }
         }
     }
-    for &i in &mesh.fixed {
-        let at = layout.node(3) + i;
-        let weight = mesh.work.end_weights[i];
-        add(at, at, weight);
-        right[at] -= mesh.nu[i] + weight * mesh.missed(task, i);
+    let last = layout.node(3);
+    for (row, (nu, weight)) in ENDS.iter().zip(mesh.nu.iter().zip(&mesh.work.end_weights)) {
+        let missed: f64 = (0..STATES).map(|i| row[i] * (mesh.w[last + i] - task.problem.end.x[i])).sum();
+        for i in 0..STATES {
+            (0..=i).for_each(|j| add(last + i, last + j, weight * row[i] * row[j]));
+            right[last + i] -= row[i] * (nu + weight * missed);
+        }
     }
     let (curvature, force) = mesh.barrier(time);
     add(time, time, curvature + damping);
@@ -143,9 +148,11 @@ fn compare(task: &Task, mesh: &Interior, damping: f64) {
             assert!((found - expected).abs() < 1e-9 * largest, "{name} {i}: {found} {expected}");
         }
     }
-    for &i in &mesh.fixed {
-        let change = mesh.work.step[mesh.layout.node(3) + i];
-        let nu = mesh.nu[i] + mesh.work.end_weights[i] * (mesh.missed(task, i) + change);
+    assert_eq!(mesh.ends.len(), ENDS.len());
+    for (i, row) in ENDS.iter().enumerate() {
+        let last = mesh.layout.node(3);
+        let change: f64 = (0..STATES).map(|k| row[k] * mesh.work.step[last + k]).sum();
+        let nu = mesh.nu[i] + mesh.work.end_weights[i] * (mesh.missed(i) + change);
         assert!((mesh.work.nu[i] - nu).abs() < 1e-6 * nu.abs().max(1.0), "{} {nu}", mesh.work.nu[i]);
     }
 }

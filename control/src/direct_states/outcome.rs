@@ -8,23 +8,23 @@ use crate::bvp::collocation::error::defined;
 use crate::constants::{direct as shared, states as constants};
 use crate::extremal::dynamics::response::eval_error;
 use crate::numerics::dormand_prince::DormandPrince;
+use crate::solve::Recorder;
 use costate::dynamics::{Cost, Dynamics};
-use std::time::Instant;
 
 impl<D: Dynamics<f64>, C: Cost<f64>> DirectDynamics<D, C> {
     /// What the end is missed by when the controls are integrated from the start; where that is more than
     /// `bound` and more than what the parts of the motion miss together, that.
-    pub(super) fn verify(&mut self, mesh: &Interior, bound: f64, deadline: Option<Instant>) -> f64 {
-        let whole = self.missed_by_parts(mesh, f64::INFINITY, deadline);
+    pub(super) fn verify(&mut self, mesh: &Interior, bound: f64, recorder: &mut Recorder<'_>) -> f64 {
+        let whole = self.missed_by_parts(mesh, f64::INFINITY, recorder);
         if whole <= bound {
             return whole;
         }
-        whole.min(self.missed_by_parts(mesh, mesh.time() / shared::PARTS, deadline))
+        whole.min(self.missed_by_parts(mesh, mesh.time() / shared::PARTS, recorder))
     }
 
     /// Sum of the distances from the motion, relative to its sizes, after each `part` (s), integrated from
     /// its own start. Infinite where a part cannot be integrated, or not in time.
-    fn missed_by_parts(&mut self, mesh: &Interior, part: f64, deadline: Option<Instant>) -> f64 {
+    fn missed_by_parts(&mut self, mesh: &Interior, part: f64, recorder: &mut Recorder<'_>) -> f64 {
         let Layout { n, m, intervals } = mesh.layout;
         let sizes = mesh.sizes();
         let mut integrator = DormandPrince::new(n, shared::INTEGRATION);
@@ -39,7 +39,7 @@ impl<D: Dynamics<f64>, C: Cost<f64>> DirectDynamics<D, C> {
                 rate.iter_mut().zip(f).for_each(|(rate, f)| *rate = width * f);
                 Ok(())
             });
-            if reached.is_err() || deadline.is_some_and(|deadline| Instant::now() >= deadline) {
+            if reached.is_err() || recorder.interruption().is_some() {
                 return f64::INFINITY;
             }
             since += width;
@@ -71,10 +71,10 @@ impl<D: Dynamics<f64>, C: Cost<f64>> DirectDynamics<D, C> {
             (Ok(stationarity), Ok(figure)) => mesh.error(0.0, stationarity, figure.theta),
             _ => f64::INFINITY,
         };
-        for &i in &mesh.fixed {
-            let missed = mesh.missed(self, i).abs();
-            if missed > motion.end_missed.max(constants::MET * mesh.size(i)) {
-                (motion.end_missed, motion.missed_component) = (missed, Some(i));
+        for i in 0..mesh.ends.len() {
+            let missed = mesh.missed(i).abs();
+            if missed > motion.end_missed.max(constants::MET * mesh.end_size(i)) {
+                (motion.end_missed, motion.missed_component) = (missed, mesh.ends[i].component());
             }
         }
         let (mut x, mut slope, mut u) = (vec![0.0; n], vec![0.0; n], vec![0.0; m]);

@@ -3,7 +3,7 @@
 use crate::numerics::lagrange;
 
 /// Points of an interval.
-pub(super) const POINTS: usize = 3;
+pub(crate) const POINTS: usize = 3;
 
 /// Radau's points in (0, 1], their weights, and derivatives of Lagrange's polynomials through 0 and them.
 pub(super) struct Radau {

@@ -30,9 +30,11 @@ pub struct StateMotion {
     pub defect: f64,
     /// Start of the interval where that is (s).
     pub defect_time: f64,
-    /// Largest distance from a fixed component of the end, in its unit; 0 where the end is met.
+    /// Largest distance from a fixed component of the end, or of a linear function that is given there, in
+    /// its unit; 0 where the end is met.
     pub end_missed: f64,
-    /// This component, an index in x. None where the end is met to rounding.
+    /// This component, an index in x; of a function the one with the largest factor. None where the end is
+    /// met to rounding.
     pub missed_component: Option<usize>,
     /// Largest estimated error of x over an interval, relative to the largest value of the component.
     pub error: f64,
@@ -107,6 +109,14 @@ impl StateMotion {
     /// (x, u) at time t (s), cut to [0, T]: x by the cubic of its interval, u by the parabola through its
     /// three points, cut to its limits. A node belongs to the interval before it.
     pub fn sample_at(&self, t: f64) -> (Vec<f64>, Vec<f64>) {
+        let (x, mut u) = self.uncut_at(t);
+        let [low, high] = &self.u_limits;
+        u.iter_mut().zip(low.iter().zip(high)).for_each(|(u, (low, high))| *u = u.max(*low).min(*high));
+        (x, u)
+    }
+
+    /// The same without the limits of u.
+    pub(crate) fn uncut_at(&self, t: f64) -> (Vec<f64>, Vec<f64>) {
         let t = t.max(0.0).min(self.final_time);
         let after = self.t.partition_point(|&time| time < t).clamp(1, self.t.len() - 1);
         let first = (after - 1) / POINTS * POINTS;
@@ -118,9 +128,7 @@ impl StateMotion {
         };
         let (of_x, of_u) = (lagrange::values(&places, s), lagrange::values(&[a, b, c], s));
         let x = (0..self.x[0].len()).map(|i| sum(&of_x, &self.x[first..], i)).collect();
-        let [low, high] = &self.u_limits;
-        let u =
-            (0..low.len()).map(|i| sum(&of_u, &self.u[first + 1..], i).max(low[i]).min(high[i])).collect();
+        let u = (0..self.u[0].len()).map(|i| sum(&of_u, &self.u[first + 1..], i)).collect();
         (x, u)
     }
 }

@@ -8,10 +8,11 @@ use crate::bvp::collocation::error::defined;
 use crate::constants::{direct as shared, states as constants};
 use crate::options::SolverOptions;
 use crate::result::motion::Certificate;
+use crate::solve::Recorder;
+use crate::solve::recorder::Stop;
 use crate::status::Status;
 use costate::EvalError;
 use costate::dynamics::{Cost, Dynamics};
-use std::time::Instant;
 
 impl<D: Dynamics<f64>, C: Cost<f64>> DirectDynamics<D, C> {
     /// Solves the problem from a straight line between its ends, or from the guess that was given.
@@ -37,8 +38,20 @@ impl<D: Dynamics<f64>, C: Cost<f64>> DirectDynamics<D, C> {
     /// # Errors
     /// Options that are out of range.
     pub fn solve(&mut self, options: &SolverOptions) -> Result<StateMotion, DirectDynamicsError> {
+        let mut recorder = Recorder::new(None, Stop::new(None, options.time_limit));
+        self.solve_recorded(options, &mut recorder)
+    }
+
+    /// The same, its steps in a log, until the search is stopped.
+    ///
+    /// # Errors
+    /// As [`solve`](Self::solve).
+    pub(crate) fn solve_recorded(
+        &mut self,
+        options: &SolverOptions,
+        recorder: &mut Recorder<'_>,
+    ) -> Result<StateMotion, DirectDynamicsError> {
         options.check()?;
-        let deadline = options.time_limit.and_then(|limit| Instant::now().checked_add(limit));
         let intervals = constants::INTERVALS.min(options.max_nodes - 1);
         let layout = Layout { n: self.model.states(), m: self.model.controls(), intervals };
         let guess = self.unknowns(&layout);
@@ -48,13 +61,12 @@ impl<D: Dynamics<f64>, C: Cost<f64>> DirectDynamics<D, C> {
         let mut mesh = Interior::new(self, widths, guess, false);
         let mut motion = StateMotion::new();
         motion.status =
-            self.refine(&mut mesh, &mut motion, options, deadline).err().unwrap_or(Status::Converged);
-        motion.end_error = self.verify(&mesh, accuracy(options), deadline);
+            self.refine(&mut mesh, &mut motion, options, recorder).err().unwrap_or(Status::Converged);
+        motion.end_error = self.verify(&mesh, accuracy(options), recorder);
         // Not true for NaN.
         let is_verified = motion.end_error <= accuracy(options);
         if motion.status.is_converged() && !is_verified {
-            let is_over = deadline.is_some_and(|deadline| Instant::now() >= deadline);
-            motion.status = if is_over { Status::TimeLimit } else { Status::NotVerified };
+            motion.status = recorder.interruption().map_or(Status::NotVerified, Status::from);
         }
         if motion.status.is_converged() && mesh.definite {
             motion.certificate = Certificate::LocalMinimumOnMesh;
@@ -68,7 +80,7 @@ impl<D: Dynamics<f64>, C: Cost<f64>> DirectDynamics<D, C> {
         mesh: &mut Interior,
         motion: &mut StateMotion,
         options: &SolverOptions,
-        deadline: Option<Instant>,
+        recorder: &mut Recorder<'_>,
     ) -> Result<(), Status> {
         let accuracy = accuracy(options);
         let failed = |error: EvalError| Status::EvaluationFailed(error.into());
@@ -80,7 +92,7 @@ impl<D: Dynamics<f64>, C: Cost<f64>> DirectDynamics<D, C> {
                 *mesh = mesh.divided(self, &parts);
             }
             let tolerance = constants::PART_OF_TOLERANCE * options.tolerance;
-            mesh.solve(self, tolerance, options, deadline, &mut motion.steps)?;
+            mesh.solve(self, tolerance, options, recorder, &mut motion.steps)?;
             let between = mesh.between(self).map_err(failed)?;
             (motion.error, motion.largest_violation) = (largest(&between.errors), largest(&between.excess));
             let cost = mesh.cost_size();

@@ -6,7 +6,7 @@ use crate::extremal::wrapped::{Hooks, Wrapped};
 use crate::extremal::{BoundaryValueProblem, ControlLaw, HamiltonianTerms, Homotopy, Relaxation};
 use crate::options::JacobianRoute;
 use crate::problem::Problem;
-use crate::problem::error::SourceError;
+use crate::problem::source_error::SourceError;
 use costate::EvalError;
 
 /// The extremals of a [`Problem`] with z' and its Jacobian from functions: from the compiled source of

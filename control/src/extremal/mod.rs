@@ -7,6 +7,7 @@ pub(crate) mod controls;
 pub(crate) mod differences;
 pub(crate) mod dynamics;
 pub(crate) mod generated;
+pub(crate) mod given_rows;
 pub(crate) mod hamiltonian;
 pub(crate) mod lagrangian;
 pub(crate) mod legendre;

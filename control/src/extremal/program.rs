@@ -2,7 +2,7 @@
 
 use crate::extremal::actuation::Actuation;
 use crate::extremal::hamiltonian::equations::{Equations, Outputs};
-use crate::problem::error::SourceError;
+use crate::problem::source_error::SourceError;
 use crate::problem::{Bounds, Penalty, Problem};
 use costate::codegen::{CodegenError, Expr, Program, RecordedResult, name_from};
 use costate::hamiltonian::HamiltonianSecondOrder;

@@ -41,6 +41,7 @@ impl Problem {
     /// The first [`ProblemError`] found.
     pub fn check(&self) -> Result<CheckedProblem<'_>, ProblemError> {
         self.refuse_constraints()?;
+        self.refuse_free_joints()?;
         let bounds = self.bounds.as_ref();
         self.check_lists(|j| {
             bounds.is_some_and(|Bounds { u_min, u_max }| u_min[j].is_finite() && u_max[j].is_finite())
@@ -52,7 +53,7 @@ impl Problem {
     /// that costs nothing.
     ///
     /// # Errors
-    /// The first [`ProblemError`] found; [`ProblemError::LimitsNeedDirect`],
+    /// The first [`ProblemError`] found; [`ProblemError::FreeJoint`], [`ProblemError::LimitsNeedDirect`],
     /// [`ProblemError::TaskNeedsDirect`], [`ProblemError::EnergyNeedsDirect`],
     /// [`ProblemError::RatesNeedDirect`] and [`ProblemError::PhasesNeedDirect`] for limits, tasks, costs of
     /// energy, costs of jerks or rates of torques or given accelerations, and vias or periodic motions with
@@ -80,8 +81,15 @@ impl Problem {
             let limited = limits[j].torque.iter().all(|torque| torque.is_finite());
             let rates = limits[j].jerk.min(limits[j].torque_rate).is_finite();
             let weight = |list: &Option<Vec<f64>>| list.as_ref().map_or(0.0, |list| list[j]);
-            limited || rates || weight(&self.cost.torque_rate).max(weight(&self.cost.jerk)) > 0.0
+            limited
+                || self.has_no_motor(j)
+                || rates
+                || weight(&self.cost.torque_rate).max(weight(&self.cost.jerk)) > 0.0
         })?;
+        if !self.robot.free_joints().is_empty() {
+            self.check_free_motion()?;
+            return Ok(checked);
+        }
         self.check_vias()?;
         self.check_limits()?;
         self.check_given_ends()?;
@@ -96,14 +104,10 @@ impl Problem {
 
     /// All fields; `bounded` tells whether the control of a joint has limits on both sides.
     fn check_lists(&self, bounded: impl Fn(usize) -> bool) -> Result<CheckedProblem<'_>, ProblemError> {
-        if let Some(free) = self.robot.free_joints().first() {
-            let (joint, kind) = (free.name.clone(), free.kind.name());
-            return Err(ProblemError::FreeJoint { joint, kind });
-        }
         let Self { start, end, .. } = self;
-        self.finite(Key::START_Q, &start.q)?;
+        self.finite_positions(Key::START_Q, &start.q)?;
         self.finite(Key::START_V, &start.v)?;
-        self.finite(Key::END_Q, &end.q)?;
+        self.finite_positions(Key::END_Q, &end.q)?;
         self.finite(Key::END_V, &end.v)?;
         for (key, a) in [(Key::START_A, &start.a), (Key::END_A, &end.a)] {
             a.as_ref().map_or(Ok(()), |a| self.finite(key, a))?;

@@ -2,13 +2,12 @@
 
 use crate::problem::continuation_cause::ContinuationCause;
 use crate::problem::end_error::EndError;
+use crate::problem::free_error::FreeMotionError;
 use crate::problem::key::Key;
 use crate::problem::loop_error::LoopError;
 use crate::problem::task_error::TaskError;
 use crate::problem::torque_speed_error::TorqueSpeedError;
 use crate::problem::via_error::ViaError;
-use costate::EvalError;
-use costate::codegen::CodegenError;
 
 /// Why a problem was refused. Prints as field and reason; [`key`](Self::key) and [`reason`](Self::reason)
 /// give each.
@@ -20,6 +19,15 @@ pub enum ProblemError {
         /// The field.
         key: Key,
         /// Number of joints.
+        expected: usize,
+        /// Length found.
+        found: usize,
+    },
+    /// Positions of a robot with floating or spherical joints that are too few or too many.
+    WrongPositions {
+        /// The field.
+        key: Key,
+        /// Number of positions, quaternions included.
         expected: usize,
         /// Length found.
         found: usize,
@@ -213,12 +221,17 @@ pub enum ProblemError {
         /// The valid range.
         remedy: &'static str,
     },
-    /// A robot with a floating or spherical joint, whose orientation is a quaternion.
+    /// A robot with a floating or spherical joint, whose orientation is a quaternion, where none is taken.
     FreeJoint {
         /// The joint.
         joint: String,
         /// `"floating"` or `"spherical"`.
         kind: &'static str,
+    },
+    /// A motion of a robot with floating or spherical joints that is refused.
+    Free {
+        /// The cause and its remedy.
+        cause: FreeMotionError,
     },
     /// A robot with constraints where only open trees are taken.
     Constrained {
@@ -246,6 +259,7 @@ impl ProblemError {
     pub fn key(&self) -> Option<Key> {
         Some(match *self {
             Self::WrongLength { key, .. }
+            | Self::WrongPositions { key, .. }
             | Self::NotFinite { key, .. }
             | Self::NotANumber { key, .. }
             | Self::UnknownJoint { key, .. }
@@ -264,6 +278,7 @@ impl ProblemError {
             | Self::RatesNeedDirect { key }
             | Self::TaskNeedsDirect { key } => key,
             Self::Loop { ref cause } => cause.key(),
+            Self::Free { ref cause } => cause.key(),
             Self::NoMass { .. } => Key::ROBOT,
             Self::LimitsNeedDirect => Key::solver("method"),
             Self::EnergyNeedsDirect => Key::ENERGY,
@@ -279,6 +294,12 @@ impl ProblemError {
     }
 }
 
+impl From<FreeMotionError> for ProblemError {
+    fn from(cause: FreeMotionError) -> Self {
+        Self::Free { cause }
+    }
+}
+
 impl std::error::Error for ProblemError {
     /// The error of the robot that a continuation leads to.
     fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
@@ -286,25 +307,11 @@ impl std::error::Error for ProblemError {
             Self::Continuation { cause: ContinuationCause::Robot(error), .. } => Some(&**error),
             Self::End { cause, .. } => Some(cause),
             Self::Loop { cause } => Some(cause),
+            Self::Free { cause } => Some(cause),
             Self::Task { cause, .. } => Some(cause),
             Self::Via { cause, .. } => Some(cause),
             Self::TorqueSpeed { cause, .. } => Some(cause),
             _ => None,
         }
     }
-}
-
-/// Why the equations of a problem were not recorded, or not replaced by generated code.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum SourceError {
-    /// The problem is not valid.
-    #[error(transparent)]
-    Problem(#[from] ProblemError),
-    /// The equations cannot be recorded.
-    #[error(transparent)]
-    Codegen(#[from] CodegenError),
-    /// The dynamics cannot be evaluated at the start or the end.
-    #[error(transparent)]
-    Eval(#[from] EvalError),
 }

@@ -14,6 +14,10 @@ impl ProblemError {
                 let (found, joints) = (count(*found, "entry", "entries"), count(*expected, "joint", "joints"));
                 format!("has {found}, the robot has {joints}: give one entry for each joint")
             }
+            Self::WrongPositions { expected, found, .. } => format!(
+                "has {}, and the robot {expected} positions: give (x, y, z, qx, qy, qz, qw) for each floating joint, \
+                 (qx, qy, qz, qw) for each spherical one, and one for every other joint",
+                count(*found, "entry", "entries")),
             Self::NotFinite { joint, .. } => {
                 format!("the entry of joint '{}' is not finite; give a finite number", printable(joint))
             }
@@ -91,7 +95,8 @@ impl ProblemError {
             Self::LimitsNeedDirect => "hard limits are kept by method = \"direct\" only; choose it, or remove [limits]".into(),
             Self::Task { cause, .. } => cause.to_string(),
             Self::FreeJoint { joint, kind } => format!(
-                "joint '{}' is {kind}: motions take joints of one degree of freedom only; describe it as a chain of them",
+                "joint '{}' is {kind}, its orientation a quaternion: method = \"direct\" alone moves such robots, without \
+                 feedback and solving again; choose it, or describe the joint as a chain of joints",
                 printable(joint)
             ),
             Self::Constrained { constraint } => format!(
@@ -100,6 +105,7 @@ impl ProblemError {
                 printable(constraint)
             ),
             Self::Loop { cause } => cause.to_string(),
+            Self::Free { cause } => cause.to_string(),
             Self::TaskNeedsDirect { .. } => "tools and obstacles are taken by method = \"direct\" only; choose it, or remove them".into(),
             Self::Via { cause, .. } => cause.to_string(),
             Self::PhasesNeedDirect { .. } => {

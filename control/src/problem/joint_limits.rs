@@ -45,6 +45,9 @@ impl Problem {
                 power: entry(&own.power_max, i),
                 speeds: [entry(&own.corner_speed, i), entry(&own.no_load_speed, i)],
             };
+            if self.has_no_motor(i) {
+                limits.torque = [0.0, 0.0];
+            }
             if let Some(robot) = robot.filter(|_| from_robot) {
                 limits.q = intersection(limits.q, [robot.lower, robot.upper]);
                 limits.v = limits.v.min(robot.velocity);
@@ -128,7 +131,7 @@ impl Problem {
             let ranges = [
                 (key_q, limits.q, false),
                 (Key::LIMIT_V_MAX, rates, false),
-                (Key::LIMIT_TORQUE_MAX, limits.torque, self.limits.has_no_motor(j)),
+                (Key::LIMIT_TORQUE_MAX, limits.torque, self.has_no_motor(j)),
             ];
             for (key, [low, high], may_be_zero) in ranges {
                 if low > high || (low == high && !may_be_zero) {

@@ -8,6 +8,9 @@ pub(crate) mod error;
 mod error_text;
 #[cfg(feature = "toml")]
 pub(crate) mod file;
+pub(crate) mod free_end;
+mod free_error;
+pub(crate) mod free_joints;
 mod given_ends;
 mod joint_limits;
 pub(crate) mod key;
@@ -23,6 +26,7 @@ mod phases;
 pub(crate) mod references;
 pub(crate) mod rounded;
 pub(crate) mod running_cost;
+pub(crate) mod source_error;
 pub(crate) mod task;
 pub(crate) mod task_error;
 pub(crate) mod tools;
@@ -33,6 +37,7 @@ mod via_error;
 pub(crate) mod warning;
 
 pub use end_error::{EndError, Leads};
+pub use free_error::FreeMotionError;
 pub use limits::MotionLimits;
 pub use loop_error::LoopError;
 pub use obstacles::{BodyPairs, Collision, LinkCapsule, Obstacle, Shape};

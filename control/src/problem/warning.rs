@@ -1,6 +1,7 @@
 //! Valid problems that are probably not meant.
 
 use crate::problem::Problem;
+use crate::problem::free_joints::plain_entries;
 use crate::problem::key::Key;
 use costate::robot::{JointKind, printable, printable_number};
 use std::fmt;
@@ -65,7 +66,9 @@ impl Problem {
         let vias = self.vias.iter().enumerate();
         given.extend(vias.filter_map(|(number, via)| Some((Key::via("q", number), via.q.as_ref()?))));
         for (key, q) in given {
-            for (joint, &value) in self.robot.independent_joints().zip(q) {
+            for (entry, i) in plain_entries(&self.robot) {
+                let joint = &self.robot.joints()[self.robot.independent_indices()[i]];
+                let Some(&value) = q.get(entry) else { continue };
                 if joint.kind == JointKind::Revolute && value.abs() > SUSPICIOUS_ANGLE {
                     warnings.push(ProblemWarning::LargeAngle { key, joint: joint.name.clone(), value });
                 }

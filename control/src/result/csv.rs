@@ -5,12 +5,15 @@ use std::fmt::Write;
 
 impl Samples {
     /// A table in CSV: one line for each sample after a line of names: t, then q, v, a, tau and u of each of
-    /// these joints; with vias the phase, from 1. Numbers have all their digits.
+    /// these joints (q of its [`positions`](Samples::positions), where they have names of their own); with
+    /// vias the phase, from 1. Numbers have all their digits.
     pub fn to_csv(&self, joints: &[String]) -> String {
         let lists = [("q", &self.q), ("v", &self.v), ("a", &self.a), ("tau", &self.tau), ("u", &self.u)];
         let mut text = String::from("t");
         for (name, _) in &lists {
-            joints.iter().for_each(|joint| text += &format!(",{}", field(&format!("{name}_{joint}"))));
+            let has_quaternions = *name == "q" && !self.positions.is_empty();
+            let names = if has_quaternions { &self.positions[..] } else { joints };
+            names.iter().for_each(|joint| text += &format!(",{}", field(&format!("{name}_{joint}"))));
         }
         text += if self.phase.is_empty() { "\n" } else { ",phase\n" };
         for (k, t) in self.t.iter().enumerate() {

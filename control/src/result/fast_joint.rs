@@ -131,14 +131,15 @@ impl Near {
 impl Solution {
     /// The joint that moves faster than the mesh of the motion follows, where there is one: the cause of most
     /// motions of light links without rotors that are not solved. `None` for a motion that its mesh can
-    /// follow, for robots with constraints, and without a motion. `problem` is the one that was solved.
+    /// follow, for robots with constraints, floating or spherical joints, and without a motion. `problem` is
+    /// the one that was solved.
     ///
     /// # Errors
     /// [`SampleError`], for a motion of another robot and where the dynamics cannot be evaluated.
     pub fn fastest_joint(&self, problem: &Problem) -> Result<Option<FastJoint>, SampleError> {
         let Some(row) = self.trajectory.q.first() else { return Ok(None) };
         let (found, expected) = (row.len(), problem.robot.dof());
-        if !problem.robot.constraints().is_empty() {
+        if !problem.robot.constraints().is_empty() || !problem.robot.free_joints().is_empty() {
             return Ok(None);
         }
         if found != expected {

@@ -1,6 +1,7 @@
 //! Limits of the robot's joints that a motion exceeds.
 
 use crate::problem::Problem;
+use crate::problem::free_joints::plain_entries;
 use crate::problem::rounded::rounded_range;
 use crate::result::trajectory::Trajectory;
 use costate::robot::{JointKind, printable};
@@ -17,14 +18,16 @@ impl Problem {
         if self.limits.from_robot == Some(false) {
             return warnings;
         }
-        for (i, joint) in self.robot.independent_joints().enumerate() {
+        // Floating and spherical joints have no limits.
+        for (entry, i) in plain_entries(&self.robot) {
+            let joint = &self.robot.joints()[self.robot.independent_indices()[i]];
             let limits = &joint.limits;
             let units = match joint.kind {
                 JointKind::Revolute => ["rad", "rad/s", "N m"],
                 JointKind::Prismatic => ["m", "m/s", "N"],
             };
             let ranges = [
-                ("position", range(&trajectory.q, i, 1.0), (limits.lower, limits.upper)),
+                ("position", range(&trajectory.q, entry, 1.0), (limits.lower, limits.upper)),
                 ("velocity", range(&trajectory.v, i, 1.0), (-limits.velocity, limits.velocity)),
                 ("effort", range(&trajectory.u, i, self.gain[i]), (-limits.effort, limits.effort)),
             ];

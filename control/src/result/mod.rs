@@ -8,6 +8,7 @@ pub(crate) mod defect;
 pub(crate) mod disconjugate;
 pub(crate) mod fast_joint;
 mod forward;
+pub(crate) mod free_entries;
 pub(crate) mod infeasibility;
 pub(crate) mod jacobi_fields;
 pub(crate) mod limit_use;

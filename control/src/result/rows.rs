@@ -1,5 +1,6 @@
 //! The values of a trajectory in files: one row per node.
 
+use crate::result::free_entries::FreeEntries;
 use crate::result::solution::RobotNames;
 use crate::result::trajectory::Trajectory;
 use crate::result::trajectory_error::{TrajectoryError, VERSION, check_version};
@@ -108,13 +109,14 @@ impl Rows {
         if rising && times.iter().all(inside) { Ok(()) } else { Err(TrajectoryError::BadTimes) }
     }
 
-    pub fn check(&self, n: usize) -> Result<(), TrajectoryError> {
+    /// Lists of a motion with n degrees of freedom and nq positions.
+    pub fn check(&self, n: usize, nq: usize) -> Result<(), TrajectoryError> {
         let count = self.t.len();
         let rising = self.t.windows(2).all(|pair| pair[0] <= pair[1]);
         if count < 2 || !rising || self.t[count - 1] <= self.t[0] || self.t.iter().any(|t| !t.is_finite()) {
             return Err(TrajectoryError::BadTimes);
         }
-        let lists = [("q", &self.q, n), ("v", &self.v, n), ("p", &self.p, n), ("u", &self.u, n)];
+        let lists = [("q", &self.q, nq), ("v", &self.v, n), ("p", &self.p, n), ("u", &self.u, n)];
         let by_torques = (!self.y_tau.is_empty()).then_some(("y_tau", &self.y_tau, n));
         for (key, rows, expected) in lists.into_iter().chain([("y", &self.y, 2 * n)]).chain(by_torques) {
             if rows.len() != count {
@@ -161,9 +163,11 @@ impl Trajectory {
             let status = read.status.map_or("unknown".into(), |status| status.name().to_owned());
             return Err(TrajectoryError::NoMotion { status });
         }
-        read.trajectory.check(names.joints.len())?;
+        let n = names.joints.len();
+        read.trajectory.check(n, robot.nq())?;
         read.trajectory.check_vias(&read.via_times)?;
-        Ok(read.trajectory.into_trajectory(names.joints.len()).with_via_times(read.via_times))
+        let trajectory = read.trajectory.into_trajectory(n).with_via_times(read.via_times);
+        Ok(trajectory.with_free_joints(FreeEntries::of(robot)))
     }
 
     /// The motion as [`from_json`](Self::from_json) reads it, for a robot with these names.
@@ -196,6 +200,6 @@ impl Trajectory {
     /// # Errors
     /// [`TrajectoryError`]: lists whose lengths do not fit, or numbers that are not finite.
     pub fn check(&self, robot: &Robot) -> Result<(), TrajectoryError> {
-        Rows::from(self).check(robot.dof())
+        Rows::from(self).check(robot.dof(), robot.nq())
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::problem::Problem;
 use crate::result::forward::Forward;
+use crate::result::free_entries::FreeEntries;
 use crate::result::solution::Solution;
 use crate::result::trajectory::{Trajectory, TrajectoryPoint};
 use costate::EvalError;
@@ -34,6 +35,10 @@ pub struct Samples {
     /// The phase of each sample, from 1; empty for a motion without vias.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub phase: Vec<usize>,
+    /// Names of the entries of q, where floating or spherical joints have more than one: `NAME_x` to
+    /// `NAME_qw`. Empty where they are those of the joints.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub positions: Vec<String>,
 }
 
 /// Why a motion cannot be sampled.
@@ -95,8 +100,9 @@ impl Solution {
     /// dynamics, cut to the limits of the problem as when the motion is verified. They are exact at the
     /// points of the mesh; where an acceleration jumps within an interval the polynomial overshoots. Those
     /// of robots with constraints, which share their torques with the forces of these, are linear between the
-    /// nodes. Of other motions q, v and u are those of [`Trajectory::at`], the torque is u times the gain,
-    /// and the acceleration that of forward dynamics.
+    /// nodes. Of other motions, among them those of robots with floating or spherical joints, q, v and u are
+    /// those of [`Trajectory::at`], the torque is u times the gain, and the acceleration that of forward
+    /// dynamics.
     ///
     /// # Errors
     /// [`SampleError`].
@@ -130,7 +136,7 @@ impl Solution {
         let (Some(&start), Some(&last)) = (trajectory.t.first(), trajectory.t.last()) else {
             return Err(SampleError::NoMotion);
         };
-        let (found, expected) = (trajectory.q[0].len(), problem.robot.dof());
+        let (found, expected) = (trajectory.dof(), problem.robot.dof());
         if found != expected {
             return Err(SampleError::OtherRobot { found, expected });
         }
@@ -143,6 +149,9 @@ impl Solution {
     fn at_times(&self, problem: &Problem, times: Vec<f64>) -> Result<Samples, SampleError> {
         let trajectory = &self.trajectory;
         let mut samples = Samples { t: times, ..Samples::default() };
+        if !trajectory.free_joints.is_empty() {
+            samples.positions = FreeEntries::names(&trajectory.free_joints, &self.robot.joints);
+        }
         if !trajectory.via_times.is_empty() {
             samples.phase = samples.t.iter().map(|&t| 1 + trajectory.phase_at(t)).collect();
         }
@@ -184,7 +193,7 @@ impl Solution {
         if let Some(accelerations) = trajectory.accelerations() {
             return Ok(accelerations.to_vec());
         }
-        let (found, expected) = (trajectory.q.first().map_or(0, Vec::len), problem.robot.dof());
+        let (found, expected) = (trajectory.dof(), problem.robot.dof());
         if found != expected && !trajectory.q.is_empty() {
             return Err(SampleError::OtherRobot { found, expected });
         }

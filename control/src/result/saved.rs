@@ -2,6 +2,7 @@
 
 use crate::options::{SolverOptions, Verify};
 use crate::result::constraint_forces::ConstraintForces;
+use crate::result::free_entries::FreeEntries;
 use crate::result::limit_use::LimitReport;
 use crate::result::motion::{Certificate, Motion};
 use crate::result::polish_report::PolishReport;
@@ -78,6 +79,8 @@ struct Document {
     via_times: Vec<f64>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     phase_hamiltonians: Vec<f64>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    free_joints: Vec<FreeEntries>,
     #[serde(default)]
     costate_start: SavedCostates,
     end_defect: Option<f64>,
@@ -200,6 +203,7 @@ impl From<&Solution> for Document {
             hamiltonian: finite(motion.hamiltonian),
             hamiltonian_drift: finite(motion.hamiltonian_drift),
             via_times: solution.trajectory.via_times.clone(),
+            free_joints: solution.trajectory.free_joints.clone(),
             phase_hamiltonians: match solution.trajectory.via_times.is_empty() {
                 true => Vec::new(),
                 false => motion.phase_hamiltonians.clone(),
@@ -235,9 +239,12 @@ impl TryFrom<Document> for Solution {
     /// document.
     fn try_from(document: Document) -> Result<Self, TrajectoryError> {
         check_version(document.format)?;
-        let n = document.trajectory.q.first().map_or(0, Vec::len);
+        let n = document.trajectory.v.first().map_or(0, Vec::len);
         if !document.trajectory.is_empty() {
-            document.trajectory.check(n)?;
+            if !FreeEntries::fit(&document.free_joints, n) {
+                return Err(TrajectoryError::FreeJoints);
+            }
+            document.trajectory.check(n, n + document.free_joints.len())?;
             document.trajectory.check_vias(&document.via_times)?;
         }
         let joints = document.joints.unwrap_or_default();
@@ -263,11 +270,13 @@ impl TryFrom<Document> for Solution {
             bound_violation: violation,
             ..Motion::missing(document.status, document.final_time.unwrap_or(f64::NAN))
         };
+        let trajectory = document.trajectory.into_trajectory(n).with_via_times(document.via_times);
+        let trajectory = trajectory.with_free_joints(document.free_joints);
         Ok(Self {
             motion,
             end_defect: document.end_defect.unwrap_or(f64::INFINITY),
             newton_iterations: document.newton_iterations,
-            trajectory: document.trajectory.into_trajectory(n).with_via_times(document.via_times),
+            trajectory,
             starts: document.starts.into_iter().map(StartResult::from).collect(),
             limits: document.limits,
             constraints: document.constraints,

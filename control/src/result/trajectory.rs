@@ -1,13 +1,15 @@
 //! The motion of a robot over time.
 
 use crate::cubics::{JointState, cubic};
+use crate::result::free_entries::FreeEntries;
 use crate::result::nodes::{Interpolant, Nodes, Place, place};
 use crate::result::quintic::{StateAndJerk, quintic};
 use std::ops::Range;
 
 /// The motion of a robot at the nodes of its mesh; at a switch two nodes have the same time.
 ///
-/// Rows are nodes, entries of a row are joints in the order of the robot.
+/// Rows are nodes, entries of a row are joints in the order of the robot. Of robots with floating or
+/// spherical joints [`free_joints`](Self::free_joints) says where their entries are.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Trajectory {
@@ -33,6 +35,8 @@ pub struct Trajectory {
     pub hamiltonian: Vec<f64>,
     /// The times of the vias (s): where one phase ends and the next one begins. Each is that of two nodes.
     pub via_times: Vec<f64>,
+    /// The floating and spherical joints: q has one entry more for each of them than v.
+    pub free_joints: Vec<FreeEntries>,
     pub(super) interpolant: Option<Interpolant>,
     /// Accelerations at the nodes of a motion whose q(t) is a quintic between them.
     pub(super) accelerations: Option<Vec<Vec<f64>>>,
@@ -65,8 +69,23 @@ impl Trajectory {
         let part = |k: usize| nodes.z.iter().map(|z| z[k * n..(k + 1) * n].to_vec()).collect::<Vec<_>>();
         let (q, p, y_q, y_p) = (part(0), part(1), part(2), part(3));
         let Nodes { t, u, hamiltonian, interpolant, .. } = nodes;
-        let (via_times, accelerations, y_tau) = (Vec::new(), None, Vec::new());
-        Self { t, q, v, p, u, y_q, y_p, y_tau, hamiltonian, via_times, interpolant, accelerations }
+        let (via_times, free_joints) = (Vec::new(), Vec::new());
+        let (accelerations, y_tau) = (None, Vec::new());
+        Self {
+            t,
+            q,
+            v,
+            p,
+            u,
+            y_q,
+            y_p,
+            y_tau,
+            hamiltonian,
+            via_times,
+            free_joints,
+            interpolant,
+            accelerations,
+        }
     }
 
     /// Without a polynomial between the nodes; the rows of q, v, p, u, y_q and y_p.
@@ -77,6 +96,16 @@ impl Trajectory {
     /// With these times of vias.
     pub(crate) fn with_via_times(self, via_times: Vec<f64>) -> Self {
         Self { via_times, ..self }
+    }
+
+    /// With these floating and spherical joints.
+    pub(crate) fn with_free_joints(self, free_joints: Vec<FreeEntries>) -> Self {
+        Self { free_joints, ..self }
+    }
+
+    /// Number of degrees of freedom; 0 without a motion.
+    pub(crate) fn dof(&self) -> usize {
+        self.v.first().map_or(0, Vec::len)
     }
 
     /// How long the phases take (s); `None` without a motion.
@@ -113,7 +142,8 @@ impl Trajectory {
         let kept: Vec<usize> = (0..self.t.len()).filter(|&k| self.t.get(k + 1) != Some(&self.t[k])).collect();
         let rows = |rows: &[Vec<f64>]| kept.iter().map(|&k| rows[k].clone()).collect();
         let columns = [&self.q, &self.v, &self.p, &self.u, &self.y_q, &self.y_p].map(|column| rows(column));
-        Self::from_rows(kept.iter().map(|&k| self.t[k]).collect(), columns)
+        let once = Self::from_rows(kept.iter().map(|&k| self.t[k]).collect(), columns);
+        once.with_free_joints(self.free_joints.clone())
     }
 
     /// The same for so many joints: the first ones, or with zeros for further ones.
@@ -151,7 +181,8 @@ impl Trajectory {
     /// the costates are its values, v is its derivative, u the polynomial through the controls at its points.
     /// In a motion of the direct method q is its own polynomial, v the derivative, and all else is linear. A
     /// trajectory that was read from a file has its nodes only: then q is the cubic that meets q and v at
-    /// both nodes.
+    /// both nodes. So it is for robots with floating or spherical joints; quaternions are cubics divided by
+    /// their lengths.
     pub fn at(&self, t: f64) -> Option<TrajectoryPoint> {
         let place = place(&self.t, t)?;
         match &self.interpolant {
@@ -192,6 +223,9 @@ impl Trajectory {
 
     fn between_nodes(&self, t: f64, place: Place) -> TrajectoryPoint {
         let Place { left: k, part, length } = place;
+        if !self.free_joints.is_empty() {
+            return self.between_quaternions(t, place);
+        }
         let linear = |rows: &[Vec<f64>]| -> Vec<f64> {
             rows[k].iter().zip(&rows[k + 1]).map(|(left, right)| left + part * (right - left)).collect()
         };
@@ -206,6 +240,30 @@ impl Trajectory {
         TrajectoryPoint {
             t,
             q: states.iter().map(|state| state.q).collect(),
+            v,
+            p: linear(&self.p),
+            u: linear(&self.u),
+            y_q: linear(&self.y_q),
+            y_p: linear(&self.y_p),
+        }
+    }
+
+    /// The same of a robot with floating or spherical joints.
+    fn between_quaternions(&self, t: f64, Place { left: k, part, length }: Place) -> TrajectoryPoint {
+        let linear = |rows: &[Vec<f64>]| -> Vec<f64> {
+            rows[k].iter().zip(&rows[k + 1]).map(|(left, right)| left + part * (right - left)).collect()
+        };
+        let rates = [k, k + 1].map(|k| FreeEntries::rates(&self.free_joints, &self.q[k], &self.v[k]));
+        let state = |j: usize, i: usize| JointState { q: self.q[k + j][i], v: rates[j][i] };
+        let entries = (0..self.q[k].len()).map(|i| cubic(state(0, i), state(1, i), length, part));
+        let (mut q, rates): (Vec<f64>, Vec<f64>) = match length > 0.0 {
+            true => entries.map(|JointState { q, v }| (q, v)).unzip(),
+            false => (linear(&self.q), rates[0].clone()),
+        };
+        let v = FreeEntries::velocities(&self.free_joints, &mut q, &rates);
+        TrajectoryPoint {
+            t,
+            q,
             v,
             p: linear(&self.p),
             u: linear(&self.u),

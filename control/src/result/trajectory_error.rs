@@ -64,6 +64,9 @@ pub enum TrajectoryError {
         /// The joints of the solution.
         joints: Vec<String>,
     },
+    /// Floating and spherical joints whose entries are not those of the rows.
+    #[error("`free_joints` does not fit the rows of `v`")]
+    FreeJoints,
     /// Fewer than two times, or times that fall.
     #[error("`t` is not a rising list of at least two finite times")]
     BadTimes,

@@ -2,6 +2,7 @@
 
 mod bounds;
 mod feedback;
+mod flying;
 mod impossible;
 mod input;
 mod keys;

@@ -117,6 +117,7 @@ impl Resolve {
     ) -> Result<Self, ProblemError> {
         let limits = problem.limits.clone().with_from_robot(problem.keeps_robot_limits());
         let problem = &problem.clone().with_limits(limits);
+        problem.refuse_free_joints()?;
         let rows = TaskRows::new(problem)?;
         problem.refuse_constraints()?;
         problem.check_for(Method::Direct)?;

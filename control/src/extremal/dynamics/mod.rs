@@ -131,7 +131,7 @@ impl<D: Dynamics<f64>, C: Cost<f64>> DynamicsExtremal<D, C> {
             running_cost,
             relaxable: Relaxable::of_actuation(actuation.clone(), problem.cost.time),
             actuation,
-            ends: ComponentEnds::new(given(&problem.start), given(&problem.end)),
+            ends: ComponentEnds::new(components(&problem.start), components(&problem.end)),
             problem: problem.clone(),
             pull: vec![0.0; controls],
             u: vec![0.0; controls],
@@ -261,6 +261,6 @@ impl<D: Dynamics<f64>, C: Cost<f64>> BoundaryValueProblem for DynamicsExtremal<D
     }
 }
 
-fn given(EndState { x, free }: &EndState) -> GivenComponents {
-    GivenComponents { x: x.clone(), free: (0..x.len()).map(|i| free.contains(&i)).collect() }
+fn components(EndState { x, free, given }: &EndState) -> GivenComponents {
+    GivenComponents::new(x, (0..x.len()).map(|i| free.contains(&i)).collect(), given)
 }

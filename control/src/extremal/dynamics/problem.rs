@@ -1,5 +1,7 @@
 //! Optimal-control problems of any model.
 
+use crate::extremal::given_rows::GivenRows;
+use crate::problem::free_end::orientation_rows;
 use crate::problem::{Bounds, FinalTime, Objective};
 
 /// State at one end of a motion, some components possibly free.
@@ -8,20 +10,46 @@ use crate::problem::{Bounds, FinalTime, Objective};
 pub struct EndState {
     /// x. Free components only shape the first guess.
     pub x: Vec<f64>,
-    /// Indices of free components: $y_i = 0$ there.
+    /// Indices of free components: $y_i = 0$ there, but for what is given of them together.
     pub free: Vec<usize>,
+    /// Rows c of linear functions of the free components that are given: $c^\top x$ is that of
+    /// [`x`](Self::x), and y is a sum of these rows there. Of the end of a motion only.
+    pub given: Vec<Vec<f64>>,
 }
 
 impl EndState {
     /// This state, nothing free.
     pub fn fixed(x: &[f64]) -> Self {
-        Self { x: x.to_vec(), free: Vec::new() }
+        Self { x: x.to_vec(), free: Vec::new(), given: Vec::new() }
     }
 
     /// With these components free.
     #[must_use]
     pub fn with_free(self, components: &[usize]) -> Self {
         Self { free: components.to_vec(), ..self }
+    }
+
+    /// With these rows of linear functions given, of components that are free.
+    #[must_use]
+    pub fn with_given(self, given: Vec<Vec<f64>>) -> Self {
+        Self { given, ..self }
+    }
+
+    /// With the orientation of a quaternion $a = (x, y, z, w)$ given, and not its length: the four components
+    /// from `first` on are free, and the three functions $\mathrm{vec}(\bar a_T \circ a)$ zero, $a_T$ that
+    /// of [`x`](Self::x). So $y^\top a_T = 0$. A motion that keeps |a|, such as those of
+    /// [`QuaternionDynamics`](costate::dynamics::QuaternionDynamics), ends at $\pm a_T$; with four fixed
+    /// components its equations would be singular.
+    #[must_use]
+    pub fn with_orientation(mut self, first: usize) -> Self {
+        let at = |k: usize| self.x.get(first + k).copied().unwrap_or(0.0);
+        for row in orientation_rows([at(0), at(1), at(2), at(3)]) {
+            let mut whole = vec![0.0; self.x.len()];
+            whole.iter_mut().skip(first).zip(row).for_each(|(entry, value)| *entry = value);
+            self.given.push(whole);
+        }
+        self.free.extend(first..first + 4);
+        self
     }
 }
 
@@ -151,6 +179,7 @@ impl DynamicsProblem {
                 return Err(Error::OutOfRange { field, value: component as f64, range });
             }
         }
+        self.check_given(states)?;
         let Objective { time, effort, .. } = &self.cost;
         if self.cost.has_energy() {
             return Err(Error::Energy);
@@ -193,5 +222,32 @@ impl DynamicsProblem {
                 FinalTime::Free { .. } => *time > 0.0,
             };
         if costs { Ok(()) } else { Err(Error::NothingToMinimise) }
+    }
+
+    /// Linear functions that are given are those of the end, and independent.
+    fn check_given(&self, states: usize) -> Result<(), DynamicsProblemError> {
+        use DynamicsProblemError as Error;
+        if !self.start.given.is_empty() {
+            let (value, range) = (self.start.given.len() as f64, "functions are given at the end only");
+            return Err(Error::OutOfRange { field: "start.given", value, range });
+        }
+        for row in &self.end.given {
+            let (field, expected, found) = ("end.given", states, row.len());
+            if found != expected {
+                return Err(Error::WrongLength { field, expected, found });
+            }
+            if let Some(&value) = row.iter().find(|value| !value.is_finite()) {
+                return Err(Error::OutOfRange { field, value, range: "must be finite" });
+            }
+        }
+        let free: Vec<bool> = (0..states).map(|i| self.end.free.contains(&i)).collect();
+        match GivenRows::new(&self.end.given, &free).dependent {
+            Some(row) => Err(Error::OutOfRange {
+                field: "end.given",
+                value: row as f64,
+                range: "this row depends on the rows before it and the fixed components; remove it",
+            }),
+            None => Ok(()),
+        }
     }
 }

@@ -1,0 +1,284 @@
+//! Motions of robots with floating and spherical joints: closed forms, what nothing can change, refusals,
+//! files.
+
+use costate::configuration::ConfigurationSpace;
+use costate::hamiltonian::Hamiltonian;
+use costate::robot::{JointSpec, LinkInertia, LoadOptions, Placement, Robot};
+use costate_control::{
+    BoundaryState, FreeMotionError, Method, MotionLimits, Objective, Problem, ProblemError, ProblemFile,
+    Resolve, Solution, Solver, SolverOptions, Trajectory,
+};
+use nalgebra::{Matrix3, UnitQuaternion, Vector3};
+use std::f64::consts::PI;
+
+const INF: f64 = f64::INFINITY;
+
+fn body(mass: f64, inertia: [f64; 3]) -> LinkInertia {
+    LinkInertia::about_com(mass, [0.0; 3], Matrix3::from_diagonal(&Vector3::from(inertia)))
+}
+
+/// The quaternion (x, y, z, w) of a rotation vector.
+fn turned(by: [f64; 3]) -> [f64; 4] {
+    UnitQuaternion::from_scaled_axis(Vector3::from(by)).coords.into()
+}
+
+fn solve(problem: &Problem, tolerance: f64) -> Solution {
+    let options = SolverOptions::default().with_tolerance(tolerance);
+    let solution = Solver::new(problem, options).unwrap().solve();
+    assert!(solution.motion.status.is_converged(), "{:?}", solution.motion.status);
+    solution
+}
+
+/// A ball turns about one axis like a double integrator: J = 6 I^2 angle^2/T^3, the short way round. The
+/// other way round is an extremal too, and dearer.
+#[test]
+fn a_ball_turns_about_one_axis() {
+    let ball = JointSpec::spherical("ball").carrying(body(2.0, [0.5; 3]));
+    let robot = Robot::builder("ball").joint(ball).gravity([0.0; 3]).build().unwrap();
+    let (angle, axis) = (2.5, [1.0 / 3.0, -2.0 / 3.0, 2.0 / 3.0]);
+    let from = UnitQuaternion::from_scaled_axis(Vector3::new(0.4, -0.7, 0.2));
+    let to = from * UnitQuaternion::from_scaled_axis(Vector3::from(axis) * angle);
+    let (from, to): ([f64; 4], [f64; 4]) = (from.coords.into(), to.coords.into());
+    let problem = Problem::rest_to_rest(robot, &from, &to, 1.5)
+        .with_limits(MotionLimits::none().with_torque_max(vec![INF; 3]));
+    let cost = |angle: f64| 6.0 * 0.25 * angle * angle / 1.5_f64.powi(3);
+    let solution = solve(&problem, 1e-8);
+    let motion = &solution.motion;
+    assert!((motion.cost / cost(angle) - 1.0).abs() < 1e-8, "{} {}", motion.cost, cost(angle));
+    assert!(solution.end_defect < 1e-6 && motion.hamiltonian_drift < 1e-5, "{motion:?}");
+    // dJ/dT = -H*, and y = -dJ/dx at the start: a turn xi of the start along the axis changes the angle.
+    assert!((motion.hamiltonian / (3.0 * motion.cost / 1.5) - 1.0).abs() < 1e-5);
+    let slope: f64 = solution.costate_start().y_q.iter().zip(axis).map(|(y, axis)| y * axis).sum();
+    assert!((slope / (2.0 * motion.cost / angle) - 1.0).abs() < 1e-4, "{slope}");
+    let both = SolverOptions::default().with_tolerance(1e-8).with_starts(2);
+    let both = Solver::new(&problem, both).unwrap().solve();
+    assert_eq!(both.motion.cost.to_bits(), motion.cost.to_bits());
+    let other = both.starts[1].total / cost(2.0 * PI - angle);
+    assert!((other - 1.0).abs() < 1e-7, "{other}");
+}
+
+/// A body with a wheel about its axis z, which nothing else drives: the motor turns both against each other.
+fn wheel() -> Robot {
+    let base = JointSpec::floating("base").carrying(body(10.0, [2.0, 3.0, 4.0]));
+    let wheel = JointSpec::revolute("wheel").on("base").carrying(body(1.0, [0.1, 0.1, 0.2]));
+    Robot::builder("wheel").joint(base).joint(wheel).gravity([0.0; 3]).build().unwrap()
+}
+
+/// L = I w + J (w + wheel') = 0, so the torque of the motor is -I w', and J = 6 I^2 angle^2/T^3.
+#[test]
+fn a_wheel_turns_what_floats() {
+    let to = turned([0.0, 0.0, 1.2]);
+    let end = [&[0.0; 3][..], &to, &[0.0]].concat();
+    let problem = Problem::rest_to_rest(wheel(), &[0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0], &end, 2.0);
+    let end = problem.end.clone().with_q_free(&[0, 1, 2, 6]);
+    let solution = solve(&problem.with_end(end), 1e-8);
+    let cost = 6.0 * 16.0 * 1.44 / 8.0;
+    assert!((solution.motion.cost / cost - 1.0).abs() < 1e-8, "{}", solution.motion.cost);
+    let last = solution.trajectory.q.last().unwrap();
+    assert!((last[7] + 1.2 * 4.2 / 0.2).abs() < 1e-5, "{last:?}");
+    let base = solution.trajectory.u.iter().flat_map(|u| &u[..6]).all(|u| *u == 0.0);
+    assert!(base && solution.end_defect < 1e-6, "{}", solution.end_defect);
+}
+
+/// A floating base with two links that nothing holds.
+fn flyer(gravity: [f64; 3]) -> Robot {
+    let link = LinkInertia::about_com(1.0, [0.4, 0.0, 0.1], Matrix3::identity() * 0.05);
+    let trunk = LinkInertia::about_com(4.0, [0.1, -0.05, 0.0], Matrix3::from_diagonal_element(0.3));
+    let at = |x: f64| Placement::from_xyz_rpy([x, 0.1, 0.2], [0.2, 0.0, 0.3]);
+    let joint = |name: &str, on: &str, x: f64| JointSpec::revolute(name).on(on).placed(at(x)).carrying(link);
+    Robot::builder("flyer")
+        .joint(JointSpec::floating("root").placed(at(-0.3)).carrying(trunk))
+        .joint(joint("a", "root", 0.2).axis([0.0, 1.0, 0.0]))
+        .joint(joint("b", "a", 0.8).axis([0.0, 0.6, 0.8]))
+        .gravity(gravity)
+        .build()
+        .unwrap()
+}
+
+#[test]
+fn what_is_saved_is_read_again() {
+    let to = turned([0.3, 0.0, 1.2]);
+    let end = [&[0.1, 0.0, 0.2][..], &to, &[0.4]].concat();
+    let problem = Problem::rest_to_rest(wheel(), &[0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0], &end, 2.0);
+    let problem = problem.with_limits(MotionLimits::none().with_torque_max(vec![INF; 7]));
+    let solution = solve(&problem, 1e-6);
+    let text = solution.to_json().unwrap();
+    let read = Solution::from_json(&text).unwrap();
+    assert_eq!(read.trajectory.free_joints, solution.trajectory.free_joints);
+    assert_eq!(
+        (read.trajectory.q, &read.trajectory.v),
+        (solution.trajectory.q.clone(), &solution.trajectory.v)
+    );
+    let start = Trajectory::from_json(&text, &problem.robot).unwrap();
+    let again = Solver::new(&problem, SolverOptions::default()).unwrap().with_start(&start).unwrap().solve();
+    assert!((again.motion.cost / solution.motion.cost - 1.0).abs() < 1e-5);
+    let broken = text.replace("\"position\":0", "\"position\":3");
+    assert!(Solution::from_json(&broken).unwrap_err().to_string().contains("free_joints"));
+    // Samples move as their velocities say.
+    let samples = solution.sample(&problem, 200.0).unwrap();
+    let space = ConfigurationSpace::new(&problem.robot);
+    for (k, pair) in samples.q.windows(2).enumerate() {
+        space.check(&pair[1]).unwrap();
+        let mut d = vec![0.0; 7];
+        space.difference(&pair[0], &pair[1], &mut d).unwrap();
+        for i in 0..7 {
+            let mean = 0.5 * (samples.v[k][i] + samples.v[k + 1][i]);
+            assert!((d[i] * 200.0 - mean).abs() < 2e-3, "{k} {i}: {} {mean}", d[i] * 200.0);
+        }
+    }
+    let csv = samples.to_csv(&solution.robot.joints);
+    let columns: Vec<&str> = csv.lines().next().unwrap().split(',').collect();
+    assert_eq!(
+        (columns.len(), columns[1], columns[4], columns[8]),
+        (1 + 8 + 4 * 7, "q_base_x", "q_base_qx", "q_wheel")
+    );
+    assert!(csv.lines().all(|line| line.split(',').count() == columns.len()));
+    // At the start nothing moves yet: u is the torque, and the acceleration follows from it.
+    let mut model = Hamiltonian::<f64>::new(&problem.robot);
+    let force = model.mass_matrix(&samples.q[0]).unwrap().view().to_nalgebra()
+        * nalgebra::DVector::from_column_slice(&samples.a[0]);
+    assert!(force.iter().zip(&samples.tau[0]).all(|(a, b)| (a - b).abs() < 1e-9));
+}
+
+#[test]
+fn what_is_not_taken_is_named() {
+    let start = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.5];
+    let end = [&[0.0; 3][..], &turned([0.0, 0.0, 0.3]), &[1.5, -0.8]].concat();
+    let base = || {
+        let free = [0, 1, 2];
+        let problem = Problem::rest_to_rest(flyer([0.0; 3]), &start, &end, 1.0);
+        let end = problem.end.clone().with_q_free(&free);
+        problem.with_end(end)
+    };
+    let refused = |problem: Problem| problem.check_for(Method::Direct).unwrap_err();
+    base().check_for(Method::Direct).unwrap();
+    let limits = MotionLimits::none;
+    let not_taken = [
+        (base().with_limits(limits().with_v_max(vec![1.0; 8])), "limits.v_max"),
+        (base().with_limits(limits().with_a_max(vec![1.0; 8])), "limits.a_max"),
+        (base().with_limits(limits().with_jerk_max(vec![1.0; 8])), "limits.jerk_max"),
+        (base().with_limits(limits().with_power_max(vec![1.0; 8])), "limits.power_max"),
+        (base().with_limits(limits().with_total_power_max(1.0)), "limits.total_power_max"),
+        (base().with_cost(Objective::new(0.0, vec![1.0; 8]).with_energy(vec![1.0; 8])), "cost.energy"),
+        (base().with_period(vec![0.0; 8]), "periodic.shift"),
+        (base().with_start(BoundaryState::fixed(&start, &[0.0; 8]).with_q_free(&[7])), "start.q_free"),
+        (base().with_start(BoundaryState::fixed(&start, &[0.0; 8]).with_v_free(&[7])), "start.v_free"),
+    ];
+    for (problem, key) in not_taken {
+        let error = refused(problem);
+        let ProblemError::Free { cause: FreeMotionError::NotTaken { joint, .. } } = &error else {
+            panic!("{key}: {error}")
+        };
+        assert_eq!((joint.as_str(), error.key().unwrap().to_string()), ("root", key.to_owned()));
+    }
+    let mut wrong = start;
+    wrong[6] = 1.1;
+    let error = refused(base().with_start(BoundaryState::fixed(&wrong, &[0.0; 8])));
+    assert!(error.to_string().contains("q[3] to q[6], has length 1.1"), "{error}");
+    let error = refused(base().with_start(BoundaryState::fixed(&start[..8], &[0.0; 8])));
+    assert!(error.to_string().contains("has 8 entries, and the robot 9 positions"), "{error}");
+    let error = refused(base().with_limits(limits().with_torque_max(vec![0.0; 8])));
+    assert!(error.to_string().contains("nothing drives the robot"), "{error}");
+    let lower = [&[-1.0][..], &[-INF; 7]].concat();
+    let error = refused(base().with_limits(limits().with_q_min(lower)));
+    assert!(error.to_string().contains("'root_x'"), "{error}");
+    // Other methods, and what solves again.
+    for method in [Method::Collocation, Method::Shooting] {
+        assert!(matches!(base().check_for(method), Err(ProblemError::FreeJoint { .. })));
+    }
+    let again = Resolve::new(&base(), SolverOptions::default());
+    assert!(matches!(again, Err(ProblemError::FreeJoint { joint, .. }) if joint == "root"));
+}
+
+#[test]
+fn ends_that_no_motion_meets_are_named() {
+    let start = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.5];
+    let place = [&[0.3, 0.0, 0.0][..], &turned([0.0, 0.0, 0.3]), &[1.5, -0.8]].concat();
+    let problem = |end: BoundaryState| {
+        let problem = Problem::rest_to_rest(flyer([0.0; 3]), &start, &place, 1.0).with_end(end);
+        problem.check_for(Method::Direct).map(drop)
+    };
+    let end = |v: &[f64]| BoundaryState::fixed(&place, v);
+    let Err(ProblemError::Free { cause: FreeMotionError::CentreOfMass { position, joint } }) =
+        problem(end(&[0.0; 8]))
+    else {
+        panic!()
+    };
+    assert_eq!(joint, "root");
+    // With the position that it tells the end is met.
+    let mut there = place.clone();
+    there[..3].copy_from_slice(&position);
+    problem(BoundaryState::fixed(&there, &[0.0; 8])).unwrap();
+    let moving = [&[0.0; 6][..], &[1.0, 0.0]].concat();
+    let free = [0, 1, 2];
+    let error = problem(BoundaryState::fixed(&there, &moving)).unwrap_err();
+    assert!(error.to_string().contains("the momentum of what it carries is known"), "{error}");
+    let error = problem(end(&moving).with_q_free(&free)).unwrap_err();
+    assert!(error.to_string().contains("with the position of 'root_x' free"), "{error}");
+    let error = problem(end(&[0.0; 8]).with_q_free(&[0, 1, 2, 3, 4])).unwrap_err();
+    assert!(error.to_string().contains("two angles of joint 'root' are free"), "{error}");
+    let error = problem(BoundaryState::fixed(&there, &[0.0; 8]).with_v_free(&[7])).unwrap_err();
+    assert!(error.to_string().contains("2 rates are left to choose, but 7 are given"), "{error}");
+    // What falls is somewhere at one time only.
+    let falling = Problem::rest_to_rest(flyer([0.0, 0.0, -3.0]), &start, &place, 1.0)
+        .with_cost(Objective::new(1.0, vec![1.0; 8]))
+        .with_time(costate_control::FinalTime::Free { guess: 1.0 });
+    let error = falling.check_for(Method::Direct).unwrap_err();
+    assert!(error.to_string().contains("give time.final"), "{error}");
+    assert_eq!(error.key().unwrap().to_string(), "time.free");
+}
+
+/// A pendulum on a ball joint without a motor, wheels on the bob: its moment of momentum about the vertical
+/// stays, which is one of the three that rest asks for.
+#[test]
+fn gravity_keeps_one_momentum_of_a_ball_joint() {
+    let bob = LinkInertia::about_com(1.0, [0.0, 0.0, -0.5], Matrix3::identity() * 0.05);
+    let flywheel = |name: &str, axis: [f64; 3]| {
+        let at = Placement::from_xyz_rpy([0.0, 0.0, -0.5], [0.0; 3]);
+        JointSpec::revolute(name).on("ball").axis(axis).placed(at).carrying(body(0.1, [0.02; 3]))
+    };
+    let robot = Robot::builder("pendulum")
+        .joint(JointSpec::spherical("ball").carrying(bob))
+        .joint(flywheel("x", [1.0, 0.0, 0.0]))
+        .joint(flywheel("y", [0.0, 1.0, 0.0]))
+        .build()
+        .unwrap();
+    let start = [&turned([0.0; 3])[..], &[0.0, 0.0]].concat();
+    let end = [&turned([0.1, 0.2, 0.0])[..], &[0.0, 0.0]].concat();
+    let end = BoundaryState::fixed(&end, &[0.0; 5]).with_q_free(&[2, 3, 4]).with_v_free(&[3, 4]);
+    let problem = Problem::rest_to_rest(robot, &start, &end.q, 1.0);
+    // The turn about the axis of the bob, which the wheels do not reach, is left free.
+    let error = problem.clone().with_end(end).check_for(Method::Direct).unwrap_err();
+    assert!(
+        matches!(error, ProblemError::Free { cause: FreeMotionError::RatesNeedPositions { .. } }),
+        "{error}"
+    );
+    let end = [&turned([0.1, 0.2, 0.0])[..], &[0.0, 0.0]].concat();
+    let end = BoundaryState::fixed(&end, &[0.0; 5]).with_q_free(&[2, 3, 4]);
+    let end = end.with_v_free(&[0, 1, 2, 3, 4]);
+    let solution = solve(&problem.with_end(end), 1e-6);
+    let last = solution.trajectory.q.last().unwrap();
+    let up = UnitQuaternion::new_unchecked(nalgebra::Quaternion::new(last[3], last[0], last[1], last[2]));
+    let expected = UnitQuaternion::from_scaled_axis(Vector3::new(0.1, 0.2, 0.0)) * Vector3::z();
+    assert!((up * Vector3::z() - expected).amax() < 1e-5 && solution.end_defect < 1e-4);
+}
+
+#[test]
+fn a_satellite_folds_its_arm_out() {
+    let file = ProblemFile::read("../examples/problems/satellite_arm.toml", LoadOptions::default()).unwrap();
+    let solution = Solver::new(&file.problem, file.options.clone()).unwrap().solve();
+    assert!(solution.motion.status.is_converged(), "{:?}", solution.motion.status);
+    assert!(solution.end_defect < 1e-4 && solution.limits.are_kept(), "{}", solution.end_defect);
+    // A quarter turn is far from singular for the quaternion, and the centre of mass stays.
+    let robot = &file.problem.robot;
+    let mut model = Hamiltonian::<f64>::new(robot);
+    let mut centre = |q: &[f64]| {
+        let inertia = model.mass_matrix(q).unwrap();
+        let arm = Vector3::new(inertia[(1, 5)], inertia[(2, 3)], inertia[(0, 4)]) / inertia[(0, 0)];
+        let turn = UnitQuaternion::new_unchecked(nalgebra::Quaternion::new(q[6], q[3], q[4], q[5]));
+        Vector3::new(q[0], q[1], q[2]) + turn * arm
+    };
+    let first = centre(&solution.trajectory.q[0]);
+    let away = solution.trajectory.q.iter().map(|q| (centre(q) - first).amax()).fold(0.0, f64::max);
+    assert!(away < 1e-5, "{away}");
+}
