@@ -9,6 +9,7 @@ use numpy::{PyArrayDescrMethods, PyArrayDyn, PyArrayMethods, PyUntypedArray, PyU
 use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
+use pyo3::type_object::PyTypeInfo;
 
 /// The arrays of a call, whose memory is read.
 pub type Held<'py, const N: usize> = [Option<Bound<'py, PyUntypedArray>>; N];
@@ -78,6 +79,9 @@ fn read<'py>(
         Ok(array) => array.clone(),
         Err(_) => converted(given, expected)?,
     };
+    if given.get_type_ptr() != PyUntypedArray::type_object_raw(given.py()) {
+        refuse_mask(given, expected)?;
+    }
     if !is_float64(&array) {
         return Err(wrong_type(&array, expected));
     }
@@ -161,6 +165,20 @@ fn converted<'py>(given: &Bound<'py, PyAny>, expected: &Argument) -> PyResult<Bo
     Ok(array.cast_into::<PyUntypedArray>()?)
 }
 
+/// Refuses a masked array, whose mask would be lost.
+#[cold]
+fn refuse_mask(given: &Bound<'_, PyAny>, expected: &Argument) -> PyResult<()> {
+    let py = given.py();
+    if !given.hasattr(intern!(py, "mask"))? || !given.hasattr(intern!(py, "filled"))? {
+        return Ok(());
+    }
+    let name = expected.name;
+    let message = format!(
+        "{name} is a masked array, whose mask would have no effect; pass {name}.filled(0.0), or another number"
+    );
+    Err(argument(py, name, message))
+}
+
 /// Whether its numbers are doubles of this processor.
 #[inline]
 pub fn is_float64(array: &Bound<'_, PyUntypedArray>) -> bool {
@@ -171,7 +189,9 @@ pub fn is_float64(array: &Bound<'_, PyUntypedArray>) -> bool {
 #[cold]
 fn wrong_type(array: &Bound<'_, PyUntypedArray>, expected: &Argument) -> PyErr {
     let (name, found) = (expected.name, array.dtype());
-    let message = format!("{name} has the type {found}, not float64; pass {name}.astype(float)");
+    // A cast would drop the imaginary parts.
+    let advice = if found.kind() == b'c' { "real if its imaginary parts are zero" } else { "astype(float)" };
+    let message = format!("{name} has the type {found}, not float64; pass {name}.{advice}");
     argument(array.py(), name, message)
 }
 

@@ -1,6 +1,6 @@
 //! The class `RobotBuilder`.
 
-use crate::descriptions::inertia_of;
+use crate::descriptions::{inertia_entries, inertia_of, mimicked, triple};
 use crate::errors;
 use crate::recipe::{Recipe, named};
 use crate::robot::Robot;
@@ -76,7 +76,8 @@ macro_rules! joint_methods {
             /// xyz, rpy, axis : sequence of float
             ///     Placement of its frame, and the direction of its axis.
             /// mass, com, inertia : float, sequence of float
-            ///     Of its link: kg, m, and xx, yy, zz, xy, xz, yz about the centre of mass (kg m^2).
+            ///     Of its link: kg, m, and xx, yy, zz, xy, xz, yz or a 3 x 3 matrix about the
+            ///     centre of mass (kg m^2).
             /// armature : float
             ///     Rotor inertia (kg m^2, kg).
             /// stiffness, rest : float
@@ -101,12 +102,12 @@ macro_rules! joint_methods {
                 slf: Shared<'py>,
                 name: String,
                 on: Option<String>,
-                xyz: [f64; 3],
-                rpy: [f64; 3],
-                axis: [f64; 3],
+                #[pyo3(from_py_with = triple)] xyz: [f64; 3],
+                #[pyo3(from_py_with = triple)] rpy: [f64; 3],
+                #[pyo3(from_py_with = triple)] axis: [f64; 3],
                 mass: f64,
-                com: [f64; 3],
-                inertia: Option<Vec<f64>>,
+                #[pyo3(from_py_with = triple)] com: [f64; 3],
+                #[pyo3(from_py_with = inertia_entries)] inertia: Option<Vec<f64>>,
                 armature: f64,
                 stiffness: f64,
                 rest: f64,
@@ -116,7 +117,7 @@ macro_rules! joint_methods {
                 upper: Option<f64>,
                 velocity: Option<f64>,
                 effort: Option<f64>,
-                mimic: Option<(String, f64, f64)>,
+                #[pyo3(from_py_with = mimicked)] mimic: Option<(String, f64, f64)>,
             ) -> PyResult<Shared<'py>> {
                 let py = slf.py();
                 let arguments = named!(
@@ -144,7 +145,7 @@ macro_rules! joint_methods {
 
             #[new]
             #[pyo3(signature = (name, *, gravity = [0.0, 0.0, -9.81]))]
-            fn new(py: Python<'_>, name: &str, gravity: [f64; 3]) -> PyResult<Self> {
+            fn new(py: Python<'_>, name: &str, #[pyo3(from_py_with = triple)] gravity: [f64; 3]) -> PyResult<Self> {
                 let recipe = Recipe::default().then(py, "builder", named!(py, name, gravity));
                 Ok(Self { state: Mutex::new((costate::robot::Robot::builder(name).gravity(gravity), recipe)) })
             }
@@ -169,8 +170,8 @@ macro_rules! joint_methods {
                 slf: Shared<'py>,
                 name: String,
                 on: String,
-                xyz: [f64; 3],
-                rpy: [f64; 3],
+                #[pyo3(from_py_with = triple)] xyz: [f64; 3],
+                #[pyo3(from_py_with = triple)] rpy: [f64; 3],
             ) -> PyResult<Shared<'py>> {
                 let arguments = named!(slf.py(), name, on, xyz, rpy);
                 let frame = FrameSpec::new(&name).on(&on).placed(Placement::from_xyz_rpy(xyz, rpy));

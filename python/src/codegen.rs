@@ -13,13 +13,14 @@ use pyo3::prelude::*;
 /// Most steps of a function, unless given.
 const LIMIT: usize = 25_000;
 
-/// Source code of one quantity of a robot: a function without branches that needs no library.
+/// Source code of one quantity of a robot: a function without branches that needs no library; or of the
+/// functions that another tool asks for.
 ///
 /// Parameters
 /// ----------
 /// robot : Robot
 ///     The robot, whose constants become numbers of the source.
-/// quantity : str
+/// quantity : str, optional
 ///     ``"f"``, ``"f_x"``, ``"y_f_x"``, ``"y_f_xx"``, ``"y_f_xx_d"``, ``"mass_matrix"``, ``"energy"``,
 ///     ``"inverse_dynamics"``, ``"tau_z"`` or ``"y_tau_zz"``.
 /// coordinates : {"qv", "qp"}
@@ -32,6 +33,13 @@ const LIMIT: usize = 25_000;
 ///     Masses, lengths and other constants are an argument of the function.
 /// limit : int
 ///     Most steps of the function: longer ones take long to compile.
+/// abi : {"casadi", "acados"}, optional
+///     In the place of a quantity, all functions that ``casadi.external`` or acados load by name, as
+///     ``costate codegen --abi`` writes them: C, in (q, v).
+/// scheme : {"rk4", "semi_implicit_euler"}, optional
+///     With ``abi`` alone: a time step too.
+/// dt : float
+///     Its duration (s).
 ///
 /// Returns
 /// -------
@@ -41,7 +49,8 @@ const LIMIT: usize = 25_000;
 /// Raises
 /// ------
 /// ArgumentError
-///     For an unknown quantity, coordinates or language, and a limit that is negative or no whole number.
+///     For an unknown quantity, coordinates, language, abi or scheme, options that do not go together, and a
+///     limit that is negative or no whole number.
 /// CodegenError
 ///     For a quantity that is not defined in these coordinates, or a function that is longer than the limit.
 ///
@@ -51,25 +60,55 @@ const LIMIT: usize = 25_000;
 /// >>> robot = costate.Robot.builder("cart").prismatic("rail", axis=[1, 0, 0], mass=2).build()
 /// >>> "void cart_lagrangian_inverse_dynamics(" in costate.codegen(robot, "inverse_dynamics")
 /// True
+/// >>> "int cart_expl_ode_hess(" in costate.codegen(robot, abi="acados")
+/// True
 #[pyfunction]
 #[pyo3(
-    signature = (robot, quantity, coordinates = "qv", language = "c", *, only = false, parameters = false,
-        limit = None),
-    text_signature = "(robot, quantity, coordinates='qv', language='c', *, only=False, parameters=False, \
-        limit=25000)"
+    signature = (robot, quantity = None, coordinates = "qv", language = "c", *, only = false,
+        parameters = false, limit = None, abi = None, scheme = None, dt = 0.0),
+    text_signature = "(robot, quantity=None, coordinates='qv', language='c', *, only=False, \
+        parameters=False, limit=25000, abi=None, scheme=None, dt=0.0)"
 )]
+#[expect(clippy::too_many_arguments, reason = "most by name")]
 pub fn codegen(
     py: Python<'_>,
     robot: &Robot,
-    quantity: &str,
+    quantity: Option<&str>,
     coordinates: &str,
     language: &str,
     only: bool,
     parameters: bool,
     limit: Option<&Bound<'_, PyAny>>,
+    abi: Option<&str>,
+    scheme: Option<&str>,
+    dt: f64,
 ) -> PyResult<String> {
     let limit = limit.map_or(Ok(LIMIT), |given| whole("limit", given, 0..=usize::MAX))?;
     let coordinates = coordinates_of(py, coordinates)?;
+    if let Some(abi) = abi {
+        let fixed = [
+            ("quantity", quantity.is_some()),
+            ("coordinates", coordinates != Coordinates::Lagrangian),
+            ("language", language != "c"),
+            ("only", only),
+            ("parameters", parameters),
+        ];
+        if let Some((name, _)) = fixed.into_iter().find(|(_, given)| *given) {
+            let message =
+                format!("abi='{abi}' says which functions are written, in C and in (q, v); leave out {name}");
+            return Err(argument(py, name, message));
+        }
+        return abi_source(py, robot, abi, scheme, dt, limit);
+    }
+    if scheme.is_some() || dt != 0.0 {
+        let name = if scheme.is_some() { "scheme" } else { "dt" };
+        return Err(argument(
+            py,
+            name,
+            format!("{name} is of abi='casadi' and abi='acados' alone; leave it out"),
+        ));
+    }
+    let quantity = quantity.unwrap_or_default();
     let found = Quantity::ALL.into_iter().find(|known| known.name() == quantity).ok_or_else(|| {
         let names = Quantity::ALL.map(Quantity::name).join(", ");
         argument(py, "quantity", format!("unknown quantity '{quantity}'; give one of {names}"))
@@ -91,9 +130,7 @@ pub fn codegen(
 }
 
 /// C source for `casadi.external` or for acados.
-#[pyfunction]
-#[pyo3(signature = (robot, abi, scheme, dt, limit))]
-pub fn _abi_source(
+fn abi_source(
     py: Python<'_>,
     robot: &Robot,
     abi: &str,
@@ -102,6 +139,9 @@ pub fn _abi_source(
     limit: usize,
 ) -> PyResult<String> {
     robot.refuse_constraints(py, "be written as source code")?;
+    if !["casadi", "acados"].contains(&abi) {
+        return Err(argument(py, "abi", format!("unknown abi '{abi}'; give 'casadi' or 'acados'")));
+    }
     let coordinates = Coordinates::Lagrangian;
     let step = match scheme {
         None => None,

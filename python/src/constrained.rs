@@ -1,6 +1,7 @@
 //! The class `ConstrainedDynamics`.
 
 use crate::constraints::{VERBS, Verb, of_constrained};
+use crate::descriptions::names;
 use crate::errors::argument;
 use crate::function::{Function, Settings};
 use crate::methods::described;
@@ -160,7 +161,7 @@ impl ConstrainedDynamics {
         &self,
         py: Python<'py>,
         q: &Bound<'py, PyAny>,
-        held: Option<Vec<String>>,
+        #[pyo3(from_py_with = names)] held: Option<Vec<String>>,
         out: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let mut mask = vec![0.0; self.n()];

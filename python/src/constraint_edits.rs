@@ -1,5 +1,6 @@
 //! Constraints of a robot: those it has, one more, none.
 
+use crate::descriptions::triple;
 use crate::errors::argument;
 use crate::recipe::named;
 use crate::robot::Robot;
@@ -79,10 +80,10 @@ impl Robot {
         length: Option<f64>,
         joints: Option<&Bound<'_, PyDict>>,
         constant: f64,
-        xyz: [f64; 3],
-        rpy: [f64; 3],
-        to_xyz: [f64; 3],
-        to_rpy: [f64; 3],
+        #[pyo3(from_py_with = triple)] xyz: [f64; 3],
+        #[pyo3(from_py_with = triple)] rpy: [f64; 3],
+        #[pyo3(from_py_with = triple)] to_xyz: [f64; 3],
+        #[pyo3(from_py_with = triple)] to_rpy: [f64; 3],
     ) -> PyResult<Self> {
         let joints = joints.map(|joints| joints.copy()).transpose()?;
         let arguments =

@@ -1,6 +1,6 @@
 //! Changes of a robot: each returns another one.
 
-use crate::descriptions::inertia_of;
+use crate::descriptions::{inertia_entries, inertia_of, triple};
 use crate::errors::argument;
 use crate::recipe::named;
 use crate::robot::Robot;
@@ -76,7 +76,8 @@ impl Robot {
     /// com : sequence of float
     ///     Centre of mass (m) in the frame.
     /// inertia : sequence of float, optional
-    ///     xx, yy, zz, xy, xz, yz about the centre of mass (kg m^2) in axes of the frame; 0 unless given.
+    ///     xx, yy, zz, xy, xz, yz, or a 3 x 3 matrix, about the centre of mass (kg m^2) in axes of the frame;
+    ///     0 unless given.
     ///
     /// Returns
     /// -------
@@ -93,8 +94,8 @@ impl Robot {
         py: Python<'_>,
         frame: String,
         mass: f64,
-        com: [f64; 3],
-        inertia: Option<Vec<f64>>,
+        #[pyo3(from_py_with = triple)] com: [f64; 3],
+        #[pyo3(from_py_with = inertia_entries)] inertia: Option<Vec<f64>>,
     ) -> PyResult<Self> {
         let arguments = named!(py, frame, mass, com, inertia);
         let body = LinkInertia::from_entries(mass, com, inertia_of(py, inertia)?);
@@ -127,8 +128,8 @@ impl Robot {
         py: Python<'_>,
         name: String,
         on: String,
-        xyz: [f64; 3],
-        rpy: [f64; 3],
+        #[pyo3(from_py_with = triple)] xyz: [f64; 3],
+        #[pyo3(from_py_with = triple)] rpy: [f64; 3],
     ) -> PyResult<Self> {
         let arguments = named!(py, name, on, xyz, rpy);
         let frame = FrameSpec::new(&name).on(&on).placed(Placement::from_xyz_rpy(xyz, rpy));
@@ -151,7 +152,11 @@ impl Robot {
     /// ------
     /// RobotError
     ///     For a number that is not finite.
-    fn with_gravity(&self, py: Python<'_>, gravity: [f64; 3]) -> PyResult<Self> {
+    fn with_gravity(
+        &self,
+        py: Python<'_>,
+        #[pyo3(from_py_with = triple)] gravity: [f64; 3],
+    ) -> PyResult<Self> {
         self.changed(py, "with_gravity", named!(py, gravity), |robot| robot.with_gravity(gravity))
     }
 

@@ -2,6 +2,7 @@
 
 use crate::cores::{Core, Lanes};
 use crate::engine::Engine;
+use crate::words::in_python;
 use costate::Coordinates;
 use costate::codegen::{CodegenError, Quantity};
 use costate::robot::Robot;
@@ -21,7 +22,7 @@ pub fn engine_of(
     coordinates: Coordinates,
 ) -> Result<(Engine, String), CodegenError> {
     let code = JitQuantity::new(&robot, quantity, coordinates)?;
-    let backend = code.backend().to_string();
+    let backend = in_python(&code.backend().to_string());
     let short = matches!(code.backend(), Backend::Compiled { steps, .. } if steps < SHORT);
     let compiled = OnceLock::new();
     let compile =

@@ -9,6 +9,7 @@ use pyo3::PyErr;
 use pyo3::prelude::*;
 use pyo3::types::PyBool;
 use std::ops::RangeInclusive;
+use std::path::Path;
 
 /// The classes of `costate._errors`.
 mod classes {
@@ -59,16 +60,22 @@ pub fn whole(name: &str, given: &Bound<'_, PyAny>, range: RangeInclusive<usize>)
     }
 }
 
+/// A file that cannot be read, as Python raises it: with its name.
+#[cold]
+pub fn unreadable(path: &Path, error: &std::io::Error) -> PyErr {
+    let text = error.to_string();
+    let text = text.split(" (os error").next().unwrap_or_default().to_owned();
+    pyo3::exceptions::PyOSError::new_err((error.raw_os_error(), text, path.display().to_string()))
+}
+
 /// A robot that cannot be read, built or changed.
 #[cold]
 pub fn robot(py: Python<'_>, error: &RobotError) -> PyErr {
     if let RobotError::InFile { path, error: inner, .. } = error
         && let RobotError::Unreadable { source } = &**inner
-        && let Some(code) = source.raw_os_error()
+        && source.raw_os_error().is_some()
     {
-        let text = source.to_string();
-        let text = text.split(" (os error").next().unwrap_or_default().to_owned();
-        return pyo3::exceptions::PyOSError::new_err((code, text, path.display().to_string()));
+        return unreadable(path, source);
     }
     let mut raised = classes::RobotError::new_err(in_python(&error.to_string()));
     if let RobotError::InFile { path, .. } = error

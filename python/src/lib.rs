@@ -62,11 +62,11 @@ mod _costate {
     #[pymodule_export]
     use crate::builder::RobotBuilder;
     #[pymodule_export]
-    use crate::casadi::{_CasadiSlot, _casadi_calls, _casadi_slots};
+    use crate::casadi::{_CasadiSlot, _casadi_calls, _casadi_refusal, _casadi_slots};
     #[pymodule_export]
     use crate::check::_compare;
     #[pymodule_export]
-    use crate::codegen::{_abi_source, codegen};
+    use crate::codegen::codegen;
     #[pymodule_export]
     use crate::constrained::ConstrainedDynamics;
     #[pymodule_export]

@@ -1,5 +1,6 @@
 //! The class `Robot`.
 
+use crate::descriptions::triple;
 use crate::errors::{self, RobotWarning, argument};
 use crate::look::Look;
 use crate::recipe::{Recipe, is_rebuilding, named};
@@ -208,7 +209,11 @@ impl Robot {
     ///     It adds joints and frames.
     #[staticmethod]
     #[pyo3(signature = (name, *, gravity = [0.0, 0.0, -9.81]))]
-    fn builder<'py>(py: Python<'py>, name: &str, gravity: [f64; 3]) -> PyResult<Bound<'py, PyAny>> {
+    fn builder<'py>(
+        py: Python<'py>,
+        name: &str,
+        #[pyo3(from_py_with = triple)] gravity: [f64; 3],
+    ) -> PyResult<Bound<'py, PyAny>> {
         let keywords = named!(py, gravity);
         py.import("costate._costate")?.getattr("RobotBuilder")?.call((name,), Some(&keywords))
     }

@@ -1,7 +1,7 @@
 //! Messages of the library in the words of its Python interface.
 
 /// What messages advise on the command line and in Rust, and what does the same here.
-const WORDS: [(&str, &str); 9] = [
+const WORDS: [(&str, &str); 20] = [
     ("`costate info --frames` lists the names", "robot.frame_names lists the names"),
     ("request it by --friction (LoadOptions::friction)", "request it by friction=True"),
     ("give the format by --format (Robot::read)", "give the text and its format to Robot.from_text"),
@@ -10,6 +10,26 @@ const WORDS: [(&str, &str); 9] = [
     ("(--limit ", "(limit="),
     ("(--limit)", "(limit=...)"),
     ("or --only)", "or only=True)"),
+    ("; `costate info ROBOT --frames` lists them", "; robot.frame_names lists them"),
+    ("; `costate info` lists the names", "; robot.all_joint_names lists the names"),
+    // Python compiles with a limit that the robot decides.
+    (
+        ". Use the generic code, choose a smaller quantity (y_f_x, y_f_xx_d), or raise the limit with \
+      Compiled::<f64>::with_limit or JitQuantity::with_limit",
+        ". `adjoint` and `hvp` are shorter",
+    ),
+    (
+        ". Use the generic code, choose a smaller quantity (y_f_x, y_f_xx_d), or raise the limit with \
+      JitQuantity::with_limit",
+        ". `adjoint` and `hvp` are shorter",
+    ),
+    ("give its folder with --package-path", "give its folder by package_path=[...]"),
+    ("as ConstrainedHamiltonian::close computes it", "as ConstrainedDynamics.close computes it"),
+    ("in --sample too;", "in sample() too;"),
+    ("and so does --polish, where", "and so does solver={'polish': True}, where"),
+    ("raise solver.time_limit or --time-limit", "raise solver.time_limit"),
+    (", or use gains (--feedback)", ", or use gains()"),
+    ("(limits.infeasible of --json has all)", "(infeasible has all)"),
     (
         ", or use the generic code or the just-in-time compiler, which need no source text",
         ", or use costate.Dynamics, which needs no source text",

@@ -100,6 +100,12 @@ def test_models_of_jax_are_pickled():
     again = pickle.loads(pickle.dumps(model))
     z = np.array([0.1, 0.2])
     assert again.order == "reverse" and np.array_equal(again.f(z, z, z), model.f(z, z, z))
+    assert again == model != costate.jax.Model(robot) and hash(again) == hash(model)
+    step = model.step("rk4", 0.1)
+    copied = pickle.loads(pickle.dumps(step))
+    x = np.concatenate([z, z])
+    miss = [jax.jacfwd(jax.grad(lambda tau, f=f: (f(x[:2], x[2:], tau) ** 2).sum()))(z) for f in (step, copied)]
+    assert np.array_equal(miss[0], miss[1])
     with pytest.raises(costate.ArgumentError, match="give costate.Dynamics, or a costate.Robot"):
         costate.jax.Model("robot")
 

@@ -85,3 +85,18 @@ def test_what_does_not_fit_is_refused(step):
     model = costate.crocoddyl.ActionModel(step, GOAL)
     with pytest.raises(costate.ArgumentError, match="twice"):
         costate.crocoddyl.Costates([model, model])
+
+
+def test_weights_of_the_page():
+    """Costs of a moderate ratio: the exact model reaches the cost of Gauss-Newton though both are tiny."""
+    step = costate.Step(costate.Dynamics(load("two_link.toml")), "semi_implicit_euler", 0.05)
+    goal, costs = np.array([2.5, -2.0, 0.0, 0.0]), []
+    for exact in (True, False):
+        models = [costate.crocoddyl.ActionModel(step, goal, effort=1e-6, exact=exact) for _ in range(100)]
+        final = costate.crocoddyl.FinalModel(step, goal, 1.0)
+        solver = crocoddyl.SolverDDP(crocoddyl.ShootingProblem(np.zeros(4), models, final))
+        solver.setCallbacks([costate.crocoddyl.Costates(models)])
+        solver.th_stop = 1e-20
+        assert solver.solve([np.zeros(4)] * 101, [np.zeros(2)] * 100, 200, False)
+        costs.append(solver.cost)
+    assert_close(costs[0], costs[1], 1e-9)

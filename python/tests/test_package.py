@@ -3,6 +3,7 @@
 import doctest
 import importlib.util
 import inspect
+import re
 import shutil
 import subprocess
 import sys
@@ -12,6 +13,7 @@ import costate
 import numpy as np
 import pytest
 from conftest import ROBOTS, assert_close, load
+from interface import public
 
 
 def documented():
@@ -92,6 +94,30 @@ def test_types_are_strict(typed, tmp_path):
     command = [sys.executable, "-m", "mypy", "--config-file", typed, "--cache-dir", tmp_path / "cache", "-p", "costate"]
     done = subprocess.run(command, capture_output=True, text=True)
     assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_calls_of_the_guide_have_the_types_of_the_stubs(typed, tmp_path):
+    """Of all code blocks. What mypy infers is less than what they say: of dictionaries behind ``**``, of texts in loops."""
+    path = ROBOTS.parent / "docs" / "guide" / "pages.py"
+    spec = importlib.util.spec_from_file_location("pages", path)
+    pages = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(pages)
+    (tmp_path / "guide").mkdir()
+    for page in filter(pages.blocks, pages.PAGES):
+        (tmp_path / "guide" / f"page_{page.stem}.py").write_text("".join(code for _, code in pages.blocks(page)))
+    wrong = tmp_path / "guide" / "wrong.py"
+    wrong.write_text("import costate\ncostate.Robot.builder('x', gravity=object())\n")
+    names = {name.split(".")[-1] for name, _, _ in public()}
+
+    command = [sys.executable, "-m", "mypy", "--config-file", typed, "--cache-dir", tmp_path / "cache", tmp_path / "guide"]
+    done = subprocess.run(command, capture_output=True, text=True)
+    found = []
+    for line in done.stdout.splitlines():
+        called = re.search(r'Argument .* to "(\w+)".* has incompatible type "(.*?)"; expected "(.*)"  \[arg-type\]', line)
+        inferred = called and (called[2].startswith("**") or called[2] == "str" and called[3].startswith("Literal"))
+        if called and called[1] in names and not inferred:
+            found.append(line)
+    assert [line for line in found if "wrong.py" not in line] == [] and len(found) == 1, done.stdout + done.stderr
 
 
 def test_generated_source_compiles_and_computes(ur5, random, tmp_path):

@@ -97,3 +97,30 @@ def test_what_does_not_fit_is_refused(dynamics):
     bend = torch.autograd.grad(slope.sum(), q, create_graph=True)[0]
     with pytest.raises(RuntimeError, match="third"):
         torch.autograd.grad(bend.sum(), q)
+
+
+def test_forward_mode_is_refused_and_reverse_over_reverse_is_the_way(dynamics, random):
+    """As the page says."""
+    function = functions(dynamics)["f"]
+    z = torch.tensor(random.normal(size=6))
+    cost = lambda z: function(*z.split(2)) @ torch.linspace(-1, 1, 4, dtype=torch.float64)
+    exact = torch.autograd.functional.hessian(cost, z).numpy()
+    assert_close(torch.func.jacrev(torch.func.jacrev(cost))(z).numpy(), exact, 1e-11)
+    for way in (torch.func.hessian, torch.func.jacfwd):
+        with pytest.raises(NotImplementedError):
+            way(cost)(z)
+
+
+def test_models_and_steps_are_pickled_and_compared(dynamics, tmp_path):
+    import copy
+    import pickle
+
+    model = costate.torch.Model(dynamics)
+    torch.save(model, tmp_path / "model.pt")
+    again = torch.load(tmp_path / "model.pt", weights_only=False)
+    z = torch.tensor([0.1, 0.2], dtype=torch.float64)
+    assert torch.equal(again.f(z, z, z), model.f(z, z, z))
+    assert again == model == copy.deepcopy(model) and hash(again) == hash(model)
+    assert model != costate.torch.Model(costate.Dynamics(dynamics.robot, "qp")) and model != 1
+    step = model.step("rk4", 0.1)
+    assert torch.equal(pickle.loads(pickle.dumps(step))(z, z, z), step(z, z, z))

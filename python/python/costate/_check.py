@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from html import escape
 
 import numpy as np
 
 from ._costate import Robot, _compare
-from ._errors import Interrupted, whole
+from ._errors import Interrupted, argument_error, whole
 
 
 @dataclass(frozen=True)
@@ -32,7 +33,7 @@ class Comparison:
     agrees: bool | None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class CheckReport:
     """What `check` found.
 
@@ -54,6 +55,13 @@ class CheckReport:
     def passed(self) -> bool:
         """Whether something was compared, and nothing differs by more than rounding."""
         return self.states > 0 and all(row.agrees is not False for row in self.comparisons)
+
+    def _repr_html_(self) -> str:
+        return f"<pre>{escape(str(self))}</pre>"
+
+    def __repr__(self) -> str:
+        verdict = "passed" if self.passed else "not passed"
+        return f"CheckReport({verdict}, {len(self.comparisons)} comparisons, {self.states} states, {self.left_out} left out)"
 
     def __str__(self) -> str:
         words = {True: "agrees", False: "DIFFERS", None: "not comparable"}
@@ -88,7 +96,7 @@ def check(robot: Robot, states: int = 5, *, seed: int = 0) -> CheckReport:
     Raises
     ------
     ArgumentError
-        For a number of states or a seed that is negative or no whole number.
+        For what is no robot, and a number of states or a seed that is negative or no whole number.
     StateError
         Where a state cannot be evaluated, with its number.
     Interrupted
@@ -106,6 +114,8 @@ def check(robot: Robot, states: int = 5, *, seed: int = 0) -> CheckReport:
     >>> costate.check(robot).passed
     True
     """
+    if not isinstance(robot, Robot):
+        raise argument_error("robot", f"robot is a {type(robot).__name__}; give a costate.Robot, such as dynamics.robot")
     states = whole("states", states, 0)
     random = np.random.default_rng(whole("seed", seed, 0))
     lower, upper = _ranges(robot)

@@ -5,7 +5,7 @@ Arrays are C-ordered float64. Units: rad, m, kg, s, N m, N. n is the number of j
 broadcasts; ``...`` stands for them.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from os import PathLike
 from typing import Any, Literal, TypeAlias, final
 
@@ -18,7 +18,8 @@ from ._pinocchio import JointMap
 _Array: TypeAlias = NDArray[np.float64]
 # An array of float64, or a sequence of numbers.
 _Vector: TypeAlias = ArrayLike
-_Triple: TypeAlias = tuple[float, float, float] | list[float]
+# An array of three numbers, or a sequence of them.
+_Triple: TypeAlias = ArrayLike
 # Arrays of the caller for one result, and for several.
 _Out: TypeAlias = _Array | None
 _Outs: TypeAlias = tuple[_Array | None, ...] | list[_Array | None] | None
@@ -42,8 +43,8 @@ __all__ = [
     "_Solution",
     "__version__",
     "_CasadiSlot",
-    "_abi_source",
     "_casadi_calls",
+    "_casadi_refusal",
     "_casadi_slots",
     "_compare",
     "_rebuild",
@@ -98,10 +99,10 @@ class Robot:
     def effort_limits(self) -> _Array: ...
     @property
     def warnings(self) -> list[str]: ...
-    def lock(self, positions: dict[str, float]) -> Robot: ...
+    def lock(self, positions: Mapping[str, float]) -> Robot: ...
     def reduced_to(self, joints: list[str], q: _Vector | None = None) -> Robot: ...
     def with_payload(
-        self, frame: str, mass: float, com: _Triple = ..., inertia: list[float] | tuple[float, ...] | None = None
+        self, frame: str, mass: float, com: _Triple = ..., inertia: ArrayLike | None = None
     ) -> Robot: ...
     def add_frame(self, name: str, on: str, xyz: _Triple = ..., rpy: _Triple = ...) -> Robot: ...
     def with_gravity(self, gravity: _Triple) -> Robot: ...
@@ -159,7 +160,7 @@ class RobotBuilder:
         axis: _Triple = ...,
         mass: float = 0.0,
         com: _Triple = ...,
-        inertia: list[float] | tuple[float, ...] | None = None,
+        inertia: ArrayLike | None = None,
         armature: float = 0.0,
         stiffness: float = 0.0,
         rest: float = 0.0,
@@ -181,7 +182,7 @@ class RobotBuilder:
         axis: _Triple = ...,
         mass: float = 0.0,
         com: _Triple = ...,
-        inertia: list[float] | tuple[float, ...] | None = None,
+        inertia: ArrayLike | None = None,
         armature: float = 0.0,
         stiffness: float = 0.0,
         rest: float = 0.0,
@@ -468,16 +469,19 @@ def _compare(
 def _rebuild(cls: type, steps: list[tuple[str, dict[str, Any]]]) -> Any: ...
 def codegen(
     robot: Robot,
-    quantity: str,
+    quantity: str | None = None,
     coordinates: _Coordinates = "qv",
     language: Literal["c", "rust"] = "c",
     *,
     only: bool = False,
     parameters: bool = False,
     limit: int = 25_000,
+    abi: Literal["casadi", "acados"] | None = None,
+    scheme: Literal["rk4", "semi_implicit_euler"] | None = None,
+    dt: float = 0.0,
 ) -> str: ...
-def _abi_source(robot: Robot, abi: str, scheme: str | None, dt: float, limit: int) -> str: ...
 def _casadi_calls(name: str) -> list[int]: ...
+def _casadi_refusal(name: str) -> str | None: ...
 def _casadi_slots() -> tuple[int, int]: ...
 @final
 class _CasadiSlot:

@@ -59,6 +59,15 @@ class Extremal:
         if not (self._r > 0).all():
             raise argument_error("effort", "effort must be positive")
 
+    def __eq__(self, other: object) -> bool:
+        if type(other) is not type(self):
+            return NotImplemented
+        pairs = ((self.start, other.start), (self.goal, other.goal), (self._r, other._r))
+        return self.dynamics == other.dynamics and all(np.array_equal(a, b) for a, b in pairs)
+
+    def __hash__(self) -> int:
+        return hash(self.dynamics)
+
     def _parts(self, z: _Array) -> tuple[_Array, _Array, _Array]:
         z = np.ascontiguousarray(np.asarray(z, dtype=float).T)
         n = self._n

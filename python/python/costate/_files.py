@@ -20,6 +20,11 @@ if TYPE_CHECKING:
     from ._samples import Samples
 
 
+def _folders(given: str | PathLike[str] | Sequence[str | PathLike[str]]) -> list[str | PathLike[str]]:
+    """The folders, of which one alone needs no list."""
+    return [given] if isinstance(given, (str, PathLike)) else list(given)
+
+
 class Files(Motion):
     """The part of `Solution` that writes and draws it."""
 
@@ -61,7 +66,7 @@ class Files(Motion):
         path: str | PathLike[str] | None = None,
         *,
         urdf: str | PathLike[str] | None = None,
-        package_path: Sequence[str | PathLike[str]] = (),
+        package_path: str | PathLike[str] | Sequence[str | PathLike[str]] = (),
     ) -> str:
         """The report: one page with the moving robot in perspective, plots and figures; it needs no network.
 
@@ -74,15 +79,22 @@ class Files(Motion):
             Where to write it too.
         urdf : path, optional
             A URDF whose visual models are shown instead.
-        package_path : sequence of paths
+        package_path : path or sequence of paths
             Folders in which ``package://`` is looked for, before those above the URDF.
 
         Returns
         -------
         str
             The page.
+
+        Raises
+        ------
+        ArgumentError
+            For a URDF that has no visual model of a link of the robot.
+        OSError
+            Where the URDF cannot be read.
         """
-        page, missing = self._core.html(self._problem.robot, urdf, list(package_path))
+        page, missing = self._core.html(self._problem.robot, urdf, _folders(package_path))
         for text in missing:
             warnings.warn(text, stacklevel=2)
         if path is not None:
@@ -146,7 +158,7 @@ class Files(Motion):
         name: str = "robot",
         loop: bool = True,
         urdf: str | PathLike[str] | None = None,
-        package_path: Sequence[str | PathLike[str]] = (),
+        package_path: str | PathLike[str] | Sequence[str | PathLike[str]] = (),
     ) -> Any:
         """Show the motion in a browser, with viser installed: the robot, where it starts and ends, tools with their paths,
         obstacles, and a time slider.
@@ -170,7 +182,7 @@ class Files(Motion):
             It serves until ``stop()``.
         """
         samples = self._samples(rate)
-        text, missing = self._core.stage(self._problem.robot, urdf, list(package_path))
+        text, missing = self._core.stage(self._problem.robot, urdf, _folders(package_path))
         for line in missing:
             warnings.warn(line, stacklevel=2)
         return _viser.show(samples, self._problem.robot, _stage.Stage(text), server, name, loop)

@@ -13,6 +13,8 @@ from ._solves import Solves
 from ._tables import table_of, text_of
 
 if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
     _Path = str | PathLike[str]
 
 
@@ -41,7 +43,7 @@ class Problem(Solves):
         ``effort``, ``time``, ``energy``, ``torque_rate``, ``jerk``, ``tool``, ``reference``.
     limits : dict or bool, optional
         Hard limits: ``q_min``, ``q_max``, ``v_max``, ``a_max``, ``torque_max``, ``power_max``, ... Those of the robot are
-        kept too, the tighter one of two, unless ``"from_robot": False``; True is ``{"from_robot": True}``, False
+        kept too, the tighter of the two, unless ``"from_robot": False``; True is ``{"from_robot": True}``, False
         ``{"from_robot": False}``. If nothing is said, those of the robot are kept if each of its joints has limits of
         rate and effort, as in the URDF of a product, and there are neither bounds nor penalties, or if something is asked
         for that the direct method alone takes (vias, obstacles, tools, jerks, energy, ...); otherwise a motion that exceeds
@@ -76,16 +78,16 @@ class Problem(Solves):
         robot: Robot,
         tables: Mapping[str, Any] | None = None,
         *,
-        start: Mapping[str, Any] | Sequence[float] | None = None,
-        end: Mapping[str, Any] | Sequence[float] | None = None,
+        start: Mapping[str, Any] | ArrayLike | None = None,
+        end: Mapping[str, Any] | ArrayLike | None = None,
         time: Mapping[str, Any] | float | None = None,
-        cost: Mapping[str, Any] | Sequence[float] | None = None,
+        cost: Mapping[str, Any] | ArrayLike | None = None,
         limits: Mapping[str, Any] | bool | None = None,
         bounds: Mapping[str, Any] | None = None,
         penalty: Mapping[str, Any] | None = None,
-        actuation: Mapping[str, Any] | Sequence[float] | None = None,
+        actuation: Mapping[str, Any] | ArrayLike | None = None,
         via: Sequence[Mapping[str, Any]] | None = None,
-        periodic: Mapping[str, Any] | Sequence[float] | bool | None = None,
+        periodic: Mapping[str, Any] | ArrayLike | bool | None = None,
         keep: Sequence[Mapping[str, Any]] | Mapping[str, Any] | None = None,
         obstacle: Sequence[Mapping[str, Any]] | Mapping[str, Any] | None = None,
         collision: Mapping[str, Any] | None = None,

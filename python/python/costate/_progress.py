@@ -3,7 +3,19 @@
 from __future__ import annotations
 
 import sys
+import warnings
 from typing import Any
+
+
+def tqdm_or_none() -> Any:
+    """The bar of tqdm that fits, where tqdm is installed. In a notebook without ipywidgets it is one of text."""
+    try:
+        with warnings.catch_warnings():
+            warnings.filterwarnings("ignore", message="IProgress not found")
+            from tqdm.auto import tqdm  # type: ignore[import-untyped,import-not-found,unused-ignore]
+    except ImportError:
+        return None
+    return tqdm
 
 
 class Counter:
@@ -14,9 +26,8 @@ class Counter:
         self.bar: Any = None
         self.said = False
         if show:
-            try:
-                from tqdm.auto import tqdm  # type: ignore[import-untyped,import-not-found,unused-ignore]
-            except ImportError:
+            tqdm = tqdm_or_none()
+            if tqdm is None:
                 return
             self.bar = tqdm(total=total, initial=done, unit=" tasks", desc="costate")
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ._costate import _Run, _Solution
 from ._errors import ArgumentError
+from ._progress import tqdm_or_none
 
 logger = logging.getLogger("costate")
 logger.addHandler(logging.NullHandler())
@@ -106,9 +107,8 @@ class _Bar:
 
     def __init__(self) -> None:
         self.bar: Any = None
-        try:
-            from tqdm.auto import tqdm  # type: ignore[import-untyped,import-not-found,unused-ignore]
-        except ImportError:
+        tqdm = tqdm_or_none()
+        if tqdm is None:
             return
         self.bar = tqdm(unit=" steps", desc="costate")
 

@@ -27,7 +27,14 @@ def _rows(solution: Solution) -> list[tuple[str, str]]:
         worst = use.get("worst")
         where = f", {worst['joint']} at {worst['time']:.4g} s" if worst else ""
         active = len({(span["joint"], span["side"]) for span in use["active"]})
-        text = f"exceeded by {use['at_points']:.1e}{where}; {active} active"
+        # Torques between the points are cut to their limits.
+        between = 0.0 if kind == "torque" else use["between"]
+        text = f"exceeded by {use['at_points']:.1e}{where}"
+        if between > use["at_points"]:
+            worst = use.get("worst_between")
+            where = f", {worst['joint']} at {worst['time']:.4g} s" if worst else ""
+            text += f", between the points by {between:.1e}{where}"
+        text += f"; {active} active"
         rows.append((kind.replace("_", " ") + " limits", text))
     found = solution.infeasible or {}
     for limit in found.get("limits", []):

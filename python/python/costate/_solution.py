@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from os import PathLike
+from os import PathLike, fspath
 from pathlib import Path as _Path
 from typing import TYPE_CHECKING, Any
 
 from . import _show
 from ._costate import _Solution
+from ._errors import MotionError
 from ._files import Files
 
 if TYPE_CHECKING:
@@ -76,11 +77,14 @@ class Solution(Files):
         Raises
         ------
         MotionError
-            For another text, or a motion of another robot.
+            For another text, or a motion of another robot; with the name of the file.
         OSError
             Where the file cannot be read.
         """
-        return cls.from_json(_Path(path).read_text(encoding="utf-8"), problem)
+        try:
+            return cls.from_json(_Path(path).read_text(encoding="utf-8"), problem)
+        except (MotionError, UnicodeDecodeError) as error:
+            raise MotionError(f"{fspath(path)}: {error}") from None
 
     def __repr__(self) -> str:
         return f"Solution({self.status!r}, cost={self.cost:.9g}, T={self.final_time:.6g} s, {len(self.t)} nodes)"

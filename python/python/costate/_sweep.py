@@ -37,7 +37,7 @@ def sweep(
     """Call a function with each of many tasks, on a pool of processes or on a cluster.
 
     A task that raises does not end the sweep: its outcome has the error. When a worker dies, the tasks that were running
-    are called again, one at a time; one that ends three workers while it runs alone fails with `WorkerDied`. Ctrl-C ends
+    are called again, one at a time; a task that ends three workers while it runs alone fails with `WorkerDied`. Ctrl-C ends
     the sweep: `Interrupted.reached` has the outcomes so far; with ``parquet`` they are kept, and the same call goes on.
 
     Parameters
@@ -51,7 +51,8 @@ def sweep(
         Where the calls run, such as ``client.get_executor()`` of Dask, or that client. Unless given, new processes of
         this machine (start method "spawn": a script needs ``if __name__ == "__main__":``).
     workers : int, optional
-        Processes of that pool; as many as the process may use processors unless given, and at most 61 on Windows.
+        Processes of that pool, without an executor; as many as the process may use processors unless given, and at
+        most 61 on Windows.
     chunk : int, optional
         Most tasks that are sent at once. Unless given, one at first, and then as many as take half a second by the
         measured times, at most 100, and fewer where each worker would get less than four times. A worker that has
@@ -104,6 +105,8 @@ def sweep(
     retries = whole("retries", retries, 0)
     chunk = None if chunk is None else whole("chunk", chunk, 1)
     workers = None if workers is None else whole("workers", workers, 1)
+    if executor is not None and workers is not None:
+        raise argument_error("workers", "workers is of the pool of this machine; the executor has its own number, leave it out")
     if progress is not None and not isinstance(progress, bool) and not callable(progress):
         raise argument_error("progress", f"progress is {progress!r}; give None, True, or a function of an Outcome")
     try:

@@ -70,6 +70,19 @@ class Program:
         lower, upper = np.concatenate([x.reshape(2, -1), u.reshape(2, -1)], axis=1)
         return lower, upper
 
+    def _key(self) -> tuple[_Array, ...]:
+        return (self.start, self.goal, self._r, self._q, self.lower, self.upper)
+
+    def __eq__(self, other: object) -> bool:
+        if type(other) is not type(self):
+            return NotImplemented
+        if (self.step, self.intervals) != (other.step, other.intervals):
+            return False
+        return all(np.array_equal(a, b) for a, b in zip(self._key(), other._key(), strict=True))
+
+    def __hash__(self) -> int:
+        return hash((self.step, self.intervals))
+
     def split(self, w: ArrayLike) -> tuple[_Array, _Array]:
         """States and torques of the unknowns.
 

@@ -29,14 +29,24 @@ import pickle
 from typing import TYPE_CHECKING, Any, Literal
 
 from . import _costate
-from ._costate import Dynamics, Robot, _abi_source, _casadi_calls, _casadi_slots, _CasadiSlot
-from ._errors import whole
+from ._costate import Dynamics, Robot, _casadi_calls, _casadi_refusal, _casadi_slots, _CasadiSlot, codegen
 from ._wanted import robot_of
 
 if TYPE_CHECKING:
     from ._costate import _Scheme
 
-__all__ = ["calls", "dynamics", "frame", "inverse_dynamics", "slots", "source", "step"]
+__all__ = [
+    "calls",
+    "centre_of_mass",
+    "dynamics",
+    "frame",
+    "inverse_dynamics",
+    "refusal",
+    "slots",
+    "source",
+    "step",
+    "twist",
+]
 
 
 def dynamics(robot: Robot | Dynamics) -> Any:
@@ -153,6 +163,58 @@ def frame(robot: Robot | Dynamics, name: str) -> Any:
     return _function("frame", robot, "qv", name)
 
 
+def twist(robot: Robot | Dynamics, name: str) -> Any:
+    """Twist of a frame, (q, v) -> (omega, rate): its angular velocity (rad/s) and the velocity of its origin (m/s).
+
+    Both have 3 entries, in axes of the world, as ``Frame.twist`` has by default. Use it for constraints on the velocity
+    of a tool: ``jacobian(x, q) @ v`` of `frame` has the same values, but second derivatives of that are third
+    derivatives of the pose, which do not exist.
+
+    Parameters
+    ----------
+    robot : Robot or Dynamics
+        The robot, or dynamics of it in (q, v).
+    name : str
+        One of ``robot.frame_names``.
+
+    Returns
+    -------
+    casadi.Function
+        With exact first and second derivatives of both.
+
+    Examples
+    --------
+    >>> import costate, costate.casadi
+    >>> robot = costate.Robot.builder("arm").revolute("hinge", axis=[0, 1, 0], mass=1, com=[1, 0, 0]).build()
+    >>> costate.casadi.twist(robot.add_frame("tip", "hinge", [2, 0, 0]), "tip")(0, 3)
+    (DM([0, 3, 0]), DM([0, 0, -6]))
+    """
+    return _function("twist", robot, "qv", name)
+
+
+def centre_of_mass(robot: Robot | Dynamics) -> Any:
+    """Centre of mass of the moved links, q -> c: its position (3) in the world (m).
+
+    Parameters
+    ----------
+    robot : Robot or Dynamics
+        The robot, or dynamics of it in (q, v).
+
+    Returns
+    -------
+    casadi.Function
+        With exact first and second derivatives.
+
+    Examples
+    --------
+    >>> import costate, costate.casadi
+    >>> robot = costate.Robot.builder("arm").revolute("hinge", axis=[0, 1, 0], mass=1, com=[1, 0, 0]).build()
+    >>> costate.casadi.centre_of_mass(robot)(0)
+    DM([1, 0, 0])
+    """
+    return _function("centre_of_mass", robot)
+
+
 def source(
     robot: Robot | Dynamics,
     scheme: Literal["rk4", "semi_implicit_euler"] | None = None,
@@ -176,8 +238,9 @@ def source(
     Returns
     -------
     str
-        ``ROBOT_fd(q, v, tau) -> a`` and ``ROBOT_id(q, v, a) -> tau`` with their derivatives, ROBOT the name of the
-        robot in small letters. Compile it with ``cc -O3 -shared -fPIC FILE.c -o FILE.so -lm``.
+        ``ROBOT_fd(q, v, tau) -> a`` and ``ROBOT_id(q, v, a) -> tau`` with Jacobian, adjoint and the Jacobian of
+        that, ROBOT the name of the robot in small letters; derivatives of the Jacobian itself are in `dynamics` and
+        its kin alone. Compile it with ``cc -O3 -shared -fPIC FILE.c -o FILE.so -lm``.
 
     Raises
     ------
@@ -193,7 +256,7 @@ def source(
     >>> "int jac_adj1_cart_fd(" in costate.casadi.source(robot)
     True
     """
-    return _abi_source(robot_of(robot), "casadi", scheme, float(dt), whole("limit", limit, 0))
+    return codegen(robot_of(robot), abi="casadi", scheme=scheme, dt=float(dt), limit=limit)
 
 
 def calls(function: Any) -> dict[str, int]:
@@ -208,7 +271,7 @@ def calls(function: Any) -> dict[str, int]:
     -------
     dict
         ``"f"``, its Jacobian ``"jac_f"``, its adjoint y'f_z ``"adj1_f"``, and the Jacobian of that with the contracted
-        Hessian y'f_zz, ``"jac_adj1_f"``.
+        Hessian y'f_zz, ``"jac_adj1_f"``; and the Jacobian of the Jacobian, all of f_zz, ``"jac_jac_f"``.
 
     Examples
     --------
@@ -217,9 +280,38 @@ def calls(function: Any) -> dict[str, int]:
     >>> a = costate.casadi.dynamics(robot)
     >>> _ = a(0, 0, 1), a(0, 0, 2), a.jacobian()(0, 0, 1, 0)
     >>> costate.casadi.calls(a)
-    {'f': 2, 'jac_f': 1, 'adj1_f': 0, 'jac_adj1_f': 0}
+    {'f': 2, 'jac_f': 1, 'adj1_f': 0, 'jac_adj1_f': 0, 'jac_jac_f': 0}
     """
-    return dict(zip(("f", "jac_f", "adj1_f", "jac_adj1_f"), _casadi_calls(function.name())))
+    return dict(zip(("f", "jac_f", "adj1_f", "jac_adj1_f", "jac_jac_f"), _casadi_calls(function.name())))
+
+
+def refusal(function: Any) -> str | None:
+    """Why the last state was refused that CasADi gave to a function of this module or its derivatives.
+
+    CasADi itself says ``Evaluation failed``.
+
+    Parameters
+    ----------
+    function : casadi.Function
+        What one of the functions above returned.
+
+    Returns
+    -------
+    str or None
+        The reason; None where no state was refused.
+
+    Examples
+    --------
+    >>> import costate, costate.casadi
+    >>> robot = costate.Robot.builder("cart").prismatic("rail", axis=[1, 0, 0], mass=2).build()
+    >>> a = costate.casadi.dynamics(robot)
+    >>> try:
+    ...     _ = a(0, float("nan"), 0)
+    ... except RuntimeError:
+    ...     print("not finite" in costate.casadi.refusal(a))
+    True
+    """
+    return _casadi_refusal(function.name())
 
 
 def slots() -> tuple[int, int]:

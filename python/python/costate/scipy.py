@@ -151,8 +151,17 @@ class Transcription(Program):
             The unknowns.
         report : dict
             What IPOPT says about them.
+
+        Raises
+        ------
+        ImportError
+            Where cyipopt is not installed.
         """
-        from cyipopt import Problem  # type: ignore[import-not-found,unused-ignore]
+        try:
+            from cyipopt import Problem  # type: ignore[import-not-found,unused-ignore]
+        except ImportError as error:
+            message = "Transcription.ipopt needs cyipopt: pip install cyipopt, or conda install -c conda-forge cyipopt"
+            raise ImportError(message) from error
 
         zero = np.zeros(self.n_constraints)
         problem = Problem(

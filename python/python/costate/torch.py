@@ -1,7 +1,8 @@
 """Functions of PyTorch with exact first and second derivatives.
 
 Tensors are float64 on the CPU, and are read and written without copies. Gradients can be differentiated again
-(``create_graph=True``), and ``torch.func.vmap``, ``grad``, ``vjp`` and ``jacrev`` work.
+(``create_graph=True``), and ``torch.func.vmap``, ``grad``, ``vjp`` and ``jacrev`` work. Forward mode is not
+offered: write ``jacrev(jacrev(f))`` for ``torch.func.hessian(f)``.
 """
 
 from __future__ import annotations
@@ -25,12 +26,10 @@ if TYPE_CHECKING:
 
 __all__ = ["Model"]
 
-_Function = Callable[[Any, Any, Any], Any]
-
 
 @dataclass(frozen=True)
 class _Methods:
-    """A function of three vectors (n) on NumPy arrays: its value, y'J (3n), and H d (3n) with J d."""
+    """A function of three vectors (n) on NumPy arrays: its value, J and H."""
 
     n: int
     value: Callable[..., Any]
@@ -134,9 +133,14 @@ def _checked(name: str, tensor: Any, length: int) -> Any:
     return tensor
 
 
-def _function(methods: _Methods, names: tuple[str, str, str] = ("q", "v", "tau")) -> _Function:
-    def function(*arguments: Any) -> Any:
-        n = methods.n
+class _Function:
+    """A function of three tensors."""
+
+    def __init__(self, methods: _Methods, names: tuple[str, str, str] = ("q", "v", "tau")) -> None:
+        self._methods, self._names = methods, names
+
+    def __call__(self, *arguments: Any) -> Any:
+        n, names = self._methods.n, self._names
         given = [_checked(name, tensor, n) for name, tensor in zip(names, arguments, strict=True)]
         try:
             shapes = (tensor.shape[:-1] for tensor in given)
@@ -144,9 +148,18 @@ def _function(methods: _Methods, names: tuple[str, str, str] = ("q", "v", "tau")
         except RuntimeError as error:
             message = f"the leading axes of {', '.join(names)} cannot be broadcast: {error}"
             raise argument_error(names[0], message) from None
-        return _Value.apply(methods, *(tensor.expand(*leading, n) for tensor in given))
+        return _Value.apply(self._methods, *(tensor.expand(*leading, n) for tensor in given))
 
-    return function
+
+class _StepFunction(_Function):
+    """A time step; pickles are those of its `Step`."""
+
+    def __init__(self, step: Step) -> None:
+        super().__init__(_Methods(step.dynamics.n, step.f, step.jacobian, step.hessian))
+        self._step = step
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (_StepFunction, (self._step,))
 
 
 class Model:
@@ -154,7 +167,8 @@ class Model:
 
     ``f``, ``aba``, ``rnea`` and what ``step`` returns take three tensors (..., n) of float64 on the CPU, with any leading
     batch axes, which are broadcast. Their gradients and the gradients of these are exact; a third derivative is an
-    error. Forward mode is not offered.
+    error. Forward mode is not offered: ``torch.func.jvp``, ``jacfwd`` and ``hessian``, which is forward over reverse, raise
+    ``NotImplementedError``; take ``jacrev(jacrev(f))``. Models and steps can be pickled; models of equal dynamics are equal.
 
     Parameters
     ----------
@@ -183,9 +197,9 @@ class Model:
         dynamics = dynamics_of(dynamics)
         self.dynamics = dynamics
         n = dynamics.n
-        self._f = _function(_Methods(n, dynamics.f, dynamics.jacobian, dynamics.hessian))
+        self._f = _Function(_Methods(n, dynamics.f, dynamics.jacobian, dynamics.hessian))
         rnea = _Methods(n, dynamics.rnea, dynamics.rnea_jacobian, dynamics.rnea_hessian)
-        self._rnea = _function(rnea, ("q", "v", "a"))
+        self._rnea = _Function(rnea, ("q", "v", "a"))
         # Forward dynamics are the second half of f in velocities.
         at = dynamics if dynamics.coordinates == "qv" else Dynamics(
             dynamics.robot, "qv", on_error=dynamics.on_error, threads=dynamics.threads
@@ -197,7 +211,16 @@ class Model:
         def hessian(q: Any, v: Any, tau: Any, y: Any) -> Any:
             return at.hessian(q, v, tau, np.concatenate([np.zeros_like(y), y], axis=-1))
 
-        self._aba = _function(_Methods(n, at.aba, jacobian, hessian))
+        self._aba = _Function(_Methods(n, at.aba, jacobian, hessian))
+
+    def __eq__(self, other: object) -> bool:
+        return self.dynamics == other.dynamics if type(other) is type(self) else NotImplemented
+
+    def __hash__(self) -> int:
+        return hash(self.dynamics)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (type(self), (self.dynamics,))
 
     def f(self, q: Any, v: Any, tau: Any) -> Any:
         """The state equation dx/dt, as `Dynamics.f`.
@@ -277,7 +300,7 @@ class Model:
         """
         return self._rnea(q, v, a)
 
-    def step(self, scheme: _Scheme, dt: float) -> _Function:
+    def step(self, scheme: _Scheme, dt: float) -> Callable[[Any, Any, Any], Any]:
         """One time step, as `Step.f`.
 
         Parameters
@@ -297,5 +320,4 @@ class Model:
         ArgumentError
             As `Step`.
         """
-        step = Step(self.dynamics, scheme, dt)
-        return _function(_Methods(self.dynamics.n, step.f, step.jacobian, step.hessian))
+        return _StepFunction(Step(self.dynamics, scheme, dt))

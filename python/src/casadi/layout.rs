@@ -1,9 +1,10 @@
-//! How the four functions that CasADi asks for of a function f are made of the results of its cores.
+//! How the five functions that CasADi asks for of a function f are made of the results of its cores.
 
 use crate::cores::Order;
 use crate::plan::{Piece, Plan, PlanBuilder};
 use costate::codegen::{ExternalPorts, Interface, Variable};
 use std::ffi::CString;
+use std::ops::Range;
 
 /// A matrix among the results of a core: entry (i, j) lies at `at + i * row + j * column`.
 #[derive(Clone, Copy, Debug)]
@@ -42,7 +43,7 @@ pub struct Description {
     hessian: Vec<Vec<Option<Block>>>,
 }
 
-/// An argument or result of one of the four functions.
+/// An argument or result of one of the five functions.
 #[derive(Debug)]
 pub struct Port {
     pub name: CString,
@@ -51,17 +52,30 @@ pub struct Port {
     pub full: bool,
 }
 
-/// One of the four functions.
+/// One of the five functions.
 #[derive(Debug)]
 pub struct Part {
     pub inputs: Vec<Port>,
     pub outputs: Vec<Port>,
     pub plan: Plan,
     pub order: Order,
+    /// Of the function with all second derivatives alone.
+    pub rows: Option<Rows>,
 }
 
-/// Number of functions: f, its Jacobian, its adjoint, and the Jacobian of that.
-pub const PARTS: usize = 4;
+/// The second derivatives of all entries of the results of f: one evaluation of the core for each entry,
+/// which has the weight 1, all others 0. The evaluation gives a row of each matrix of `jac_f`, that is every
+/// m-th number of a column of `jac_jac_f`, for a result with m entries.
+#[derive(Debug)]
+pub struct Rows {
+    /// Where the weights are.
+    pub y: Range<usize>,
+    /// The number of entries of each result of f.
+    pub entries: Vec<usize>,
+}
+
+/// Number of functions: f, its Jacobian, its adjoint, the Jacobian of that, and of the Jacobian.
+pub const PARTS: usize = 5;
 
 /// Where the results of a core begin in the buffer of a plan, and the weights.
 #[derive(Clone, Copy)]
@@ -96,7 +110,7 @@ impl Description {
         Self { interface: Interface { inputs, outputs, curved }, results, jacobian, hessian }
     }
 
-    /// The four functions.
+    /// The five functions.
     pub fn parts(&self) -> [Part; PARTS] {
         let Interface { inputs, outputs, .. } = &self.interface;
         let [value, jacobian, adjoint, second] = self.interface.functions();
@@ -110,7 +124,36 @@ impl Description {
             }),
             self.part(adjoint, Order::First, Some(false), |at, k| self.products(at, k)),
             self.part(second, Order::Second, Some(true), |at, k| self.curvature(at, k)),
+            self.tensor(self.interface.jacobian_of_jacobian()),
         ]
+    }
+
+    /// All second derivatives, see [`Rows`]: its plan has the pieces of one entry, where those of the first
+    /// are.
+    fn tensor(&self, of: ExternalPorts) -> Part {
+        let Interface { inputs, outputs, .. } = &self.interface;
+        let mut plan = PlanBuilder::new(0);
+        for of in inputs {
+            plan.core(of.name, of.entries());
+        }
+        let weights = before(outputs, outputs.len());
+        let y = plan.core("y", weights);
+        let mut plan = plan.results(self.results[Order::Second as usize]);
+        let width = inputs.len() + outputs.len();
+        for (k, port) in of.outputs.iter().enumerate().filter(|(_, port)| port.full) {
+            let (result, argument, by) = (k / width / inputs.len(), k / width % inputs.len(), k % width);
+            let (step, rows) = (outputs[result].entries(), inputs[argument].entries());
+            let pieces = self.hessian[argument][by].map_or(Vec::new(), |Block { at, row, column }| {
+                let at = plan.core_outputs.start + at;
+                let piece =
+                    |j| Piece::Move { to: (j * port.rows, step), from: (at + j * column, row), length: rows };
+                (0..port.columns).map(piece).collect()
+            });
+            plan = plan.output(&[rows, port.columns], pieces);
+        }
+        let rows = Rows { y: y..y + weights, entries: outputs.iter().map(|of| of.entries()).collect() };
+        let (inputs, outputs) = (ports(&of.inputs), ports(&of.outputs));
+        Part { inputs, outputs, plan, order: Order::Second, rows: Some(rows) }
     }
 
     /// A function of this order whose k-th result is made of these pieces; its weights are for the core, or
@@ -137,7 +180,7 @@ impl Description {
         for (k, port) in of.outputs.iter().enumerate().filter(|(_, port)| port.full) {
             plan = plan.output(&[port.rows, port.columns], pieces(places, k));
         }
-        Part { inputs: ports(&of.inputs), outputs: ports(&of.outputs), plan, order }
+        Part { inputs: ports(&of.inputs), outputs: ports(&of.outputs), plan, order, rows: None }
     }
 
     /// The part of the Jacobian with the rows of one result and the columns of one argument.

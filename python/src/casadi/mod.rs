@@ -2,7 +2,7 @@
 //!
 //! CasADi finds a function and its derivatives by the names of symbols. There is a fixed number of them
 //! (`symbols`), each a slot that holds a function while anything in CasADi refers to it (`slots`). `layout`
-//! derives the four functions that CasADi asks for from one description, `family` evaluates them, `models`
+//! derives the five functions that CasADi asks for from one description, `family` evaluates them, `models`
 //! has the descriptions, `python` is what `costate.casadi` calls.
 
 mod family;
@@ -12,4 +12,4 @@ mod python;
 mod slots;
 mod symbols;
 
-pub use python::{_CasadiSlot, _casadi_calls, _casadi_slots};
+pub use python::{_CasadiSlot, _casadi_calls, _casadi_refusal, _casadi_slots};

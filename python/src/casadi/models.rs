@@ -1,4 +1,4 @@
-//! What CasADi can compute of a robot: dynamics, inverse dynamics, time steps, frames.
+//! What CasADi can compute of a robot: dynamics, inverse dynamics, time steps, frames, the centre of mass.
 
 use super::layout::{Block, Description};
 use crate::cores::{Core, Order, Writer, core_of};
@@ -10,6 +10,7 @@ use costate::Coordinates;
 use costate::codegen::{CodegenError, Quantity, Variable};
 use costate::kinematics::{Kinematics, ReferenceFrame};
 use costate::robot::Robot;
+use costate::spatial::{Force, Motion};
 use std::sync::Arc;
 
 /// A function of a robot.
@@ -29,6 +30,10 @@ pub enum Kind {
     Step { scheme: usize, dt: f64, coordinates: Coordinates },
     /// q -> (R, x) of the frame of this number.
     Frame(usize),
+    /// (q, v) -> (omega, rate) of the frame of this number: its twist at its origin, in axes of the world.
+    Twist(usize),
+    /// q -> c.
+    CentreOfMass,
 }
 
 impl Spec {
@@ -60,6 +65,28 @@ impl Spec {
                     dense(first, &[n]),
                 )
             }
+            Kind::Twist(_) => {
+                let first = TWIST + TWIST * 2 * n;
+                let mut hessian = dense(first, &[n, n]);
+                hessian[1][1] = None;
+                Description::new(
+                    vec![vector("q", n), vector("v", n)],
+                    vec![vector("omega", 3), vector("rate", 3)],
+                    [TWIST, first, first + 4 * n * n],
+                    TWIST,
+                    hessian,
+                )
+            }
+            Kind::CentreOfMass => {
+                let first = 3 + 3 * n;
+                Description::new(
+                    vec![vector("q", n)],
+                    vec![vector("c", 3)],
+                    [3, first, first + n * n],
+                    3,
+                    dense(first, &[n]),
+                )
+            }
         }
     }
 
@@ -88,6 +115,14 @@ impl Spec {
             Kind::Frame(frame) => {
                 let workspace = Kinematics::<f64>::new(&self.robot);
                 Ok(Engine::new(move || pose(workspace.clone(), frame, order)))
+            }
+            Kind::Twist(frame) => {
+                let workspace = Kinematics::<f64>::new(&self.robot);
+                Ok(Engine::new(move || twist(workspace.clone(), frame, order)))
+            }
+            Kind::CentreOfMass => {
+                let workspace = Kinematics::<f64>::new(&self.robot);
+                Ok(Engine::new(move || centre_of_mass(workspace.clone(), order)))
             }
         }
     }
@@ -161,6 +196,62 @@ fn second(of: &mut Kinematics<f64>, frame: usize, y: &[f64], hessian: &mut [f64]
     let position = of.position_hessian(frame, &[y[9], y[10], y[11]])?.as_slice();
     hessian.iter_mut().zip(position).for_each(|(sum, entry)| *sum += entry);
     Ok(())
+}
+
+/// Entries of a twist.
+const TWIST: usize = 6;
+
+/// The angular velocity and that of the origin; their Jacobian in (q, v); second derivatives weighted by y.
+fn twist(workspace: Kinematics<f64>, frame: usize, order: Order) -> Box<dyn Core> {
+    let (n, axes) = (workspace.dof(), ReferenceFrame::LocalWorldAligned);
+    core_of(workspace, move |of, inputs, outputs| {
+        let (q, rest) = inputs.split_at(n);
+        let (v, y) = rest.split_at(n);
+        of.set_state(q, v)?;
+        let Motion { angular, linear } = of.twist(frame, axes)?;
+        let mut writer = Writer(outputs);
+        writer.put(&angular.to_array()).put(&linear.to_array());
+        if order == Order::Value {
+            return Ok(());
+        }
+        let (jacobian, hessian) = writer.0.split_at_mut(TWIST * 2 * n);
+        let by_position = of.twist_jacobian(frame, axes)?;
+        rows_of(jacobian, 2 * n)
+            .zip(by_position.as_slice().chunks_exact(n.max(1)))
+            .for_each(|(to, row)| to[..n].copy_from_slice(row));
+        let by_velocity = of.jacobian(frame, axes)?;
+        rows_of(jacobian, 2 * n)
+            .zip(by_velocity.as_slice().chunks_exact(n.max(1)))
+            .for_each(|(to, row)| to[n..].copy_from_slice(row));
+        if order == Order::Second {
+            let weight = Force { moment: [y[0], y[1], y[2]].into(), force: [y[3], y[4], y[5]].into() };
+            hessian.copy_from_slice(of.twist_hessian(frame, axes, &weight)?.as_slice());
+        }
+        Ok(())
+    })
+}
+
+fn rows_of(matrix: &mut [f64], columns: usize) -> std::slice::ChunksExactMut<'_, f64> {
+    matrix.chunks_exact_mut(columns.max(1))
+}
+
+/// The centre of mass; its Jacobian; its second derivatives weighted by y.
+fn centre_of_mass(workspace: Kinematics<f64>, order: Order) -> Box<dyn Core> {
+    let n = workspace.dof();
+    core_of(workspace, move |of, inputs, outputs| {
+        let (q, y) = inputs.split_at(n);
+        of.set_position(q)?;
+        let centre = of.centre_of_mass()?;
+        let mut writer = Writer(outputs);
+        writer.put(&centre.position);
+        if order != Order::Value {
+            writer.put(centre.jacobian.as_slice());
+        }
+        if order == Order::Second {
+            writer.put(of.centre_of_mass_hessian(&[y[0], y[1], y[2]])?.as_slice());
+        }
+        Ok(())
+    })
 }
 
 fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {

@@ -1,5 +1,7 @@
 //! What `costate.casadi` calls.
 
+use super::family::Family;
+use super::layout::PARTS;
 use super::models::{Kind, Spec};
 use super::slots::{self, SLOTS};
 use crate::dynamics::coordinates_of;
@@ -15,14 +17,18 @@ type Given<'py> = (String, Robot, String, String, f64);
 
 fn spec_of(py: Python<'_>, (kind, robot, letters, name, dt): Given<'_>) -> PyResult<Spec> {
     let coordinates = coordinates_of(py, &letters)?;
-    if kind != "frame" {
+    if matches!(kind.as_str(), "dynamics" | "inverse_dynamics" | "step") {
         robot.refuse_constraints(py, "be a function of CasADi")?;
     }
     let kind = match kind.as_str() {
         "dynamics" => Kind::Dynamics,
         "inverse_dynamics" => Kind::InverseDynamics,
         "step" => Kind::Step { scheme: scheme_of(py, &name, dt, coordinates)?, dt, coordinates },
-        "frame" => Kind::Frame(robot.model().frame_index(&name).map_err(|error| robot_error(py, &error))?),
+        "frame" | "twist" => {
+            let frame = robot.model().frame_index(&name).map_err(|error| robot_error(py, &error))?;
+            if kind == "frame" { Kind::Frame(frame) } else { Kind::Twist(frame) }
+        }
+        "centre_of_mass" => Kind::CentreOfMass,
         _ => return Err(argument(py, "kind", format!("unknown function '{kind}'"))),
     };
     Ok(Spec { robot: robot.shared(), kind })
@@ -70,12 +76,23 @@ impl Drop for _CasadiSlot {
     }
 }
 
-/// How often CasADi has evaluated a function, its Jacobian, its adjoint and the Jacobian of that.
+/// How often CasADi has evaluated a function, its Jacobian, its adjoint, the Jacobian of that, and of the
+/// Jacobian.
 #[pyfunction]
-pub fn _casadi_calls(py: Python<'_>, name: &str) -> PyResult<[u64; 4]> {
+pub fn _casadi_calls(py: Python<'_>, name: &str) -> PyResult<[u64; PARTS]> {
+    of_slot(py, name, Family::calls)
+}
+
+/// Why the last state that a function refused was refused.
+#[pyfunction]
+pub fn _casadi_refusal(py: Python<'_>, name: &str) -> PyResult<Option<String>> {
+    of_slot(py, name, Family::refusal)
+}
+
+fn of_slot<R>(py: Python<'_>, name: &str, what: fn(&Family) -> R) -> PyResult<R> {
     let slot = name.rsplit_once("costate_").and_then(|(_, slot)| slot.parse().ok());
-    let calls = slot.filter(|slot| *slot < SLOTS).and_then(slots::calls);
-    calls.ok_or_else(|| argument(py, "function", format!("'{name}' is no function of costate.casadi")))
+    let found = slot.filter(|slot| *slot < SLOTS).and_then(|slot| slots::look(slot, what));
+    found.ok_or_else(|| argument(py, "function", format!("'{name}' is no function of costate.casadi")))
 }
 
 /// How many functions are in use, and how many can be.

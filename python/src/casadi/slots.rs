@@ -139,8 +139,8 @@ pub fn used() -> usize {
     (0..SLOTS).filter(|&slot| held(&all, slot).is_some()).count()
 }
 
-/// How often each function of a slot was evaluated.
-pub fn calls(slot: usize) -> Option<[u64; super::layout::PARTS]> {
+/// Something of the family of a slot, where it is in use.
+pub fn look<R>(slot: usize, what: fn(&Family) -> R) -> Option<R> {
     let all = holders();
-    held(&all, slot).map(Family::calls)
+    held(&all, slot).map(what)
 }

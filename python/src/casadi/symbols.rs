@@ -160,6 +160,7 @@ macro_rules! slots {
             function!($slot, 1, "jac_");
             function!($slot, 2, "adj1_");
             function!($slot, 3, "jac_adj1_");
+            function!($slot, 4, "jac_jac_");
         )*
         const _: () = assert!([$($slot),*].len() == slots::SLOTS);
     };

@@ -1,6 +1,6 @@
 //! Errors of problems and motions as Python exceptions.
 
-use crate::errors::{argument, evaluation, with};
+use crate::errors::{argument, evaluation, unreadable, with};
 use crate::words::in_python;
 use costate_control::{
     GainError, ProblemError, ProblemFileCause, ProblemFileError, ResolveError, SampleError, SensitivityError,
@@ -19,11 +19,9 @@ pub use classes::ProblemWarning;
 #[cold]
 pub fn file(py: Python<'_>, error: &ProblemFileError) -> PyErr {
     if let (ProblemFileCause::Unreadable(source), Some(path)) = (error.cause(), &error.path)
-        && let Some(code) = source.raw_os_error()
+        && source.raw_os_error().is_some()
     {
-        let text = source.to_string();
-        let text = text.split(" (os error").next().unwrap_or_default().to_owned();
-        return pyo3::exceptions::PyOSError::new_err((code, text, path.display().to_string()));
+        return unreadable(path, source);
     }
     // Lines of a text that was not read from a file were not written by the user.
     let message = match (&error.path, &error.key) {
@@ -45,13 +43,13 @@ pub fn problem(py: Python<'_>, error: &ProblemError) -> PyErr {
         Some(key) => format!("{key}: {}", error.reason()),
         None => error.reason(),
     };
-    with(py, classes::ProblemError::new_err(message), "key", key)
+    with(py, classes::ProblemError::new_err(in_python(&message)), "key", key)
 }
 
 /// What cannot be asked of a motion.
 #[cold]
 pub fn motion(message: impl std::fmt::Display) -> PyErr {
-    classes::MotionError::new_err(message.to_string())
+    classes::MotionError::new_err(in_python(&message.to_string()))
 }
 
 #[cold]
@@ -85,7 +83,7 @@ pub fn sensitivity(py: Python<'_>, error: SensitivityError) -> PyErr {
 
 #[cold]
 pub fn resolve(py: Python<'_>, error: ResolveError) -> PyErr {
-    let message = error.to_string();
+    let message = in_python(&error.to_string());
     match error {
         ResolveError::Evaluation(error) => evaluation(py, error),
         ResolveError::WrongLength { what, .. }

@@ -4,11 +4,13 @@ use super::arrays::{matrix, numbers};
 use super::raise;
 use super::samples::SamplesCore;
 use super::steps::{Step, step};
-use crate::errors::{argument, robot};
+use crate::errors::{argument, robot, unreadable};
 use crate::look::Look;
 use crate::robot::Robot;
-use costate::robot::RobotFormat;
+use crate::words::in_python;
+use costate::robot::{RobotFormat, printable};
 use costate_control::{CostDerivative, Gains, Method, Problem, Solution, Trajectory, cost_by_parameters};
+use costate_report::models::LinkModel;
 use costate_report::{ReportOptions, report, stage_json, text};
 use numpy::PyArray1;
 use pyo3::prelude::*;
@@ -47,9 +49,19 @@ impl SolutionCore {
     ) -> PyResult<(ReportOptions, Vec<String>)> {
         let found = match (urdf, &of.look) {
             (Some(path), _) => {
-                let content = std::fs::read_to_string(&path)?;
+                let content = std::fs::read_to_string(&path).map_err(|error| unreadable(&path, &error))?;
                 let look = Look::new(&content, RobotFormat::Urdf, Some(&path));
-                look.map(|look| look.models(packages)).transpose().map_err(|error| robot(py, &error))?
+                let found = look.map(|look| look.models(packages)).transpose();
+                let found = found.map_err(|error| robot(py, &error))?.unwrap_or_default();
+                let unknown = |model: &LinkModel| of.model().frame(&model.link).is_err();
+                if !found.links.is_empty() && found.links.iter().all(unknown) {
+                    let (path, name) = (path.display(), printable(of.model().name()));
+                    let message = format!(
+                        "{path} has no visual model of a link of '{name}'; give a URDF of this robot"
+                    );
+                    return Err(argument(py, "urdf", message));
+                }
+                Some(found)
             }
             // The robot was read: what is wrong with its models alone is no error.
             (None, Some(look)) => match look.models(packages) {
@@ -64,7 +76,8 @@ impl SolutionCore {
             (None, None) => None,
         };
         let found = found.unwrap_or_default();
-        Ok((ReportOptions::default().with_models(found.links), found.warnings))
+        let missing = found.warnings.iter().map(|warning| in_python(warning)).collect();
+        Ok((ReportOptions::default().with_models(found.links), missing))
     }
 }
 
@@ -86,7 +99,7 @@ impl SolutionCore {
     #[getter]
     fn message(&self) -> String {
         let status = || self.solution.motion.status.to_string();
-        text::explanation(&self.problem, &self.solution).unwrap_or_else(status)
+        in_python(&text::explanation(&self.problem, &self.solution).unwrap_or_else(status))
     }
 
     /// The report of the motion as HTML, with the visual models of a URDF or of the robot, and what is
@@ -99,7 +112,7 @@ impl SolutionCore {
         packages: Vec<PathBuf>,
     ) -> PyResult<(String, Vec<String>)> {
         let (options, warnings) = Self::options(py, robot, urdf, &packages)?;
-        Ok((report(&self.problem, &self.solution, &options), warnings))
+        Ok((in_python(&report(&self.problem, &self.solution, &options)), warnings))
     }
 
     /// What the stage of the report shows, as JSON, and what is missing.

@@ -6,6 +6,7 @@
 //! | `jac_f` | the same, `out_*` | a matrix for each result and argument |
 //! | `adj1_f` | the same, `adj_*` | `adj_*` for each argument: y'f_z |
 //! | `jac_adj1_f` | the same, `out_adj_*` | a matrix for each of these and each argument of `adj1_f` |
+//! | `jac_jac_f` | those of `jac_f`, `out_jac_*` | a matrix for each result and argument of `jac_f` |
 //!
 //! Arguments `out_*` are results that CasADi could pass and that are not needed: they have no entries. So do
 //! second derivatives that vanish. Matrices lie column by column.
@@ -107,6 +108,28 @@ impl Interface {
                 outputs: self.curvatures(),
             },
         ]
+    }
+
+    /// The Jacobian of the Jacobian: all second derivatives of f, not contracted.
+    ///
+    /// A row belongs to each entry of a matrix of `jac_f`, column by column.
+    pub fn jacobian_of_jacobian(&self) -> ExternalPorts {
+        let [_, jacobian, ..] = self.functions();
+        let spare = |port: &Port| Port { name: format!("out_{}", port.name), full: false, ..port.clone() };
+        let mut outputs = Vec::new();
+        for (k, of) in jacobian.outputs.iter().enumerate() {
+            let curved = self.curved.get(k % self.inputs.len().max(1));
+            for (j, by) in jacobian.inputs.iter().enumerate() {
+                outputs.push(Port {
+                    name: format!("jac_{}_{}", of.name, by.name),
+                    rows: of.rows * of.columns,
+                    columns: by.rows * by.columns,
+                    full: curved.and_then(|row| row.get(j)).is_some_and(|curved| *curved),
+                });
+            }
+        }
+        let inputs = jacobian.inputs.iter().cloned().chain(jacobian.outputs.iter().map(spare)).collect();
+        ExternalPorts { prefix: "jac_jac_", inputs, outputs }
     }
 
     fn slopes(&self) -> Vec<Port> {

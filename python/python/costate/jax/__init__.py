@@ -6,6 +6,7 @@ and a batch runs on vectors and threads as in NumPy. Numbers must be float64 (``
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 try:
@@ -17,7 +18,7 @@ except ImportError as _error:  # pragma: no cover
 from .._costate import Dynamics, Step, _xla_calls
 from .._errors import argument_error
 from .._wanted import dynamics_of
-from ._rules import Function, differentiable
+from ._rules import Checked, differentiable
 from ._targets import numbers_of, target
 
 if TYPE_CHECKING:
@@ -72,7 +73,8 @@ class Model:
     Parameters
     ----------
     dynamics : Dynamics or Robot
-        The dynamics, with their coordinates and settings, or a robot for (q, v). They live as long as the process.
+        The dynamics, with their coordinates and settings, or a robot for (q, v). They live as long as the process, and
+        so does what JAX compiles for each model: make one, and use it again.
     order : {"any", "reverse"}
         Which derivatives are cheap. With ``"any"``, the second derivatives of all results are computed, one contraction
         for each. With ``"reverse"``, only ``grad``, ``vjp`` and ``jacrev`` of the functions and ``jacfwd`` of these are
@@ -102,8 +104,9 @@ class Model:
         n = dynamics.n
         self.dynamics = dynamics
         self.order = order
-        self._f = self._function(dynamics, ("f", "jacobian", "hessian"), 2 * n)
-        self._rnea = self._function(dynamics, ("rnea", "rnea_jacobian", "rnea_hessian"), n, ("q", "v", "a"))
+        self._f = _function(dynamics, n, order, ("f", "jacobian", "hessian"), 2 * n)
+        verbs = "rnea", "rnea_jacobian", "rnea_hessian"
+        self._rnea = _function(dynamics, n, order, verbs, n, ("q", "v", "a"))
         # Forward dynamics are the second half of f in velocities.
         at = dynamics if dynamics.coordinates == "qv" else Dynamics(
             dynamics.robot, "qv", on_error=dynamics.on_error, threads=dynamics.threads
@@ -117,20 +120,16 @@ class Model:
         of = value, lambda *z: jacobian(*z)[..., n:, :], contracted
         self._aba = differentiable(("q", "v", "tau"), n, of, n, order, numbers_of(value, jacobian, hessian))
 
-    def __reduce__(self) -> tuple[Any, ...]:
-        return (Model, (self.dynamics, self.order))
+    def __eq__(self, other: object) -> bool:
+        if type(other) is not type(self):
+            return NotImplemented
+        return (self.dynamics, self.order) == (other.dynamics, other.order)
 
-    def _function(
-        self,
-        owner: Dynamics | Step,
-        verbs: tuple[str, str, str],
-        m: int,
-        names: tuple[str, str, str] = ("q", "v", "tau"),
-    ) -> Function:
-        n = self.dynamics.n
-        shapes = ((m,), (m, 3 * n), (3 * n, 3 * n))
-        value, jacobian, hessian = (target(owner, verb, shape) for verb, shape in zip(verbs, shapes, strict=True))
-        return differentiable(names, n, (value, jacobian, hessian), m, self.order, numbers_of(value, jacobian, hessian))
+    def __hash__(self) -> int:
+        return hash((self.dynamics, self.order))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (type(self), (self.dynamics, self.order))
 
     def f(self, q: Any, v: Any, tau: Any) -> Any:
         """The state equation dx/dt, as `Dynamics.f`.
@@ -204,7 +203,7 @@ class Model:
         """
         return self._rnea(q, v, a)
 
-    def step(self, scheme: _Scheme, dt: float) -> Function:
+    def step(self, scheme: _Scheme, dt: float) -> Callable[[Any, Any, Any], Any]:
         """One time step, as `Step.f`.
 
         Parameters
@@ -217,11 +216,31 @@ class Model:
         Returns
         -------
         callable
-            A function of (q, v, tau) whose result is the next state (..., 2n).
+            A function of (q, v, tau) whose result is the next state (..., 2n). It can be pickled.
 
         Raises
         ------
         ArgumentError
             As `Step`.
         """
-        return self._function(Step(self.dynamics, scheme, dt), ("f", "jacobian", "hessian"), 2 * self.dynamics.n)
+        return _step(Step(self.dynamics, scheme, dt), self.order)
+
+
+def _function(
+    owner: Dynamics | Step,
+    n: int,
+    order: _Order,
+    verbs: tuple[str, str, str],
+    m: int,
+    names: tuple[str, str, str] = ("q", "v", "tau"),
+) -> Checked:
+    shapes = ((m,), (m, 3 * n), (3 * n, 3 * n))
+    value, jacobian, hessian = (target(owner, verb, shape) for verb, shape in zip(verbs, shapes, strict=True))
+    return differentiable(names, n, (value, jacobian, hessian), m, order, numbers_of(value, jacobian, hessian))
+
+
+def _step(step: Step, order: _Order) -> Checked:
+    n = step.dynamics.n
+    function = _function(step, n, order, ("f", "jacobian", "hessian"), 2 * n)
+    function.made = _step, (step, order)
+    return function

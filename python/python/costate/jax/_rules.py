@@ -15,9 +15,6 @@ from .._errors import argument_error
 if TYPE_CHECKING:
     _Order = Literal["any", "reverse"]
 
-Function = Callable[[Any, Any, Any], Any]
-
-
 def _checked(name: str, value: Any, length: int) -> Any:
     """An array of doubles (..., length)."""
     config: Any = jax.config
@@ -28,7 +25,9 @@ def _checked(name: str, value: Any, length: int) -> Any:
     if not hasattr(value, "dtype"):
         value = jnp.asarray(value, dtype=float)
     if value.dtype != jnp.float64:
-        raise argument_error(name, f"{name} has the type {value.dtype}, not float64; pass {name}.astype(float)")
+        # A cast would drop the imaginary parts.
+        advice = "real if its imaginary parts are zero" if value.dtype.kind == "c" else "astype(float)"
+        raise argument_error(name, f"{name} has the type {value.dtype}, not float64; pass {name}.{advice}")
     if not value.shape or value.shape[-1] != length:
         raise argument_error(name, f"{name} has the shape {list(value.shape)}, not (..., {length})")
     return value
@@ -69,9 +68,32 @@ def _times(matrix: Any, vector: Any) -> Any:
     return jnp.einsum("...ij,...j->...i", matrix, vector)
 
 
+class Checked:
+    """A function of three vectors (n) that looks at their types and shapes; ``numbers`` of what counts its calls."""
+
+    def __init__(self, function: Any, names: tuple[str, str, str], n: int, numbers: dict[str, int]) -> None:
+        self._function, self._names, self._n, self.numbers = function, names, n, numbers
+        # What a pickle calls, with its arguments.
+        self.made: tuple[Callable[..., Any], tuple[Any, ...]] | None = None
+
+    def __call__(self, *arguments: Any) -> Any:
+        names, n = self._names, self._n
+        given = [_checked(name, value, n) for name, value in zip(names, arguments, strict=True)]
+        try:
+            leading = jnp.broadcast_shapes(*(part.shape[:-1] for part in given))
+        except ValueError as error:
+            raise argument_error(names[0], f"the leading axes of {', '.join(names)} cannot be broadcast: {error}") from None
+        return self._function(*(jnp.broadcast_to(part, leading + (n,)) for part in given))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        if self.made is None:
+            raise TypeError("pickle the costate.jax.Model, or one of its steps")
+        return self.made
+
+
 def differentiable(
     names: tuple[str, str, str], n: int, of: tuple[Any, Any, Any], m: int, order: _Order, numbers: dict[str, int]
-) -> Function:
+) -> Checked:
     """A function of three vectors (n) with m results, of its value, Jacobian (m, 3n) and contracted Hessian (3n, 3n)."""
     value_of, jacobian_of, hessian_of = of
 
@@ -108,13 +130,4 @@ def differentiable(
             lambda a, b, c: (value(a, b, c), (a, b, c)), lambda at, y: tuple(jnp.split(adjoint(*at, y), 3, -1))
         )
 
-    def checked(*arguments: Any) -> Any:
-        given = [_checked(name, value, n) for name, value in zip(names, arguments, strict=True)]
-        try:
-            leading = jnp.broadcast_shapes(*(part.shape[:-1] for part in given))
-        except ValueError as error:
-            raise argument_error(names[0], f"the leading axes of {', '.join(names)} cannot be broadcast: {error}") from None
-        return function(*(jnp.broadcast_to(part, leading + (n,)) for part in given))
-
-    checked.numbers = numbers  # type: ignore[attr-defined]
-    return checked
+    return Checked(function, names, n, numbers)
