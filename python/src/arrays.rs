@@ -204,6 +204,7 @@ fn wrong_shape(array: &Bound<'_, PyUntypedArray>, expected: &Argument) -> PyErr 
              many)"
         }
         Entries::Axes => "one entry for each of the axes x, y, z",
+        Entries::Rows => "one entry for each row of the constraints, of `row_names`",
     };
     let message = if array.ndim() > MOST_AXES + 1 {
         format!("{name} has {} axes; at most {MOST_AXES} may come before that of the joints", array.ndim())

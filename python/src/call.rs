@@ -77,7 +77,7 @@ impl Call<'_> {
         let Argument { name, entries, .. } = self.plan.arguments[argument];
         let joint = match entries {
             Entries::Joints => self.robot.independent_joints().nth(index % self.robot.dof().max(1)),
-            Entries::Axes => None,
+            Entries::Axes | Entries::Rows => None,
         };
         (name, joint.map(|joint| joint.name.clone()))
     }

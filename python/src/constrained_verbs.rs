@@ -67,6 +67,37 @@ verbs! {
          coupling, see `multipliers`.\nmoment : ndarray (..., c, 3)\n    In N m, likewise."
         = call Verb::Forces;
 
+    /// The Jacobian of `multipliers` in z = (q, p, tau).
+    multiplier_jacobian(q: q, p: p, tau: tau) -> one
+        "ndarray (..., k, 3n)\n    Rows are multipliers, columns entries of z."
+        = call Verb::MultiplierJacobian;
+
+    /// The contracted Hessian d2(c.lambda)/dz2 of `multipliers`, z = (q, p, tau).
+    multiplier_hessian(q: q, p: p, tau: tau, c: rows) -> one
+        "ndarray (..., 3n, 3n)\n    Symmetric."
+        = call Verb::MultiplierHessian;
+
+    /// An inelastic impact: the constraints set in at (q, p), p = M v with any v, without a rebound.
+    ///
+    /// q stays, M v+ = p + J'mu and J v+ = 0. The momentum p+ = M v+ is also that after a release: before
+    /// constraints are let go, p becomes p+.
+    impact(q: q, p: p) -> several
+        "v : ndarray (..., n)\n    v+ in rad/s, m/s.\np : ndarray (..., n)\n    p+ in kg m^2/s, kg m/s.\n\
+         impulse : ndarray (..., k)\n    mu in N s, N m s, for each of ``row_names``.\nloss : ndarray (...)\n    \
+         The energy that is lost, in J, never negative."
+        = call Verb::Impact;
+
+    /// The Jacobians of `impact` in x = (q, p).
+    impact_jacobian(q: q, p: p) -> several
+        "v_x : ndarray (..., n, 2n)\n    Of v+.\np_x : ndarray (..., n, 2n)\n    Of p+.\n\
+         impulse_x : ndarray (..., k, 2n)\n    Of the impulses."
+        = call Verb::ImpactJacobian;
+
+    /// The contracted Hessian d2(y.p+)/dx2 of the momenta after `impact`, x = (q, p).
+    impact_hessian(q: q, p: p, y: momenta) -> one
+        "ndarray (..., 2n, 2n)\n    Symmetric."
+        = call Verb::ImpactHessian;
+
     /// The momenta p = M v of a motion whose multipliers are zero, J v = 0.
     momentum(q: q, v: rate) -> one
         "ndarray (..., n)\n    In kg m^2/s, kg m/s."

@@ -1,11 +1,14 @@
 //! Functions of robots whose loops are closed by constraints.
 
+use crate::contacts::{self, OfImpact};
 use crate::cores::{Writer, core_of};
 use crate::engine::Engine;
 use crate::errors::Failure;
 use crate::function::Function;
 use crate::plan::{Argument, Plan};
+use costate::Coordinates;
 use costate::constraints::{ConstrainedHamiltonianSecondOrder, ConstrainedLinearisation};
+use costate::contacts::ForceMap;
 use costate::matrix::Block;
 use costate::robot::Robot;
 use std::sync::Arc;
@@ -32,6 +35,11 @@ pub enum Verb {
     Drift,
     Counted,
     Project,
+    Impact,
+    ImpactJacobian,
+    ImpactHessian,
+    MultiplierJacobian,
+    MultiplierHessian,
     Close,
 }
 
@@ -72,7 +80,38 @@ pub fn of_constrained(robot: Arc<Robot>, verb: Verb, k: usize) -> Function {
         Drift => Plan::whole(&[q, start], &[&[k]]),
         Project => Plan::whole(&[q, p, start], &[&[n], &[n]]),
         Close => Plan::whole(&[q, held], &[&[n]]),
+        Impact => Plan::whole(&[q, p], &[&[n], &[n], &[k], &[]]),
+        ImpactJacobian => Plan::whole(&[q, p], &[&[n, 2 * n], &[n, 2 * n], &[k, 2 * n]]),
+        ImpactHessian => Plan::whole(&[q, p, Argument::of_joints("y", n)], &[&[2 * n, 2 * n]]),
+        MultiplierJacobian => Plan::whole(&[q, p, tau], &[&[k, 3 * n]]),
+        MultiplierHessian => Plan::whole(&[q, p, tau, Argument::of_rows("c", k)], &[h]),
     };
+    match verb {
+        Impact | ImpactJacobian | ImpactHessian => {
+            let workspace = costate::constraints::Impact::new(&robot);
+            let what = match verb {
+                Impact => OfImpact::Value,
+                ImpactJacobian => OfImpact::Jacobian,
+                _ => OfImpact::Hessian,
+            };
+            let core = move || {
+                core_of(workspace.clone(), move |of, inputs, outputs| {
+                    contacts::impact(of, what, inputs, &mut Writer(outputs))
+                })
+            };
+            return Function::new(plan, Arc::new(Engine::new(core).short(n < SHORT)), robot);
+        }
+        MultiplierJacobian | MultiplierHessian => {
+            let workspace = ForceMap::new(&robot, Coordinates::Hamiltonian);
+            let core = move || {
+                core_of(workspace.clone(), move |of, inputs, outputs| {
+                    contacts::multipliers(of, verb == MultiplierHessian, inputs, &mut Writer(outputs))
+                })
+            };
+            return Function::new(plan, Arc::new(Engine::new(core).short(n < SHORT)), robot);
+        }
+        _ => {}
+    }
     let workspace = Workspace::new(&robot);
     let core = move || {
         core_of(workspace.clone(), move |of, inputs, outputs| {

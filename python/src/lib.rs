@@ -23,6 +23,7 @@ mod constrained;
 mod constrained_verbs;
 mod constraint_edits;
 mod constraints;
+mod contacts;
 mod cores;
 mod descriptions;
 mod dynamics;

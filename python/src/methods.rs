@@ -39,6 +39,12 @@ macro_rules! described {
     (start) => {
         "q_0 : array_like (..., n)\n    Positions (rad, m) whose g is kept, such as those at the start."
     };
+    (rows) => {
+        "c : array_like (..., k)\n    A weight for each multiplier."
+    };
+    (momenta) => {
+        "y : array_like (..., n)\n    A weight for each momentum after the impact."
+    };
     (w) => {
         "w : array_like (..., n)\n    A weight for each torque."
     };

@@ -15,6 +15,8 @@ pub enum Entries {
     Joints,
     /// The axes x, y, z.
     Axes,
+    /// The rows of the constraints.
+    Rows,
 }
 
 /// An argument of a call: a vector for each state.
@@ -30,6 +32,11 @@ impl Argument {
     /// One entry for each of n joints.
     pub const fn of_joints(name: &'static str, length: usize) -> Self {
         Self { name, length, entries: Entries::Joints }
+    }
+
+    /// One entry for each row of the constraints.
+    pub const fn of_rows(name: &'static str, length: usize) -> Self {
+        Self { name, length, entries: Entries::Rows }
     }
 
     /// A vector in space.

@@ -135,6 +135,36 @@ def test_momenta_and_impacts(dynamics, tree, state):
     assert_close(tree.momentum(q, before), tree.momentum(q, after) - dynamics.constraint_jacobian(q).T @ mu, 1e-12)
 
 
+def test_an_impact_and_its_derivatives(dynamics, tree, state, random):
+    q = state[0]
+    before = np.array([1.0, 0.3, -0.2])
+    p, y = tree.momentum(q, before), random.normal(size=3)
+    v, p_after, impulse, loss = dynamics.impact(q, p)
+    assert_close(p_after, tree.momentum(q, v), 1e-12)
+    assert_close(p_after - p, dynamics.constraint_jacobian(q).T @ impulse, 1e-12)
+    assert np.abs(dynamics.constraint_rate(q, v)).max() < 1e-12
+    assert loss > 0 and abs(tree.energy(q, before)[0] - tree.energy(q, v)[0] - loss) < 1e-12
+    x = np.concatenate([q, p])
+    for k, jacobian in enumerate(dynamics.impact_jacobian(q, p)):
+        assert_close(jacobian, central_differences(lambda x, k=k: dynamics.impact(x[:3], x[3:])[k], x), 1e-7)
+    gradient = lambda x: y @ dynamics.impact_jacobian(x[:3], x[3:])[1]
+    assert_close(dynamics.impact_hessian(q, p, y), central_differences(gradient, x), 1e-7)
+
+
+def test_derivatives_of_forces(dynamics, state, random):
+    q, p, _, tau, *_ = state
+    z, c = np.concatenate([q, p, tau]), random.normal(size=2)
+    parts = lambda z: (z[:3], z[3:6], z[6:])
+    jacobian = dynamics.multiplier_jacobian(q, p, tau)
+    assert_close(jacobian, central_differences(lambda z: dynamics.multipliers(*parts(z)), z), 1e-6)
+    gradient = lambda z: c @ dynamics.multiplier_jacobian(*parts(z))
+    hessian = dynamics.multiplier_hessian(q, p, tau, c)
+    assert_close(hessian, central_differences(gradient, z), 1e-6)
+    assert (hessian == hessian.T).all()
+    with pytest.raises(costate.ArgumentError, match="row"):
+        dynamics.multiplier_hessian(q, p, tau, np.ones(3))
+
+
 def test_energy_and_drift_along_a_motion(dynamics, state):
     q, p, *_ = state
     tau, x, dt = np.zeros(3), np.concatenate([q, p]), 2e-3
