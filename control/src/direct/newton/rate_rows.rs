@@ -100,8 +100,9 @@ impl RateRows {
         z.fill(0.0);
         add_row(points, p, side, 1.0, z);
         self.row.clear();
-        for b in 0..spline.mesh.shape.coefficients() {
-            let [f, g, h] = [0, 1, 2].map(|s| factors[s][b]);
+        let count = spline.mesh.shape.coefficients();
+        let [values, rates, accelerations, ..] = &factors;
+        for ((f, g), h) in values[..count].iter().zip(rates).zip(accelerations) {
             self.row.extend((0..n).map(|l| f * z[l] + g * z[n + l] + h * z[2 * n + l]));
         }
         dot(&z[..3 * n], &self.work.z_t)
