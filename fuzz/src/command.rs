@@ -48,7 +48,7 @@ const COMMANDS: [(Kind, &[&str]); 10] = [
 /// If it cannot be built.
 pub fn binary() -> Result<PathBuf, String> {
     let mut build = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
-    // As the tests and the main command build it, so that nothing is compiled twice. Tests of commands need it.
+    // As tests and the main command build it, so that nothing is compiled twice. Tests of commands need it.
     if cfg!(debug_assertions) {
         build.args(["test", "--locked", "--quiet", "--no-run", "--test", "commands"]);
     } else {

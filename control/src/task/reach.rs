@@ -178,9 +178,9 @@ pub(crate) fn others(
     all.split_off(1)
 }
 
-/// Where rows leave coordinates free: from a `known` position, whose cost is `best`, along those that keep all
-/// rows, to one that costs less. `None` if none is found, or if rows leave nothing free. One coordinate is
-/// moved at a time, and the rows are met again; a direction that helps is kept up.
+/// Where rows leave coordinates free: from a `known` position, whose cost is `best`, along those that keep
+/// all rows, to one that costs less. `None` if none is found, or if rows leave nothing free. One coordinate
+/// is moved at a time, and the rows are met again; a direction that helps is kept up.
 pub(crate) fn cheaper(
     functions: &mut TaskFunctions,
     known: &[f64],

@@ -53,8 +53,8 @@ pub(crate) fn with_tools_reached<'a>(
 }
 
 /// Other positions of the joints for the places of tools, each with the number of its end; `reached` has
-/// those that are known, and its motion costs `known`. First those near them at which it is cheaper, as `cost`
-/// says.
+/// those that are known, and its motion costs `known`. First those near them at which it is cheaper, as
+/// `cost` says.
 pub(crate) fn other_positions(
     reached: &Problem,
     rows: &TaskRows,
