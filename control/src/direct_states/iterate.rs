@@ -32,7 +32,9 @@ impl Interior {
             return Err(failed(EvalError::Model { reason }));
         }
         let mut restarts = 0;
-        steps.reserve(options.max_iterations.min(constants::MOST_RESERVED));
+        let most = options.max_iterations.min(constants::MOST_RESERVED);
+        steps.reserve(most);
+        recorder.iterations.reserve(most);
         for number in 0..options.max_iterations {
             if let Some(interruption) = recorder.interruption() {
                 return Err(interruption.into());
