@@ -77,10 +77,10 @@ impl Interior {
         is_taken
     }
 
-    /// Corrections of second order (Waechter and Biegler, section 2.4): Newton's equations again with what the
-    /// trial leaves of the defects. Without them steps along a curved way of the model are cut to nothing,
-    /// since to second order such a step costs more as long as the defects are not met again. The step
-    /// stays; the corrected one is the trial where it is accepted.
+    /// Corrections of second order (Waechter and Biegler, section 2.4): Newton's equations again with what
+    /// the trial leaves of the defects. Near a saddle a step costs more, to second order, until the defects
+    /// are met again; without corrections it is cut to nothing. The step stays, and the corrected one is
+    /// the trial where it is accepted.
     fn corrected<D: Dynamics<f64>, C: Cost<f64>>(
         &mut self,
         task: &mut DirectDynamics<D, C>,

@@ -37,13 +37,13 @@ pub(super) fn simple(task: &FreeTask<'_>, seed: u64, number: usize) -> Result<Gu
     let (n, nq) = (task.dof(), task.nq());
     let mut model = Hamiltonian::<f64>::new(&task.problem.robot);
     let mut guess = Guess { t: Vec::new(), x: Vec::new(), u: Vec::new() };
-    let falls = task.problem.free_falls()?;
+    let mut falls = task.problem.free_falls()?;
     let none = vec![0.0; n];
     let mut forces = Vec::new();
     for k in 0..=PLACES {
         let s = k as f64 / PLACES as f64;
         let (mut q, mut v) = path.at(s);
-        for fall in &falls {
+        for fall in &mut falls {
             fall.place(s * time, &mut q, &mut v, &mut model)?;
         }
         let p = model.momentum(&q, &v)?.to_vec();

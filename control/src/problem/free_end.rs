@@ -39,7 +39,7 @@ pub(crate) fn orientation_rows(a: [f64; 4]) -> [[f64; 4]; 3] {
 pub(super) struct Carried {
     pub rotation: Matrix3<f64>,
     /// Position of its frame (m).
-    position: Vector3<f64>,
+    pub position: Vector3<f64>,
     /// Mass (kg) and centre of mass (m), of a floating joint.
     pub mass: f64,
     pub centre: Vector3<f64>,
@@ -72,6 +72,11 @@ impl Carried {
         let arm = Vector3::new(inertia[(i + 1, i + 5)], inertia[(i + 2, i + 3)], inertia[(i, i + 4)]) / mass;
         let centre = position + rotation * arm;
         Ok(Self { rotation, position, mass, centre, linear, angular: angular + position.cross(&linear) })
+    }
+
+    /// Angular momentum about the centre of mass (N m s).
+    pub fn spin(&self) -> Vector3<f64> {
+        self.angular - self.centre.cross(&self.linear)
     }
 }
 
