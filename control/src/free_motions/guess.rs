@@ -52,12 +52,12 @@ pub(super) fn simple(task: &FreeTask<'_>, seed: u64, number: usize) -> Result<Gu
         guess.x.push([q, p].concat());
     }
     let step = time / PLACES as f64;
-    for k in 0..=PLACES {
+    for (k, force) in forces.iter().enumerate() {
         let (before, after) = (k.saturating_sub(1), (k + 1).min(PLACES));
         let control = |&i: &usize| {
             let change = guess.x[after][nq + i] - guess.x[before][nq + i];
             let rate = change / ((after - before) as f64 * step);
-            (rate - forces[k][i]) / task.problem.gain[i]
+            (rate - force[i]) / task.problem.gain[i]
         };
         let u: Vec<f64> = task.driven.iter().map(control).collect();
         guess.u.push(u);
