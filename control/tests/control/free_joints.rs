@@ -165,9 +165,9 @@ fn what_is_saved_is_read_again() {
         space.check(&pair[1]).unwrap();
         let mut d = vec![0.0; 7];
         space.difference(&pair[0], &pair[1], &mut d).unwrap();
-        for i in 0..7 {
+        for (i, moved) in d.iter().enumerate() {
             let mean = 0.5 * (samples.v[k][i] + samples.v[k + 1][i]);
-            assert!((d[i] * 200.0 - mean).abs() < 2e-3, "{k} {i}: {} {mean}", d[i] * 200.0);
+            assert!((moved * 200.0 - mean).abs() < 2e-3, "{k} {i}: {} {mean}", moved * 200.0);
         }
     }
     let csv = samples.to_csv(&solution.robot.joints);
