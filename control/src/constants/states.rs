@@ -44,6 +44,10 @@ pub const NEARLY_FEASIBLE: f64 = 1e-4;
 pub const FEASIBLE: f64 = 1e-11;
 /// Shortest part of a step that is tried.
 pub const SHORTEST: f64 = 1e-8;
+/// Most corrections of second order of a step; ..
+pub const CORRECTIONS: usize = 4;
+/// .. the next one only if the last one leaves at most this part of the infeasibility.
+pub const CORRECTED: f64 = 0.99;
 /// Times that multipliers begin anew where no step is accepted; ..
 pub const RESTARTS: usize = 5;
 /// .. with this many times the barrier.

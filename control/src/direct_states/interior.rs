@@ -53,6 +53,8 @@ pub(super) struct Work {
     pub residual: Vec<f64>,
     pub step: Vec<f64>,
     pub trial: Vec<f64>,
+    /// A step and its multipliers while it is corrected.
+    pub kept: [Vec<f64>; 3],
     pub dz_low: Vec<f64>,
     pub dz_high: Vec<f64>,
     /// New multipliers.
@@ -79,6 +81,7 @@ impl Work {
             residual: zeros(count),
             step: zeros(count),
             trial: zeros(count),
+            kept: [zeros(count), zeros(intervals * POINTS * n), zeros(ends)],
             dz_low: zeros(count),
             dz_high: zeros(count),
             lambda: zeros(intervals * POINTS * n),
@@ -92,6 +95,14 @@ impl Work {
             end_weights: zeros(ends),
             scratch: Scratch::new(n, m),
         }
+    }
+
+    /// Exchanges the step and its multipliers with those that are kept.
+    pub fn exchange_step(&mut self) {
+        let [step, lambda, nu] = &mut self.kept;
+        std::mem::swap(&mut self.step, step);
+        std::mem::swap(&mut self.lambda, lambda);
+        std::mem::swap(&mut self.nu, nu);
     }
 }
 

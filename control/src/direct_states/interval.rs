@@ -96,6 +96,14 @@ impl Interval {
         true
     }
 
+    /// What dX is for other defects.
+    pub fn change_defects(&mut self, layout: &Layout) {
+        let (c, y) = (POINTS * layout.n, layout.n + 1 + POINTS * layout.m);
+        for (row, inverse) in self.condensed.chunks_exact_mut(y + 1).zip(self.inverse.chunks_exact(c)) {
+            row[y] = -dot(inverse, &self.defect);
+        }
+    }
+
     /// Hessian and gradient by (dx, dT, dU), with this much added to the diagonal of that at the points.
     pub fn condense(&mut self, layout: &Layout, damping: f64, scratch: &mut Scratch) {
         let (n, m) = (layout.n, layout.m);

@@ -5,7 +5,6 @@ use super::points::POINTS;
 use super::problem::DirectDynamics;
 use super::solution::StateStep;
 use crate::constants::{direct as shared, states as constants};
-use crate::direct::{Figure, is_better};
 use crate::options::SolverOptions;
 use crate::progress::{Iteration, Phase};
 use crate::solve::Recorder;
@@ -125,52 +124,6 @@ impl Interior {
             }
         }
         [primal, dual]
-    }
-
-    /// The longest part of the step that the filter accepts, and its figure.
-    fn search<D: Dynamics<f64>, C: Cost<f64>>(
-        &mut self,
-        task: &mut DirectDynamics<D, C>,
-        now: &Figure,
-        longest: f64,
-    ) -> Option<(Figure, f64)> {
-        let (slope, old) = (self.slope(task), now.value(self.mu));
-        let rounding = shared::ROUNDING * old.abs().max(1.0);
-        let mut length = longest;
-        while length >= constants::SHORTEST * longest {
-            let mut trial = std::mem::take(&mut self.work.trial);
-            for ((trial, w), step) in trial.iter_mut().zip(&self.w).zip(&self.work.step) {
-                *trial = w + length * step;
-            }
-            let figure = self.figure(task, &trial);
-            self.work.trial = trial;
-            if let Ok(new) = figure {
-                let value = new.value(self.mu);
-                let promise = length * (-slope).max(0.0).powf(shared::OF_DESCENT);
-                let descends = slope < 0.0
-                    && now.theta < constants::NEARLY_FEASIBLE
-                    && promise > now.theta.powf(shared::OF_INFEASIBILITY);
-                let is_feasible = new.theta <= constants::FEASIBLE && now.theta <= constants::FEASIBLE;
-                let is_fine = if descends || is_feasible {
-                    value <= old + shared::ARMIJO * length * slope.min(0.0) + rounding
-                } else {
-                    is_better(&new, now, self.mu, rounding)
-                };
-                // Not true for NaN.
-                if value.is_finite()
-                    && new.theta.is_finite()
-                    && is_fine
-                    && self.filter.accepts(&new, self.mu, rounding)
-                {
-                    if !descends {
-                        self.filter.add(*now);
-                    }
-                    return Some((new, length));
-                }
-            }
-            length *= 0.5;
-        }
-        None
     }
 
     /// Takes the trial, and the multipliers that belong to it.

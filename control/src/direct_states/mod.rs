@@ -27,6 +27,7 @@
 //! | [`recursion`] | Riccati's recursion |
 //! | [`newton`] | Newton's step |
 //! | [`interior`], [`iterate`] | the iterate on one mesh, and the iteration |
+//! | [`search`] | the part of a step that is taken, and its corrections of second order |
 //! | [`refine`], [`cost_error`] | estimated errors, the next mesh |
 //! | [`solve`] | from a problem to a motion |
 //! | [`outcome`] | verification |
@@ -52,5 +53,6 @@ pub(crate) mod problem;
 mod recursion;
 mod refine;
 mod running_cost;
+mod search;
 pub(crate) mod solution;
 mod solve;

@@ -42,6 +42,17 @@ impl Interior {
         Ok(())
     }
 
+    /// Solves the last equations again with other defects. False if the factors fail by rounding.
+    pub(super) fn correct_step<D, C>(&mut self, task: &DirectDynamics<D, C>) -> bool {
+        let damping = if self.definite { 0.0 } else { self.damping };
+        self.intervals.iter_mut().for_each(|interval| interval.change_defects(&self.layout));
+        let is_factorised = self.factorise(task, damping);
+        if is_factorised {
+            self.go_forward(damping);
+        }
+        is_factorised
+    }
+
     /// Adds the barriers of the points to their derivatives.
     fn add_barriers(&mut self) {
         let layout = self.layout;

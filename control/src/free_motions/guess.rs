@@ -28,30 +28,36 @@ pub(super) fn of_motion(task: &FreeTask<'_>, motion: &Trajectory) -> Guess {
 }
 
 /// Cubics of positions, and turns about the axes that lead from start to end, the short way round; of
-/// further starts the other way round too, with waves in positions. Controls are those of the momenta.
+/// further starts the other way round too, with waves in positions. What floats without a motor falls as
+/// gravity says: Newton's method finds no way from a momentum that is far off. Controls are those of the
+/// momenta.
 pub(super) fn simple(task: &FreeTask<'_>, seed: u64, number: usize) -> Result<Guess, Unsolved> {
     let path = Path::new(task, seed, number);
     let time = task.problem.time.value();
     let (n, nq) = (task.dof(), task.nq());
     let mut model = Hamiltonian::<f64>::new(&task.problem.robot);
     let mut guess = Guess { t: Vec::new(), x: Vec::new(), u: Vec::new() };
+    let mut falls = task.problem.free_falls()?;
     let none = vec![0.0; n];
     let mut forces = Vec::new();
     for k in 0..=PLACES {
         let s = k as f64 / PLACES as f64;
-        let (q, v) = path.at(s);
+        let (mut q, mut v) = path.at(s);
+        for fall in &mut falls {
+            fall.place(s * time, &mut q, &mut v, &mut model)?;
+        }
         let p = model.momentum(&q, &v)?.to_vec();
         forces.push(model.evaluate(&q, &p, &none)?[n..].to_vec());
         guess.t.push(s * time);
         guess.x.push([q, p].concat());
     }
     let step = time / PLACES as f64;
-    for (k, forces) in forces.iter().enumerate() {
+    for (k, force) in forces.iter().enumerate() {
         let (before, after) = (k.saturating_sub(1), (k + 1).min(PLACES));
         let control = |&i: &usize| {
             let change = guess.x[after][nq + i] - guess.x[before][nq + i];
             let rate = change / ((after - before) as f64 * step);
-            (rate - forces[i]) / task.problem.gain[i]
+            (rate - force[i]) / task.problem.gain[i]
         };
         let u: Vec<f64> = task.driven.iter().map(control).collect();
         guess.u.push(u);

@@ -36,20 +36,25 @@ pub(crate) fn orientation_rows(a: [f64; 4]) -> [[f64; 4]; 3] {
 }
 
 /// What is known of a joint on the world, and of all that it carries, at one end.
-struct Carried {
-    rotation: Matrix3<f64>,
+pub(super) struct Carried {
+    pub rotation: Matrix3<f64>,
     /// Position of its frame (m).
-    position: Vector3<f64>,
+    pub position: Vector3<f64>,
     /// Mass (kg) and centre of mass (m), of a floating joint.
-    mass: f64,
-    centre: Vector3<f64>,
+    pub mass: f64,
+    pub centre: Vector3<f64>,
     /// Momentum, and its moment about the origin of the axes that the joint stands in.
-    linear: Vector3<f64>,
+    pub linear: Vector3<f64>,
     angular: Vector3<f64>,
 }
 
 impl Carried {
-    fn new(free: &FreeJoint, q: &[f64], v: &[f64], model: &mut Hamiltonian<f64>) -> Result<Self, EvalError> {
+    pub fn new(
+        free: &FreeJoint,
+        q: &[f64],
+        v: &[f64],
+        model: &mut Hamiltonian<f64>,
+    ) -> Result<Self, EvalError> {
         let (at, i) = (quaternion(free), free.coordinate);
         let turn = Quaternion::new(q[at + 3], q[at], q[at + 1], q[at + 2]);
         let rotation = *UnitQuaternion::from_quaternion(turn).to_rotation_matrix().matrix();
@@ -67,6 +72,11 @@ impl Carried {
         let arm = Vector3::new(inertia[(i + 1, i + 5)], inertia[(i + 2, i + 3)], inertia[(i, i + 4)]) / mass;
         let centre = position + rotation * arm;
         Ok(Self { rotation, position, mass, centre, linear, angular: angular + position.cross(&linear) })
+    }
+
+    /// Angular momentum about the centre of mass (N m s).
+    pub fn spin(&self) -> Vector3<f64> {
+        self.angular - self.centre.cross(&self.linear)
     }
 }
 
@@ -110,7 +120,7 @@ impl Problem {
         for free in self.robot.free_joints() {
             let idle = |from: usize, to: usize| (from..to).all(|k| self.has_no_motor(free.coordinate + k));
             let (forces, dof) = (slides(free), free.kind.dof());
-            if self.first_part(free).parent.is_none() && idle(0, forces.max(3)) {
+            if self.is_left_alone(free) {
                 self.leave_out_kept(free, idle(forces, dof), given.len(), &mut model, &mut found)?;
             }
         }
@@ -120,7 +130,7 @@ impl Problem {
     }
 
     /// The first of the joints that a free one consists of.
-    fn first_part(&self, free: &FreeJoint) -> &Joint {
+    pub(super) fn first_part(&self, free: &FreeJoint) -> &Joint {
         let is_first = |joint: &&Joint| {
             joint.free.as_ref().is_some_and(|part| part.joint == free.name && part.place == 0)
         };
@@ -179,7 +189,7 @@ impl Problem {
         let start = normalised(&self.robot, &self.start.q);
         let start = Carried::new(free, &start, &self.start.v, model).map_err(|e| unknown(Key::START_Q, e))?;
         let last = Carried::new(free, &found.x[..nq], &end.v, model).map_err(|e| unknown(Key::END_Q, e))?;
-        let gravity = self.first_part(free).placement.rotation.transpose() * self.robot.gravity();
+        let gravity = self.gravity_at(free);
         let (floats, falls) = (free.kind == FreeKind::Floating, gravity.norm() > 0.0);
         let (fixed, time) = (matches!(self.time, FinalTime::Fixed(_)), self.time.value());
         let joint = || free.name.clone();
@@ -256,6 +266,6 @@ fn is_small(difference: &Vector3<f64>, size: f64) -> bool {
     difference.norm() <= KEPT * (1.0 + size)
 }
 
-fn unknown(key: Key, cause: EvalError) -> ProblemError {
+pub(super) fn unknown(key: Key, cause: EvalError) -> ProblemError {
     FreeMotionError::Evaluation { key, cause }.into()
 }

@@ -10,6 +10,7 @@ mod error_text;
 pub(crate) mod file;
 pub(crate) mod free_end;
 mod free_error;
+mod free_fall;
 pub(crate) mod free_joints;
 mod given_ends;
 mod joint_limits;

@@ -95,6 +95,50 @@ fn flyer(gravity: [f64; 3]) -> Robot {
         .unwrap()
 }
 
+/// Links move, and the base follows as its momentum says: in free fall too. Torques stay within their limits.
+#[test]
+fn what_nothing_drives_keeps_its_momentum() {
+    let down = [0.5, -1.0, -3.0];
+    for (gravity, rate, time) in [([0.0; 3], 0.0, 3.0), (down, 0.1, 1.0), (down, 0.0, 3.0)] {
+        let robot = flyer(gravity);
+        let start = [&[0.2, -0.1, 0.4][..], &turned([0.3, 0.5, -0.2]), &[0.0, 0.5]].concat();
+        let end = [&[0.0; 3][..], &turned([0.0, 0.0, 0.0]), &[1.5, -0.8]].concat();
+        let v = [rate; 8];
+        let none = BoundaryState::fixed(&end, &[0.0; 8]);
+        let none = none.with_q_free(&[0, 1, 2, 3, 4, 5]);
+        let end = if gravity == [0.0; 3] { none } else { none.with_v_free(&[0, 1, 2, 3, 4, 5, 6, 7]) };
+        let limits = MotionLimits::none().with_torque_max([&[0.0; 6][..], &[4.0, 4.0]].concat());
+        let problem = Problem::rest_to_rest(robot.clone(), &start, &end.q, time)
+            .with_start(BoundaryState::fixed(&start, &v))
+            .with_end(end)
+            .with_limits(limits);
+        let solution = solve(&problem, 1e-6);
+        let trajectory = &solution.trajectory;
+        assert!(solution.end_defect < 1e-4, "{}", solution.end_defect);
+        let torque = solution.limits.torque.as_ref().unwrap();
+        assert!(torque.at_points == 0.0 && solution.limits.are_kept(), "{torque:?}");
+        // The spatial momentum changes by gravity alone.
+        let stand = robot.joints()[0].placement.rotation;
+        let fall = stand.transpose() * Vector3::from(gravity);
+        let momentum = |k: usize| {
+            let (q, p) = (&trajectory.q[k], &trajectory.p[k]);
+            let turn = UnitQuaternion::new_unchecked(nalgebra::Quaternion::new(q[6], q[3], q[4], q[5]));
+            turn * Vector3::new(p[0], p[1], p[2]) - fall * (6.0 * trajectory.t[k])
+        };
+        let last = trajectory.t.len() - 1;
+        assert!((momentum(last) - momentum(0)).amax() < 1e-4, "{}", momentum(last) - momentum(0));
+        // Rows are those of the motion: unit quaternions, p = M v, nq positions and n rates.
+        let space = ConfigurationSpace::new(&robot);
+        let mut model = Hamiltonian::<f64>::new(&robot);
+        for k in 0..=last {
+            space.check(&trajectory.q[k]).unwrap();
+            let p = model.momentum(&trajectory.q[k], &trajectory.v[k]).unwrap();
+            assert!(p.iter().zip(&trajectory.p[k]).all(|(a, b)| (a - b).abs() < 1e-9));
+        }
+        assert_eq!([trajectory.q[0].len(), trajectory.v[0].len(), trajectory.y_q[0].len()], [9, 8, 8]);
+    }
+}
+
 #[test]
 fn what_is_saved_is_read_again() {
     let to = turned([0.3, 0.0, 1.2]);
@@ -121,9 +165,9 @@ fn what_is_saved_is_read_again() {
         space.check(&pair[1]).unwrap();
         let mut d = vec![0.0; 7];
         space.difference(&pair[0], &pair[1], &mut d).unwrap();
-        for (i, d) in d.iter().enumerate() {
+        for (i, moved) in d.iter().enumerate() {
             let mean = 0.5 * (samples.v[k][i] + samples.v[k + 1][i]);
-            assert!((d * 200.0 - mean).abs() < 2e-3, "{k} {i}: {} {mean}", d * 200.0);
+            assert!((moved * 200.0 - mean).abs() < 2e-3, "{k} {i}: {} {mean}", moved * 200.0);
         }
     }
     let csv = samples.to_csv(&solution.robot.joints);
