@@ -52,10 +52,6 @@ pub mod reach {
     pub const BRANCH_STEPS: usize = 20;
     /// .. which differ by more than this in a joint (rad).
     pub const APART: f64 = 0.5;
-    /// Where places leave joints free, joints are moved by so much to find a cheaper position (rad, m), ..
-    pub const SLIDES: [f64; 2] = [0.5, 0.2];
-    /// .. and so many positions are tried at most.
-    pub const MOST_SLIDES: usize = 30;
     /// Most steps from each of them.
     pub const STEPS: usize = 60;
     /// First damping, in squares of m or rad per rad.

@@ -2,8 +2,8 @@
 
 use super::functions::{PathFunction, TaskFunctions};
 use crate::constants::task::reach::{
-    APART, AROUND, ASIDE, BRANCH_STEPS, BRANCHES, DAMPING, FAR, MOST_DAMPING, MOST_SLIDES, OTHERS, REACHED,
-    SLIDES, STARTS, STEPS, STILL,
+    APART, AROUND, ASIDE, BRANCH_STEPS, BRANCHES, DAMPING, FAR, MOST_DAMPING, OTHERS, REACHED, STARTS, STEPS,
+    STILL,
 };
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
@@ -176,47 +176,6 @@ pub(crate) fn others(
         }
     }
     all.split_off(1)
-}
-
-/// Where rows leave coordinates free: from a `known` position, whose cost is `best`, along those that keep
-/// all rows, to one that costs less. `None` if none is found, or if rows leave nothing free. One coordinate
-/// is moved at a time, and the rows are met again; a direction that helps is kept up.
-pub(crate) fn cheaper(
-    functions: &mut TaskFunctions,
-    known: &[f64],
-    free: &[usize],
-    limits: &[[f64; 2]],
-    mut best: f64,
-    mut cost: impl FnMut(&[f64]) -> Option<f64>,
-) -> Option<Vec<f64>> {
-    let mut search = Search { steps: BRANCH_STEPS, ..Search::new(functions, free, limits) };
-    if search.g.len() >= free.len() {
-        return None;
-    }
-    let mut found = None;
-    let mut left = MOST_SLIDES;
-    for size in SLIDES {
-        for (&i, side) in free.iter().flat_map(|i| [(i, 1.0), (i, -1.0)]) {
-            loop {
-                let mut q = found.as_deref().unwrap_or(known).to_vec();
-                q[i] += side * size;
-                let reached = search.descend(q);
-                let own = if reached.is_there() { cost(&reached.q) } else { None };
-                left -= 1;
-                let helps = own.filter(|own| *own < best);
-                if let Some(own) = helps {
-                    (found, best) = (Some(reached.q), own);
-                }
-                if left == 0 {
-                    return found;
-                }
-                if helps.is_none() {
-                    break;
-                }
-            }
-        }
-    }
-    found
 }
 
 impl<'a> Search<'a> {

@@ -3,7 +3,7 @@
 use super::phase_times::with_guesses;
 use crate::problem::Problem;
 use crate::task::build::TaskRows;
-use crate::task::reach::{cheaper, others, reach, reach_near};
+use crate::task::reach::{others, reach, reach_near};
 use std::borrow::Cow;
 
 /// The problem with positions at the ends of its phases at which tools are where they shall be.
@@ -53,28 +53,20 @@ pub(crate) fn with_tools_reached<'a>(
 }
 
 /// Other positions of the joints for the places of tools, each with the number of its end; `reached` has
-/// those that are known, and its motion costs `known`. First those near them at which it is cheaper, as
-/// `cost` says.
-pub(crate) fn other_positions(
-    reached: &Problem,
-    rows: &TaskRows,
-    known: f64,
-    mut cost: impl FnMut(usize, &[f64]) -> Option<f64>,
-) -> Vec<(usize, Vec<f64>)> {
+/// those that are known.
+pub(crate) fn other_positions(reached: &Problem, rows: &TaskRows) -> Vec<(usize, Vec<f64>)> {
     let limits: Vec<[f64; 2]> = reached.joint_limits().iter().map(|limits| limits.q).collect();
     let ends = with_guesses(reached);
     let mut found = Vec::new();
     for (end, rows) in rows.at_ends().enumerate() {
-        let (free, q) = (&ends[end].q_free, &ends[end].q);
+        let free = &ends[end].q_free;
         if rows.is_empty() || free.is_empty() {
             continue;
         }
         // The place before it; that after the start.
         let near = &ends[if end == 0 { 1 } else { end - 1 }].q;
-        let mut rows = rows.clone();
-        let slid = cheaper(&mut rows, q, free, &limits, known, |q| cost(end, q));
-        let others = others(&mut rows, near, q, free, &limits);
-        found.extend(slid.into_iter().chain(others).map(|q| (end, q)));
+        let others = others(&mut rows.clone(), near, &ends[end].q, free, &limits);
+        found.extend(others.into_iter().map(|q| (end, q)));
     }
     found
 }
