@@ -126,7 +126,7 @@ def leaves(x):
 def test_a_task_that_leaves_python_fails_alone():
     with ThreadPoolExecutor(1) as threads:
         for executor in (None, threads):
-            (outcome,) = costate.sweep(leaves, [3], executor, workers=1)
+            (outcome,) = costate.sweep(leaves, [3], executor, workers=None if executor else 1)
             assert not outcome.ok and str(outcome.error) == "SystemExit: 3" and "in leaves" in outcome.traceback
 
 
@@ -166,7 +166,8 @@ def interrupts(x):
 def test_an_interrupt_of_a_task_is_its_error():
     with ThreadPoolExecutor(2) as threads:
         for executor in (None, threads):
-            outcomes = costate.sweep(interrupts, range(8), executor, workers=1, chunk=8, retries=2)
+            workers = None if executor else 1
+            outcomes = costate.sweep(interrupts, range(8), executor, workers=workers, chunk=8, retries=2)
             assert [outcome.value for outcome in outcomes] == [0, 1, None, 3, None, 5, 6, 7]
             assert outcomes[2].attempts == 1 and "KeyboardInterrupt" in str(outcomes[2].error)
             assert str(outcomes[4].error) == "Interrupted: by itself" and "in interrupts" in outcomes[4].traceback
