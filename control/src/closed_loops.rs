@@ -22,7 +22,7 @@ pub(crate) fn solve(
     saved: Option<&Trajectory>,
     recorder: &mut Recorder<'_>,
 ) -> Solution {
-    let missing = |status| Solution::missing(&problem.robot, status, problem.time.value());
+    let missing = |status| Solution::without_motion(problem, status);
     // What was checked has neither fault.
     let Ok(with_multipliers) = problem.with_multipliers() else { return missing(Status::NewtonFailed) };
     let Ok(rows) = TaskRows::new(&with_multipliers) else { return missing(Status::NewtonFailed) };

@@ -189,7 +189,7 @@ fn directly(
         begun = std::mem::take(&mut found.starts);
         start = if found.is_motion() || is_infeasible { Some(found.trajectory) } else { start };
     }
-    Solution::missing(&problem.robot, Status::Cancelled, problem.time.value())
+    Solution::without_motion(&problem, Status::Cancelled)
 }
 
 impl fmt::Debug for Solver<'_> {

@@ -47,15 +47,14 @@ impl Starts<'_> {
     /// The best solution of all starts: the cheapest converged one if there is any.
     pub fn solve(&self, recorder: &mut Recorder<'_>) -> Solution {
         let solve = |number, recorder: &mut Recorder<'_>| self.solution_of(number, recorder);
-        let missing = || Solution::missing(&self.problem.robot, Status::Cancelled, self.problem.time.value());
+        let missing = || Solution::without_motion(&self.problem, Status::Cancelled);
         best_of_starts(self.options, recorder, solve).unwrap_or_else(missing)
     }
 
     /// Where a start leads; no motion if the equations of the problem cannot be evaluated.
     fn solution_of(&self, number: usize, recorder: &mut Recorder<'_>) -> Solution {
         self.start(number, recorder).unwrap_or_else(|error| {
-            let status = Status::EvaluationFailed(error.into());
-            Solution::missing(&self.problem.robot, status, self.problem.time.value())
+            Solution::without_motion(&self.problem, Status::EvaluationFailed(error.into()))
         })
     }
 

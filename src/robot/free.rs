@@ -34,8 +34,9 @@ impl FreeKind {
         self.slides() + 3
     }
 
-    /// Number of prismatic joints in the chain, before three revolute ones: 3 or 0.
-    pub(crate) fn slides(self) -> usize {
+    /// Number of its displacements, which come before its three angles: 3 or 0. As many prismatic joints are
+    /// in its chain, before three revolute ones.
+    pub fn slides(self) -> usize {
         match self {
             FreeKind::Floating => 3,
             FreeKind::Spherical => 0,

@@ -11,6 +11,7 @@
 pub(crate) mod differences;
 pub(crate) mod direct;
 mod extremals;
+pub(crate) mod free_motions;
 pub(crate) mod guesses;
 pub(crate) mod saddle;
 pub(crate) mod states;

@@ -70,6 +70,3 @@ pub const ENOUGH: f64 = 0.3;
 pub const MET: f64 = 1e-9;
 /// Newton steps for which room is made on a mesh at once.
 pub const MOST_RESERVED: usize = 1000;
-/// Steps between the places of the first guess of a robot with floating or spherical joints
-/// ([`crate::free_motions`]).
-pub const PLACES: usize = 60;

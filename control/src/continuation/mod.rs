@@ -138,7 +138,7 @@ impl<'a> Continuation<'a> {
         let last = run.walk(&mut walked, recorder);
         let Walked { points, turning_points, end, first } = walked;
         let solution = last.unwrap_or_else(|status| {
-            let without = || Solution::missing(&problem.robot, status.clone(), problem.time.value());
+            let without = || Solution::without_motion(problem, status.clone());
             let mut solution = first.unwrap_or_else(without);
             solution.motion.status = status;
             solution

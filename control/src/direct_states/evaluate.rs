@@ -26,11 +26,7 @@ impl Interior {
                 figure.cost += h * time * self.radau.weights[j] * task.running(x, u)?;
                 let f = task.model.evaluate(x, u).map_err(eval_error)?;
                 for (i, f) in f.iter().enumerate() {
-                    let mut defect = self.radau.slopes[j][0] * w[self.layout.node(k) + i] - h * time * f;
-                    for l in 0..POINTS {
-                        defect += self.radau.slopes[j][l + 1] * w[self.layout.point(k, l) + i];
-                    }
-                    figure.theta += defect.abs();
+                    figure.theta += self.radau.defect(&self.layout, w, (k, j), i, h * time * f).abs();
                 }
             }
         }
@@ -86,15 +82,13 @@ impl Interior {
                 for (i, &y) in lambda.iter().enumerate() {
                     let row = j * n + i;
                     let f = all.first.f[i];
-                    let mut defect = self.radau.slopes[j][0] * self.w[layout.node(k) + i] - h * time * f;
+                    interval.defect[row] = self.radau.defect(&layout, &self.w, (k, j), i, h * time * f);
                     residual[layout.node(k) + i] += self.radau.slopes[j][0] * y;
                     for l in 0..POINTS {
                         let slope = self.radau.slopes[j][l + 1];
-                        defect += slope * self.w[layout.point(k, l) + i];
                         interval.by_states[row * POINTS * n + l * n + i] += slope;
                         residual[layout.point(k, l) + i] += slope * y;
                     }
-                    interval.defect[row] = defect;
                     interval.by_time[row] = -h * f;
                     residual[layout.time()] -= h * f * y;
                     for (c, f_x) in all.first.f_x.row(i).iter().enumerate() {

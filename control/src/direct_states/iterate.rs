@@ -103,8 +103,7 @@ impl Interior {
 
     /// Steps of the multipliers of limits, and the parts of both steps that stay inside.
     fn lengths(&mut self) -> [f64; 2] {
-        let boundary = (1.0 - self.mu).max(constants::BOUNDARY);
-        let [mut primal, mut dual] = [1.0_f64; 2];
+        let (boundary, mut dual) = (self.boundary(), 1.0_f64);
         let work = &mut self.work;
         for i in 0..work.step.len() {
             let sides = [
@@ -114,16 +113,13 @@ impl Interior {
             for (slack, z, step, dz) in sides {
                 if slack.is_finite() {
                     *dz = (self.mu * self.weights[i] - z * step) / slack - z;
-                    if step < 0.0 {
-                        primal = primal.min(-boundary * slack / step);
-                    }
                     if *dz < 0.0 {
                         dual = dual.min(-boundary * z / *dz);
                     }
                 }
             }
         }
-        [primal, dual]
+        [self.inside(), dual]
     }
 
     /// Takes the trial, and the multipliers that belong to it.

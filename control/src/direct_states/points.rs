@@ -22,6 +22,16 @@ impl Radau {
         let slopes = std::array::from_fn(|j| lagrange::slopes(&places, places[j + 1]));
         Self { places, weights, slopes }
     }
+
+    /// What component i of the polynomial of the unknowns w misses at point j of interval k, where its slope
+    /// is to be `rate`.
+    pub fn defect(&self, layout: &Layout, w: &[f64], (k, j): (usize, usize), i: usize, rate: f64) -> f64 {
+        let mut defect = self.slopes[j][0] * w[layout.node(k) + i] - rate;
+        for l in 0..POINTS {
+            defect += self.slopes[j][l + 1] * w[layout.point(k, l) + i];
+        }
+        defect
+    }
 }
 
 /// Where the unknowns are: x at the start, (x, u) at each point, T.

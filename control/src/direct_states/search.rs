@@ -125,22 +125,22 @@ impl Interior {
                 let (x, u) = w[layout.point(k, j)..][..n + m].split_at(n);
                 let f = task.model.evaluate(x, u).map_err(eval_error)?;
                 for (i, f) in f.iter().enumerate() {
-                    let mut defect = self.radau.slopes[j][0] * w[layout.node(k) + i] - h * time * f;
-                    for l in 0..POINTS {
-                        defect += self.radau.slopes[j][l + 1] * w[layout.point(k, l) + i];
-                    }
                     let old = &mut interval.defect[j * n + i];
-                    *old = length * *old + defect;
+                    *old = length * *old + self.radau.defect(&layout, w, (k, j), i, h * time * f);
                 }
             }
         }
         Ok(())
     }
 
+    /// The part of the way to a limit that a step may go.
+    pub(super) fn boundary(&self) -> f64 {
+        (1.0 - self.mu).max(constants::BOUNDARY)
+    }
+
     /// The longest part of the step that stays inside the limits.
-    fn inside(&self) -> f64 {
-        let boundary = (1.0 - self.mu).max(constants::BOUNDARY);
-        let mut length = 1.0_f64;
+    pub(super) fn inside(&self) -> f64 {
+        let (boundary, mut length) = (self.boundary(), 1.0_f64);
         for (i, &step) in self.work.step.iter().enumerate() {
             for (slack, step) in [(self.w[i] - self.low[i], step), (self.high[i] - self.w[i], -step)] {
                 if slack.is_finite() && step < 0.0 {

@@ -2,13 +2,13 @@
 
 use super::task::FreeTask;
 use super::unsolved::Unsolved;
-use crate::constants::states::PLACES;
+use crate::constants::free_motions::PLACES;
 use crate::cubics::{Disturbance, JointState, cubic};
-use crate::problem::free_joints::{normalised, plain_entries, quaternion};
+use crate::problem::free_joints::{normalised, orientation, plain_entries, quaternion};
 use crate::result::free_entries::FreeEntries;
 use crate::result::trajectory::Trajectory;
 use costate::hamiltonian::Hamiltonian;
-use costate::robot::FreeKind;
+use costate::robot::{FreeJoint, FreeKind};
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
 /// States and controls at times.
@@ -82,11 +82,9 @@ impl<'a> Path<'a> {
         let free = FreeEntries::of(&problem.robot);
         let states = [(&task.start, &problem.start.v), (&task.end.x, &problem.end.v)];
         let rates = states.map(|(x, v)| FreeEntries::rates(&free, &x[..nq], v));
-        let turn = |at: usize| {
-            let of = |x: &[f64]| {
-                UnitQuaternion::from_quaternion(Quaternion::new(x[at + 3], x[at], x[at + 1], x[at + 2]))
-            };
-            let short = (of(&task.start).inverse() * of(&task.end.x)).scaled_axis();
+        let turn = |free: &FreeJoint| {
+            let start = orientation(free, &task.start);
+            let short = (start.inverse() * orientation(free, &task.end.x)).scaled_axis();
             match (short.try_normalize(0.0), number % 2) {
                 (Some(axis), 1) => short - axis * std::f64::consts::TAU,
                 _ => short,
@@ -95,7 +93,7 @@ impl<'a> Path<'a> {
         Self {
             // The other way round is a guess of its own.
             disturbance: Disturbance::draw(problem, seed, if number == 1 { 0 } else { number }),
-            turns: problem.robot.free_joints().iter().map(|free| turn(quaternion(free))).collect(),
+            turns: problem.robot.free_joints().iter().map(turn).collect(),
             task,
             free,
             rates,

@@ -43,7 +43,7 @@ pub(crate) fn solve(
     saved: Option<&Trajectory>,
     recorder: &mut Recorder<'_>,
 ) -> Solution {
-    let missing = |status| Solution::missing(&problem.robot, status, problem.time.value());
+    let missing = |status| Solution::without_motion(problem, status);
     let start = |number: usize, recorder: &mut Recorder<'_>| {
         let saved = saved.filter(|_| number == 0);
         from_start(problem, options, (number, saved), recorder)

@@ -3,12 +3,12 @@
 use super::task::FreeTask;
 use crate::direct_states::solution::StateMotion;
 use crate::problem::free_end::orientation_rows;
-use crate::problem::free_joints::{normalised, plain_entries, quaternion, slides};
+use crate::problem::free_joints::{length, normalised, orientation, plain_entries, quaternion};
 use crate::result::free_entries::FreeEntries;
 use crate::result::trajectory::Trajectory;
 use costate::EvalError;
 use costate::hamiltonian::Hamiltonian;
-use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use nalgebra::Vector3;
 
 /// H* and its drift.
 pub(super) struct Figures {
@@ -44,14 +44,14 @@ fn in_tangent_space(task: &FreeTask<'_>, x: &[f64], y: &[f64]) -> Vec<f64> {
     for free in robot.free_joints() {
         let at = quaternion(free);
         let a = [0, 1, 2, 3].map(|k| x[at + k]);
-        let length = a.iter().map(|entry| entry * entry).sum::<f64>().sqrt();
+        let length = length(&a);
         for (k, row) in orientation_rows(a).iter().enumerate() {
             let sum: f64 = row.iter().zip(&y[at..]).map(|(c, y)| c * y).sum();
-            l[free.coordinate + slides(free) + k] = 0.5 * length * sum;
+            l[free.coordinate + free.kind.slides() + k] = 0.5 * length * sum;
         }
-        if slides(free) > 0 {
-            let turn = UnitQuaternion::from_quaternion(Quaternion::new(a[3], a[0], a[1], a[2]));
-            let linear = turn.inverse() * Vector3::from_column_slice(&y[free.position..free.position + 3]);
+        if free.kind.slides() > 0 {
+            let linear = orientation(free, x).inverse()
+                * Vector3::from_column_slice(&y[free.position..free.position + 3]);
             l[free.coordinate..free.coordinate + 3].copy_from_slice(linear.as_slice());
         }
     }

@@ -6,29 +6,14 @@ use crate::status::Status;
 use costate::EvalError;
 
 /// Why a problem that was checked could not be begun all the same.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
 pub(super) enum Unsolved {
-    Problem(ProblemError),
-    States(DirectDynamicsError),
-    Evaluation(EvalError),
-}
-
-impl From<ProblemError> for Unsolved {
-    fn from(error: ProblemError) -> Self {
-        Self::Problem(error)
-    }
-}
-
-impl From<DirectDynamicsError> for Unsolved {
-    fn from(error: DirectDynamicsError) -> Self {
-        Self::States(error)
-    }
-}
-
-impl From<EvalError> for Unsolved {
-    fn from(error: EvalError) -> Self {
-        Self::Evaluation(error)
-    }
+    #[error(transparent)]
+    Problem(#[from] ProblemError),
+    #[error(transparent)]
+    States(#[from] DirectDynamicsError),
+    #[error(transparent)]
+    Evaluation(#[from] EvalError),
 }
 
 impl From<Unsolved> for Status {

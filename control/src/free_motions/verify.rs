@@ -2,12 +2,13 @@
 
 use super::task::FreeTask;
 use crate::constants::direct::INTEGRATION;
+use crate::constants::free_motions::INSIDE;
 use crate::direct_states::points::POINTS;
 use crate::direct_states::solution::StateMotion;
 use crate::numerics::dormand_prince::DormandPrince;
 use crate::problem::Problem;
 use crate::problem::free_end::orientation_rows;
-use crate::problem::free_joints::{normalised, plain_entries, quaternion, slides};
+use crate::problem::free_joints::{normalised, plain_entries, quaternion};
 use crate::result::free_entries::FreeEntries;
 use costate::hamiltonian::Hamiltonian;
 
@@ -23,8 +24,7 @@ pub(super) fn integrated_again(task: &FreeTask<'_>, found: &StateMotion) -> Opti
     let nodes: Vec<f64> = found.t.iter().step_by(POINTS).copied().collect();
     for pair in nodes.windows(2) {
         let (from, to) = (pair[0], pair[1]);
-        // A node belongs to the interval before it: the first place of this one is after it.
-        let inside = from + 1e-12 * (to - from);
+        let inside = from + INSIDE * (to - from);
         let reached = integrator.integrate(&mut x, from..to, |t, x, rate| {
             let (_, u) = found.sample_at(t.max(inside));
             task.driven.iter().zip(u).for_each(|(&i, u)| tau[i] = gain[i] * u);
@@ -56,14 +56,14 @@ pub(super) fn missed(problem: &Problem, state: &[f64]) -> f64 {
     };
     plain_entries(robot).into_iter().for_each(|(entry, i)| count(i, q[entry] - target[entry]));
     for free in robot.free_joints() {
-        (0..slides(free)).for_each(|k| {
+        (0..free.kind.slides()).for_each(|k| {
             count(free.coordinate + k, q[free.position + k] - target[free.position + k]);
         });
         let at = quaternion(free);
         let rows = orientation_rows([0, 1, 2, 3].map(|k| target[at + k]));
         for (k, row) in rows.iter().enumerate() {
             let turn: f64 = row.iter().zip(&q[at..]).map(|(c, a)| c * a).sum();
-            count(free.coordinate + slides(free) + k, 2.0 * turn);
+            count(free.coordinate + free.kind.slides() + k, 2.0 * turn);
         }
     }
     for (i, (v, given)) in v.iter().zip(&end.v).enumerate().filter(|(i, _)| !end.v_free.contains(i)) {

@@ -7,16 +7,14 @@
 
 use super::error::ProblemError;
 use super::free_error::FreeMotionError;
-use super::free_joints::{normalised, plain_entries, quaternion, slides};
+use super::free_joints::{length, normalised, orientation, plain_entries, quaternion};
 use super::key::Key;
 use super::{FinalTime, Problem};
+use crate::constants::free_motions::KEPT;
 use costate::EvalError;
 use costate::hamiltonian::Hamiltonian;
 use costate::robot::{FreeJoint, FreeKind, Joint};
-use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
-
-/// Momenta and positions that nothing changes may be off by this part of their size, and of 1 in their unit.
-const KEPT: f64 = 1e-6;
+use nalgebra::{Matrix3, Vector3};
 
 /// What is given at the end of a motion.
 pub(crate) struct FreeEnd {
@@ -30,7 +28,7 @@ pub(crate) struct FreeEnd {
 
 /// `vec(conj(a) o b)` by b, row by row, for a of length 1.
 pub(crate) fn orientation_rows(a: [f64; 4]) -> [[f64; 4]; 3] {
-    let length = a.iter().map(|entry| entry * entry).sum::<f64>().sqrt();
+    let length = length(&a);
     let [x, y, z, w] = a.map(|entry| entry / length);
     [[w, z, -y, -x], [-z, w, x, -y], [y, -x, w, -z]]
 }
@@ -55,12 +53,11 @@ impl Carried {
         v: &[f64],
         model: &mut Hamiltonian<f64>,
     ) -> Result<Self, EvalError> {
-        let (at, i) = (quaternion(free), free.coordinate);
-        let turn = Quaternion::new(q[at + 3], q[at], q[at + 1], q[at + 2]);
-        let rotation = *UnitQuaternion::from_quaternion(turn).to_rotation_matrix().matrix();
+        let i = free.coordinate;
+        let rotation = *orientation(free, q).to_rotation_matrix().matrix();
         let p = model.momentum(q, v)?;
         let vector = |list: &[f64], at: usize| Vector3::new(list[at], list[at + 1], list[at + 2]);
-        if slides(free) == 0 {
+        if free.kind.slides() == 0 {
             let (zero, angular) = (Vector3::zeros(), rotation * vector(p, i));
             return Ok(Self { rotation, position: zero, mass: 0.0, centre: zero, linear: zero, angular });
         }
@@ -105,7 +102,7 @@ impl Problem {
         let plain = plain_entries(&self.robot);
         found.free.extend(plain.iter().filter(|(_, i)| end.q_free.contains(i)).map(|(entry, _)| *entry));
         for free in self.robot.free_joints() {
-            self.orientation(free, &mut found)?;
+            self.turns_of(free, &mut found)?;
         }
         let v_free = |i: &usize| end.v_free.contains(i);
         let given: Vec<usize> = (0..n).filter(|i| !v_free(i)).collect();
@@ -119,7 +116,7 @@ impl Problem {
         }
         for free in self.robot.free_joints() {
             let idle = |from: usize, to: usize| (from..to).all(|k| self.has_no_motor(free.coordinate + k));
-            let (forces, dof) = (slides(free), free.kind.dof());
+            let (forces, dof) = (free.kind.slides(), free.kind.dof());
             if self.is_left_alone(free) {
                 self.leave_out_kept(free, idle(forces, dof), given.len(), &mut model, &mut found)?;
             }
@@ -138,9 +135,9 @@ impl Problem {
     }
 
     /// Displacement and orientation of a joint.
-    fn orientation(&self, free: &FreeJoint, found: &mut FreeEnd) -> Result<(), ProblemError> {
+    fn turns_of(&self, free: &FreeJoint, found: &mut FreeEnd) -> Result<(), ProblemError> {
         let is_free = |k: &usize| self.end.q_free.contains(&(free.coordinate + k));
-        let of_angles = slides(free);
+        let of_angles = free.kind.slides();
         found.free.extend((0..of_angles).filter(is_free).map(|k| free.position + k));
         let at = quaternion(free);
         found.free.extend(at..at + 4);

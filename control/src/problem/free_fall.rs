@@ -3,12 +3,12 @@
 use super::Problem;
 use super::error::ProblemError;
 use super::free_end::{Carried, unknown};
-use super::free_joints::{normalised, quaternion, slides};
+use super::free_joints::{normalised, orientation, quaternion};
 use super::key::Key;
 use costate::EvalError;
 use costate::hamiltonian::Hamiltonian;
 use costate::robot::{FreeJoint, FreeKind};
-use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
+use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
 /// The fall of all that a floating joint on the world carries, in the axes that the joint stands in.
 pub(crate) struct FreeFall<'a> {
@@ -60,7 +60,7 @@ impl Problem {
             let spin = (3..6).all(|k| turns(free.coordinate + k)).then(|| Spin {
                 angular: start.spin(),
                 t: 0.0,
-                turn: turn(&q[quaternion(free)..]),
+                turn: orientation(free, &q),
                 rate: Vector3::zeros(),
             });
             let (speed, gravity) = (linear / mass, self.gravity_at(free));
@@ -100,15 +100,10 @@ impl FreeFall<'_> {
         let way = self.centre + self.speed * t + self.gravity * (0.5 * t * t) - now.centre;
         let speed = self.speed + self.gravity * t - now.linear / self.mass;
         let speed = now.rotation.transpose() * speed;
-        for k in 0..slides(self.free) {
+        for k in 0..self.free.kind.slides() {
             q[self.free.position + k] += way[k];
             v[self.free.coordinate + k] += speed[k];
         }
         Ok(())
     }
-}
-
-/// Of (x, y, z, w).
-fn turn(a: &[f64]) -> UnitQuaternion<f64> {
-    UnitQuaternion::from_quaternion(Quaternion::new(a[3], a[0], a[1], a[2]))
 }

@@ -4,31 +4,35 @@ use super::error::ProblemError;
 use super::free_error::FreeMotionError;
 use super::key::Key;
 use super::{BoundaryState, Problem};
+use crate::constants::free_motions::UNIT;
 use costate::robot::{FreeJoint, Robot};
-
-/// A quaternion has length 1 if its square differs from 1 by no more than this; what remains is rounding of
-/// printed digits, and is divided out.
-const UNIT: f64 = 1e-6;
+use nalgebra::{Quaternion, UnitQuaternion};
 
 /// Entries of q of joints of one degree of freedom, with their coordinates.
 pub(crate) fn plain_entries(robot: &Robot) -> Vec<(usize, usize)> {
-    let (mut entries, mut at, mut i) = (Vec::new(), 0, 0);
-    for free in robot.free_joints() {
-        entries.extend((i..free.coordinate).map(|k| (at + k - i, k)));
-        (at, i) = (free.position + free.kind.positions(), free.coordinate + free.kind.dof());
-    }
-    entries.extend((i..robot.dof()).map(|k| (at + k - i, k)));
+    let mut entries = Vec::new();
+    let places = robot.free_joints().iter().map(|free| (free.position, free.coordinate, free.kind.slides()));
+    each_plain(places, robot.dof(), |entry, i| entries.push((entry, i)));
     entries
 }
 
-/// How many displacements a floating joint has before its angles: 3, or 0 for a spherical one.
-pub(crate) fn slides(free: &FreeJoint) -> usize {
-    free.kind.dof() - 3
+/// The same, for the places in q and v of joints with these numbers of displacements, in their order.
+pub(crate) fn each_plain(
+    free: impl Iterator<Item = (usize, usize, usize)>,
+    n: usize,
+    mut take: impl FnMut(usize, usize),
+) {
+    let (mut at, mut i) = (0, 0);
+    for (position, coordinate, slides) in free {
+        (i..coordinate).for_each(|k| take(at + k - i, k));
+        (at, i) = (position + slides + 4, coordinate + slides + 3);
+    }
+    (i..n).for_each(|k| take(at + k - i, k));
 }
 
 /// Index of the first entry of its quaternion in q.
 pub(crate) fn quaternion(free: &FreeJoint) -> usize {
-    free.position + slides(free)
+    free.position + free.kind.slides()
 }
 
 /// q with quaternions of length 1.
@@ -41,7 +45,13 @@ pub(crate) fn normalised(robot: &Robot, q: &[f64]) -> Vec<f64> {
     q
 }
 
-fn length(entries: &[f64]) -> f64 {
+/// R of its frame, from its quaternion.
+pub(crate) fn orientation(free: &FreeJoint, q: &[f64]) -> UnitQuaternion<f64> {
+    let at = quaternion(free);
+    UnitQuaternion::from_quaternion(Quaternion::new(q[at + 3], q[at], q[at + 1], q[at + 2]))
+}
+
+pub(crate) fn length(entries: &[f64]) -> f64 {
     entries.iter().map(|entry| entry * entry).sum::<f64>().sqrt()
 }
 
@@ -171,20 +181,14 @@ impl Problem {
                 (Key::LIMIT_Q_MIN, limits.q, false),
                 (Key::LIMIT_TORQUE_MAX, limits.torque, self.has_no_motor(i)),
             ];
-            for (key, [low, high], may_be_zero) in ranges {
-                if low > high || (low == high && !may_be_zero) {
-                    return Err(ProblemError::EmptyLimits { key, joint: self.name(i), low, high });
-                }
-            }
+            self.refuse_empty(i, &ranges)?;
         }
         for (entry, i) in plain_entries(&self.robot) {
-            let [low, high] = all[i].q;
             for (key, BoundaryState { q, q_free, .. }) in
                 [(Key::START_Q, &self.start), (Key::END_Q, &self.end)]
             {
-                let value = q[entry];
-                if !q_free.contains(&i) && !(low..=high).contains(&value) {
-                    return Err(ProblemError::OutsideLimits { key, joint: self.name(i), value, low, high });
+                if !q_free.contains(&i) {
+                    self.refuse_outside(i, key, q[entry], all[i].q)?;
                 }
             }
         }

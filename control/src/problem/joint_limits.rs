@@ -133,11 +133,7 @@ impl Problem {
                 (Key::LIMIT_V_MAX, rates, false),
                 (Key::LIMIT_TORQUE_MAX, limits.torque, self.has_no_motor(j)),
             ];
-            for (key, [low, high], may_be_zero) in ranges {
-                if low > high || (low == high && !may_be_zero) {
-                    return Err(ProblemError::EmptyLimits { key, joint: self.name(j), low, high });
-                }
-            }
+            self.refuse_empty(j, &ranges)?;
             if limits.speeds[1].is_finite() && !limits.torque.iter().all(|torque| torque.is_finite()) {
                 let cause = TorqueSpeedError::NoTorqueLimit { joint: self.name(j) };
                 return Err(ProblemError::TorqueSpeed { key: Key::LIMIT_CORNER_SPEED, cause });
@@ -149,20 +145,42 @@ impl Problem {
                     (key_v, end.v[j], [-limits.v, limits.v], end.v_free.contains(&j)),
                 ];
                 let accelerations = end.a.as_ref().map(|a| (key_a, a[j], [-limits.a, limits.a], false));
-                for (key, value, [low, high], free) in values.into_iter().chain(accelerations) {
-                    if !free && !(low..=high).contains(&value) {
-                        return Err(ProblemError::OutsideLimits {
-                            key,
-                            joint: self.name(j),
-                            value,
-                            low,
-                            high,
-                        });
+                for (key, value, range, free) in values.into_iter().chain(accelerations) {
+                    if !free {
+                        self.refuse_outside(j, key, value, range)?;
                     }
                 }
             }
         }
         Ok(())
+    }
+
+    /// There is something between limits, of which some may be equal.
+    pub(super) fn refuse_empty(
+        &self,
+        j: usize,
+        ranges: &[(Key, [f64; 2], bool)],
+    ) -> Result<(), ProblemError> {
+        for &(key, [low, high], may_be_equal) in ranges {
+            if low > high || (low == high && !may_be_equal) {
+                return Err(ProblemError::EmptyLimits { key, joint: self.name(j), low, high });
+            }
+        }
+        Ok(())
+    }
+
+    /// A given value lies between limits.
+    pub(super) fn refuse_outside(
+        &self,
+        j: usize,
+        key: Key,
+        value: f64,
+        [low, high]: [f64; 2],
+    ) -> Result<(), ProblemError> {
+        match (low..=high).contains(&value) {
+            true => Ok(()),
+            false => Err(ProblemError::OutsideLimits { key, joint: self.name(j), value, low, high }),
+        }
     }
 }
 

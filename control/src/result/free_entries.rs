@@ -1,5 +1,6 @@
 //! Floating and spherical joints in the rows of a trajectory.
 
+use crate::problem::free_joints::each_plain;
 use costate::robot::{FreeJoint, FreeKind, Robot};
 use serde::{Deserialize, Serialize};
 
@@ -75,13 +76,8 @@ impl FreeEntries {
     }
 
     /// For each entry of q that is no part of a free joint, its coordinate.
-    fn each_plain(all: &[Self], n: usize, mut entry: impl FnMut(usize, usize)) {
-        let (mut at, mut i) = (0, 0);
-        for free in all {
-            (i..free.coordinate).for_each(|k| entry(at + k - i, k));
-            (at, i) = (free.quaternion() + 4, free.coordinate + free.slides() + 3);
-        }
-        (i..n).for_each(|k| entry(at + k - i, k));
+    fn each_plain(all: &[Self], n: usize, take: impl FnMut(usize, usize)) {
+        each_plain(all.iter().map(|free| (free.position, free.coordinate, free.slides())), n, take);
     }
 
     /// dq/dt of the entries of q.

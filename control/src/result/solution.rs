@@ -1,6 +1,7 @@
 //! What solving a problem of a robot gives.
 
 use crate::options::SolverOptions;
+use crate::problem::Problem;
 use crate::result::constraint_forces::ConstraintForces;
 use crate::result::limit_use::LimitReport;
 use crate::result::motion::Motion;
@@ -118,7 +119,12 @@ impl Solution {
         !hopeless && self.trajectory.t.len() > 1 && self.total().is_finite()
     }
 
-    /// A solution without a motion.
+    /// A solution of a problem without a motion.
+    pub(crate) fn without_motion(problem: &Problem, status: Status) -> Self {
+        Self::missing(&problem.robot, status, problem.time.value())
+    }
+
+    /// The same, of a robot and a time.
     pub(crate) fn missing(robot: &Robot, status: Status, final_time: f64) -> Self {
         Self {
             motion: Motion::missing(status, final_time),

@@ -13,8 +13,7 @@ use crate::numerics::lagrange::{slopes, values};
 /// a row for each of them. The basis is positive on [0, 1] and its sum is one, so the quadratic is within all
 /// limits that its coefficients are within (the property of the convex hull; G. Farin, Curves and surfaces
 /// for CAGD, 5th edition, 2002, chapter 4). A constant has itself as its coefficients: along a limit they
-/// cost
-/// nothing.
+/// cost nothing.
 pub(crate) const COEFFICIENTS: [[f64; POINTS]; POINTS] = {
     let (left, slope, right) = (values(&PLACES, 0.0), slopes(&PLACES, 0.0), values(&PLACES, 1.0));
     let mut middle = left;
@@ -85,8 +84,7 @@ impl Barrier {
 
     /// The density of the multipliers of a limit whose coefficients are limited, at point `j` of interval
     /// `k`: those of this side less those of the other one. The quadratic through these values has the
-    /// integral
-    /// with every quadratic that the multipliers give it.
+    /// integral with every quadratic that the multipliers give it.
     pub fn net_density(&self, (k, j): (usize, usize), side: usize) -> f64 {
         let own = self.numbered(side);
         let same = |other: &&Side| (other.limited, other.joint) == (own.limited, own.joint);

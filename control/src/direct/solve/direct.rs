@@ -45,7 +45,7 @@ pub(crate) struct Direct<'a> {
 impl Direct<'_> {
     /// The best solution of all starts: the cheapest solved one if there is any.
     pub fn solve(&self, recorder: &mut Recorder<'_>) -> Solution {
-        let missing = |status| Solution::missing(&self.problem.robot, status, self.problem.time.value());
+        let missing = |status| Solution::without_motion(&self.problem, status);
         let solve = |number, recorder: &mut Recorder<'_>| {
             let failed = |error: EvalError| missing(Status::EvaluationFailed(error.into()));
             self.start(number, recorder).unwrap_or_else(failed)

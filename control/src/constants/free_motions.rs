@@ -1,0 +1,11 @@
+//! Motions of robots with floating and spherical joints ([`crate::free_motions`]).
+
+/// Steps between the places of the first guess.
+pub const PLACES: usize = 60;
+/// A quaternion has length 1 if its square differs from 1 by no more than this; what remains is rounding of
+/// printed digits, and is divided out.
+pub const UNIT: f64 = 1e-6;
+/// Momenta and positions that nothing changes may be off by this part of their size, and of 1 in their unit.
+pub const KEPT: f64 = 1e-6;
+/// A node belongs to the interval before it: an integration begins this part of an interval after it.
+pub const INSIDE: f64 = 1e-12;
