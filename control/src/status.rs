@@ -177,7 +177,7 @@ impl fmt::Display for Status {
                 "Newton's method used up its iterations; raise solver.starts or solver.nodes, or allow more time (time.final, time.guess)"
             }
             Self::MeshLimit => {
-                "no mesh that was tried, or may be, resolves the motion to solver.tolerance; raise solver.starts or \
+                "no mesh with as many nodes as allowed resolves the motion to solver.tolerance; raise solver.starts or \
                  solver.nodes, or solver.tolerance where the error is little above it"
             }
             Self::Singular => {
@@ -207,7 +207,7 @@ impl fmt::Display for Status {
                  solver.starts"
             }
             Self::Infeasible => {
-                "no motion nearby keeps all limits; let those give that are named, or allow more time (time.final, time.guess)"
+                "no motion nearby keeps all limits; relax the limits that are named, or allow more time (time.final, time.guess)"
             }
             Self::Cancelled => "cancelled; this is the best iterate so far",
             Self::TimeLimit => "the time limit was reached; raise solver.time_limit or --time-limit",

@@ -123,10 +123,10 @@ fn longer(problem: &Problem) -> &'static str {
     if time_is_free(problem) { "raise time.guess" } else { "raise time.final" }
 }
 
-/// Most limits that have to give in one sentence; the one that gives most comes first.
+/// Most limits named in one sentence; the one that is relaxed most comes first.
 const MOST_LIMITS: usize = 4;
 
-/// What would have to give so that a motion exists.
+/// Which limits would have to be relaxed, and by how much, so that a motion exists.
 fn infeasible(solution: &Solution) -> String {
     let status = &solution.motion.status;
     let Some(found) = solution.limits.infeasible.as_ref().filter(|found| !found.limits.is_empty()) else {
@@ -136,7 +136,7 @@ fn infeasible(solution: &Solution) -> String {
         let (amount, unit) = (short(limit.amount, 4), &limit.unit);
         let when = format!("at t = {} s", short(limit.time, 4));
         if limit.kind == "task" {
-            return format!("the {} gives by {amount} {unit} ({when})", limit.name);
+            return format!("the {} is relaxed by {amount} {unit} ({when})", limit.name);
         }
         let whose = whose(&limit.name);
         if let (Some(rate), Some(most)) = (limit.rate, limit.no_load_speed)
@@ -154,12 +154,12 @@ fn infeasible(solution: &Solution) -> String {
         let at = limit
             .rate
             .map_or_else(String::new, |rate| format!(", where its motor turns at {}", short(rate, 4)));
-        format!("the {what} limit {from}of {whose} gives by {amount} {unit} ({when}{at})")
+        format!("the {what} limit {from}of {whose} is relaxed by {amount} {unit} ({when}{at})")
     };
     let mut limits: Vec<_> = found.limits.iter().take(MOST_LIMITS).map(gives).collect();
     let more = found.limits.len().saturating_sub(MOST_LIMITS);
     if more > 0 {
-        limits.push(format!("{more} more give too (limits.infeasible of --json has all)"));
+        limits.push(format!("{more} more are relaxed too (limits.infeasible of --json has all)"));
     }
     let later = found.final_time.map_or_else(String::new, |time| {
         format!("; with a final time of {} s a motion keeps all limits", short(time, 4))

@@ -8,6 +8,7 @@
 //! direct method on `VERIFIED` and the names that begin with `VIOLATION`; and which of two motions is
 //! shown on the slack of the polish.
 
+pub(crate) mod checks;
 pub(crate) mod differences;
 pub(crate) mod direct;
 mod extremals;

@@ -1,7 +1,6 @@
 //! Linear functions that are given at an end, and the directions that they leave free.
 
-/// A row is one of those before it where no more than this part of it is left.
-const INDEPENDENT: f64 = 1e-8;
+use crate::constants::checks::given_rows::INDEPENDENT;
 
 /// Rows of given functions in the free components, and what is orthogonal to them.
 #[derive(Clone, Debug, PartialEq)]

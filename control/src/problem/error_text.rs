@@ -79,7 +79,7 @@ impl ProblemError {
                 joint = printable(joint)),
             Self::OutsideLimits { joint, value, low, high, .. } => format!(
                 "{} of joint '{joint}' lies outside of its limits, {} and {}; move it, widen the limits, or set \
-                 limits.from_robot = false if they are those of the robot", number(*value), number(*low), number(*high),
+                 limits.from_robot = false if they come from the file of the robot", number(*value), number(*low), number(*high),
                 joint = printable(joint)),
             Self::BeyondLimit { joint, quantity, value, limit, .. } => format!(
                 "with the positions and rates that are given there {} need a {quantity} of {}, beyond the limit \

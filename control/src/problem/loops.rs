@@ -22,6 +22,7 @@ use super::key::Key;
 use super::loop_error::LoopError;
 use super::loop_rows::{LoopRow, Loops};
 use super::{BoundaryState, Bounds, MotionLimits, Objective, Penalty, Problem};
+use crate::constants::checks::loops::INDEPENDENT;
 use crate::constants::task::OFF;
 use crate::numerics::cholesky;
 use crate::problem::error::ProblemError;
@@ -30,9 +31,6 @@ use costate::constraints::{ConstrainedHamiltonian, ConstraintError, Constraints}
 use costate::hamiltonian::Hamiltonian;
 use costate::robot::JointKind;
 use std::sync::Arc;
-
-/// A direction is none of those before it where no more than this part of it is left.
-const INDEPENDENT: f64 = 1e-6;
 
 impl Problem {
     /// Number of coordinates of the direct method: joints, and rows of constraints.

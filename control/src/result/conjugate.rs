@@ -17,6 +17,7 @@
 //! $X_0 = 0$ has no inverse.
 
 use crate::bvp::mesh::Span;
+use crate::constants::checks::conjugate::{LEAST_PART, LOCATED, LOOSE, PIECES, TOLERANCE};
 use crate::extremal::Extremal;
 use crate::numerics::dormand_prince::DormandPrince;
 use crate::result::disconjugate::{Reach, Sample, ordered};
@@ -25,18 +26,6 @@ use crate::result::motion::Certificate;
 use crate::solve::Solved;
 use nalgebra::DMatrix;
 use std::ops::Range;
-
-/// Fewest parts of the motion over which conjugate times are counted; the count must be the same over half as
-/// many.
-const PIECES: usize = 32;
-/// Relative tolerance of one integration step.
-const TOLERANCE: f64 = 1e-11;
-/// The same for a first look, which is enough where there are clearly no conjugate times.
-const LOOSE: f64 = 1e-8;
-/// The conjugate time is located to this fraction of a mesh interval.
-const LOCATED: f64 = 1e-10;
-/// Smallest part of a mesh interval that is examined by itself.
-const LEAST_PART: f64 = 1e-3;
 
 /// A conjugate time.
 #[derive(Clone, Copy, Debug, PartialEq)]

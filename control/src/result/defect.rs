@@ -1,12 +1,10 @@
 //! How far a found motion is from one that is integrated.
 
 use crate::bvp::mesh::Span;
+use crate::constants::checks::defect::SEGMENTS;
 use crate::extremal::Extremal;
 use crate::numerics::dormand_prince::{DormandPrince, Stopped};
 use crate::solve::Solved;
-
-/// Most segments of an arc.
-const SEGMENTS: usize = 20;
 
 impl Solved {
     /// Shoots over segments from the values found at their borders, `z' = g(z)` with its costates, and gives

@@ -12,12 +12,8 @@
 //!
 //! $$ \int_a^b \max \left( 0, \lambda_{\max} (G^{1/2} C G^{1/2}) \right) dt < 1 . $$
 
+use crate::constants::checks::disconjugate::{MOST, NEGLIGIBLE};
 use nalgebra::DMatrix;
-
-/// Largest integral that is accepted: what is left covers the error of the quadrature.
-const MOST: f64 = 0.75;
-/// A rate whose integral over a whole piece is below this needs no eigenvalues: its Frobenius norm will do.
-const NEGLIGIBLE: f64 = 0.1;
 
 /// The Jacobian of an extremal at one time.
 pub(crate) struct Sample {

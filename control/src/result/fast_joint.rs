@@ -9,23 +9,12 @@
 //! interval of the length h follows them as long as `rho h` is about one. A link without a rotor that whirls,
 //! or that its heavy neighbours shake, has rates far above those of the robot.
 
+use crate::constants::checks::fast_joint::{BISECTIONS, HELD, PLACES, RESOLVED, SQUARINGS};
 use crate::numerics::cholesky;
 use crate::problem::Problem;
 use crate::result::samples::SampleError;
 use crate::result::solution::Solution;
 use costate::lagrangian::Lagrangian;
-
-/// `rho h` above which a mesh does not follow.
-const RESOLVED: f64 = 4.0;
-/// Squarings of the matrix: the norm of `A^k` to the power `1/k`, with k = 2^8, is its largest eigenvalue to
-/// a few per cent.
-const SQUARINGS: u32 = 8;
-/// Most places of a motion that are looked at.
-const PLACES: usize = 400;
-/// A joint is held by an inertia of so many times the largest one of the robot.
-const HELD: f64 = 1e6;
-/// Bisections, on a logarithmic scale, of the inertia that helps.
-const BISECTIONS: usize = 40;
 
 /// A joint that moves faster than the mesh of a motion can follow.
 #[derive(Clone, Copy, Debug, PartialEq)]

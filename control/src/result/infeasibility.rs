@@ -2,15 +2,15 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Why no motion keeps all limits, as far as that was found: what would have to give.
+/// Why no motion keeps all limits, as far as that was found: which limits would have to be relaxed.
 ///
-/// At a motion that keeps the relaxed limits, the sum of what limits give has a local minimum, each in parts
-/// of its range, or of what it lacks at the start of the search if that is more. Each limit gives by the same
-/// amount all along the motion.
+/// At a motion that keeps the relaxed limits, the sum of these amounts has a local minimum, each in parts
+/// of its range, or of what it lacks at the start of the search if that is more. Each limit is relaxed by the
+/// same amount all along the motion.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct Infeasibility {
-    /// The limits that give, the one that gives by the largest part of its range first. Those that give by
+    /// The limits that are relaxed, the one by the largest part of its range first. Those relaxed by
     /// less than a hundredth of that part are left out.
     pub limits: Vec<RelaxedLimit>,
     /// A final time (s) with which a motion was found that keeps all limits at its points, if the time is

@@ -1,15 +1,8 @@
 //! Jacobi fields along a motion, and how many of them vanish in each part of it: the inertia of the bracket
 //! of [`conjugate`](crate::result::conjugate).
 
+use crate::constants::checks::jacobi_fields::{CLEAR, MOST_ASYMMETRY, ZERO};
 use nalgebra::{DMatrix, DVector};
-
-/// No conjugate time is certain if every eigenvalue exceeds this multiple of the error: the tolerance, or
-/// more where the asymmetry shows more.
-const CLEAR: f64 = 100.0;
-/// Relative asymmetry of `B^-1 A` above which rounding decides: nothing is claimed then.
-const MOST_ASYMMETRY: f64 = 1e-4;
-/// While a conjugate time is located, eigenvalues up to this fraction of the largest one are not positive.
-const ZERO: f64 = 1e-12;
 
 /// Why conjugate times could not be counted.
 pub(crate) struct Undecided;

@@ -1,11 +1,7 @@
 //! The mesh of a trajectory, from its times.
 
+use crate::constants::checks::mesh_nodes::{MIDDLE, SAME};
 use crate::result::trajectory::Trajectory;
-
-/// Times that differ by less than this part of their phase are one.
-const SAME: f64 = 1e-9;
-/// The middle of an interval is where it should be up to this part of the interval.
-const MIDDLE: f64 = 1e-3;
 
 impl Trajectory {
     /// The nodes of its mesh: phase p is `[p, p + 1]`. Of motions that neither shape of the direct method

@@ -47,7 +47,7 @@ pub enum PolishOutcome {
     Limited,
     /// Not tried: the motion has vias or is periodic. An extremal has one phase between independent ends.
     Phases,
-    /// Not tried: the direct method found no motion to begin with.
+    /// Not tried: the direct method found no motion to polish.
     NoMotion,
     /// The polish found no extremal.
     Failed,
@@ -72,7 +72,7 @@ impl PolishOutcome {
             Self::Polished => "polished",
             Self::Limited => "direct: the motion is not one that bounds on torques alone determine",
             Self::Phases => "direct: vias or a periodic motion",
-            Self::NoMotion => "direct: no motion to begin with",
+            Self::NoMotion => "direct: there was no motion to polish",
             Self::Failed => "direct: the polish found no extremal",
             Self::OutOfTime => "direct: the polish was stopped or took too long",
             Self::CostsMore => "direct: the extremal costs more",

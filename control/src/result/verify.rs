@@ -4,19 +4,12 @@ use crate::bvp::collocation::error::defined;
 use crate::bvp::mesh::Span;
 use crate::bvp::timed::Clock;
 use crate::bvp::{Discretised, Failure, Solvable};
+use crate::constants::checks::verify::{DRAWS, SHARP, SHARPER, SHARPEST};
 use crate::extremal::Extremal;
 use crate::numerics::dormand_prince::{DormandPrince, Stopped};
 use crate::options::SolverOptions;
 use crate::progress::Phase;
 use crate::solve::{Attempt, Recorder, Solved};
-
-/// Tolerance of one integration step, in parts of the tolerance of the motion: the motion is judged, not the
-/// integrator.
-const SHARPER: f64 = 1e-4;
-/// Smallest tolerance of an integration step.
-const SHARPEST: f64 = 1e-12;
-/// Draws of errors for the conditioning.
-const DRAWS: usize = 4;
 
 /// Largest end defect of a verified motion, relative to the size of each component.
 pub(crate) fn verification_bound(tolerance: f64) -> f64 {
@@ -27,9 +20,6 @@ pub(crate) fn verification_bound(tolerance: f64) -> f64 {
 pub(crate) fn integration_tolerance(tolerance: f64) -> f64 {
     (SHARPER * tolerance).max(SHARPEST)
 }
-
-/// Tolerance of a motion that is solved again because its integration missed the end.
-const SHARP: f64 = 1e-9;
 
 impl Solved {
     /// x(T) of the motion integrated again; `None` where the integration stopped.

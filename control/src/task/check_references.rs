@@ -1,6 +1,7 @@
 //! Whether references over time are well formed.
 
 use super::turns::log;
+use crate::constants::checks::references::NEAR_HALF_TURN;
 use crate::constants::task::CLOSEST_KNOTS;
 use crate::problem::references::{JointReference, Reference, ToolReference};
 use crate::problem::task_error::TaskError;
@@ -8,9 +9,6 @@ use std::f64::consts::PI;
 
 /// A key of a reference and what is wrong with it.
 type Fault = (&'static str, TaskError);
-
-/// Two rotations that are this close to half a turn apart have no way between them that would be meant.
-const NEAR_HALF_TURN: f64 = 1e-6;
 
 /// Checks times, lengths, numbers and weights of a reference for n joints.
 pub(crate) fn check_reference(reference: &Reference, n: usize) -> Result<(), Fault> {

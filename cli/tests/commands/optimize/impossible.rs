@@ -10,27 +10,33 @@ fn what_cannot_be_done_is_told_with_what_has_to_give() {
         // Half a radian in a second.
         (
             limits("v_max = [inf, 0.4]"),
-            &["rate limit 0.4 rad/s of joint 'elbow' gives by 0.1", "none does in less than 1.25 s"][..],
+            &["rate limit 0.4 rad/s of joint 'elbow' is relaxed by 0.1", "none does in less than 1.25 s"][..],
         ),
         // From bound to bound a radian in a second takes 4 rad/s^2.
         (
             limits("a_max = [3.0, inf]"),
-            &["acceleration limit", "'shoulder' gives by 1", "none does in less than 1.155 s"],
+            &["acceleration limit", "'shoulder' is relaxed by 1", "none does in less than 1.155 s"],
         ),
         (
             limits("torque_max = [1.0, 1.0]"),
-            &["torque limit", "'shoulder' gives by", "N m (at t = ", "with a final time of", "nearby only"],
+            &[
+                "torque limit",
+                "'shoulder' is relaxed by",
+                "N m (at t = ",
+                "with a final time of",
+                "nearby only",
+            ],
         ),
-        (limits("total_power_max = 0.5"), &["power limit", "all joints gives by", "W (at t = "]),
+        (limits("total_power_max = 0.5"), &["power limit", "all joints is relaxed by", "W (at t = "]),
         (
             limits("v_max = [1.01, 9.0]\na_max = [4.1, 9.0]"),
-            &["of joint 'shoulder' gives by", "none does in less than 1.236 s"],
+            &["of joint 'shoulder' is relaxed by", "none does in less than 1.236 s"],
         ),
     ] {
         missing.check(&text, IMPOSSIBLE, None, parts);
     }
     let slow = arm("[[keep]]\nkind = \"speed\"\nframe = \"tool0\"\nspeed = 0.5\n");
-    missing.check(&slow, IMPOSSIBLE, None, &["the speed of the tool 'tool0' gives by", "m/s (at t = "]);
+    missing.check(&slow, IMPOSSIBLE, None, &["the speed of the tool 'tool0' is relaxed by", "m/s (at t = "]);
     // Too fast to stop before its limit.
     let fast = with("q = [0.0, 0.0]", "q = [0.0, 0.0]\nv = [0.0, 1.0]").replace("[1.0, 0.5]", "[0.0, 0.1]");
     let narrow = "[limits]\nfrom_robot = false\nq_min = [-0.001, -9.0]\nq_max = [0.001, 0.101]\n\
@@ -39,7 +45,7 @@ fn what_cannot_be_done_is_told_with_what_has_to_give() {
         &(fast + narrow),
         IMPOSSIBLE,
         None,
-        &["position limit 0.101 rad of joint 'elbow' gives by"],
+        &["position limit 0.101 rad of joint 'elbow' is relaxed by"],
     );
     // Between a ball and the edge of the strip in which the tip stays there is no room for it.
     let strip = with(
@@ -52,7 +58,7 @@ fn what_cannot_be_done_is_told_with_what_has_to_give() {
     )
     .replace("q = [0.0, 0.0]", "q = [-1.299129, 1.670964]")
     .replace("q = [1.0, 0.5]", "q = [-0.371834, 1.670964]");
-    let parts = ["the clearance of 'tip' from 'ball' gives by 0.02", " m (at t = 0."];
+    let parts = ["the clearance of 'tip' from 'ball' is relaxed by 0.02", " m (at t = 0."];
     missing.check(&strip, IMPOSSIBLE, None, &parts);
     // A radian in a second, without accelerations at the ends.
     let at_rest = |lines: &str| {

@@ -216,7 +216,12 @@ fn messages_name_what_helps() {
     missing.check(&slow, IMPOSSIBLE, None, &["another guess (solver.starts)"]);
     // More limits of the arm give than a sentence holds.
     let fast = arm("[limits]\nfrom_robot = true\n").replace("final = 1.0", "final = 0.1");
-    missing.check(&fast, IMPOSSIBLE, None, &["'shoulder_pan_joint' gives by", "more give too", "--json"]);
+    missing.check(
+        &fast,
+        IMPOSSIBLE,
+        None,
+        &["'shoulder_pan_joint' is relaxed by", "more are relaxed too", "--json"],
+    );
 }
 
 /// Of the limits of a joint those change that are given.

@@ -200,7 +200,7 @@ fn hard_limits_are_kept_or_the_one_that_is_not_is_named() {
     let found = &json(&output)["limits"]["infeasible"]["limits"][0];
     assert_eq!((&found["kind"], &found["joint"]), (&"rate".into(), &"elbow".into()));
     assert!(
-        stderr(&output).contains("the rate limit 0.4 rad/s of joint 'elbow' gives by"),
+        stderr(&output).contains("the rate limit 0.4 rad/s of joint 'elbow' is relaxed by"),
         "{}",
         stderr(&output)
     );

@@ -14,6 +14,7 @@
 use super::resolve::Resolve;
 use super::row_differences::RowDifference;
 use super::sensitivity_error::SensitivityError;
+use crate::constants::checks::cost_by_robot::STILL;
 use crate::numerics::chain::dot;
 use crate::task::build::TaskRows;
 use crate::task::costs::ToolCosts;
@@ -21,9 +22,6 @@ use crate::task::functions::{PathFunction, TaskFunctions};
 use crate::task::references::References;
 use costate::EvalError;
 use costate::parameters::{Parameter, ParameterSet, Regressor};
-
-/// Slopes of equations that are larger are not rounding.
-const STILL: f64 = 1e-9;
 
 impl Resolve {
     /// dJ/dtheta at the last iterate, for each parameter of the robot of the problem.

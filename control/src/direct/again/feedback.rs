@@ -1,5 +1,6 @@
 //! How an optimal motion changes with its ends: what a controller needs near it.
 
+use crate::constants::checks::feedback::HELD;
 use crate::direct::limits::ends::Ends;
 use crate::direct::motion::shape::{PLACES, POINTS};
 use crate::direct::motion::spline::Spline;
@@ -75,9 +76,6 @@ pub struct Feedback {
     pub(super) work: Vec<f64>,
     pub(super) exchanges: Vec<usize>,
 }
-
-/// Gains grow without bound towards what is given; they are held from this part of the time of a phase on.
-const HELD: f64 = 0.98;
 
 impl Feedback {
     pub(super) fn resize(&mut self, spline: &Spline) {

@@ -49,7 +49,7 @@ pub enum ResolveError {
         high: f64,
     },
     /// An obstacle or a reference that the problem does not have.
-    #[error("{table}: there is no entry {entry}, counted from 0; their number stays")]
+    #[error("{table}: there is no entry {entry}, counted from 0; the number of entries is fixed")]
     NoEntry {
         /// The table of the problem.
         table: &'static str,

@@ -2,13 +2,11 @@
 
 use super::resolve::Resolve;
 use super::resolved::ResolveStatus;
+use crate::constants::checks::solved_near::INTERVALS;
 use crate::problem::Problem;
 use crate::problem::error::ProblemError;
 use crate::result::solution::Solution;
 use costate::EvalError;
-
-/// Equal intervals, where the mesh of the motion does not do.
-const INTERVALS: usize = 60;
 
 impl Resolve {
     /// The motion of a solution, solved once more on its mesh; where that has no end on equal intervals.

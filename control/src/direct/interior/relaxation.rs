@@ -14,12 +14,12 @@ use crate::direct::points::values::Points;
 use crate::numerics::bordered::Bordered;
 use crate::numerics::chain::dot;
 
-/// Each limit gives by a constant part e of its range, so that its distances are `d + range e`; at the price
+/// Each limit is relaxed by a constant part e of its range, so its distances are `d + range e`, at the price
 ///
 /// $$ \varphi(e) = \frac{P}{2} \left( e + \sqrt{e^2 + \delta^2} \right) $$
 ///
-/// which is about P e where it gives and next to nothing where it does not. Both sides of a limit on a
-/// magnitude give alike, as both halves of an equation do. Empty outside of the elastic phase.
+/// which is about P e where it is relaxed and next to nothing where it is not. Both sides of a limit on a
+/// magnitude are relaxed alike, as both halves of an equation do. Empty outside of the elastic phase.
 ///
 /// The sum over limits of the largest violation along the motion is what SNOPT's elastic mode minimises, with
 /// one elastic variable for all constraints of a limit (P. E. Gill, W. Murray, M. A. Saunders, "SNOPT: an SQP

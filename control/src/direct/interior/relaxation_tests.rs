@@ -48,7 +48,7 @@ fn give_as_far_as_the_motion_exceeds_them(shape: Shape) {
         assert!(barrier.distance[at] >= room && barrier.slack[at] == barrier.distance[at], "{at}");
     }
     assert!(interior.violation_without_relief() > 0.1);
-    // A limit gives by its largest violation and the room.
+    // A limit is relaxed by its largest violation and the room.
     let given = interior.given();
     let most = given.iter().map(|given| given.part).fold(0.0, f64::max);
     let halves = barrier.all_sides().filter(|side| side.is_half).count();

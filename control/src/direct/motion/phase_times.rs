@@ -1,9 +1,7 @@
 //! First guesses of what is free at vias.
 
+use crate::constants::checks::phase_times::LEAST_SHARE;
 use crate::problem::{BoundaryState, Problem};
-
-/// The part of all phases that counts for a phase without a way.
-const LEAST_SHARE: f64 = 0.05;
 
 /// Times of phases in proportion to these lengths, but for those that are given; after the last given time
 /// they take what is left of `duration`.

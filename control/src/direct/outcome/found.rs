@@ -4,6 +4,7 @@ use super::closed_map::ClosedMap;
 use super::costates::{Costates, costates};
 use super::hamiltonians::{Hamiltonians, hamiltonians};
 use super::smooth_costates::smooth_costates;
+use crate::constants::checks::found::LEAST_PIVOT;
 use crate::direct::interior::iterate::Interior;
 use crate::direct::limits::side::{Limited, Side};
 use crate::direct::motion::shape::POINTS;
@@ -18,9 +19,6 @@ use costate::EvalError;
 use costate::hamiltonian::Hamiltonian;
 use costate::lagrangian::LegendreTransform;
 use costate::robot::Robot;
-
-/// M is nearly singular where a pivot of its factorisation is not more than this part of its diagonal entry.
-const LEAST_PIVOT: f64 = 1e-3;
 
 /// A motion with its costates.
 pub(crate) struct Found {
