@@ -107,7 +107,7 @@ struct Document {
     certificate: Certificate,
     #[serde(default)]
     switches: Vec<f64>,
-    #[serde(default, skip_serializing_if = "LimitReport::is_empty")]
+    #[serde(default)]
     limits: LimitReport,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     constraints: Vec<ConstraintForces>,
