@@ -2,8 +2,8 @@
 
 /// Conjugate times.
 pub(crate) mod conjugate {
-    /// Fewest parts of the motion over which conjugate times are counted; the count must be the same over half as
-    /// many.
+    /// Fewest parts of the motion over which conjugate times are counted; the count must be the same over
+    /// half as many.
     pub const PIECES: usize = 32;
     /// Relative tolerance of one integration step.
     pub const TOLERANCE: f64 = 1e-11;
@@ -25,7 +25,8 @@ pub(crate) mod defect {
 pub(crate) mod disconjugate {
     /// Largest integral that is accepted: what is left covers the error of the quadrature.
     pub const MOST: f64 = 0.75;
-    /// A rate whose integral over a whole piece is below this needs no eigenvalues: its Frobenius norm will do.
+    /// A rate whose integral over a whole piece is below this needs no eigenvalues: its Frobenius norm will
+    /// do.
     pub const NEGLIGIBLE: f64 = 0.1;
 }
 
@@ -33,8 +34,8 @@ pub(crate) mod disconjugate {
 pub(crate) mod fast_joint {
     /// `rho h` above which a mesh does not follow.
     pub const RESOLVED: f64 = 4.0;
-    /// Squarings of the matrix: the norm of `A^k` to the power `1/k`, with k = 2^8, is its largest eigenvalue to
-    /// a few per cent.
+    /// Squarings of the matrix: the norm of `A^k` to the power `1/k`, with k = 2^8, is its largest eigenvalue
+    /// to a few per cent.
     pub const SQUARINGS: u32 = 8;
     /// Most places of a motion that are looked at.
     pub const PLACES: usize = 400;
@@ -51,7 +52,8 @@ pub(crate) mod jacobi_fields {
     pub const CLEAR: f64 = 100.0;
     /// Relative asymmetry of `B^-1 A` above which rounding decides: nothing is claimed then.
     pub const MOST_ASYMMETRY: f64 = 1e-4;
-    /// While a conjugate time is located, eigenvalues up to this fraction of the largest one are not positive.
+    /// While a conjugate time is located, eigenvalues up to this fraction of the largest one are not
+    /// positive.
     pub const ZERO: f64 = 1e-12;
 }
 
@@ -65,8 +67,8 @@ pub(crate) mod mesh_nodes {
 
 /// Motions that are integrated again.
 pub(crate) mod verify {
-    /// Tolerance of one integration step, in parts of the tolerance of the motion: the motion is judged, not the
-    /// integrator.
+    /// Tolerance of one integration step, in parts of the tolerance of the motion: the motion is judged, not
+    /// the integrator.
     pub const SHARPER: f64 = 1e-4;
     /// Smallest tolerance of an integration step.
     pub const SHARPEST: f64 = 1e-12;
@@ -78,13 +80,15 @@ pub(crate) mod verify {
 
 /// What of a solution is read off.
 pub(crate) mod found {
-    /// M is nearly singular where a pivot of its factorisation is not more than this part of its diagonal entry.
+    /// M is nearly singular where a pivot of its factorisation is not more than this part of its diagonal
+    /// entry.
     pub const LEAST_PIVOT: f64 = 1e-3;
 }
 
 /// Gains along a motion.
 pub(crate) mod feedback {
-    /// Gains grow without bound towards what is given; they are held from this part of the time of a phase on.
+    /// Gains grow without bound towards what is given; they are held from this part of the time of a phase
+    /// on.
     pub const HELD: f64 = 0.98;
 }
 
