@@ -151,8 +151,17 @@ fn direct_figures(problem: &Problem, solution: &Solution) -> Vec<(&'static str, 
         figures.push(("error of the cost", format!("{} relative, estimated", scientific(error))));
     }
     if motion.stationarity.is_finite() {
-        let [stationarity, gap] = [motion.stationarity, motion.duality_gap].map(scientific);
-        figures.push(("residual", format!("stationarity {stationarity}, complementarity {gap}, relative")));
+        let stationarity = scientific(motion.stationarity);
+        // The method in states has one figure for all conditions of first order.
+        let residual = if motion.duality_gap.is_nan() {
+            format!("{stationarity} relative, stationarity, complementarity and defects together")
+        } else {
+            format!(
+                "stationarity {stationarity}, complementarity {}, relative",
+                scientific(motion.duality_gap)
+            )
+        };
+        figures.push(("residual", residual));
     }
     if !solution.constraints.is_empty() {
         let drift = solution.constraints.iter().map(|one| one.drift).fold(0.0, f64::max);

@@ -68,10 +68,23 @@ pub fn run(arguments: &Arguments) -> Outcome {
         ));
     }
     if task.problem.leaves_out_robot_limits() {
-        terminal::note(
-            "the limits of the robot are not kept, since the problem says nothing about limits; limits.from_robot = \
-             true keeps them",
+        let why = task.problem.joint_without_limits().map_or_else(
+            || "the problem has bounds or penalties of its own".into(),
+            |joint| format!("joint '{}' has no limit of rate or effort", printable(joint)),
         );
+        terminal::note(format!(
+            "the limits of the robot are not kept, since [limits] is not given and {why}; limits.from_robot = true \
+             keeps them"
+        ));
+    }
+    let jumps = task.problem.jumps_at_rest();
+    if !jumps.is_empty() {
+        let keys: Vec<_> = jumps.iter().map(|end| format!("{end}.a = [0.0, ...]")).collect();
+        terminal::note(format!(
+            "accelerations are continuous, but free at the {}, where they jump from or to rest; {} avoids that",
+            jumps.join(" and the "),
+            keys.join(" and ")
+        ));
     }
 
     let interrupt = Interrupt::listen()?;

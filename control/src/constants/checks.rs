@@ -127,3 +127,9 @@ pub(crate) mod loops {
     /// A direction is none of those before it where no more than this part of it is left.
     pub const INDEPENDENT: f64 = 1e-6;
 }
+
+/// Limits of what is given at an end.
+pub(crate) mod joint_limits {
+    /// A state may be beyond a limit by this part of it, or of 1 of its unit if that is more.
+    pub const ROUNDING_OF_ENDS: f64 = 1e-9;
+}

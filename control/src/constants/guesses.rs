@@ -11,5 +11,7 @@ pub const PROMISING: f64 = 1.5;
 pub const DETOUR: f64 = 3.0;
 /// A guess that exceeds limits by less than this part of their ranges exceeds none.
 pub const EXCEEDED: f64 = 0.06;
+/// Disturbed guesses that are tried where all of these end at obstacles.
+pub const DETOURS: usize = 4;
 /// Waves in the joints (rad, m).
 pub const BENDS: [f64; 2] = [0.6, 1.2];

@@ -102,6 +102,8 @@ fn solution(
         shooting_defect: if by_parts { found.end_error } else { f64::INFINITY },
         stationarity: found.residual,
         certificate: found.certificate,
+        // That of the mesh before, whose intervals are twice as wide.
+        errors: if found.cost_change.is_finite() { vec![found.cost_change] } else { Vec::new() },
         ..Motion::missing(found.status.clone(), found.final_time)
     };
     Ok(Solution {

@@ -78,8 +78,10 @@ impl ProblemError {
                 "joint '{joint}' has no room between {} and {}, the limits of the robot included", number(*low), number(*high),
                 joint = printable(joint)),
             Self::OutsideLimits { joint, value, low, high, .. } => format!(
-                "{} of joint '{joint}' lies outside of its limits, {} and {}; move it, widen the limits, or set \
+                "{} of joint '{joint}' lies outside of its limits, {} and {}; {}move it, widen the limits, or set \
                  limits.from_robot = false if they come from the file of the robot", number(*value), number(*low), number(*high),
+                // No angle of a joint is that large.
+                if value.abs() >= 10.0 { "angles are in rad; " } else { "" },
                 joint = printable(joint)),
             Self::BeyondLimit { joint, quantity, value, limit, .. } => format!(
                 "with the positions and rates that are given there {} need a {quantity} of {}, beyond the limit \

@@ -5,6 +5,7 @@ use super::error::ProblemError;
 use super::key::Key;
 use super::limits::JointLimits;
 use super::torque_speed_error::TorqueSpeedError;
+use crate::constants::checks::joint_limits::ROUNDING_OF_ENDS;
 
 /// What exceeds a limit is measured in parts of its range: a limit from here on is none.
 const NO_LIMIT: f64 = 1e15;
@@ -169,7 +170,7 @@ impl Problem {
         Ok(())
     }
 
-    /// A given value lies between limits.
+    /// A given value lies between limits, up to rounding.
     pub(super) fn refuse_outside(
         &self,
         j: usize,
@@ -177,7 +178,8 @@ impl Problem {
         value: f64,
         [low, high]: [f64; 2],
     ) -> Result<(), ProblemError> {
-        match (low..=high).contains(&value) {
+        let rounding = |limit: f64| ROUNDING_OF_ENDS * limit.abs().max(1.0);
+        match (low - rounding(low)..=high + rounding(high)).contains(&value) {
             true => Ok(()),
             false => Err(ProblemError::OutsideLimits { key, joint: self.name(j), value, low, high }),
         }

@@ -208,9 +208,26 @@ impl Problem {
     /// Whether all joints of the robot have limits of rate and effort, as those of arms that are sold have,
     /// and the problem has no other way to limit them.
     fn has_limits_of_a_product(&self) -> bool {
-        let is_complete =
-            |joint: &Joint| joint.limits.velocity.is_finite() && joint.limits.effort.is_finite();
-        self.bounds.is_none() && self.penalty.is_none() && self.robot.independent_joints().all(is_complete)
+        self.bounds.is_none() && self.penalty.is_none() && self.joint_without_limits().is_none()
+    }
+
+    /// The name of the first joint of the robot without a limit of rate or effort.
+    pub fn joint_without_limits(&self) -> Option<&str> {
+        let lacks = |joint: &&Joint| joint.limits.velocity.is_infinite() || joint.limits.effort.is_infinite();
+        self.robot.independent_joints().find(lacks).map(|joint| joint.name.as_str())
+    }
+
+    /// The names of the ends, "start" and "end", at rest where accelerations jump: those of the motion are
+    /// continuous there, but they are not given, so the motion need not begin or end with those of a robot at
+    /// rest.
+    pub fn jumps_at_rest(&self) -> Vec<&'static str> {
+        if self.first_of_rates().is_none() || self.periodic.is_some() {
+            return Vec::new();
+        }
+        let rests = |end: &BoundaryState| end.v_free.is_empty() && end.v.iter().all(|&v| v == 0.0);
+        let jumps = |end: &BoundaryState| end.a.is_none() && rests(end);
+        let ends = [("start", &self.start), ("end", &self.end)];
+        ends.into_iter().filter(|(_, end)| jumps(end)).map(|(name, _)| name).collect()
     }
 
     /// Whether limits of the robot are left out since nothing is said about limits, and nothing else has them

@@ -8,6 +8,7 @@ use super::refined::Refined;
 use super::saddle::leave_saddles;
 use super::with_effort::{Smoothing, WithEffort, with_effort};
 use crate::constants::direct as constants;
+use crate::constants::guesses;
 use crate::direct::interior::inertia::Inertia;
 use crate::direct::interior::iterate::Interior;
 use crate::direct::interior::looseness::Looseness;
@@ -53,7 +54,8 @@ impl Direct<'_> {
         best_of_starts(self.options, recorder, solve).unwrap_or_else(|| missing(Status::Cancelled))
     }
 
-    /// One start: from the best guess that it looks at, or from the second best one where that fails.
+    /// One start: from the best guess that it looks at, or from the second best one where that fails. A motion
+    /// that fails beside obstacles is then begun at disturbed guesses, which pass them elsewhere.
     pub fn start(&self, number: usize, recorder: &mut Recorder<'_>) -> Result<Solution, EvalError> {
         let problem = self.problem.problem();
         let saved = self.saved.filter(|_| number == 0);
@@ -72,12 +74,30 @@ impl Direct<'_> {
             }
         };
         let mut guess = best.kind;
+        let mut looks = looks;
         let mut solution = self.carry_on(best, recorder)?;
-        if let Some(next) = next.filter(|_| fails(&solution)) {
-            let kind = next.kind;
-            let other = self.carry_on(next, recorder)?;
-            if better_of(&mut solution, other) {
+        let mut try_next = |looked: Looked, solution: &mut Solution, recorder: &mut Recorder<'_>| {
+            let kind = looked.kind;
+            let other = self.carry_on(looked, recorder)?;
+            if better_of(solution, other) {
                 guess = kind;
+            }
+            Ok::<_, EvalError>(())
+        };
+        if let Some(next) = next.filter(|_| fails(&solution)) {
+            try_next(next, &mut solution, recorder)?;
+        }
+        let has_obstacles = problem.task.collision.is_some();
+        if number == 0 && saved.is_none() && options.starts.is_none() && has_obstacles {
+            for other in 1..=guesses::DETOURS {
+                if !exceeds_limits(&solution) || !fails(&solution) || recorder.interruption().is_some() {
+                    break;
+                }
+                let first = First::new(problem, rows, options, other, None);
+                let mut interior = interior_of(problem, rows, options, &first);
+                interior.looseness = looseness;
+                try_next(Looked::new(first.kind, interior, Start::Guess), &mut solution, recorder)?;
+                looks += 1;
             }
         }
         solution.newton_iterations += steps;
@@ -191,6 +211,11 @@ fn fails(solution: &Solution) -> bool {
     let status = &solution.motion.status;
     let is_proven = solution.limits.infeasible.as_ref().is_some_and(|found| found.is_global);
     !status.is_solved() && !status.is_interruption() && *status != Status::NotVerified && !is_proven
+}
+
+/// Whether what was found is no motion that keeps all limits.
+fn exceeds_limits(solution: &Solution) -> bool {
+    matches!(solution.motion.status, Status::Infeasible | Status::LimitsNotKept)
 }
 
 /// Keeps the better one of two solutions, with the steps of both. Whether it is the other one.

@@ -54,10 +54,17 @@ pub(super) struct Found {
     pub steps: usize,
 }
 
+impl Looked {
+    /// A guess that nothing is known of.
+    pub fn new(kind: GuessKind, interior: Interior<Dynamics>, start: Start) -> Self {
+        Self { kind, interior, start, cost: None }
+    }
+}
+
 impl Found {
     /// One guess that nothing is known of.
     pub fn alone(kind: GuessKind, interior: Interior<Dynamics>, start: Start) -> Self {
-        Self { best: Looked { kind, interior, start, cost: None }, next: None, looks: 1, steps: 0 }
+        Self { best: Looked::new(kind, interior, start), next: None, looks: 1, steps: 0 }
     }
 }
 
