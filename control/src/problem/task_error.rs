@@ -187,7 +187,8 @@ impl fmt::Display for TaskError {
             Self::TooManyConditions { asked, free, remedy } => write!(
                 f,
                 "the tools here fix {asked} quantities, but the number of joints with free positions is {free}; free more in \
-                 {remedy}, or ask for less"
+                 {remedy} or ask for less; what the arm always keeps, such as the axis of an arm that only moves \
+                 upright, is no quantity to ask for, [[keep]] can hold it"
             ),
             Self::Immovable { what } => write!(
                 f,
