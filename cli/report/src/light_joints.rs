@@ -1,11 +1,13 @@
 //! Joints that are light without their rotors, in words.
 
 use crate::numbers::short;
-use costate::robot::printable;
-use costate_control::{FastJoint, Problem};
+use costate::robot::{JointKind, printable};
+use costate_control::{FastJoint, Problem, Solution};
 
 /// Most joints in a sentence.
 const MOST_JOINTS: usize = 3;
+/// Accelerations that no arm with gears has (rad/s^2).
+const SUDDEN: f64 = 100.0;
 
 /// The name of a joint by its number among those that mimic no other.
 fn joint_name(problem: &Problem, joint: usize) -> String {
@@ -64,4 +66,32 @@ pub fn without_rotors(problem: &Problem) -> Option<String> {
         }
         _ => Some(format!("joints {} are", names.join(", "))),
     }
+}
+
+/// That a robot whose limits are kept accelerates as no arm with gears does, since its file has neither the
+/// inertia of rotors nor limits of accelerations.
+pub fn too_sudden(problem: &Problem, solution: &Solution) -> Option<String> {
+    let robot = &problem.robot;
+    let is_free = !solution.motion.status.is_solved() || !problem.keeps_robot_limits();
+    if is_free || problem.limits.a_max.is_some() || problem.limits.jerk_max.is_some() {
+        return None;
+    }
+    let trajectory = &solution.trajectory;
+    let times = trajectory.t.windows(2).zip(trajectory.v.windows(2));
+    let joints = robot.independent_indices().iter().enumerate();
+    let turning = joints.filter(|&(_, &i)| {
+        robot.joints()[i].kind == JointKind::Revolute && robot.armature_entry(i, i) == 0.0
+    });
+    let peaks = turning.map(|(k, &i)| {
+        let means =
+            times.clone().filter(|(t, _)| t[1] > t[0]).map(|(t, v)| (v[1][k] - v[0][k]) / (t[1] - t[0]));
+        (means.map(f64::abs).fold(0.0, f64::max), i)
+    });
+    let (peak, joint) = peaks.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|&(peak, _)| peak > SUDDEN)?;
+    Some(format!(
+        "joint '{}' accelerates by {} rad/s^2, as no arm with gears does: the robot has no inertia of rotors there and \
+         the problem no limit of accelerations; give robot.armature or limits.a_max",
+        printable(&robot.joints()[joint].name),
+        short(peak, 2)
+    ))
 }

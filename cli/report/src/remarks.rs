@@ -1,6 +1,7 @@
 //! What there is to say about a motion beside its figures.
 
 use crate::between::{cut_between, exceeded_between};
+use crate::light_joints::too_sudden;
 use crate::text::{explanation, needs_feedback, saddle, skipped_starts};
 use costate_control::{Problem, Solution};
 
@@ -13,6 +14,7 @@ pub fn remarks(problem: &Problem, solution: &Solution) -> Vec<String> {
         cut_between(solution),
         needs_feedback(problem, solution),
         skipped_starts(solution),
+        too_sudden(problem, solution),
     ];
     all.into_iter().flatten().collect()
 }
@@ -22,6 +24,23 @@ mod tests {
     use super::remarks;
     use costate::robot::Robot;
     use costate_control::{Certificate, Problem, Solver, SolverOptions};
+
+    #[test]
+    fn accelerations_of_arms_without_rotors_are_told() {
+        let robot = Robot::from_file("../../robots/ur5.urdf").unwrap();
+        let mut problem = Problem::rest_to_rest(robot, &[0.0, -1.6, 1.8, -1.8, -1.57, 0.0], &[1.0; 6], 1.0);
+        problem.end.q = vec![0.8, -1.0, 1.2, -1.5, -1.57, 0.5];
+        problem.cost.effort = vec![1e-4; 6];
+        let told = |problem: &Problem| {
+            let solution = Solver::new(problem, SolverOptions::default()).unwrap().solve();
+            assert!(solution.motion.status.is_solved(), "{}", solution.motion.status);
+            remarks(problem, &solution).join("; ")
+        };
+        let sudden = "as no arm with gears does";
+        assert!(told(&problem).contains(sudden));
+        problem.limits.a_max = Some(vec![40.0; 6]);
+        assert!(!told(&problem).contains(sudden));
+    }
 
     #[test]
     fn a_saddle_is_told() {

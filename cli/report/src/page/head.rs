@@ -2,6 +2,7 @@
 
 use crate::between;
 use crate::figures::time_is_free;
+use crate::light_joints;
 use crate::motion::Motion;
 use crate::numbers::short;
 use crate::panels;
@@ -36,6 +37,7 @@ pub fn section(motion: &Motion<'_>) -> String {
         between::exceeded_between(solution),
         between::cut_between(solution),
         text::needs_feedback(problem, solution),
+        light_joints::too_sudden(problem, solution),
     ]);
     let status = &solution.motion.status;
     let cards: String = cards(motion).iter().map(card).collect();
