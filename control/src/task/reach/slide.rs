@@ -2,7 +2,7 @@
 
 use super::Search;
 use crate::constants::task::reach::{BRANCH_STEPS, MOST_SLIDES, SLIDES, STILL};
-use crate::task::functions::{PathFunction, TaskFunctions};
+use crate::task::functions::TaskFunctions;
 
 /// From a `known` position, whose cost is `best`, along positions that keep all rows, to one that costs less.
 /// `None` if none is found, or if there are at least as many rows as free coordinates.
@@ -20,7 +20,7 @@ pub(crate) fn cheaper(
     if search.g.len() >= free.len() {
         return None;
     }
-    let (mut found, mut left) = (None, MOST_SLIDES);
+    let (mut found, mut left): (Option<Vec<f64>>, _) = (None, MOST_SLIDES);
     for size in SLIDES {
         let tangents = search.tangents(found.as_deref().unwrap_or(known));
         for (tangent, step) in tangents.iter().flat_map(|tangent| [(tangent, size), (tangent, -size)]) {
