@@ -2,6 +2,9 @@
 
 /// Most steps of a look.
 pub const STEPS: usize = 40;
+/// A guess that seems dearer is given up after so many of them, even where damping hides what is still to be
+/// gained.
+pub const PATIENT: usize = 12;
 /// Most guesses beside that of the start, and beside the motion without obstacles.
 pub const LOOKS: usize = 2;
 /// Another position of the joints is looked at if the straight motion there costs less than this part of

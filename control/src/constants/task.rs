@@ -52,6 +52,10 @@ pub mod reach {
     pub const BRANCH_STEPS: usize = 20;
     /// .. which differ by more than this in a joint (rad).
     pub const APART: f64 = 0.5;
+    /// Steps along what places leave free to a cheaper position (rad, m), the longer ones first. ..
+    pub const SLIDES: [f64; 2] = [0.5, 0.2];
+    /// .. So many positions are tried at most.
+    pub const MOST_SLIDES: usize = 30;
     /// Most steps from each of them.
     pub const STEPS: usize = 60;
     /// First damping, in squares of m or rad per rad.

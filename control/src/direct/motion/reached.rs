@@ -3,6 +3,7 @@
 use super::phase_times::with_guesses;
 use crate::problem::Problem;
 use crate::task::build::TaskRows;
+use crate::task::reach::slide::cheaper;
 use crate::task::reach::{others, reach, reach_near};
 use std::borrow::Cow;
 
@@ -53,20 +54,29 @@ pub(crate) fn with_tools_reached<'a>(
 }
 
 /// Other positions of the joints for the places of tools, each with the number of its end; `reached` has
-/// those that are known.
-pub(crate) fn other_positions(reached: &Problem, rows: &TaskRows) -> Vec<(usize, Vec<f64>)> {
+/// those that are known, and its guess costs `known`. Where places leave joints free, a position along them
+/// with a lower `cost` of the guess comes first, if there is one.
+pub(crate) fn other_positions(
+    reached: &Problem,
+    rows: &TaskRows,
+    known: f64,
+    mut cost: impl FnMut(usize, &[f64]) -> Option<f64>,
+) -> Vec<(usize, Vec<f64>)> {
     let limits: Vec<[f64; 2]> = reached.joint_limits().iter().map(|limits| limits.q).collect();
     let ends = with_guesses(reached);
     let mut found = Vec::new();
     for (end, rows) in rows.at_ends().enumerate() {
-        let free = &ends[end].q_free;
+        let (free, q) = (&ends[end].q_free, &ends[end].q);
         if rows.is_empty() || free.is_empty() {
             continue;
         }
         // The place before it; that after the start.
         let near = &ends[if end == 0 { 1 } else { end - 1 }].q;
-        let others = others(&mut rows.clone(), near, &ends[end].q, free, &limits);
-        found.extend(others.into_iter().map(|q| (end, q)));
+        let mut rows = rows.clone();
+        let mut all = vec![q.clone()];
+        all.extend(cheaper(&mut rows, q, free, &limits, known, |q| cost(end, q)));
+        let others = others(&mut rows, near, &all, free, &limits);
+        found.extend(all.into_iter().skip(1).chain(others).map(|q| (end, q)));
     }
     found
 }

@@ -35,56 +35,52 @@ pub(super) fn candidates<'a>(
     let begun = interior.spline.clone();
     let nodes = &begun.mesh.nodes;
     let time = matches!(problem.time, FinalTime::Free { .. }).then(|| begun.duration());
-    let mut judge = |first: First<'a>| {
-        let spline = first.spline(nodes.clone(), time);
-        let figures = interior.figures_of(&spline)?;
-        Some(Candidate { first, figures })
-    };
-    let all: Vec<Candidate<'a>> = match judge(own.clone()) {
-        None => Vec::new(),
-        Some(Candidate { figures: [exceeded, cost], .. }) => {
-            let promises = |candidate: &Candidate<'_>| {
-                let [others_exceed, other_cost] = candidate.figures;
-                match candidate.first.kind {
-                    GuessKind::OtherPosition => {
-                        others_exceed <= exceeded.max(constants::EXCEEDED)
-                            && other_cost < constants::PROMISING * cost
-                    }
-                    _ => others_exceed < exceeded && other_cost < constants::DETOUR * cost,
-                }
+    let mut judge = |first: &First<'a>| interior.figures_of(&first.spline(nodes.clone(), time));
+    let all = judge(own).map_or_else(Vec::new, |[exceeded, cost]| {
+        let allowed = exceeded.max(constants::EXCEEDED);
+        let promises = |candidate: &Candidate<'_>| {
+            let [own_excess, own_cost] = candidate.figures;
+            match candidate.first.kind {
+                GuessKind::OtherPosition => own_excess <= allowed && own_cost < constants::PROMISING * cost,
+                _ => own_excess < exceeded && own_cost < constants::DETOUR * cost,
+            }
+        };
+        let at = |end: usize, q: &[f64]| {
+            let reached = with_tools_reached(problem, rows, 0, Some((end, q)));
+            First { kind: GuessKind::OtherPosition, reached, ..own.clone() }
+        };
+        let mut proposed = Vec::new();
+        if problem.loops.is_none() && problem.periodic.is_none() {
+            let cheaper = |end: usize, q: &[f64]| {
+                let [excess, cost] = judge(&at(end, q))?;
+                (excess <= allowed).then_some(cost)
             };
-            let mut found: Vec<_> = proposals(problem, rows, own, exceeded > constants::EXCEEDED)
-                .into_iter()
-                .filter_map(&mut judge)
-                .filter(promises)
-                .collect();
-            found.sort_by(|a, b| a.figures[1].total_cmp(&b.figures[1]));
-            found.truncate(constants::LOOKS);
-            found
+            let others = other_positions(&own.reached, rows, cost, cheaper);
+            proposed.extend(others.iter().map(|(end, q)| at(*end, q)));
         }
-    };
+        if exceeded > constants::EXCEEDED && problem.task.collision.is_some() {
+            proposed.extend(bends(own, problem.coordinates()));
+        }
+        let mut found: Vec<_> = proposed
+            .into_iter()
+            .filter_map(|first| judge(&first).map(|figures| Candidate { first, figures }))
+            .filter(promises)
+            .collect();
+        found.sort_by(|a, b| a.figures[1].total_cmp(&b.figures[1]));
+        found.truncate(constants::LOOKS);
+        found
+    });
     interior.spline = begun;
     all
 }
 
-/// Guesses that differ from `own`: other positions of the joints for tools and, where it `is_blocked`, waves
-/// in the joints.
-fn proposals<'a>(problem: &'a Problem, rows: &TaskRows, own: &First<'a>, is_blocked: bool) -> Vec<First<'a>> {
-    let mut all = Vec::new();
-    if problem.loops.is_none() && problem.periodic.is_none() {
-        for (end, q) in other_positions(&own.reached, rows) {
-            let reached = with_tools_reached(problem, rows, 0, Some((end, &q)));
-            all.push(First { kind: GuessKind::OtherPosition, reached, ..own.clone() });
-        }
-    }
-    if is_blocked && problem.task.collision.is_some() {
-        let n = problem.coordinates();
-        for joint in 0..n {
-            for amplitude in constants::BENDS.into_iter().flat_map(|size| [size, -size]) {
-                let disturbance = Disturbance::bend(n, joint, amplitude);
-                all.push(First { kind: GuessKind::Bent, disturbance, ..own.clone() });
-            }
-        }
-    }
-    all
+/// Waves in the joints, one at a time.
+fn bends<'a>(own: &First<'a>, n: usize) -> impl Iterator<Item = First<'a>> {
+    let amplitudes = constants::BENDS.into_iter().flat_map(|size| [size, -size]);
+    (0..n).flat_map(move |joint| {
+        amplitudes.clone().map(move |amplitude| {
+            let disturbance = Disturbance::bend(n, joint, amplitude);
+            First { kind: GuessKind::Bent, disturbance, ..own.clone() }
+        })
+    })
 }

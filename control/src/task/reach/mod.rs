@@ -1,5 +1,7 @@
 //! Positions at which tools are where they shall be.
 
+pub(crate) mod slide;
+
 use super::functions::{PathFunction, TaskFunctions};
 use crate::constants::task::reach::{
     APART, AROUND, ASIDE, BRANCH_STEPS, BRANCHES, DAMPING, FAR, MOST_DAMPING, OTHERS, REACHED, STARTS, STEPS,
@@ -131,19 +133,19 @@ pub(crate) fn reach_near(
     best
 }
 
-/// Positions at which all rows have their values, beside one that is `known`: from seeded positions, and from
-/// some around the known one where the rows do not fix all joints, each turned back towards `near` as
-/// [`reach_near`] does, and again with whole turns the other way round. A joint that turns by more than
+/// Positions at which all rows have their values, beside those that are `known`: from seeded positions, and
+/// from some around the first known one where the rows do not fix all joints, each turned back towards `near`
+/// as [`reach_near`] does, and again with whole turns the other way round. A joint that turns by more than
 /// [`APART`] between two of them tells them apart.
 pub(crate) fn others(
     functions: &mut TaskFunctions,
     near: &[f64],
-    known: &[f64],
+    known: &[Vec<f64>],
     free: &[usize],
     limits: &[[f64; 2]],
 ) -> Vec<Vec<f64>> {
     let mut search = Search { steps: BRANCH_STEPS, ..Search::new(functions, free, limits) };
-    let mut all = vec![known.to_vec()];
+    let mut all = known.to_vec();
     let is_new = |all: &[Vec<f64>], q: &[f64]| {
         all.iter().all(|other| free.iter().any(|&i| (q[i] - other[i]).abs() > APART))
     };
@@ -153,8 +155,8 @@ pub(crate) fn others(
         let mut from = seeded_position(start, near, free, limits);
         if start > BRANCHES {
             for &i in free {
-                let aside = [known[i] - ASIDE, known[i] + ASIDE];
-                from[i] = seeded(start, i, aside, known[i]).max(limits[i][0]).min(limits[i][1]);
+                let aside = [known[0][i] - ASIDE, known[0][i] + ASIDE];
+                from[i] = seeded(start, i, aside, known[0][i]).max(limits[i][0]).min(limits[i][1]);
             }
         }
         let found = search.descend(from);
@@ -175,7 +177,7 @@ pub(crate) fn others(
             }
         }
     }
-    all.split_off(1)
+    all.split_off(known.len())
 }
 
 impl<'a> Search<'a> {
@@ -296,5 +298,4 @@ impl<'a> Search<'a> {
 }
 
 #[cfg(test)]
-#[path = "reach_tests.rs"]
 mod tests;

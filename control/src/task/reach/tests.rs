@@ -1,3 +1,4 @@
+use super::slide::cheaper;
 use super::*;
 use crate::problem::tools::{Tool, ToolPose};
 use crate::problem::{BoundaryState, Problem, Task};
@@ -109,4 +110,27 @@ fn the_nearest_of_several_positions_is_found() {
             search.turned_back(away, &[0.0; 6]).q.iter().zip(&found.q).all(|(a, b)| (a - b).abs() < 1e-12)
         );
     }
+}
+
+/// Along a line, the position that is nearest to a given one; where rows fix all joints, none.
+#[test]
+fn a_cheaper_position_keeps_the_rows() {
+    let arm = Robot::from_file("../robots/two_link.toml").unwrap();
+    let tip = Tool::new("joint:elbow").with_offset([1.0, 0.0, 0.0]);
+    let unlimited = [[f64::NEG_INFINITY, f64::INFINITY]; 2];
+    let line =
+        problem(arm.clone(), ToolPose::of(tip.clone()).with_position([f64::INFINITY, 1.2, f64::INFINITY]));
+    let (mut rows, known) = search(&line, &unlimited);
+    let wanted = [0.3, 1.0];
+    let cost = |q: &[f64]| q.iter().zip(wanted).map(|(q, wanted)| (q - wanted).powi(2)).sum::<f64>();
+    let first = cost(&known.q);
+    let found = cheaper(&mut rows.end, &known.q, &[0, 1], &unlimited, first, |q| Some(cost(q))).unwrap();
+    assert!(cost(&found) < 0.1 * first, "{found:?} {known:?}");
+    assert!((found[0].sin() + (found[0] + found[1]).sin() - 1.2).abs() < 1e-8);
+    // Nothing is cheaper than nothing, and nothing is found where nothing can be evaluated.
+    assert!(cheaper(&mut rows.end, &known.q, &[0, 1], &unlimited, 0.0, |q| Some(cost(q))).is_none());
+    assert!(cheaper(&mut rows.end, &known.q, &[0, 1], &unlimited, first, |_| None).is_none());
+    let point = problem(arm, ToolPose::of(tip).with_position([1.0, 1.2, f64::INFINITY]));
+    let (mut rows, known) = search(&point, &unlimited);
+    assert!(cheaper(&mut rows.end, &known.q, &[0, 1], &unlimited, first, |q| Some(cost(q))).is_none());
 }
