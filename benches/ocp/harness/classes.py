@@ -56,14 +56,11 @@ def limits_between(draw, feasible, peaks):
 def least_time(draw):
     """Bounds: limits of the file, or 1.5 times the torques of the straight motion; it keeps them in the guessed time."""
     task = draw.free_task()
-    limits = draw.effort_limits()
-    peak = draw.straight(task, shapes.cubic)[1]
-    bounds = round_to(numpy.where(numpy.isfinite(limits), limits, 1.5 * peak + 1e-3 * task.torque_size))
+    task = draw.bounded(task, draw.straight(task, shapes.cubic)[1])
     duration = task.duration
     for _ in range(20):
-        if (draw.straight(task, shapes.cubic, duration)[1] <= 0.98 * bounds).all():
-            return task.but(u_min=-bounds, u_max=bounds, effort=numpy.zeros(task.n), time_weight=1.0, free=True,
-                            duration=round(duration, 3))
+        if (draw.straight(task, shapes.cubic, duration)[1] <= 0.98 * task.u_max).all():
+            return task.but(effort=numpy.zeros(task.n), time_weight=1.0, free=True, duration=round(duration, 3))
         duration *= 1.2
     return None
 
@@ -167,9 +164,12 @@ def around_obstacles(draw):
     if distance(free) > -0.02 * reach or distance(free[[0, -1]]) < 0.02 * reach:
         return None
     for _ in range(20):
-        detour = shapes.bump(draw.rng.uniform(-1.0, 1.0, task.n), 1.0, GRID)[0]
-        straight = shapes.motion(shapes.cubic, task.q_start, task.q_end, 1.0, GRID)[0]
-        if distance(at(straight + detour)) > 0.01 * reach:
+        detour = shapes.bump(draw.rng.uniform(-1.0, 1.0, task.n), task.duration, GRID)
+        straight = shapes.motion(shapes.cubic, task.q_start, task.q_end, task.duration, GRID)
+        q, v, a = (one + more for one, more in zip(straight, detour))
+        if distance(at(q)) > 0.01 * reach:
+            if draw.robot.source.bounded:
+                task = draw.bounded(task, abs(draw.peer.torques(task, q, v, a)).max(0))
             return task.but(obstacles=[(tuple(map(float, centre)), radius)], own_radius=own)
     return None
 

@@ -3,6 +3,8 @@
 import math
 from dataclasses import replace
 
+import numpy
+
 from classes import CLASSES
 
 # The peer's mesh for the best cost is this many times finer.
@@ -16,8 +18,6 @@ STARTS = 16
 # Largest violation between points of a motion whose cost counts, in parts of the range: one that cuts a corner is no cheaper
 # motion. Torques overshoot where they jump, which changes the cost little.
 BETWEEN, BETWEEN_JUMPS = 1e-4, 1e-2
-# Classes whose torques are limited.
-JUMPING = "bcg"
 # Largest gap at which the cost of an answer counts as it is.
 CLOSE = 1e-6
 # A solver that took longer than this (s) is not repeated.
@@ -97,7 +97,7 @@ class Comparison:
         peer = self.peers["peer"]
         solved = {label: sides[label] for label in COUNTED if label in sides and sides[label]["solved"]}
         coarse = [answers[label] for label in solved]
-        most = BETWEEN_JUMPS if task.kind in JUMPING else BETWEEN
+        most = BETWEEN_JUMPS if numpy.isfinite(task.u_max).any() else BETWEEN
         costs = [(side["cost"], label) for label, side in solved.items() if side["gap"] <= CLOSE and side["between"] <= most]
         if any(answer.seconds > LONG for label, answer in answers.items() if label in self.peers):
             coarse = []

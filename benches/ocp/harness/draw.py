@@ -63,7 +63,16 @@ class Draw:
         peak = self.straight(task, shapes.cubic)[1]
         size = numpy.where(numpy.isfinite(self.effort_limits()), self.effort_limits(), peak)
         size = round_to(numpy.maximum(size, max(LEAST_TORQUE, 1e-3 * size.max())))
-        return task.but(torque_size=size, effort=round_to(1 / size**2, 6), **changes)
+        task = task.but(torque_size=size, effort=round_to(1 / size**2, 6), **changes)
+        if not self.robot.source.bounded:
+            return task
+        return self.bounded(task, self.straight(task, shapes.ramps(RAMPS[0]))[1])
+
+    def bounded(self, task, peak):
+        """With torques bounded by limits of the file, or by 1.5 times these peaks."""
+        limits = self.effort_limits()
+        bounds = round_to(numpy.where(numpy.isfinite(limits), limits, 1.5 * peak + 1e-3 * task.torque_size))
+        return task.but(u_min=-bounds, u_max=bounds)
 
     def straight(self, task, shape, duration=None):
         """Peaks of rates and torques of a straight motion."""

@@ -38,9 +38,9 @@ def arguments():
     parser.add_argument("--write", action="store_true", help="write the tables of BENCHMARKS.md")
     parser.add_argument("--classes", nargs="*", default=list(CLASSES), choices=CLASSES, metavar="CLASS",
                         help="of " + ", ".join(f"{kind} ({title})" for kind, (title, _) in CLASSES.items()))
-    parser.add_argument("--robots", nargs="*", default=list(robots.ALL), choices=robots.KNOWN, metavar="ROBOT",
-                        help="of " + ", ".join(robots.KNOWN) + "; all but the last one")
-    parser.add_argument("--tasks", type=int, default=16, help="tasks a class, taken in turn from the robots (16)")
+    parser.add_argument("--robots", nargs="*", default=list(robots.ALL), choices=robots.ALL, metavar="ROBOT",
+                        help="of " + ", ".join(robots.ALL))
+    parser.add_argument("--tasks", type=int, default=18, help="tasks a class, taken in turn from the robots (18)")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--elements", type=int, default=20, help="elements of the peer's mesh, 3 Radau points each (20)")
     parser.add_argument("--tolerances", nargs=2, type=float, default=[1e-4, 1e-7], metavar="TOLERANCE",

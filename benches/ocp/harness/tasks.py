@@ -27,8 +27,7 @@ def make(root, costate, peer, kinds, names, count, seed, finished=()):
 
 
 def one(peer, kind, robot, number, seed, name):
-    place = robots.ALL.index(robot.name) if robot.name in robots.ALL else len(robots.ALL)
-    rng = numpy.random.default_rng([seed, ord(kind), place, number])
+    rng = numpy.random.default_rng([seed, ord(kind), robots.ALL.index(robot.name), number])
     failed = 0
     for number in range(DRAWS):
         draw = Draw(rng, robot, peer, name, kind)
