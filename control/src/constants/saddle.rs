@@ -1,5 +1,9 @@
-//! How the direct method leaves a saddle (`direct::solve::saddle`).
+//! How the direct method tells a saddle from a minimum (`direct::interior::inertia`) and leaves it
+//! (`direct::solve::saddle`).
 
+/// How stiff active limits are at most, one after the other, where rounding of stiffer ones may hide a
+/// minimum: in parts of the cost, for a limit of weight and range one.
+pub const SOFTNESSES: [f64; 3] = [1e9, 1e7, 1e5];
 /// It goes this part of the extent of the motion away, ..
 pub const FIRST_PART: f64 = 0.25;
 /// .. or half of that, and so on, so many times, where that does not cost less. ..

@@ -20,7 +20,10 @@ pub(crate) enum Inertia {
 impl<D: PointDynamics> Interior<D> {
     /// Those at a motion that is solved. Squares of the equations are in the matrix, as stiff as it takes:
     /// the Hessian is positive along what keeps the equations where the matrix is so for some stiffness
-    /// (G. Debreu, Definite and semidefinite quadratic forms, Econometrica 20, 1952).
+    /// (G. Debreu, Definite and semidefinite quadratic forms, Econometrica 20, 1952). Squares of active
+    /// limits are in it too, as stiff as the barrier makes them, and their rounding may be larger than all
+    /// else. With softer ones the matrix is smaller along all changes, so it is enough that this one is
+    /// positive.
     ///
     /// # Errors
     /// A motion that cannot be evaluated.
@@ -30,6 +33,25 @@ impl<D: PointDynamics> Interior<D> {
         }
         self.refresh()?;
         self.system.exact = true;
+        let mut found = self.inertia_with(constants::ROUNDED_INERTIA);
+        if found != Inertia::Positive && self.barrier.total_weight() > 0.0 {
+            let slacks = self.barrier.slack.clone();
+            for softness in saddle::SOFTNESSES {
+                self.barrier.soften(softness * self.figures.size);
+                if self.inertia_with(0.0) == Inertia::Positive {
+                    found = Inertia::Positive;
+                    break;
+                }
+            }
+            self.barrier.slack = slacks;
+            self.inertia_with(0.0);
+        }
+        Ok(found)
+    }
+
+    /// The same from the matrix with these slacks, which stays assembled; negative eigenvalues are those that
+    /// this damping leaves negative.
+    fn inertia_with(&mut self, rounded: f64) -> Inertia {
         let stiffness = self.barrier.stiffness;
         let has_equations = self.barrier.equations().next().is_some();
         let mut found = Inertia::Negative;
@@ -40,12 +62,12 @@ impl<D: PointDynamics> Interior<D> {
                 found = Inertia::Positive;
                 break;
             }
-            if self.factorise(constants::ROUNDED_INERTIA) {
+            if rounded > 0.0 && self.factorise(rounded) {
                 found = Inertia::Unknown;
             }
         }
         self.barrier.stiffness = stiffness;
-        Ok(found)
+        found
     }
 
     /// A motion near a saddle that costs less, with the limits as their multipliers price them: along a

@@ -69,7 +69,14 @@ impl Direct<'_> {
             _ => {
                 let mut interior = interior_of(problem, rows, options, &first);
                 (interior.clock, interior.looseness) = (clock, looseness);
-                let start = if self.saved.is_some() { Start::Saved } else { Start::Guess };
+                let is_own = |saved: &Trajectory| {
+                    saved.mesh_nodes().is_some_and(|nodes| nodes == interior.spline.mesh.nodes)
+                };
+                let start = match saved {
+                    Some(saved) if is_own(saved) => Start::Resolved,
+                    _ if self.saved.is_some() => Start::Saved,
+                    _ => Start::Guess,
+                };
                 Found::alone(first.kind, interior, start)
             }
         };
@@ -125,7 +132,7 @@ impl Direct<'_> {
             if goes_on && !found.as_ref().is_some_and(is_solved) {
                 // What few nodes do not solve either way, more may.
                 let (own, resolution) = (&mut interior, &mut resolution);
-                refined = refine(problem, self.options, Start::Saved, own, resolution, recorder)?;
+                refined = refine(problem, self.options, Start::Resolved, own, resolution, recorder)?;
             } else if let Some(WithEffort { interior: mut eased, resolution, refined, smoothing }) = found {
                 eased.figures.iterations += steps;
                 eased.clock = std::mem::take(&mut interior.clock);

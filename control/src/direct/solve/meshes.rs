@@ -25,6 +25,8 @@ pub(super) enum Start {
     Guess,
     /// At a motion that was solved before, on its mesh or another one.
     Saved,
+    /// At a motion that was solved on this mesh, which resolves it, without its slacks and multipliers.
+    Resolved,
     /// At an iterate that is solved on its mesh, with slacks and multipliers.
     Solved,
 }
@@ -68,7 +70,11 @@ pub(super) fn refine(
     let (mut guess, mut gap, mut restorations) = (interior.spline.clone(), constants::FIRST_GAP, 0);
     // A coarse mesh is not solved much better than it resolves the motion.
     let least = interior.looseness.between(constants::PART_OF_TOLERANCE) * tolerance;
-    let mut precision = least.max(constants::FIRST_PRECISION);
+    // A mesh that resolves a good motion would be divided by the errors of a rough one.
+    let mut precision = match start {
+        Start::Resolved => least,
+        Start::Guess | Start::Saved | Start::Solved => least.max(constants::FIRST_PRECISION),
+    };
     interior.last_tolerance = Some(least);
     let (mut mesh, mut left, mut mended) = (0, 0, Mended::default());
     // Where accelerations are continuous only limits of jerks and of rates of torques move.
