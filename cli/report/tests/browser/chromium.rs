@@ -123,9 +123,19 @@ impl Page {
         message
     }
 
-    /// Opens a file in a window of this size and scheme of colours.
-    pub fn show(&mut self, file: &Path, (width, height): (u32, u32), scheme: &str) {
-        let size = json!({ "width": width, "height": height, "deviceScaleFactor": 1, "mobile": false });
+    /// Opens a file in a window of this size and scheme of colours, drawn with half of the pixels each way:
+    /// without a graphics card their number takes the time.
+    pub fn show(&mut self, file: &Path, size: (u32, u32), scheme: &str) {
+        self.show_scaled(file, size, scheme, 0.5);
+    }
+
+    /// The same with all pixels, for pictures.
+    pub fn show_sharply(&mut self, file: &Path, size: (u32, u32), scheme: &str) {
+        self.show_scaled(file, size, scheme, 1.0);
+    }
+
+    fn show_scaled(&mut self, file: &Path, (width, height): (u32, u32), scheme: &str, scale: f64) {
+        let size = json!({ "width": width, "height": height, "deviceScaleFactor": scale, "mobile": false });
         self.send("Emulation.setDeviceMetricsOverride", size);
         let features = json!({ "features": [{ "name": "prefers-color-scheme", "value": scheme }] });
         self.send("Emulation.setEmulatedMedia", features);

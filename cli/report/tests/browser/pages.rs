@@ -114,7 +114,7 @@ fn visual_models_and_obstacles_are_shown_in_narrow_dark_windows() {
     for (name, case) in [("ur5", Case::phases()), ("obstacle", Case::around())] {
         assert!(!case.models.is_empty());
         for (size, scheme) in [((390, 844), "dark"), ((1400, 900), "light")] {
-            page.show(&case.file, size, scheme);
+            page.show_sharply(&case.file, size, scheme);
             page.value("costateReport.setTime(0.4)");
             let width = page.value("document.documentElement.scrollWidth").as_u64().unwrap();
             assert_eq!(width, u64::from(size.0), "{name} {scheme}: wider than the window");

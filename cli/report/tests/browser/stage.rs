@@ -126,7 +126,7 @@ fn pages_fit_wide_and_narrow_windows_in_both_schemes() {
     ] {
         let case = Case::of(name);
         for (size, scheme) in looks {
-            page.show(&case.file, size, scheme);
+            page.show_sharply(&case.file, size, scheme);
             assert!(page.value(COLOURS).as_u64().unwrap() > 8, "{name}: the stage is blank");
             let width = page.value("document.documentElement.scrollWidth").as_u64().unwrap();
             assert_eq!(width, u64::from(size.0), "{name} {scheme}: wider than the window");
