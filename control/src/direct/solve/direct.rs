@@ -73,7 +73,7 @@ impl Direct<'_> {
                     saved.mesh_nodes().is_some_and(|nodes| nodes == interior.spline.mesh.nodes)
                 };
                 let start = match saved {
-                    Some(saved) if is_own(saved) => Start::Resolved,
+                    Some(saved) if interior.needs_smoothing() && is_own(saved) => Start::Resolved,
                     _ if self.saved.is_some() => Start::Saved,
                     _ => Start::Guess,
                 };
