@@ -3,11 +3,10 @@
 //!
 //! In each period the solver gets the measured state and the way of the goal over the next second as a
 //! reference, takes a few Newton steps from its last motion, as long as there is time, and gives the torques
-//! for the period. The arm is
-//! integrated with these, and its limits are checked along what it really does.
+//! for the period. The arm is integrated with these, and its limits are checked along what it really does.
 //!
-//!     cargo run --release -p costate-examples --example horizon                  # UR5 and Panda at 1 kHz
-//!     cargo run --release -p costate-examples --example horizon -- ur5 200 5 6   # 200 Hz, 5 s, 6 Newton steps
+//!     cargo run --release -p costate-examples --example horizon                 # UR5 and Panda at 1 kHz
+//!     cargo run --release -p costate-examples --example horizon -- ur5 200 5 6  # 200 Hz, 5 s, 6 Newton steps
 //!     cargo test -p costate-examples --example horizon
 
 mod controller;

@@ -54,8 +54,8 @@ impl Direct<'_> {
         best_of_starts(self.options, recorder, solve).unwrap_or_else(|| missing(Status::Cancelled))
     }
 
-    /// One start: from the best guess that it looks at, or from the second best one where that fails. A motion
-    /// that fails beside obstacles is then begun at disturbed guesses, which pass them elsewhere.
+    /// One start: from the best guess that it looks at, or from the second best one where that fails. A
+    /// motion that fails beside obstacles is then begun at disturbed guesses, which pass them elsewhere.
     pub fn start(&self, number: usize, recorder: &mut Recorder<'_>) -> Result<Solution, EvalError> {
         let problem = self.problem.problem();
         let saved = self.saved.filter(|_| number == 0);
