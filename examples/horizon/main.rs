@@ -6,7 +6,7 @@
 //! for the period. The arm is integrated with these, and its limits are checked along what it really does.
 //!
 //!     cargo run --release -p costate-examples --example horizon                 # UR5 and Panda at 1 kHz
-//!     cargo run --release -p costate-examples --example horizon -- ur5 200 5 6  # 200 Hz, 5 s, 6 Newton steps
+//!     cargo run --release -p costate-examples --example horizon -- ur5 200 5 6  # 200 Hz, 5 s, 6 steps
 //!     cargo test -p costate-examples --example horizon
 
 mod controller;
