@@ -26,6 +26,7 @@ fn json_has_the_documented_keys_and_the_cost_of_the_swing_up() {
         "hamiltonian",
         "hamiltonian_drift",
         "joints",
+        "limits",
         "newton_decrement",
         "newton_iterations",
         "nodes",
