@@ -72,7 +72,7 @@ pub(super) fn candidates<'a>(
         found.sort_by(|a, b| a.figures[1].total_cmp(&b.figures[1]));
         found.truncate(constants::LOOKS);
         if ends_are_free && leaves_joints_free(&own.reached, rows) {
-            // Ends slide along their places, so that the cost of a guess says little about that of its motion.
+            // Ends slide along their places: the cost of a guess says little about that of its motion.
             let drawn = (1..=constants::DRAWN).map(|k| First::new(problem, rows, options, k, None));
             found.extend(drawn.filter_map(|first| judge(&first).map(|figures| Candidate { first, figures })));
         }
