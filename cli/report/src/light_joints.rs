@@ -89,7 +89,7 @@ pub fn too_sudden(problem: &Problem, solution: &Solution) -> Option<String> {
     });
     let (peak, joint) = peaks.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|&(peak, _)| peak > SUDDEN)?;
     Some(format!(
-        "joint '{}' accelerates by {} rad/s^2, as no arm with gears does: the robot has no inertia of rotors there and \
+        "joint '{}' reaches {} rad/s^2, more than arms with gears do: the robot has no inertia of rotors there, and \
          the problem no limit of accelerations; give robot.armature or limits.a_max",
         printable(&robot.joints()[joint].name),
         short(peak, 2)

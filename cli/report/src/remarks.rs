@@ -36,7 +36,7 @@ mod tests {
             assert!(solution.motion.status.is_solved(), "{}", solution.motion.status);
             remarks(problem, &solution).join("; ")
         };
-        let sudden = "as no arm with gears does";
+        let sudden = "more than arms with gears do";
         assert!(told(&problem).contains(sudden));
         problem.limits.a_max = Some(vec![40.0; 6]);
         assert!(!told(&problem).contains(sudden));

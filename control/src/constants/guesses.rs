@@ -14,6 +14,8 @@ pub const PROMISING: f64 = 1.5;
 pub const DETOUR: f64 = 3.0;
 /// A guess that exceeds limits by less than this part of their ranges exceeds none.
 pub const EXCEEDED: f64 = 0.06;
+/// Disturbed guesses with other positions that are looked at besides, where places leave joints free.
+pub const DRAWN: usize = 3;
 /// Disturbed guesses that are tried where all of these end at obstacles.
 pub const DETOURS: usize = 4;
 /// Waves in the joints (rad, m).

@@ -3,8 +3,9 @@
 use super::parameter_columns::Column;
 use super::resolve::Resolve;
 use super::resolve_error::ResolveError;
+use crate::direct::points::generic_points::RobotPoints;
 use crate::direct::points::phases::PhaseDynamics;
-use crate::direct::points::values::{PointDynamics, RobotPoints};
+use crate::direct::points::values::PointDynamics;
 use crate::numerics::chain::dot;
 use crate::problem::Payload;
 use costate::robot::{LinkInertia, Robot};

@@ -10,9 +10,9 @@ use crate::direct::limits::tasks::Tasks;
 use crate::direct::motion::guess::guess;
 use crate::direct::motion::mesh::Mesh;
 use crate::direct::motion::shape::Shape;
+use crate::direct::points::generic_points::RobotPoints;
 use crate::direct::points::phases::PhaseDynamics;
 use crate::direct::points::running::Running;
-use crate::direct::points::values::RobotPoints;
 use crate::problem::{
     FinalTime, Keep, Kept, MotionLimits, Objective, Payload, Problem, Task, Tool, ToolPose, Via,
 };

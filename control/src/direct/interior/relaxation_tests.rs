@@ -6,8 +6,8 @@ use super::super::iterate::tests::started;
 use super::price;
 use crate::constants::direct as constants;
 use crate::direct::motion::shape::Shape;
+use crate::direct::points::generic_points::RobotPoints;
 use crate::direct::points::phases::PhaseDynamics;
-use crate::direct::points::values::RobotPoints;
 
 #[test]
 fn the_price_is_smooth() {

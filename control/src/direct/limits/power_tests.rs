@@ -2,7 +2,8 @@
 
 use super::super::side::Limited;
 use super::{Function, Powers};
-use crate::direct::points::values::{PointDynamics, Points, RobotPoints};
+use crate::direct::points::generic_points::RobotPoints;
+use crate::direct::points::values::{PointDynamics, Points};
 use crate::problem::{MotionLimits, Objective, Problem};
 use costate::robot::Robot;
 

@@ -3,6 +3,7 @@
 use super::phase_times::with_guesses;
 use crate::problem::Problem;
 use crate::task::build::TaskRows;
+use crate::task::functions::PathFunction;
 use crate::task::reach::slide::cheaper;
 use crate::task::reach::{others, reach, reach_near};
 use std::borrow::Cow;
@@ -79,4 +80,11 @@ pub(crate) fn other_positions(
         found.extend(all.into_iter().skip(1).chain(others).map(|q| (end, q)));
     }
     found
+}
+
+/// Whether a place of tools has fewer rows than joints whose position is free there.
+pub(crate) fn leaves_joints_free(reached: &Problem, rows: &TaskRows) -> bool {
+    let ends = with_guesses(reached);
+    let mut places = rows.at_ends().zip(&ends);
+    places.any(|(rows, end)| !rows.is_empty() && rows.rows() < end.q_free.len())
 }

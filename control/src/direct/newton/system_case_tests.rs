@@ -11,9 +11,10 @@ use crate::direct::motion::mesh::Mesh;
 use crate::direct::motion::shape::Shape;
 use crate::direct::motion::spline::Spline;
 use crate::direct::newton::point_terms::weigh;
+use crate::direct::points::generic_points::RobotPoints;
 use crate::direct::points::phases::PhaseDynamics;
 use crate::direct::points::running::Running;
-use crate::direct::points::values::{Points, RobotPoints};
+use crate::direct::points::values::Points;
 use crate::problem::running_cost::{RunningCost, UserTerm};
 use crate::problem::{
     FinalTime, JointReference, Keep, Kept, MotionLimits, Objective, Payload, Penalty, Problem, Task, Tool,

@@ -1,7 +1,8 @@
 //! Torques with their derivatives by machine code, four points at a time.
 
+use super::generic_points::{LanePoints, groups};
 use super::programs::{Lanes, Programs};
-use super::values::{PointDynamics, Points, RobotPoints};
+use super::values::{PointDynamics, Points};
 use crate::constants::programs as constants;
 use crate::numerics::widest::widest;
 use crate::options::MachineCode;
@@ -15,13 +16,15 @@ const LANES: usize = 4;
 
 /// Machine code for four points at a time, where the processor and the robot allow it.
 ///
-/// By default the first points are computed by the generic code, since a short solve is over before a program
-/// is compiled. Where an argument or a result is not finite, the generic code computes the points again:
-/// results and errors are then its own.
+/// By default the first points are computed by the generic code, one after the other, since a short solve is
+/// over before a program is compiled. Where no machine code is to be had, the generic code computes several
+/// points at a time. Where an argument or a result is not finite, it computes the points again: results and
+/// errors are then its own.
 #[derive(Debug)]
 pub(crate) struct ProgramPoints {
-    generic: RobotPoints,
-    programs: Arc<Programs>,
+    generic: LanePoints,
+    /// None where machine code is not wanted.
+    programs: Option<Arc<Programs>>,
     /// Points whose torques, and whose second derivatives, the generic code computes before machine code
     /// does, no matter whether it is there already: results do not depend on what was solved before.
     left: [usize; 2],
@@ -34,12 +37,11 @@ impl ProgramPoints {
         let n = robot.dof();
         let left = match machine_code {
             MachineCode::Later => [constants::TORQUES * n, constants::HESSIANS * n],
-            MachineCode::AtOnce => [0; 2],
-            MachineCode::Never => [usize::MAX; 2],
+            MachineCode::AtOnce | MachineCode::Never => [0; 2],
         };
         Self {
-            generic: RobotPoints::new(robot),
-            programs: Programs::of(robot),
+            generic: LanePoints::new(robot),
+            programs: (machine_code != MachineCode::Never).then(|| Programs::of(robot)),
             left,
             inputs: vec![[0.0; LANES]; 4 * n],
             outputs: vec![[0.0; LANES]; n + 8 * n * n],
@@ -50,9 +52,7 @@ impl ProgramPoints {
     fn are_first(&mut self, which: usize, count: usize) -> bool {
         let left = &mut self.left[which];
         let first = *left > 0;
-        if *left < usize::MAX {
-            *left = left.saturating_sub(count);
-        }
+        *left = left.saturating_sub(count);
         first
     }
 }
@@ -60,13 +60,16 @@ impl ProgramPoints {
 impl PointDynamics for ProgramPoints {
     fn evaluate_some(&mut self, points: &mut Points, which: Range<usize>) -> Result<(), EvalError> {
         let first = self.are_first(0, which.len());
-        let programs = Arc::clone(&self.programs);
-        let Some(tau) = (if first { None } else { programs.tau() }) else {
+        let programs = self.programs.clone();
+        if first {
+            return self.generic.one.evaluate_some(points, which);
+        }
+        let Some(tau) = programs.as_ref().and_then(|programs| programs.tau()) else {
             return self.generic.evaluate_some(points, which);
         };
         let n = points.dof;
         let (inputs, outputs) = (&mut self.inputs[..3 * n], &mut self.outputs[..n]);
-        for group in groups(which) {
+        for group in groups(which, LANES) {
             let finite = run(tau, inputs, outputs, |inputs| gather(&points.z, &group, inputs))?;
             if finite {
                 widest(
@@ -74,7 +77,7 @@ impl PointDynamics for ProgramPoints {
                     || Rows { rows: &mut points.tau, size: n, group }.put(0..n, |k| outputs[k]),
                 );
             } else {
-                group.into_iter().try_for_each(|p| self.generic.evaluate_at(points, p))?;
+                self.generic.one.evaluate_some(points, group)?;
             }
         }
         Ok(())
@@ -82,12 +85,15 @@ impl PointDynamics for ProgramPoints {
 
     fn contract_some(&mut self, points: &mut Points, which: Range<usize>) -> Result<(), EvalError> {
         let first = self.are_first(1, which.len());
-        let programs = Arc::clone(&self.programs);
-        let Some(second) = (if first { None } else { programs.second() }) else {
+        let programs = self.programs.clone();
+        if first {
+            return self.generic.one.contract_some(points, which);
+        }
+        let Some(second) = programs.as_ref().and_then(|programs| programs.second()) else {
             return self.generic.contract_some(points, which);
         };
         let n = points.dof;
-        for group in groups(which) {
+        for group in groups(which, LANES) {
             let finite = run(second, &mut self.inputs, &mut self.outputs, |inputs| {
                 let (z, weights) = inputs.split_at_mut(3 * n);
                 gather(&points.z, &group, z);
@@ -100,17 +106,11 @@ impl PointDynamics for ProgramPoints {
                     || take(outputs, group, points),
                 );
             } else {
-                group.into_iter().try_for_each(|p| self.generic.contract_at(points, p))?;
+                self.generic.one.contract_some(points, group)?;
             }
         }
         Ok(())
     }
-}
-
-/// These points, [`LANES`] at a time.
-fn groups(which: Range<usize>) -> impl Iterator<Item = Range<usize>> {
-    let end = which.end;
-    which.step_by(LANES).map(move |first| first..(first + LANES).min(end))
 }
 
 /// Runs a program on what `fill` puts in. Whether all arguments and results are finite.

@@ -1,10 +1,10 @@
 //! Inverse dynamics of open trees and of robots whose loops are closed.
 
 use super::closed_points::ClosedPoints;
+#[cfg(not(feature = "jit"))]
+use super::generic_points::LanePoints as OpenPoints;
 #[cfg(feature = "jit")]
 use super::program_points::ProgramPoints as OpenPoints;
-#[cfg(not(feature = "jit"))]
-use super::values::RobotPoints as OpenPoints;
 use super::values::{PointDynamics, Points};
 use crate::options::SolverOptions;
 use crate::problem::Problem;

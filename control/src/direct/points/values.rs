@@ -3,8 +3,6 @@
 use super::rates::Rates;
 use crate::direct::motion::spline::Spline;
 use costate::EvalError;
-use costate::lagrangian::LagrangianSecondOrder;
-use costate::robot::Robot;
 use std::ops::Range;
 
 /// What is known at each point: z = (q, v, a), tau, tau_z, rows g(q, v) of tasks, g_x with x = (q, v), rows
@@ -166,61 +164,5 @@ pub(crate) trait PointDynamics {
     /// tau, tau_z and the Hessian of w.tau at all points.
     fn contract(&mut self, points: &mut Points) -> Result<(), EvalError> {
         self.contract_some(points, 0..points.count())
-    }
-}
-
-/// The generic code, one point after the other.
-#[derive(Debug)]
-pub(crate) struct RobotPoints {
-    model: LagrangianSecondOrder<f64>,
-}
-
-impl RobotPoints {
-    pub fn new(robot: &Robot) -> Self {
-        Self { model: LagrangianSecondOrder::new(robot) }
-    }
-
-    /// tau at one point.
-    pub fn evaluate_at(&mut self, points: &mut Points, p: usize) -> Result<(), EvalError> {
-        let n = points.dof;
-        let z = &points.z[3 * n * p..][..3 * n];
-        let tau = self.model.first().inverse_dynamics(&z[..n], &z[n..2 * n], &z[2 * n..])?;
-        points.tau[n * p..][..n].copy_from_slice(tau);
-        Ok(())
-    }
-
-    /// tau, tau_z and the Hessian of w.tau at one point.
-    pub fn contract_at(&mut self, points: &mut Points, p: usize) -> Result<(), EvalError> {
-        let n = points.dof;
-        let z = &points.z[3 * n * p..][..3 * n];
-        let (q, v, a) = (&z[..n], &z[n..2 * n], &z[2 * n..]);
-        let all = self.model.contract_inverse_dynamics(q, v, a, &points.weights[n * p..][..n])?;
-        let (first, hessian) = (all.inverse_dynamics(), all.zz());
-        points.tau[n * p..][..n].copy_from_slice(first.tau);
-        let tau_z = &mut points.tau_z[3 * n * n * p..][..3 * n * n];
-        for (i, row) in tau_z.chunks_exact_mut(3 * n).enumerate() {
-            for j in 0..n {
-                row[j] = first.tau_q[(i, j)];
-                row[n + j] = first.tau_v[(i, j)];
-                row[2 * n + j] = first.tau_a[(i, j)];
-            }
-        }
-        let size = 9 * n * n;
-        for (i, row) in points.hessian[size * p..][..size].chunks_exact_mut(3 * n).enumerate() {
-            for (j, entry) in row.iter_mut().enumerate() {
-                *entry = hessian[(i, j)];
-            }
-        }
-        Ok(())
-    }
-}
-
-impl PointDynamics for RobotPoints {
-    fn evaluate_some(&mut self, points: &mut Points, which: Range<usize>) -> Result<(), EvalError> {
-        which.into_iter().try_for_each(|p| self.evaluate_at(points, p))
-    }
-
-    fn contract_some(&mut self, points: &mut Points, which: Range<usize>) -> Result<(), EvalError> {
-        which.into_iter().try_for_each(|p| self.contract_at(points, p))
     }
 }

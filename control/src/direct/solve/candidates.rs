@@ -8,7 +8,8 @@ use super::prepare::Dynamics;
 use crate::constants::guesses as constants;
 use crate::cubics::Disturbance;
 use crate::direct::interior::iterate::Interior;
-use crate::direct::motion::reached::{other_positions, with_tools_reached};
+use crate::direct::motion::reached::{leaves_joints_free, other_positions, with_tools_reached};
+use crate::options::SolverOptions;
 use crate::problem::{FinalTime, Problem};
 use crate::result::start::GuessKind;
 use crate::task::build::TaskRows;
@@ -25,6 +26,7 @@ pub(super) struct Candidate<'a> {
 pub(super) fn candidates<'a>(
     problem: &'a Problem,
     rows: &TaskRows,
+    options: &SolverOptions,
     own: &First<'a>,
     interior: &mut Interior<Dynamics>,
 ) -> Vec<Candidate<'a>> {
@@ -50,7 +52,8 @@ pub(super) fn candidates<'a>(
             First { kind: GuessKind::OtherPosition, reached, ..own.clone() }
         };
         let mut proposed = Vec::new();
-        if problem.loops.is_none() && problem.periodic.is_none() {
+        let ends_are_free = problem.loops.is_none() && problem.periodic.is_none();
+        if ends_are_free {
             let cheaper = |end: usize, q: &[f64]| {
                 let [excess, cost] = judge(&at(end, q))?;
                 (excess <= allowed).then_some(cost)
@@ -68,6 +71,11 @@ pub(super) fn candidates<'a>(
             .collect();
         found.sort_by(|a, b| a.figures[1].total_cmp(&b.figures[1]));
         found.truncate(constants::LOOKS);
+        if ends_are_free && leaves_joints_free(&own.reached, rows) {
+            // Ends slide along their places: the cost of a guess says little about that of its motion.
+            let drawn = (1..=constants::DRAWN).map(|k| First::new(problem, rows, options, k, None));
+            found.extend(drawn.filter_map(|first| judge(&first).map(|figures| Candidate { first, figures })));
+        }
         found
     });
     interior.spline = begun;

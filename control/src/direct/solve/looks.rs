@@ -88,7 +88,7 @@ impl Looks<'_> {
         own.looseness = looseness;
         let looks_on =
             options.starts.is_none() && problem.too_short().is_none() && recorder.interruption().is_none();
-        let others = if looks_on { candidates(problem, rows, first, &mut own) } else { Vec::new() };
+        let others = if looks_on { candidates(problem, rows, options, first, &mut own) } else { Vec::new() };
         let mut nodes = own.spline.mesh.nodes.clone();
         let (free, steps) = match problem.task.collision {
             Some(_) => without_obstacles(problem, options, looseness, recorder)?,
