@@ -144,6 +144,11 @@ impl Status {
         matches!(self, Self::Converged | Self::ConvergedSmoothed)
     }
 
+    /// Whether no motion was found that keeps all limits: the one that is shown exceeds some.
+    pub fn exceeds_limits(&self) -> bool {
+        matches!(self, Self::LimitsNotKept | Self::Infeasible)
+    }
+
     /// Whether the best iterate need not be near a solution: Newton's method did not converge.
     pub(crate) fn is_far(&self) -> bool {
         matches!(

@@ -2,7 +2,7 @@
 
 use crate::numbers::short;
 use crate::text::{is_polished, quantity, whose};
-use costate_control::{LimitViolation, Solution, Status};
+use costate_control::{LimitViolation, Solution};
 
 /// Torques that are cut by less than this part of their limit are not worth a remark.
 const SEEN: f64 = 0.01;
@@ -33,7 +33,7 @@ pub fn exceeded_between(solution: &Solution) -> Option<String> {
 /// Which torque is cut to its limit between the points of a motion, where most, by how much, and what that
 /// means; only where it is a part of the limit that one sees.
 pub fn cut_between(solution: &Solution) -> Option<String> {
-    let exceeds = matches!(solution.motion.status, Status::Infeasible | Status::LimitsNotKept);
+    let exceeds = solution.motion.status.exceeds_limits();
     let worst = solution.limits.worst_cut().filter(|_| !is_polished(solution) && !exceeds)?;
     let LimitViolation { name, time, excess, unit, limit, .. } = worst;
     (*excess > SEEN * limit.abs()).then(|| {

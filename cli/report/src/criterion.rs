@@ -39,7 +39,7 @@ pub fn criterion(problem: &Problem, solution: &Solution) -> String {
         false => format!("minimum of {}", terms.join(" + ")),
     };
     let time = if time_is_free(problem) { "final time free" } else { "final time fixed" };
-    let exceeded = matches!(status, Status::BoundsNotReached | Status::LimitsNotKept | Status::Infeasible);
+    let exceeded = status.exceeds_limits() || *status == Status::BoundsNotReached;
     let within_bounds = problem.bounds.is_some() && !exceeded;
     let bounds = if within_bounds { ", actuation bounded" } else { "" };
     let penalty = if problem.penalty.is_some() { ", with penalties" } else { "" };

@@ -72,8 +72,8 @@ pub fn without_rotors(problem: &Problem) -> Option<String> {
 /// inertia of rotors nor limits of accelerations.
 pub fn too_sudden(problem: &Problem, solution: &Solution) -> Option<String> {
     let robot = &problem.robot;
-    let is_free = !solution.motion.status.is_solved() || !problem.keeps_robot_limits();
-    if is_free || problem.limits.a_max.is_some() || problem.limits.jerk_max.is_some() {
+    let keeps_limits = solution.motion.status.is_solved() && problem.keeps_robot_limits();
+    if !keeps_limits || problem.limits.a_max.is_some() || problem.limits.jerk_max.is_some() {
         return None;
     }
     let trajectory = &solution.trajectory;

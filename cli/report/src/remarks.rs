@@ -28,8 +28,8 @@ mod tests {
     #[test]
     fn accelerations_of_arms_without_rotors_are_told() {
         let robot = Robot::from_file("../../robots/ur5.urdf").unwrap();
-        let mut problem = Problem::rest_to_rest(robot, &[0.0, -1.6, 1.8, -1.8, -1.57, 0.0], &[1.0; 6], 1.0);
-        problem.end.q = vec![0.8, -1.0, 1.2, -1.5, -1.57, 0.5];
+        let [start, end] = [[0.0, -1.6, 1.8, -1.8, -1.57, 0.0], [0.8, -1.0, 1.2, -1.5, -1.57, 0.5]];
+        let mut problem = Problem::rest_to_rest(robot, &start, &end, 1.0);
         problem.cost.effort = vec![1e-4; 6];
         let told = |problem: &Problem| {
             let solution = Solver::new(problem, SolverOptions::default()).unwrap().solve();

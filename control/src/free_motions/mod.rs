@@ -85,7 +85,7 @@ fn solution(
 ) -> Result<Solution, EvalError> {
     let problem = task.problem;
     let trajectory = rows::trajectory(task, found)?;
-    let verifies = options.verify == Verify::Full && !stopped(&found.status);
+    let verifies = options.verify == Verify::Full && !found.status.is_interruption();
     let end_state = if verifies { verify::integrated_again(task, found) } else { None };
     let end_defect = end_state.as_ref().map_or(f64::INFINITY, |end| verify::missed(problem, end));
     let bound = verification_bound(options.tolerance).sqrt();
@@ -119,8 +119,4 @@ fn solution(
         options: options.clone(),
         robot: RobotNames::of(&problem.robot),
     })
-}
-
-fn stopped(status: &Status) -> bool {
-    matches!(status, Status::Cancelled | Status::TimeLimit)
 }

@@ -114,8 +114,7 @@ impl Solution {
     /// Whether there is a motion near which an extremal may be.
     pub(crate) fn is_motion(&self) -> bool {
         let status = &self.motion.status;
-        let hopeless =
-            matches!(status, Status::LimitsNotKept | Status::Infeasible | Status::EvaluationFailed(_));
+        let hopeless = status.exceeds_limits() || matches!(status, Status::EvaluationFailed(_));
         !hopeless && self.trajectory.t.len() > 1 && self.total().is_finite()
     }
 

@@ -117,10 +117,10 @@ pub(super) fn groups(which: Range<usize>, size: usize) -> impl Iterator<Item = R
 }
 
 /// Rows of `size` entries, one for each point, of which those of a group are written.
-struct Rows<'a> {
-    rows: &'a mut [f64],
-    size: usize,
-    group: Range<usize>,
+pub(super) struct Rows<'a> {
+    pub rows: &'a mut [f64],
+    pub size: usize,
+    pub group: Range<usize>,
 }
 
 impl Rows<'_> {

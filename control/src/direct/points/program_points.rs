@@ -1,6 +1,6 @@
 //! Torques with their derivatives by machine code, four points at a time.
 
-use super::generic_points::{LanePoints, groups};
+use super::generic_points::{LanePoints, Rows, groups};
 use super::programs::{Lanes, Programs};
 use super::values::{PointDynamics, Points};
 use crate::constants::programs as constants;
@@ -74,7 +74,7 @@ impl PointDynamics for ProgramPoints {
             if finite {
                 widest(
                     #[inline(always)]
-                    || Rows { rows: &mut points.tau, size: n, group }.put(0..n, |k| outputs[k]),
+                    || Rows { rows: &mut points.tau, size: n, group }.put_all(0..n, |k| outputs[k]),
                 );
             } else {
                 self.generic.one.evaluate_some(points, group)?;
@@ -152,17 +152,10 @@ fn gather(rows: &[f64], group: &Range<usize>, to: &mut [[f64; LANES]]) {
     }
 }
 
-/// Rows of `size` entries, one for each point, of which those of a group are written.
-struct Rows<'a> {
-    rows: &'a mut [f64],
-    size: usize,
-    group: Range<usize>,
-}
-
 impl Rows<'_> {
     /// Writes entries of the rows: the k-th of them is `value(k)`, a lane for each point.
     #[inline(always)]
-    fn put(&mut self, entries: Range<usize>, value: impl Fn(usize) -> [f64; LANES]) {
+    fn put_all(&mut self, entries: Range<usize>, value: impl Fn(usize) -> [f64; LANES]) {
         let (size, count) = (self.size, entries.len());
         let rows = &mut self.rows[size * self.group.start..size * self.group.end];
         let mut k = 0;
@@ -192,21 +185,22 @@ fn take(outputs: &[[f64; LANES]], group: Range<usize>, points: &mut Points) {
     let (tau, rest) = outputs.split_at(n);
     let (tau_z, rest) = rest.split_at(3 * n * n);
     let (xx, aq) = rest.split_at(4 * n * n);
-    Rows { rows: &mut points.tau, size: n, group: group.clone() }.put(0..n, |k| tau[k]);
-    Rows { rows: &mut points.tau_z, size: 3 * n * n, group: group.clone() }.put(0..3 * n * n, |k| tau_z[k]);
+    Rows { rows: &mut points.tau, size: n, group: group.clone() }.put_all(0..n, |k| tau[k]);
+    Rows { rows: &mut points.tau_z, size: 3 * n * n, group: group.clone() }
+        .put_all(0..3 * n * n, |k| tau_z[k]);
     let mut hessian = Rows { rows: &mut points.hessian, size: 9 * n * n, group };
     for i in 0..2 * n {
         let (row, xx) = (3 * n * i, &xx[2 * n * i..2 * n * (i + 1)]);
-        hessian.put(row..row + 2 * n, |k| xx[k]);
+        hessian.put_all(row..row + 2 * n, |k| xx[k]);
         match i < n {
-            true => hessian.put(row + 2 * n..row + 3 * n, |k| aq[n * k + i]),
-            false => hessian.put(row + 2 * n..row + 3 * n, |_| [0.0; LANES]),
+            true => hessian.put_all(row + 2 * n..row + 3 * n, |k| aq[n * k + i]),
+            false => hessian.put_all(row + 2 * n..row + 3 * n, |_| [0.0; LANES]),
         }
     }
     for i in 0..n {
         let (row, aq) = (3 * n * (2 * n + i), &aq[n * i..n * (i + 1)]);
-        hessian.put(row..row + n, |k| aq[k]);
-        hessian.put(row + n..row + 3 * n, |_| [0.0; LANES]);
+        hessian.put_all(row..row + n, |k| aq[k]);
+        hessian.put_all(row + n..row + 3 * n, |_| [0.0; LANES]);
     }
 }
 

@@ -97,7 +97,10 @@ impl Direct<'_> {
         let has_obstacles = problem.task.collision.is_some();
         if number == 0 && saved.is_none() && options.starts.is_none() && has_obstacles {
             for other in 1..=guesses::DETOURS {
-                if !exceeds_limits(&solution) || !fails(&solution) || recorder.interruption().is_some() {
+                if !solution.motion.status.exceeds_limits()
+                    || !fails(&solution)
+                    || recorder.interruption().is_some()
+                {
                     break;
                 }
                 let first = First::new(problem, rows, options, other, None);
@@ -158,8 +161,7 @@ impl Direct<'_> {
         let ends = AtEnds::of(interior)?;
         let found::Found { trajectory, hamiltonians, stationarity } = found(problem, interior, &ends)?;
         // What exceeds its limits leads nowhere.
-        let exceeds = matches!(status, Status::LimitsNotKept | Status::Infeasible)
-            || interior.figures.violation > constants::VIOLATION_ACCEPTED;
+        let exceeds = status.exceeds_limits() || interior.figures.violation > constants::VIOLATION_ACCEPTED;
         let is_checked = !(status.is_interruption() || exceeds);
         let again = again.unwrap_or_else(|| match is_checked {
             false => Again::unknown(false),
@@ -218,11 +220,6 @@ fn fails(solution: &Solution) -> bool {
     let status = &solution.motion.status;
     let is_proven = solution.limits.infeasible.as_ref().is_some_and(|found| found.is_global);
     !status.is_solved() && !status.is_interruption() && *status != Status::NotVerified && !is_proven
-}
-
-/// Whether what was found is no motion that keeps all limits.
-fn exceeds_limits(solution: &Solution) -> bool {
-    matches!(solution.motion.status, Status::Infeasible | Status::LimitsNotKept)
 }
 
 /// Keeps the better one of two solutions, with the steps of both. Whether it is the other one.
