@@ -6,7 +6,7 @@ from scipy.stats import beta
 
 import speed
 from comparison import NEAR, STARTS, excess
-from measures import ACCURATE, OURS, PEER, kinds, of, solved
+from measures import ACCURATE, OURS, PEER, is_costate, kinds, of, solved, tolerances
 
 # Share of tasks that must be solved in these classes.
 SURE, SURE_CLASSES = 0.99, "abg"
@@ -67,7 +67,7 @@ def arms(figures):
 
 def limits(figures):
     for key, bound, where in (("at_points", AT_POINTS, "at points"), ("between", BETWEEN, "between points")):
-        for label, tolerance in zip((OURS, ACCURATE), figures[0]["tolerances"]):
+        for label, tolerance in tolerances(figures[0]["tolerances"]).items():
             worst = {kind: max(row["sides"][label][key] for row in rows)
                      for kind in kinds(figures) if (rows := solved(of(figures, kind), label))}
             text = ", ".join(f"{kind} {value:.0e}" for kind, value in worst.items())
@@ -84,7 +84,7 @@ def best_cost(figures):
     unknown = [row["task"] for row in of(figures) if row["best"] is None and row["task"] not in unsolved]
     for what, names in (("not solved", unsolved), ("no best cost known", unknown)):
         text += f"; {what}, not counted: {len(names)} ({', '.join(names)})" if names else ""
-    own = sum(row["best_by"] in (OURS, ACCURATE, "starts") for row, _ in rows)
+    own = sum(row["best_by"] == "starts" or is_costate(row["best_by"]) for row, _ in rows)
     return (f"at most {DEARER:.0%} of tasks cost more than {NEAR:g} above the best cost known, other minima told apart by "
             f"{STARTS} starts", f"{text}; the best cost is costate's own on {own}",
             verdict(len(left) <= DEARER * len(rows) if rows else None))

@@ -15,6 +15,7 @@ import derivatives
 import in_space
 import inside
 import judged
+import measures
 import points
 import robots
 import sensitivities
@@ -43,8 +44,8 @@ def arguments():
     parser.add_argument("--tasks", type=int, default=18, help="tasks a class, taken in turn from the robots (18)")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--elements", type=int, default=20, help="elements of the peer's mesh, 3 Radau points each (20)")
-    parser.add_argument("--tolerances", nargs=2, type=float, default=[1e-4, 1e-7], metavar="TOLERANCE",
-                        help="of costate: relative error of the cost; the first one for the comparison (1e-4 1e-7)")
+    parser.add_argument("--tolerances", nargs="+", type=float, default=[1e-4, 1e-5, 1e-6, 1e-7], metavar="TOLERANCE",
+                        help="of costate, two or more, the loosest first: relative error of the cost (1e-4 1e-5 1e-6 1e-7)")
     parser.add_argument("--repeats", type=int, default=3, help="rounds: each side solves once in the first one, three times "
                         "in each of the others; the least time counts (3)")
     parser.add_argument("--time-limit", type=float, default=60.0, help="of each solver (s, 60)")
@@ -109,7 +110,7 @@ def run(options, costate, file):
         peers["interpreted"] = Peer(points.interpreted, options.time_limit)
     further = [f"--{text}" for text in options.costate_arguments]
     ours = {label: Ours(options.cache, costate, first, tolerance, options.time_limit, further)
-            for label, tolerance in zip(("costate", "accurate", DEFAULT), (*options.tolerances, None))}
+            for label, tolerance in [*measures.tolerances(options.tolerances).items(), (DEFAULT, None)]}
     for name in options.robots:
         difference = agreement.check(costate, first, robots.read(ROOT, costate, name))
         say(f"{name}: inverse dynamics of both agree: {difference:.0e}")

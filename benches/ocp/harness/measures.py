@@ -7,11 +7,21 @@ from comparison import DEFAULT, excess
 
 # The peer, the same to looser tolerances, and with costate's functions inside.
 PEER, MIDDLE, LOOSE, INSIDE = "peer", "middle", "loose", "peer_ours"
-# costate at its first and at its second tolerance.
+# costate at its first and at its last tolerance.
 OURS, ACCURATE = "costate", "accurate"
-COSTATE = OURS, ACCURATE, DEFAULT
-# Errors below this count as equal: the best cost known is not better known, and it is costate's second tolerance.
+# Errors below this count as equal: the best cost known is not better known, and it is costate's last tolerance.
 FLOOR = 1e-7
+
+
+def tolerances(values):
+    """Label -> tolerance of costate; the first one and the last one have labels of their own."""
+    labels = [OURS, *(f"{OURS} {value:g}" for value in values[1:-1]), ACCURATE]
+    return dict(zip(labels, values, strict=True))
+
+
+def is_costate(label):
+    """At one of its tolerances, or with default options."""
+    return label.split()[0] in (OURS, ACCURATE, DEFAULT)
 
 
 def of(figures, kind=None):
@@ -57,8 +67,8 @@ def ratios_at_accuracy(rows, error_of):
     for row in rows:
         theirs = error_of(row, PEER)
         if theirs is not None:
-            near = [label for label in (OURS, ACCURATE)
-                    if (own := error_of(row, label)) is not None and own <= max(theirs, FLOOR)]
+            near = [label for label in row["sides"] if is_costate(label) and label != DEFAULT
+                    and (own := error_of(row, label)) is not None and own <= max(theirs, FLOOR)]
             found.append(max((row["sides"][PEER]["ms"] / row["sides"][label]["ms"] for label in near), default=0.0))
     return found
 

@@ -2,8 +2,8 @@
 
 from statistics import median
 
-from measures import (ACCURATE, INSIDE, LOOSE, MIDDLE, OURS, PEER, by_class, cost_error, error, middle_of, of, ratios,
-                      ratios_at_accuracy, solved)
+from measures import (INSIDE, LOOSE, MIDDLE, OURS, PEER, by_class, cost_error, error, middle_of, of, ratios,
+                      ratios_at_accuracy, solved, tolerances)
 
 # Peer's time over costate's: median of all tasks, median of the worst class.
 MEDIAN_RATIO, WORST_RATIO = 20.0, 10.0
@@ -14,9 +14,9 @@ def goals(figures, verdict):
     rows = of(figures)
     at_accuracy = lambda rows: ratios_at_accuracy(rows, error)
     every, medians = at_accuracy(rows), by_class(figures, at_accuracy)
-    ours, accurate = figures[0]["tolerances"]
-    what = (f"peer's time at {figures[0]['peer_tolerances'][0]:g} over that of the faster answer of costate, at {ours:g} or "
-            f"{accurate:g}, whose error is at most the peer's")
+    own = ", ".join(f"{value:g}" for value in figures[0]["tolerances"])
+    what = (f"peer's time at {figures[0]['peer_tolerances'][0]:g} over that of the fastest answer of costate, at {own}, whose "
+            "error is at most the peer's")
     reached = f", reached on {sum(ratio > 0 for ratio in every)} of {len(every)} tasks"
     if left := len(rows) - len(every):
         reached += f"; left out, not solved by the peer or without a best cost known: {left}"
@@ -28,21 +28,19 @@ def goals(figures, verdict):
 
 def comparisons(figures):
     """No goals: costate at each tolerance beside each peer, with the accuracy of both; only what is measured."""
-    (ours, accurate), (tight, middle, loose) = figures[0]["tolerances"], figures[0]["peer_tolerances"]
+    own, (tight, middle, loose) = tolerances(figures[0]["tolerances"]), figures[0]["peer_tolerances"]
     rows = of(figures)
     cost_only = lambda rows: ratios_at_accuracy(rows, cost_error)
     if every := cost_only(rows):
         yield ("at the peer's accuracy, the error being that of the cost alone",
                f"{median(every):.2f}, reached on {sum(ratio > 0 for ratio in every)} of {len(every)} tasks; "
                f"{listed(by_class(figures, cost_only))}", faster(every))
-    for label, tolerance, peer, other in ((OURS, ours, PEER, f"the peer at {tight:g}"),
-                                          (ACCURATE, accurate, PEER, f"the peer at {tight:g}"),
-                                          (OURS, ours, MIDDLE, f"the peer at {middle:g}"),
-                                          (OURS, ours, LOOSE, f"the peer at {loose:g}"),
-                                          (OURS, ours, INSIDE, f"the peer at {tight:g} with costate's functions inside")):
+    for label, peer, other in (*((label, PEER, f"the peer at {tight:g}") for label in own),
+                               (OURS, MIDDLE, f"the peer at {middle:g}"), (OURS, LOOSE, f"the peer at {loose:g}"),
+                               (OURS, INSIDE, f"the peer at {tight:g} with costate's functions inside")):
         found = lambda rows, peer=peer, label=label: ratios(rows, peer, label)
         if every := found(rows):
-            yield (f"costate at {tolerance:g} beside {other}: median of all tasks; of every class; accuracy of both",
+            yield (f"costate at {own[label]:g} beside {other}: median of all tasks; of every class; accuracy of both",
                    f"{median(every):.2f}; {listed(by_class(figures, found))}; {accuracy(rows, label, peer)}", faster(every))
 
 

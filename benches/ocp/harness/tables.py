@@ -61,15 +61,15 @@ def line(rows, label):
     sides = [row["sides"][label] for row in done]
     above = [value for row in done if (value := excess(row, label)) is not None]
     ratio = spread(ratios(rows, label), "{:.2f}") if label not in (measures.OURS, measures.DEFAULT) else ""
-    return [NAMES[label], f"{len(done)} of {len(rows)}", spread([side["ms"] for side in sides], "{:.1f}"),
+    return [NAMES.get(label, label.replace(" ", ", tolerance ")), f"{len(done)} of {len(rows)}", spread([side["ms"] for side in sides], "{:.1f}"),
             middle(sides, "process_ms", "{:.1f}"), ratio, middle(sides, "iterations", "{:.0f}"),
             f"{median(above):.0e}, {max(above):.0e}" if above else "-", worst(sides, "gap"), worst(sides, "cut"),
             worst(sides, "end"), worst(sides, "held"), worst(sides, "at_points"), worst(sides, "between")]
 
 
 def ratios(rows, label):
-    """On rows of peers their time over costate's at its first tolerance, with the second tolerance the first peer's over it."""
-    return measures.ratios(rows, measures.PEER, label) if label in measures.COSTATE else measures.ratios(rows, label)
+    """On rows of peers their time over costate's at its first tolerance, with other tolerances the first peer's over it."""
+    return measures.ratios(rows, measures.PEER, label) if measures.is_costate(label) else measures.ratios(rows, label)
 
 
 def spread(values, form):
@@ -128,7 +128,7 @@ def reason(side):
 def machine_text(figures):
     head = figures[0]
     packages = ", ".join(f"{name} {number}" for name, number in head["packages"].items())
-    tolerances = " and ".join(f"{tolerance:g}" for tolerance in head["tolerances"])
+    tolerances = ", ".join(f"{tolerance:g}" for tolerance in head["tolerances"])
     theirs = ", ".join(f"{tolerance:g}" for tolerance in head["peer_tolerances"])
     times = 1 + TIMES * (head["repeats"] - 1)
     return (f"{head['machine']}; {'; '.join(head['compilers'])}; {packages}; {head['costate']}. Seed {head['seed']}; peer: "
