@@ -150,6 +150,10 @@ fn direct_figures(problem: &Problem, solution: &Solution) -> Vec<(&'static str, 
     if let Some(&error) = motion.errors.first() {
         figures.push(("error of the cost", format!("{} relative, estimated", scientific(error))));
     }
+    if motion.finer_mesh.is_finite() {
+        let change = scientific(motion.finer_mesh);
+        figures.push(("finer mesh", format!("changes the cost by {change}, relative, with halved intervals")));
+    }
     if motion.stationarity.is_finite() {
         let stationarity = scientific(motion.stationarity);
         // The method in states has one figure for all conditions of first order.

@@ -30,6 +30,14 @@ pub(crate) mod disconjugate {
     pub const NEGLIGIBLE: f64 = 0.1;
 }
 
+/// The motion on a finer mesh, beside a solved one.
+pub(crate) mod finer_mesh {
+    /// Most Newton steps that it may take from the solved one.
+    pub const STEPS: usize = 20;
+    /// How often the search goes on from it where the cost changes by more than the tolerance.
+    pub const MESHES: usize = 3;
+}
+
 /// Joints that a mesh does not follow.
 pub(crate) mod fast_joint {
     /// `rho h` above which a mesh does not follow.

@@ -66,7 +66,8 @@ pub enum Verify {
     /// points. Nothing is integrated, so there are no end defect, shooting defect and conjugate times.
     Factors,
     /// An adaptive integrator repeats the motion from its start with the control that was found, and looks
-    /// for conjugate times.
+    /// for conjugate times. The direct method solves once more on halved intervals
+    /// ([`Motion::finer_mesh`](crate::Motion::finer_mesh)).
     #[default]
     Full,
 }

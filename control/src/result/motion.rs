@@ -87,6 +87,10 @@ pub struct Motion {
     /// direct method the sum over 20 parts of the motion, without costates, where it misses its end
     /// integrated once through; infinite where that was not needed.
     pub shooting_defect: f64,
+    /// By how much the cost changes on the mesh with halved intervals, relative to it: the error that this
+    /// mesh had, not an estimate. NaN unless verified by [`Verify::Full`] with the direct method, and where
+    /// that mesh has too many nodes or is not solved in a few steps.
+    pub finer_mesh: f64,
     /// Sum of slack times multiplier of all limits, relative to the cost: about what the barrier costs at
     /// most. NaN without the direct method.
     pub duality_gap: f64,
@@ -135,6 +139,7 @@ impl Motion {
             verification: Verify::None,
             conditioning: f64::NAN,
             shooting_defect: f64::INFINITY,
+            finer_mesh: f64::NAN,
             duality_gap: f64::NAN,
             newton_decrement: f64::NAN,
             stationarity: f64::NAN,

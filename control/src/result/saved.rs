@@ -86,6 +86,8 @@ struct Document {
     end_defect: Option<f64>,
     shooting_defect: Option<f64>,
     #[serde(default)]
+    finer_mesh: Option<f64>,
+    #[serde(default)]
     duality_gap: Option<f64>,
     #[serde(default)]
     newton_decrement: Option<f64>,
@@ -211,6 +213,7 @@ impl From<&Solution> for Document {
             costate_start: SavedCostates { y_q: y_q.to_vec(), y_p: y_p.to_vec() },
             end_defect: finite(solution.end_defect),
             shooting_defect: finite(motion.shooting_defect),
+            finer_mesh: finite(motion.finer_mesh),
             duality_gap: finite(motion.duality_gap),
             newton_decrement: finite(motion.newton_decrement),
             stationarity: finite(motion.stationarity),
@@ -258,6 +261,7 @@ impl TryFrom<Document> for Solution {
             hamiltonian_drift: document.hamiltonian_drift.unwrap_or(f64::INFINITY),
             phase_hamiltonians: document.phase_hamiltonians,
             shooting_defect: document.shooting_defect.unwrap_or(f64::INFINITY),
+            finer_mesh: document.finer_mesh.unwrap_or(f64::NAN),
             duality_gap: document.duality_gap.unwrap_or(f64::NAN),
             newton_decrement: document.newton_decrement.unwrap_or(f64::NAN),
             stationarity: document.stationarity.unwrap_or(f64::NAN),

@@ -97,6 +97,7 @@ impl Solved {
             verification,
             conditioning,
             shooting_defect,
+            finer_mesh: f64::NAN,
             duality_gap: f64::NAN,
             newton_decrement: f64::NAN,
             stationarity: f64::NAN,

@@ -99,6 +99,11 @@ class Figures:
         return str(self._figures["verification"])
 
     @property
+    def finer_mesh(self) -> float:
+        """By how much the cost changes on a mesh with halved intervals, relative to it; NaN where not known."""
+        return self._number("finer_mesh")
+
+    @property
     def end_defect(self) -> float:
         """Largest miss at the end when the motion is integrated again (rad, m, rad/s, m/s); NaN unless it was."""
         return self._number("end_defect")

@@ -21,6 +21,8 @@ def _rows(solution: Solution) -> list[tuple[str, str]]:
         rows += [("cost", f"{solution.cost:.12g}"), ("final time", f"{solution.final_time:.10g} s")]
     if len(solution.errors) == 1:
         rows.append(("error of the cost", f"{solution.errors[0]:.1e} relative, estimated"))
+    if np.isfinite(solution.finer_mesh):
+        rows.append(("finer mesh", f"changes the cost by {solution.finer_mesh:.1e} relative"))
     if np.isfinite(solution.end_defect):
         rows.append(("end defect", f"{solution.end_defect:.1e}"))
     for kind, use in solution.limits.items():

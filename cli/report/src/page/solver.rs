@@ -65,6 +65,7 @@ fn meaning(name: &str) -> &'static str {
         "local minimum" => "what the second derivatives of the direct method show",
         "verification" => "how the motion was checked",
         "error of the cost" => "estimated from the mesh, relative",
+        "finer mesh" => "what half the widths would change: the error that this mesh had",
         "active limits" => "limits that the motion reaches",
         "switches" => "times at which a control reaches or leaves a bound",
         "bounds needed" | "at joint" | "at time" | "control there" | "its bound" => {

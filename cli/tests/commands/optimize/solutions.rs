@@ -22,6 +22,7 @@ fn json_has_the_documented_keys_and_the_cost_of_the_swing_up() {
         "duality_gap",
         "end_defect",
         "final_time",
+        "finer_mesh",
         "format",
         "hamiltonian",
         "hamiltonian_drift",

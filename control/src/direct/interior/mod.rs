@@ -17,6 +17,7 @@ pub(super) mod relaxation;
 pub(super) mod rounding;
 pub(super) mod search;
 mod small_cost;
+pub(super) mod snapshot;
 pub(super) mod squares;
 mod start;
 pub(super) mod step;

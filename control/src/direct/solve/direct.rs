@@ -1,5 +1,6 @@
 //! From a problem to a motion: starts, meshes, verification.
 
+use super::finer_mesh::compare_with_finer_mesh;
 use super::first::First;
 use super::looks::{Found, Looked, Looks};
 use super::meshes::{Start, refine};
@@ -144,6 +145,8 @@ impl Direct<'_> {
         }
         let model = (problem, self.rows);
         leave_saddles(model, self.options, &mut interior, &mut resolution, &mut refined, recorder)?;
+        let iterate = (&mut interior, &mut resolution, &mut refined);
+        compare_with_finer_mesh(problem, self.options, iterate, recorder)?;
         self.finish(&mut interior, &resolution, refined, Smoothing::default(), recorder)
     }
 
@@ -152,7 +155,7 @@ impl Direct<'_> {
         &self,
         interior: &mut Interior<Dynamics>,
         resolution: &Resolution,
-        Refined { status, error, again, infeasible }: Refined,
+        Refined { status, error, finer_mesh, again, infeasible }: Refined,
         smoothing: Smoothing,
         recorder: &mut Recorder<'_>,
     ) -> Result<Solution, EvalError> {
@@ -187,6 +190,7 @@ impl Direct<'_> {
             hamiltonian_drift: hamiltonians.drift,
             end_state: again.state,
             shooting_defect: again.parts,
+            finer_mesh: finer_mesh.unwrap_or(f64::NAN),
             duality_gap: interior.figures.gap / interior.figures.size,
             stationarity,
             newton_decrement: interior.figures.decrement.abs() / interior.figures.size,

@@ -188,7 +188,7 @@ pub(super) fn refine(
             End::Solved => Status::MeshLimit,
         };
         let is_cut = status == Status::NotVerified && mended.wants_torques(&beyond);
-        refined = Refined { status, error, again, infeasible: None };
+        refined = Refined { error, again, ..Refined::without(status) };
         if is_cut && resolution.take_hulls(interior, true) {
             mended.keep(&interior.spline);
             mended.begin_mesh();

@@ -6,6 +6,7 @@
 mod around;
 mod candidates;
 pub(super) mod direct;
+mod finer_mesh;
 pub(super) mod first;
 pub(super) mod first_time;
 mod looks;

@@ -11,6 +11,8 @@ pub(super) struct Refined {
     pub status: Status,
     /// Estimated error of the cost, relative to it.
     pub error: f64,
+    /// By how much the cost changes on halved intervals, relative to it, if that is known.
+    pub finer_mesh: Option<f64>,
     /// The motion integrated again, if that was done on its last mesh.
     pub again: Option<Again>,
     /// Why there is no motion that keeps all limits.
@@ -32,6 +34,6 @@ impl Refined {
 
     /// Without a motion that was solved.
     pub fn without(status: Status) -> Self {
-        Self { status, error: f64::INFINITY, again: None, infeasible: None }
+        Self { status, error: f64::INFINITY, finer_mesh: None, again: None, infeasible: None }
     }
 }
