@@ -152,7 +152,8 @@ fn direct_figures(problem: &Problem, solution: &Solution) -> Vec<(&'static str, 
     }
     if motion.finer_mesh.is_finite() {
         let change = scientific(motion.finer_mesh);
-        figures.push(("finer mesh", format!("changes the cost by {change}, relative, with halved intervals")));
+        figures
+            .push(("finer mesh", format!("changes the cost by {change}, relative, with halved intervals")));
     }
     if motion.stationarity.is_finite() {
         let stationarity = scientific(motion.stationarity);

@@ -3,8 +3,9 @@
 //! A straight way in the joints may pass an obstacle on the dearer side. The optimal motion without obstacles
 //! often passes it on the other one, or does not meet it at all.
 
-use super::meshes::{Start, refine};
+use super::meshes::refine;
 use super::prepare::interior;
+use super::refinement::Start;
 use crate::constants::direct as constants;
 use crate::direct::interior::looseness::Looseness;
 use crate::direct::motion::spline::Spline;

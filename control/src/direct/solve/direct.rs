@@ -3,9 +3,10 @@
 use super::finer_mesh::compare_with_finer_mesh;
 use super::first::First;
 use super::looks::{Found, Looked, Looks};
-use super::meshes::{Start, refine};
+use super::meshes::refine;
 use super::prepare::{Dynamics, interior_of};
 use super::refined::Refined;
+use super::refinement::Start;
 use super::saddle::leave_saddles;
 use super::with_effort::{Smoothing, WithEffort, with_effort};
 use crate::constants::direct as constants;

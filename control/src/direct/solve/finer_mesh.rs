@@ -4,9 +4,10 @@
 //! in full is solved once more with all intervals halved, from its own multipliers, which takes a few steps:
 //! what the cost changes by is the error that the mesh had, less that of the finer one.
 
-use super::meshes::{Start, iteration, refine};
+use super::meshes::refine;
 use super::prepare::Dynamics;
 use super::refined::Refined;
+use super::refinement::{Start, iteration};
 use crate::constants::checks::finer_mesh;
 use crate::constants::direct as constants;
 use crate::direct::interior::iterate::{End, Interior};

@@ -7,8 +7,8 @@
 use super::around::without_obstacles;
 use super::candidates::candidates;
 use super::first::First;
-use super::meshes::{Start, iteration};
 use super::prepare::{Dynamics, interior_of, interior_on};
+use super::refinement::{Start, iteration};
 use super::waiting::rest_between;
 use crate::constants::direct as constants;
 use crate::constants::guesses;

@@ -5,15 +5,19 @@
 
 mod around;
 mod candidates;
+mod conclusion;
 pub(super) mod direct;
 mod finer_mesh;
 pub(super) mod first;
 pub(super) mod first_time;
+mod limits_between;
 mod looks;
 mod mending;
 mod meshes;
+mod next_mesh;
 pub(super) mod prepare;
 pub(super) mod refined;
+mod refinement;
 mod rest_pose;
 pub(super) mod restore;
 mod saddle;

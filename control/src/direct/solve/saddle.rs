@@ -1,9 +1,10 @@
 //! What is done where a motion turns out to be a saddle: the search goes on below it.
 
 use super::first::First;
-use super::meshes::{Start, refine};
+use super::meshes::refine;
 use super::prepare::{Dynamics, interior_on};
 use super::refined::Refined;
+use super::refinement::Start;
 use crate::constants::{direct as constants, saddle};
 use crate::direct::interior::inertia::Inertia;
 use crate::direct::interior::iterate::Interior;

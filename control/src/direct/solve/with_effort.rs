@@ -10,9 +10,10 @@
 //! \Bigr). $$
 
 use super::first::First;
-use super::meshes::{Start, refine};
+use super::meshes::refine;
 use super::prepare::{Dynamics, interior_on};
 use super::refined::Refined;
+use super::refinement::Start;
 use crate::constants::direct as constants;
 use crate::direct::interior::iterate::Interior;
 use crate::direct::interior::looseness::Looseness;
