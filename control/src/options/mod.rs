@@ -212,6 +212,9 @@ impl SolverOptions {
 /// Most starts: more take longer than anybody waits.
 const MOST_STARTS: usize = 1_000_000;
 
+/// Most nodes of a mesh: far more than any motion needs.
+const MOST_NODES: usize = 1_000_000;
+
 /// Most threads: systems refuse many more.
 const MOST_THREADS: usize = 1024;
 
@@ -241,11 +244,11 @@ impl SolverOptions {
             return bad("nodes", self.nodes as f64, "must be 3 or more");
         }
         if self.max_nodes < self.nodes {
-            return bad(
-                "nodes",
-                self.nodes as f64,
-                "must not exceed the most nodes of a mesh, 6001 by default",
-            );
+            let remedy = "must be at least solver.nodes; 6001 by default";
+            return bad("max_nodes", self.max_nodes as f64, remedy);
+        }
+        if self.max_nodes > MOST_NODES {
+            return bad("max_nodes", self.max_nodes as f64, "must be at most 1000000");
         }
         if self.max_iterations == 0 {
             return bad("max_iterations", 0.0, "must be 1 or more");

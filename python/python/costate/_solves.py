@@ -34,6 +34,7 @@ class Solves:
         seed: int | None = None,
         threads: int | None = None,
         nodes: int | None = None,
+        max_nodes: int | None = None,
         time_limit: float | None = None,
         method: Literal["direct", "collocation", "shooting"] | None = None,
         verify: Literal["full", "factors", "none"] | None = None,
@@ -54,7 +55,8 @@ class Solves:
 
         Parameters
         ----------
-        tolerance, starts, seed, threads, nodes, time_limit, method, verify, polish, machine_code, jacobian, coordinates
+        tolerance, starts, seed, threads, nodes, max_nodes, time_limit, method, verify, polish
+        machine_code, jacobian, coordinates
             Options in the place of those of ``[solver]``, which ``docs/optimize.md`` describes: ``tolerance`` of the
             cost (1e-6), number of guesses ``starts`` that are solved to the end (not given: the best one of several that
             are looked at roughly), ``time_limit`` in s (inf: none), ``coordinates`` of the indirect methods, "qp"
@@ -85,7 +87,8 @@ class Solves:
         """
         _run.check_on_interrupt(on_interrupt)
         options: dict[str, Any] = {"tolerance": tolerance, "starts": starts, "seed": seed, "threads": threads}
-        options |= {"nodes": nodes, "time_limit": time_limit, "method": method, "verify": verify, "polish": polish}
+        options |= {"nodes": nodes, "max_nodes": max_nodes, "time_limit": time_limit, "method": method}
+        options |= {"verify": verify, "polish": polish}
         options |= {"machine_code": machine_code, "jacobian": jacobian, "coordinates": coordinates}
         show = _run.logger.isEnabledFor(10)
         collect = show or progress not in (None, False)

@@ -15,6 +15,8 @@ const ROBOT: &[&str] = &[
     "gravity",
     "armature",
     "friction",
+    "floating_base",
+    "quaternions",
     "limits",
     "frame",
     "payload",
@@ -40,6 +42,10 @@ pub(super) struct RobotTable {
     /// Whether the friction of the file counts: of all joints of a URDF, where it does not otherwise, or of
     /// none, whatever the file says.
     friction: Option<bool>,
+    /// Whether the root link flies, and whether floating joints of the file have quaternions; what is not
+    /// said is as the caller asks for.
+    floating_base: Option<bool>,
+    quaternions: Option<bool>,
     changes: Vec<Change>,
 }
 
@@ -69,7 +75,14 @@ pub(super) fn read(root: &Table<'_>, source: Source) -> Result<RobotTable, Fault
     if !root.has_table("robot") {
         let file = named(root, "robot", root.string("robot")?)?;
         let file_at = ("robot", root.start_of("robot"));
-        return Ok(RobotTable { file, file_at, friction: None, changes: Vec::new() });
+        return Ok(RobotTable {
+            file,
+            file_at,
+            friction: None,
+            floating_base: None,
+            quaternions: None,
+            changes: Vec::new(),
+        });
     }
     let table = root.need("robot", root.table("robot")?)?;
     table.only(ROBOT)?;
@@ -112,7 +125,14 @@ pub(super) fn read(root: &Table<'_>, source: Source) -> Result<RobotTable, Fault
         add("reduced_to", None, RobotEdit::ReducedTo(kept));
     }
     let file = named(&table, "file", table.string("file")?)?;
-    Ok(RobotTable { file, file_at: ("robot.file", table.start_of("file")), friction: of_all, changes })
+    Ok(RobotTable {
+        file,
+        file_at: ("robot.file", table.start_of("file")),
+        friction: of_all,
+        floating_base: table.flag("floating_base")?,
+        quaternions: table.flag("quaternions")?,
+        changes,
+    })
 }
 
 fn friction(table: &Table<'_>) -> Result<Friction, Fault> {
@@ -193,6 +213,8 @@ impl RobotTable {
     pub fn load(&self, root: &Table<'_>, path: &Path, options: LoadOptions) -> Result<Robot, Fault> {
         let refused = |error| self.refused(root, error);
         let options = self.friction.map_or(options, |friction| options.friction(friction));
+        let options = self.floating_base.map_or(options, |flies| options.floating_base(flies));
+        let options = self.quaternions.map_or(options, |has_them| options.quaternions(has_them));
         if self.changes.is_empty() && self.friction != Some(false) {
             return Robot::from_file_with(path, options).map_err(refused);
         }
