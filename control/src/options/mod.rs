@@ -244,8 +244,8 @@ impl SolverOptions {
             return bad("nodes", self.nodes as f64, "must be 3 or more");
         }
         if self.max_nodes < self.nodes {
-            let remedy = "must be at least solver.nodes; 6001 by default";
-            return bad("max_nodes", self.max_nodes as f64, remedy);
+            let remedy = "must not exceed solver.max_nodes, which is 6001 by default";
+            return bad("nodes", self.nodes as f64, remedy);
         }
         if self.max_nodes > MOST_NODES {
             return bad("max_nodes", self.max_nodes as f64, "must be at most 1000000");

@@ -15,6 +15,7 @@ mod dynamics;
 mod equations;
 mod extremals;
 mod fast_joints;
+mod finer_mesh;
 mod free_joints;
 mod free_start;
 mod guessed_times;

@@ -52,3 +52,37 @@ fn motions_of_a_satellite_are_written_and_not_drawn() {
     let message = stderr(&output);
     assert!(message.contains("end.q") && message.contains("has length 1.08"), "{message}");
 }
+
+/// The keys of the file do what the options do.
+#[test]
+fn the_base_flies_by_a_key_as_by_an_option() {
+    let folder = empty_folder("flying_key");
+    let inertia = |mass: f64, [x, y, z]: [f64; 3]| {
+        format!(
+            "<inertial><mass value=\"{mass}\"/><inertia ixx=\"{x}\" iyy=\"{y}\" izz=\"{z}\" ixy=\"0\" \
+             ixz=\"0\" iyz=\"0\"/></inertial>"
+        )
+    };
+    let urdf = format!(
+        "<robot name=\"wheel\"><link name=\"base\">{}</link><link name=\"rim\">{}</link>\
+         <joint name=\"wheel\" type=\"continuous\"><parent link=\"base\"/><child link=\"rim\"/>\
+         <axis xyz=\"0 0 1\"/></joint></robot>",
+        inertia(10.0, [2.0, 3.0, 4.0]),
+        inertia(1.0, [0.1, 0.1, 0.2])
+    );
+    std::fs::write(folder.join("wheel.urdf"), urdf).unwrap();
+    let of = |keys: &str| {
+        let free = ["x", "y", "z"].map(|axis| format!("\"root_joint_{axis}\"")).join(", ");
+        let robot = format!("[robot]\nfile = \"wheel.urdf\"\ngravity = [0, 0, 0]\n{keys}");
+        let problem = PROBLEM.replace("robot = \"wheel.toml\"\n", &robot);
+        problem.replace("\"base_x\", \"base_y\", \"base_z\"", &free)
+    };
+    let by_key = optimize("flying_key", &of("floating_base = true\n"), &["--json"]);
+    let by_option = optimize("flying_key", &of(""), &["--json", "--floating-base"]);
+    assert!(by_key.status.success() && by_option.status.success(), "{}", stderr(&by_key));
+    let [by_key, by_option] = [&by_key, &by_option].map(json);
+    assert_eq!(by_key["cost"], by_option["cost"]);
+    assert_eq!(by_key["free_joints"][0]["name"], "root_joint");
+    let fixed = optimize("flying_key", &of("floating_base = false\n"), &["--json", "--floating-base"]);
+    assert_eq!(fixed.status.code(), Some(WRONG), "the file has the last word");
+}

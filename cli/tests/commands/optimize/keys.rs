@@ -86,7 +86,7 @@ fn changes_of_the_robot_are_checked() {
 fn options_of_the_solver_are_checked() {
     let mut missing = Missing::new("keys_solver");
     let whole = "give a whole number that is not negative";
-    for key in ["starts", "threads", "seed", "nodes"] {
+    for key in ["starts", "threads", "seed", "nodes", "max_nodes"] {
         for value in ["\"a\"", "-1", "nan", "1.5", "[1]", "true"] {
             let text = and("solver", &format!("{key} = {value}"));
             missing.check(&text, WRONG, Some(11), &[&format!("solver.{key}: "), whole]);
@@ -96,7 +96,9 @@ fn options_of_the_solver_are_checked() {
         ("starts = 0", &["solver.starts: must be between 1 and 1000000, but is 0"][..]),
         ("threads = 0", &["solver.threads: must be between 1 and 1024, but is 0"]),
         ("nodes = 2", &["solver.nodes: must be 3 or more, but is 2"]),
-        ("nodes = 7000", &["solver.nodes: ", "6001", "7000"]),
+        ("nodes = 7000", &["solver.nodes: ", "solver.max_nodes", "6001", "7000"]),
+        ("max_nodes = 20", &["solver.nodes: must not exceed solver.max_nodes", "but is 21"]),
+        ("max_nodes = 2000000", &["solver.max_nodes: must be at most 1000000"]),
         ("tolerance = 0.2", &["solver.tolerance: must be between", "but is 0.2"]),
         ("tolerance = nan", &["solver.tolerance: must be between", "but is NaN"]),
         ("tolerance = \"a\"", &["solver.tolerance: give a number"]),
