@@ -3,6 +3,7 @@
 use super::refinement::{Judged, Refinement};
 use crate::constants::direct as constants;
 use crate::direct::refine::move_inside::Inside;
+use crate::result::stage_times::Stage;
 use costate::EvalError;
 
 impl Refinement<'_, '_> {
