@@ -53,7 +53,8 @@ impl Refinement<'_, '_> {
         Ok((self.refined.status.is_converged() || unverified || hopeless).then_some(Next::Done))
     }
 
-    /// Whether the torques lead along the motion, to the tolerance of the options; or what stopped the search.
+    /// Whether the torques lead along the motion, to the tolerance of the options; or what stopped the
+    /// search.
     fn verified(&mut self, again: &mut Option<Again>) -> Status {
         let Self { problem, options, interior, resolution, recorder, .. } = self;
         let mut stops = || recorder.interruption().is_some();

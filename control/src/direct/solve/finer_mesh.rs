@@ -50,9 +50,9 @@ pub(super) fn compare_with_finer_mesh(
     Ok(())
 }
 
-/// Solves on halved intervals: by how much the cost differs from `cost`, relative to it. `None` where that is
-/// not known: too many nodes, nothing to halve, or not solved in a few steps. The iterate is on the finer mesh
-/// then or on its own one.
+/// Solves on halved intervals: by how much the cost differs from `cost`, relative to it. `None` where that
+/// is not known: too many nodes, nothing to halve, or not solved in a few steps. The iterate is on the finer
+/// mesh then or on its own one.
 fn change_on_finer_mesh(
     options: &SolverOptions,
     interior: &mut Interior<Dynamics>,
