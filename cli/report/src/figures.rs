@@ -150,10 +150,15 @@ fn direct_figures(problem: &Problem, solution: &Solution) -> Vec<(&'static str, 
     if let Some(&error) = motion.errors.first() {
         figures.push(("error of the cost", format!("{} relative, estimated", scientific(error))));
     }
+    // Of the direct method on joints; smoothed problems are not compared.
+    let is_compared =
+        !motion.newton_decrement.is_nan() && !motion.duality_gap.is_nan() && motion.smoothing == 0.0;
     if motion.finer_mesh.is_finite() {
         let change = scientific(motion.finer_mesh);
         figures
             .push(("finer mesh", format!("changes the cost by {change}, relative, with halved intervals")));
+    } else if is_compared && motion.verification == Verify::Full && motion.status.is_converged() {
+        figures.push(("finer mesh", "not compared: it takes too many nodes or steps".into()));
     }
     if motion.stationarity.is_finite() {
         let stationarity = scientific(motion.stationarity);

@@ -244,6 +244,10 @@ impl SolverOptions {
             return bad("nodes", self.nodes as f64, "must be 3 or more");
         }
         if self.max_nodes < self.nodes {
+            if self.nodes == Self::of(self.method).nodes {
+                let remedy = "must be at least solver.nodes, which is 21 by default";
+                return bad("max_nodes", self.max_nodes as f64, remedy);
+            }
             let remedy = "must not exceed solver.max_nodes, which is 6001 by default";
             return bad("nodes", self.nodes as f64, remedy);
         }

@@ -18,20 +18,18 @@ fn motions() -> [(&'static str, Problem); 4] {
     ]
 }
 
-/// The cost changes on the finer mesh by less than the tolerance, and by about what it changes to the cost of
-/// a much smaller tolerance.
+/// What the cost changes by is about its error, measured with a much smaller tolerance. The gap of the
+/// barrier is in both.
 #[test]
 fn the_finer_mesh_tells_the_error() {
     for (name, problem) in motions() {
-        let tolerance = 1e-5;
+        let tolerance = 1e-4;
         let found = Solver::new(&problem, options(tolerance)).unwrap().solve();
         let exact = Solver::new(&problem, options(1e-9)).unwrap().solve();
         assert!(found.motion.status.is_converged() && exact.motion.status.is_converged(), "{name}");
         let told = found.motion.finer_mesh;
-        assert!((0.0..=tolerance).contains(&told), "{name}: {told}");
-        let error = (found.total() / exact.total() - 1.0).abs();
-        // Each step halves the widths, so all that follow change less together; the gap may be part of both.
-        assert!(error <= 2.0 * told + 0.3 * tolerance, "{name}: {error} instead of {told}");
+        let (error, slack) = ((found.total() / exact.total() - 1.0).abs(), 0.05 * tolerance);
+        assert!(told <= 2.0 * error + slack && error <= 2.0 * told + slack, "{name}: {error} not {told}");
     }
 }
 

@@ -97,7 +97,7 @@ fn options_of_the_solver_are_checked() {
         ("threads = 0", &["solver.threads: must be between 1 and 1024, but is 0"]),
         ("nodes = 2", &["solver.nodes: must be 3 or more, but is 2"]),
         ("nodes = 7000", &["solver.nodes: ", "solver.max_nodes", "6001", "7000"]),
-        ("max_nodes = 20", &["solver.nodes: must not exceed solver.max_nodes", "but is 21"]),
+        ("max_nodes = 20", &["solver.max_nodes: must be at least solver.nodes", "but is 20"]),
         ("max_nodes = 2000000", &["solver.max_nodes: must be at most 1000000"]),
         ("tolerance = 0.2", &["solver.tolerance: must be between", "but is 0.2"]),
         ("tolerance = nan", &["solver.tolerance: must be between", "but is NaN"]),

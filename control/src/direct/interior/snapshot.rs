@@ -13,6 +13,7 @@ pub(crate) struct Snapshot {
     barrier: Barrier,
     figures: Figures,
     mu: f64,
+    least_violation: f64,
 }
 
 impl<D: PointDynamics> Interior<D> {
@@ -23,6 +24,7 @@ impl<D: PointDynamics> Interior<D> {
             barrier: self.barrier.clone(),
             figures: self.figures,
             mu: self.mu,
+            least_violation: self.least_violation,
         }
     }
 
@@ -31,9 +33,10 @@ impl<D: PointDynamics> Interior<D> {
     /// # Errors
     /// A motion that cannot be evaluated, which one that was evaluated before is not.
     pub fn take_again(&mut self, snapshot: Snapshot) -> Result<(), EvalError> {
-        let Snapshot { spline, barrier, figures, mu } = snapshot;
+        let Snapshot { spline, barrier, figures, mu, least_violation } = snapshot;
         let iterations = self.figures.iterations;
         (self.spline, self.barrier, self.mu, self.damping) = (spline, barrier, mu, 0.0);
+        self.least_violation = least_violation;
         self.model.resize(&self.spline, &mut self.points);
         self.spline.evaluate(&mut self.points.z);
         self.evaluate()?;

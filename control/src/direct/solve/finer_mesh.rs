@@ -2,7 +2,8 @@
 //!
 //! Estimates of errors assume that torques are smooth inside of the intervals. So a motion that is verified
 //! in full is solved once more with all intervals halved, from its own multipliers, which takes a few steps:
-//! what the cost changes by is the error that the mesh had, less that of the finer one.
+//! what the cost changes by is the error that the mesh had, less that of the finer one. Limits that were
+//! moved inside stand at their own places there, so what it costs to move them is in the change.
 
 use super::meshes::refine;
 use super::prepare::Dynamics;
@@ -20,7 +21,8 @@ use crate::status::Status;
 use costate::EvalError;
 
 /// Compares a motion that is to be verified in full with that on the mesh with halved intervals. Where their
-/// costs differ by more than the tolerance the search goes on from the finer one, a few times.
+/// costs differ by more than the tolerance the search goes on from the finer one, a few times; where that
+/// leads to no solution the motion stays, with the difference as its error.
 ///
 /// # Errors
 /// A motion that cannot be evaluated.
@@ -30,22 +32,39 @@ pub(super) fn compare_with_finer_mesh(
     (interior, resolution, refined): (&mut Interior<Dynamics>, &mut Resolution, &mut Refined),
     recorder: &mut Recorder<'_>,
 ) -> Result<(), EvalError> {
-    for _ in 0..finer_mesh::MESHES {
-        if options.verify != Verify::Full || !refined.status.is_converged() {
+    if options.verify != Verify::Full {
+        return Ok(());
+    }
+    for left in (0..=finer_mesh::MESHES).rev() {
+        if !refined.status.is_converged() {
             return Ok(());
         }
         let solved = interior.snapshot();
-        let finer = change_on_finer_mesh(options, interior, resolution.cost, recorder)?;
-        refined.finer_mesh = finer;
-        if finer.is_none_or(|change| change <= options.tolerance) {
-            interior.take_again(solved)?;
-            interior.clock.lap(Stage::Verification);
-            return Ok(());
+        // All steps of the comparison are verification.
+        let clock = std::mem::take(&mut interior.clock);
+        // What cannot be evaluated there says nothing about this motion.
+        let change = change_on_finer_mesh(options, interior, resolution.cost, recorder).ok().flatten();
+        interior.clock = clock;
+        interior.clock.lap(Stage::Verification);
+        refined.finer_mesh = change;
+        let Some(change) = change.filter(|change| *change > options.tolerance) else {
+            return interior.take_again(solved);
+        };
+        let mut status = Status::MeshLimit;
+        if left > 0 {
+            let mut finer = Resolution::default();
+            let found = refine(problem, options, Start::Solved, interior, &mut finer, recorder);
+            match found.unwrap_or_else(|error| Refined::without(Status::EvaluationFailed(error.into()))) {
+                found if found.status.is_converged() => {
+                    (*resolution, *refined) = (finer, found);
+                    continue;
+                }
+                found if found.status.is_interruption() => status = found.status,
+                _ => {}
+            }
         }
-        *refined = refine(problem, options, Start::Solved, interior, resolution, recorder)?;
-    }
-    if refined.status.is_converged() {
-        refined.status = Status::MeshLimit;
+        (refined.status, refined.error) = (status, change);
+        return interior.take_again(solved);
     }
     Ok(())
 }
@@ -79,5 +98,77 @@ fn change_on_finer_mesh(
     interior.take_last_step();
     let mut finer = Resolution::default();
     finer.measure(interior)?;
-    Ok(Some((finer.cost - cost).abs() / interior.figures.size))
+    let change = (finer.cost - cost).abs() / interior.figures.size;
+    Ok(change.is_finite().then_some(change))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::direct::solve::prepare::interior;
+    use crate::options::Polish;
+    use crate::problem::MotionLimits;
+    use crate::task::build::TaskRows;
+    use costate::robot::Robot;
+
+    const TOLERANCE: f64 = 1e-4;
+
+    fn problem() -> Problem {
+        let robot = Robot::from_file("../robots/two_link.toml").unwrap();
+        Problem::rest_to_rest(robot, &[0.0, 0.0], &[1.5, 1.5], 1.0).with_limits(MotionLimits::none())
+    }
+
+    fn options() -> SolverOptions {
+        SolverOptions::default().with_tolerance(TOLERANCE).with_polish(Polish::Never)
+    }
+
+    fn solved(problem: &Problem) -> (Interior<Dynamics>, Resolution, Refined) {
+        let rows = TaskRows::new(problem).unwrap();
+        let mut interior = interior(problem, &rows, &options(), 0, None);
+        let mut resolution = Resolution::default();
+        let mut recorder = Recorder::default();
+        let (own, of_own) = (&mut interior, &mut resolution);
+        let refined = refine(problem, &options(), Start::Guess, own, of_own, &mut recorder).unwrap();
+        assert!(refined.status.is_converged());
+        (interior, resolution, refined)
+    }
+
+    /// As if the mesh had missed a tenth of a per cent of the cost.
+    #[test]
+    fn the_search_goes_on_where_the_cost_changes_by_more() {
+        let problem = problem();
+        let (mut interior, mut resolution, mut refined) = solved(&problem);
+        let (intervals, cost) = (interior.spline.mesh.intervals(), resolution.cost);
+        resolution.cost *= 1.001;
+        let of = (&mut interior, &mut resolution, &mut refined);
+        compare_with_finer_mesh(&problem, &options(), of, &mut Recorder::default()).unwrap();
+        assert!(refined.status.is_converged());
+        assert_eq!(interior.spline.mesh.intervals(), 2 * intervals, "on the finer mesh");
+        assert!(refined.finer_mesh.is_some_and(|change| change < TOLERANCE), "{:?}", refined.finer_mesh);
+        assert!((resolution.cost / cost - 1.0).abs() < TOLERANCE, "{} {cost}", resolution.cost);
+    }
+
+    /// Without steps for the finer mesh nothing is known, and the motion stays what it was. Where the search
+    /// may not go on from it either, the change is the error.
+    #[test]
+    fn the_motion_stays_where_the_finer_mesh_is_not_solved() {
+        let problem = problem();
+        let (mut interior, mut resolution, mut refined) = solved(&problem);
+        let (unknowns, mu) = (interior.spline.unknowns.clone(), interior.mu);
+        let one_step = SolverOptions { max_iterations: 1, ..options() };
+        resolution.cost *= 1.001;
+        let of = (&mut interior, &mut resolution, &mut refined);
+        compare_with_finer_mesh(&problem, &one_step, of, &mut Recorder::default()).unwrap();
+        assert!(refined.status.is_converged() && refined.finer_mesh.is_none());
+        assert!(interior.spline.unknowns == unknowns && interior.mu.to_bits() == mu.to_bits());
+        // Smaller than any change.
+        let exact = SolverOptions { tolerance: 0.0, max_iterations: 20, ..options() };
+        let coarse = SolverOptions { max_nodes: interior.spline.mesh.intervals() * 6 + 1, ..exact };
+        let of = (&mut interior, &mut resolution, &mut refined);
+        compare_with_finer_mesh(&problem, &coarse, of, &mut Recorder::default()).unwrap();
+        if let Some(change) = refined.finer_mesh {
+            assert!(refined.status == Status::MeshLimit && refined.error.to_bits() == change.to_bits());
+        }
+        assert_eq!(interior.spline.unknowns, unknowns);
+    }
 }
