@@ -60,7 +60,10 @@ def arguments():
     parser.add_argument("--values", action="store_true",
                         help="check the peer and the judge by derivatives and known values, and stop")
     parser.add_argument("--from", dest="source", type=Path, metavar="FILE", help="no run: report the figures in FILE")
-    return parser.parse_args()
+    options = parser.parse_args()
+    if len(options.tolerances) < 2 or options.tolerances != sorted(set(options.tolerances), reverse=True):
+        parser.error("--tolerances: give two or more, each smaller than the one before")
+    return options
 
 
 def build():

@@ -60,16 +60,19 @@ def error(row, label):
     return None if found is None else max(found, *(number_of(row["sides"][label][key]) for key in ("cut", "states")))
 
 
-def ratios_at_accuracy(rows, error_of):
+def ratios_at_accuracy(rows, error_of, peers=(PEER,)):
     """The peer's time over that of the fastest answer of costate whose error is at most the peer's, or FLOOR; 0 where there is
-    none. Tasks on which the peer's error is not known are left out."""
+    none. The peer's time is that of its fastest answer among these with no larger error either. Tasks on which the peer's
+    error is not known are left out."""
     found = []
     for row in rows:
         theirs = error_of(row, PEER)
         if theirs is not None:
-            near = [label for label in row["sides"] if is_costate(label) and label != DEFAULT
-                    and (own := error_of(row, label)) is not None and own <= max(theirs, FLOOR)]
-            found.append(max((row["sides"][PEER]["ms"] / row["sides"][label]["ms"] for label in near), default=0.0))
+            near = lambda label: (own := error_of(row, label)) is not None and own <= max(theirs, FLOOR)
+            time = lambda label: row["sides"][label]["ms"]
+            least = min(time(label) for label in peers if label in row["sides"] and near(label))
+            own = [label for label in row["sides"] if is_costate(label) and label != DEFAULT and near(label)]
+            found.append(max((least / time(label) for label in own), default=0.0))
     return found
 
 

@@ -2,6 +2,7 @@
 
 from statistics import median
 
+from comparison import DEFAULT
 from measures import (INSIDE, LOOSE, MIDDLE, OURS, PEER, by_class, cost_error, error, middle_of, of, ratios,
                       ratios_at_accuracy, solved, tolerances)
 
@@ -35,6 +36,14 @@ def comparisons(figures):
         yield ("at the peer's accuracy, the error being that of the cost alone",
                f"{median(every):.2f}, reached on {sum(ratio > 0 for ratio in every)} of {len(every)} tasks; "
                f"{listed(by_class(figures, cost_only))}", faster(every))
+    both = lambda rows: ratios_at_accuracy(rows, error, (PEER, MIDDLE, LOOSE))
+    if every := both(rows):
+        yield ("at the peer's accuracy, the peer too being the fastest of its three answers with no larger error",
+               f"{median(every):.2f}; {listed(by_class(figures, both))}", faster(every))
+    by_default = lambda rows: ratios(rows, PEER, DEFAULT)
+    if every := by_default(rows):
+        yield (f"costate with default options, first solve of a process, beside the peer at {tight:g}: median of all tasks; "
+               "of every class", f"{median(every):.2f}; {listed(by_class(figures, by_default))}", faster(every))
     for label, peer, other in (*((label, PEER, f"the peer at {tight:g}") for label in own),
                                (OURS, MIDDLE, f"the peer at {middle:g}"), (OURS, LOOSE, f"the peer at {loose:g}"),
                                (OURS, INSIDE, f"the peer at {tight:g} with costate's functions inside")):

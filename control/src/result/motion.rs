@@ -90,8 +90,8 @@ pub struct Motion {
     /// By how much the cost changes on the mesh with halved intervals, relative to it: the error that this
     /// mesh had, not an estimate, less that of the finer one; with what it costs to move limits inside, where
     /// some were moved. NaN unless verified by [`Verify::Full`] with the direct method, for polished motions
-    /// and least time with a cost of torques, and where that mesh has too many nodes or is not solved in a few
-    /// steps.
+    /// and least time with a cost of torques, and where that mesh has too many nodes or is not solved in a
+    /// few steps.
     pub finer_mesh: f64,
     /// Sum of slack times multiplier of all limits, relative to the cost: about what the barrier costs at
     /// most. NaN without the direct method.
