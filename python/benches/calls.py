@@ -64,23 +64,50 @@ def memory(results) -> np.ndarray | tuple:
     return arrays if isinstance(results, tuple) else arrays[0]
 
 
+# Calls in one round, as many as `_seconds` and `_batch_seconds` make; and rounds of each side, by turns.
+CALLS, ROUNDS = 20, 2
+
+
+def least_of(call, count: int = CALLS) -> float:
+    """The least time of so many calls (s)."""
+    best = float("inf")
+    for _ in range(count):
+        start = time.perf_counter()
+        call()
+        best = min(best, time.perf_counter() - start)
+    return best
+
+
+def fits(method, given: list, states: int) -> int:
+    """So many states, or a tenth where there is no memory for two results and what Rust allocates."""
+    results = method(*(array[:1] for array in given))
+    size = 8 * states * sum(array.size for array in (results if isinstance(results, tuple) else (results,)))
+    free = os.sysconf("SC_AVPHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+    return states if 2.5 * size < free else states // 10
+
+
 def batches(robot: costate.Robot, states: int) -> str:
     """Beside ``costate::batch`` of Rust, the faster of machine code and generic code over lanes, on one thread."""
     rows = []
     for threads in (1, len(os.sched_getaffinity(0))):
         dynamics = costate.Dynamics(robot, threads=threads)
         for verb in ("f", "linearise", "adjoint", "hessian", "contract"):
-            # Results of a batch of Hessians take 324 numbers a state for six joints.
-            count = states if verb in ("f", "linearise", "adjoint") else max(1, states // 10)
-            given, method = arguments(robot.n, verb, (count,)), getattr(dynamics, verb)
-            out = memory(method(*given))
-            ours = min(least(lambda: method(*given, out=out)) for _ in range(2))
-            new = min(least(lambda: method(*given)) for _ in range(2))
-            del out
-            machine, generic = dynamics._batch_seconds(verb, count, 1) if threads == 1 else (None, float("nan"))
-            rust = min(generic, machine or generic) if threads == 1 else min(dynamics._seconds(verb, count, 1, False) for _ in range(8))
+            given, method = arguments(robot.n, verb, (states,)), getattr(dynamics, verb)
+            count = fits(method, given, states)
+            given = [array[:count] for array in given]
+            ours = new = rust = float("inf")
+            for _ in range(ROUNDS):
+                out = memory(method(*given))
+                ours = min(ours, least_of(lambda: method(*given, out=out)))
+                del out
+                new = min(new, least_of(lambda: method(*given), 5))
+                if threads == 1:
+                    rust = min(rust, *(time for time in dynamics._batch_seconds(verb, count, 1) if time))
+                else:
+                    rust = min(rust, dynamics._seconds(verb, count, 1, False))
             times = " | ".join(f"{time / count * 1e9:.0f}" for time in (rust, ours, new))
             rows.append((ours / rust, f"| `{verb}` | {count:.0e} | {threads} | {times} | {ours / rust:.2f} |"))
+            print(rows[-1][1], flush=True)
     rows.sort(reverse=True)
     head = "| batch | states | threads | Rust (ns a state) | Python with `out=` | Python, new arrays | Python with `out=` / Rust |\n"
     return head + "|---|--:|--:|--:|--:|--:|--:|\n" + "\n".join(row for _, row in rows)

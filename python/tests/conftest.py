@@ -1,6 +1,7 @@
 """Robots and states that all tests use."""
 
 import math
+import signal
 import warnings
 from pathlib import Path
 
@@ -19,6 +20,9 @@ RAN: set[str] = set()  # Files whose tests other processes ran.
 
 def pytest_configure() -> None:
     RECORDER.install()
+    # In the background of a shell Ctrl-C is ignored, and would be in the programs that tests start and interrupt.
+    if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def pytest_terminal_summary(terminalreporter) -> None:

@@ -74,7 +74,14 @@ def test_costate_computes_every_derivative(dynamics, monkeypatch, z):
     slope = torch.autograd.grad(model.f(*z).sum(), z, create_graph=True)
     assert calls == ["f", "jacobian"]
     torch.autograd.grad(sum(part.sum() for part in slope), z)
-    assert calls == ["f", "jacobian", "hessian", "jacobian"]
+    assert calls == ["f", "jacobian", "hessian"]
+    del calls[:]
+    torch.func.jvp(model.f, tuple(part.detach() for part in z), tuple(torch.ones_like(part) for part in z))
+    assert calls == ["f", "jacobian"]
+    del calls[:]
+    at = torch.cat([part.detach()[0] for part in z])
+    torch.func.hessian(lambda z: model.f(*z.split(2)).sum())(at)
+    assert calls.count("f") == 1 and calls.count("hessian") == 1
 
 
 def test_what_does_not_fit_is_refused(dynamics):
@@ -97,18 +104,44 @@ def test_what_does_not_fit_is_refused(dynamics):
     bend = torch.autograd.grad(slope.sum(), q, create_graph=True)[0]
     with pytest.raises(RuntimeError, match="third"):
         torch.autograd.grad(bend.sum(), q)
+    for way in (torch.func.jacrev, torch.func.jacfwd):
+        for twice in (torch.func.hessian, lambda f: torch.func.jacfwd(torch.func.jacfwd(f))):
+            with pytest.raises(RuntimeError, match="third"):
+                way(twice(lambda q: model.f(q, zero, zero).sum()))(zero)
 
 
-def test_forward_mode_is_refused_and_reverse_over_reverse_is_the_way(dynamics, random):
-    """As the page says."""
-    function = functions(dynamics)["f"]
-    z = torch.tensor(random.normal(size=6))
-    cost = lambda z: function(*z.split(2)) @ torch.linspace(-1, 1, 4, dtype=torch.float64)
-    exact = torch.autograd.functional.hessian(cost, z).numpy()
-    assert_close(torch.func.jacrev(torch.func.jacrev(cost))(z).numpy(), exact, 1e-11)
-    for way in (torch.func.hessian, torch.func.jacfwd):
-        with pytest.raises(NotImplementedError):
-            way(cost)(z)
+@pytest.mark.parametrize("name", ["f", "aba", "rnea", "step"])
+@pytest.mark.parametrize("coordinates", ["qv", "qp"])
+def test_all_modes_agree(dynamics, random, name, coordinates):
+    """Reverse and forward mode, and each over the other."""
+    function = functions(costate.Dynamics(dynamics.robot, coordinates))[name]
+    z, many = torch.tensor(random.normal(size=6)), torch.tensor(random.normal(size=(5, 6)))
+    of = lambda z: function(*z.split(2))
+    entries = of(z).shape[0]
+    exact = torch.stack([torch.autograd.functional.hessian(lambda z, k=k: of(z)[k], z) for k in range(entries)]).numpy()
+    modes = (torch.func.jacrev, torch.func.jacfwd)
+    for outer in modes:
+        assert_close(outer(of)(z).numpy(), torch.autograd.functional.jacobian(of, z).numpy())
+        for inner in modes:
+            assert_close(outer(inner(of))(z).numpy(), exact, 1e-11)
+            assert_close(torch.func.vmap(outer(inner(of)))(many)[3].numpy(), outer(inner(of))(many[3]).numpy(), 1e-11)
+    at = z.clone().requires_grad_()
+    assert torch.autograd.gradcheck(of, at, check_forward_ad=True)
+    assert torch.autograd.gradgradcheck(of, at, check_fwd_over_rev=True)
+
+
+def test_directional_derivatives(dynamics, random):
+    """One argument moves; the others have no tangents."""
+    model = costate.torch.Model(dynamics)
+    q, v, tau, d = (torch.tensor(part) for part in random.normal(size=(4, 3, 2)))
+    J = dynamics.jacobian(q.numpy(), v.numpy(), tau.numpy())
+    value, change = torch.func.jvp(lambda v: model.f(q, v, tau), (v,), (d,))
+    assert_close(value.numpy(), model.f(q, v, tau).numpy(), 1e-12)
+    assert_close(change.numpy(), np.einsum("...ij,...j->...i", J[..., 2:4], d.numpy()))
+    with torch.autograd.forward_ad.dual_level():
+        dual = torch.autograd.forward_ad.make_dual(v, d)
+        again = torch.autograd.forward_ad.unpack_dual(model.f(q, dual, tau)).tangent
+    assert_close(again.numpy(), change.numpy(), 1e-15)
 
 
 def test_models_and_steps_are_pickled_and_compared(dynamics, tmp_path):
