@@ -70,7 +70,8 @@ impl Problem {
             if self.limits.are_asked_for() {
                 return Err(ProblemError::LimitsNeedDirect);
             }
-            return match (self.first_of_rates(), self.first_of_phases()) {
+            let step = self.step.as_ref().map(|_| Key::STEP_STANCE);
+            return match (self.first_of_rates(), self.first_of_phases().or(step)) {
                 (Some(key), _) => Err(ProblemError::RatesNeedDirect { key }),
                 (None, Some(key)) => Err(ProblemError::PhasesNeedDirect { key }),
                 (None, None) => Ok(checked),
@@ -96,7 +97,7 @@ impl Problem {
         self.check_accelerations()?;
         self.check_leaving()?;
         check_task(self)?;
-        if !self.robot.constraints().is_empty() {
+        if self.is_closed() {
             self.with_multipliers()?;
         }
         Ok(checked)
