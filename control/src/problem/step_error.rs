@@ -1,6 +1,5 @@
 //! What is wrong with a step.
 
-use super::error::ProblemError;
 use super::key::Key;
 use costate::constraints::ConstraintError;
 use costate::robot::{RobotError, printable, printable_number as number};
@@ -72,13 +71,6 @@ pub enum StepError {
         /// The first one.
         constraint: String,
     },
-}
-
-impl StepError {
-    /// As an error of a key.
-    pub(super) fn at(self, key: Key) -> ProblemError {
-        ProblemError::Step { key, cause: self }
-    }
 }
 
 impl fmt::Display for StepError {

@@ -80,7 +80,7 @@ impl Problem {
         };
         let ahead = edge(&format!("{} pushed ahead", step.stance), angle);
         let back = edge(&format!("{} pushed back", step.stance), -angle);
-        let added = |robot: Robot, spec| robot.with_constraint(spec).map_err(no_foot);
+        let added = |robot: Robot, spec: ConstraintSpec| robot.with_constraint(spec).map_err(no_foot);
         let standing = added(added(self.robot.clone(), ahead)?, back)?;
         let start = BoundaryState::fixed(&q, &vec![0.0; q.len()]);
         let held = Self { robot: standing, step: None, start, ..self.clone() };
@@ -241,6 +241,13 @@ impl Problem {
             true => Err(StepError::FeetStay { miss }.at(Key::STEP_MIRROR)),
             false => Ok(()),
         }
+    }
+}
+
+impl StepError {
+    /// As an error of a key.
+    fn at(self, key: Key) -> ProblemError {
+        ProblemError::Step { key, cause: self }
     }
 }
 

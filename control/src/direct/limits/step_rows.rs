@@ -47,7 +47,7 @@ pub(crate) struct StepRows {
 }
 
 /// Derivatives of the rows: by the state at the start and at the end, and second ones of the weighted sum.
-pub(super) struct Derivatives<'a> {
+pub(crate) struct Derivatives<'a> {
     pub near: &'a mut [f64],
     pub far: &'a mut [f64],
     pub at_start: &'a mut [f64],
@@ -287,4 +287,4 @@ impl StepRows {
 
 #[cfg(test)]
 #[path = "step_rows_tests.rs"]
-mod tests;
+pub(in crate::direct) mod tests;

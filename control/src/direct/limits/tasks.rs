@@ -66,7 +66,10 @@ impl Tasks {
 
     /// What holds for the rows of a step along the motion, and at its ends.
     fn of_step(&self) -> [&[Row]; 2] {
-        self.step.as_ref().map_or([&[], &[]], |step| [step.along(), step.bounds()])
+        match &self.step {
+            Some(step) => [step.along(), step.bounds()],
+            None => [&[], &[]],
+        }
     }
 
     /// Number of rows at the start that depend on the end too.

@@ -278,3 +278,7 @@ impl System {
 #[cfg(test)]
 #[path = "system_tests.rs"]
 mod tests;
+
+#[cfg(test)]
+#[path = "step_tests.rs"]
+mod step_tests;

@@ -101,7 +101,7 @@ fn sides(problem: &Problem) -> Vec<Side> {
     let without = (0..limits.len()).filter(|&j| !has_motor(&limits[j])).map(|j| Side::no_torque(j, unit));
     // Forces and impulses of a foot are between the edges of the friction cone.
     let walking = problem.loops.iter().filter(|loops| loops.walk.is_some());
-    let edges = walking.flat_map(|loops| (0..loops.rows.len()).map(|k| loops.robot.dof() + k));
+    let edges = walking.flat_map(|loops| (0..loops.rows.len()).map(move |k| loops.robot.dof() + k));
     let cone = edges.flat_map(|i| {
         let positive = move |limited| Side::pair(limited, i, 0.0, f64::INFINITY);
         [Limited::Rate, Limited::Acceleration].into_iter().flat_map(positive)

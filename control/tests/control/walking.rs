@@ -1,0 +1,291 @@
+//! Steps of walking robots.
+//!
+//! The judge is a program of its own: the torques move the robot on a foot that is held by the contacts of the
+//! library, integrated by the classical method of Runge and Kutta; at the end the other foot lands.
+
+use costate::constraints::{ConstrainedHamiltonian, Impact};
+use costate::contacts::{Contact, Stance};
+use costate::hamiltonian::Hamiltonian;
+use costate::kinematics::Kinematics;
+use costate::robot::{LoadOptions, Robot};
+use costate_control::{
+    FinalTime, Key, MotionLimits, Objective, Problem, ProblemError, ProblemFile, Solution, Solver,
+    SolverOptions, Status, Step, StepError, Via,
+};
+use std::sync::OnceLock;
+
+const N: usize = 7;
+const LENGTH: f64 = 0.5;
+const TIME: f64 = 0.7;
+const FRICTION: f64 = 0.6;
+/// Legs exchanged.
+const EXCHANGE: [usize; N] = [0, 1, 2, 5, 6, 3, 4];
+
+fn file() -> ProblemFile {
+    ProblemFile::read("../examples/problems/rabbit_walk.toml", LoadOptions::default()).unwrap()
+}
+
+fn solve(problem: &Problem, options: SolverOptions) -> Solution {
+    let solution = Solver::new(problem, options).unwrap().solve();
+    println!(
+        "{} J {:.9} T {:.4} gait {:?} end {:.1e} nodes {} steps {} drift {:?} errors {:?}",
+        solution.motion.status,
+        solution.total(),
+        solution.motion.final_time,
+        solution.gait,
+        solution.end_defect,
+        solution.nodes(),
+        solution.newton_iterations,
+        solution.constraints.iter().map(|one| one.drift).collect::<Vec<_>>(),
+        solution.motion.errors,
+    );
+    solution
+}
+
+/// The motion of the example, solved once for all tests.
+fn walk() -> &'static (Problem, Solution) {
+    static WALK: OnceLock<(Problem, Solution)> = OnceLock::new();
+    WALK.get_or_init(|| {
+        let file = file();
+        let solution = solve(&file.problem, file.options.clone());
+        (file.problem, solution)
+    })
+}
+
+fn exchanged(list: &[f64]) -> Vec<f64> {
+    EXCHANGE.iter().map(|&i| list[i]).collect()
+}
+
+fn on(robot: &Robot, foot: &str) -> Stance {
+    Stance::new(robot, &[Contact::point("foot", foot).planar().friction(FRICTION)]).unwrap()
+}
+
+fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).fold(0.0, |most, (a, b)| most.max((a - b).abs()))
+}
+
+#[test]
+fn rabbit_walks() {
+    let (problem, solution) = walk();
+    assert_eq!(solution.motion.status, Status::Converged);
+    let gait = solution.gait.as_ref().unwrap();
+    assert!((gait.speed - LENGTH / TIME).abs() < 1e-9, "{gait:?}");
+    assert!(gait.miss < 1e-5, "{gait:?}");
+    assert!(gait.loss > 0.0 && gait.cost_of_transport > 0.0, "{gait:?}");
+    // 40 kg.
+    assert!((gait.weight_times_length - 40.0 * 9.81 * LENGTH).abs() < 1e-9, "{gait:?}");
+    assert!(solution.end_defect < 1e-3, "{}", solution.end_defect);
+    let motion = &solution.trajectory;
+    let (first, last) = (0, motion.t.len() - 1);
+    let mut back = exchanged(&motion.q[last]);
+    back[0] -= LENGTH;
+    assert!(largest_difference(&back, &motion.q[first]) < 1e-9, "{back:?} {:?}", motion.q[first]);
+    // Joints without a motor have no torque; knees do not bend forward.
+    let [least, most] = [problem.limits.q_min.as_ref().unwrap(), problem.limits.torque_max.as_ref().unwrap()];
+    for k in 0..motion.t.len() {
+        assert!(motion.u[k][..3].iter().all(|u| u.abs() < 1e-5), "{k}: {:?}", motion.u[k]);
+        assert!(motion.q[k].iter().zip(least).all(|(q, least)| *q > least - 1e-6), "{k}: {:?}", motion.q[k]);
+        assert!(motion.u[k].iter().zip(most).all(|(u, most)| u.abs() <= most * (1.0 + 1e-6) + 1e-5));
+    }
+}
+
+#[test]
+fn the_ground_bears_what_the_feet_press() {
+    let (_, solution) = walk();
+    let [foot] = &solution.constraints[..] else { panic!("{:?}", solution.constraints) };
+    assert_eq!((&*foot.name, &*foot.frame), ("right_foot", "right_foot"));
+    assert!(foot.drift < 1e-6, "{}", foot.drift);
+    let motion = &solution.trajectory;
+    let mut impulse = 0.0;
+    for (k, [x, y, z]) in foot.force.iter().enumerate() {
+        assert!(*y == 0.0 && *z > -1e-3 && x.abs() <= FRICTION * z + 1e-2, "{k}: {x} {y} {z}");
+        if k > 0 {
+            impulse += 0.5 * (motion.t[k] - motion.t[k - 1]) * (z + foot.force[k - 1][2]);
+        }
+    }
+    let [x, _, z] = solution.gait.as_ref().unwrap().impulse;
+    assert!(z > 0.0 && x.abs() <= FRICTION * z * (1.0 + 1e-6), "{x} {z}");
+    // Over a step the vertical momentum comes back: landing and standing bear the weight.
+    let weight = 40.0 * 9.81 * TIME;
+    assert!((impulse + z - weight).abs() < 1e-2 * weight, "{impulse} {z} {weight}");
+}
+
+#[test]
+fn the_foot_that_swings_clears_the_ground() {
+    let (problem, solution) = walk();
+    let clearance = problem.step.as_ref().unwrap().clearance;
+    let mut kinematics = Kinematics::<f64>::new(&problem.robot);
+    let swing = problem.robot.frame_index("left_foot").unwrap();
+    let mut most = 0.0_f64;
+    for q in &solution.trajectory.q {
+        kinematics.set_position(q).unwrap();
+        let [x, _, z] = kinematics.pose(swing).unwrap().position;
+        let part = x / LENGTH;
+        assert!(z - clearance * (1.0 - part * part) > -1e-5, "{x} {z}");
+        most = most.max(z);
+    }
+    assert!(most > clearance * 0.9, "{most}");
+}
+
+/// Forward dynamics with the torques of the motion, on the contact of the foot that stands: the state after
+/// the other foot has landed is the one at the start, with the legs exchanged.
+#[test]
+fn the_gait_closes_in_another_integration() {
+    let (problem, solution) = walk();
+    let robot = &problem.robot;
+    let motion = &solution.trajectory;
+    let stance = on(robot, "right_foot");
+    let mut model = ConstrainedHamiltonian::<f64>::new(stance.robot());
+    let (q_0, v_0) = (&motion.q[0], &motion.v[0]);
+    let mut x = [&q_0[..], model.momentum(q_0, v_0).unwrap()].concat();
+    // Torques are polynomials between the nodes of the mesh: what is linear between rows is refined there.
+    let steps = 40;
+    let mut lambdas = 0.0_f64;
+    for k in 1..motion.t.len() {
+        let (from, to) = (motion.t[k - 1], motion.t[k]);
+        let h = (to - from) / f64::from(steps);
+        if h <= 0.0 {
+            continue;
+        }
+        for s in 0..steps {
+            let u = |part: f64| -> Vec<f64> {
+                let part = (f64::from(s) + part) / f64::from(steps);
+                motion.u[k - 1].iter().zip(&motion.u[k]).map(|(a, b)| a + part * (b - a)).collect()
+            };
+            let mut rate = |x: &[f64], u: &[f64]| model.evaluate(&x[..N], &x[N..], u).unwrap().f.to_vec();
+            let moved = |x: &[f64], r: &[f64], h: f64| -> Vec<f64> {
+                x.iter().zip(r).map(|(x, r)| x + h * r).collect()
+            };
+            let a = rate(&x, &u(0.0));
+            let b = rate(&moved(&x, &a, 0.5 * h), &u(0.5));
+            let c = rate(&moved(&x, &b, 0.5 * h), &u(0.5));
+            let d = rate(&moved(&x, &c, h), &u(1.0));
+            for i in 0..2 * N {
+                x[i] += h / 6.0 * (a[i] + 2.0 * b[i] + 2.0 * c[i] + d[i]);
+            }
+        }
+        lambdas = lambdas.max(model.linearise(&x[..N], &x[N..], &motion.u[k]).unwrap().lambda()[1]);
+    }
+    assert!(lambdas > 300.0, "the foot bears the weight: {lambdas} N");
+    let (q, p) = x.split_at(N);
+    let v = model.velocity(q, p).unwrap().0.to_vec();
+    // The foot that stands lets go before the other one lands.
+    let before = Hamiltonian::<f64>::new(robot).momentum(q, &v).unwrap().to_vec();
+    let landing = on(robot, "left_foot");
+    let mut impact = Impact::<f64>::new(landing.robot());
+    let after = impact.evaluate(q, &before).unwrap();
+    let mut back = exchanged(q);
+    back[0] -= LENGTH;
+    let misses = [
+        largest_difference(&back, q_0),
+        largest_difference(&exchanged(after.velocity), v_0),
+    ];
+    println!("misses {misses:?}");
+    // Errors of an inverted pendulum grow by a factor of ten in a step.
+    assert!(misses[0] < 2e-3 && misses[1] < 2e-2, "{misses:?}");
+    // And momentum: what the ground gives to the foot that lands is all that changes it.
+    let force = landing.wrench(0, after.impulse).0;
+    let gait = solution.gait.as_ref().unwrap();
+    assert!((force[2] - gait.impulse[2]).abs() < 0.05 && (after.loss - gait.loss).abs() < 0.1, "{force:?}");
+    let jump: f64 = after.momentum[1] - before[1];
+    assert!((jump - force[2]).abs() < 1e-9, "{jump} {force:?}");
+}
+
+/// Less friction costs more, and is kept.
+#[test]
+fn slippery_ground_costs_more() {
+    let (problem, best) = walk();
+    let used = |solution: &Solution| {
+        let forces = solution.constraints[0].force.iter().filter(|[_, _, z]| *z > 1.0);
+        forces.map(|[x, _, z]| x.abs() / z).fold(0.0_f64, f64::max)
+    };
+    let least = 0.8 * used(best);
+    let step = problem.step.clone().unwrap().with_friction(least);
+    let slippery = problem.clone().with_step(step);
+    let solution = solve(&slippery, file().options);
+    assert_eq!(solution.motion.status, Status::Converged);
+    assert!(solution.total() > best.total() * (1.0 + 1e-6), "{} {}", solution.total(), best.total());
+    assert!(used(&solution) < least * 1.02, "{} {least}", used(&solution));
+}
+
+/// With an idle power the time of a step is free: H* is zero where it is the best one.
+#[test]
+fn a_step_of_free_time_has_the_best_speed() {
+    let (problem, _) = walk();
+    let mut cost = problem.cost.clone();
+    cost.time = 2000.0;
+    let free = problem.clone().with_cost(cost.clone()).with_time(FinalTime::Free { guess: TIME });
+    let best = solve(&free, file().options);
+    assert_eq!(best.motion.status, Status::Converged);
+    let time = best.motion.final_time;
+    assert!((best.gait.as_ref().unwrap().speed - LENGTH / time).abs() < 1e-9);
+    for factor in [0.97, 1.03] {
+        let fixed = problem.clone().with_cost(cost.clone()).with_time(FinalTime::Fixed(factor * time));
+        let other = solve(&fixed, file().options);
+        assert_eq!(other.motion.status, Status::Converged);
+        assert!(other.total() > best.total(), "{factor}: {} {}", other.total(), best.total());
+    }
+}
+
+#[test]
+fn what_is_no_step_is_refused_by_name() {
+    let problem = file().problem;
+    let step = problem.step.clone().unwrap();
+    let refused = |problem: &Problem| Solver::new(problem, SolverOptions::default()).unwrap_err();
+    let with = |change: &dyn Fn(&mut Step)| {
+        let mut step = step.clone();
+        change(&mut step);
+        refused(&problem.clone().with_step(step))
+    };
+    let cause = |error: ProblemError| match error {
+        ProblemError::Step { key, cause } => (key.to_string(), cause),
+        other => panic!("{other}"),
+    };
+    let (key, found) = cause(with(&|step| step.stance = "right_fot".into()));
+    let StepError::UnknownFrame { frame, nearest } = found else { panic!("{found}") };
+    assert_eq!((&*key, &*frame, &*nearest[0]), ("step.stance", "right_fot", "right_foot"));
+    let (key, found) = cause(with(&|step| step.swing = "right_foot".into()));
+    assert_eq!((&*key, found), ("step.swing", StepError::OneFoot { frame: "right_foot".into() }));
+    for value in [0.0, -0.1, f64::NAN] {
+        let (key, found) = cause(with(&|step| step.length = value));
+        assert!(key == "step.length" && matches!(found, StepError::OutOfRange { .. }), "{found}");
+        let (key, found) = cause(with(&|step| step.friction = value));
+        assert!(key == "step.friction" && matches!(found, StepError::OutOfRange { .. }), "{found}");
+    }
+    assert_eq!(cause(with(&|step| step.clearance = -1.0)).0, "step.clearance");
+    let (key, found) = cause(with(&|step| step.along = "base_z".into()));
+    assert_eq!((&*key, found), ("step.along", StepError::NotAlong { joint: "base_z".into() }));
+    let (key, found) = cause(with(&|step| step.length = 3.0));
+    assert!(key == "start.q" && matches!(found, StepError::CannotStand { .. }), "{found}");
+    let (key, found) = cause(with(&|step| step.mirror.truncate(1)));
+    assert!(key == "step.mirror" && matches!(found, StepError::NotSymmetric { .. }), "{found}");
+    let twice = with(&|step| step.mirror[1] = step.mirror[0].clone());
+    assert!(matches!(twice, ProblemError::GivenTwice { .. }), "{twice}");
+    let unknown = with(&|step| step.mirror[1][0] = "left_kne".into());
+    assert!(unknown.to_string().contains("left_knee"), "{unknown}");
+    let via = problem.clone().with_via(Via::at(&problem.start.q.clone()));
+    assert!(cause(refused(&via)).1.to_string().contains("and a step do not go together"));
+    let motors = problem.clone().with_limits(MotionLimits::none());
+    assert!(matches!(cause(refused(&motors)).1, StepError::NotAlong { .. }));
+    let other = SolverOptions::default().with_method(costate_control::Method::Collocation);
+    let plain = problem.clone().with_limits(MotionLimits::none()).with_cost(Objective::new(0.0, vec![1.0; N]));
+    let error = Solver::new(&plain, other).unwrap_err();
+    assert!(error.to_string().starts_with("step.stance"), "{error}");
+    let key: Key = error.key().unwrap();
+    assert_eq!((key.table(), key.name()), ("step", "stance"));
+}
+
+#[test]
+fn problem_files_say_what_is_wrong_with_a_step() {
+    let text = file().text;
+    let folder = "../examples/problems";
+    let refused = |from: &str, to: &str| {
+        assert!(text.contains(from), "{from}");
+        ProblemFile::from_text(&text.replace(from, to), folder, LoadOptions::default()).unwrap_err().to_string()
+    };
+    assert!(refused("length = 0.5", "lenght = 0.5").contains("lenght"));
+    assert!(refused("length = 0.5", "").contains("step.length"));
+    assert!(refused("[time]", "[end]\nq = [0.0]\n[time]").contains("remove [end] or [step]"));
+    let mirror = refused("[[\"left_hip\", \"right_hip\"], [\"left_knee\", \"right_knee\"]]", "[\"left_hip\"]");
+    assert!(mirror.contains("a list of pairs of joint names"), "{mirror}");
+}
