@@ -70,8 +70,7 @@ impl Problem {
             if self.limits.are_asked_for() {
                 return Err(ProblemError::LimitsNeedDirect);
             }
-            let step = self.step.as_ref().map(|_| Key::STEP_STANCE);
-            return match (self.first_of_rates(), self.first_of_phases().or(step)) {
+            return match (self.first_of_rates(), self.first_of_phases()) {
                 (Some(key), _) => Err(ProblemError::RatesNeedDirect { key }),
                 (None, Some(key)) => Err(ProblemError::PhasesNeedDirect { key }),
                 (None, None) => Ok(checked),
@@ -165,7 +164,8 @@ impl Problem {
             return Err(ProblemError::NotPositive { key, value: time });
         }
         not_negative(Key::COST_TIME, self.cost.time)?;
-        let is_free = matches!(self.time, FinalTime::Free { .. });
+        // A slow step is not a cheap one: the robot would have to stand on one foot.
+        let is_free = matches!(self.time, FinalTime::Free { .. }) && self.step.is_none();
         if is_free && self.cost.time == 0.0 && !self.has_cost_of_states() {
             return Err(ProblemError::FreeTimeWithoutCost);
         }

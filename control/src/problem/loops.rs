@@ -21,6 +21,7 @@
 use super::key::Key;
 use super::loop_error::LoopError;
 use super::loop_rows::{LoopRow, Loops};
+use super::step_error::StepError;
 use super::{BoundaryState, Bounds, MotionLimits, Objective, Penalty, Problem};
 use crate::constants::checks::loops::INDEPENDENT;
 use crate::constants::task::OFF;
@@ -45,11 +46,14 @@ impl Problem {
         joints.chain(rows.map(|row| (row.name.clone(), JointKind::Prismatic))).unzip()
     }
 
-    /// The first constraint is named where a robot with constraints is not taken.
+    /// The first constraint is named where a robot with constraints is not taken; a step neither.
     ///
     /// # Errors
-    /// [`ProblemError::Constrained`].
+    /// [`ProblemError::Constrained`], [`ProblemError::Step`].
     pub(crate) fn refuse_constraints(&self) -> Result<(), ProblemError> {
+        if self.step.is_some() {
+            return Err(ProblemError::Step { key: Key::STEP_STANCE, cause: StepError::NotHere });
+        }
         let first = self.robot.constraints().first();
         first.map_or(Ok(()), |one| Err(ProblemError::Constrained { constraint: one.name.clone() }))
     }

@@ -66,6 +66,8 @@ pub enum StepError {
         /// What it is.
         with: Key,
     },
+    /// Something that takes no step at all.
+    NotHere,
     /// A robot with constraints of its own.
     Constrained {
         /// The first one.
@@ -120,6 +122,10 @@ impl fmt::Display for StepError {
                 write!(f, "from here the feet do not come to the ground one step apart: {cause}")
             }
             Self::NotTaken { with } => write!(f, "{with} and a step do not go together; remove one of the two"),
+            Self::NotHere => f.write_str(
+                "steps are motions of the direct method alone, without solving again, feedback, sensitivities or \
+                 continuation; remove [step], or that",
+            ),
             Self::Constrained { constraint } => write!(
                 f,
                 "the robot has the constraint '{}', and steps are those of open trees; remove it",
