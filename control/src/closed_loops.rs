@@ -50,10 +50,12 @@ fn of_joints(problem: &Problem, loops: &Loops, found: Solution) -> Solution {
     let lambda = |accelerations: &Vec<f64>| match &loops.walk {
         // Along the axes of the world, of forces along the edges of the friction cone.
         Some(walk) => {
-            let along = walk.edges.iter().zip(&loops.rows).zip(&accelerations[n..]);
-            along.fold(vec![0.0; 2], |sum, ((edge, row), a)| {
-                vec![sum[0] + edge[0] * row.mass * a, sum[1] + edge[1] * row.mass * a]
-            })
+            let mut lambda = vec![0.0; loops.rows.len()];
+            for ((edge, row), a) in walk.edges.iter().zip(&loops.rows).zip(&accelerations[n..]) {
+                let foot = &mut lambda[2 * (row.row / 2)..][..2];
+                foot.iter_mut().zip(edge).for_each(|(to, part)| *to += part * row.mass * a);
+            }
+            lambda
         }
         None => {
             let all = problem.robot.constraints().iter().map(|one| one.kind.rows()).sum();

@@ -29,21 +29,23 @@ pub(crate) struct LoopRow {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Walk {
     pub step: Step,
-    /// The robot with a constraint whose rows are x and z of the foot that stands.
+    /// The robot with a constraint for each foot that stands, whose rows are x and z of it.
     pub foot: Robot,
-    /// The same of the foot that swings.
+    /// The same of the feet that swing.
     pub swing: Robot,
+    /// x of the feet that stand, in a guess.
+    pub places: Vec<f64>,
     /// For each joint the one whose place it takes when the legs change their roles.
     pub exchange: Vec<usize>,
     /// q(0) less the exchanged q(T) (rad, m).
     pub shift: Vec<f64>,
     /// Units of momenta, the diagonal of M at the start (kg m^2/s, kg m/s).
     pub scales: Vec<f64>,
-    /// x and z of the direction of each row: edges of the friction cone.
+    /// x and z of the direction of each row: edges of friction cones, two for each foot.
     pub edges: Vec<[f64; 2]>,
     /// Accelerations of multipliers that carry the weight, for guesses.
     pub lift: Vec<f64>,
-    /// The impulse of a guess, in parts of that of the weight during the step.
+    /// Impulses of a guess, in parts of those of the weight during the step.
     pub guessed_impulse: f64,
 }
 

@@ -1,17 +1,19 @@
 //! A step of a walking robot, as the user gives it.
 
-/// A step of a planar robot with two legs and point feet, in a gait that repeats itself mirrored.
+/// A step of a planar robot with point feet, in a gait that repeats itself mirrored: a walk on two legs, a
+/// trot on four.
 ///
-/// During the step one foot stands on the ground, pinned by forces within its friction cone, and the other
-/// one swings. At the end this one lands: an inelastic impact changes the velocities, the first foot leaves
-/// the ground, and the legs change their roles. With the permutation S that exchanges the legs and the length
+/// During the step some feet stand on the ground, pinned by forces within their friction cones, and as many
+/// others swing. At the end these land: an inelastic impact changes the velocities, the first ones leave the
+/// ground, and the legs change their roles. With the permutation S that exchanges the legs and the length
 /// L of the step, the state after it is the one with which the step began:
 ///
 /// $$ q(0) = S q(T) - L e_x, \qquad M v(0) - J^\top \Lambda = S M v(T), \qquad J v(0) = 0 $$
 ///
-/// J is that of the foot that stands during the step, and $\Lambda$ the impulse with which it landed. The
+/// J is that of the feet that stand during the step, and $\Lambda$ the impulses with which they landed. The
 /// ground is the plane z = 0 of the world, gravity along -z, and the robot moves in the plane of x and z: its
-/// first joints are those of a body in that plane, without motors. The foot that stands is at the origin.
+/// first joints are those of a body in that plane, without motors. The first foot that stands is at the
+/// origin.
 ///
 /// ```
 /// use costate_control::{MotionLimits, Objective, Problem, Step};
@@ -19,7 +21,7 @@
 /// # std::env::set_current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))?;
 /// let robot = Robot::from_file("robots/rabbit.toml")?;
 /// let q = [-0.25, 0.72, 0.1, 0.1, 0.3, -0.6, 0.3];
-/// let step = Step::new("right_foot", "left_foot", "base_x", 0.5)
+/// let step = Step::new(&["right_foot"], &["left_foot"], "base_x", 0.5)
 ///     .with_mirror(&[["left_hip", "right_hip"], ["left_knee", "right_knee"]]);
 /// let most = [[0.0; 3].as_slice(), &[150.0; 4]].concat();
 /// let effort = [[0.0; 3].as_slice(), &[1.0; 4]].concat();
@@ -33,18 +35,18 @@
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Step {
-    /// The frame that stands on the ground during the step: a point.
-    pub stance: String,
-    /// The frame that lands at its end.
-    pub swing: String,
+    /// The frames that stand on the ground during the step: points.
+    pub stance: Vec<String>,
+    /// For each of them the one that lands in its place, one step ahead, at the end.
+    pub swing: Vec<String>,
     /// The joint that moves the whole robot along x of the world: prismatic, without a motor.
     pub along: String,
     /// Length of the step (m).
     pub length: f64,
     /// Coefficient of friction of the ground, for forces and impulses.
     pub friction: f64,
-    /// How high the foot that swings is above the ground at least, halfway (m): it stays above the parabola
-    /// of this height whose ends are the places of the foot before and after the step.
+    /// How high feet that swing are above the ground at least, halfway (m): each stays above the parabola of
+    /// this height whose ends are its places before and after the step.
     pub clearance: f64,
     /// Pairs of joints that change places when the legs change their roles.
     pub mirror: Vec<[String; 2]>,
@@ -56,8 +58,9 @@ impl Step {
 
     /// A step of this length (m) with the friction 0.6 and no clearance, of a robot whose joints stay in
     /// their places. Frames and the joint are named.
-    pub fn new(stance: &str, swing: &str, along: &str, length: f64) -> Self {
-        let [stance, swing, along] = [stance, swing, along].map(str::to_owned);
+    pub fn new(stance: &[&str], swing: &[&str], along: &str, length: f64) -> Self {
+        let [stance, swing] = [stance, swing].map(|feet| feet.iter().map(|&foot| foot.to_owned()).collect());
+        let along = along.to_owned();
         Self { stance, swing, along, length, friction: Self::FRICTION, clearance: 0.0, mirror: Vec::new() }
     }
 
@@ -67,7 +70,7 @@ impl Step {
         Self { friction, ..self }
     }
 
-    /// With this height of the foot that swings, halfway (m).
+    /// With this height of feet that swing, halfway (m).
     #[must_use]
     pub fn with_clearance(self, clearance: f64) -> Self {
         Self { clearance, ..self }

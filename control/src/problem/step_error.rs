@@ -22,11 +22,20 @@ pub enum StepError {
         /// Why.
         cause: Arc<RobotError>,
     },
-    /// Both feet are one frame.
+    /// A foot that is named twice.
     OneFoot {
         /// The frame.
         frame: String,
     },
+    /// Feet that stand and feet that swing are not as many.
+    Unpaired {
+        /// Feet that stand.
+        stance: usize,
+        /// Feet that swing.
+        swing: usize,
+    },
+    /// Feet of which one follows the others: their forces are not determined.
+    Redundant,
     /// A number out of its range.
     OutOfRange {
         /// Its value.
@@ -89,8 +98,16 @@ impl fmt::Display for StepError {
             Self::NoFoot { cause } => write!(f, "{cause}"),
             Self::OneFoot { frame } => write!(
                 f,
-                "'{}' stands on the ground during the step; name the other foot",
+                "'{}' is named twice; each foot either stands or swings",
                 printable(frame)
+            ),
+            Self::Unpaired { stance, swing } => write!(
+                f,
+                "{stance} feet stand and {swing} swing; give each foot that stands the one that lands in its place"
+            ),
+            Self::Redundant => f.write_str(
+                "one of these feet cannot move where the others stand, so that their forces are not determined; \
+                 name fewer feet",
             ),
             Self::OutOfRange { value, remedy } => write!(f, "{remedy}, but is {}", number(*value)),
             Self::NotAlong { joint } => write!(

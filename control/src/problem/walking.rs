@@ -1,6 +1,6 @@
 //! A step of a walking robot as a motion of one with its foot in constraints.
 //!
-//! The foot that stands is held along two directions d_1, d_2 of the plane, the edges of the friction cone of
+//! Each foot that stands is held along two directions d_1, d_2 of the plane, the edges of the friction cone of
 //! the ground: its force is `a_1 d_1 + a_2 d_2` with the multipliers a of these rows, and it is in the cone
 //! where both are positive. As in [`super::loops`] they are accelerations of further coordinates nu, and
 //! nothing depends on their rates. So the rates with which a step begins are the impulses Lambda of the impact
@@ -16,7 +16,7 @@
 
 use super::error::ProblemError;
 use super::key::Key;
-use super::loop_rows::{Loops, Walk};
+use super::loop_rows::{LoopRow, Loops, Walk};
 use super::step::Step;
 use super::step_error::StepError;
 use super::{BoundaryState, Problem};
@@ -24,7 +24,7 @@ use crate::constants::checks::step::{GUESSED_IMPULSE, PLANAR, SYMMETRIC};
 use costate::EvalError;
 use costate::constraints::{ConstrainedHamiltonian, Constraints};
 use costate::lagrangian::Lagrangian;
-use costate::robot::{ConstraintRow, ConstraintSpec, JointKind, Placement, Robot, RobotError};
+use costate::robot::{ConstraintRow, ConstraintSpec, JointKind, Placement, RobotError};
 use std::sync::Arc;
 
 impl Problem {
@@ -59,65 +59,93 @@ impl Problem {
             let remedy = "must be neither negative nor infinite (m)";
             return Err(StepError::OutOfRange { value: clearance, remedy }.at(Key::STEP_CLEARANCE));
         }
-        self.foot(Key::STEP_STANCE, &step.stance)?;
-        self.foot(Key::STEP_SWING, &step.swing)?;
-        if step.stance == step.swing {
-            return Err(StepError::OneFoot { frame: step.swing.clone() }.at(Key::STEP_SWING));
-        }
+        self.check_names(step)?;
         let exchange = self.exchange(step)?;
         let along = self.joint(Key::STEP_ALONG, &step.along)?;
         self.check_feet(step, along)?;
-        let q = self.standing_guess(step)?;
+        let (q, places) = self.standing_guess(step)?;
         let mut shift = vec![0.0; q.len()];
         shift[along] = -length;
         self.check_mirror(step, &exchange, &q, &shift)?;
         // What cannot be evaluated is told at the start.
         let failed = |error: EvalError| StepError::CannotStand { cause: error.into() }.at(Key::START_Q);
         let angle = friction.atan();
-        let edge = |name: &str, angle: f64| {
-            ConstraintSpec::rows(name, &step.stance, "world", &[ConstraintRow::Z])
-                .to_placed(Placement::from_xyz_rpy([0.0; 3], [0.0, angle, 0.0]))
-        };
-        let ahead = edge(&format!("{} pushed ahead", step.stance), angle);
-        let back = edge(&format!("{} pushed back", step.stance), -angle);
-        let added = |robot: Robot, spec: ConstraintSpec| robot.with_constraint(spec).map_err(no_foot);
-        let standing = added(added(self.robot.clone(), ahead)?, back)?;
-        let start = BoundaryState::fixed(&q, &vec![0.0; q.len()]);
-        let held = Self { robot: standing, step: None, start, ..self.clone() };
+        let (mut standing, mut foot, mut swing) = (self.robot.clone(), self.robot.clone(), self.robot.clone());
+        for ((stands, swings), x) in step.stance.iter().zip(&step.swing).zip(&places) {
+            for (name, angle) in [("ahead", angle), ("back", -angle)] {
+                let edge = format!("{stands} pushed {name}");
+                let edge = ConstraintSpec::rows(edge, stands, "world", &[ConstraintRow::Z])
+                    .to_placed(Placement::from_xyz_rpy([*x, 0.0, 0.0], [0.0, angle, 0.0]));
+                standing = standing.with_constraint(edge).map_err(no_foot)?;
+            }
+            foot = foot.with_constraint(point(stands, 0.0)).map_err(no_foot)?;
+            swing = swing.with_constraint(point(swings, 0.0)).map_err(no_foot)?;
+        }
+        let still = vec![0.0; q.len()];
+        let held =
+            Self { robot: standing, step: None, start: BoundaryState::fixed(&q, &still), ..self.clone() };
         let mut rows = Constraints::new(&held.robot);
         rows.set_position(&q).map_err(failed)?;
         let kept = held.independent_rows(&mut rows).map_err(failed)?;
-        let mut mass = Lagrangian::<f64>::new(&self.robot);
-        let linear =
-            mass.linearise_inverse_dynamics(&q, &vec![0.0; q.len()], &vec![0.0; q.len()]).map_err(failed)?;
-        let scales: Vec<f64> = (0..q.len()).map(|i| linear.tau_a[(i, i)]).collect();
-        let weight = scales[along] * self.robot.gravity().norm();
-        let lift = kept.iter().map(|row| weight / (2.0 * angle.cos() * row.mass)).collect();
-        let foot = |name: &str| ConstraintSpec::rows(name, name, "world", &[ConstraintRow::X, ConstraintRow::Z]);
-        let directions = kept.iter().map(|row| if row.row == 0 { angle } else { -angle });
+        if kept.len() < rows.count() {
+            return Err(StepError::Redundant.at(Key::STEP_STANCE));
+        }
+        let mut model = Lagrangian::<f64>::new(&self.robot);
+        let mass = model.linearise_inverse_dynamics(&q, &still, &still).map_err(failed)?.tau_a;
+        let scales: Vec<f64> = (0..q.len()).map(|i| mass[(i, i)]).collect();
+        let share = scales[along] * self.robot.gravity().norm() / (kept.len() as f64 * angle.cos());
+        let lift = kept.iter().map(|row| share / row.mass).collect();
+        let edges = [[angle.sin(), angle.cos()], [-angle.sin(), angle.cos()]];
         let walk = Walk {
-            foot: added(self.robot.clone(), foot(&step.stance))?,
-            swing: added(self.robot.clone(), foot(&step.swing))?,
-            edges: directions.map(|angle| [angle.sin(), angle.cos()]).collect(),
+            foot,
+            swing,
+            edges: kept.iter().map(|row| edges[row.row % 2]).collect(),
             step: step.clone(),
+            places,
             guessed_impulse: GUESSED_IMPULSE,
             exchange,
             shift,
             scales,
             lift,
         };
-        let time = self.time.value();
-        let end: Vec<f64> = walk.mirrored_back(&q);
+        Ok(held.with_walk(walk, kept))
+    }
+
+    /// The step from a prepared one.
+    fn with_walk(&self, walk: Walk, rows: Vec<LoopRow>) -> Self {
+        let (q, time) = (&self.start.q, self.time.value());
+        let end = walk.mirrored_back(q);
         let rates: Vec<f64> = q.iter().zip(&end).map(|(from, to)| (to - from) / time).collect();
-        let loops = Loops { robot: held.robot.clone(), rows: kept, walk: Some(walk) };
-        let (n, k) = (q.len(), loops.rows.len());
-        let state = |q: &[f64], q_free: Vec<usize>| {
+        let (n, k) = (q.len(), rows.len());
+        let state = |q: &[f64], q_free: usize| {
             let more = |list: &[f64]| [list, &vec![0.0; k]].concat();
-            let all: Vec<usize> = (0..n + k).collect();
-            BoundaryState::fixed(&more(q), &more(&rates)).with_q_free(&q_free).with_v_free(&all)
+            let free = |count: usize| (0..count).collect::<Vec<usize>>();
+            BoundaryState::fixed(&more(q), &more(&rates))
+                .with_q_free(&free(q_free))
+                .with_v_free(&free(n + k))
         };
-        let (first, last) = (state(&q, (0..n).collect()), state(&end, (0..n + k).collect()));
-        Ok(held.with_coordinates_of(loops, first, last))
+        let (first, last) = (state(q, n), state(&end, n + k));
+        let loops = Loops { robot: self.robot.clone(), rows, walk: Some(walk) };
+        self.with_coordinates_of(loops, first, last)
+    }
+
+    /// Whether the feet are frames, each named once, and paired.
+    fn check_names(&self, step: &Step) -> Result<(), ProblemError> {
+        let (stance, swing) = (step.stance.len(), step.swing.len());
+        if stance != swing || stance == 0 {
+            return Err(StepError::Unpaired { stance, swing }.at(Key::STEP_SWING));
+        }
+        let mut known: Vec<&String> = Vec::new();
+        for (key, feet) in [(Key::STEP_STANCE, &step.stance), (Key::STEP_SWING, &step.swing)] {
+            for frame in feet {
+                self.foot(key, frame)?;
+                if known.contains(&frame) {
+                    return Err(StepError::OneFoot { frame: frame.clone() }.at(key));
+                }
+                known.push(frame);
+            }
+        }
+        Ok(())
     }
 
     /// What steps do not take.
@@ -170,7 +198,9 @@ impl Problem {
     fn check_feet(&self, step: &Step, along: usize) -> Result<(), ProblemError> {
         let mut carries = self.has_no_motor(along) || self.joint_limits()[along].torque == [0.0; 2];
         carries &= self.robot.independent_joints().nth(along).is_some_and(|j| j.kind == JointKind::Prismatic);
-        for (key, frame) in [(Key::STEP_STANCE, &step.stance), (Key::STEP_SWING, &step.swing)] {
+        let feet = [(Key::STEP_STANCE, &step.stance), (Key::STEP_SWING, &step.swing)];
+        let feet = feet.into_iter().flat_map(|(key, feet)| feet.iter().map(move |frame| (key, frame)));
+        for (key, frame) in feet {
             let robot = self.robot.with_constraint(ConstraintSpec::pinned(frame.as_str(), frame, "world"));
             let mut foot = Constraints::<f64>::new(&robot.map_err(no_foot)?);
             if let Err(error) = foot.set_position(&self.start.q) {
@@ -188,20 +218,28 @@ impl Problem {
         }
     }
 
-    /// The position near the guess with the foot that stands at the origin and the other one a step behind.
-    fn standing_guess(&self, step: &Step) -> Result<Vec<f64>, ProblemError> {
-        let foot = |name: &str, x: f64| {
-            ConstraintSpec::rows(name, name, "world", &[ConstraintRow::X, ConstraintRow::Z])
-                .to_placed(Placement::from_xyz_rpy([x, 0.0, 0.0], [0.0; 3]))
-        };
-        let robot = self.robot.with_constraint(foot(&step.stance, 0.0));
-        let robot = robot.and_then(|robot| robot.with_constraint(foot(&step.swing, -step.length)));
-        let robot = robot.map_err(no_foot)?;
+    /// The position near the guess with the first foot that stands at the origin, and all that swing one step
+    /// behind those that stand; x of these.
+    fn standing_guess(&self, step: &Step) -> Result<(Vec<f64>, Vec<f64>), ProblemError> {
+        let failed = |cause| StepError::CannotStand { cause }.at(Key::START_Q);
         let mut q = self.start.q.clone();
+        let mut places = Vec::with_capacity(step.stance.len());
+        for foot in &step.stance {
+            let robot = self.robot.with_constraint(point(foot, 0.0)).map_err(no_foot)?;
+            let mut found = Constraints::<f64>::new(&robot);
+            found.set_position(&q).map_err(|error| failed(error.into()))?;
+            places.push(found.values()[0]);
+        }
+        let first = places[0];
+        places.iter_mut().for_each(|x| *x -= first);
+        let mut robot = self.robot.clone();
+        for ((stands, swings), x) in step.stance.iter().zip(&step.swing).zip(&places) {
+            robot = robot.with_constraint(point(stands, *x)).map_err(no_foot)?;
+            robot = robot.with_constraint(point(swings, x - step.length)).map_err(no_foot)?;
+        }
         let held = vec![false; q.len()];
-        let closed = ConstrainedHamiltonian::<f64>::new(&robot).close(&mut q, &held);
-        closed.map_err(|cause| StepError::CannotStand { cause }.at(Key::START_Q))?;
-        Ok(q)
+        ConstrainedHamiltonian::<f64>::new(&robot).close(&mut q, &held).map_err(failed)?;
+        Ok((q, places))
     }
 
     /// Whether the exchanged robot is the same one, with the feet exchanged.
@@ -235,13 +273,21 @@ impl Problem {
             foot.set_position(q).map_err(failed)?;
             Ok(foot.values().to_vec())
         };
-        let (here, there) = (place(&step.swing, q)?, place(&step.stance, &moved(q))?);
-        let miss = (here[0] - step.length - there[0]).hypot(here[2] - there[2]);
-        match miss > SYMMETRIC * step.length.max(1.0) {
-            true => Err(StepError::FeetStay { miss }.at(Key::STEP_MIRROR)),
-            false => Ok(()),
+        for (swings, stands) in step.swing.iter().zip(&step.stance) {
+            let (here, there) = (place(swings, q)?, place(stands, &moved(q))?);
+            let miss = (here[0] - step.length - there[0]).hypot(here[2] - there[2]);
+            if miss > SYMMETRIC * step.length.max(1.0) {
+                return Err(StepError::FeetStay { miss }.at(Key::STEP_MIRROR));
+            }
         }
+        Ok(())
     }
+}
+
+/// The constraint of a foot at a place of the ground.
+fn point(foot: &str, x: f64) -> ConstraintSpec {
+    ConstraintSpec::rows(foot, foot, "world", &[ConstraintRow::X, ConstraintRow::Z])
+        .to_placed(Placement::from_xyz_rpy([x, 0.0, 0.0], [0.0; 3]))
 }
 
 impl StepError {

@@ -17,8 +17,8 @@ pub struct Gait {
     pub cost_of_transport: f64,
     /// Weight times length of a step (J).
     pub weight_times_length: f64,
-    /// Impulse of the ground on the foot that lands, in the axes of the world (N s).
-    pub impulse: [f64; 3],
+    /// Impulses of the ground on the feet that land, in the axes of the world (N s).
+    pub impulses: Vec<[f64; 3]>,
     /// Energy that the impact takes (J).
     pub loss: f64,
     /// Largest difference (rad, m, rad/s, m/s) of the state after the impact at the end, legs exchanged, from
@@ -44,10 +44,10 @@ impl Gait {
         let (Some(q), Some(v)) = (motion.q.last(), motion.v.last()) else { return Ok(None) };
         let landing = Landing::of(walk, q, v)?;
         let miss = landing.miss(&motion.q[0], &motion.v[0]);
-        let Landing { impulse, loss, .. } = landing;
+        let Landing { impulses, loss, .. } = landing;
         let (weight_times_length, speed) = (walk.weight() * walk.step.length, walk.step.length / duration);
         let cost_of_transport = work / weight_times_length;
-        Ok(Some(Self { speed, cost_of_transport, weight_times_length, impulse, loss, miss }))
+        Ok(Some(Self { speed, cost_of_transport, weight_times_length, impulses, loss, miss }))
     }
 }
 
@@ -56,7 +56,7 @@ pub(crate) struct Landing {
     /// With the legs exchanged.
     q: Vec<f64>,
     v: Vec<f64>,
-    impulse: [f64; 3],
+    impulses: Vec<[f64; 3]>,
     loss: f64,
 }
 
@@ -72,8 +72,8 @@ impl Landing {
         let after = impact.evaluate(q, &p)?;
         let exchanged = |list: &[f64]| walk.exchange.iter().map(|&i| list[i]).collect::<Vec<f64>>();
         let places = exchanged(q).iter().zip(&walk.shift).map(|(q, shift)| q + shift).collect();
-        let (v, loss) = (exchanged(after.velocity), after.loss);
-        Ok(Self { q: places, v, impulse: [after.impulse[0], 0.0, after.impulse[1]], loss })
+        let impulses = after.impulse.chunks_exact(2).map(|foot| [foot[0], 0.0, foot[1]]).collect();
+        Ok(Self { q: places, v: exchanged(after.velocity), impulses, loss: after.loss })
     }
 
     /// The largest difference from a state (rad, m, rad/s, m/s).

@@ -103,7 +103,7 @@ fn the_ground_bears_what_the_feet_press() {
             impulse += 0.5 * (motion.t[k] - motion.t[k - 1]) * (z + foot.force[k - 1][2]);
         }
     }
-    let [x, _, z] = solution.gait.as_ref().unwrap().impulse;
+    let [x, _, z] = solution.gait.as_ref().unwrap().impulses[0];
     assert!(z > 0.0 && x.abs() <= FRICTION * z * (1.0 + 1e-6), "{x} {z}");
     // Over a step the vertical momentum comes back: landing and standing bear the weight.
     let weight = 40.0 * 9.81 * TIME;
@@ -186,7 +186,7 @@ fn the_gait_closes_in_another_integration() {
     // And momentum: what the ground gives to the foot that lands is all that changes it.
     let force = landing.wrench(0, after.impulse).0;
     let gait = solution.gait.as_ref().unwrap();
-    assert!((force[2] - gait.impulse[2]).abs() < 0.05 && (after.loss - gait.loss).abs() < 0.1, "{force:?}");
+    assert!((force[2] - gait.impulses[0][2]).abs() < 0.05 && (after.loss - gait.loss).abs() < 0.1, "{force:?}");
     let jump: f64 = after.momentum[1] - before[1];
     assert!((jump - force[2]).abs() < 1e-9, "{jump} {force:?}");
 }
@@ -239,11 +239,13 @@ fn what_is_no_step_is_refused_by_name() {
         ProblemError::Step { key, cause } => (key.to_string(), cause),
         other => panic!("{other}"),
     };
-    let (key, found) = cause(with(&|step| step.stance = "right_fot".into()));
+    let (key, found) = cause(with(&|step| step.stance = vec!["right_fot".into()]));
     let StepError::UnknownFrame { frame, nearest } = found else { panic!("{found}") };
     assert_eq!((&*key, &*frame, &*nearest[0]), ("step.stance", "right_fot", "right_foot"));
-    let (key, found) = cause(with(&|step| step.swing = "right_foot".into()));
+    let (key, found) = cause(with(&|step| step.swing = vec!["right_foot".into()]));
     assert_eq!((&*key, found), ("step.swing", StepError::OneFoot { frame: "right_foot".into() }));
+    let (key, found) = cause(with(&|step| step.swing.clear()));
+    assert_eq!((&*key, found), ("step.swing", StepError::Unpaired { stance: 1, swing: 0 }));
     for value in [0.0, -0.1, f64::NAN] {
         let (key, found) = cause(with(&|step| step.length = value));
         assert!(key == "step.length" && matches!(found, StepError::OutOfRange { .. }), "{found}");

@@ -1,4 +1,4 @@
-//! A step of a gait: the impact between two steps, and the height of the foot that swings.
+//! A step of a gait: the impact between two steps, and the heights of the feet that swing.
 
 use crate::direct::points::values::Points;
 use crate::problem::loop_rows::{LoopRow, Loops, Walk};
@@ -7,6 +7,7 @@ use costate::EvalError;
 use costate::constraints::Constraints;
 use costate::lagrangian::LagrangianSecondOrder;
 use costate::scalar::Tangent;
+use std::ops::Range;
 
 /// The unit of violations of the height (m).
 const HEIGHT: f64 = 0.1;
@@ -15,11 +16,12 @@ const HEIGHT: f64 = 0.1;
 ///
 /// ```text
 /// M v(0) - J'dnu/dt(0) - S M v(T)     n, momenta after the impact
-/// J v(0)                              k, rates of the rows of the foot that stands
-/// g(q(0))                             k, their values
+/// J v(0)                              k, rates of the rows of the feet that stand
+/// g(q(0))                             x and z of the first of these feet, z of the others
 /// ```
 ///
-/// and one along the motion, `z - h (1 - x^2 / L^2) >= 0` of the foot that swings.
+/// and along the motion `z - h (1 - x^2 / L^2) >= 0` of each foot that swings, x from the foot whose place it
+/// takes.
 ///
 /// `M v` is what inverse dynamics needs for the acceleration v at rest, more than for none; its derivatives
 /// are those of inverse dynamics.
@@ -32,13 +34,18 @@ pub(crate) struct StepRows {
     stance: Constraints<Tangent<f64>>,
     line: Vec<Tangent<f64>>,
     forces: Vec<Tangent<f64>>,
+    /// The rows whose sum is a place.
+    places: Vec<Range<usize>>,
+    /// x and z of the feet that swing, and of those that stand.
     swing: Constraints<f64>,
-    /// Its Jacobian, 2 x n.
-    foot: Vec<f64>,
+    foot: Constraints<f64>,
+    /// Weights of x and z of both.
+    of_swing: Vec<f64>,
+    of_foot: Vec<f64>,
     /// h and L.
     arch: [f64; 2],
     bounds: Vec<Row>,
-    height: [Row; 1],
+    heights: Vec<Row>,
     rest: Vec<f64>,
     weights: Vec<f64>,
     momentum: Vec<f64>,
@@ -58,21 +65,22 @@ impl StepRows {
     pub fn new(loops: &Loops, walk: &Walk) -> Self {
         let stance = Constraints::<Tangent<f64>>::new(&loops.robot);
         let (n, k) = (stance.dof(), loops.rows.len());
-        let name = &walk.step.stance;
+        let places: Vec<Range<usize>> = [0..1, 1..2].into_iter().chain((1..k / 2).map(|i| 2 * i..2 * i + 2)).collect();
         let momenta = walk.scales.iter().enumerate();
         let momenta = momenta.map(|(i, &scale)| {
             Row::equal(0.0, scale, "kg m/s, kg m^2/s", format!("momentum {i} through the impact"))
         });
-        let of = |what: &str, unit| {
-            let name = format!("{what} of '{name}' at the start of the step");
-            (0..k).map(move |_| Row::equal(0.0, 1.0, unit, name.clone())).collect::<Vec<_>>()
+        let of = |what: &str, unit, first: usize| {
+            let name = format!("{what} of '{}' at the start of the step", walk.step.stance[first / 2]);
+            Row::equal(0.0, 1.0, unit, name)
         };
-        let bounds = momenta.chain(of("velocity", "m/s")).chain(of("place", "m")).collect();
-        let height = Row {
+        let speeds = (0..k).map(|c| of("velocity", "m/s", c));
+        let bounds = momenta.chain(speeds).chain(places.iter().map(|rows| of("place", "m", rows.start)));
+        let height = |swings: &String| Row {
             lower: 0.0,
             upper: f64::INFINITY,
             range: HEIGHT,
-            name: format!("clearance of '{}' from the ground", walk.step.swing),
+            name: format!("clearance of '{swings}' from the ground"),
             unit: "m",
             measure: Measure::Plain,
         };
@@ -85,10 +93,13 @@ impl StepRows {
             forces: vec![zero; stance.count()],
             stance,
             swing: Constraints::new(&walk.swing),
-            foot: vec![0.0; 2 * n],
+            foot: Constraints::new(&walk.foot),
+            of_swing: vec![0.0; k],
+            of_foot: vec![0.0; k],
             arch: [walk.step.clearance, walk.step.length],
-            bounds,
-            height: [height],
+            bounds: bounds.collect(),
+            places,
+            heights: walk.step.swing.iter().map(height).collect(),
             rest: vec![0.0; n],
             weights: vec![0.0; n],
             momentum: vec![0.0; n],
@@ -103,7 +114,7 @@ impl StepRows {
 
     /// What holds along the motion.
     pub fn along(&self) -> &[Row] {
-        &self.height
+        &self.heights
     }
 
     /// The rows at the ends in these states of them.
@@ -122,10 +133,12 @@ impl StepRows {
         let (q, v, rates) = (&start[..n], &start[n + k..2 * n + k], &start[2 * n + k..]);
         self.place(q, v)?;
         let (speeds, places) = others.split_at_mut(k);
-        let found = speeds.iter_mut().zip(places).zip(self.rows.iter().zip(rates));
-        for ((speed, place), (LoopRow { row, mass, .. }, rate)) in found {
-            let value = self.stance.values()[*row];
-            (*speed, *place) = (value.eps, value.re);
+        let values = self.stance.values();
+        for (place, rows) in places.iter_mut().zip(&self.places) {
+            *place = self.rows[rows.clone()].iter().map(|one| values[one.row].re).sum();
+        }
+        for (speed, (LoopRow { row, mass, .. }, rate)) in speeds.iter_mut().zip(self.rows.iter().zip(rates)) {
+            *speed = values[*row].eps;
             let slopes = self.stance.jacobian().row(*row);
             momenta.iter_mut().zip(slopes).for_each(|(to, j)| *to -= mass * rate * j.re);
         }
@@ -178,66 +191,87 @@ impl StepRows {
         }
         // J v and g, along v.
         self.place(q, v)?;
-        for (of_speeds, first) in [(true, n), (false, all)] {
-            for (c, LoopRow { row, .. }) in self.rows.iter().enumerate() {
-                self.forces[*row] = Tangent::new(weights[first + c], 0.0);
-                let to = &mut near[width * (first + c)..][..width];
-                for (i, j) in self.stance.jacobian().row(*row).iter().enumerate() {
-                    match of_speeds {
-                        true => (to[i], to[all + i]) = (to[i] + j.eps, to[all + i] + j.re),
-                        false => to[i] += j.re,
-                    }
-                }
+        for (c, LoopRow { row, .. }) in self.rows.iter().enumerate() {
+            self.forces[*row] = Tangent::new(weights[n + c], 0.0);
+            let to = &mut near[width * (n + c)..][..width];
+            for (i, j) in self.stance.jacobian().row(*row).iter().enumerate() {
+                (to[i], to[all + i]) = (to[i] + j.eps, to[all + i] + j.re);
             }
-            let bent = self.stance.hessian(&self.forces)?;
-            for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))) {
-                let entry = bent[(i, j)];
-                if of_speeds {
-                    at_start[width * i + j] += entry.eps;
-                    at_start[width * i + all + j] += entry.re;
-                    at_start[width * (all + i) + j] += entry.re;
-                } else {
-                    at_start[width * i + j] += entry.re;
-                }
+        }
+        let bent = self.stance.hessian(&self.forces)?;
+        for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))) {
+            let entry = bent[(i, j)];
+            at_start[width * i + j] += entry.eps;
+            at_start[width * i + all + j] += entry.re;
+            at_start[width * (all + i) + j] += entry.re;
+        }
+        for (number, rows) in self.places.iter().enumerate() {
+            let to = &mut near[width * (all + number)..][..width];
+            for LoopRow { row, .. } in &self.rows[rows.clone()] {
+                self.forces[*row] = Tangent::new(weights[all + number], 0.0);
+                let slopes = self.stance.jacobian().row(*row);
+                to.iter_mut().zip(slopes).for_each(|(to, j)| *to += j.re);
             }
+        }
+        let bent = self.stance.hessian(&self.forces)?;
+        for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))) {
+            at_start[width * i + j] += bent[(i, j)].re;
         }
         Ok(())
     }
 
-    /// The height of the foot that swings above its parabola, at the position q of the joints.
+    /// The heights of the feet that swing above their parabolas, at the position q of the joints.
     ///
     /// # Errors
     /// A position that cannot be evaluated.
-    pub fn height(&mut self, q: &[f64]) -> Result<f64, EvalError> {
-        self.swing.set_position(&q[..self.rest.len()])?;
-        let ([h, length], [x, z]) = (self.arch, [self.swing.values()[0], self.swing.values()[1]]);
-        let part = x / length;
-        Ok(z - h * (1.0 - part * part))
+    pub fn heights(&mut self, q: &[f64], heights: &mut [f64]) -> Result<(), EvalError> {
+        let q = &q[..self.rest.len()];
+        self.swing.set_position(q)?;
+        self.foot.set_position(q)?;
+        let [h, length] = self.arch;
+        for (i, height) in heights.iter_mut().enumerate() {
+            let part = self.distance(i) / length;
+            *height = self.swing.values()[2 * i + 1] - h * (1.0 - part * part);
+        }
+        Ok(())
     }
 
-    /// The same in row `row` of the points, with derivatives; second ones are added to those of the points.
+    /// x of a foot that swings from the one whose place it takes.
+    fn distance(&self, i: usize) -> f64 {
+        self.swing.values()[2 * i] - self.foot.values()[2 * i]
+    }
+
+    /// The same in the rows of the points from `first` on, with derivatives; second ones are added to those of
+    /// the points.
     ///
     /// # Errors
-    /// As [`height`](Self::height).
-    pub fn contract_heights(&mut self, points: &mut Points, row: usize) -> Result<(), EvalError> {
-        let (n, all, rows) = (self.rest.len(), points.dof, points.rows);
+    /// As [`heights`](Self::heights).
+    pub fn contract_heights(&mut self, points: &mut Points, first: usize) -> Result<(), EvalError> {
+        let (n, all, rows, count) = (self.rest.len(), points.dof, points.rows, self.heights.len());
         let [h, length] = self.arch;
         let bend = 2.0 * h / (length * length);
         for p in 0..points.count() {
-            points.g[rows * p + row] = self.height(&points.z[3 * all * p..][..n])?;
-            let weight = points.g_weights[rows * p + row];
-            let slope = bend * self.swing.values()[0];
-            self.foot.copy_from_slice(self.swing.jacobian().as_slice());
-            let second = self.swing.hessian(&[weight * slope, weight])?;
-            let g_x = &mut points.g_x[2 * all * (rows * p + row)..][..2 * all];
-            g_x.fill(0.0);
+            let own = rows * p + first;
+            self.heights(&points.z[3 * all * p..][..n], &mut points.g[own..own + count])?;
             let hessian = &mut points.hessian[9 * all * all * p..][..9 * all * all];
-            for i in 0..n {
-                let (x, z) = self.foot.split_at(n);
-                g_x[i] = z[i] + slope * x[i];
-                for j in 0..n {
-                    hessian[3 * all * i + j] += second[(i, j)] + weight * bend * x[i] * x[j];
+            for i in 0..count {
+                let (weight, slope) = (points.g_weights[own + i], bend * self.distance(i));
+                (self.of_swing[2 * i], self.of_swing[2 * i + 1]) = (weight * slope, weight);
+                self.of_foot[2 * i] = -weight * slope;
+                let [swing, foot] = [self.swing.jacobian(), self.foot.jacobian()];
+                let along = |a: usize| swing[(2 * i, a)] - foot[(2 * i, a)];
+                let g_x = &mut points.g_x[2 * all * (own + i)..][..2 * all];
+                g_x.fill(0.0);
+                for a in 0..n {
+                    g_x[a] = swing[(2 * i + 1, a)] + slope * along(a);
+                    for b in 0..n {
+                        hessian[3 * all * a + b] += weight * bend * along(a) * along(b);
+                    }
                 }
+            }
+            let [swing, foot] = [self.swing.hessian(&self.of_swing)?, self.foot.hessian(&self.of_foot)?];
+            for (a, b) in (0..n).flat_map(|a| (0..n).map(move |b| (a, b))) {
+                hessian[3 * all * a + b] += swing[(a, b)] + foot[(a, b)];
             }
         }
         Ok(())

@@ -6,7 +6,7 @@ use costate_test_support::robots::file;
 /// A step of RABBIT with its multipliers.
 pub(in crate::direct) fn rabbit() -> Problem {
     let q = [-0.25, 0.72, 0.1, 0.1, 0.3, -0.6, 0.3];
-    let step = Step::new("right_foot", "left_foot", "base_x", 0.5)
+    let step = Step::new(&["right_foot"], &["left_foot"], "base_x", 0.5)
         .with_clearance(0.05)
         .with_mirror(&[["left_hip", "right_hip"], ["left_knee", "right_knee"]]);
     let most = [[0.0; 3].as_slice(), &[150.0; 4]].concat();
@@ -116,7 +116,9 @@ fn a_step_begins_on_both_feet() {
     assert_eq!(problem.coordinates(), n + k);
     for q in [&problem.start.q, &problem.end.q] {
         // On the ground at both ends.
-        assert!(rows.height(q).unwrap().abs() < 1e-9);
+        let mut height = [1.0];
+        rows.heights(q, &mut height).unwrap();
+        assert!(height[0].abs() < 1e-9, "{height:?}");
     }
     let state = |q: &[f64]| [q, &vec![0.0; n + k]].concat();
     let mut g = vec![0.0; n + 2 * k];

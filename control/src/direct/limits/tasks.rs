@@ -147,9 +147,9 @@ impl Tasks {
             }
         }
         if let Some(step) = &mut self.step {
-            let (rows, row) = (points.rows, self.along.rows());
+            let (rows, first) = (points.rows, self.along.rows());
             for (z, g) in points.z.chunks_exact(3 * n).zip(points.g.chunks_exact_mut(rows)) {
-                g[row] = step.height(z)?;
+                step.heights(z, &mut g[first..])?;
             }
         }
         if self.along.is_empty() {

@@ -77,10 +77,15 @@ impl<'a> Stepping<'a> {
         let part = 2.0 * s - 1.0;
         let [of_clearance, of_length] = GUESSED_HEIGHT;
         let height = of_clearance * step.clearance + of_length * step.length;
-        let at = [part * step.length, 0.0, height * (1.0 - part * part)];
-        let foot = ConstraintSpec::rows("swing", &step.swing, "world", &[ConstraintRow::X, ConstraintRow::Z]);
-        let foot = foot.to_placed(Placement::from_xyz_rpy(at, [0.0; 3]));
-        let Ok(robot) = self.loops.robot.with_constraint(foot) else { return };
+        let mut robot = self.loops.robot.clone();
+        for (swings, x) in step.swing.iter().zip(&self.walk.places) {
+            let at = [x + part * step.length, 0.0, height * (1.0 - part * part)];
+            let rows = [ConstraintRow::X, ConstraintRow::Z];
+            let foot = ConstraintSpec::rows(swings.as_str(), swings, "world", &rows)
+                .to_placed(Placement::from_xyz_rpy(at, [0.0; 3]));
+            let Ok(with) = robot.with_constraint(foot) else { return };
+            robot = with;
+        }
         let (mut closed, held) = (q.to_vec(), vec![false; q.len()]);
         if ConstrainedHamiltonian::<f64>::new(&robot).close(&mut closed, &held).is_ok() {
             q.copy_from_slice(&closed);

@@ -1,7 +1,7 @@
 //! The table of a step.
 
 use super::fault::Fault;
-use super::table::Table;
+use super::table::{Table, string};
 use crate::problem::Step;
 use crate::problem::file::error::ProblemFileCause;
 use toml::de::DeValue;
@@ -12,9 +12,16 @@ const STEP: &[&str] = &["stance", "swing", "along", "length", "friction", "clear
 pub(super) fn step(root: &Table<'_>) -> Result<Option<Step>, Fault> {
     let Some(table) = root.table("step")? else { return Ok(None) };
     table.only(STEP)?;
-    let name = |key: &str| table.need(key, table.string(key)?);
+    let feet = |key: &str| -> Result<Vec<String>, Fault> {
+        match table.has_list(key) {
+            true => Ok(table.list(key, "the name of a frame, or a list of names", string)?.unwrap_or_default()),
+            false => Ok(vec![table.need(key, table.string(key)?)?]),
+        }
+    };
     let length = table.need("length", table.number("length")?)?;
-    let mut step = Step::new(&name("stance")?, &name("swing")?, &name("along")?, length);
+    let along = table.need("along", table.string("along")?)?;
+    let mut step = Step::new(&[], &[], &along, length);
+    (step.stance, step.swing) = (feet("stance")?, feet("swing")?);
     step.friction = table.number("friction")?.unwrap_or(step.friction);
     step.clearance = table.number("clearance")?.unwrap_or(step.clearance);
     let pair = |value: &DeValue<'_>| -> Option<[String; 2]> {
