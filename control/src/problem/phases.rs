@@ -32,7 +32,7 @@ impl Problem {
     /// The states at the ends of the phases: start, vias, end.
     pub(crate) fn ends(&self) -> Vec<BoundaryState> {
         if self.step.is_some() {
-            return vec![self.free_end(), self.free_end()];
+            return vec![self.end_of_step(), self.end_of_step()];
         }
         let mut end = self.end.clone();
         if let Some(shift) = &self.periodic {

@@ -41,7 +41,7 @@ impl Problem {
     }
 
     /// An end of a step: all is free.
-    pub(super) fn free_end(&self) -> BoundaryState {
+    pub(super) fn end_of_step(&self) -> BoundaryState {
         let all: Vec<usize> = (0..self.robot.dof()).collect();
         BoundaryState { a: None, ..self.start.clone() }.with_q_free(&all).with_v_free(&all)
     }
