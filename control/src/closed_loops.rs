@@ -86,7 +86,8 @@ fn of_joints(problem: &Problem, loops: &Loops, found: Solution) -> Solution {
     let gait = loops.walk.as_ref().and_then(|walk| Gait::of(walk, &trajectory, &problem.gain).ok()?);
     let after = |walk: &Walk, state: &Vec<f64>| {
         let (q, v) = state.split_at(n);
-        Landing::of(walk, q, v).map_or(f64::INFINITY, |landing| landing.miss(&trajectory.q[0], &trajectory.v[0]))
+        Landing::of(walk, q, v)
+            .map_or(f64::INFINITY, |landing| landing.miss(&trajectory.q[0], &trajectory.v[0]))
     };
     let end_defect = end_state.as_ref().map_or(f64::INFINITY, |state| match &loops.walk {
         Some(walk) => after(walk, state),

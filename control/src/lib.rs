@@ -85,8 +85,8 @@ pub use problem::warning::ProblemWarning;
 pub use problem::{
     BodyPairs, BoundaryState, Bounds, Collision, EndError, FinalTime, FreeMotionError, JointReference, Keep,
     Kept, Leads, LinkCapsule, LoopError, MotionLimits, Objective, Obstacle, Payload, Penalty, Problem,
-    Reference, Shape, Step, StepError, Task, TaskError, Tool, ToolCost, ToolOrientation, ToolPose, ToolReference,
-    TorqueSpeedError, UrdfBodyError, Via, ViaError,
+    Reference, Shape, Step, StepError, Task, TaskError, Tool, ToolCost, ToolOrientation, ToolPose,
+    ToolReference, TorqueSpeedError, UrdfBodyError, Via, ViaError,
 };
 pub use progress::{Cancel, Iteration, Phase};
 pub use result::constraint_forces::ConstraintForces;

@@ -264,7 +264,11 @@ impl Problem {
         let energy = self.cost.has_energy().then_some(Key::ENERGY);
         let rates = || self.first_of_rates();
         let step = || self.step.as_ref().map(|_| Key::STEP_STANCE);
-        energy.or_else(rates).or_else(|| self.task.first_key()).or_else(|| self.first_of_phases()).or_else(step)
+        energy
+            .or_else(rates)
+            .or_else(|| self.task.first_key())
+            .or_else(|| self.first_of_phases())
+            .or_else(step)
     }
 
     /// What makes accelerations continuous, if anything does: a limit or a cost of jerks or of rates of

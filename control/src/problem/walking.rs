@@ -70,7 +70,8 @@ impl Problem {
         // What cannot be evaluated is told at the start.
         let failed = |error: EvalError| StepError::CannotStand { cause: error.into() }.at(Key::START_Q);
         let angle = friction.atan();
-        let (mut standing, mut foot, mut swing) = (self.robot.clone(), self.robot.clone(), self.robot.clone());
+        let (mut standing, mut foot, mut swing) =
+            (self.robot.clone(), self.robot.clone(), self.robot.clone());
         for ((stands, swings), x) in step.stance.iter().zip(&step.swing).zip(&places) {
             for (name, angle) in [("ahead", angle), ("back", -angle)] {
                 let edge = format!("{stands} pushed {name}");
@@ -120,9 +121,7 @@ impl Problem {
         let state = |q: &[f64], q_free: usize| {
             let more = |list: &[f64]| [list, &vec![0.0; k]].concat();
             let free = |count: usize| (0..count).collect::<Vec<usize>>();
-            BoundaryState::fixed(&more(q), &more(&rates))
-                .with_q_free(&free(q_free))
-                .with_v_free(&free(n + k))
+            BoundaryState::fixed(&more(q), &more(&rates)).with_q_free(&free(q_free)).with_v_free(&free(n + k))
         };
         let (first, last) = (state(q, n), state(&end, n + k));
         let loops = Loops { robot: self.robot.clone(), rows, walk: Some(walk) };
@@ -263,7 +262,8 @@ impl Problem {
         let other = model.inverse_dynamics(&moved(q), &exchanged(&v), &exchanged(&a)).map_err(failed)?;
         let size = tau.iter().fold(0.0_f64, |most, tau| most.max(tau.abs()));
         let misses = tau.iter().zip(other).map(|(a, b)| (a - b).abs()).enumerate();
-        if let Some((joint, by)) = misses.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, by)| *by > SYMMETRIC * size)
+        if let Some((joint, by)) =
+            misses.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, by)| *by > SYMMETRIC * size)
         {
             return Err(StepError::NotSymmetric { joint: self.name(joint), by }.at(Key::STEP_MIRROR));
         }

@@ -2,8 +2,8 @@
 
 use crate::options::{SolverOptions, Verify};
 use crate::result::constraint_forces::ConstraintForces;
-use crate::result::gait::Gait;
 use crate::result::free_entries::FreeEntries;
+use crate::result::gait::Gait;
 use crate::result::limit_use::LimitReport;
 use crate::result::motion::{Certificate, Motion};
 use crate::result::polish_report::PolishReport;

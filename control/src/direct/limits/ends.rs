@@ -156,9 +156,10 @@ impl Ends {
             given.iter().enumerate().filter(|(_, given)| **given).map(move |(i, _)| (node, i))
         });
         let last = mesh.intervals();
-        let tied = self.tied.iter().flat_map(move |tie| {
-            [Some((0, tie.start)), tie.end.map(|i| (last, i))].into_iter().flatten()
-        });
+        let tied = self
+            .tied
+            .iter()
+            .flat_map(move |tie| [Some((0, tie.start)), tie.end.map(|i| (last, i))].into_iter().flatten());
         given.chain(tied)
     }
 

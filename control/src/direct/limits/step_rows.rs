@@ -65,7 +65,8 @@ impl StepRows {
     pub fn new(loops: &Loops, walk: &Walk) -> Self {
         let stance = Constraints::<Tangent<f64>>::new(&loops.robot);
         let (n, k) = (stance.dof(), loops.rows.len());
-        let places: Vec<Range<usize>> = [0..1, 1..2].into_iter().chain((1..k / 2).map(|i| 2 * i..2 * i + 2)).collect();
+        let places: Vec<Range<usize>> =
+            [0..1, 1..2].into_iter().chain((1..k / 2).map(|i| 2 * i..2 * i + 2)).collect();
         let momenta = walk.scales.iter().enumerate();
         let momenta = momenta.map(|(i, &scale)| {
             Row::equal(0.0, scale, "kg m/s, kg m^2/s", format!("momentum {i} through the impact"))

@@ -27,8 +27,13 @@ fn rows(problem: &Problem) -> StepRows {
 fn derivatives(rows: &mut StepRows, states: [&[f64]; 2], weights: &[f64]) -> [Vec<f64>; 5] {
     let (count, width) = (weights.len(), states[0].len());
     let zeros = |size: usize| vec![0.0; size];
-    let mut all =
-        [zeros(count), zeros(count * width), zeros(count * width), zeros(width * width), zeros(width * width)];
+    let mut all = [
+        zeros(count),
+        zeros(count * width),
+        zeros(count * width),
+        zeros(width * width),
+        zeros(width * width),
+    ];
     let [g, near, far, at_start, at_end] = &mut all;
     rows.contract(states, weights, g, Derivatives { near, far, at_start, at_end }).unwrap();
     all
@@ -41,9 +46,8 @@ fn derivatives_of_the_impact_are_those_of_differences() {
     let (width, count) = (2 * problem.coordinates(), rows.bounds().len());
     let some = |first: f64, n: usize| (0..n).map(|i| (first + 1.3 * i as f64).sin()).collect::<Vec<_>>();
     let (states, weights) = ([some(0.2, width), some(1.1, width)], some(2.4, count));
-    let all = |rows: &mut StepRows, states: &[Vec<f64>; 2]| {
-        derivatives(rows, [&states[0], &states[1]], &weights)
-    };
+    let all =
+        |rows: &mut StepRows, states: &[Vec<f64>; 2]| derivatives(rows, [&states[0], &states[1]], &weights);
     let [g, near, far, at_start, at_end] = all(&mut rows, &states);
     let mut values = vec![0.0; count];
     rows.values([&states[0], &states[1]], &mut values).unwrap();

@@ -33,7 +33,10 @@ fn add_across(across: Across<'_>, tie: &Tie, node: usize, last: usize, column: &
     let row = &across[node * tie.start..node * (tie.start + 1)];
     column[last..last + node].iter_mut().zip(row).for_each(|(to, entry)| *to += entry);
     if let Some(end) = tie.end {
-        column[..node].iter_mut().zip(across[end..].iter().step_by(node)).for_each(|(to, entry)| *to += entry);
+        column[..node]
+            .iter_mut()
+            .zip(across[end..].iter().step_by(node))
+            .for_each(|(to, entry)| *to += entry);
     }
 }
 

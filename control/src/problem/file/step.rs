@@ -14,7 +14,9 @@ pub(super) fn step(root: &Table<'_>) -> Result<Option<Step>, Fault> {
     table.only(STEP)?;
     let feet = |key: &str| -> Result<Vec<String>, Fault> {
         match table.has_list(key) {
-            true => Ok(table.list(key, "the name of a frame, or a list of names", string)?.unwrap_or_default()),
+            true => {
+                Ok(table.list(key, "the name of a frame, or a list of names", string)?.unwrap_or_default())
+            }
             false => Ok(vec![table.need(key, table.string(key)?)?]),
         }
     };
