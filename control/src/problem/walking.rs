@@ -11,8 +11,7 @@
 //! M v(0) - J'dnu/dt(0) = S M v(T),    J v(0) = 0,    g(q(0)) = 0,    q(0) = S q(T) + shift
 //! ```
 //!
-//! As impulses are in the cone at the start, and forces along the motion, so are the rates at any time: the
-//! limits of the impulses are those of the rates, `dnu/dt >= 0`.
+//! Impulses are in the cone where these rates are positive.
 
 use super::error::ProblemError;
 use super::key::Key;

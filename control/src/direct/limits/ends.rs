@@ -39,6 +39,8 @@ pub(crate) struct Ends {
     pub is_periodic: bool,
     /// The rows along the motion that hold at each end; empty where there are none.
     pub settled: Vec<Settled>,
+    /// The first coordinate whose rate at the start is an impulse: those after the joints of a step.
+    impulses: Option<usize>,
 }
 
 impl Ends {
@@ -71,6 +73,7 @@ impl Ends {
             is_periodic: problem.periodic.is_some(),
             given,
             settled: vec![Settled::default(); states.len()],
+            impulses: walk.map(|walk| walk.exchange.len()),
         }
     }
 
@@ -93,6 +96,12 @@ impl Ends {
         self.given[end].get(at).is_some_and(|given| *given)
     }
 
+    /// Whether a side limits an impulse, which it does at the start alone: later rates follow from forces,
+    /// whose limits would be the same ones a second time.
+    pub fn is_impulse(&self, side: &Side) -> bool {
+        side.limited == Limited::Rate && self.impulses.is_some_and(|first| side.joint >= first)
+    }
+
     /// Whether nothing is free at an end, the acceleration neither.
     fn is_all_given(&self, end: usize) -> bool {
         self.given[end].len() > 2 * self.dof && self.given[end].iter().all(|given| *given)
@@ -107,6 +116,9 @@ impl Ends {
     /// Whether the ends settle a side at a point, whatever the motion is, or there would be more equations
     /// than unknowns with it: three for each interval and joint.
     pub fn is_settled(&self, mesh: &Mesh, p: usize, side: &Side) -> bool {
+        if self.is_impulse(side) {
+            return true;
+        }
         let (k, j) = mesh.interval_of(p);
         let phase = mesh.phase(k);
         let points = mesh.points_of_phase(phase);
