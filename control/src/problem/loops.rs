@@ -58,8 +58,8 @@ impl Problem {
         first.map_or(Ok(()), |one| Err(ProblemError::Constrained { constraint: one.name.clone() }))
     }
 
-    /// The same motion with the multipliers of the constraints as coordinates; of a robot with constraints, or
-    /// of a step.
+    /// The same motion with the multipliers of the constraints as coordinates; of a robot with constraints,
+    /// or of a step.
     ///
     /// # Errors
     /// [`ProblemError::Loop`]: what such motions do not take, ends that do not satisfy the constraints.

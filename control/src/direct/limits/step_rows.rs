@@ -242,8 +242,8 @@ impl StepRows {
         self.swing.values()[2 * i] - self.foot.values()[2 * i]
     }
 
-    /// The same in the rows of the points from `first` on, with derivatives; second ones are added to those of
-    /// the points.
+    /// The same in the rows of the points from `first` on, with derivatives; second ones are added to those
+    /// of the points.
     ///
     /// # Errors
     /// As [`heights`](Self::heights).

@@ -22,8 +22,8 @@ fn begun() -> Interior<Dynamics> {
     interior
 }
 
-/// The gradient with the multipliers and squares at an iterate that is moved along unknown `at`; of squares of
-/// distances from `shift`.
+/// The gradient with the multipliers and squares at an iterate that is moved along unknown `at`; of squares
+/// of distances from `shift`.
 fn gradient(interior: &mut Interior<Dynamics>, shift: &[f64], at: usize, step: f64) -> Vec<f64> {
     let before = interior.spline.clone();
     let last = interior.spline.unknowns.len();
