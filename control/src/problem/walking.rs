@@ -1,9 +1,9 @@
 //! A step of a walking robot as a motion of one with its foot in constraints.
 //!
 //! Each foot that stands is held along two directions d_1, d_2 of the plane, the edges of the friction cone
-//! of the ground: its force is `a_1 d_1 + a_2 d_2` with the multipliers a of these rows, and it is in the cone
-//! where both are positive. As in [`super::loops`] they are accelerations of further coordinates nu, and
-//! nothing depends on their rates. So the rates with which a step begins are the impulses Lambda of the
+//! of the ground: its force is `a_1 d_1 + a_2 d_2` with the multipliers a of these rows, and it is in the
+//! cone where both are positive. As in [`super::loops`] they are accelerations of further coordinates nu,
+//! and nothing depends on their rates. So the rates with which a step begins are the impulses Lambda of the
 //! impact before it: what `p = M v - J'dnu/dt` says about them is that p is continuous there, but for the
 //! exchange of the legs,
 //!
