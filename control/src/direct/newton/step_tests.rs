@@ -15,7 +15,10 @@ fn begun() -> Interior<Dynamics> {
     let mut interior = interior(&problem, &rows, &options, 0, None);
     interior.start(None).unwrap();
     let count = interior.barrier.count();
-    for at in (0..count).filter(|&at| interior.barrier.is_on(at)) {
+    for at in 0..count {
+        if !interior.barrier.is_on(at) {
+            continue;
+        }
         let sign = if interior.barrier.is_limit(at) { 1.0 } else { (0.7 * at as f64).sin() };
         interior.barrier.multiplier[at] = sign * (0.3 + (0.9 * at as f64).cos().abs());
     }
