@@ -5,8 +5,9 @@ use crate::direct::{Direct, Looseness};
 use crate::options::SolverOptions;
 use crate::problem::Problem;
 use crate::problem::check::CheckedProblem;
-use crate::problem::loop_rows::Loops;
+use crate::problem::loop_rows::{Loops, Walk};
 use crate::result::constraint_forces::ConstraintForces;
+use crate::result::gait::{Gait, Landing};
 use crate::result::motion::Motion;
 use crate::result::solution::Solution;
 use crate::result::trajectory::Trajectory;
@@ -46,18 +47,30 @@ pub(crate) fn solve(
 /// close in another way than the given position says.
 fn of_joints(problem: &Problem, loops: &Loops, found: Solution) -> Solution {
     let n = problem.robot.dof();
-    let lambda = |accelerations: &Vec<f64>| {
-        let all = problem.robot.constraints().iter().map(|one| one.kind.rows()).sum();
-        let mut lambda = vec![0.0; all];
-        for (row, a) in loops.rows.iter().zip(&accelerations[n..]) {
-            lambda[row.row] = row.mass * a;
+    let lambda = |accelerations: &Vec<f64>| match &loops.walk {
+        // Along the axes of the world, of forces along the edges of the friction cone.
+        Some(walk) => {
+            let mut lambda = vec![0.0; loops.rows.len()];
+            for ((edge, row), a) in walk.edges.iter().zip(&loops.rows).zip(&accelerations[n..]) {
+                let foot = &mut lambda[2 * (row.row / 2)..][..2];
+                foot.iter_mut().zip(edge).for_each(|(to, part)| *to += part * row.mass * a);
+            }
+            lambda
         }
-        lambda
+        None => {
+            let all = problem.robot.constraints().iter().map(|one| one.kind.rows()).sum();
+            let mut lambda = vec![0.0; all];
+            for (row, a) in loops.rows.iter().zip(&accelerations[n..]) {
+                lambda[row.row] = row.mass * a;
+            }
+            lambda
+        }
     };
     let rows = found.trajectory.accelerations().unwrap_or_default();
     let lambda: Vec<Vec<f64>> = rows.iter().map(lambda).collect();
     let trajectory = found.trajectory.of_joints(n);
-    let constraints = ConstraintForces::along(&loops.robot, &trajectory, &lambda).unwrap_or_default();
+    let robot = loops.walk.as_ref().map_or(&loops.robot, |walk| &walk.foot);
+    let constraints = ConstraintForces::along(robot, &trajectory, &lambda).unwrap_or_default();
     let end_state = found.motion.end_state.as_ref().map(|state| {
         let all = state.len() / 2;
         [&state[..n], &state[all..all + n]].concat()
@@ -70,12 +83,23 @@ fn of_joints(problem: &Problem, loops: &Loops, found: Solution) -> Solution {
         let end = &problem.end;
         of(&end.q, &end.q_free, &state[..n]).max(of(&end.v, &end.v_free, &state[n..]))
     };
-    let end_defect = end_state.as_ref().map_or(f64::INFINITY, misses);
+    let gait = loops.walk.as_ref().and_then(|walk| Gait::of(walk, &trajectory, &problem.gain).ok()?);
+    let after = |walk: &Walk, state: &Vec<f64>| {
+        let (q, v) = state.split_at(n);
+        Landing::of(walk, q, v)
+            .map_or(f64::INFINITY, |landing| landing.miss(&trajectory.q[0], &trajectory.v[0]))
+    };
+    let end_defect = end_state.as_ref().map_or(f64::INFINITY, |state| match &loops.walk {
+        Some(walk) => after(walk, state),
+        None => misses(state),
+    });
     // Where loops can close in two ways, what is given may be the other one.
     let last = trajectory.q.last().zip(trajectory.v.last()).map(|(q, v)| misses(&[&q[..], v].concat()));
+    // A step has other ends than those of its guess; the gait has to close.
+    let last = if loops.walk.is_some() { gait.as_ref().map(|gait| gait.miss) } else { last };
     let bound = verification_bound(found.options.tolerance).sqrt();
     let closes_otherwise = found.motion.status.is_converged() && last.is_some_and(|miss| miss > bound);
     let status = if closes_otherwise { Status::NotVerified } else { found.motion.status.clone() };
     let motion = Motion { status, end_state, ..found.motion };
-    Solution { motion, trajectory, constraints, end_defect, ..found }
+    Solution { motion, trajectory, constraints, gait, end_defect, ..found }
 }

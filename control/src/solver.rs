@@ -113,7 +113,7 @@ impl<'a> Solver<'a> {
         let Self { problem, rows, options, start, listener, cancel, takes_times } = self;
         let mut recorder = Recorder::new(listener, Stop::new(cancel, options.time_limit));
         recorder.takes_times = takes_times;
-        if !problem.robot.constraints().is_empty() {
+        if problem.problem().is_closed() {
             return closed_loops::solve(problem.problem(), &options, start.as_ref(), &mut recorder);
         }
         if !problem.robot.free_joints().is_empty() {

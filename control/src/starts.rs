@@ -212,6 +212,7 @@ pub(crate) fn solution(
         end_defect,
         limits: LimitReport::default(),
         constraints: Vec::new(),
+        gait: None,
         polish: None,
         stage_times: None,
         trajectory: Trajectory::from_nodes(nodes, v),

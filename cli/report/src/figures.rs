@@ -114,6 +114,13 @@ pub fn figures(problem: &Problem, solution: &Solution) -> Vec<(&'static str, Str
     ]);
     figures.extend(verification(motion));
     if extremal {
+        if let Some(gait) = &solution.gait {
+            let [x, z] = [0, 2].map(|axis| gait.impulses.iter().map(|impulse| impulse[axis]).sum::<f64>());
+            figures.push(("speed", format!("{:.4} m/s", gait.speed)));
+            figures.push(("cost of transport", format!("{:.4}", gait.cost_of_transport)));
+            figures.push(("landing", format!("{z:.3} N s up, {x:.3} N s ahead, {:.3} J lost", gait.loss)));
+            figures.push(("gait", format!("closes to {} rad, m, rad/s, m/s", scientific(gait.miss))));
+        }
         figures.extend(limit_figures(problem, solution));
     }
     if !motion.switches.is_empty() {

@@ -136,6 +136,21 @@ pub(crate) mod loops {
     pub const INDEPENDENT: f64 = 1e-6;
 }
 
+/// Steps of gaits.
+pub(crate) mod step {
+    /// What no joint moves by more, at unit rate, is fixed (m).
+    pub const PLANAR: f64 = 1e-9;
+    /// Torques of mirrored motions are the same up to this part of the largest; places of feet likewise, in
+    /// parts of a step or of 1 m if that is more.
+    pub const SYMMETRIC: f64 = 1e-8;
+    /// The impulse of a landing in a guess, in parts of that of the weight during the step.
+    pub const GUESSED_IMPULSE: f64 = 0.2;
+    /// How high the foot that swings is halfway in a guess, in parts of its clearance and of the step.
+    pub const GUESSED_HEIGHT: [f64; 2] = [1.5, 0.05];
+    /// Step in s of rates of guesses.
+    pub const NEAR: f64 = 1e-4;
+}
+
 /// Limits of what is given at an end.
 pub(crate) mod joint_limits {
     /// A state may be beyond a limit by this part of it, or of 1 of its unit if that is more.

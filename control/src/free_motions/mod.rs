@@ -112,6 +112,7 @@ fn solution(
         newton_iterations: found.steps.len(),
         limits: uses::limits(task, found),
         constraints: Vec::new(),
+        gait: None,
         polish: None,
         stage_times: None,
         trajectory,

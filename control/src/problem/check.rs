@@ -96,7 +96,7 @@ impl Problem {
         self.check_accelerations()?;
         self.check_leaving()?;
         check_task(self)?;
-        if !self.robot.constraints().is_empty() {
+        if self.is_closed() {
             self.with_multipliers()?;
         }
         Ok(checked)
@@ -164,7 +164,8 @@ impl Problem {
             return Err(ProblemError::NotPositive { key, value: time });
         }
         not_negative(Key::COST_TIME, self.cost.time)?;
-        let is_free = matches!(self.time, FinalTime::Free { .. });
+        // A slow step is not a cheap one: the robot would have to stand on one foot.
+        let is_free = matches!(self.time, FinalTime::Free { .. }) && self.step.is_none();
         if is_free && self.cost.time == 0.0 && !self.has_cost_of_states() {
             return Err(ProblemError::FreeTimeWithoutCost);
         }

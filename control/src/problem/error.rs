@@ -5,6 +5,7 @@ use crate::problem::end_error::EndError;
 use crate::problem::free_error::FreeMotionError;
 use crate::problem::key::Key;
 use crate::problem::loop_error::LoopError;
+use crate::problem::step_error::StepError;
 use crate::problem::task_error::TaskError;
 use crate::problem::torque_speed_error::TorqueSpeedError;
 use crate::problem::via_error::ViaError;
@@ -243,6 +244,13 @@ pub enum ProblemError {
         /// The cause and its remedy.
         cause: LoopError,
     },
+    /// A [`Step`](crate::Step).
+    Step {
+        /// The field.
+        key: Key,
+        /// The cause and its remedy.
+        cause: StepError,
+    },
     /// A continuation in a parameter that the problem does not have, or to an invalid value.
     Continuation {
         /// Name of the parameter.
@@ -273,6 +281,7 @@ impl ProblemError {
             | Self::End { key, .. }
             | Self::Task { key, .. }
             | Self::Via { key, .. }
+            | Self::Step { key, .. }
             | Self::PhasesNeedDirect { key }
             | Self::TorqueSpeed { key, .. }
             | Self::RatesNeedDirect { key }
@@ -307,6 +316,7 @@ impl std::error::Error for ProblemError {
             Self::Continuation { cause: ContinuationCause::Robot(error), .. } => Some(&**error),
             Self::End { cause, .. } => Some(cause),
             Self::Loop { cause } => Some(cause),
+            Self::Step { cause, .. } => Some(cause),
             Self::Free { cause } => Some(cause),
             Self::Task { cause, .. } => Some(cause),
             Self::Via { cause, .. } => Some(cause),

@@ -57,6 +57,13 @@ impl Key {
     pub(crate) const LIMIT_CORNER_SPEED: Self = Self::new("limits", "corner_speed", "limits.corner_speed");
     pub(crate) const LIMIT_NO_LOAD_SPEED: Self = Self::new("limits", "no_load_speed", "limits.no_load_speed");
     pub(crate) const PERIODIC_SHIFT: Self = Self::new("periodic", "shift", "periodic");
+    pub(crate) const STEP_STANCE: Self = Self::new("step", "stance", "step");
+    pub(crate) const STEP_SWING: Self = Self::new("step", "swing", "step");
+    pub(crate) const STEP_ALONG: Self = Self::new("step", "along", "step");
+    pub(crate) const STEP_LENGTH: Self = Self::new("step", "length", "step");
+    pub(crate) const STEP_FRICTION: Self = Self::new("step", "friction", "step");
+    pub(crate) const STEP_CLEARANCE: Self = Self::new("step", "clearance", "step");
+    pub(crate) const STEP_MIRROR: Self = Self::new("step", "mirror", "step");
     /// The file of a saved motion.
     pub const START_FROM: Self = Self::new("start_from", "file", "start");
 

@@ -1,5 +1,6 @@
 //! The rows of constraints whose multipliers are coordinates.
 
+use super::step::Step;
 use costate::robot::Robot;
 
 /// The rows that hold along a motion.
@@ -8,6 +9,8 @@ pub(crate) struct Loops {
     /// With its constraints.
     pub robot: Robot,
     pub rows: Vec<LoopRow>,
+    /// Of a step of a gait.
+    pub walk: Option<Walk>,
 }
 
 /// A row of g that does not depend on those before it at the start.
@@ -20,4 +23,45 @@ pub(crate) struct LoopRow {
     pub mass: f64,
     /// The constraint that it belongs to.
     pub name: String,
+}
+
+/// A step of a gait, prepared.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Walk {
+    pub step: Step,
+    /// The robot with a constraint for each foot that stands, whose rows are x and z of it.
+    pub foot: Robot,
+    /// The same of the feet that swing.
+    pub swing: Robot,
+    /// x of the feet that stand, in a guess.
+    pub places: Vec<f64>,
+    /// For each joint the one whose place it takes when the legs change their roles.
+    pub exchange: Vec<usize>,
+    /// q(0) less the exchanged q(T) (rad, m).
+    pub shift: Vec<f64>,
+    /// Units of momenta, the diagonal of M at the start (kg m^2/s, kg m/s).
+    pub scales: Vec<f64>,
+    /// x and z of the direction of each row: edges of friction cones, two for each foot.
+    pub edges: Vec<[f64; 2]>,
+    /// Accelerations of multipliers that carry the weight, for guesses.
+    pub lift: Vec<f64>,
+    /// Impulses of a guess, in parts of those of the weight during the step.
+    pub guessed_impulse: f64,
+}
+
+impl Walk {
+    /// Weight of the robot (N).
+    pub fn weight(&self) -> f64 {
+        let along = self.shift.iter().position(|&shift| shift != 0.0);
+        along.map_or(0.0, |i| self.scales[i] * self.foot.gravity().norm())
+    }
+
+    /// The position at the end that the exchange makes the start.
+    pub fn mirrored_back(&self, start: &[f64]) -> Vec<f64> {
+        let mut end = vec![0.0; start.len()];
+        for (i, &from) in self.exchange.iter().enumerate() {
+            end[from] = start[i] - self.shift[i];
+        }
+        end
+    }
 }

@@ -21,6 +21,7 @@
 use super::key::Key;
 use super::loop_error::LoopError;
 use super::loop_rows::{LoopRow, Loops};
+use super::step_error::StepError;
 use super::{BoundaryState, Bounds, MotionLimits, Objective, Penalty, Problem};
 use crate::constants::checks::loops::INDEPENDENT;
 use crate::constants::task::OFF;
@@ -45,20 +46,28 @@ impl Problem {
         joints.chain(rows.map(|row| (row.name.clone(), JointKind::Prismatic))).unzip()
     }
 
-    /// The first constraint is named where a robot with constraints is not taken.
+    /// The first constraint is named where a robot with constraints is not taken; a step neither.
     ///
     /// # Errors
-    /// [`ProblemError::Constrained`].
+    /// [`ProblemError::Constrained`], [`ProblemError::Step`].
     pub(crate) fn refuse_constraints(&self) -> Result<(), ProblemError> {
+        if self.step.is_some() {
+            return Err(ProblemError::Step { key: Key::STEP_STANCE, cause: StepError::NotHere });
+        }
         let first = self.robot.constraints().first();
         first.map_or(Ok(()), |one| Err(ProblemError::Constrained { constraint: one.name.clone() }))
     }
 
-    /// The same motion with the multipliers of the constraints as coordinates; of a robot with constraints.
+    /// The same motion with the multipliers of the constraints as coordinates; of a robot with constraints,
+    /// or of a step.
     ///
     /// # Errors
     /// [`ProblemError::Loop`]: what such motions do not take, ends that do not satisfy the constraints.
+    /// [`ProblemError::Step`] and others of a step.
     pub(crate) fn with_multipliers(&self) -> Result<Self, ProblemError> {
+        if let Some(step) = &self.step {
+            return self.walking(step);
+        }
         self.refuse_with_loops()?;
         let unknown = |key: Key| move |error: EvalError| cannot(key, error.into());
         let mut rows = Constraints::new(&self.robot);
@@ -66,16 +75,23 @@ impl Problem {
         misses(&mut rows, &start.q, Some(&start.v), [Key::START_Q, Key::START_V])?;
         let kept = self.independent_rows(&mut rows).map_err(unknown(Key::START_Q))?;
         let end = self.closed_end(&mut rows, kept.len())?;
-        let k = kept.len();
+        let zeros = |list: &[f64]| padded(list, kept.len(), 0.0);
+        let start = BoundaryState::fixed(&zeros(&start.q), &zeros(&start.v));
+        let loops = Loops { robot: self.robot.clone(), rows: kept, walk: None };
+        Ok(self.with_coordinates_of(loops, start, end))
+    }
+
+    /// With the multipliers of these rows as coordinates, between these states of all coordinates.
+    pub(super) fn with_coordinates_of(&self, loops: Loops, start: BoundaryState, end: BoundaryState) -> Self {
+        let k = loops.rows.len();
         let zeros = |list: &[f64]| padded(list, k, 0.0);
         let all_of = |list: &Option<Vec<f64>>, value| list.as_ref().map(|list| padded(list, k, value));
         let infinite = f64::INFINITY;
         let (limits, n) = (&self.limits, self.robot.dof());
         let torque_max = limits.torque_max.clone().unwrap_or_else(|| vec![infinite; n]);
-        let loops = Loops { robot: self.robot.clone(), rows: kept };
-        Ok(Self {
+        Self {
             robot: self.robot.without_constraints(),
-            start: BoundaryState::fixed(&zeros(&start.q), &zeros(&start.v)),
+            start,
             end,
             cost: Objective {
                 effort: zeros(&self.cost.effort),
@@ -110,7 +126,7 @@ impl Problem {
             },
             loops: Some(Arc::new(loops)),
             ..self.clone()
-        })
+        }
     }
 
     /// What motions with constraints do not take.
@@ -131,7 +147,7 @@ impl Problem {
     }
 
     /// The rows that count at the start, where g and J are known.
-    fn independent_rows(&self, rows: &mut Constraints<f64>) -> Result<Vec<LoopRow>, EvalError> {
+    pub(super) fn independent_rows(&self, rows: &mut Constraints<f64>) -> Result<Vec<LoopRow>, EvalError> {
         let (q, n) = (&self.start.q, self.robot.dof());
         let mut closed = ConstrainedHamiltonian::<f64>::new(&self.robot);
         closed.velocity(q, &vec![0.0; n])?;

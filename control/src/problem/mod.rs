@@ -28,6 +28,8 @@ pub(crate) mod references;
 pub(crate) mod rounded;
 pub(crate) mod running_cost;
 pub(crate) mod source_error;
+pub(crate) mod step;
+mod step_error;
 pub(crate) mod task;
 pub(crate) mod task_error;
 pub(crate) mod tools;
@@ -35,6 +37,7 @@ pub(crate) mod torque_speed_error;
 pub(crate) mod urdf_bodies;
 mod via;
 mod via_error;
+mod walking;
 pub(crate) mod warning;
 
 pub use end_error::{EndError, Leads};
@@ -44,6 +47,8 @@ pub use loop_error::LoopError;
 pub use obstacles::{BodyPairs, Collision, LinkCapsule, Obstacle, Shape};
 pub use parts::{BoundaryState, Bounds, FinalTime, Objective, Penalty};
 pub use references::{JointReference, Reference, ToolReference};
+pub use step::Step;
+pub use step_error::StepError;
 pub use task::Task;
 pub use task_error::TaskError;
 pub use tools::{Keep, Kept, Tool, ToolCost, ToolOrientation, ToolPose};
@@ -110,6 +115,9 @@ pub struct Problem {
     /// Where the end follows the start: q(T) - q(0) (rad, m), n entries. `None`: the ends are independent.
     /// Needs [`Method::Direct`](crate::Method::Direct).
     pub periodic: Option<Vec<f64>>,
+    /// A step of a gait, whose ends are free; [`start`](Self::start) is a guess. Needs
+    /// [`Method::Direct`](crate::Method::Direct).
+    pub step: Option<Step>,
     /// The constraints whose multipliers are coordinates too; of problems that the solver makes.
     pub(crate) loops: Option<Arc<Loops>>,
 }
@@ -133,6 +141,7 @@ impl Problem {
             task: Task::default(),
             vias: Vec::new(),
             periodic: None,
+            step: None,
             loops: None,
         }
     }
@@ -221,7 +230,7 @@ impl Problem {
     /// continuous there, but they are not given, so the motion need not begin or end with those of a robot at
     /// rest.
     pub fn jumps_at_rest(&self) -> Vec<&'static str> {
-        if self.first_of_rates().is_none() || self.periodic.is_some() {
+        if self.first_of_rates().is_none() || self.periodic.is_some() || self.step.is_some() {
             return Vec::new();
         }
         let rests = |end: &BoundaryState| end.v_free.is_empty() && end.v.iter().all(|&v| v == 0.0);
@@ -239,7 +248,7 @@ impl Problem {
 
     /// Whether there is anything that only the direct method takes, beside limits of the robot.
     pub(crate) fn needs_direct(&self) -> bool {
-        self.limits.any_given() || self.first_for_direct().is_some() || !self.robot.constraints().is_empty()
+        self.limits.any_given() || self.first_for_direct().is_some() || self.is_closed()
     }
 
     /// What has the limits of the robot kept, where nothing is said about limits: the first of a cost of
@@ -254,7 +263,12 @@ impl Problem {
     fn first_for_direct(&self) -> Option<Key> {
         let energy = self.cost.has_energy().then_some(Key::ENERGY);
         let rates = || self.first_of_rates();
-        energy.or_else(rates).or_else(|| self.task.first_key()).or_else(|| self.first_of_phases())
+        let step = || self.step.as_ref().map(|_| Key::STEP_STANCE);
+        energy
+            .or_else(rates)
+            .or_else(|| self.task.first_key())
+            .or_else(|| self.first_of_phases())
+            .or_else(step)
     }
 
     /// What makes accelerations continuous, if anything does: a limit or a cost of jerks or of rates of

@@ -31,6 +31,9 @@ impl Problem {
 
     /// The states at the ends of the phases: start, vias, end.
     pub(crate) fn ends(&self) -> Vec<BoundaryState> {
+        if self.step.is_some() {
+            return vec![self.end_of_step(), self.end_of_step()];
+        }
         let mut end = self.end.clone();
         if let Some(shift) = &self.periodic {
             end = self.start.clone();

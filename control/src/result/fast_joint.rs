@@ -128,7 +128,7 @@ impl Solution {
     pub fn fastest_joint(&self, problem: &Problem) -> Result<Option<FastJoint>, SampleError> {
         let Some(row) = self.trajectory.q.first() else { return Ok(None) };
         let (found, expected) = (row.len(), problem.robot.dof());
-        if !problem.robot.constraints().is_empty() || !problem.robot.free_joints().is_empty() {
+        if problem.is_closed() || !problem.robot.free_joints().is_empty() {
             return Ok(None);
         }
         if found != expected {

@@ -9,6 +9,7 @@ pub(crate) mod disconjugate;
 pub(crate) mod fast_joint;
 mod forward;
 pub(crate) mod free_entries;
+pub(crate) mod gait;
 pub(crate) mod infeasibility;
 pub(crate) mod jacobi_fields;
 pub(crate) mod limit_use;

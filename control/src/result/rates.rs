@@ -34,7 +34,7 @@ impl Solution {
         let (Some(row), Some(_)) = (trajectory.q.first(), trajectory.accelerations()) else {
             return Ok(None);
         };
-        if !problem.robot.constraints().is_empty() {
+        if problem.is_closed() {
             return Ok(None);
         }
         let (found, expected) = (row.len(), problem.robot.dof());

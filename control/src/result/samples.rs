@@ -160,7 +160,7 @@ impl Solution {
         for t in samples.t.iter().map(|t| t.min(last)) {
             let Some(point) = trajectory.at(t) else { return Err(SampleError::NoMotion) };
             let (a, tau) = actuation.at(trajectory, &point)?;
-            let is_closed = !problem.robot.constraints().is_empty();
+            let is_closed = problem.is_closed();
             let mut u: Vec<f64> = match trajectory.acceleration(t) {
                 Some(_) if !is_closed => {
                     tau.iter().zip(&problem.gain).map(|(tau, gain)| tau / gain).collect()
@@ -238,7 +238,13 @@ struct Actuation<'a> {
 impl<'a> Actuation<'a> {
     fn new(problem: &'a Problem) -> Self {
         let limits = problem.joint_limits().iter().map(|limits| limits.torque).collect();
-        Self { problem, models: problem.robots().iter().map(Forward::new).collect(), limits }
+        // The foot of a step is held by constraints that its robot does not have.
+        let made = problem.step.as_ref().and_then(|_| problem.with_multipliers().ok());
+        let robots = match made.and_then(|made| made.loops) {
+            Some(loops) => vec![loops.robot.clone()],
+            None => problem.robots(),
+        };
+        Self { problem, models: robots.iter().map(Forward::new).collect(), limits }
     }
 
     /// Acceleration and torque.

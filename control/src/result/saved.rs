@@ -3,6 +3,7 @@
 use crate::options::{SolverOptions, Verify};
 use crate::result::constraint_forces::ConstraintForces;
 use crate::result::free_entries::FreeEntries;
+use crate::result::gait::Gait;
 use crate::result::limit_use::LimitReport;
 use crate::result::motion::{Certificate, Motion};
 use crate::result::polish_report::PolishReport;
@@ -113,6 +114,8 @@ struct Document {
     limits: LimitReport,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     constraints: Vec<ConstraintForces>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    gait: Option<Gait>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     polish: Option<PolishReport>,
     #[serde(default)]
@@ -227,6 +230,7 @@ impl From<&Solution> for Document {
             switches: motion.switches.clone(),
             limits: solution.limits.clone(),
             constraints: solution.constraints.clone(),
+            gait: solution.gait.clone(),
             polish: solution.polish.clone(),
             starts: solution.starts.iter().map(SavedStart::from).collect(),
             options: solution.options.clone(),
@@ -284,6 +288,7 @@ impl TryFrom<Document> for Solution {
             starts: document.starts.into_iter().map(StartResult::from).collect(),
             limits: document.limits,
             constraints: document.constraints,
+            gait: document.gait,
             polish: document.polish,
             stage_times: None,
             options: document.options,

@@ -90,7 +90,8 @@ fn has(text: &str, name: &str) -> bool {
 
 /// The text with what it lacks: keys without a table first. A periodic motion has no end.
 fn completed(text: &str, lacking: &[(&str, &str)]) -> String {
-    let lacks = |name: &str| !(has(text, name) || name == "end" && has(text, "periodic"));
+    let lacks =
+        |name: &str| !(has(text, name) || name == "end" && (has(text, "periodic") || has(text, "step")));
     let added = lacking.iter().filter(|(name, _)| lacks(name)).map(|(_, lines)| *lines);
     let (keys, tables): (Vec<&str>, Vec<&str>) = added.partition(|lines| !lines.starts_with('['));
     format!("{}{text}{}", keys.concat(), tables.concat())

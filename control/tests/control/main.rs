@@ -56,6 +56,7 @@ mod user_terms;
 mod verification;
 mod via_file;
 mod vias;
+mod walking;
 
 /// A mass of 1 kg that slides along x.
 fn sledge() -> Robot {

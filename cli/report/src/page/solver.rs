@@ -49,6 +49,10 @@ fn meaning(name: &str) -> &'static str {
         }
         "H*" => "the maximised Hamiltonian: the cost that one more second would save",
         "drift of the loops" => "how far the motion leaves the constraints of the robot",
+        "speed" => "length of a step over its duration",
+        "cost of transport" => "work of the motors, braking counted too, over weight times length",
+        "landing" => "impulse of the ground on the foot that lands, and the energy that this takes",
+        "gait" => "how far the state after the landing, legs exchanged, is from that at the start",
         "drift of H*" => "H* is constant on an exact solution; how far this one is from that",
         "end defect" => {
             "how far the robot misses its end when its torques are integrated again from the start"

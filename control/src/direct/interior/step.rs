@@ -203,10 +203,14 @@ impl<D: PointDynamics> Interior<D> {
     fn change_at_ends(&mut self, part: usize) {
         let n = self.spline.dof;
         let rows = self.points.ends.g_x.chunks_exact(2 * n);
+        let mut far = self.points.ends.far.chunks_exact(2 * n);
+        let last = self.spline.end_unknowns(self.spline.mesh.phases()).start;
         for (at, row) in self.barrier.at_ends().zip(rows) {
             let first = self.spline.end_unknowns(self.barrier.end_of(at)).start;
-            let step = &self.steps[part][first..first + n];
-            self.changes[part][at] = self.barrier.side(at).sign * dot(&row[..n], step);
+            let steps = &self.steps[part];
+            let mut change = dot(row, &steps[first..first + 2 * n]);
+            change += far.next().map_or(0.0, |row| dot(row, &steps[last..last + 2 * n]));
+            self.changes[part][at] = self.barrier.side(at).sign * change;
         }
     }
 

@@ -110,6 +110,7 @@ impl Barrier {
             let end = mesh.end_at(k);
             self.weight.extend(self.sides[..self.states].iter().map(|side| match end {
                 Some(end) if ends.is_given(end, side) => 0.0,
+                _ if k > 0 && ends.is_impulse(side) => 0.0,
                 _ => NODE_WEIGHT * (left + right),
             }));
         }

@@ -15,6 +15,15 @@ pub(crate) struct Settled {
     pub rate: Vec<bool>,
 }
 
+/// An unknown of the start that is shared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Tie {
+    /// Its place in the state of the start.
+    pub start: usize,
+    /// The place in the state of the end that follows it at a constant distance, if there is one.
+    pub end: Option<usize>,
+}
+
 /// What is given at the ends of the phases, K + 1 of them: 0 is the start of the motion, K its end.
 #[derive(Clone, Debug)]
 pub(crate) struct Ends {
@@ -24,12 +33,14 @@ pub(crate) struct Ends {
     dof: usize,
     /// Which times of phases are unknowns.
     pub times: FreeTimes,
-    /// Unknowns of the start that those of the end follow, at a constant distance.
-    pub tied: Vec<usize>,
+    /// Unknowns of the start that those of the end follow, and what else both ends have rows of.
+    pub tied: Vec<Tie>,
     /// Whether the end follows the start, what is given there too.
     pub is_periodic: bool,
     /// The rows along the motion that hold at each end; empty where there are none.
     pub settled: Vec<Settled>,
+    /// The first coordinate whose rate at the start is an impulse: those after the joints of a step.
+    impulses: Option<usize>,
 }
 
 impl Ends {
@@ -44,8 +55,17 @@ impl Ends {
         };
         let states = problem.ends();
         let given: Vec<Vec<bool>> = states.iter().map(given).collect();
-        let is_tied = |i: &usize| problem.periodic.is_some() && !given[0][*i];
-        let tied = (0..given[0].len()).filter(is_tied).collect();
+        let walk = problem.loops.as_ref().and_then(|loops| loops.walk.as_ref());
+        let is_tied = |i: &usize| (problem.periodic.is_some() || walk.is_some()) && !given[0][*i];
+        let tie = |i: usize| Tie {
+            start: i,
+            end: match walk {
+                // Positions change places; rows relate the rates of both ends.
+                Some(walk) => walk.exchange.get(i).copied(),
+                None => Some(i),
+            },
+        };
+        let tied = (0..given[0].len()).filter(is_tied).map(tie).collect();
         Self {
             dof: n,
             times: FreeTimes::of(problem),
@@ -53,6 +73,7 @@ impl Ends {
             is_periodic: problem.periodic.is_some(),
             given,
             settled: vec![Settled::default(); states.len()],
+            impulses: walk.map(|walk| walk.exchange.len()),
         }
     }
 
@@ -75,6 +96,12 @@ impl Ends {
         self.given[end].get(at).is_some_and(|given| *given)
     }
 
+    /// Whether a side limits an impulse, which it does at the start alone: later rates follow from forces,
+    /// whose limits would be the same ones a second time.
+    pub fn is_impulse(&self, side: &Side) -> bool {
+        side.limited == Limited::Rate && self.impulses.is_some_and(|first| side.joint >= first)
+    }
+
     /// Whether nothing is free at an end, the acceleration neither.
     fn is_all_given(&self, end: usize) -> bool {
         self.given[end].len() > 2 * self.dof && self.given[end].iter().all(|given| *given)
@@ -89,6 +116,9 @@ impl Ends {
     /// Whether the ends settle a side at a point, whatever the motion is, or there would be more equations
     /// than unknowns with it: three for each interval and joint.
     pub fn is_settled(&self, mesh: &Mesh, p: usize, side: &Side) -> bool {
+        if self.is_impulse(side) {
+            return true;
+        }
         let (k, j) = mesh.interval_of(p);
         let phase = mesh.phase(k);
         let points = mesh.points_of_phase(phase);
@@ -138,7 +168,11 @@ impl Ends {
             given.iter().enumerate().filter(|(_, given)| **given).map(move |(i, _)| (node, i))
         });
         let last = mesh.intervals();
-        given.chain(self.tied.iter().flat_map(move |&i| [(0, i), (last, i)]))
+        let tied = self
+            .tied
+            .iter()
+            .flat_map(move |tie| [Some((0, tie.start)), tie.end.map(|i| (last, i))].into_iter().flatten());
+        given.chain(tied)
     }
 
     /// The part of a derivative by the unknowns and by the times of all phases that is one by the shared
@@ -147,8 +181,9 @@ impl Ends {
         let node = mesh.shape.node() * self.dof;
         let (times, tied) = shared.split_at_mut(self.times.count());
         self.times.reduce(by_times, times);
-        for (to, &i) in tied.iter_mut().zip(&self.tied) {
-            *to = by_unknowns[i] + by_unknowns[node * mesh.intervals() + i];
+        let last = node * mesh.intervals();
+        for (to, tie) in tied.iter_mut().zip(&self.tied) {
+            *to = by_unknowns[tie.start] + tie.end.map_or(0.0, |i| by_unknowns[last + i]);
         }
         self.removed(mesh).for_each(|(k, i)| by_unknowns[node * k + i] = 0.0);
     }
@@ -158,9 +193,11 @@ impl Ends {
         let node = mesh.shape.node() * self.dof;
         let (of_times, tied) = shared.split_at(self.times.count());
         self.times.expand(of_times, times);
-        for (&step, &i) in tied.iter().zip(&self.tied) {
-            unknowns[i] = step;
-            unknowns[node * mesh.intervals() + i] = step;
+        for (&step, tie) in tied.iter().zip(&self.tied) {
+            unknowns[tie.start] = step;
+            if let Some(i) = tie.end {
+                unknowns[node * mesh.intervals() + i] = step;
+            }
         }
     }
 }

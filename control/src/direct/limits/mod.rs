@@ -18,4 +18,5 @@ mod quartic;
 pub(super) mod settled;
 pub(super) mod side;
 mod soften;
+pub(super) mod step_rows;
 pub(super) mod tasks;

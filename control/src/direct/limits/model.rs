@@ -25,13 +25,15 @@ impl<D: PointDynamics> Model<D> {
     /// Room for the values along a motion.
     pub fn resize_values(&self, spline: &Spline, points: &mut Points) {
         points.resize_values(spline.dof, self.rows(), spline.mesh.ends_of_points());
-        points.ends.resize(spline.dof, self.tasks.end_rows(), spline.mesh.ends().len());
+        let rows = [self.tasks.end_rows(), self.tasks.rows_of_both_ends()];
+        points.ends.resize(spline.dof, rows, spline.mesh.ends().len());
     }
 
     /// Room for values and derivatives.
     pub fn resize(&self, spline: &Spline, points: &mut Points) {
         points.resize(spline.dof, self.rows(), spline.mesh.ends_of_points());
-        points.ends.resize(spline.dof, self.tasks.end_rows(), spline.mesh.ends().len());
+        let rows = [self.tasks.end_rows(), self.tasks.rows_of_both_ends()];
+        points.ends.resize(spline.dof, rows, spline.mesh.ends().len());
     }
 
     /// Torques, powers and rows at points whose states are known.

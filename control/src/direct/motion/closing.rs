@@ -1,7 +1,9 @@
 //! First guesses of robots whose loops are closed.
 
-use crate::problem::loop_rows::Loops;
+use crate::constants::checks::step::{GUESSED_HEIGHT, NEAR};
+use crate::problem::loop_rows::{Loops, Walk};
 use costate::constraints::ConstrainedHamiltonian;
+use costate::robot::{ConstraintRow, ConstraintSpec, Placement};
 
 /// Brings states to where the loops are closed.
 pub(super) struct Closing {
@@ -30,6 +32,63 @@ impl Closing {
         if let Ok((v, _)) = model.velocity(closed, &p) {
             rate[..n].copy_from_slice(v);
             q[..n].copy_from_slice(closed);
+        }
+    }
+}
+
+/// First guesses of a step.
+pub(super) struct Stepping<'a> {
+    loops: &'a Loops,
+    walk: &'a Walk,
+    /// The time of the step (s).
+    time: f64,
+}
+
+impl<'a> Stepping<'a> {
+    pub fn new(loops: &'a Loops, time: f64) -> Option<Self> {
+        Some(Self { loops, walk: loops.walk.as_ref()?, time })
+    }
+
+    /// The state at the part s of a step, from positions of the joints that say what it is near: one foot
+    /// stands, the other one swings in an arch. The multipliers carry the weight.
+    pub fn guess(&self, s: f64, near: impl Fn(f64, &mut [f64]), q: &mut [f64], rate: &mut [f64]) {
+        let n = self.walk.shift.len();
+        let at = |s: f64| {
+            let mut q = vec![0.0; n];
+            near(s, &mut q);
+            self.place(s, &mut q);
+            q
+        };
+        let (before, after) = ((s - NEAR).max(0.0), (s + NEAR).min(1.0));
+        q[..n].copy_from_slice(&at(s));
+        for ((rate, from), to) in rate.iter_mut().zip(at(before)).zip(at(after)) {
+            *rate = (to - from) / (after - before);
+        }
+        let (time, first) = (self.time, self.walk.guessed_impulse);
+        for (k, lift) in self.walk.lift.iter().enumerate() {
+            q[n + k] = lift * time * time * s * (first + 0.5 * s);
+            rate[n + k] = lift * time * time * (first + s);
+        }
+    }
+
+    /// Moves the joints to the nearest position with both feet where they shall be, if there is one.
+    fn place(&self, s: f64, q: &mut [f64]) {
+        let step = &self.walk.step;
+        let part = 2.0 * s - 1.0;
+        let [of_clearance, of_length] = GUESSED_HEIGHT;
+        let height = of_clearance * step.clearance + of_length * step.length;
+        let mut robot = self.loops.robot.clone();
+        for (swings, x) in step.swing.iter().zip(&self.walk.places) {
+            let at = [x + part * step.length, 0.0, height * (1.0 - part * part)];
+            let rows = [ConstraintRow::X, ConstraintRow::Z];
+            let foot = ConstraintSpec::rows(swings.as_str(), swings, "world", &rows)
+                .to_placed(Placement::from_xyz_rpy(at, [0.0; 3]));
+            let Ok(with) = robot.with_constraint(foot) else { return };
+            robot = with;
+        }
+        let (mut closed, held) = (q.to_vec(), vec![false; q.len()]);
+        if ConstrainedHamiltonian::<f64>::new(&robot).close(&mut closed, &held).is_ok() {
+            q.copy_from_slice(&closed);
         }
     }
 }

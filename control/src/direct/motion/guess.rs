@@ -1,6 +1,6 @@
 //! Where the direct method begins.
 
-use super::closing::Closing;
+use super::closing::{Closing, Stepping};
 use super::mesh::Mesh;
 use super::phase_times::{fill_rates, phase_times, ways, with_guesses};
 use super::shape::Shape;
@@ -50,6 +50,7 @@ pub(crate) fn guess(
         Some((saved.t[0] + since).min(*saved.t.last()?))
     };
     let mut closing = problem.loops.as_ref().map(|loops| Closing::new(loops));
+    let stepping = problem.loops.as_ref().and_then(|loops| Stepping::new(loops, times[0]));
     let mut at = |phase: usize, s: f64, q: &mut [f64], rate: &mut [f64]| {
         let (part, time) = (s - phase as f64, times[phase]);
         let found = saved.and_then(|(saved, duration)| {
@@ -62,6 +63,13 @@ pub(crate) fn guess(
             }
             None => {
                 let cubics = Cubics { problem: &phases[phase], disturbance, goal: 1.0 };
+                if let Some(stepping) = &stepping {
+                    let near = |part: f64, q: &mut [f64]| {
+                        q.iter_mut().enumerate().for_each(|(i, q)| *q = cubics.at(i, part).q);
+                    };
+                    stepping.guess(part, near, q, rate);
+                    return;
+                }
                 for (i, (q, rate)) in q.iter_mut().zip(&mut *rate).enumerate() {
                     let at = cubics.at(i, part);
                     (*q, *rate) = (at.q, time * at.v);
@@ -125,8 +133,14 @@ fn meet_ends(problem: &Problem, spline: &mut Spline) {
             unknowns[2 * n..].iter_mut().zip(a).for_each(|(to, a)| *to = *a);
         }
     }
-    let Some(shift) = &problem.periodic else { return };
     let (start, end) = (spline.end_unknowns(0), spline.end_unknowns(spline.mesh.phases()));
+    if let Some(walk) = problem.loops.as_ref().and_then(|loops| loops.walk.as_ref()) {
+        let joints = walk.shift.len();
+        let last = walk.mirrored_back(&spline.unknowns[start][..joints]);
+        spline.unknowns[end][..joints].copy_from_slice(&last);
+        return;
+    }
+    let Some(shift) = &problem.periodic else { return };
     for (k, (from, to)) in start.zip(end).enumerate() {
         spline.unknowns[to] = spline.unknowns[from] + shift.get(k).copied().unwrap_or(0.0);
     }

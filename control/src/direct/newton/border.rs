@@ -1,7 +1,7 @@
 //! The border of Newton's equations: the unknowns that many intervals share.
 
 use crate::constants::direct::LEAST_CURVATURE;
-use crate::direct::limits::ends::Ends;
+use crate::direct::limits::ends::{Ends, Tie};
 use crate::direct::motion::mesh::Mesh;
 use crate::numerics::bordered::Bordered;
 use crate::numerics::chain::ChainMatrix;
@@ -21,16 +21,36 @@ pub(super) struct Border {
     count: usize,
 }
 
+/// What rows of both ends of a motion add to K beside what it has for each of them: rows for the state of the
+/// start, columns for that of the end. Empty without such rows.
+pub(super) type Across<'a> = &'a [f64];
+
+/// Adds the column of entry `start` of the state at the start, and of `end` at the end, to those of K.
+fn add_across(across: Across<'_>, tie: &Tie, node: usize, last: usize, column: &mut [f64]) {
+    if across.is_empty() {
+        return;
+    }
+    let row = &across[node * tie.start..node * (tie.start + 1)];
+    column[last..last + node].iter_mut().zip(row).for_each(|(to, entry)| *to += entry);
+    if let Some(end) = tie.end {
+        column[..node]
+            .iter_mut()
+            .zip(across[end..].iter().step_by(node))
+            .for_each(|(to, entry)| *to += entry);
+    }
+}
+
 /// Columns and corner of the shared unknowns by those of the times, and by the tied states in a matrix; then
 /// zero for what is removed.
 fn collect(
     columns: &mut Vec<Vec<f64>>,
     corner: &mut Vec<f64>,
     (by_times, of_times): (&[Vec<f64>], &[f64]),
-    matrix: &ChainMatrix,
+    (matrix, across): (&ChainMatrix, Across<'_>),
     ends: &Ends,
     mesh: &Mesh,
 ) {
+    let (node, last) = (matrix.first_of(1), matrix.first_of(mesh.intervals()));
     let (count, free, tied) = (ends.shared(), ends.times.count(), &ends.tied);
     let size = matrix.size();
     if columns.len() < count {
@@ -48,14 +68,16 @@ fn collect(
                 }
             }
         } else {
-            for node in [0, mesh.intervals()] {
-                matrix.add_column(node, tied[j - free], 1.0, column);
+            let tie = &tied[j - free];
+            matrix.add_column(0, tie.start, 1.0, column);
+            if let Some(end) = tie.end {
+                matrix.add_column(mesh.intervals(), end, 1.0, column);
             }
+            add_across(across, tie, node, last, column);
         }
     }
     corner.clear();
     corner.resize(count * count, 0.0);
-    let last = matrix.first_of(mesh.intervals());
     for i in 0..count {
         for j in 0..=i {
             let entry = if i < free {
@@ -63,7 +85,8 @@ fn collect(
                 let of = |a: usize, b: usize| ends.times.factor(a, i) * ends.times.factor(b, j);
                 of_times.iter().enumerate().map(|(at, second)| of(at / phases, at % phases) * second).sum()
             } else {
-                columns[j][tied[i - free]] + columns[j][last + tied[i - free]]
+                let Tie { start, end } = tied[i - free];
+                columns[j][start] + end.map_or(0.0, |end| columns[j][last + end])
             };
             (corner[count * i + j], corner[count * j + i]) = (entry, entry);
         }
@@ -79,7 +102,7 @@ impl Border {
     pub fn collect(
         &mut self,
         by_times: (&[Vec<f64>], &[f64]),
-        matrix: &ChainMatrix,
+        matrix: (&ChainMatrix, Across<'_>),
         ends: &Ends,
         mesh: &Mesh,
     ) {
@@ -89,7 +112,7 @@ impl Border {
 
     /// Takes the metric of damping: in the times, K x K, and the matrix.
     pub fn collect_metric(&mut self, of_times: &[f64], matrix: &ChainMatrix, ends: &Ends, mesh: &Mesh) {
-        collect(&mut self.metric, &mut self.metric_corner, (&[], of_times), matrix, ends, mesh);
+        collect(&mut self.metric, &mut self.metric_corner, (&[], of_times), (matrix, &[]), ends, mesh);
     }
 
     /// A column of B.

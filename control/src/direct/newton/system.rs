@@ -32,6 +32,8 @@ pub(crate) struct System {
     /// The same in y.
     pub shared_gradient: [Vec<f64>; 2],
     pub(super) border: Border,
+    /// What rows of both ends add between them: the state of the start by that of the end.
+    pub(super) across: Vec<f64>,
     /// What the equations have for the given ends.
     pub(crate) at_ends: EndColumns,
     pub(super) by_times: ByTimes,
@@ -61,6 +63,7 @@ impl System {
             gradient: [Vec::new(), Vec::new()],
             shared_gradient: Default::default(),
             border: Border::default(),
+            across: Vec::new(),
             at_ends: EndColumns::new(n, shape),
             by_times: ByTimes::default(),
             time_metric: Vec::new(),
@@ -205,37 +208,64 @@ impl System {
         }
     }
 
-    /// Adds the rows of tasks at the ends of phases, which depend on positions.
+    /// Adds the rows at the ends of phases.
     #[inline(always)]
     fn add_ends(&mut self, spline: &Spline, points: &Points, barrier: &Barrier) {
         let (n, node, mut done) = (spline.dof, spline.node(), None);
-        for (at, g_x) in barrier.at_ends().zip(points.ends.g_x.chunks_exact(2 * n)) {
-            let (end, row) = (barrier.end_of(at), &g_x[..n]);
+        let has_far = !points.ends.far.is_empty();
+        self.across.clear();
+        self.across.resize(if has_far { node * node } else { 0 }, 0.0);
+        for (number, (at, g_x)) in barrier.at_ends().zip(points.ends.g_x.chunks_exact(2 * n)).enumerate() {
+            let end = barrier.end_of(at);
             let k = spline.mesh.ends()[end];
             let (parts, sigma) = side_terms(barrier, at, barrier.side(at).sign);
-            let gradients = self.gradient.iter_mut().chain([&mut self.at_ends.gradient]);
-            for (gradient, part) in gradients.zip([parts[1], parts[2], parts[0]]) {
-                let gradient = gradient[node * k..].iter_mut().zip(row);
-                gradient.for_each(|(to, entry)| *to += part * entry);
-            }
-            let rows = self.matrix.node_rows(k);
-            for (to, entry) in rows.chunks_exact_mut(2 * node).zip(row) {
-                let factor = sigma * entry;
-                to.iter_mut().zip(row).for_each(|(to, entry)| *to += factor * entry);
-            }
-            if done.replace(end) != Some(end) && self.exact {
-                let hessian = points.ends.hessian[end].chunks_exact(2 * n).take(n);
-                for (to, from) in rows.chunks_exact_mut(2 * node).zip(hessian) {
-                    to.iter_mut().zip(&from[..n]).for_each(|(to, from)| *to += from);
+            self.add_row_at(k, parts, sigma, g_x);
+            if let Some(far) = points.ends.far.chunks_exact(2 * n).nth(number) {
+                self.add_row_at(spline.mesh.intervals(), parts, sigma, far);
+                for (to, entry) in self.across.chunks_exact_mut(node).zip(g_x) {
+                    to.iter_mut().zip(far).for_each(|(to, far)| *to += sigma * entry * far);
                 }
             }
+            if done.replace(end) != Some(end) && self.exact {
+                self.add_hessian_at(k, &points.ends.hessian[end]);
+            }
+        }
+        if has_far && self.exact {
+            let last = points.ends.hessian.len() - 1;
+            self.add_hessian_at(spline.mesh.intervals(), &points.ends.hessian[last]);
+        }
+    }
+
+    /// Adds a row over the state of a node.
+    #[inline(always)]
+    fn add_row_at(&mut self, k: usize, parts: [f64; 3], sigma: f64, row: &[f64]) {
+        let node = self.matrix.first_of(1);
+        let gradients = self.gradient.iter_mut().chain([&mut self.at_ends.gradient]);
+        for (gradient, part) in gradients.zip([parts[1], parts[2], parts[0]]) {
+            let gradient = gradient[node * k..].iter_mut().zip(row);
+            gradient.for_each(|(to, entry)| *to += part * entry);
+        }
+        for (to, entry) in self.matrix.node_rows(k).chunks_exact_mut(2 * node).zip(row) {
+            let factor = sigma * entry;
+            to.iter_mut().zip(row).for_each(|(to, entry)| *to += factor * entry);
+        }
+    }
+
+    /// Adds second derivatives by q and v of a node.
+    #[inline(always)]
+    fn add_hessian_at(&mut self, k: usize, hessian: &[f64]) {
+        let (node, size) = (self.matrix.first_of(1), 2 * self.work.z_t.len() / 3);
+        let rows = self.matrix.node_rows(k).chunks_exact_mut(2 * node);
+        for (to, from) in rows.zip(hessian.chunks_exact(size)) {
+            to.iter_mut().zip(from).for_each(|(to, from)| *to += from);
         }
     }
 
     /// Takes what is given or tied at the ends out of the equations, and collects what is shared.
     fn fix(&mut self, ends: &Ends, spline: &Spline) {
         let (by_times, mesh) = (&self.by_times, &spline.mesh);
-        self.border.collect((&by_times.columns, &by_times.second), &self.matrix, ends, mesh);
+        let matrix = (&self.matrix, &self.across[..]);
+        self.border.collect((&by_times.columns, &by_times.second), matrix, ends, mesh);
         let pairs = self.gradient.iter_mut().zip(&by_times.gradient);
         for ((gradient, by_times), shared) in pairs.zip(&mut self.shared_gradient) {
             shared.resize(ends.shared(), 0.0);
@@ -248,3 +278,7 @@ impl System {
 #[cfg(test)]
 #[path = "system_tests.rs"]
 mod tests;
+
+#[cfg(test)]
+#[path = "step_tests.rs"]
+mod step_tests;

@@ -75,9 +75,13 @@ impl Stationarity {
                 self.terms[value.unknown] += (value.scale * first).abs();
             }
         }
+        let mut far = points.ends.far.chunks_exact(2 * n);
+        let last = spline.end_unknowns(mesh.phases());
         for (at, row) in barrier.at_ends().zip(points.ends.g_x.chunks_exact(2 * n)) {
             let [first, ..] = side_terms(barrier, at, barrier.side(at).sign).0;
-            for (i, entry) in spline.end_unknowns(barrier.end_of(at)).zip(&row[..n]) {
+            let own = spline.end_unknowns(barrier.end_of(at)).zip(row);
+            let others = last.clone().zip(far.next().unwrap_or_default());
+            for (i, entry) in own.chain(others) {
                 self.gradient[i] += first * entry;
                 self.terms[i] += (first * entry).abs();
             }
@@ -85,9 +89,9 @@ impl Stationarity {
         let mut tied = vec![0.0; ends.shared()];
         ends.reduce(mesh, &mut self.gradient, &vec![0.0; mesh.phases()], &mut tied);
         let last = node * mesh.intervals();
-        for (&i, sum) in ends.tied.iter().zip(&tied[ends.times.count()..]) {
-            self.gradient[i] = *sum;
-            self.terms[i] += self.terms[last + i];
+        for (tie, sum) in ends.tied.iter().zip(&tied[ends.times.count()..]) {
+            self.gradient[tie.start] = *sum;
+            self.terms[tie.start] += tie.end.map_or(0.0, |i| self.terms[last + i]);
         }
     }
 }

@@ -103,7 +103,8 @@ pub(crate) fn integrate_again<D>(
     }
     if let Some(state) = &state {
         let end = spline.mesh.phases();
-        let is_given = |&i: &usize| interior.ends.given[end][i] || interior.ends.tied.contains(&i);
+        let follows = |i: usize| interior.ends.tied.iter().any(|tie| tie.end == Some(i));
+        let is_given = |&i: &usize| interior.ends.given[end][i] || follows(i);
         let misses = (0..state.len()).filter(is_given).map(|i| defined((state[i] - last[i]).abs()));
         again.defect = misses.fold(interior.model.tasks.miss(end, state), f64::max);
     }

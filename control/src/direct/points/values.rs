@@ -133,14 +133,18 @@ pub(crate) struct EndRows {
     pub g: Vec<f64>,
     /// rows x 2n; a pose does not depend on v.
     pub g_x: Vec<f64>,
+    /// The same by the state at the end of the motion, of the first rows, which depend on both.
+    pub far: Vec<f64>,
     /// 2n x 2n of the weighted rows, for each end.
     pub hessian: Vec<Vec<f64>>,
     pub weights: Vec<f64>,
 }
 
 impl EndRows {
-    /// Room for so many rows of n joints at so many ends.
-    pub fn resize(&mut self, n: usize, rows: usize, ends: usize) {
+    /// Room for so many rows of n joints at so many ends; the first of them depend on both ends of the
+    /// motion.
+    pub fn resize(&mut self, n: usize, [rows, of_both]: [usize; 2], ends: usize) {
+        self.far.resize(2 * n * of_both, 0.0);
         self.g.resize(rows, 0.0);
         self.g_x.resize(2 * n * rows, 0.0);
         self.weights.resize(rows, 0.0);

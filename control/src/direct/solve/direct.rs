@@ -208,6 +208,7 @@ impl Direct<'_> {
             end_defect: again.defect,
             limits,
             constraints: Vec::new(),
+            gait: None,
             polish: None,
             stage_times: interior.clock.times(),
             trajectory,

@@ -68,7 +68,7 @@ pub(crate) fn interior_on(
     let points = |robot: &Robot| AnyPoints::new(problem, robot, options);
     let dynamics = PhaseDynamics::new(&problem.robots(), points);
     let powers = Powers::new(problem);
-    let tasks = Tasks::new(rows, problem.coordinates(), powers.rows());
+    let tasks = Tasks::new(rows, problem.coordinates(), powers.rows()).with_step(problem.loops.as_deref());
     let model = Model { dynamics, tasks, powers };
     let (running, ends) = (Running::new(problem, rows), Ends::new(problem));
     let mut interior = Interior::new(spline, sides(problem), model, running, ends);
@@ -99,6 +99,13 @@ fn sides(problem: &Problem) -> Vec<Side> {
     let has_motor = |limits: &JointLimits| limits.torque[0] < limits.torque[1];
     let torque = of(Limited::Torque, |limits| limits.torque).filter(|side| has_motor(&limits[side.joint]));
     let without = (0..limits.len()).filter(|&j| !has_motor(&limits[j])).map(|j| Side::no_torque(j, unit));
+    // Forces and impulses of a foot are between the edges of the friction cone.
+    let walking = problem.loops.iter().filter(|loops| loops.walk.is_some());
+    let edges = walking.flat_map(|loops| (0..loops.rows.len()).map(move |k| loops.robot.dof() + k));
+    let cone = edges.flat_map(|i| {
+        let positive = move |limited| Side::pair(limited, i, 0.0, f64::INFINITY);
+        [Limited::Rate, Limited::Acceleration].into_iter().flat_map(positive)
+    });
     of(Limited::Position, |limits| limits.q)
         .chain(of(Limited::Rate, |limits| [-limits.v, limits.v]))
         .chain(of(Limited::Acceleration, |limits| [-limits.a, limits.a]))
@@ -106,5 +113,6 @@ fn sides(problem: &Problem) -> Vec<Side> {
         .chain(of(Limited::TorqueRate, |limits| [-limits.torque_rate, limits.torque_rate]))
         .chain(torque)
         .chain(without)
+        .chain(cone)
         .collect()
 }

@@ -41,6 +41,7 @@ impl Tables {
                 true => vec![0.0; n],
                 false => shift.clone(),
             }),
+            step: self.step.clone(),
             loops: None,
             robot,
         };

@@ -12,6 +12,7 @@ mod phases;
 mod references;
 mod robot;
 mod solver;
+mod step;
 mod table;
 mod tables;
 mod task;

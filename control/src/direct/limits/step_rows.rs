@@ -1,0 +1,325 @@
+//! A step of a gait: the impact between two steps, and the heights of the feet that swing.
+
+use crate::direct::points::values::Points;
+use crate::problem::loop_rows::{LoopRow, Loops, Walk};
+use crate::task::row::{Measure, Row};
+use costate::EvalError;
+use costate::constraints::Constraints;
+use costate::lagrangian::LagrangianSecondOrder;
+use costate::scalar::Tangent;
+use std::ops::Range;
+
+/// The unit of violations of the height (m).
+const HEIGHT: f64 = 0.1;
+
+/// The rows of a step in the states x = (q, nu, v, dnu/dt) of both ends, of n joints and k multipliers:
+///
+/// ```text
+/// M v(0) - J'dnu/dt(0) - S M v(T)     n, momenta after the impact
+/// J v(0)                              k, rates of the rows of the feet that stand
+/// g(q(0))                             x and z of the first of these feet, z of the others
+/// ```
+///
+/// and along the motion `z - h (1 - x^2 / L^2) >= 0` of each foot that swings, x from the foot whose place it
+/// takes.
+///
+/// `M v` is what inverse dynamics needs for the acceleration v at rest, more than for none; its derivatives
+/// are those of inverse dynamics.
+#[derive(Clone, Debug)]
+pub(crate) struct StepRows {
+    open: LagrangianSecondOrder<f64>,
+    rows: Vec<LoopRow>,
+    exchange: Vec<usize>,
+    /// Along a direction.
+    stance: Constraints<Tangent<f64>>,
+    line: Vec<Tangent<f64>>,
+    forces: Vec<Tangent<f64>>,
+    /// The rows whose sum is a place.
+    places: Vec<Range<usize>>,
+    /// x and z of the feet that swing, and of those that stand.
+    swing: Constraints<f64>,
+    foot: Constraints<f64>,
+    /// Weights of x and z of both.
+    of_swing: Vec<f64>,
+    of_foot: Vec<f64>,
+    /// h and L.
+    arch: [f64; 2],
+    bounds: Vec<Row>,
+    heights: Vec<Row>,
+    rest: Vec<f64>,
+    weights: Vec<f64>,
+    momentum: Vec<f64>,
+    /// n x 2 (n + k).
+    slope: Vec<f64>,
+}
+
+/// Derivatives of the rows: by the state at the start and at the end, and second ones of the weighted sum.
+pub(crate) struct Derivatives<'a> {
+    pub near: &'a mut [f64],
+    pub far: &'a mut [f64],
+    pub at_start: &'a mut [f64],
+    pub at_end: &'a mut [f64],
+}
+
+impl StepRows {
+    pub fn new(loops: &Loops, walk: &Walk) -> Self {
+        let stance = Constraints::<Tangent<f64>>::new(&loops.robot);
+        let (n, k) = (stance.dof(), loops.rows.len());
+        let places: Vec<Range<usize>> =
+            [0..1, 1..2].into_iter().chain((1..k / 2).map(|i| 2 * i..2 * i + 2)).collect();
+        let momenta = walk.scales.iter().enumerate();
+        let momenta = momenta.map(|(i, &scale)| {
+            Row::equal(0.0, scale, "kg m/s, kg m^2/s", format!("momentum {i} through the impact"))
+        });
+        let of = |what: &str, unit, first: usize| {
+            let name = format!("{what} of '{}' at the start of the step", walk.step.stance[first / 2]);
+            Row::equal(0.0, 1.0, unit, name)
+        };
+        let speeds = (0..k).map(|c| of("velocity", "m/s", c));
+        let bounds = momenta.chain(speeds).chain(places.iter().map(|rows| of("place", "m", rows.start)));
+        let height = |swings: &String| Row {
+            lower: 0.0,
+            upper: f64::INFINITY,
+            range: HEIGHT,
+            name: format!("clearance of '{swings}' from the ground"),
+            unit: "m",
+            measure: Measure::Plain,
+        };
+        let zero = Tangent::new(0.0, 0.0);
+        Self {
+            open: LagrangianSecondOrder::new(&loops.robot.without_constraints()),
+            rows: loops.rows.clone(),
+            exchange: walk.exchange.clone(),
+            line: vec![zero; n],
+            forces: vec![zero; stance.count()],
+            stance,
+            swing: Constraints::new(&walk.swing),
+            foot: Constraints::new(&walk.foot),
+            of_swing: vec![0.0; k],
+            of_foot: vec![0.0; k],
+            arch: [walk.step.clearance, walk.step.length],
+            bounds: bounds.collect(),
+            places,
+            heights: walk.step.swing.iter().map(height).collect(),
+            rest: vec![0.0; n],
+            weights: vec![0.0; n],
+            momentum: vec![0.0; n],
+            slope: vec![0.0; 2 * n * (n + k)],
+        }
+    }
+
+    /// What holds at the ends, together.
+    pub fn bounds(&self) -> &[Row] {
+        &self.bounds
+    }
+
+    /// What holds along the motion.
+    pub fn along(&self) -> &[Row] {
+        &self.heights
+    }
+
+    /// The rows at the ends in these states of them.
+    ///
+    /// # Errors
+    /// States that cannot be evaluated.
+    pub fn values(&mut self, [start, end]: [&[f64]; 2], g: &mut [f64]) -> Result<(), EvalError> {
+        let (n, k) = (self.rest.len(), self.rows.len());
+        let (momenta, others) = g.split_at_mut(n);
+        self.momenta(end)?;
+        for (to, &from) in momenta.iter_mut().zip(&self.exchange) {
+            *to = -self.momentum[from];
+        }
+        self.momenta(start)?;
+        momenta.iter_mut().zip(&self.momentum).for_each(|(to, p)| *to += p);
+        let (q, v, rates) = (&start[..n], &start[n + k..2 * n + k], &start[2 * n + k..]);
+        self.place(q, v)?;
+        let (speeds, places) = others.split_at_mut(k);
+        let values = self.stance.values();
+        for (place, rows) in places.iter_mut().zip(&self.places) {
+            *place = self.rows[rows.clone()].iter().map(|one| values[one.row].re).sum();
+        }
+        for (speed, (LoopRow { row, mass, .. }, rate)) in speeds.iter_mut().zip(self.rows.iter().zip(rates)) {
+            *speed = values[*row].eps;
+            let slopes = self.stance.jacobian().row(*row);
+            momenta.iter_mut().zip(slopes).for_each(|(to, j)| *to -= mass * rate * j.re);
+        }
+        Ok(())
+    }
+
+    /// The same with derivatives, second ones weighted; all of them are added.
+    ///
+    /// # Errors
+    /// As [`values`](Self::values).
+    pub fn contract(
+        &mut self,
+        [start, end]: [&[f64]; 2],
+        weights: &[f64],
+        g: &mut [f64],
+        Derivatives { near, far, at_start, at_end }: Derivatives<'_>,
+    ) -> Result<(), EvalError> {
+        self.values([start, end], g)?;
+        let (n, k) = (self.rest.len(), self.rows.len());
+        let (all, width) = (n + k, 2 * (n + k));
+        for (&from, weight) in self.exchange.iter().zip(weights) {
+            self.weights[from] = -weight;
+        }
+        self.add_momenta(end, at_end)?;
+        for (to, &from) in far.chunks_exact_mut(width).zip(&self.exchange) {
+            let row = &self.slope[width * from..width * (from + 1)];
+            to.iter_mut().zip(row).for_each(|(to, slope)| *to -= slope);
+        }
+        self.weights.copy_from_slice(&weights[..n]);
+        self.add_momenta(start, at_start)?;
+        near.iter_mut().zip(&self.slope).for_each(|(to, slope)| *to += slope);
+        // -J'Lambda, along its weights.
+        let (q, v, rates) = (&start[..n], &start[all..all + n], &start[all + n..]);
+        self.place(q, &weights[..n])?;
+        for (LoopRow { row, mass, .. }, rate) in self.rows.iter().zip(rates) {
+            self.forces[*row] = Tangent::new(mass * rate, 0.0);
+        }
+        let bent = self.stance.hessian(&self.forces)?;
+        for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))) {
+            near[width * i + j] -= bent[(i, j)].re;
+            at_start[width * i + j] -= bent[(i, j)].eps;
+        }
+        for (c, LoopRow { row, mass, .. }) in self.rows.iter().enumerate() {
+            let rate = all + n + c;
+            for (i, j) in self.stance.jacobian().row(*row).iter().enumerate() {
+                near[width * i + rate] -= mass * j.re;
+                at_start[width * i + rate] -= mass * j.eps;
+                at_start[width * rate + i] -= mass * j.eps;
+            }
+        }
+        // J v and g, along v.
+        self.place(q, v)?;
+        for (c, LoopRow { row, .. }) in self.rows.iter().enumerate() {
+            self.forces[*row] = Tangent::new(weights[n + c], 0.0);
+            let to = &mut near[width * (n + c)..][..width];
+            for (i, j) in self.stance.jacobian().row(*row).iter().enumerate() {
+                (to[i], to[all + i]) = (to[i] + j.eps, to[all + i] + j.re);
+            }
+        }
+        let bent = self.stance.hessian(&self.forces)?;
+        for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))) {
+            let entry = bent[(i, j)];
+            at_start[width * i + j] += entry.eps;
+            at_start[width * i + all + j] += entry.re;
+            at_start[width * (all + i) + j] += entry.re;
+        }
+        for (number, rows) in self.places.iter().enumerate() {
+            let to = &mut near[width * (all + number)..][..width];
+            for LoopRow { row, .. } in &self.rows[rows.clone()] {
+                self.forces[*row] = Tangent::new(weights[all + number], 0.0);
+                let slopes = self.stance.jacobian().row(*row);
+                to.iter_mut().zip(slopes).for_each(|(to, j)| *to += j.re);
+            }
+        }
+        let bent = self.stance.hessian(&self.forces)?;
+        for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))) {
+            at_start[width * i + j] += bent[(i, j)].re;
+        }
+        Ok(())
+    }
+
+    /// The heights of the feet that swing above their parabolas, at the position q of the joints.
+    ///
+    /// # Errors
+    /// A position that cannot be evaluated.
+    pub fn heights(&mut self, q: &[f64], heights: &mut [f64]) -> Result<(), EvalError> {
+        let q = &q[..self.rest.len()];
+        self.swing.set_position(q)?;
+        self.foot.set_position(q)?;
+        let [h, length] = self.arch;
+        for (i, height) in heights.iter_mut().enumerate() {
+            let part = self.distance(i) / length;
+            *height = self.swing.values()[2 * i + 1] - h * (1.0 - part * part);
+        }
+        Ok(())
+    }
+
+    /// x of a foot that swings from the one whose place it takes.
+    fn distance(&self, i: usize) -> f64 {
+        self.swing.values()[2 * i] - self.foot.values()[2 * i]
+    }
+
+    /// The same in the rows of the points from `first` on, with derivatives; second ones are added to those
+    /// of the points.
+    ///
+    /// # Errors
+    /// As [`heights`](Self::heights).
+    pub fn contract_heights(&mut self, points: &mut Points, first: usize) -> Result<(), EvalError> {
+        let (n, all, rows, count) = (self.rest.len(), points.dof, points.rows, self.heights.len());
+        let [h, length] = self.arch;
+        let bend = 2.0 * h / (length * length);
+        for p in 0..points.count() {
+            let own = rows * p + first;
+            self.heights(&points.z[3 * all * p..][..n], &mut points.g[own..own + count])?;
+            let hessian = &mut points.hessian[9 * all * all * p..][..9 * all * all];
+            for i in 0..count {
+                let (weight, slope) = (points.g_weights[own + i], bend * self.distance(i));
+                (self.of_swing[2 * i], self.of_swing[2 * i + 1]) = (weight * slope, weight);
+                self.of_foot[2 * i] = -weight * slope;
+                let [swing, foot] = [self.swing.jacobian(), self.foot.jacobian()];
+                let along = |a: usize| swing[(2 * i, a)] - foot[(2 * i, a)];
+                let g_x = &mut points.g_x[2 * all * (own + i)..][..2 * all];
+                g_x.fill(0.0);
+                for a in 0..n {
+                    g_x[a] = swing[(2 * i + 1, a)] + slope * along(a);
+                    for b in 0..n {
+                        hessian[3 * all * a + b] += weight * bend * along(a) * along(b);
+                    }
+                }
+            }
+            let [swing, foot] = [self.swing.hessian(&self.of_swing)?, self.foot.hessian(&self.of_foot)?];
+            for (a, b) in (0..n).flat_map(|a| (0..n).map(move |b| (a, b))) {
+                hessian[3 * all * a + b] += swing[(a, b)] + foot[(a, b)];
+            }
+        }
+        Ok(())
+    }
+
+    /// Places the rows at q, along a direction.
+    fn place(&mut self, q: &[f64], direction: &[f64]) -> Result<(), EvalError> {
+        let line = self.line.iter_mut().zip(q.iter().zip(direction));
+        line.for_each(|(to, (&q, &d))| *to = Tangent::new(q, d));
+        self.stance.set_position(&self.line)
+    }
+
+    /// `M v` of a state.
+    fn momenta(&mut self, state: &[f64]) -> Result<(), EvalError> {
+        let Self { open, rest, momentum, .. } = self;
+        let n = rest.len();
+        let (q, v) = (&state[..n], &state[state.len() / 2..][..n]);
+        momentum.copy_from_slice(open.first().inverse_dynamics(q, rest, v)?);
+        let still = open.first().inverse_dynamics(q, rest, rest)?;
+        momentum.iter_mut().zip(still).for_each(|(p, still)| *p -= still);
+        Ok(())
+    }
+
+    /// Takes the Jacobian of `M v` by a state, and adds the second derivatives of `w.M v`, w the weights.
+    fn add_momenta(&mut self, state: &[f64], hessian: &mut [f64]) -> Result<(), EvalError> {
+        let Self { open, rest, weights, slope, .. } = self;
+        let (n, width) = (rest.len(), state.len());
+        let (q, v) = (&state[..n], &state[width / 2..][..n]);
+        slope.fill(0.0);
+        for moves in [true, false] {
+            let found = open.contract_inverse_dynamics(q, rest, if moves { v } else { rest }, weights)?;
+            let (first, zz, sign) = (found.inverse_dynamics(), found.zz(), if moves { 1.0 } else { -1.0 });
+            for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))) {
+                slope[width * i + j] += sign * first.tau_q[(i, j)];
+                hessian[width * i + j] += sign * zz[(i, j)];
+                if moves {
+                    slope[width * i + width / 2 + j] = first.tau_a[(i, j)];
+                    let mixed = zz[(i, 2 * n + j)];
+                    hessian[width * i + width / 2 + j] += mixed;
+                    hessian[width * (width / 2 + j) + i] += mixed;
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+#[path = "step_rows_tests.rs"]
+pub(in crate::direct) mod tests;

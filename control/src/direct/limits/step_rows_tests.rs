@@ -1,0 +1,131 @@
+use super::{Derivatives, StepRows};
+use crate::direct::points::values::Points;
+use crate::problem::{MotionLimits, Objective, Problem, Step};
+use costate_test_support::robots::file;
+
+/// A step of RABBIT with its multipliers.
+pub(in crate::direct) fn rabbit() -> Problem {
+    let q = [-0.25, 0.72, 0.1, 0.1, 0.3, -0.6, 0.3];
+    let step = Step::new(&["right_foot"], &["left_foot"], "base_x", 0.5)
+        .with_clearance(0.05)
+        .with_mirror(&[["left_hip", "right_hip"], ["left_knee", "right_knee"]]);
+    let most = [[0.0; 3].as_slice(), &[150.0; 4]].concat();
+    let effort = [[0.0; 3].as_slice(), &[1.0; 4]].concat();
+    let problem = Problem::rest_to_rest(file("rabbit.toml"), &q, &q, 0.7)
+        .with_cost(Objective::new(0.0, effort))
+        .with_limits(MotionLimits::none().with_torque_max(most))
+        .with_step(step);
+    problem.with_multipliers().unwrap()
+}
+
+fn rows(problem: &Problem) -> StepRows {
+    let loops = problem.loops.as_ref().unwrap();
+    StepRows::new(loops, loops.walk.as_ref().unwrap())
+}
+
+/// g, its derivatives by both states, and the weighted second ones by each.
+fn derivatives(rows: &mut StepRows, states: [&[f64]; 2], weights: &[f64]) -> [Vec<f64>; 5] {
+    let (count, width) = (weights.len(), states[0].len());
+    let zeros = |size: usize| vec![0.0; size];
+    let mut all = [
+        zeros(count),
+        zeros(count * width),
+        zeros(count * width),
+        zeros(width * width),
+        zeros(width * width),
+    ];
+    let [g, near, far, at_start, at_end] = &mut all;
+    rows.contract(states, weights, g, Derivatives { near, far, at_start, at_end }).unwrap();
+    all
+}
+
+#[test]
+fn derivatives_of_the_impact_are_those_of_differences() {
+    let problem = rabbit();
+    let mut rows = rows(&problem);
+    let (width, count) = (2 * problem.coordinates(), rows.bounds().len());
+    let some = |first: f64, n: usize| (0..n).map(|i| (first + 1.3 * i as f64).sin()).collect::<Vec<_>>();
+    let (states, weights) = ([some(0.2, width), some(1.1, width)], some(2.4, count));
+    let all =
+        |rows: &mut StepRows, states: &[Vec<f64>; 2]| derivatives(rows, [&states[0], &states[1]], &weights);
+    let [g, near, far, at_start, at_end] = all(&mut rows, &states);
+    let mut values = vec![0.0; count];
+    rows.values([&states[0], &states[1]], &mut values).unwrap();
+    assert_eq!(g, values);
+    let h = 1e-5;
+    let close = |found: f64, expected: f64| (found - expected).abs() < 1e-7 * (1.0 + expected.abs());
+    for (end, jacobian, hessian) in [(0, &near, &at_start), (1, &far, &at_end)] {
+        for j in 0..width {
+            let at = |rows: &mut StepRows, h: f64| {
+                let mut states = states.clone();
+                states[end][j] += h;
+                all(rows, &states)
+            };
+            let (plus, minus) = (at(&mut rows, h), at(&mut rows, -h));
+            for r in 0..count {
+                let expected = (plus[0][r] - minus[0][r]) / (2.0 * h);
+                assert!(close(jacobian[width * r + j], expected), "{end} {r} {j}: {expected}");
+            }
+            for (other, own) in [(0, end == 0), (1, end == 1)] {
+                let weighted = |of: &[Vec<f64>; 5], i: usize| {
+                    (0..count).map(|r| weights[r] * of[1 + other][width * r + i]).sum::<f64>()
+                };
+                for i in 0..width {
+                    let expected = (weighted(&plus, i) - weighted(&minus, i)) / (2.0 * h);
+                    let found = if own { hessian[width * i + j] } else { 0.0 };
+                    assert!(close(found, expected), "{end} {other} {i} {j}: {found} {expected}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn derivatives_of_the_height_are_those_of_differences() {
+    let problem = rabbit();
+    let (mut rows, all) = (rows(&problem), problem.coordinates());
+    let mut points = Points::default();
+    points.resize(all, [1, 0], std::iter::once(1));
+    points.g_weights[0] = 0.7;
+    let at = |rows: &mut StepRows, points: &mut Points, j: usize, h: f64| {
+        points.z.iter_mut().enumerate().for_each(|(i, z)| *z = (0.4 + 1.7 * i as f64).sin());
+        points.z[j] += h;
+        points.hessian.fill(0.0);
+        rows.contract_heights(points, 0).unwrap();
+        (points.g[0], points.g_x.clone(), points.hessian.clone())
+    };
+    let (_, g_x, hessian) = at(&mut rows, &mut points, 0, 0.0);
+    assert!(g_x.iter().any(|entry| entry.abs() > 0.1));
+    let h = 1e-5;
+    for j in 0..3 * all {
+        let plus = at(&mut rows, &mut points, j, h);
+        let minus = at(&mut rows, &mut points, j, -h);
+        let slope = (plus.0 - minus.0) / (2.0 * h);
+        let found = g_x.get(j).copied().unwrap_or(0.0);
+        assert!((found - slope).abs() < 1e-8, "{j}: {found} {slope}");
+        for i in 0..2 * all {
+            let expected = 0.7 * (plus.1[i] - minus.1[i]) / (2.0 * h);
+            let found = hessian[3 * all * i + j];
+            assert!((found - expected).abs() < 1e-8, "{i} {j}: {found} {expected}");
+        }
+    }
+}
+
+/// The guess that a step begins with stands on both feet, and the foot that swings ends a step ahead.
+#[test]
+fn a_step_begins_on_both_feet() {
+    let problem = rabbit();
+    let mut rows = rows(&problem);
+    let (n, k) = (7, 2);
+    assert_eq!(problem.coordinates(), n + k);
+    for q in [&problem.start.q, &problem.end.q] {
+        // On the ground at both ends.
+        let mut height = [1.0];
+        rows.heights(q, &mut height).unwrap();
+        assert!(height[0].abs() < 1e-9, "{height:?}");
+    }
+    let state = |q: &[f64]| [q, &vec![0.0; n + k]].concat();
+    let mut g = vec![0.0; n + 2 * k];
+    rows.values([&state(&problem.start.q), &state(&problem.end.q)], &mut g).unwrap();
+    assert!(g.iter().all(|g| g.abs() < 1e-9), "{g:?}");
+}

@@ -1,0 +1,84 @@
+//! A step of a walking robot, as the user gives it.
+
+/// A step of a planar robot with point feet, in a gait that repeats itself mirrored: a walk on two legs, a
+/// trot on four.
+///
+/// During the step some feet stand on the ground, pinned by forces within their friction cones, and as many
+/// others swing. At the end these land: an inelastic impact changes the velocities, the first ones leave the
+/// ground, and the legs change their roles. With the permutation S that exchanges the legs and the length
+/// L of the step, the state after it is the one with which the step began:
+///
+/// $$ q(0) = S q(T) - L e_x, \qquad M v(0) - J^\top \Lambda = S M v(T), \qquad J v(0) = 0 $$
+///
+/// J is that of the feet that stand during the step, and $\Lambda$ the impulses with which they landed. The
+/// ground is the plane z = 0 of the world, gravity along -z, and the robot moves in the plane of x and z: its
+/// first joints are those of a body in that plane, without motors. The first foot that stands is at the
+/// origin.
+///
+/// ```
+/// use costate_control::{MotionLimits, Objective, Problem, Step};
+/// use costate::robot::Robot;
+/// # std::env::set_current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))?;
+/// let robot = Robot::from_file("robots/rabbit.toml")?;
+/// let q = [-0.25, 0.72, 0.1, 0.1, 0.3, -0.6, 0.3];
+/// let step = Step::new(&["right_foot"], &["left_foot"], "base_x", 0.5)
+///     .with_mirror(&[["left_hip", "right_hip"], ["left_knee", "right_knee"]]);
+/// let most = [[0.0; 3].as_slice(), &[150.0; 4]].concat();
+/// let effort = [[0.0; 3].as_slice(), &[1.0; 4]].concat();
+/// let problem = Problem::rest_to_rest(robot, &q, &q, 0.7)
+///     .with_cost(Objective::new(0.0, effort))
+///     .with_limits(MotionLimits::none().with_torque_max(most))
+///     .with_step(step);
+/// problem.check_for(costate_control::Method::Direct)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Step {
+    /// The frames that stand on the ground during the step: points.
+    pub stance: Vec<String>,
+    /// For each of them the one that lands in its place, one step ahead, at the end.
+    pub swing: Vec<String>,
+    /// The joint that moves the whole robot along x of the world: prismatic, without a motor.
+    pub along: String,
+    /// Length of the step (m).
+    pub length: f64,
+    /// Coefficient of friction of the ground, for forces and impulses.
+    pub friction: f64,
+    /// How high feet that swing are above the ground at least, halfway (m): each stays above the parabola of
+    /// this height whose ends are its places before and after the step.
+    pub clearance: f64,
+    /// Pairs of joints that change places when the legs change their roles.
+    pub mirror: Vec<[String; 2]>,
+}
+
+impl Step {
+    /// Coefficient of friction where none is given.
+    pub const FRICTION: f64 = 0.6;
+
+    /// A step of this length (m) with the friction 0.6 and no clearance, of a robot whose joints stay in
+    /// their places. Frames and the joint are named.
+    pub fn new(stance: &[&str], swing: &[&str], along: &str, length: f64) -> Self {
+        let [stance, swing] = [stance, swing].map(|feet| feet.iter().map(|&foot| foot.to_owned()).collect());
+        let along = along.to_owned();
+        Self { stance, swing, along, length, friction: Self::FRICTION, clearance: 0.0, mirror: Vec::new() }
+    }
+
+    /// With this coefficient of friction.
+    #[must_use]
+    pub fn with_friction(self, friction: f64) -> Self {
+        Self { friction, ..self }
+    }
+
+    /// With this height of feet that swing, halfway (m).
+    #[must_use]
+    pub fn with_clearance(self, clearance: f64) -> Self {
+        Self { clearance, ..self }
+    }
+
+    /// With these pairs of joints that change places.
+    #[must_use]
+    pub fn with_mirror(self, pairs: &[[&str; 2]]) -> Self {
+        Self { mirror: pairs.iter().map(|pair| pair.map(str::to_owned)).collect(), ..self }
+    }
+}

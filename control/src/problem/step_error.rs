@@ -1,0 +1,170 @@
+//! What is wrong with a step.
+
+use super::key::Key;
+use costate::constraints::ConstraintError;
+use costate::robot::{RobotError, printable, printable_number as number};
+use std::fmt;
+use std::sync::Arc;
+
+/// Why a [`Step`](crate::Step) was refused.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub enum StepError {
+    /// A frame that the robot does not have.
+    UnknownFrame {
+        /// The name that was given.
+        frame: String,
+        /// Names of frames that resemble it.
+        nearest: Vec<String>,
+    },
+    /// A frame that cannot stand on the ground.
+    NoFoot {
+        /// Why.
+        cause: Arc<RobotError>,
+    },
+    /// A foot that is named twice.
+    OneFoot {
+        /// The frame.
+        frame: String,
+    },
+    /// Feet that stand and feet that swing are not as many.
+    Unpaired {
+        /// Feet that stand.
+        stance: usize,
+        /// Feet that swing.
+        swing: usize,
+    },
+    /// Feet of which one follows the others: their forces are not determined.
+    Redundant,
+    /// A number out of its range.
+    OutOfRange {
+        /// Its value.
+        value: f64,
+        /// The valid range.
+        remedy: &'static str,
+    },
+    /// A joint that does not move the whole robot along x of the world, or has a motor.
+    NotAlong {
+        /// The joint.
+        joint: String,
+    },
+    /// A foot that leaves the plane of x and z of the world.
+    NotPlanar {
+        /// The frame.
+        frame: String,
+    },
+    /// The mirror image of the robot is another one.
+    NotSymmetric {
+        /// The joint whose torque differs most for mirrored motions.
+        joint: String,
+        /// By how much (N m, N).
+        by: f64,
+    },
+    /// The feet are not exchanged by the mirror.
+    FeetStay {
+        /// The distance of the foot that swings from where the other one is in the mirror (m).
+        miss: f64,
+    },
+    /// No position has both feet on the ground at the distance of a step.
+    CannotStand {
+        /// Why.
+        cause: ConstraintError,
+    },
+    /// Something that steps do not take.
+    NotTaken {
+        /// What it is.
+        with: Key,
+    },
+    /// Something that takes no step at all.
+    NotHere,
+    /// A robot with constraints of its own.
+    Constrained {
+        /// The first one.
+        constraint: String,
+    },
+}
+
+/// Errors with one message are one.
+impl PartialEq for StepError {
+    fn eq(&self, other: &Self) -> bool {
+        std::mem::discriminant(self) == std::mem::discriminant(other) && self.to_string() == other.to_string()
+    }
+}
+
+impl fmt::Display for StepError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::UnknownFrame { frame, nearest } => {
+                write!(f, "the robot has no frame '{}'", printable(frame))?;
+                if nearest.is_empty() {
+                    return f.write_str("; `costate info` lists its frames");
+                }
+                let names: Vec<String> = nearest.iter().map(|name| format!("'{}'", printable(name))).collect();
+                write!(f, "; did you mean {}?", names.join(" or "))
+            }
+            Self::NoFoot { cause } => write!(f, "{cause}"),
+            Self::OneFoot { frame } => write!(
+                f,
+                "'{}' is named twice; each foot either stands or swings",
+                printable(frame)
+            ),
+            Self::Unpaired { stance, swing } => write!(
+                f,
+                "{stance} feet stand and {swing} swing; give each foot that stands the one that lands in its place"
+            ),
+            Self::Redundant => f.write_str(
+                "one of these feet cannot move where the others stand, so that their forces are not determined; \
+                 name fewer feet",
+            ),
+            Self::OutOfRange { value, remedy } => write!(f, "{remedy}, but is {}", number(*value)),
+            Self::NotAlong { joint } => write!(
+                f,
+                "joint '{}' must be prismatic, move both feet along x of the world, and have no motor: its \
+                 entry of limits.torque_max is 0",
+                printable(joint)
+            ),
+            Self::NotPlanar { frame } => write!(
+                f,
+                "a joint moves the frame '{}' along y of the world; steps are those of robots in the plane of \
+                 x and z",
+                printable(frame)
+            ),
+            Self::NotSymmetric { joint, by } => write!(
+                f,
+                "with these pairs exchanged the robot is another one: the torque at joint '{}' differs by {} \
+                 (N m, N) in a mirrored motion; pair each joint of one leg with its counterpart",
+                printable(joint),
+                number(*by)
+            ),
+            Self::FeetStay { miss } => write!(
+                f,
+                "with these pairs exchanged one foot is {} m away from where the other one was; pair each \
+                 joint of one leg with its counterpart",
+                number(*miss)
+            ),
+            Self::CannotStand { cause } => {
+                write!(f, "from here the feet do not come to the ground one step apart: {cause}")
+            }
+            Self::NotTaken { with } => write!(f, "{with} and a step do not go together; remove one of the two"),
+            Self::NotHere => f.write_str(
+                "steps are motions of the direct method alone, without solving again, feedback, sensitivities or \
+                 continuation; remove [step], or that",
+            ),
+            Self::Constrained { constraint } => write!(
+                f,
+                "the robot has the constraint '{}', and steps are those of open trees; remove it",
+                printable(constraint)
+            ),
+        }
+    }
+}
+
+impl std::error::Error for StepError {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        match self {
+            Self::CannotStand { cause } => Some(cause),
+            Self::NoFoot { cause } => Some(&**cause),
+            _ => None,
+        }
+    }
+}

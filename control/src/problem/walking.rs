@@ -1,0 +1,308 @@
+//! A step of a walking robot as a motion of one with its foot in constraints.
+//!
+//! Each foot that stands is held along two directions d_1, d_2 of the plane, the edges of the friction cone
+//! of the ground: its force is `a_1 d_1 + a_2 d_2` with the multipliers a of these rows, and it is in the
+//! cone where both are positive. As in [`super::loops`] they are accelerations of further coordinates nu,
+//! and nothing depends on their rates. So the rates with which a step begins are the impulses Lambda of the
+//! impact before it: what `p = M v - J'dnu/dt` says about them is that p is continuous there, but for the
+//! exchange of the legs,
+//!
+//! ```text
+//! M v(0) - J'dnu/dt(0) = S M v(T),    J v(0) = 0,    g(q(0)) = 0,    q(0) = S q(T) + shift
+//! ```
+//!
+//! Impulses are in the cone where these rates are positive.
+
+use super::error::ProblemError;
+use super::key::Key;
+use super::loop_rows::{LoopRow, Loops, Walk};
+use super::step::Step;
+use super::step_error::StepError;
+use super::{BoundaryState, Problem};
+use crate::constants::checks::step::{GUESSED_IMPULSE, PLANAR, SYMMETRIC};
+use costate::EvalError;
+use costate::constraints::{ConstrainedHamiltonian, Constraints};
+use costate::lagrangian::Lagrangian;
+use costate::robot::{ConstraintRow, ConstraintSpec, JointKind, Placement, RobotError};
+use std::sync::Arc;
+
+impl Problem {
+    /// With a step of a gait as the motion: its start and its end are free, and [`start`](Self::start) is a
+    /// guess of the position with which it begins.
+    #[must_use]
+    pub fn with_step(self, step: Step) -> Self {
+        Self { step: Some(step), ..self }
+    }
+
+    /// Whether the solver makes another problem of this one, with multipliers as coordinates.
+    pub(crate) fn is_closed(&self) -> bool {
+        self.step.is_some() || !self.robot.constraints().is_empty()
+    }
+
+    /// An end of a step: all is free.
+    pub(super) fn end_of_step(&self) -> BoundaryState {
+        let all: Vec<usize> = (0..self.robot.dof()).collect();
+        BoundaryState { a: None, ..self.start.clone() }.with_q_free(&all).with_v_free(&all)
+    }
+
+    /// The step with the multipliers of the foot that stands as coordinates.
+    ///
+    /// # Errors
+    /// [`ProblemError::Step`], [`ProblemError::UnknownJoint`], [`ProblemError::GivenTwice`].
+    pub(super) fn walking(&self, step: &Step) -> Result<Self, ProblemError> {
+        self.refuse_with_step()?;
+        let [length, friction, clearance] = [step.length, step.friction, step.clearance];
+        positive(Key::STEP_LENGTH, length)?;
+        positive(Key::STEP_FRICTION, friction)?;
+        if !(clearance >= 0.0 && clearance.is_finite()) {
+            let remedy = "must be neither negative nor infinite (m)";
+            return Err(StepError::OutOfRange { value: clearance, remedy }.at(Key::STEP_CLEARANCE));
+        }
+        self.check_names(step)?;
+        let exchange = self.exchange(step)?;
+        let along = self.joint(Key::STEP_ALONG, &step.along)?;
+        self.check_feet(step, along)?;
+        let (q, places) = self.standing_guess(step)?;
+        let mut shift = vec![0.0; q.len()];
+        shift[along] = -length;
+        self.check_mirror(step, &exchange, &q, &shift)?;
+        // What cannot be evaluated is told at the start.
+        let failed = |error: EvalError| StepError::CannotStand { cause: error.into() }.at(Key::START_Q);
+        let angle = friction.atan();
+        let (mut standing, mut foot, mut swing) =
+            (self.robot.clone(), self.robot.clone(), self.robot.clone());
+        for ((stands, swings), x) in step.stance.iter().zip(&step.swing).zip(&places) {
+            for (name, angle) in [("ahead", angle), ("back", -angle)] {
+                let edge = format!("{stands} pushed {name}");
+                let edge = ConstraintSpec::rows(edge, stands, "world", &[ConstraintRow::Z])
+                    .to_placed(Placement::from_xyz_rpy([*x, 0.0, 0.0], [0.0, angle, 0.0]));
+                standing = standing.with_constraint(edge).map_err(no_foot)?;
+            }
+            foot = foot.with_constraint(point(stands, 0.0)).map_err(no_foot)?;
+            swing = swing.with_constraint(point(swings, 0.0)).map_err(no_foot)?;
+        }
+        let still = vec![0.0; q.len()];
+        let held =
+            Self { robot: standing, step: None, start: BoundaryState::fixed(&q, &still), ..self.clone() };
+        let mut rows = Constraints::new(&held.robot);
+        rows.set_position(&q).map_err(failed)?;
+        let kept = held.independent_rows(&mut rows).map_err(failed)?;
+        if kept.len() < rows.count() {
+            return Err(StepError::Redundant.at(Key::STEP_STANCE));
+        }
+        let mut model = Lagrangian::<f64>::new(&self.robot);
+        let mass = model.linearise_inverse_dynamics(&q, &still, &still).map_err(failed)?.tau_a;
+        let scales: Vec<f64> = (0..q.len()).map(|i| mass[(i, i)]).collect();
+        let share = scales[along] * self.robot.gravity().norm() / (kept.len() as f64 * angle.cos());
+        let lift = kept.iter().map(|row| share / row.mass).collect();
+        let edges = [[angle.sin(), angle.cos()], [-angle.sin(), angle.cos()]];
+        let walk = Walk {
+            foot,
+            swing,
+            edges: kept.iter().map(|row| edges[row.row % 2]).collect(),
+            step: step.clone(),
+            places,
+            guessed_impulse: GUESSED_IMPULSE,
+            exchange,
+            shift,
+            scales,
+            lift,
+        };
+        Ok(held.with_walk(walk, kept))
+    }
+
+    /// The step from a prepared one.
+    fn with_walk(&self, walk: Walk, rows: Vec<LoopRow>) -> Self {
+        let (q, time) = (&self.start.q, self.time.value());
+        let end = walk.mirrored_back(q);
+        let rates: Vec<f64> = q.iter().zip(&end).map(|(from, to)| (to - from) / time).collect();
+        let (n, k) = (q.len(), rows.len());
+        let state = |q: &[f64], q_free: usize| {
+            let more = |list: &[f64]| [list, &vec![0.0; k]].concat();
+            let free = |count: usize| (0..count).collect::<Vec<usize>>();
+            BoundaryState::fixed(&more(q), &more(&rates)).with_q_free(&free(q_free)).with_v_free(&free(n + k))
+        };
+        let (first, last) = (state(q, n), state(&end, n + k));
+        let loops = Loops { robot: self.robot.clone(), rows, walk: Some(walk) };
+        self.with_coordinates_of(loops, first, last)
+    }
+
+    /// Whether the feet are frames, each named once, and paired.
+    fn check_names(&self, step: &Step) -> Result<(), ProblemError> {
+        let (stance, swing) = (step.stance.len(), step.swing.len());
+        if stance != swing || stance == 0 {
+            return Err(StepError::Unpaired { stance, swing }.at(Key::STEP_SWING));
+        }
+        let mut known: Vec<&String> = Vec::new();
+        for (key, feet) in [(Key::STEP_STANCE, &step.stance), (Key::STEP_SWING, &step.swing)] {
+            for frame in feet {
+                self.foot(key, frame)?;
+                if known.contains(&frame) {
+                    return Err(StepError::OneFoot { frame: frame.clone() }.at(key));
+                }
+                known.push(frame);
+            }
+        }
+        Ok(())
+    }
+
+    /// What steps do not take.
+    fn refuse_with_step(&self) -> Result<(), ProblemError> {
+        if let Some(one) = self.robot.constraints().first() {
+            return Err(StepError::Constrained { constraint: one.name.clone() }.at(Key::STEP_STANCE));
+        }
+        let terms = (!self.terms.is_empty()).then_some(Key::TERMS);
+        let first = self.task.first_key().or_else(|| self.first_of_rates());
+        let via = self.vias.first().map(|_| Key::via("q", 0));
+        let periodic = self.periodic.as_ref().map(|_| Key::PERIODIC_SHIFT);
+        match first.or(via).or(periodic).or(terms) {
+            Some(with) => Err(StepError::NotTaken { with }.at(Key::STEP_STANCE)),
+            None => Ok(()),
+        }
+    }
+
+    /// A foot by its name.
+    fn foot(&self, key: Key, name: &str) -> Result<(), ProblemError> {
+        self.robot.frame(name).map(drop).map_err(|error| {
+            let nearest = match error {
+                RobotError::UnknownFrame { nearest, .. } => nearest,
+                _ => Vec::new(),
+            };
+            StepError::UnknownFrame { frame: name.into(), nearest }.at(key)
+        })
+    }
+
+    /// A joint by its name.
+    fn joint(&self, key: Key, name: &str) -> Result<usize, ProblemError> {
+        let found = self.robot.independent_joints().position(|joint| joint.name == name);
+        found.ok_or_else(|| self.unknown_joint(key, format!("'{name}'")))
+    }
+
+    /// For each joint the one whose place it takes when the legs change their roles.
+    fn exchange(&self, step: &Step) -> Result<Vec<usize>, ProblemError> {
+        let mut exchange: Vec<usize> = (0..self.robot.dof()).collect();
+        for pair in &step.mirror {
+            let [a, b] = [self.joint(Key::STEP_MIRROR, &pair[0])?, self.joint(Key::STEP_MIRROR, &pair[1])?];
+            let twice = [a, b].into_iter().find(|&i| exchange[i] != i).or((a == b).then_some(a));
+            if let Some(joint) = twice {
+                return Err(ProblemError::GivenTwice { key: Key::STEP_MIRROR, joint: self.name(joint) });
+            }
+            exchange.swap(a, b);
+        }
+        Ok(exchange)
+    }
+
+    /// Whether both feet move in the plane, and with the joint along which the robot moves as a whole.
+    fn check_feet(&self, step: &Step, along: usize) -> Result<(), ProblemError> {
+        let mut carries = self.has_no_motor(along) || self.joint_limits()[along].torque == [0.0; 2];
+        carries &= self.robot.independent_joints().nth(along).is_some_and(|j| j.kind == JointKind::Prismatic);
+        let feet = [(Key::STEP_STANCE, &step.stance), (Key::STEP_SWING, &step.swing)];
+        let feet = feet.into_iter().flat_map(|(key, feet)| feet.iter().map(move |frame| (key, frame)));
+        for (key, frame) in feet {
+            let robot = self.robot.with_constraint(ConstraintSpec::pinned(frame.as_str(), frame, "world"));
+            let mut foot = Constraints::<f64>::new(&robot.map_err(no_foot)?);
+            if let Err(error) = foot.set_position(&self.start.q) {
+                return Err(StepError::CannotStand { cause: error.into() }.at(Key::START_Q));
+            }
+            let [x, y, z] = [0, 1, 2].map(|row| foot.jacobian().row(row));
+            if y.iter().any(|entry| entry.abs() > PLANAR) {
+                return Err(StepError::NotPlanar { frame: frame.clone() }.at(key));
+            }
+            carries &= (x[along] - 1.0).abs() < PLANAR && z[along].abs() < PLANAR;
+        }
+        match carries {
+            true => Ok(()),
+            false => Err(StepError::NotAlong { joint: step.along.clone() }.at(Key::STEP_ALONG)),
+        }
+    }
+
+    /// The position near the guess with the first foot that stands at the origin, and all that swing one step
+    /// behind those that stand; x of these.
+    fn standing_guess(&self, step: &Step) -> Result<(Vec<f64>, Vec<f64>), ProblemError> {
+        let failed = |cause| StepError::CannotStand { cause }.at(Key::START_Q);
+        let mut q = self.start.q.clone();
+        let mut places = Vec::with_capacity(step.stance.len());
+        for foot in &step.stance {
+            let robot = self.robot.with_constraint(point(foot, 0.0)).map_err(no_foot)?;
+            let mut found = Constraints::<f64>::new(&robot);
+            found.set_position(&q).map_err(|error| failed(error.into()))?;
+            places.push(found.values()[0]);
+        }
+        let first = places[0];
+        places.iter_mut().for_each(|x| *x -= first);
+        let mut robot = self.robot.clone();
+        for ((stands, swings), x) in step.stance.iter().zip(&step.swing).zip(&places) {
+            robot = robot.with_constraint(point(stands, *x)).map_err(no_foot)?;
+            robot = robot.with_constraint(point(swings, x - step.length)).map_err(no_foot)?;
+        }
+        let held = vec![false; q.len()];
+        ConstrainedHamiltonian::<f64>::new(&robot).close(&mut q, &held).map_err(failed)?;
+        Ok((q, places))
+    }
+
+    /// Whether the exchanged robot is the same one, with the feet exchanged.
+    fn check_mirror(
+        &self,
+        step: &Step,
+        exchange: &[usize],
+        q: &[f64],
+        shift: &[f64],
+    ) -> Result<(), ProblemError> {
+        let n = q.len();
+        let failed = |error: EvalError| StepError::CannotStand { cause: error.into() }.at(Key::START_Q);
+        let some = |first: f64| (0..n).map(|i| (first + 1.7 * i as f64).sin()).collect::<Vec<f64>>();
+        let exchanged = |list: &[f64]| exchange.iter().map(|&i| list[i]).collect::<Vec<f64>>();
+        let moved = |list: &[f64]| {
+            exchanged(list).iter().zip(shift).map(|(q, shift)| q + shift).collect::<Vec<f64>>()
+        };
+        let (v, a) = (some(0.3), some(2.0));
+        let mut model = Lagrangian::<f64>::new(&self.robot);
+        let tau = exchanged(model.inverse_dynamics(q, &v, &a).map_err(failed)?);
+        let other = model.inverse_dynamics(&moved(q), &exchanged(&v), &exchanged(&a)).map_err(failed)?;
+        let size = tau.iter().fold(0.0_f64, |most, tau| most.max(tau.abs()));
+        let misses = tau.iter().zip(other).map(|(a, b)| (a - b).abs()).enumerate();
+        if let Some((joint, by)) =
+            misses.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, by)| *by > SYMMETRIC * size)
+        {
+            return Err(StepError::NotSymmetric { joint: self.name(joint), by }.at(Key::STEP_MIRROR));
+        }
+        let place = |frame: &str, q: &[f64]| -> Result<Vec<f64>, ProblemError> {
+            let robot = self.robot.with_constraint(ConstraintSpec::pinned(frame, frame, "world"));
+            let mut foot = Constraints::<f64>::new(&robot.map_err(no_foot)?);
+            foot.set_position(q).map_err(failed)?;
+            Ok(foot.values().to_vec())
+        };
+        for (swings, stands) in step.swing.iter().zip(&step.stance) {
+            let (here, there) = (place(swings, q)?, place(stands, &moved(q))?);
+            let miss = (here[0] - step.length - there[0]).hypot(here[2] - there[2]);
+            if miss > SYMMETRIC * step.length.max(1.0) {
+                return Err(StepError::FeetStay { miss }.at(Key::STEP_MIRROR));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The constraint of a foot at a place of the ground.
+fn point(foot: &str, x: f64) -> ConstraintSpec {
+    ConstraintSpec::rows(foot, foot, "world", &[ConstraintRow::X, ConstraintRow::Z])
+        .to_placed(Placement::from_xyz_rpy([x, 0.0, 0.0], [0.0; 3]))
+}
+
+impl StepError {
+    /// As an error of a key.
+    fn at(self, key: Key) -> ProblemError {
+        ProblemError::Step { key, cause: self }
+    }
+}
+
+fn no_foot(error: RobotError) -> ProblemError {
+    StepError::NoFoot { cause: Arc::new(error) }.at(Key::STEP_STANCE)
+}
+
+fn positive(key: Key, value: f64) -> Result<(), ProblemError> {
+    match value > 0.0 && value.is_finite() {
+        true => Ok(()),
+        false => Err(StepError::OutOfRange { value, remedy: "must be positive and finite" }.at(key)),
+    }
+}
