@@ -130,8 +130,8 @@ fn the_foot_that_swings_clears_the_ground() {
     assert!(most > clearance * 0.9, "{most}");
 }
 
-/// The state after the other foot has landed on a contact of the library is the one at the start, with the legs
-/// exchanged; what the ground gives to the foot is all that changes the momentum.
+/// The state after the other foot has landed on a contact of the library is the one at the start, with the
+/// legs exchanged; what the ground gives to the foot is all that changes the momentum.
 #[test]
 fn the_gait_closes() {
     let (problem, solution) = walk();
