@@ -249,7 +249,7 @@ pub enum ProblemError {
         /// The field.
         key: Key,
         /// The cause and its remedy.
-        cause: StepError,
+        cause: Box<StepError>,
     },
     /// A continuation in a parameter that the problem does not have, or to an invalid value.
     Continuation {
@@ -316,7 +316,7 @@ impl std::error::Error for ProblemError {
             Self::Continuation { cause: ContinuationCause::Robot(error), .. } => Some(&**error),
             Self::End { cause, .. } => Some(cause),
             Self::Loop { cause } => Some(cause),
-            Self::Step { cause, .. } => Some(cause),
+            Self::Step { cause, .. } => Some(&**cause),
             Self::Free { cause } => Some(cause),
             Self::Task { cause, .. } => Some(cause),
             Self::Via { cause, .. } => Some(cause),

@@ -52,7 +52,7 @@ impl Problem {
     /// [`ProblemError::Constrained`], [`ProblemError::Step`].
     pub(crate) fn refuse_constraints(&self) -> Result<(), ProblemError> {
         if self.step.is_some() {
-            return Err(ProblemError::Step { key: Key::STEP_STANCE, cause: StepError::NotHere });
+            return Err(ProblemError::Step { key: Key::STEP_STANCE, cause: Box::new(StepError::NotHere) });
         }
         let first = self.robot.constraints().first();
         first.map_or(Ok(()), |one| Err(ProblemError::Constrained { constraint: one.name.clone() }))

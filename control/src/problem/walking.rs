@@ -292,7 +292,7 @@ fn point(foot: &str, x: f64) -> ConstraintSpec {
 impl StepError {
     /// As an error of a key.
     fn at(self, key: Key) -> ProblemError {
-        ProblemError::Step { key, cause: self }
+        ProblemError::Step { key, cause: Box::new(self) }
     }
 }
 

@@ -195,7 +195,7 @@ fn what_is_no_step_is_refused_by_name() {
         refused(&problem.clone().with_step(step))
     };
     let cause = |error: ProblemError| match error {
-        ProblemError::Step { key, cause } => (key.to_string(), cause),
+        ProblemError::Step { key, cause } => (key.to_string(), *cause),
         other => panic!("{other}"),
     };
     let (key, found) = cause(with(&|step| step.stance = vec!["right_fot".into()]));
