@@ -22,6 +22,7 @@ import sensitivities
 import tables
 import tasks
 import values
+import walking
 from classes import CLASSES
 from comparison import DEFAULT, Comparison
 from judge import Judge
@@ -139,7 +140,7 @@ def main():
     if options.source is None:
         costate = (options.costate or build()).resolve()
         if options.values:
-            parts = (derivatives, judged, values, sensitivities, in_space)
+            parts = (derivatives, judged, values, sensitivities, in_space, walking)
             kept = [part.check(ROOT, costate, the_peer(options)) for part in parts]
             raise SystemExit(0 if all(kept) else 1)
         file = options.cache / "figures.jsonl"

@@ -66,8 +66,9 @@ fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
 fn rabbit_walks() {
     let (problem, solution) = walk();
     assert_eq!(solution.motion.status, Status::Converged);
-    // CasADi 3.7 and IPOPT: collocation at three Gauss points of 20 intervals, in the angles of the five
-    // links of a robot that is pinned at its foot, and with the impact in seven coordinates: 195.395269664.
+    // benches/ocp/harness/walking.py, by CasADi and IPOPT: collocation at three Gauss points of 20 intervals,
+    // in the angles of the five links of a robot that is pinned at its foot, and with the impact in seven
+    // coordinates: 195.395269664.
     assert!((solution.total() - 195.3952697).abs() < 2e-5, "{}", solution.total());
     let gait = solution.gait.as_ref().unwrap();
     let [impulse] = gait.impulses[..] else { panic!("{gait:?}") };
