@@ -26,6 +26,9 @@ class SameMesh:
     def __init__(self, build, limit, tolerance):
         self.peer = Peer(build, limit, tolerance, Quartics)
 
+    def points_of(self, task):
+        return self.peer.points_of(task)
+
     def solve(self, task, answer, times=1):
         mesh = mesh_of(answer)
         if mesh is None:
