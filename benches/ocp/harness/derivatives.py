@@ -4,7 +4,7 @@ import casadi as ca
 import numpy
 
 import robots
-from program import Program
+from eliminated import Eliminated
 from quartics import Quartics
 from task import Task, Tool
 from transcription import Transcription
@@ -20,8 +20,9 @@ def check(root, costate, peer):
         robot = robots.read(root, costate, name)
         one = numpy.ones(robot.n)
         task = Task(name, "check", robot, 0.1 * one, None, 1.3, one, 2 * one, free=True, time_weight=0.7, q_guess=one,
-                    tool=Tool((0.1, 0.2, 0.3), numpy.eye(3)), obstacles=[((0.3, 0.2, 0.1), 0.2)], own_radius=0.1)
-        for kind in (Transcription, Quartics):
+                    tool=Tool((0.1, 0.2, 0.3), numpy.eye(3)), obstacles=[((0.3, 0.2, 0.1), 0.2)], own_radius=0.1,
+                    q_min=-one, v_max=3 * one, a_max=20 * one)
+        for kind in (Transcription, Quartics, Eliminated):
             for what, error in errors(kind(task, peer.points_of(task), MESH), rng).items():
                 kept &= error <= WITHIN
                 print(f"{name}, {kind.__name__}: {what} against differences: {error:.1e}: "
@@ -30,7 +31,7 @@ def check(root, costate, peer):
 
 
 def errors(transcription, rng):
-    program = Program(transcription)
+    program = transcription.PROGRAM(transcription)
     nlp, derivatives = program.nlp(), program.derivatives()
     values = ca.Function("values", [nlp["x"]], [nlp["f"], nlp["g"]])
     x, direction = rng.normal(size=(2, transcription.size))

@@ -107,8 +107,7 @@ def the_peer(options):
 
 
 def on_meshes(options, first):
-    tolerances = {measures.MESH: TIGHT, measures.LOOSE_MESH: LOOSE}
-    return {label: SameMesh(first.points, options.time_limit, tolerance) for label, tolerance in tolerances.items()}
+    return {measures.MESH: SameMesh(first.points, options.time_limit, TIGHT)}
 
 
 def check_robots(options, costate, first):

@@ -7,8 +7,8 @@ from comparison import DEFAULT, excess
 
 # The peer, the same to looser tolerances, and with costate's functions inside.
 PEER, MIDDLE, LOOSE, INSIDE = "peer", "middle", "loose", "peer_ours"
-# On the mesh of costate's first answer, at the first and at the last of the peer's tolerances.
-MESH, LOOSE_MESH = "mesh", "loose_mesh"
+# On the mesh of costate's first answer.
+MESH = "mesh"
 # costate at its first and at its last tolerance.
 OURS, ACCURATE = "costate", "accurate"
 # Errors below this count as equal: the best cost known is not better known, and it is costate's last tolerance.

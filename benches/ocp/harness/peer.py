@@ -9,7 +9,6 @@ import numpy
 
 import points
 import shapes
-from program import Program
 from transcription import Transcription
 
 OPTIONS = {
@@ -107,7 +106,7 @@ class Peer:
         before = process_seconds()
         mesh = numpy.linspace(0, 1, elements + 1) if mesh is None else mesh
         unknowns = self.transcription(task, self.points_of(task), mesh)
-        program = Program(unknowns)
+        program = unknowns.PROGRAM(unknowns)
         settings = {**OPTIONS, **self.tolerances, "ipopt.max_cpu_time": self.limit, **program.derivatives(), **options}
         solver = ca.nlpsol("solver", "ipopt", program.nlp(), settings)
         if start is None:

@@ -9,6 +9,7 @@ import numpy
 
 import judge
 import robots
+from eliminated import Eliminated
 from motion import Quartic
 from ours import Ours
 from peer import Answer, Peer
@@ -18,22 +19,28 @@ from task import Task
 # Tolerance of costate that the check's meshes are of, and the relative difference of costs that it allows.
 TOLERANCE, WITHIN = 1e-4, 1e-8
 LIMIT = 60.0
+# Costs of the two forms that differ by less count as equal, relative.
+NEAR = 1e-4
 
 
 class SameMesh:
-    """A peer that is given costate's answer."""
+    """A peer that is given costate's answer. Neither of the two forms of the program is always the faster one, so both are
+    solved, and the answer is that of the faster one whose cost is not above the other's."""
 
     def __init__(self, build, limit, tolerance):
-        self.peer = Peer(build, limit, tolerance, Quartics)
+        self.peers = [Peer(build, limit, tolerance, form) for form in (Quartics, Eliminated)]
 
     def points_of(self, task):
-        return self.peer.points_of(task)
+        return self.peers[0].points_of(task)
 
     def solve(self, task, answer, times=1):
         mesh = mesh_of(answer)
         if mesh is None:
             return Answer("peer", "no mesh of costate", False, numpy.nan, numpy.nan, 0, 0.0, 0.0)
-        return self.peer.solve(task, None, mesh=mesh, times=times)
+        answers = [peer.solve(task, None, mesh=mesh, times=times) for peer in self.peers]
+        least = min((answer.cost for answer in answers if answer.solved), default=numpy.nan)
+        kept = [answer for answer in answers if answer.solved and answer.cost <= least + NEAR * abs(least)]
+        return min(kept or answers, key=lambda answer: answer.seconds)
 
 
 def mesh_of(answer):
@@ -62,14 +69,16 @@ def check(root, costate, peer):
         ours = Ours(Path(folder), costate, peer, TOLERANCE, LIMIT, [])
         for task in tasks(root, costate):
             answer = ours.solve(task)
-            found = same.solve(task, answer)
-            if not (answer.solved and found.solved):
-                print(f"{task.name}: {answer.status}; peer on costate's mesh {found.status}: NOT SOLVED", flush=True)
+            mesh = mesh_of(answer)
+            for form in same.peers if mesh is not None else []:
+                found = form.solve(task, None, mesh=mesh)
+                costs = [judge.cost(task, side.motion) for side in (answer, found)]
+                difference = abs(costs[1] / costs[0] - 1) if found.solved else numpy.inf
+                kept &= difference <= WITHIN
+                print(f"{task.name}: costate {costs[0]:.10g}; peer, {form.transcription.__name__}, on its mesh of "
+                      f"{len(mesh) - 1} intervals {costs[1]:.10g}, {difference:.1e}: "
+                      f"{'right' if difference <= WITHIN else 'WRONG'}", flush=True)
+            if mesh is None:
+                print(f"{task.name}: costate {answer.status}: NOT SOLVED", flush=True)
                 kept = False
-                continue
-            costs = [judge.cost(task, side.motion) for side in (answer, found)]
-            difference = abs(costs[1] / costs[0] - 1)
-            kept &= difference <= WITHIN
-            print(f"{task.name}: costate {costs[0]:.10g}; peer on its mesh of {len(mesh_of(answer)) - 1} intervals "
-                  f"{costs[1]:.10g}, {difference:.1e}: {'right' if difference <= WITHIN else 'WRONG'}", flush=True)
     return kept

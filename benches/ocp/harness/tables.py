@@ -9,7 +9,7 @@ from shell import stop
 
 NAMES = {"costate": "costate", "accurate": "costate, accurate", "default": "costate, default options", "peer": "peer",
          "middle": "peer, tolerance 1e-6", "loose": "peer, tolerance 1e-4",
-         "mesh": "peer, costate's mesh", "loose_mesh": "peer, costate's mesh, tolerance 1e-4",
+         "mesh": "peer, costate's mesh",
          "peer_ours": "peer, costate's functions inside", "interpreted": "peer, interpreted"}
 
 

@@ -15,9 +15,11 @@ import numpy
 
 import radau
 from motion import Collocated
+from program import Program
 
 
 class Transcription:
+    PROGRAM = Program
     # Points of an element, and their weights.
     PLACES, WEIGHTS = radau.POINTS, radau.WEIGHTS
 
