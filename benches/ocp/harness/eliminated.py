@@ -1,7 +1,7 @@
 """costate's transcription with few unknowns, as another nonlinear program for IPOPT; quartics.py has the same with many.
 
-On each interval q is a polynomial of degree four, the cubic with q and q' of both ends and a bubble b h^2 x^2 (1 - x)^2/2; q and v
-are continuous at the nodes, accelerations may jump there. Unknowns: q and r at every node but the first, b of every interval,
+On each interval q is a polynomial of degree four, the cubic with q and q' of both ends and a bubble b h^2 x^2 (1 - x)^2/2;
+q and v are continuous at the nodes, accelerations may jump there. Unknowns: q and r at every node but the first, b of every interval,
 u/s at Gauss's three points, s the size of a torque, and T if it is free; r = v T/T_0 with the guess T_0, so r = v in a given
 time. Motions begin and end at rest. At the points, and for limits at the nodes,
 

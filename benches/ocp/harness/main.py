@@ -141,6 +141,7 @@ def add_meshes(options, costate, file):
         if added["task"] in rows:
             new = {label: side for label, side in added["sides"].items() if label != measures.OURS}
             rows[added["task"]]["sides"] |= new
+    head["mesh_added"] = True
     file.write_text("".join(json.dumps(row) + "\n" for row in figures))
     return figures
 

@@ -134,7 +134,12 @@ def machine_text(figures):
     times = 1 + TIMES * (head["repeats"] - 1)
     return (f"{head['machine']}; {'; '.join(head['compilers'])}; {packages}; {head['costate']}. Seed {head['seed']}; peer: "
             f"{head['elements']} elements of 3 Radau points, tolerances {theirs}; costate: tolerances {tolerances}; the "
-            f"least of {times} calls of both sides; with default options once. {draws(figures)}\n")
+            f"least of {times} calls of both sides; with default options once. {added(head)}{draws(figures)}\n")
+
+
+def added(head):
+    return ("The peer on costate's mesh was measured in a run of its own, beside costate's time in that run. "
+            if head.get("mesh_added") else "")
 
 
 def draws(figures):
