@@ -75,9 +75,10 @@ class Comparison:
         return answers
 
     def beside(self, task):
-        """The sides of costate at its first tolerance and of the peers on its mesh, where nothing else is measured."""
+        """The sides of the peers on costate's mesh and, without the judge, of costate at its first tolerance."""
         answers = self.answers(task)
-        return self.with_times(answers, {label: self.side(answer, self.judge.judge(task, answer.motion))
+        judge = lambda label, answer: self.judge.judge(task, answer.motion) if label in self.meshes else None
+        return self.with_times(answers, {label: self.side(answer, judge(label, answer), label in self.meshes)
                                          for label, answer in answers.items()})
 
     def with_times(self, answers, sides):
