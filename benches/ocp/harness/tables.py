@@ -58,6 +58,7 @@ def labels(figures):
 
 
 def line(rows, label):
+    rows = [row for row in rows if label in row["sides"]]
     done = measures.solved(rows, label)
     sides = [row["sides"][label] for row in done]
     above = [value for row in done if (value := excess(row, label)) is not None]
@@ -134,12 +135,16 @@ def machine_text(figures):
     times = 1 + TIMES * (head["repeats"] - 1)
     return (f"{head['machine']}; {'; '.join(head['compilers'])}; {packages}; {head['costate']}. Seed {head['seed']}; peer: "
             f"{head['elements']} elements of 3 Radau points, tolerances {theirs}; costate: tolerances {tolerances}; the "
-            f"least of {times} calls of both sides; with default options once. {added(head)}{draws(figures)}\n")
+            f"least of {times} calls of both sides; with default options once. {added(figures)}{draws(figures)}\n")
 
 
-def added(head):
-    return ("The peer on costate's mesh was measured in a run of its own, beside costate's time in that run. "
-            if head.get("mesh_added") else "")
+def added(figures):
+    if not figures[0].get("mesh_added"):
+        return ""
+    rows = measures.of(figures)
+    count = sum(measures.MESH in row["sides"] for row in rows)
+    left = f" of {count} of the {len(rows)} tasks" if count < len(rows) else ""
+    return f"The peer on costate's mesh was measured in a run of its own{left}, beside costate's time in that run. "
 
 
 def draws(figures):
