@@ -30,20 +30,36 @@ COUNTED, DEFAULT = ("peer", "costate", "accurate"), "default"
 
 
 class Comparison:
-    def __init__(self, peers, ours, judge, options):
-        """`peers` and `ours` by label; the first peer also finds the best costs."""
-        self.peers, self.ours, self.judge, self.options = peers, ours, judge, options
+    def __init__(self, peers, ours, meshes, judge, options):
+        """`peers`, `ours` and `meshes`, peers on the mesh of costate's first answer, by label; the first peer also finds the
+        best costs."""
+        self.peers, self.ours, self.meshes, self.judge, self.options = peers, ours, meshes, judge, options
 
     def run(self, task):
         """The row of figures of one task."""
+        answers = self.answers(task)
+        row = {"task": task.name, "class": task.kind, "title": CLASSES[task.kind][0], "robot": task.robot.name, "n": task.n,
+               "elements": self.options.elements, "draws": task.draws, "peer_failed": task.peer_failed}
+        judge = lambda label, answer: None if label == DEFAULT else self.judge.judge(task, answer.motion)
+        row["sides"] = {label: self.side(answer, judge(label, answer), label != DEFAULT) for label, answer in answers.items()}
+        self.with_times(answers, row["sides"])
+        row["best"], row["best_by"] = self.best(task, answers, row["sides"]) if self.options.best else (None, None)
+        row["starts"] = self.starts(task, row)
+        return row
+
+    def answers(self, task):
+        """Of all sides, by label."""
         # Compiled before anything is timed.
-        for peer in self.peers.values():
+        for peer in [*self.peers.values(), *self.meshes.values()]:
             peer.points_of(task)
         sides = {label: (lambda again, peer=peer: peer.solve(task, self.options.elements, times=TIMES if again else 1))
                  for label, peer in self.peers.items()}
         sides |= {label: (lambda again, ours=ours: ours.solve(task, TIMES if again else 1))
                   for label, ours in self.ours.items()}
         answers = {}
+        first = next(iter(self.ours))
+        sides |= {label: (lambda again, same=same: same.solve(task, answers[first], TIMES if again else 1))
+                  for label, same in self.meshes.items()}
         # In turn, so that whatever slows the machine down slows all.
         for number in range(self.options.repeats):
             for label, solve in sides.items():
@@ -56,13 +72,21 @@ class Comparison:
                 elif answer.seconds < earlier.seconds:
                     # With start: where it solved once.
                     answers[label] = replace(answer, process_seconds=earlier.process_seconds)
-        row = {"task": task.name, "class": task.kind, "title": CLASSES[task.kind][0], "robot": task.robot.name, "n": task.n,
-               "elements": self.options.elements, "draws": task.draws, "peer_failed": task.peer_failed}
-        judge = lambda label, answer: None if label == DEFAULT else self.judge.judge(task, answer.motion)
-        row["sides"] = {label: self.side(answer, judge(label, answer), label != DEFAULT) for label, answer in answers.items()}
-        row["best"], row["best_by"] = self.best(task, answers, row["sides"]) if self.options.best else (None, None)
-        row["starts"] = self.starts(task, row)
-        return row
+        return answers
+
+    def beside(self, task):
+        """The sides of the peers on costate's mesh and, without the judge, of costate at its first tolerance."""
+        answers = self.answers(task)
+        judge = lambda label, answer: self.judge.judge(task, answer.motion) if label in self.meshes else None
+        return self.with_times(answers, {label: self.side(answer, judge(label, answer), label in self.meshes)
+                                         for label, answer in answers.items()})
+
+    def with_times(self, answers, sides):
+        """Peers on costate's mesh know the time of costate beside which they were measured (ms)."""
+        first = next(iter(self.ours))
+        for label in self.meshes:
+            sides[label]["beside_ms"] = round(1e3 * answers[first].seconds, 3)
+        return sides
 
     def starts(self, task, row):
         """costate's cost from several starts where that from one is not the best one known; the best known then heeds it."""

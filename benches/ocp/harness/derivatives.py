@@ -4,11 +4,12 @@ import casadi as ca
 import numpy
 
 import robots
-from program import Program
+from eliminated import Eliminated
+from quartics import Quartics
 from task import Task, Tool
 from transcription import Transcription
 
-ELEMENTS, STEP, WITHIN = 3, 1e-6, 1e-6
+MESH, STEP, WITHIN = numpy.array([0.0, 0.2, 0.6, 1.0]), 1e-6, 1e-6
 
 
 def check(root, costate, peer):
@@ -19,16 +20,18 @@ def check(root, costate, peer):
         robot = robots.read(root, costate, name)
         one = numpy.ones(robot.n)
         task = Task(name, "check", robot, 0.1 * one, None, 1.3, one, 2 * one, free=True, time_weight=0.7, q_guess=one,
-                    tool=Tool((0.1, 0.2, 0.3), numpy.eye(3)), obstacles=[((0.3, 0.2, 0.1), 0.2)], own_radius=0.1)
-        for what, error in errors(task, peer, rng).items():
-            kept &= error <= WITHIN
-            print(f"{name}: {what} against differences: {error:.1e}: {'right' if error <= WITHIN else 'WRONG'}", flush=True)
+                    tool=Tool((0.1, 0.2, 0.3), numpy.eye(3)), obstacles=[((0.3, 0.2, 0.1), 0.2)], own_radius=0.1,
+                    q_min=-one, v_max=3 * one, a_max=20 * one)
+        for kind in (Transcription, Quartics, Eliminated):
+            for what, error in errors(kind(task, peer.points_of(task), MESH), rng).items():
+                kept &= error <= WITHIN
+                print(f"{name}, {kind.__name__}: {what} against differences: {error:.1e}: "
+                      f"{'right' if error <= WITHIN else 'WRONG'}", flush=True)
     return kept
 
 
-def errors(task, peer, rng):
-    transcription = Transcription(task, peer.points_of(task), numpy.linspace(0, 1, ELEMENTS + 1))
-    program = Program(transcription)
+def errors(transcription, rng):
+    program = transcription.PROGRAM(transcription)
     nlp, derivatives = program.nlp(), program.derivatives()
     values = ca.Function("values", [nlp["x"]], [nlp["f"], nlp["g"]])
     x, direction = rng.normal(size=(2, transcription.size))

@@ -18,6 +18,7 @@ import judged
 import measures
 import points
 import robots
+import same_mesh
 import sensitivities
 import tables
 import tasks
@@ -28,7 +29,8 @@ from comparison import DEFAULT, Comparison
 from judge import Judge
 from ours import Ours
 from peer import LOOSE, MIDDLE, TIGHT, Peer
-from record import Record
+from record import Record, read
+from same_mesh import SameMesh
 from shell import compilers, first_line, say, stop
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -53,6 +55,10 @@ def arguments():
     parser.add_argument("--interpreted", action="store_true", help="also the peer without compiled functions")
     parser.add_argument("--inside", action="store_true",
                         help="also the peer with costate's own functions inside (always with --write)")
+    parser.add_argument("--mesh", action="store_true",
+                        help="also the peer on costate's transcription and last mesh (always with --write)")
+    parser.add_argument("--add-mesh", action="store_true", help="no new figures but those of --mesh, beside costate's of the "
+                        "same run; they are added to the figures there are, whose options hold")
     parser.add_argument("--no-best", dest="best", action="store_false", help="do not look for the best cost on finer meshes")
     parser.add_argument("--costate", type=Path, help="its command line; built from this folder if not given")
     parser.add_argument("--costate-arguments", nargs="*", default=[], metavar="ARGUMENT",
@@ -92,13 +98,58 @@ def describe(options, costate):
         "repeats": options.repeats,
         # What else the figures depend on: an interrupted run goes on only where all of it is the same.
         "options": {key: getattr(options, key) for key in ("classes", "robots", "tasks", "time_limit", "best", "inside",
-                                                           "interpreted", "costate_arguments")},
+                                                           "mesh", "interpreted", "costate_arguments")},
         "binary": hashlib.sha256(costate.read_bytes()).hexdigest()[:12],
     }
 
 
 def the_peer(options):
     return Peer(functools.partial(points.build, options.cache), options.time_limit)
+
+
+def on_meshes(options, first):
+    return {measures.MESH: SameMesh(first.points, options.time_limit, TIGHT)}
+
+
+def check_robots(options, costate, first):
+    for name in options.robots:
+        difference = agreement.check(costate, first, robots.read(ROOT, costate, name))
+        say(f"{name}: inverse dynamics of both agree: {difference:.0e}")
+
+
+def add_meshes(options, costate, file):
+    """Figures of the peer on costate's meshes, added to those in `file`."""
+    figures = read(file)
+    head = figures[0]
+    for key in ("classes", "robots", "tasks", "time_limit", "costate_arguments"):
+        setattr(options, key, head["options"][key])
+    options.seed, options.tolerances, options.elements = head["seed"], head["tolerances"], head["elements"]
+    if head["binary"] != describe(options, costate)["binary"]:
+        stop(f"{file} is of another build of costate")
+    first = the_peer(options)
+    check_robots(options, costate, first)
+    ours = Ours(options.cache, costate, first, options.tolerances[0], options.time_limit,
+                [f"--{text}" for text in options.costate_arguments])
+    comparison = Comparison({}, {measures.OURS: ours}, on_meshes(options, first), Judge(first), options)
+    rows = {row["task"]: row for row in measures.of(figures)}
+    record = Record(file.with_name("meshes.jsonl"), describe(options, costate))
+    names = (options.classes, options.robots, options.tasks, options.seed)
+    for task in tasks.make(ROOT, costate, first, *names, record.tasks()):
+        sides = comparison.beside(task)
+        record.add({"task": task.name, "sides": sides})
+        report(task.name, sides)
+    for added in measures.of(record.close()):
+        if added["task"] in rows:
+            new = {label: side for label, side in added["sides"].items() if label != measures.OURS}
+            rows[added["task"]]["sides"] |= new
+    head["mesh_added"] = True
+    file.write_text("".join(json.dumps(row) + "\n" for row in figures))
+    return figures
+
+
+def report(name, sides):
+    told = (f"{label} {side['status'][:40]} {side['ms']:.1f} ms" for label, side in sides.items())
+    say(f"{name}: {'; '.join(told)}")
 
 
 def run(options, costate, file):
@@ -115,10 +166,8 @@ def run(options, costate, file):
     further = [f"--{text}" for text in options.costate_arguments]
     ours = {label: Ours(options.cache, costate, first, tolerance, options.time_limit, further)
             for label, tolerance in [*measures.tolerances(options.tolerances).items(), (DEFAULT, None)]}
-    for name in options.robots:
-        difference = agreement.check(costate, first, robots.read(ROOT, costate, name))
-        say(f"{name}: inverse dynamics of both agree: {difference:.0e}")
-    comparison = Comparison(peers, ours, Judge(first), options)
+    check_robots(options, costate, first)
+    comparison = Comparison(peers, ours, on_meshes(options, first) if options.mesh else {}, Judge(first), options)
     drawn = functools.partial(tasks.make, ROOT, costate, first, options.classes, options.robots, options.tasks,
                               options.seed)
     if options.only_write_tasks:
@@ -129,22 +178,26 @@ def run(options, costate, file):
     for task in drawn(record.tasks()):
         row = comparison.run(task)
         record.add(row)
-        sides = (f"{label} {side['status'][:40]} {side['ms']:.1f} ms" for label, side in row["sides"].items())
-        say(f"{task.name}: {'; '.join(sides)}")
+        report(task.name, row["sides"])
     return record.close()
 
 
 def main():
     options = arguments()
     options.inside |= options.write
+    options.mesh |= options.write
     if options.source is None:
         costate = (options.costate or build()).resolve()
         if options.values:
+<<<<<<< HEAD
             parts = (derivatives, judged, values, sensitivities, in_space, walking)
+=======
+            parts = (derivatives, judged, same_mesh, values, sensitivities, in_space)
+>>>>>>> fb4f7d9f5faaeec7131e756870f9dec39d595884
             kept = [part.check(ROOT, costate, the_peer(options)) for part in parts]
             raise SystemExit(0 if all(kept) else 1)
         file = options.cache / "figures.jsonl"
-        figures = run(options, costate, file)
+        figures = (add_meshes if options.add_mesh else run)(options, costate, file)
         if options.only_write_tasks:
             return
         print(f"figures: {file}")

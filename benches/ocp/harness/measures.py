@@ -7,6 +7,8 @@ from comparison import DEFAULT, excess
 
 # The peer, the same to looser tolerances, and with costate's functions inside.
 PEER, MIDDLE, LOOSE, INSIDE = "peer", "middle", "loose", "peer_ours"
+# On the mesh of costate's first answer.
+MESH = "mesh"
 # costate at its first and at its last tolerance.
 OURS, ACCURATE = "costate", "accurate"
 # Errors below this count as equal: the best cost known is not better known, and it is costate's last tolerance.
@@ -38,7 +40,12 @@ def solved(rows, label):
 
 def ratios(rows, peer=PEER, ours=OURS):
     """The peer's time over costate's where both solved the task."""
-    return [row["sides"][peer]["ms"] / row["sides"][ours]["ms"] for row in solved(solved(rows, peer), ours)]
+    return [row["sides"][peer]["ms"] / own_ms(row, peer, ours) for row in solved(solved(rows, peer), ours)]
+
+
+def own_ms(row, peer, ours):
+    """costate's time in the run in which the peer was measured."""
+    return row["sides"][peer].get("beside_ms", row["sides"][ours]["ms"])
 
 
 def cost_error(row, label):

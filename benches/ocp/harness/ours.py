@@ -35,7 +35,7 @@ class Ours:
     def _probe(self, task):
         """Whether this costate knows the table `[limits]`; one that does not names it as unknown."""
         file = self.folder / "probe.toml"
-        simple = task.but(from_robot=False, tool=None, q_end=task.q_start + 0.1, obstacles=[])
+        simple = task.but(from_robot=False, tool=None, q_min=None, q_max=None, q_end=task.q_start + 0.1, obstacles=[])
         file.write_text(problem_file.text(simple, True, self.tolerance))
         done = self._run(file, 1.0)
         return not (done.returncode == 2 and "limits" in done.stderr)

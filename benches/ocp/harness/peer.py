@@ -9,8 +9,6 @@ import numpy
 
 import points
 import shapes
-from motion import Collocated
-from program import Program
 from transcription import Transcription
 
 OPTIONS = {
@@ -59,9 +57,9 @@ class Answer:
 class Peer:
     """Solvers of tasks; compiled functions are kept, a robot's model is built once."""
 
-    def __init__(self, build, limit=60.0, tolerance=TIGHT):
+    def __init__(self, build, limit=60.0, tolerance=TIGHT, transcription=Transcription):
         """`build` makes the points of a robot with so many spheres in its way."""
-        self.build, self.limit, self.tolerances = build, limit, tolerances(tolerance)
+        self.build, self.limit, self.tolerances, self.transcription = build, limit, tolerances(tolerance), transcription
         self._points, self._forward = {}, {}
 
     def points(self, robot, spheres):
@@ -107,8 +105,8 @@ class Peer:
         """Called so many times, unless that takes long; the least time counts, with set-up that of the first call."""
         before = process_seconds()
         mesh = numpy.linspace(0, 1, elements + 1) if mesh is None else mesh
-        unknowns = Transcription(task, self.points_of(task), mesh)
-        program = Program(unknowns)
+        unknowns = self.transcription(task, self.points_of(task), mesh)
+        program = unknowns.PROGRAM(unknowns)
         settings = {**OPTIONS, **self.tolerances, "ipopt.max_cpu_time": self.limit, **program.derivatives(), **options}
         solver = ca.nlpsol("solver", "ipopt", program.nlp(), settings)
         if start is None:
@@ -132,16 +130,9 @@ class Peer:
             seconds = min(seconds, time.process_time() - begin)
             whole = whole or process_seconds() - before
         status = solver.stats()
-        motion = motion_of(unknowns, numpy.array(found["x"]).ravel())
+        motion = unknowns.motion(numpy.array(found["x"]).ravel(), lambda *z: self.torques(task, *z))
         return Answer("peer", status["return_status"], status["return_status"] in SOLVED, float(found["f"]), motion.duration,
                       status["iter_count"], seconds, whole, motion)
-
-
-def motion_of(unknowns, x):
-    task = unknowns.task
-    q, v, u = (x[unknowns.columns(what)] for what in "qvu")
-    start = numpy.concatenate([task.q_start, task.v_start])
-    return Collocated(unknowns.mesh, x[-1] if task.free else task.duration, start, q, v, u * task.torque_size)
 
 
 def process_seconds():

@@ -1,6 +1,6 @@
 """The functions of a transcription with exact derivatives, put together from those of the points.
 
-T stands beside v, a and the cost only, so the Hessian is a block for each point and a border. CasADi sees each function as a
+T stands beside the rates and the cost only, so the Hessian is a block for each point and a border. CasADi sees each function as a
 few operations on whole arrays; the mapped functions of the points do the work."""
 
 import casadi as ca
@@ -34,9 +34,13 @@ class Program:
         self.x, self.p = ca.MX.sym("x", t.size), ca.MX.sym("p", 0)
         self.duration = self.x[-1] if task.free else ca.MX(task.duration)
         blocks = ca.reshape(self.x[: 4 * n * k], 4 * n, k)
-        self.z, self.u, self.q_end = blocks[: 3 * n, :], blocks[3 * n:, :], blocks[:n, -1]
-        # By points: v and a times the share of the time, constants of the obstacles, effort times weight of the quadrature.
-        self.rates = blocks[n: 3 * n, :] * by_points(t.h, 2 * n)
+        self.z, self.u, self.q_end = blocks[: 3 * n, :], blocks[3 * n:, :], self.x[t.end[0].tolist()]
+        # Equations without dynamics: places and entries of both matrices, both sums.
+        self.differences, self.rates = t.differences(), t.rates()
+        first, second = t.start_terms()
+        self.change = self.matrix(self.differences) @ self.x + ca.DM(first)
+        self.going = self.matrix(self.rates) @ self.x + ca.DM(second)
+        # By points: constants of the obstacles, effort times weight of the quadrature.
         self.par = ca.repmat(ca.DM(task.obstacles_flat), 1, k)
         self.scale = ca.repmat(ca.DM(t.scale), 1, k)
         self.effort = ca.DM(numpy.outer(task.effort * task.torque_size**2, t.h * t.w))
@@ -63,43 +67,45 @@ class Program:
         return self.of.task.time_weight * self.duration + self.duration * self.running()
 
     def gradient(self):
-        found = ca.vec(ca.vertcat(ca.MX(3 * self.of.n, self.of.count), self.effort * self.u * self.duration))
-        if self.of.task.free:
-            found = ca.vertcat(ca.densify(found), self.of.task.time_weight + self.running())
-        return ca.densify(found)
+        t = self.of
+        found = ca.densify(ca.vec(ca.vertcat(ca.MX(3 * t.n, t.count), self.effort * self.u * self.duration)))
+        found = ca.vertcat(found, ca.MX.zeros(t.size - t.task.free - found.numel()))
+        return ca.vertcat(found, t.task.time_weight + self.running()) if t.task.free else found
+
+    def matrix(self, places):
+        """Of triplets, over all unknowns."""
+        rows, columns, entries = places
+        return ca.DM.triplet(rows.tolist(), columns.tolist(), ca.DM(entries), self.of.linear_rows, self.of.size)
 
     def equations(self):
         t = self.of
-        rows, columns, entries = t.differences()
-        # Rows of the points without torques and clearances.
-        rows = rows // t.rows_point * 2 * t.n + rows % t.rows_point
-        differences = ca.DM.triplet(rows.tolist(), columns.tolist(), ca.DM(entries), 2 * t.n * t.count, 4 * t.n * t.count)
-        change = ca.reshape(differences @ self.x[: 4 * t.n * t.count], 2 * t.n, t.count)
+        linear, points = self.change - self.duration * self.going, 2 * t.n * t.count
         values = t.points.value.map(t.count)(self.z, self.par) * self.scale
-        collocation = change + ca.DM(t.start_terms().T) - self.duration * self.rates
-        points = ca.vertcat(collocation, values[: t.n, :] - self.u, values[t.n:, :])
-        return ca.vertcat(ca.vec(points), self.end.value(self.q_end))
+        of_points = ca.vertcat(ca.reshape(linear[:points], 2 * t.n, t.count), values[: t.n, :] - self.u, values[t.n:, :])
+        return ca.vertcat(ca.vec(of_points), linear[points:], self.end.value(self.q_end))
 
     def jacobian(self):
         t = self.of
         found = Entries(t.rows + t.end_rows, t.size)
-        found.put(*t.differences())
-        both = numpy.arange(2 * t.n)
-        found.put(t.first_row + both, t.first_unknown + t.n + both, -self.duration * ca.DM(numpy.repeat(t.h, 2 * t.n)))
+        rows, columns, entries = self.differences
+        found.put(t.row(rows), columns, entries)
+        rows, columns, entries = self.rates
+        found.put(t.row(rows), columns, -self.duration * ca.DM(entries))
         if t.task.free:
-            found.put(t.first_row + both, t.size - 1, -ca.vec(self.rates))
+            rows = numpy.unique(rows)
+            found.put(t.row(rows), t.size - 1, -self.going[rows.tolist()])
         found.put(t.first_row + 2 * t.n + numpy.arange(t.n), t.columns("u"), -ca.DM.ones(t.n * t.count))
         rows, columns = (numpy.array(part) for part in t.points.jacobian_at)
         values = t.points.jacobian.map(t.count)(self.z, self.par) * ca.repmat(ca.DM(t.scale[rows]), 1, t.count)
         found.put(t.first_row + 2 * t.n + rows, t.first_unknown + columns, ca.vec(values))
         rows, columns = numpy.indices((t.end_rows, t.n)).reshape(2, -1, order="F")
-        found.put(t.rows + rows, t.first_unknown[-1] + columns, ca.vec(self.end.jacobian(self.q_end)))
+        found.put(t.rows + rows, t.end[0][columns], ca.vec(self.end.jacobian(self.q_end)))
         return found.matrix()
 
     def hessian(self, weight, weights):
         """Upper triangle of the second derivatives of weight cost + weights.equations."""
         t = self.of
-        lam = ca.reshape(weights[: t.rows], t.rows_point, t.count)
+        lam = ca.reshape(weights[: t.rows_point * t.count], t.rows_point, t.count)
         found = Entries(t.size, t.size)
         rows, columns = (numpy.array(part) for part in t.points.hessian_at)
         values = t.points.hessian.map(t.count)(self.z, self.par, lam[2 * t.n:, :] * self.scale)
@@ -108,15 +114,16 @@ class Program:
         found.put(t.columns("u"), t.columns("u"), weight * self.duration * ca.vec(self.effort))
         if t.task.free:
             found.put(t.columns("u"), t.size - 1, weight * ca.vec(self.effort * self.u))
-            shares = lam[: 2 * t.n, :] * by_points(t.h, 2 * t.n)
-            found.put(t.first_unknown + t.n + numpy.arange(2 * t.n), t.size - 1, -ca.vec(shares))
+            linear = ca.vertcat(ca.vec(lam[: 2 * t.n, :]), weights[t.rows_point * t.count: t.rows])
+            timed = numpy.unique(self.rates[1])
+            found.put(timed, t.size - 1, -(self.matrix(self.rates).T @ linear)[timed.tolist()])
         if not t.end_rows:
             return found.matrix()
         rows, columns = numpy.triu_indices(t.n)
         values = self.end.hessian(self.q_end, weights[t.rows:])
         last = Entries(t.size, t.size)
         values = ca.vec(values).nz[(rows + t.n * columns).tolist()]
-        last.put(t.first_unknown[-1] + rows, t.first_unknown[-1] + columns, values)
+        last.put(t.end[0][rows], t.end[0][columns], values)
         return found.matrix() + last.matrix()
 
 
@@ -130,8 +137,3 @@ class EndConditions:
         self.value = ca.Function("end", [q], [ca.densify(value)], options)
         self.jacobian = ca.Function("end_jacobian", [q], [ca.densify(ca.jacobian(value, q))], options)
         self.hessian = ca.Function("end_hessian", [q, lam], [ca.densify(ca.hessian(ca.dot(value, lam), q)[0])], options)
-
-
-def by_points(values, height):
-    """A row of numbers, one a point, repeated."""
-    return ca.repmat(ca.DM(values).T, height, 1)

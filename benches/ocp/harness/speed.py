@@ -3,7 +3,7 @@
 from statistics import median
 
 from comparison import DEFAULT
-from measures import (INSIDE, LOOSE, MIDDLE, OURS, PEER, by_class, cost_error, error, middle_of, of, ratios,
+from measures import (INSIDE, LOOSE, MESH, MIDDLE, OURS, PEER, by_class, cost_error, error, middle_of, of, ratios,
                       ratios_at_accuracy, solved, tolerances)
 
 # Peer's time over costate's: median of all tasks, median of the worst class.
@@ -46,7 +46,8 @@ def comparisons(figures):
                "of every class", f"{median(every):.2f}; {listed(by_class(figures, by_default))}", faster(every))
     for label, peer, other in (*((label, PEER, f"the peer at {tight:g}") for label in own),
                                (OURS, MIDDLE, f"the peer at {middle:g}"), (OURS, LOOSE, f"the peer at {loose:g}"),
-                               (OURS, INSIDE, f"the peer at {tight:g} with costate's functions inside")):
+                               (OURS, INSIDE, f"the peer at {tight:g} with costate's functions inside"),
+                               (OURS, MESH, f"the peer at {tight:g} on costate's own last mesh and transcription")):
         found = lambda rows, peer=peer, label=label: ratios(rows, peer, label)
         if every := found(rows):
             yield (f"costate at {own[label]:g} beside {other}: median of all tasks; of every class; accuracy of both",

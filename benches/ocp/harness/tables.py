@@ -9,6 +9,7 @@ from shell import stop
 
 NAMES = {"costate": "costate", "accurate": "costate, accurate", "default": "costate, default options", "peer": "peer",
          "middle": "peer, tolerance 1e-6", "loose": "peer, tolerance 1e-4",
+         "mesh": "peer, costate's mesh",
          "peer_ours": "peer, costate's functions inside", "interpreted": "peer, interpreted"}
 
 
@@ -57,6 +58,7 @@ def labels(figures):
 
 
 def line(rows, label):
+    rows = [row for row in rows if label in row["sides"]]
     done = measures.solved(rows, label)
     sides = [row["sides"][label] for row in done]
     above = [value for row in done if (value := excess(row, label)) is not None]
@@ -133,7 +135,16 @@ def machine_text(figures):
     times = 1 + TIMES * (head["repeats"] - 1)
     return (f"{head['machine']}; {'; '.join(head['compilers'])}; {packages}; {head['costate']}. Seed {head['seed']}; peer: "
             f"{head['elements']} elements of 3 Radau points, tolerances {theirs}; costate: tolerances {tolerances}; the "
-            f"least of {times} calls of both sides; with default options once. {draws(figures)}\n")
+            f"least of {times} calls of both sides; with default options once. {added(figures)}{draws(figures)}\n")
+
+
+def added(figures):
+    if not figures[0].get("mesh_added"):
+        return ""
+    rows = measures.of(figures)
+    count = sum(measures.MESH in row["sides"] for row in rows)
+    left = f" of {count} of the {len(rows)} tasks" if count < len(rows) else ""
+    return f"The peer on costate's mesh was measured in a run of its own{left}, beside costate's time in that run. "
 
 
 def draws(figures):

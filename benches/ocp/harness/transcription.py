@@ -5,31 +5,45 @@ Unknowns, point by point: q, v, a, u/s, s the size of a torque; and T at the end
     sum_r C_rj q_r = T h v_j,   sum_r C_rj v_r = T h a_j,   tau(q_j, v_j, a_j)/s = u_j/s,   clearances(q_j) >= 0
 
 C differentiates the polynomials of an element at its points, h is its share of the time. Limits of q, v, a and u are bounds
-of the unknowns. program.py makes the functions and their derivatives."""
+of the unknowns. program.py makes the functions and their derivatives; it sees the equations without dynamics as
+
+    E x + e - T (R x + r) = 0
+
+with 2n rows a point, and those that a transcription adds after all points. quartics.py is another transcription."""
 
 import numpy
 
 import radau
+from motion import Collocated
+from program import Program
 
 
 class Transcription:
+    PROGRAM = Program
+    # Points of an element, and their weights.
+    PLACES, WEIGHTS = radau.POINTS, radau.WEIGHTS
+
     def __init__(self, task, points, mesh):
         self.task, self.points = task, points
-        self.n, self.d, self.mesh = task.n, radau.DEGREE, numpy.asarray(mesh)
+        self.n, self.d, self.mesh = task.n, len(self.PLACES), numpy.asarray(mesh)
         self.elements = len(mesh) - 1
         self.count = self.elements * self.d
         # Of each point: share of the time of its element, weight of the quadrature, time in parts of T.
         self.h = numpy.repeat(numpy.diff(self.mesh), self.d)
-        self.w = numpy.tile(radau.WEIGHTS, self.elements)
-        self.times = (self.mesh[:-1, None] + numpy.diff(self.mesh)[:, None] * radau.POINTS).ravel()
+        self.w = numpy.tile(self.WEIGHTS, self.elements)
+        self.times = (self.mesh[:-1, None] + numpy.diff(self.mesh)[:, None] * self.PLACES).ravel()
         self.size = 4 * self.n * self.count + task.free
         # Rows of a point: q' = v, v' = a, torques and clearances; those of all points in this order, then the end.
         self.rows_point = 2 * self.n + points.rows
         self.rows = self.rows_point * self.count
+        # Those without dynamics.
+        self.linear_rows = 2 * self.n * self.count
         self.end_rows = task.end_rows
         # First unknown and first row of each point, as a column.
         self.first_unknown = 4 * self.n * numpy.arange(self.count)[:, None]
         self.first_row = self.rows_point * numpy.arange(self.count)[:, None]
+        # Unknowns that are q and v at the end.
+        self.end = (self.first_unknown[-1] + numpy.arange(2 * self.n)).reshape(2, self.n)
         # What the rows of torques and clearances are multiplied by.
         self.scale = numpy.ones(points.rows)
         self.scale[: self.n] = 1 / task.torque_size
@@ -55,13 +69,16 @@ class Transcription:
         for what, low, high in (("q", task.q_min, task.q_max), ("v", -task.v_max, task.v_max),
                                 ("a", -task.a_max, task.a_max), ("u", task.u_min / size, task.u_max / size)):
             lower[self.columns(what)], upper[self.columns(what)] = low, high
-        for what, value in (("q", task.q_end), ("v", task.v_end)):
-            if value is not None:
-                last = self.columns(what)[-1]
-                lower[last] = upper[last] = value
+        self.hold_end(lower, upper)
         if task.free:
             lower[-1], upper[-1] = 0.05 * task.duration, 20 * task.duration
         return lower, upper
+
+    def hold_end(self, lower, upper):
+        """What is given of q and v at the end."""
+        for columns, value in zip(self.end, (self.task.q_end, self.task.v_end)):
+            if value is not None:
+                lower[columns] = upper[columns] = value
 
     def row_bounds(self):
         """Equations are zero, clearances are not negative."""
@@ -70,21 +87,42 @@ class Transcription:
         upper = numpy.append(upper.ravel(), numpy.zeros(self.end_rows))
         return numpy.zeros(len(upper)), upper
 
+    def row(self, number):
+        """Where a row of E and R stands among all."""
+        points = 2 * self.n * self.count
+        return numpy.where(number < points, self.rows_point * (number // (2 * self.n)) + number % (2 * self.n),
+                           self.rows_point * self.count + number - points)
+
     def differences(self):
-        """Rows, columns and entries of C in all equations, the given start apart."""
+        """Rows, columns and entries of E, here C in all equations, the given start apart."""
         rows, columns, entries = [], [], []
         state = numpy.arange(2 * self.n)
         for point in range(self.count):
             j, before = point % self.d, point - point % self.d - 1
             for r in range(self.d + 1):
                 if before + r >= 0:
-                    rows.append(self.first_row[point] + state)
+                    rows.append(2 * self.n * point + state)
                     columns.append(self.first_unknown[before + r] + state)
                     entries.append(numpy.full(2 * self.n, radau.DERIVATIVE[r, j]))
         return tuple(numpy.concatenate(parts) for parts in (rows, columns, entries))
 
+    def rates(self):
+        """Rows, columns and entries of R."""
+        both = numpy.arange(2 * self.n)
+        columns = (self.first_unknown + self.n + both).ravel()
+        return numpy.arange(len(columns)), columns, numpy.repeat(self.h, 2 * self.n)
+
     def start_terms(self):
-        """What the given start adds to the equations of the first element: 2n numbers a point."""
+        """e and r: what the given start adds."""
         found = numpy.zeros((self.count, 2 * self.n))
         found[: self.d] = radau.DERIVATIVE[0][:, None] * numpy.concatenate([self.task.q_start, self.task.v_start])
-        return found
+        return found.ravel(), numpy.zeros(found.size)
+
+    def motion(self, x, _):
+        """What the unknowns are, with torques of their own."""
+        q, v, u = (x[self.columns(what)] for what in "qvu")
+        start = numpy.concatenate([self.task.q_start, self.task.v_start])
+        return Collocated(self.mesh, self.duration(x), start, q, v, u * self.task.torque_size)
+
+    def duration(self, x):
+        return x[-1] if self.task.free else self.task.duration
