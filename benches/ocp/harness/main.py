@@ -189,11 +189,7 @@ def main():
     if options.source is None:
         costate = (options.costate or build()).resolve()
         if options.values:
-<<<<<<< HEAD
-            parts = (derivatives, judged, values, sensitivities, in_space, walking)
-=======
-            parts = (derivatives, judged, same_mesh, values, sensitivities, in_space)
->>>>>>> fb4f7d9f5faaeec7131e756870f9dec39d595884
+            parts = (derivatives, judged, same_mesh, values, sensitivities, in_space, walking)
             kept = [part.check(ROOT, costate, the_peer(options)) for part in parts]
             raise SystemExit(0 if all(kept) else 1)
         file = options.cache / "figures.jsonl"
