@@ -208,8 +208,11 @@ impl<D: PointDynamics> Interior<D> {
         for (at, row) in self.barrier.at_ends().zip(rows) {
             let first = self.spline.end_unknowns(self.barrier.end_of(at)).start;
             let steps = &self.steps[part];
-            let mut change = dot(row, &steps[first..first + 2 * n]);
-            change += far.next().map_or(0.0, |row| dot(row, &steps[last..last + 2 * n]));
+            let change = match far.next() {
+                Some(far) => dot(row, &steps[first..first + 2 * n]) + dot(far, &steps[last..last + 2 * n]),
+                // Rows of one end depend on positions.
+                None => dot(&row[..n], &steps[first..first + n]),
+            };
             self.changes[part][at] = self.barrier.side(at).sign * change;
         }
     }
