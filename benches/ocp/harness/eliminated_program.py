@@ -6,10 +6,10 @@ d2z/dT2 = m (m + 1) z/T^2. First and second derivatives by z are multiplied by p
 import casadi as ca
 import numpy
 
-from program import EndConditions, Entries
+from program import EndConditions, Entries, Functions
 
 
-class EliminatedProgram:
+class EliminatedProgram(Functions):
     def __init__(self, transcription):
         self.of = t = transcription
         task, n, m = t.task, t.n, t.count
@@ -38,26 +38,6 @@ class EliminatedProgram:
         """m (m + 1)/T^2."""
         powers = numpy.asarray(powers, dtype=float)
         return ca.DM(powers * (powers + 1)) / self.duration**2
-
-    def nlp(self):
-        return {"x": self.x, "f": self.cost(), "g": self.equations()}
-
-    def derivatives(self):
-        """What nlpsol takes in place of its own derivatives."""
-        weights, weight = ca.MX.sym("lam_g", self.of.rows + self.of.end_rows), ca.MX.sym("lam_f")
-        arguments = [self.x, self.p]
-        return {
-            "grad_f": ca.Function("nlp_grad_f", arguments, [self.cost(), self.gradient()]),
-            "jac_g": ca.Function("nlp_jac_g", arguments, [self.equations(), self.jacobian()]),
-            "hess_lag": ca.Function("nlp_hess_l", [*arguments, weight, weights], [self.hessian(weight, weights)]),
-        }
-
-    def running(self):
-        """Integral of 1/2 sum effort u^2 over the time in parts of T."""
-        return ca.dot(self.effort, self.u * self.u) / 2
-
-    def cost(self):
-        return self.of.task.time_weight * self.duration + self.duration * self.running()
 
     def gradient(self):
         t = self.of

@@ -25,26 +25,8 @@ class Entries:
         return ca.MX(pattern, ca.vertcat(*self.values).nz[list(order)])
 
 
-class Program:
-    """Symbols and the parts that several functions share."""
-
-    def __init__(self, transcription):
-        self.of = t = transcription
-        task, n, k = t.task, t.n, t.count
-        self.x, self.p = ca.MX.sym("x", t.size), ca.MX.sym("p", 0)
-        self.duration = self.x[-1] if task.free else ca.MX(task.duration)
-        blocks = ca.reshape(self.x[: 4 * n * k], 4 * n, k)
-        self.z, self.u, self.q_end = blocks[: 3 * n, :], blocks[3 * n:, :], self.x[t.end[0].tolist()]
-        # Equations without dynamics: places and entries of both matrices, both sums.
-        self.differences, self.rates = t.differences(), t.rates()
-        first, second = t.start_terms()
-        self.change = self.matrix(self.differences) @ self.x + ca.DM(first)
-        self.going = self.matrix(self.rates) @ self.x + ca.DM(second)
-        # By points: constants of the obstacles, effort times weight of the quadrature.
-        self.par = ca.repmat(ca.DM(task.obstacles_flat), 1, k)
-        self.scale = ca.repmat(ca.DM(t.scale), 1, k)
-        self.effort = ca.DM(numpy.outer(task.effort * task.torque_size**2, t.h * t.w))
-        self.end = EndConditions(task)
+class Functions:
+    """What IPOPT calls, from the parts of a program: its cost, and equations, jacobian and hessian by their names."""
 
     def nlp(self):
         return {"x": self.x, "f": self.cost(), "g": self.equations()}
@@ -65,6 +47,28 @@ class Program:
 
     def cost(self):
         return self.of.task.time_weight * self.duration + self.duration * self.running()
+
+
+class Program(Functions):
+    """Symbols and the parts that several functions share."""
+
+    def __init__(self, transcription):
+        self.of = t = transcription
+        task, n, k = t.task, t.n, t.count
+        self.x, self.p = ca.MX.sym("x", t.size), ca.MX.sym("p", 0)
+        self.duration = self.x[-1] if task.free else ca.MX(task.duration)
+        blocks = ca.reshape(self.x[: 4 * n * k], 4 * n, k)
+        self.z, self.u, self.q_end = blocks[: 3 * n, :], blocks[3 * n:, :], self.x[t.end[0].tolist()]
+        # Equations without dynamics: places and entries of both matrices, both sums.
+        self.differences, self.rates = t.differences(), t.rates()
+        first, second = t.start_terms()
+        self.change = self.matrix(self.differences) @ self.x + ca.DM(first)
+        self.going = self.matrix(self.rates) @ self.x + ca.DM(second)
+        # By points: constants of the obstacles, effort times weight of the quadrature.
+        self.par = ca.repmat(ca.DM(task.obstacles_flat), 1, k)
+        self.scale = ca.repmat(ca.DM(t.scale), 1, k)
+        self.effort = ca.DM(numpy.outer(task.effort * task.torque_size**2, t.h * t.w))
+        self.end = EndConditions(task)
 
     def gradient(self):
         t = self.of
