@@ -45,8 +45,11 @@ pub(crate) struct Walk {
     pub edges: Vec<[f64; 2]>,
     /// Accelerations of multipliers that carry the weight, for guesses.
     pub lift: Vec<f64>,
-    /// Impulses of a guess, in parts of those of the weight during the step.
-    pub guessed_impulse: f64,
+}
+
+/// A list with an entry for each joint, with the legs exchanged.
+pub(crate) fn exchanged(exchange: &[usize], list: &[f64]) -> Vec<f64> {
+    exchange.iter().map(|&from| list[from]).collect()
 }
 
 impl Walk {

@@ -15,11 +15,11 @@
 
 use super::error::ProblemError;
 use super::key::Key;
-use super::loop_rows::{LoopRow, Loops, Walk};
+use super::loop_rows::{LoopRow, Loops, Walk, exchanged};
 use super::step::Step;
 use super::step_error::StepError;
 use super::{BoundaryState, Problem};
-use crate::constants::checks::step::{GUESSED_IMPULSE, PLANAR, SYMMETRIC};
+use crate::constants::checks::step::{PLANAR, SYMMETRIC};
 use costate::EvalError;
 use costate::constraints::{ConstrainedHamiltonian, Constraints};
 use costate::lagrangian::Lagrangian;
@@ -102,7 +102,6 @@ impl Problem {
             edges: kept.iter().map(|row| edges[row.row % 2]).collect(),
             step: step.clone(),
             places,
-            guessed_impulse: GUESSED_IMPULSE,
             exchange,
             shift,
             scales,
@@ -251,7 +250,7 @@ impl Problem {
         let n = q.len();
         let failed = |error: EvalError| StepError::CannotStand { cause: error.into() }.at(Key::START_Q);
         let some = |first: f64| (0..n).map(|i| (first + 1.7 * i as f64).sin()).collect::<Vec<f64>>();
-        let exchanged = |list: &[f64]| exchange.iter().map(|&i| list[i]).collect::<Vec<f64>>();
+        let exchanged = |list: &[f64]| exchanged(exchange, list);
         let moved = |list: &[f64]| {
             exchanged(list).iter().zip(shift).map(|(q, shift)| q + shift).collect::<Vec<f64>>()
         };

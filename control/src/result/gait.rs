@@ -1,6 +1,6 @@
 //! What a step of a gait is: its speed, what it costs, the impact at its end.
 
-use crate::problem::loop_rows::Walk;
+use crate::problem::loop_rows::{Walk, exchanged};
 use crate::result::trajectory::Trajectory;
 use costate::EvalError;
 use costate::constraints::Impact;
@@ -70,7 +70,7 @@ impl Landing {
         let p = open.momentum(q, v)?.to_vec();
         let mut impact = Impact::<f64>::new(&walk.swing);
         let after = impact.evaluate(q, &p)?;
-        let exchanged = |list: &[f64]| walk.exchange.iter().map(|&i| list[i]).collect::<Vec<f64>>();
+        let exchanged = |list: &[f64]| exchanged(&walk.exchange, list);
         let places = exchanged(q).iter().zip(&walk.shift).map(|(q, shift)| q + shift).collect();
         let impulses = after.impulse.chunks_exact(2).map(|foot| [foot[0], 0.0, foot[1]]).collect();
         Ok(Self { q: places, v: exchanged(after.velocity), impulses, loss: after.loss })

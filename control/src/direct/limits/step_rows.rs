@@ -61,6 +61,11 @@ pub(crate) struct Derivatives<'a> {
     pub at_end: &'a mut [f64],
 }
 
+/// All entries of a square matrix.
+fn pairs(n: usize) -> impl Iterator<Item = (usize, usize)> {
+    (0..n).flat_map(move |i| (0..n).map(move |j| (i, j)))
+}
+
 impl StepRows {
     pub fn new(loops: &Loops, walk: &Walk) -> Self {
         let stance = Constraints::<Tangent<f64>>::new(&loops.robot);
@@ -178,7 +183,7 @@ impl StepRows {
             self.forces[*row] = Tangent::new(mass * rate, 0.0);
         }
         let bent = self.stance.hessian(&self.forces)?;
-        for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))) {
+        for (i, j) in pairs(n) {
             near[width * i + j] -= bent[(i, j)].re;
             at_start[width * i + j] -= bent[(i, j)].eps;
         }
@@ -200,7 +205,7 @@ impl StepRows {
             }
         }
         let bent = self.stance.hessian(&self.forces)?;
-        for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))) {
+        for (i, j) in pairs(n) {
             let entry = bent[(i, j)];
             at_start[width * i + j] += entry.eps;
             at_start[width * i + all + j] += entry.re;
@@ -215,7 +220,7 @@ impl StepRows {
             }
         }
         let bent = self.stance.hessian(&self.forces)?;
-        for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))) {
+        for (i, j) in pairs(n) {
             at_start[width * i + j] += bent[(i, j)].re;
         }
         Ok(())
@@ -271,7 +276,7 @@ impl StepRows {
                 }
             }
             let [swing, foot] = [self.swing.hessian(&self.of_swing)?, self.foot.hessian(&self.of_foot)?];
-            for (a, b) in (0..n).flat_map(|a| (0..n).map(move |b| (a, b))) {
+            for (a, b) in pairs(n) {
                 hessian[3 * all * a + b] += swing[(a, b)] + foot[(a, b)];
             }
         }
@@ -305,7 +310,7 @@ impl StepRows {
         for moves in [true, false] {
             let found = open.contract_inverse_dynamics(q, rest, if moves { v } else { rest }, weights)?;
             let (first, zz, sign) = (found.inverse_dynamics(), found.zz(), if moves { 1.0 } else { -1.0 });
-            for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))) {
+            for (i, j) in pairs(n) {
                 slope[width * i + j] += sign * first.tau_q[(i, j)];
                 hessian[width * i + j] += sign * zz[(i, j)];
                 if moves {

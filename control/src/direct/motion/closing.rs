@@ -1,6 +1,6 @@
 //! First guesses of robots whose loops are closed.
 
-use crate::constants::checks::step::{GUESSED_HEIGHT, NEAR};
+use crate::constants::checks::step::{GUESSED_HEIGHT, GUESSED_IMPULSE, NEAR};
 use crate::problem::loop_rows::{Loops, Walk};
 use costate::constraints::ConstrainedHamiltonian;
 use costate::robot::{ConstraintRow, ConstraintSpec, Placement};
@@ -64,7 +64,7 @@ impl<'a> Stepping<'a> {
         for ((rate, from), to) in rate.iter_mut().zip(at(before)).zip(at(after)) {
             *rate = (to - from) / (after - before);
         }
-        let (time, first) = (self.time, self.walk.guessed_impulse);
+        let (time, first) = (self.time, GUESSED_IMPULSE);
         for (k, lift) in self.walk.lift.iter().enumerate() {
             q[n + k] = lift * time * time * s * (first + 0.5 * s);
             rate[n + k] = lift * time * time * (first + s);

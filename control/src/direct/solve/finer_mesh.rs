@@ -161,14 +161,14 @@ mod tests {
         compare_with_finer_mesh(&problem, &one_step, of, &mut Recorder::default()).unwrap();
         assert!(refined.status.is_converged() && refined.finer_mesh.is_none());
         assert!(interior.spline.unknowns == unknowns && interior.mu.to_bits() == mu.to_bits());
-        // Smaller than any change.
-        let exact = SolverOptions { tolerance: 0.0, max_iterations: 20, ..options() };
-        let coarse = SolverOptions { max_nodes: interior.spline.mesh.intervals() * 6 + 1, ..exact };
+        // The search does not go on from the finer mesh: no motion is that slow.
+        let slow = MotionLimits::none().with_v_max(vec![0.1, 0.1]);
+        let other = Problem { limits: slow, ..problem };
         let of = (&mut interior, &mut resolution, &mut refined);
-        compare_with_finer_mesh(&problem, &coarse, of, &mut Recorder::default()).unwrap();
-        if let Some(change) = refined.finer_mesh {
-            assert!(refined.status == Status::MeshLimit && refined.error.to_bits() == change.to_bits());
-        }
+        compare_with_finer_mesh(&other, &options(), of, &mut Recorder::default()).unwrap();
+        let change = refined.finer_mesh.unwrap();
+        assert!(refined.status == Status::MeshLimit && refined.error.to_bits() == change.to_bits());
+        assert!((0.5e-3..2e-3).contains(&change), "{change}");
         assert_eq!(interior.spline.unknowns, unknowns);
     }
 }
