@@ -5,7 +5,9 @@
 //! with switching times as unknowns. What the direct method found is kept if that fails or costs more.
 
 use crate::constants::direct::{ACTIVE, VIOLATION_ACCEPTED};
-use crate::constants::polish::{LEAST_TIME, PLACES, SHARE, SHARP_ENOUGH, SHARPER, SLACK, SLACK_UNSOLVED};
+use crate::constants::polish::{
+    BESIDE_STEPS, NODE, PLACES, SHARE, SHARP_ENOUGH, SHARPER, SLACK, SLACK_UNSOLVED,
+};
 use crate::direct::Powers;
 use crate::options::{Method, Polish, SolverOptions, Verify};
 use crate::problem::key::Key;
@@ -21,14 +23,12 @@ use crate::solve::Recorder;
 use crate::starts::{Starts, of_direct};
 use crate::status::Status;
 use costate::robot::printable;
-use std::time::Duration;
 
-/// Polishes what the direct method found in `taken`, as the options say.
+/// Polishes what the direct method found, as the options say.
 pub(crate) fn polish(
     problem: &Problem,
     options: &SolverOptions,
     found: Solution,
-    taken: Duration,
     recorder: &mut Recorder<'_>,
 ) -> Solution {
     if options.polish == Polish::Never || found.motion.status.is_interruption() {
@@ -50,7 +50,8 @@ pub(crate) fn polish(
     let polished = match options.polish {
         Polish::Always => extremal_near(&problem, &options, of_direct(motion), recorder),
         _ => {
-            let most = (SHARE * taken).max(LEAST_TIME);
+            let work: usize = found.motion.iterations.iter().map(|step| step.nodes).sum();
+            let most = SHARE * (work + BESIDE_STEPS) / NODE;
             recorder.within(most, |recorder| extremal_near(&problem, &options, of_direct(motion), recorder))
         }
     };

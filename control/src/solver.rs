@@ -171,7 +171,7 @@ fn directly(
         }
         times = times.and(&found.stage_times.unwrap_or_default());
         let taken = began.elapsed();
-        let mut found = polish(&problem, &options, found, taken, recorder);
+        let mut found = polish(&problem, &options, found, recorder);
         times.polish += (began.elapsed() - taken).as_secs_f64();
         found.motion.iterations.splice(0..0, iterations);
         let polished = found.polish.as_ref().is_some_and(|report| report.outcome.is_polished());

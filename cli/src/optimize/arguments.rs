@@ -65,8 +65,8 @@ pub struct Arguments {
     #[arg(long, value_enum, value_name = "LEVEL")]
     pub verify: Option<Level>,
     /// Solve the conditions of the maximum principle from the motion of the direct method, for more digits,
-    /// switching and conjugate times: true, false, or auto, for at most ten times as long or 250 ms;
-    /// overrides solver.polish of the problem file
+    /// switching and conjugate times: true, false, or auto, for at most ten times the work of the direct
+    /// method; overrides solver.polish of the problem file
     #[arg(long, value_enum, value_name = "WHEN", num_args = 0..=1, require_equals = true,
         default_missing_value = "true")]
     pub polish: Option<When>,
@@ -124,7 +124,7 @@ pub enum When {
     True,
     /// Not at all
     False,
-    /// Where it applies, for at most ten times as long as the direct method took, or 250 ms if that is more
+    /// Where it applies, for at most ten times the work of the direct method, Newton steps times nodes
     Auto,
 }
 

@@ -7,7 +7,8 @@ pub(crate) mod conjugate {
     pub const PIECES: usize = 32;
     /// Relative tolerance of one integration step.
     pub const TOLERANCE: f64 = 1e-11;
-    /// The same for a first look, which is enough where there are clearly no conjugate times.
+    /// Least relative error that is assumed of collocated transitions in a first look, which is enough where
+    /// there are clearly no conjugate times.
     pub const LOOSE: f64 = 1e-8;
     /// The conjugate time is located to this fraction of a mesh interval.
     pub const LOCATED: f64 = 1e-10;

@@ -39,8 +39,8 @@ pub enum Method {
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum Polish {
-    /// Where it applies, for at most ten times the time that the direct method took, or 250 ms if that is
-    /// more.
+    /// Where it applies, for at most ten times the work of the direct method: Newton steps times nodes, which
+    /// is the same on all machines.
     #[default]
     Auto,
     /// Where it applies.

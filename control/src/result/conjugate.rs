@@ -15,11 +15,17 @@
 //! The motion is cut into pieces that are short enough for that by the bound of
 //! [`disconjugate`](crate::result::disconjugate). So there is no conjugate time in the first piece, where
 //! $X_0 = 0$ has no inverse.
+//!
+//! Transitions are collocated first, on both halves and on the whole of each interval of the mesh
+//! ([`collocated`](crate::result::collocated)); the difference of both is the margin of all signs. Where that
+//! leaves a doubt, and where there is a conjugate time, they are integrated.
 
 use crate::bvp::mesh::Span;
 use crate::constants::checks::conjugate::{LEAST_PART, LOCATED, LOOSE, PIECES, TOLERANCE};
 use crate::extremal::Extremal;
 use crate::numerics::dormand_prince::DormandPrince;
+use crate::result::along::Along;
+use crate::result::collocated::Collocated;
 use crate::result::disconjugate::{Reach, Sample, ordered};
 use crate::result::jacobi_fields::{Fields, Part, Undecided, count, orthonormal};
 use crate::result::motion::Certificate;
@@ -55,11 +61,12 @@ impl Solved {
 
     fn first_conjugate(&self, extremal: &mut dyn Extremal) -> Result<Option<Conjugate>, Undecided> {
         let durations = self.found.durations(2 * extremal.states());
-        let mut transitions = Transitions { solved: self, durations, tolerance: LOOSE };
+        let collocated = Some(Collocated::new(&self.found.equations.scale[..2 * extremal.states()]));
+        let mut transitions = Transitions { solved: self, durations, tolerance: LOOSE, collocated };
         if transitions.show_none(extremal) {
             return Ok(None);
         }
-        transitions.tolerance = TOLERANCE;
+        (transitions.tolerance, transitions.collocated) = (TOLERANCE, None);
         let fields = transitions.fields(extremal)?;
         let borders = &fields.borders;
         let counts = fields.counts(borders, TOLERANCE)?;
@@ -88,21 +95,24 @@ impl Solved {
 /// A transition and the Jacobians on its way, in their order.
 struct Sampled {
     over: DMatrix<f64>,
+    rough: Option<DMatrix<f64>>,
     samples: Vec<Sample>,
 }
 
-/// Integrates the Jacobi fields of a motion.
+/// The Jacobi fields of a motion.
 struct Transitions<'a> {
     solved: &'a Solved,
     /// Duration of each arc (s).
     durations: Vec<f64>,
-    /// Relative tolerance of one integration step.
+    /// Relative tolerance of one integration step, or least error of a collocated transition.
     tolerance: f64,
+    /// For a first look.
+    collocated: Option<Collocated>,
 }
 
 impl Transitions<'_> {
     /// Whether no piece of the motion has a conjugate time, by a margin.
-    fn show_none(&self, extremal: &mut dyn Extremal) -> bool {
+    fn show_none(&mut self, extremal: &mut dyn Extremal) -> bool {
         let Ok(fields) = self.fields(extremal) else { return false };
         [&fields.borders, &fields.coarse()].into_iter().all(|borders| {
             let counts = fields.counts(borders, self.tolerance);
@@ -112,7 +122,7 @@ impl Transitions<'_> {
 
     /// Whether the bound shows that these cuts hold no pair of conjugate times.
     fn is_disconjugate(
-        &self,
+        &mut self,
         extremal: &mut dyn Extremal,
         fields: &Fields,
         cuts: Range<usize>,
@@ -150,7 +160,7 @@ impl Transitions<'_> {
         Ok(Conjugate { time: all.times[k] + 0.5 * (from + to) - part.from, multiplicity })
     }
 
-    fn fields(&self, extremal: &mut dyn Extremal) -> Result<Fields, Undecided> {
+    fn fields(&mut self, extremal: &mut dyn Extremal) -> Result<Fields, Undecided> {
         let n = extremal.states();
         let piece = self.durations.iter().sum::<f64>() / PIECES as f64;
         let mut start = DMatrix::zeros(2 * n, n);
@@ -159,6 +169,7 @@ impl Transitions<'_> {
             times: vec![0.0],
             at: vec![start],
             over: Vec::new(),
+            rough: Vec::new(),
             parts: Vec::new(),
             borders: vec![0],
             needed: Vec::new(),
@@ -170,7 +181,7 @@ impl Transitions<'_> {
             let h = length * self.durations[arc];
             let mut part = Part { span, from: 0.0, to: h };
             while part.from < h {
-                let Sampled { over, samples } = self.sampled(extremal, part)?;
+                let Sampled { over, rough, samples } = self.sampled(extremal, part)?;
                 let cut = fields.over.len();
                 let mut next = reach.clone().over(&samples);
                 if !next.is_disconjugate() && fields.borders[fields.borders.len() - 1] < cut {
@@ -190,6 +201,7 @@ impl Transitions<'_> {
                 fields.times.push(fields.times[cut] + (part.to - part.from));
                 fields.at.push(orthonormal(&over * &fields.at[cut]));
                 fields.over.push(over);
+                fields.rough.extend(rough);
                 fields.parts.push(part);
                 let border = fields.borders[fields.borders.len() - 1];
                 if fields.times[cut + 1] - fields.times[border] >= piece * (1.0 - 1e-9) {
@@ -206,11 +218,36 @@ impl Transitions<'_> {
     }
 
     /// The transition over a part of a mesh interval, with the Jacobians that it was integrated from.
-    fn sampled(&self, extremal: &mut dyn Extremal, part: Part) -> Result<Sampled, Undecided> {
+    fn sampled(&mut self, extremal: &mut dyn Extremal, part: Part) -> Result<Sampled, Undecided> {
         let (states, mut samples) = (extremal.states(), Vec::new());
         let sample = |t: f64, jacobian: &[f64]| samples.push(Sample::new(t, states, jacobian));
-        let over = self.transition(extremal, part, sample)?;
-        Ok(Sampled { over, samples: ordered(samples) })
+        let (over, rough) = match self.collocated.take() {
+            Some(mut collocated) => {
+                let found = self.collocate(&mut collocated, extremal, part, sample);
+                self.collocated = Some(collocated);
+                let [fine, rough] = found?;
+                (fine, Some(rough))
+            }
+            None => (self.transition(extremal, part, sample)?, None),
+        };
+        Ok(Sampled { over, rough, samples: ordered(samples) })
+    }
+
+    /// The transition over a part of a mesh interval, collocated on both halves, and on the whole.
+    fn collocate(
+        &self,
+        collocated: &mut Collocated,
+        extremal: &mut dyn Extremal,
+        part: Part,
+        mut sample: impl FnMut(f64, &[f64]),
+    ) -> Result<[DMatrix<f64>; 2], Undecided> {
+        let mut along = Along::new(self.solved, extremal, part.span, &self.durations).ok_or(Undecided)?;
+        let evaluate = |t: f64, jacobian: &mut [f64]| {
+            along.jacobian(t, jacobian)?;
+            sample(t, jacobian);
+            Ok(())
+        };
+        collocated.transitions(part.from..part.to, evaluate)
     }
 
     /// The transition matrix over a part of a mesh interval. `sample` is given each Jacobian.
@@ -221,19 +258,13 @@ impl Transitions<'_> {
         mut sample: impl FnMut(f64, &[f64]),
     ) -> Result<DMatrix<f64>, Undecided> {
         let size = 2 * extremal.states();
-        let Span::Interval { arc, length } = self.solved.found.equations.mesh.spans[span] else {
-            return Err(Undecided);
-        };
-        let h = length * self.durations[arc];
-        let law = self.solved.found.arcs.law(arc);
-        let (mut w, mut g) = (vec![0.0; self.solved.found.equations.m], vec![0.0; size]);
+        let mut along = Along::new(self.solved, extremal, span, &self.durations).ok_or(Undecided)?;
         let mut jacobian = vec![0.0; size * size];
         let mut matrix = DMatrix::<f64>::identity(size, size);
         let mut integrator = DormandPrince::new(size * size, self.tolerance);
         integrator
             .integrate(matrix.as_mut_slice(), from..to, |t, columns, rates| {
-                self.solved.found.equations.polynomial(span, t / h, &mut w);
-                extremal.linearise_exactly(&w[..size], law, &mut g, &mut jacobian)?;
+                along.jacobian(t, &mut jacobian)?;
                 sample(t, &jacobian);
                 for (column, rate) in columns.chunks_exact(size).zip(rates.chunks_exact_mut(size)) {
                     for (rate, row) in rate.iter_mut().zip(jacobian.chunks_exact(size)) {

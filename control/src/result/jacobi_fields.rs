@@ -48,20 +48,27 @@ pub(crate) fn count(fields: &DMatrix<f64>, transition: &DMatrix<f64>) -> Result<
 /// tolerance.
 ///
 /// The bracket is scaled by the size of the two terms of its diagonal, which makes its eigenvalues
-/// comparable: small ones are differences of large terms.
+/// comparable: small ones are differences of large terms. Where there is a `rough` transition too, the margin
+/// also covers the difference that it makes.
 fn certain_count(
     fields: &DMatrix<f64>,
     transition: &DMatrix<f64>,
+    rough: Option<&DMatrix<f64>>,
     tolerance: f64,
 ) -> Result<usize, Undecided> {
-    let Bracket { mut form, sizes } = bracket(fields, transition)?;
-    for (i, j) in (0..sizes.len()).flat_map(|i| (0..sizes.len()).map(move |j| (i, j))) {
-        form[(i, j)] /= (sizes[i] * sizes[j]).sqrt();
-    }
-    if form.iter().any(|entry| !entry.is_finite()) {
+    let Bracket { form, sizes } = bracket(fields, transition)?;
+    let scaled = |form: &DMatrix<f64>| {
+        DMatrix::from_fn(sizes.len(), sizes.len(), |i, j| form[(i, j)] / (sizes[i] * sizes[j]).sqrt())
+    };
+    let form = scaled(&form);
+    let difference = match rough {
+        Some(rough) => (scaled(&bracket(fields, rough)?.form) - &form).amax(),
+        None => 0.0,
+    };
+    if form.iter().any(|entry| !entry.is_finite()) || difference.is_nan() {
         return Err(Undecided);
     }
-    let error = CLEAR * (&form - form.transpose()).amax().max(tolerance);
+    let error = (CLEAR * (&form - form.transpose()).amax().max(tolerance)).max(difference);
     let eigenvalues = (0.5 * (&form + form.transpose())).symmetric_eigenvalues();
     if eigenvalues.iter().any(|value| value.abs() <= error) {
         return Err(Undecided);
@@ -84,8 +91,10 @@ pub(crate) struct Fields {
     pub times: Vec<f64>,
     /// Fields at the cuts.
     pub at: Vec<DMatrix<f64>>,
-    /// Transition from each cut to the next.
+    /// Transition from each cut to the next ..
     pub over: Vec<DMatrix<f64>>,
+    /// .. and a rougher one, where these are collocated.
+    pub rough: Vec<DMatrix<f64>>,
     /// Where each cut and the next are on the mesh.
     pub parts: Vec<Part>,
     /// Cuts that divide the motion into pieces which hold no pair of conjugate times.
@@ -97,8 +106,12 @@ pub(crate) struct Fields {
 impl Fields {
     /// Transition from cut i to cut j.
     pub fn transition(&self, i: usize, j: usize) -> DMatrix<f64> {
+        self.product(&self.over[i..j])
+    }
+
+    fn product(&self, transitions: &[DMatrix<f64>]) -> DMatrix<f64> {
         let size = self.at[0].nrows();
-        self.over[i..j].iter().fold(DMatrix::identity(size, size), |product, next| next * product)
+        transitions.iter().fold(DMatrix::identity(size, size), |product, next| next * product)
     }
 
     /// The borders of about half as many pieces, except for the first piece.
@@ -112,9 +125,13 @@ impl Fields {
 
     /// The number of conjugate times in each piece; none in the first one.
     pub fn counts(&self, borders: &[usize], tolerance: f64) -> Result<Vec<usize>, Undecided> {
-        let of_piece = |(piece, ends): (usize, &[usize])| match piece {
-            0 => Ok(0),
-            _ => certain_count(&self.at[ends[0]], &self.transition(ends[0], ends[1]), tolerance),
+        let of_piece = |(piece, ends): (usize, &[usize])| {
+            let (from, to) = (ends[0], ends[1]);
+            let rough = self.rough.get(from..to).map(|rough| self.product(rough));
+            match piece {
+                0 => Ok(0),
+                _ => certain_count(&self.at[from], &self.transition(from, to), rough.as_ref(), tolerance),
+            }
         };
         borders.windows(2).enumerate().map(of_piece).collect()
     }
@@ -129,7 +146,16 @@ mod tests {
     fn counted(y: f64, ratio: f64) -> Option<usize> {
         let fields = DMatrix::from_column_slice(2, 1, &[1.0, y]);
         let transition = DMatrix::from_row_slice(2, 2, &[ratio, 1.0, 0.0, 1.0]);
-        certain_count(&fields, &transition, 1e-11).ok()
+        certain_count(&fields, &transition, None, 1e-11).ok()
+    }
+
+    /// A rough transition that differs by as much as the bracket decides nothing.
+    #[test]
+    fn a_sign_that_a_rough_transition_does_not_share_decides_nothing() {
+        let fields = DMatrix::from_column_slice(2, 1, &[1.0, -1.0]);
+        let of = |ratio: f64| DMatrix::from_row_slice(2, 2, &[ratio, 1.0, 0.0, 1.0]);
+        let count = |rough: f64| certain_count(&fields, &of(1.01), Some(&of(rough)), 1e-11).ok();
+        assert_eq!([1.012, 0.995].map(count), [Some(0), None]);
     }
 
     #[test]

@@ -1,5 +1,7 @@
 //! What a solve gives: figures, values over time, and their JSON form.
 
+pub(crate) mod along;
+pub(crate) mod collocated;
 pub(crate) mod complete;
 pub(crate) mod conjugate;
 pub(crate) mod constraint_forces;

@@ -51,8 +51,8 @@ pub enum PolishOutcome {
     NoMotion,
     /// The polish found no extremal.
     Failed,
-    /// The polish was stopped, or took its share of the time: ten times that of the direct method, 250 ms if
-    /// that is more.
+    /// The polish was stopped, or took its share: ten times the work of the direct method, Newton steps times
+    /// nodes.
     OutOfTime,
     /// The extremal costs more than the motion of the direct method.
     CostsMore,

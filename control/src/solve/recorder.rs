@@ -45,6 +45,8 @@ pub(crate) struct Stop {
     /// Stops all threads of a search, once a listener asks for it.
     all: Cancel,
     deadline: Option<Instant>,
+    /// Nodes of Newton steps that are left.
+    work: Option<usize>,
     interruption: Option<Interruption>,
 }
 
@@ -61,7 +63,8 @@ impl Stop {
         if self.interruption.is_none() {
             if self.all.is_cancelled() || self.cancel.as_ref().is_some_and(Cancel::is_cancelled) {
                 self.interruption = Some(Interruption::Cancelled);
-            } else if self.deadline.is_some_and(|deadline| Instant::now() >= deadline) {
+            } else if self.work == Some(0) || self.deadline.is_some_and(|deadline| Instant::now() >= deadline)
+            {
                 self.interruption = Some(Interruption::TimeLimit);
             }
         }
@@ -113,14 +116,13 @@ impl<'a> Recorder<'a> {
         self.listener = listener.into_inner().unwrap_or_else(PoisonError::into_inner);
     }
 
-    /// Runs with a time limit of its own, beside that of the search. Reaching it does not stop the search.
-    pub fn within<T>(&mut self, limit: Duration, run: impl FnOnce(&mut Self) -> T) -> T {
-        let own = self.stop.deadline;
-        let until = Instant::now().checked_add(limit);
-        self.stop.deadline = own.into_iter().chain(until).min();
+    /// Runs with a limit on the nodes of all Newton steps together, beside the limits of the search. Unlike a
+    /// time it is the same on all machines. Reaching it does not stop the search.
+    pub fn within<T>(&mut self, nodes: usize, run: impl FnOnce(&mut Self) -> T) -> T {
+        let own = self.stop.work.replace(nodes);
         let found = run(self);
-        self.stop.deadline = own;
-        let over = own.is_some_and(|deadline| Instant::now() >= deadline);
+        self.stop.work = own;
+        let over = self.stop.deadline.is_some_and(|deadline| Instant::now() >= deadline);
         if self.stop.interruption == Some(Interruption::TimeLimit) && !over {
             self.stop.interruption = None;
         }
@@ -133,6 +135,9 @@ impl<'a> Recorder<'a> {
             && let ControlFlow::Break(()) = listener(&iteration)
         {
             self.stop.cancel();
+        }
+        if let Some(left) = &mut self.stop.work {
+            *left = left.saturating_sub(iteration.nodes);
         }
         self.iterations.push(iteration);
     }
@@ -182,21 +187,36 @@ impl<Q: Solvable<E>, E: Extremal + ?Sized> Observer<Q, E> for Log<'_, '_> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Interruption, Recorder, Stop};
+    use super::{Interruption, Iteration, Phase, Recorder, Stop};
     use std::time::Duration;
 
     #[test]
     fn a_limit_of_a_part_does_not_stop_the_whole() {
         let mut recorder = Recorder::default();
-        let inside = recorder.within(Duration::ZERO, Recorder::interruption);
-        assert_eq!((inside, recorder.interruption()), (Some(Interruption::TimeLimit), None));
+        let step = |nodes: usize| Iteration {
+            phase: Phase::FixedTime,
+            nodes,
+            number: 1,
+            residual: 0.0,
+            step: 1.0,
+            final_time: 1.0,
+            cost: 0.0,
+        };
+        let inside = recorder.within(20, |recorder| {
+            [10, 9, 8].map(|nodes| {
+                recorder.record(step(nodes));
+                recorder.interruption()
+            })
+        });
+        assert_eq!(inside, [None, None, Some(Interruption::TimeLimit)]);
+        assert_eq!(recorder.interruption(), None);
         // The limit of the whole holds inside of a part, and after it.
         let mut recorder = Recorder::new(None, Stop::new(None, Some(Duration::ZERO)));
-        let inside = recorder.within(Duration::from_secs(60), Recorder::interruption);
+        let inside = recorder.within(60, Recorder::interruption);
         let limit = Some(Interruption::TimeLimit);
         assert_eq!((inside, recorder.interruption()), (limit, limit));
         let mut recorder = Recorder::default();
-        recorder.within(Duration::from_secs(60), Recorder::cancel);
+        recorder.within(60, Recorder::cancel);
         assert_eq!(recorder.interruption(), Some(Interruption::Cancelled));
     }
 }

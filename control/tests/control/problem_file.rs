@@ -88,9 +88,44 @@ fn a_table_of_the_robot_changes_it() {
         ("mass = 2", "mass = -2", "problem:8: robot.payload: the mass of the payload of frame 'elbow'"),
         ("file = ", "path = ", "problem:2: robot.path: unknown key; the keys here are `file`, `gravity`"),
         ("two_link.toml", "none.toml", "problem:2: robot.file: "),
+        (
+            "gravity",
+            "floating_base = true\ngravity",
+            "problem:3: robot.floating_base: has no effect on a robot",
+        ),
+        ("gravity", "quaternions = true\ngravity", "problem:3: robot.quaternions: has no effect on a robot"),
     ] {
         let error = read(&format!("{}{rest}", table.replacen(from, to, 1))).unwrap_err();
         assert!(error.starts_with(message), "{error}\n{message}");
+    }
+}
+
+/// A floating joint of a URDF is one joint with a quaternion by a key, and six joints without it.
+#[test]
+fn floating_joints_have_quaternions_by_a_key() {
+    let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("quaternions");
+    std::fs::create_dir_all(&folder).unwrap();
+    let urdf = "<robot name=\"body\"><link name=\"world\"/><link name=\"body\"><inertial><mass value=\"2\"/>\
+                <inertia ixx=\"1\" iyy=\"2\" izz=\"2\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial></link>\
+                <joint name=\"base\" type=\"floating\"><parent link=\"world\"/><child link=\"body\"/></joint></robot>";
+    std::fs::write(folder.join("body.urdf"), urdf).unwrap();
+    let list = |entry: &str| format!("[{}]", [entry; 6].join(", "));
+    // Positions of the joint, and its rates: the last entry of a unit quaternion is 1.
+    for (key, option, joints, positions) in [
+        ("", false, 6, 6),
+        ("", true, 1, 7),
+        ("quaternions = true", false, 1, 7),
+        ("quaternions = false", true, 6, 6),
+    ] {
+        let q = if positions == 7 { "[0, 0, 0, 0, 0, 0, 1]".into() } else { list("0") };
+        let text = format!(
+            "[robot]\nfile = \"body.urdf\"\n{key}\n[start]\nq = {q}\n[end]\nq = {q}\n[time]\nfinal = 2\n\
+             [cost]\neffort = {}\n",
+            list("1")
+        );
+        let load = LoadOptions::default().quaternions(option);
+        let robot = ProblemFile::from_text(&text, &folder, load).unwrap().problem.robot;
+        assert_eq!((robot.joints().len(), robot.nq()), (joints, positions), "{key} {option}");
     }
 }
 

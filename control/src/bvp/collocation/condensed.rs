@@ -1,10 +1,10 @@
 //! Elimination of the inner points of one interval.
 
 use crate::bvp::collocation::lobatto::Lobatto;
-use crate::numerics::almost_block_diagonal::{AlmostBlockDiagonal, SingularMatrix};
+use crate::numerics::almost_block_diagonal::SingularMatrix;
 use crate::numerics::lu;
 
-/// An interval: its length, the Jacobians of the slopes at its nodes, and its block in the matrix.
+/// An interval: its length, the Jacobians of the slopes at its nodes, and its number.
 #[derive(Clone, Copy)]
 pub(crate) struct Interval<'a> {
     pub length: f64,
@@ -58,12 +58,12 @@ impl Condensed {
         &mut self.jacobians[j * size..(j + 1) * size]
     }
 
-    /// Eliminates the inner points; writes the remaining rows into a block of the matrix.
+    /// Eliminates the inner points; writes the remaining rows, m x 2m, into those of the interval.
     pub fn condense(
         &mut self,
         method: &Lobatto,
         interval: Interval<'_>,
-        matrix: &mut AlmostBlockDiagonal,
+        rows: &mut [f64],
     ) -> Result<(), SingularMatrix> {
         let Interval { length: h, left, right, block } = interval;
         let (m, inner, s) = (self.m, self.inner, method.len());
@@ -92,7 +92,6 @@ impl Condensed {
         }
         lu::solve(&self.factors, size, &self.exchanges, &mut self.ends, width);
         let b = method.weights();
-        let rows = matrix.block_mut(block);
         for (c, row) in rows.chunks_exact_mut(width).enumerate() {
             for d in 0..m {
                 row[d] = -h * b[0] * left[c * m + d];

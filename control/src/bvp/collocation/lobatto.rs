@@ -6,6 +6,7 @@
 //! Differential Equations II*, Springer 1996, section IV.5.
 
 use crate::numerics::lu;
+use std::sync::OnceLock;
 
 /// Collocation at the s Lobatto points c_j on [0, 1], which include both ends.
 ///
@@ -59,6 +60,13 @@ impl Lobatto {
             }
         }
         method
+    }
+
+    /// The same, made once.
+    pub fn with_points(points: usize) -> &'static Self {
+        static METHODS: [OnceLock<Lobatto>; 3] = [const { OnceLock::new() }; 3];
+        let s = points.clamp(3, 5);
+        METHODS[s - 3].get_or_init(|| Self::new(s))
     }
 
     /// Number of points, s.

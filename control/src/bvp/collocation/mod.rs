@@ -231,7 +231,7 @@ impl<E: Extremal + ?Sized> Solvable<E> for Collocation {
                 }
                 let (left, right) = self.node_jacobians[k * m * m..(k + 2) * m * m].split_at(m * m);
                 let interval = Interval { length, left, right, block: k };
-                condensed.condense(&self.method, interval, &mut self.borders.matrix)?;
+                condensed.condense(&self.method, interval, self.borders.matrix.block_mut(k))?;
             }
         }
         let current = std::mem::replace(
@@ -248,7 +248,7 @@ impl<E: Extremal + ?Sized> Solvable<E> for Collocation {
 }
 
 /// Rows relative to the scale of their component, columns for scaled components.
-fn to_scaled(jacobian: &mut [f64], scale: &[f64]) {
+pub(crate) fn to_scaled(jacobian: &mut [f64], scale: &[f64]) {
     for (row, of_row) in jacobian.chunks_exact_mut(scale.len()).zip(scale) {
         row.iter_mut().zip(scale).for_each(|(entry, of_column)| *entry *= of_column / of_row);
     }

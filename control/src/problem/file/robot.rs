@@ -125,14 +125,16 @@ pub(super) fn read(root: &Table<'_>, source: Source) -> Result<RobotTable, Fault
         add("reduced_to", None, RobotEdit::ReducedTo(kept));
     }
     let file = named(&table, "file", table.string("file")?)?;
-    Ok(RobotTable {
-        file,
-        file_at: ("robot.file", table.start_of("file")),
-        friction: of_all,
-        floating_base: table.flag("floating_base")?,
-        quaternions: table.flag("quaternions")?,
-        changes,
-    })
+    let of_urdf = |key: &str| match table.flag(key)? {
+        Some(true) if file.as_ref().is_some_and(|file| file.ends_with(".toml")) => {
+            let message = "has no effect on a robot in TOML; give its joint type = \"floating\" there";
+            Err(table.fault(key, ProblemFileCause::Conflict(message)))
+        }
+        flag => Ok(flag),
+    };
+    let [floating_base, quaternions] = [of_urdf("floating_base")?, of_urdf("quaternions")?];
+    let file_at = ("robot.file", table.start_of("file"));
+    Ok(RobotTable { file, file_at, friction: of_all, floating_base, quaternions, changes })
 }
 
 fn friction(table: &Table<'_>) -> Result<Friction, Fault> {
