@@ -105,27 +105,32 @@ fn a_table_of_the_robot_changes_it() {
 fn floating_joints_have_quaternions_by_a_key() {
     let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("quaternions");
     std::fs::create_dir_all(&folder).unwrap();
-    let urdf = "<robot name=\"body\"><link name=\"world\"/><link name=\"body\"><inertial><mass value=\"2\"/>\
-                <inertia ixx=\"1\" iyy=\"2\" izz=\"2\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial></link>\
-                <joint name=\"base\" type=\"floating\"><parent link=\"world\"/><child link=\"body\"/></joint></robot>";
-    std::fs::write(folder.join("body.urdf"), urdf).unwrap();
-    let list = |entry: &str| format!("[{}]", [entry; 6].join(", "));
-    // Positions of the joint, and its rates: the last entry of a unit quaternion is 1.
-    for (key, option, joints, positions) in [
-        ("", false, 6, 6),
-        ("", true, 1, 7),
-        ("quaternions = true", false, 1, 7),
-        ("quaternions = false", true, 6, 6),
-    ] {
-        let q = if positions == 7 { "[0, 0, 0, 0, 0, 0, 1]".into() } else { list("0") };
+    let link = |name: &str| {
+        format!(
+            "<link name=\"{name}\"><inertial><mass value=\"2\"/><inertia ixx=\"1\" iyy=\"2\" izz=\"2\" ixy=\"0\" \
+             ixz=\"0\" iyz=\"0\"/></inertial></link>"
+        )
+    };
+    let urdf = format!(
+        "<robot name=\"wheel\"><link name=\"world\"/>{}{}<joint name=\"base\" type=\"floating\"><parent \
+         link=\"world\"/><child link=\"body\"/></joint><joint name=\"wheel\" type=\"continuous\"><parent \
+         link=\"body\"/><child link=\"rim\"/><axis xyz=\"0 0 1\"/></joint></robot>",
+        link("body"),
+        link("rim")
+    );
+    std::fs::write(folder.join("wheel.urdf"), urdf).unwrap();
+    for (key, option, joints) in
+        [("", false, 7), ("", true, 2), ("quaternions = true", false, 2), ("quaternions = false", true, 7)]
+    {
+        // The last entry of a unit quaternion is 1.
+        let q = if joints == 2 { "[0, 0, 0, 0, 0, 0, 1, 0]" } else { "[0, 0, 0, 0, 0, 0, 0]" };
         let text = format!(
-            "[robot]\nfile = \"body.urdf\"\n{key}\n[start]\nq = {q}\n[end]\nq = {q}\n[time]\nfinal = 2\n\
-             [cost]\neffort = {}\n",
-            list("1")
+            "[robot]\nfile = \"wheel.urdf\"\ngravity = [0, 0, 0]\n{key}\n[start]\nq = {q}\n[end]\nq = {q}\n[time]\nfinal = 2\n\
+             [cost]\neffort = [1, 1, 1, 1, 1, 1, 1]\n"
         );
         let load = LoadOptions::default().quaternions(option);
         let robot = ProblemFile::from_text(&text, &folder, load).unwrap().problem.robot;
-        assert_eq!((robot.joints().len(), robot.nq()), (joints, positions), "{key} {option}");
+        assert_eq!((robot.joints().len(), robot.dof()), (joints, 7), "{key} {option}");
     }
 }
 
