@@ -8,7 +8,10 @@ use costate::lagrangian::LagrangianSecondOrder;
 use costate::robot::Robot;
 use costate::step::{RungeKutta4, Step};
 use costate_control::{Budget, MotionLimits, Problem, Resolve, Solver, SolverOptions};
+use costate_report::{ReportOptions, figures_as_svg, report};
 use std::error::Error;
+use std::fs;
+use std::path::Path;
 
 const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
 
@@ -64,6 +67,13 @@ fn motion() -> Result<(), Box<dyn Error>> {
 
     let halfway = solution.trajectory.at(0.5).ok_or("outside of the motion")?;
     println!("q = {:?}, torques = {:?}", halfway.q, halfway.u);
+
+    let folder = Path::new("target/tour");
+    fs::create_dir_all(folder)?;
+    fs::write(folder.join("motion.html"), report(&problem, &solution, &ReportOptions::default()))?;
+    for (name, figure) in figures_as_svg(&problem, &solution) {
+        fs::write(folder.join(name), figure)?; // strobe_xz.svg, controls.svg and others
+    }
     Ok(())
 }
 

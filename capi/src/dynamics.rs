@@ -1,16 +1,17 @@
 //! Dynamics: f and its derivatives in either coordinates.
 
-use crate::handle::Handle;
+use crate::handle::{Handle, handle};
 use crate::numbers::{check_size, read, write, write_if};
-use crate::robot::{CostateRobot, robot_of};
-use crate::status::{Failure, Status, guarded};
+use crate::robot::{costate_robot, robot_of};
+use crate::status::costate_status::COSTATE_ARGUMENT;
+use crate::status::{Failure, guarded};
 use costate::Coordinates;
 use costate::codegen::Quantity;
 use costate::dynamics::Dynamics;
 use costate::robot::Robot;
 use costate_jit::{JitModel, JitQuantity};
 use std::ffi::c_int;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
 /// Everything that calls need; quantities are recorded when they are asked for first.
 #[derive(Clone)]
@@ -25,16 +26,32 @@ pub struct Workspace {
     outputs: Vec<f64>,
 }
 
-pub type CostateDynamics = Handle<Workspace>;
+/// Dynamics of a robot in one of costate_coordinates, on machine code.
+pub struct costate_dynamics(Mutex<Workspace>);
+
+handle!(costate_dynamics, Workspace);
+
+/// The state x.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub enum costate_coordinates {
+    /// x = (q, v).
+    COSTATE_QV = 0,
+    /// x = (q, p), p = M v: functions take p in the place of v.
+    COSTATE_QP = 1,
+}
+
+const QV: c_int = costate_coordinates::COSTATE_QV as c_int;
+const QP: c_int = costate_coordinates::COSTATE_QP as c_int;
 
 /// The coordinates of a number of the header.
 pub fn coordinates_of(number: c_int) -> Result<Coordinates, Failure> {
     match number {
-        0 => Ok(Coordinates::Lagrangian),
-        1 => Ok(Coordinates::Hamiltonian),
+        QV => Ok(Coordinates::Lagrangian),
+        QP => Ok(Coordinates::Hamiltonian),
         _ => {
             let message = format_args!("coordinates is {number}; give COSTATE_QV or COSTATE_QP");
-            Err(Failure::new(Status::Argument, message))
+            Err(Failure::new(COSTATE_ARGUMENT, message))
         }
     }
 }
@@ -108,7 +125,7 @@ const NONE: *mut f64 = std::ptr::null_mut();
 /// `dynamics` is null or a handle; all other pointers are null or point to as many numbers as the header
 /// says.
 unsafe fn evaluate(
-    dynamics: *mut CostateDynamics,
+    dynamics: *mut costate_dynamics,
     n: usize,
     [q, v, tau]: [*const f64; 3],
     y: Option<*const f64>,
@@ -145,48 +162,52 @@ unsafe fn evaluate(
         Ok(())
     };
     // SAFETY: by the contract of this function.
-    unsafe { CostateDynamics::with("dynamics", dynamics, work) }
+    unsafe { costate_dynamics::with("dynamics", dynamics, work) }
 }
 
+/// Makes dynamics in these coordinates, a value of costate_coordinates.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn costate_dynamics_new(
-    robot: *const CostateRobot,
+    robot: *const costate_robot,
     coordinates: c_int,
-    dynamics: *mut *mut CostateDynamics,
+    dynamics: *mut *mut costate_dynamics,
 ) -> c_int {
     guarded(|| {
         // SAFETY: the header asks for a handle.
         let new = || Workspace::new(unsafe { robot_of(robot) }?, coordinates_of(coordinates)?);
         // SAFETY: the header asks for a place for the handle.
-        unsafe { CostateDynamics::give("dynamics", dynamics, new()) }
+        unsafe { costate_dynamics::give("dynamics", dynamics, new()) }
     })
 }
 
+/// Makes a copy for another thread; both share machine code.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn costate_dynamics_clone(
-    dynamics: *const CostateDynamics,
-    copy: *mut *mut CostateDynamics,
+    dynamics: *const costate_dynamics,
+    copy: *mut *mut costate_dynamics,
 ) -> c_int {
     guarded(|| {
         // SAFETY: the header asks for a handle.
-        let copied = unsafe { CostateDynamics::with("dynamics", dynamics, |of| Ok(of.clone())) };
+        let copied = unsafe { costate_dynamics::with("dynamics", dynamics, |of| Ok(of.clone())) };
         // SAFETY: the header asks for a place for the handle.
-        unsafe { CostateDynamics::give("copy", copy, copied) }
+        unsafe { costate_dynamics::give("copy", copy, copied) }
     })
 }
 
+/// Deletes dynamics.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn costate_dynamics_delete(dynamics: *mut CostateDynamics) {
+pub unsafe extern "C" fn costate_dynamics_delete(dynamics: *mut costate_dynamics) {
     guarded(|| {
         // SAFETY: the header asks for a handle that is not used again.
-        unsafe { CostateDynamics::delete(dynamics) };
+        unsafe { costate_dynamics::delete(dynamics) };
         Ok(())
     });
 }
 
+/// f = dx/dt [2n].
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn costate_f(
-    dynamics: *mut CostateDynamics,
+    dynamics: *mut costate_dynamics,
     n: usize,
     q: *const f64,
     v: *const f64,
@@ -198,9 +219,10 @@ pub unsafe extern "C" fn costate_f(
     guarded(|| unsafe { evaluate(dynamics, n, [q, v, tau], None, &wanted) })
 }
 
+/// f [2n], which may be NULL, and df/dz [2n * 3n].
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn costate_jacobian(
-    dynamics: *mut CostateDynamics,
+    dynamics: *mut costate_dynamics,
     n: usize,
     q: *const f64,
     v: *const f64,
@@ -218,9 +240,10 @@ pub unsafe extern "C" fn costate_jacobian(
     })
 }
 
+/// d2(y'f)/dz2 [3n * 3n], y [2n].
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn costate_hessian(
-    dynamics: *mut CostateDynamics,
+    dynamics: *mut costate_dynamics,
     n: usize,
     q: *const f64,
     v: *const f64,
@@ -232,9 +255,10 @@ pub unsafe extern "C" fn costate_hessian(
     unsafe { costate_contract(dynamics, n, q, v, tau, y, NONE, NONE, hessian) }
 }
 
+/// f [2n] and df/dz [2n * 3n], which may be NULL, and d2(y'f)/dz2 [3n * 3n] from one sweep, y [2n].
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn costate_contract(
-    dynamics: *mut CostateDynamics,
+    dynamics: *mut costate_dynamics,
     n: usize,
     q: *const f64,
     v: *const f64,

@@ -1,12 +1,14 @@
 //! Frames: poses, Jacobians, second derivatives.
 
-use crate::handle::Handle;
+use crate::handle::{Handle, handle};
 use crate::numbers::{check_size, read, text, write, write_if};
-use crate::robot::{CostateRobot, robot_of};
-use crate::status::{Failure, Status, guarded};
+use crate::robot::{costate_robot, robot_of};
+use crate::status::costate_status::COSTATE_ARGUMENT;
+use crate::status::{Failure, guarded};
 use costate::kinematics::{Kinematics, ReferenceFrame};
 use costate::robot::Robot;
 use std::ffi::{c_char, c_int};
+use std::sync::Mutex;
 
 /// A frame of a robot.
 pub struct Workspace {
@@ -16,16 +18,35 @@ pub struct Workspace {
     q: Vec<f64>,
 }
 
-pub type CostateFrame = Handle<Workspace>;
+/// A frame of a robot. Its six-vectors are (angular, linear); Pinocchio has the linear part first.
+pub struct costate_frame(Mutex<Workspace>);
+
+handle!(costate_frame, Workspace);
+
+/// Axes and point of six-vectors, as in Pinocchio.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub enum costate_axes {
+    /// Axes of the world, velocity of the origin of the frame.
+    COSTATE_LOCAL_WORLD_ALIGNED = 0,
+    /// Axes of the frame, velocity of its origin.
+    COSTATE_LOCAL = 1,
+    /// Axes of the world, velocity of the point of the body at the origin of the world.
+    COSTATE_WORLD = 2,
+}
+
+const LOCAL_WORLD_ALIGNED: c_int = costate_axes::COSTATE_LOCAL_WORLD_ALIGNED as c_int;
+const LOCAL: c_int = costate_axes::COSTATE_LOCAL as c_int;
+const WORLD: c_int = costate_axes::COSTATE_WORLD as c_int;
 
 fn axes_of(number: c_int) -> Result<ReferenceFrame, Failure> {
     match number {
-        0 => Ok(ReferenceFrame::LocalWorldAligned),
-        1 => Ok(ReferenceFrame::Local),
-        2 => Ok(ReferenceFrame::World),
+        LOCAL_WORLD_ALIGNED => Ok(ReferenceFrame::LocalWorldAligned),
+        LOCAL => Ok(ReferenceFrame::Local),
+        WORLD => Ok(ReferenceFrame::World),
         _ => {
-            let message = format_args!("axes is {number}; give one of enum costate_axes");
-            Err(Failure::new(Status::Argument, message))
+            let message = format_args!("axes is {number}; give one of costate_axes");
+            Err(Failure::new(COSTATE_ARGUMENT, message))
         }
     }
 }
@@ -48,12 +69,13 @@ impl Workspace {
     }
 }
 
+/// Makes the frame of this name with a value of costate_axes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn costate_frame_new(
-    robot: *const CostateRobot,
+    robot: *const costate_robot,
     name: *const c_char,
     axes: c_int,
-    frame: *mut *mut CostateFrame,
+    frame: *mut *mut costate_frame,
 ) -> c_int {
     guarded(|| {
         let new = || {
@@ -62,22 +84,25 @@ pub unsafe extern "C" fn costate_frame_new(
             Workspace::new(&robot, name, axes)
         };
         // SAFETY: the header asks for a place for the handle.
-        unsafe { CostateFrame::give("frame", frame, new()) }
+        unsafe { costate_frame::give("frame", frame, new()) }
     })
 }
 
+/// Deletes a frame.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn costate_frame_delete(frame: *mut CostateFrame) {
+pub unsafe extern "C" fn costate_frame_delete(frame: *mut costate_frame) {
     guarded(|| {
         // SAFETY: the header asks for a handle that is not used again.
-        unsafe { CostateFrame::delete(frame) };
+        unsafe { costate_frame::delete(frame) };
         Ok(())
     });
 }
 
+/// Orientation [3 * 3], whose columns are the axes of the frame, and position [3] in the world; either may
+/// be NULL.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn costate_frame_pose(
-    frame: *mut CostateFrame,
+    frame: *mut costate_frame,
     n: usize,
     q: *const f64,
     rotation: *mut f64,
@@ -96,13 +121,14 @@ pub unsafe extern "C" fn costate_frame_pose(
             Ok(())
         };
         // SAFETY: the header asks for a handle.
-        unsafe { CostateFrame::with("frame", frame, work) }
+        unsafe { costate_frame::with("frame", frame, work) }
     })
 }
 
+/// J [6 * n]: twist = J v.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn costate_frame_jacobian(
-    frame: *mut CostateFrame,
+    frame: *mut costate_frame,
     n: usize,
     q: *const f64,
     jacobian: *mut f64,
@@ -116,13 +142,14 @@ pub unsafe extern "C" fn costate_frame_jacobian(
             unsafe { write("jacobian", matrix.as_slice(), jacobian) }
         };
         // SAFETY: the header asks for a handle.
-        unsafe { CostateFrame::with("frame", frame, work) }
+        unsafe { costate_frame::with("frame", frame, work) }
     })
 }
 
+/// Second derivatives [n * n] of w'x, x the position in the world and w [3].
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn costate_frame_position_hessian(
-    frame: *mut CostateFrame,
+    frame: *mut costate_frame,
     n: usize,
     q: *const f64,
     w: *const f64,
@@ -141,6 +168,6 @@ pub unsafe extern "C" fn costate_frame_position_hessian(
             unsafe { write("hessian", matrix.as_slice(), hessian) }
         };
         // SAFETY: the header asks for a handle.
-        unsafe { CostateFrame::with("frame", frame, work) }
+        unsafe { costate_frame::with("frame", frame, work) }
     })
 }

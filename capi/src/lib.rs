@@ -1,18 +1,32 @@
 //! The C interface: opaque handles, codes as results, and a text for the last error of a thread.
 //!
-//! `include/costate.h` declares what is exported here and documents it; `tests/header.rs` compares both.
-//! `status` has the codes and keeps panics on this side, `numbers` reads and writes arrays of the caller,
-//! `robot`, `dynamics`, `step` and `frame` are the handles, `quantities` more of `dynamics`.
+//! `include/costate.h` is what cbindgen makes of the functions, enums and handles that are exported here, of
+//! their documentation, and of `cbindgen.toml`, which has the conventions of all functions; `tests/header.rs`
+//! writes it. `handle` has the lock behind each handle, `numbers` reads and writes arrays of the caller.
 
 #![deny(unsafe_op_in_unsafe_fn, clippy::undocumented_unsafe_blocks)]
-#![allow(missing_docs, reason = "include/costate.h has the documentation of what is exported")]
-#![expect(clippy::missing_safety_doc, reason = "include/costate.h says what pointers must be")]
+#![allow(non_camel_case_types, reason = "what is exported has the names of C")]
+#![expect(clippy::missing_safety_doc, reason = "the conventions in cbindgen.toml say what pointers must be")]
 
-pub mod dynamics;
-pub mod frame;
 mod handle;
 mod numbers;
-pub mod quantities;
-pub mod robot;
+
+// The header has its functions in the order of these modules.
+
+// Codes, and the text of the last error; keeps panics on this side.
 pub mod status;
+
+// Robots and their names.
+pub mod robot;
+
+// f and its derivatives.
+pub mod dynamics;
+
+// Accelerations, torques, the mass matrix.
+pub mod quantities;
+
+// Time steps.
 pub mod step;
+
+// Poses, Jacobians and second derivatives of frames.
+pub mod frame;

@@ -1,6 +1,7 @@
 //! Arrays, texts and results of the caller.
 
-use crate::status::{Failure, Status};
+use crate::status::Failure;
+use crate::status::costate_status::{COSTATE_ARGUMENT, COSTATE_SIZE};
 use std::ffi::{CStr, CString, c_char};
 
 /// Copies numbers of the caller: they may overlap with results.
@@ -65,7 +66,7 @@ pub unsafe fn text<'a>(name: &str, text: *const c_char) -> Result<&'a str, Failu
     }
     // SAFETY: by the contract of this function.
     let text = unsafe { CStr::from_ptr(text) };
-    text.to_str().map_err(|_| Failure::new(Status::Argument, format_args!("{name} is not UTF-8")))
+    text.to_str().map_err(|_| Failure::new(COSTATE_ARGUMENT, format_args!("{name} is not UTF-8")))
 }
 
 /// A name for C; a zero byte in it becomes a blank.
@@ -79,7 +80,7 @@ pub fn check_size(expected: usize, found: usize) -> Result<(), Failure> {
         return Ok(());
     }
     Err(Failure::new(
-        Status::Size,
+        COSTATE_SIZE,
         format_args!("n is {found}; the robot has {expected} joints that move by themselves"),
     ))
 }

@@ -1,6 +1,7 @@
 //! The quantities in (q, v): accelerations, torques with their Jacobian, the mass matrix.
 
-use crate::dynamics::{Arguments, CostateDynamics, Workspace};
+use crate::dynamics::{Arguments, Workspace, costate_dynamics};
+use crate::handle::Handle;
 use crate::numbers::write;
 use crate::status::guarded;
 use costate::codegen::Quantity;
@@ -12,7 +13,7 @@ use std::ffi::c_int;
 /// `dynamics` is null or a handle; all other pointers are null or point to as many numbers as the header
 /// says.
 unsafe fn quantity(
-    dynamics: *mut CostateDynamics,
+    dynamics: *mut costate_dynamics,
     n: usize,
     quantity: Quantity,
     arguments: Arguments<'_>,
@@ -27,13 +28,14 @@ unsafe fn quantity(
             unsafe { write(name, part(results), to) }
         };
         // SAFETY: as above.
-        unsafe { CostateDynamics::with("dynamics", dynamics, work) }
+        unsafe { costate_dynamics::with("dynamics", dynamics, work) }
     })
 }
 
+/// Forward dynamics: accelerations a [n], for velocities v in either coordinates.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn costate_aba(
-    dynamics: *mut CostateDynamics,
+    dynamics: *mut costate_dynamics,
     n: usize,
     q: *const f64,
     v: *const f64,
@@ -45,9 +47,10 @@ pub unsafe extern "C" fn costate_aba(
     unsafe { quantity(dynamics, n, Quantity::F, &arguments, ("a", a), |all| all) }
 }
 
+/// Inverse dynamics: tau [n] for velocities and accelerations, in either coordinates.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn costate_rnea(
-    dynamics: *mut CostateDynamics,
+    dynamics: *mut costate_dynamics,
     n: usize,
     q: *const f64,
     v: *const f64,
@@ -59,9 +62,10 @@ pub unsafe extern "C" fn costate_rnea(
     unsafe { quantity(dynamics, n, Quantity::InverseDynamics, &arguments, ("tau", tau), |all| all) }
 }
 
+/// d tau/d(q, v, a) [n * 3n], for velocities and accelerations, in either coordinates.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn costate_rnea_jacobian(
-    dynamics: *mut CostateDynamics,
+    dynamics: *mut costate_dynamics,
     n: usize,
     q: *const f64,
     v: *const f64,
@@ -73,9 +77,10 @@ pub unsafe extern "C" fn costate_rnea_jacobian(
     unsafe { quantity(dynamics, n, Quantity::TauZ, &arguments, ("jacobian", jacobian), |all| &all[n..]) }
 }
 
+/// The mass matrix M [n * n], armature included.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn costate_crba(
-    dynamics: *mut CostateDynamics,
+    dynamics: *mut costate_dynamics,
     n: usize,
     q: *const f64,
     m: *mut f64,

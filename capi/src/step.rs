@@ -1,16 +1,17 @@
 //! Time steps.
 
 use crate::dynamics::{coordinates_of, read_all};
-use crate::handle::Handle;
+use crate::handle::{Handle, handle};
 use crate::numbers::{check_size, write, write_if};
-use crate::robot::{CostateRobot, robot_of};
-use crate::status::{Failure, Status, guarded};
+use crate::robot::{costate_robot, robot_of};
+use crate::status::costate_status::COSTATE_ARGUMENT;
+use crate::status::{Failure, guarded};
 use costate::robot::Robot;
 use costate::step::{ImplicitMidpoint, RungeKutta4, SemiImplicitEuler, Step, StepError, StoermerVerlet};
 use costate::{Coordinates, EvalError};
 use costate_jit::{JitModel, JitVelocityModel};
 use std::ffi::c_int;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
 type AnyStep = Box<dyn Step<f64, Error = StepError<EvalError>> + Send>;
 
@@ -23,30 +24,52 @@ pub struct Workspace {
     hessian: Vec<f64>,
 }
 
-pub type CostateStep = Handle<Workspace>;
+/// A time step: x after dt seconds under constant tau.
+pub struct costate_step(Mutex<Workspace>);
+
+handle!(costate_step, Workspace);
+
+/// Schemes of time steps.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub enum costate_scheme {
+    /// The classical method of Runge and Kutta, of order four.
+    COSTATE_RK4 = 0,
+    /// The implicit midpoint rule, of order two.
+    COSTATE_MIDPOINT = 1,
+    /// Stoermer-Verlet, of order two, with COSTATE_QP.
+    COSTATE_VERLET = 2,
+    /// v first, then q with the new v, of order one, with COSTATE_QV.
+    COSTATE_SEMI_IMPLICIT_EULER = 3,
+}
+
+const RK4: c_int = costate_scheme::COSTATE_RK4 as c_int;
+const MIDPOINT: c_int = costate_scheme::COSTATE_MIDPOINT as c_int;
+const VERLET: c_int = costate_scheme::COSTATE_VERLET as c_int;
+const SEMI_IMPLICIT_EULER: c_int = costate_scheme::COSTATE_SEMI_IMPLICIT_EULER as c_int;
 
 fn scheme(number: c_int, robot: &Robot, coordinates: Coordinates) -> Result<AnyStep, Failure> {
     let needs = |needed, letters, scheme| {
         if coordinates == needed {
             return Ok(());
         }
-        Err(Failure::new(Status::Argument, format_args!("{scheme} needs {letters}")))
+        Err(Failure::new(COSTATE_ARGUMENT, format_args!("{scheme} needs {letters}")))
     };
     let model = || JitModel::new(robot, coordinates);
     Ok(match number {
-        0 => Box::new(RungeKutta4::new(model()?)),
-        1 => Box::new(ImplicitMidpoint::new(model()?)),
-        2 => {
+        RK4 => Box::new(RungeKutta4::new(model()?)),
+        MIDPOINT => Box::new(ImplicitMidpoint::new(model()?)),
+        VERLET => {
             needs(Coordinates::Hamiltonian, "COSTATE_QP", "COSTATE_VERLET")?;
             Box::new(StoermerVerlet::new(model()?))
         }
-        3 => {
+        SEMI_IMPLICIT_EULER => {
             needs(Coordinates::Lagrangian, "COSTATE_QV", "COSTATE_SEMI_IMPLICIT_EULER")?;
             Box::new(SemiImplicitEuler::new(JitVelocityModel::new(robot)?))
         }
         _ => {
-            let message = format_args!("scheme is {number}; give one of enum costate_scheme");
-            return Err(Failure::new(Status::Argument, message));
+            let message = format_args!("scheme is {number}; give one of costate_scheme");
+            return Err(Failure::new(COSTATE_ARGUMENT, message));
         }
     })
 }
@@ -60,12 +83,13 @@ impl Workspace {
     }
 }
 
+/// Makes a step, for values of costate_coordinates and of costate_scheme.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn costate_step_new(
-    robot: *const CostateRobot,
+    robot: *const costate_robot,
     coordinates: c_int,
     scheme: c_int,
-    step: *mut *mut CostateStep,
+    step: *mut *mut costate_step,
 ) -> c_int {
     guarded(|| {
         let new = || {
@@ -74,22 +98,24 @@ pub unsafe extern "C" fn costate_step_new(
             Workspace::new(&robot, coordinates, scheme)
         };
         // SAFETY: the header asks for a place for the handle.
-        unsafe { CostateStep::give("step", step, new()) }
+        unsafe { costate_step::give("step", step, new()) }
     })
 }
 
+/// Deletes a step.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn costate_step_delete(step: *mut CostateStep) {
+pub unsafe extern "C" fn costate_step_delete(step: *mut costate_step) {
     guarded(|| {
         // SAFETY: the header asks for a handle that is not used again.
-        unsafe { CostateStep::delete(step) };
+        unsafe { costate_step::delete(step) };
         Ok(())
     });
 }
 
+/// The next state [2n].
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn costate_step_f(
-    step: *mut CostateStep,
+    step: *mut costate_step,
     n: usize,
     q: *const f64,
     v: *const f64,
@@ -107,13 +133,14 @@ pub unsafe extern "C" fn costate_step_f(
             unsafe { write("next", of.step.evaluate(x, &rest[..n], dt)?, next) }
         };
         // SAFETY: the header asks for a handle.
-        unsafe { CostateStep::with("step", step, work) }
+        unsafe { costate_step::with("step", step, work) }
     })
 }
 
+/// The next state [2n], which may be NULL, and its Jacobian in z [2n * 3n].
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn costate_step_jacobian(
-    step: *mut CostateStep,
+    step: *mut costate_step,
     n: usize,
     q: *const f64,
     v: *const f64,
@@ -138,13 +165,15 @@ pub unsafe extern "C" fn costate_step_jacobian(
             Ok(())
         };
         // SAFETY: the header asks for a handle.
-        unsafe { CostateStep::with("step", step, work) }
+        unsafe { costate_step::with("step", step, work) }
     })
 }
 
+/// The next state [2n] and its Jacobian in z [2n * 3n], which may be NULL, and the second derivatives of
+/// y' next in z [3n * 3n], y [2n].
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn costate_step_contract(
-    step: *mut CostateStep,
+    step: *mut costate_step,
     n: usize,
     q: *const f64,
     v: *const f64,
@@ -175,6 +204,6 @@ pub unsafe extern "C" fn costate_step_contract(
             Ok(())
         };
         // SAFETY: the header asks for a handle.
-        unsafe { CostateStep::with("step", step, work) }
+        unsafe { costate_step::with("step", step, work) }
     })
 }

@@ -7,11 +7,11 @@ use costate::dynamics::Dynamics;
 use costate::robot::Robot;
 use costate::step::{RungeKutta4, Step};
 use costate_c::dynamics::{
-    CostateDynamics, costate_contract, costate_dynamics_delete, costate_dynamics_new, costate_f,
+    costate_contract, costate_dynamics, costate_dynamics_delete, costate_dynamics_new, costate_f,
     costate_hessian, costate_jacobian,
 };
 use costate_c::quantities::costate_rnea_jacobian;
-use costate_c::robot::{CostateRobot, costate_robot_delete, costate_robot_from_file};
+use costate_c::robot::{costate_robot, costate_robot_delete, costate_robot_from_file};
 use costate_c::status::costate_last_error;
 use costate_c::step::{
     costate_step_contract, costate_step_delete, costate_step_f, costate_step_jacobian, costate_step_new,
@@ -27,7 +27,7 @@ fn numbers(count: usize, seed: f64) -> Vec<f64> {
     (0..count).map(|k| (seed + 1.7 * k as f64).sin()).collect()
 }
 
-fn robot() -> *mut CostateRobot {
+fn robot() -> *mut costate_robot {
     let (mut robot, path) = (null_mut(), CString::new(FILE).unwrap());
     assert_eq!(unsafe { costate_robot_from_file(path.as_ptr(), 0, &mut robot) }, 0);
     robot
@@ -38,7 +38,7 @@ fn dynamics_are_those_of_the_library() {
     let handle = robot();
     for (number, coordinates) in [(0, Coordinates::Lagrangian), (1, Coordinates::Hamiltonian)] {
         let (q, v, tau, y) = (numbers(N, 0.3), numbers(N, 1.1), numbers(N, 2.0), numbers(2 * N, 0.7));
-        let mut dynamics: *mut CostateDynamics = null_mut();
+        let mut dynamics: *mut costate_dynamics = null_mut();
         let (mut f, mut jacobian, mut hessian) = (vec![0.0; 12], vec![0.0; 216], vec![0.0; 324]);
         let mut others = (f.clone(), jacobian.clone(), hessian.clone());
         let z = [q.as_ptr(), v.as_ptr(), tau.as_ptr()];
