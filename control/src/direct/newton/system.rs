@@ -87,18 +87,6 @@ impl System {
         running: &mut Running,
         ends: &Ends,
     ) {
-        in_widest!(self.assemble_all(spline, points, barrier, running, ends));
-    }
-
-    #[inline(always)]
-    fn assemble_all<const FUSED: bool>(
-        &mut self,
-        spline: &Spline,
-        points: &Points,
-        barrier: &Barrier,
-        running: &mut Running,
-        ends: &Ends,
-    ) {
         self.matrix.reset(spline.mesh.intervals());
         self.damping_is_current = false;
         for vector in &mut self.gradient {
@@ -109,7 +97,7 @@ impl System {
         self.by_times.gradient[0].fill(running.time);
         self.at_ends.reset(spline.unknowns.len(), spline.mesh.intervals());
         for p in 0..points.count() {
-            self.add_point::<FUSED>(p, spline, points, barrier, running);
+            in_widest!(self.add_point(p, spline, points, barrier, running));
         }
         self.add_rates(spline, points);
         self.add_hulls(spline, points, barrier);
