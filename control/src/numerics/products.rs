@@ -1,5 +1,5 @@
-//! `C -= L U` on tiles of four rows and eight columns, whose sums stay in registers. Compiled once for each kind
-//! of vectors, as in [`tiles`](super::tiles).
+//! `C -= L U` on tiles of four rows and eight columns, whose sums stay in registers. As in
+//! [`tiles`](super::tiles), all is compiled once for each kind of vectors.
 
 use super::tiles::{ROWS, in_tiles, subtract, with_rows};
 use super::widest::in_widest;
