@@ -31,6 +31,16 @@ const COLUMNS: usize = 3;
 /// First row and pack of a tile.
 type Corner = (usize, usize);
 
+/// Which tiles a row of W packs consists of, 0 if W is not known: up to three packs are one tile.
+struct Tiles<const W: usize>;
+
+impl<const W: usize> Tiles<W> {
+    /// Whether tiles of one pack, of two and of [`COLUMNS`] occur: the others are not compiled.
+    const ONE: bool = W == 0 || W == 1 || W > COLUMNS;
+    const TWO: bool = W == 0 || W == 2 || W > COLUMNS;
+    const ALL: bool = W == 0 || W >= COLUMNS;
+}
+
 impl<S: Scalar> Panel<S> {
     /// `T = A B` for the rows T of this panel. W: packs in a row where known, N: rows of all three, else 0.
     ///
@@ -101,15 +111,15 @@ impl<S: Scalar> Panel<S> {
     ) {
         let end = if part == Part::Lower { Self::width_up_to::<W>(top + R) } else { self.width::<W>() };
         let mut left = 0;
-        while left + COLUMNS <= end {
+        while Tiles::<W>::ALL && left + COLUMNS <= end {
             self.tile::<N, W, R, COLUMNS, ACROSS, MINUS>(a, b, (top, left));
             left += COLUMNS;
         }
-        if left + 2 <= end {
+        if Tiles::<W>::TWO && left + 2 <= end {
             self.tile::<N, W, R, 2, ACROSS, MINUS>(a, b, (top, left));
             left += 2;
         }
-        if left < end {
+        if Tiles::<W>::ONE && left < end {
             self.tile::<N, W, R, 1, ACROSS, MINUS>(a, b, (top, left));
         }
     }

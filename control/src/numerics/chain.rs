@@ -1,9 +1,6 @@
 //! Cholesky factorisation of the symmetric matrix of a chain: nodes, and between two of them inner unknowns.
 
-use super::tiles::{
-    BadPivot, ROWS, factorise_rows, substitute_backward, substitute_forward, subtract_square, with_rows,
-};
-use super::widest::widest_fused;
+use super::tiles::{BadPivot, backward, factorise_rows, forward, subtract_square};
 use std::fmt;
 use std::ops::Range;
 
@@ -194,39 +191,23 @@ impl ChainMatrix {
     /// # Errors
     /// [`NotPositiveDefinite`]; the matrix is lost then.
     pub fn factorise(&mut self) -> Result<(), NotPositiveDefinite> {
-        widest_fused(
-            #[inline(always)]
-            |fused| if fused { self.eliminate::<true>() } else { self.eliminate::<false>() },
-        )
-    }
-
-    #[inline(always)]
-    fn eliminate<const FUSED: bool>(&mut self) -> Result<(), NotPositiveDefinite> {
         let (node, inner, width, stride) = (self.node, self.inner, self.inner_width(), 2 * self.node);
         for k in 0..self.intervals {
             let failed = |BadPivot| NotPositiveDefinite { block: k };
             let (rows, left, right) = self.interval(k);
-            factorise_rows::<FUSED>(rows, width, inner, width).map_err(failed)?;
-            subtract_square::<FUSED>((rows, width), inner, (left, stride), node, stride);
-            subtract_square::<FUSED>((rows, width), inner + node, (right, stride), node, node);
-            factorise_rows::<FUSED>(left, stride, node, stride).map_err(failed)?;
-            subtract_square::<FUSED>((left, stride), node, (right, stride), node, node);
+            factorise_rows(rows, width, inner, width).map_err(failed)?;
+            subtract_square((rows, width), inner, (left, stride), node, stride);
+            subtract_square((rows, width), inner + node, (right, stride), node, node);
+            factorise_rows(left, stride, node, stride).map_err(failed)?;
+            subtract_square((left, stride), node, (right, stride), node, node);
         }
         let last = self.intervals;
-        factorise_rows::<FUSED>(self.node_rows(last), stride, node, node)
+        factorise_rows(self.node_rows(last), stride, node, node)
             .map_err(|BadPivot| NotPositiveDefinite { block: last })
     }
 
     /// x = A^-1 r in place, after [`factorise`](Self::factorise).
     pub fn solve(&mut self, r: &mut [f64]) {
-        widest_fused(
-            #[inline(always)]
-            |fused| if fused { self.substitute::<true>(r) } else { self.substitute::<false>(r) },
-        );
-    }
-
-    #[inline(always)]
-    fn substitute<const FUSED: bool>(&mut self, r: &mut [f64]) {
         let (node, inner, width) = (self.node, self.inner, self.inner_width());
         let (nodes, inners) = r.split_at_mut(node * (self.intervals + 1));
         let inner_rows = |k: usize| inner * width * k..inner * width * (k + 1);
@@ -236,41 +217,21 @@ impl ChainMatrix {
             if k < self.intervals {
                 self.part[..inner].copy_from_slice(&inners[inner * k..][..inner]);
                 self.part[inner..].copy_from_slice(&nodes[ends(k)]);
-                forward::<FUSED>(&self.inner_rows[inner_rows(k)], width, &mut self.part);
+                forward(&self.inner_rows[inner_rows(k)], width, &mut self.part);
                 inners[inner * k..][..inner].copy_from_slice(&self.part[..inner]);
                 nodes[ends(k)].copy_from_slice(&self.part[inner..]);
             }
-            forward::<FUSED>(&self.node_rows[node_rows(k)], 2 * node, &mut nodes[ends(k)]);
+            forward(&self.node_rows[node_rows(k)], 2 * node, &mut nodes[ends(k)]);
         }
         for k in (0..=self.intervals).rev() {
-            backward::<FUSED>(&self.node_rows[node_rows(k)], 2 * node, &mut nodes[ends(k)]);
+            backward(&self.node_rows[node_rows(k)], 2 * node, &mut nodes[ends(k)]);
             if k < self.intervals {
                 self.part[..inner].copy_from_slice(&inners[inner * k..][..inner]);
                 self.part[inner..].copy_from_slice(&nodes[ends(k)]);
-                backward::<FUSED>(&self.inner_rows[inner_rows(k)], width, &mut self.part);
+                backward(&self.inner_rows[inner_rows(k)], width, &mut self.part);
                 inners[inner * k..][..inner].copy_from_slice(&self.part[..inner]);
             }
         }
-    }
-}
-
-/// y of U'y = r for the rows of a block, in place, and the rest of r without their part.
-#[inline(always)]
-fn forward<const FUSED: bool>(rows: &[f64], stride: usize, r: &mut [f64]) {
-    let size = rows.len() / stride;
-    for i in (0..size).step_by(ROWS) {
-        let (rows, r) = (&rows[i * stride..], &mut r[i..]);
-        with_rows!(i of size, R => substitute_forward::<FUSED, R>(rows, stride, i, r));
-    }
-}
-
-/// x of U x = y for the rows of a block, in place, where the rest of x is known.
-#[inline(always)]
-fn backward<const FUSED: bool>(rows: &[f64], stride: usize, r: &mut [f64]) {
-    let size = rows.len() / stride;
-    for i in (0..size).step_by(ROWS).rev() {
-        let (rows, r) = (&rows[i * stride..], &mut r[i..]);
-        with_rows!(i of size, R => substitute_backward::<FUSED, R>(rows, stride, i, r));
     }
 }
 

@@ -5,7 +5,7 @@
 
 use super::padded::multiply_add;
 use super::products::{subtract_own_products, subtract_products};
-use super::widest::widest_fused;
+use super::widest::in_widest;
 use costate::matrix::dot;
 
 /// Columns of a panel: numbers of the widest vectors.
@@ -17,16 +17,7 @@ const PANEL: usize = 8;
 /// Leaves the multipliers below the diagonal, and in `exchanges[c]` the row that was exchanged with row c.
 /// False if a column has no pivot that is finite and not zero.
 pub(crate) fn eliminate(a: &mut [f64], width: usize, columns: usize, exchanges: &mut [usize]) -> bool {
-    widest_fused(
-        #[inline(always)]
-        |fused| {
-            if fused {
-                eliminate_panels::<true>(a, width, columns, exchanges)
-            } else {
-                eliminate_panels::<false>(a, width, columns, exchanges)
-            }
-        },
-    )
+    in_widest!(eliminate_panels(a, width, columns, exchanges))
 }
 
 #[inline(always)]
@@ -40,7 +31,7 @@ fn eliminate_panels<const FUSED: bool>(
     for first in (0..columns).step_by(PANEL) {
         let end = (first + PANEL).min(columns);
         let (above, below) = a.split_at_mut(first * width);
-        subtract_own_products::<FUSED>(below, above, width, first..end);
+        subtract_own_products(below, above, width, first..end);
         for (c, exchange) in exchanges.iter_mut().enumerate().take(end).skip(first) {
             if !pivot::<FUSED>(a, width, c, end, exchange) {
                 return false;
@@ -48,7 +39,7 @@ fn eliminate_panels<const FUSED: bool>(
         }
         let (above, below) = a.split_at_mut(first * width);
         let panel = &mut below[..(end - first) * width];
-        subtract_own_products::<FUSED>(panel, above, width, end..width);
+        subtract_own_products(panel, above, width, end..width);
         for r in 1..end - first {
             let (before, row) = panel.split_at_mut(r * width);
             let (factors, row) = row[first..width].split_at_mut(end - first);
@@ -60,7 +51,7 @@ fn eliminate_panels<const FUSED: bool>(
         }
     }
     let (above, below) = a.split_at_mut(columns * width);
-    subtract_own_products::<FUSED>(below, above, width, columns..width);
+    subtract_own_products(below, above, width, columns..width);
     true
 }
 
@@ -120,16 +111,7 @@ pub(crate) fn follow(
         }
         return;
     }
-    widest_fused(
-        #[inline(always)]
-        |fused| {
-            if fused {
-                follow_panels::<true>(a, a_width, columns, b, width);
-            } else {
-                follow_panels::<false>(a, a_width, columns, b, width);
-            }
-        },
-    );
+    in_widest!(follow_panels(a, a_width, columns, b, width));
 }
 
 #[inline(always)]
@@ -138,7 +120,7 @@ fn follow_panels<const FUSED: bool>(a: &[f64], a_width: usize, columns: usize, b
         let end = (first + PANEL).min(columns);
         let (above, below) = b.split_at_mut(first * width);
         let panel = &mut below[..(end - first) * width];
-        subtract_products::<FUSED>((panel, width), (&a[first * a_width..], a_width), (above, width));
+        subtract_products((panel, width), (&a[first * a_width..], a_width), (above, width));
         for r in 1..end - first {
             let (before, row) = panel.split_at_mut(r * width);
             let factors = &a[(first + r) * a_width + first..][..r];
@@ -147,7 +129,7 @@ fn follow_panels<const FUSED: bool>(a: &[f64], a_width: usize, columns: usize, b
     }
     let (above, below) = b.split_at_mut(columns * width);
     if !below.is_empty() {
-        subtract_products::<FUSED>((below, width), (&a[columns * a_width..], a_width), (above, width));
+        subtract_products((below, width), (&a[columns * a_width..], a_width), (above, width));
     }
 }
 
@@ -172,16 +154,7 @@ pub(crate) fn substitute(a: &[f64], a_width: usize, n: usize, b: &mut [f64], wid
         }
         return;
     }
-    widest_fused(
-        #[inline(always)]
-        |fused| {
-            if fused {
-                substitute_panels::<true>(a, a_width, n, b, width);
-            } else {
-                substitute_panels::<false>(a, a_width, n, b, width);
-            }
-        },
-    );
+    in_widest!(substitute_panels(a, a_width, n, b, width));
 }
 
 #[inline(always)]
@@ -191,7 +164,7 @@ fn substitute_panels<const FUSED: bool>(a: &[f64], a_width: usize, n: usize, b: 
         let (above, below) = b.split_at_mut(end * width);
         let panel = &mut above[first * width..];
         let below = &below[..(n - end) * width];
-        subtract_products::<FUSED>((panel, width), (&a[first * a_width + end..], a_width), (below, width));
+        subtract_products((panel, width), (&a[first * a_width + end..], a_width), (below, width));
         for r in (0..end - first).rev() {
             let (row, after) = panel[r * width..].split_at_mut(width);
             let factors = &a[(first + r) * a_width + first + r..][..end - first - r];
@@ -204,16 +177,7 @@ fn substitute_panels<const FUSED: bool>(a: &[f64], a_width: usize, n: usize, b: 
 
 /// `C <- C - A B`, the rows of B and C `width` long, those of A `inner`.
 pub(crate) fn subtract_product(c: &mut [f64], width: usize, a: &[f64], inner: usize, b: &[f64]) {
-    widest_fused(
-        #[inline(always)]
-        |fused| {
-            if fused {
-                subtract_products::<true>((c, width), (a, inner), (b, width));
-            } else {
-                subtract_products::<false>((c, width), (a, inner), (b, width));
-            }
-        },
-    );
+    subtract_products((c, width), (a, inner), (b, width));
 }
 
 /// `B <- A^-1 B` with the factors of [`eliminate`] of a square A of size n.

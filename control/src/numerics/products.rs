@@ -1,6 +1,8 @@
-//! `C -= L U` on tiles of four rows and eight columns, whose sums stay in registers.
+//! `C -= L U` on tiles of four rows and eight columns, whose sums stay in registers. As in
+//! [`tiles`](super::tiles), all is compiled once for each kind of vectors.
 
 use super::tiles::{ROWS, in_tiles, subtract, with_rows};
+use super::widest::in_widest;
 use std::ops::Range;
 
 /// A tile minus the products of `factors`, one slice a row of the tile, and of columns from `j` of `from`.
@@ -40,17 +42,16 @@ fn store<const R: usize, const C: usize>(tile: &[[f64; C]; R], rows: &mut [f64],
 
 /// `rows -= L above` in these columns, where L are the first columns of the rows themselves, as many as there
 /// are rows above; all rows have the length `stride`.
-#[inline(always)]
-pub(super) fn subtract_own_products<const FUSED: bool>(
-    rows: &mut [f64],
-    above: &[f64],
-    stride: usize,
-    columns: Range<usize>,
-) {
-    let (count, known) = (rows.len() / stride, above.len() / stride);
-    if known == 0 {
-        return;
+#[inline(never)]
+pub(super) fn subtract_own_products(rows: &mut [f64], above: &[f64], stride: usize, columns: Range<usize>) {
+    if !above.is_empty() {
+        in_widest!(own_panels(rows, above, stride, columns));
     }
+}
+
+#[inline(always)]
+fn own_panels<const FUSED: bool>(rows: &mut [f64], above: &[f64], stride: usize, columns: Range<usize>) {
+    let (count, known) = (rows.len() / stride, above.len() / stride);
     for i in (0..count).step_by(ROWS) {
         let panel = &mut rows[i * stride..];
         with_rows!(i of count, R => in_tiles!(columns.start, columns.end, j, C => {
@@ -63,16 +64,20 @@ pub(super) fn subtract_own_products<const FUSED: bool>(
 }
 
 /// `to -= L from`, where L are the first columns of the rows of `left`; each with the length of its rows.
+#[inline(never)]
+pub(super) fn subtract_products(to: (&mut [f64], usize), left: (&[f64], usize), from: (&[f64], usize)) {
+    if !from.0.is_empty() {
+        in_widest!(panels(to, left, from));
+    }
+}
+
 #[inline(always)]
-pub(super) fn subtract_products<const FUSED: bool>(
+fn panels<const FUSED: bool>(
     (to, width): (&mut [f64], usize),
     (left, left_stride): (&[f64], usize),
     (from, stride): (&[f64], usize),
 ) {
     let (count, known) = (to.len() / width, from.len() / stride);
-    if known == 0 {
-        return;
-    }
     for i in (0..count).step_by(ROWS) {
         let (panel, left) = (&mut to[i * width..], &left[i * left_stride..]);
         with_rows!(i of count, R => in_tiles!(0, width, j, C => {

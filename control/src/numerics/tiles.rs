@@ -1,10 +1,11 @@
 //! Steps of a Cholesky factorisation A = U'U on tiles: four rows and eight columns that stay in registers.
 //!
-//! Matrices are upper triangles of rows, a stride apart. Each function takes `FUSED`: whether products
-//! and sums are one instruction of the processor (otherwise `f64::mul_add` would be a slow function). The
-//! reciprocals of the diagonal of U stand in its place, so that no solution divides.
+//! Matrices are upper triangles of rows, a stride apart. The reciprocals of the diagonal of U stand in its
+//! place, so that no solution divides. What is called from outside is compiled once for each kind of vectors,
+//! not for each place that calls it: all sizes of tiles together are much code.
 
 use super::padded::multiply_add;
+use super::widest::in_widest;
 
 /// A pivot below this part of the diagonal entry that it came from counts as zero.
 const LEAST_PIVOT: f64 = 1e-14;
@@ -124,8 +125,18 @@ macro_rules! in_tiles {
 pub(super) use in_tiles;
 
 /// Rows 0 to `size` of U from those of A, `width` columns.
+#[inline(never)]
+pub(super) fn factorise_rows(
+    rows: &mut [f64],
+    stride: usize,
+    size: usize,
+    width: usize,
+) -> Result<(), BadPivot> {
+    in_widest!(factorise_panels(rows, stride, size, width))
+}
+
 #[inline(always)]
-pub(super) fn factorise_rows<const FUSED: bool>(
+fn factorise_panels<const FUSED: bool>(
     rows: &mut [f64],
     stride: usize,
     size: usize,
@@ -181,8 +192,19 @@ fn factorise_panel<const FUSED: bool, const R: usize>(
 
 /// Subtracts the first `size` rows of X'X, up to the column `width`, from the upper triangle of the rows
 /// below, where X are the columns from `from` of the rows above. Both come with their strides.
+#[inline(never)]
+pub(super) fn subtract_square(
+    above: (&[f64], usize),
+    from: usize,
+    below: (&mut [f64], usize),
+    size: usize,
+    width: usize,
+) {
+    in_widest!(subtract_panels(above, from, below, size, width));
+}
+
 #[inline(always)]
-pub(super) fn subtract_square<const FUSED: bool>(
+fn subtract_panels<const FUSED: bool>(
     (above, above_stride): (&[f64], usize),
     from: usize,
     (below, stride): (&mut [f64], usize),
@@ -199,10 +221,24 @@ pub(super) fn subtract_square<const FUSED: bool>(
     }
 }
 
-/// y of U'y = r for the first `R` entries of r, and the rest of r without their part; `rows` are those of U
-/// from the diagonal on.
+/// y of U'y = r for the rows of a block, in place, and the rest of r without their part.
+#[inline(never)]
+pub(super) fn forward(rows: &[f64], stride: usize, r: &mut [f64]) {
+    in_widest!(forward_panels(rows, stride, r));
+}
+
 #[inline(always)]
-pub(super) fn substitute_forward<const FUSED: bool, const R: usize>(
+fn forward_panels<const FUSED: bool>(rows: &[f64], stride: usize, r: &mut [f64]) {
+    let size = rows.len() / stride;
+    for i in (0..size).step_by(ROWS) {
+        let (rows, r) = (&rows[i * stride..], &mut r[i..]);
+        with_rows!(i of size, R => substitute_forward::<FUSED, R>(rows, stride, i, r));
+    }
+}
+
+/// The same for the first `R` entries of r; `rows` are those of U from the diagonal on.
+#[inline(always)]
+fn substitute_forward<const FUSED: bool, const R: usize>(
     rows: &[f64],
     stride: usize,
     i: usize,
@@ -227,9 +263,24 @@ pub(super) fn substitute_forward<const FUSED: bool, const R: usize>(
     });
 }
 
+/// x of U x = y for the rows of a block, in place, where the rest of x is known.
+#[inline(never)]
+pub(super) fn backward(rows: &[f64], stride: usize, r: &mut [f64]) {
+    in_widest!(backward_panels(rows, stride, r));
+}
+
+#[inline(always)]
+fn backward_panels<const FUSED: bool>(rows: &[f64], stride: usize, r: &mut [f64]) {
+    let size = rows.len() / stride;
+    for i in (0..size).step_by(ROWS).rev() {
+        let (rows, r) = (&rows[i * stride..], &mut r[i..]);
+        with_rows!(i of size, R => substitute_backward::<FUSED, R>(rows, stride, i, r));
+    }
+}
+
 /// The first `R` entries of x of U x = y, where the others are known.
 #[inline(always)]
-pub(super) fn substitute_backward<const FUSED: bool, const R: usize>(
+fn substitute_backward<const FUSED: bool, const R: usize>(
     rows: &[f64],
     stride: usize,
     i: usize,

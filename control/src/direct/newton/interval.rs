@@ -4,6 +4,7 @@ use crate::direct::motion::shape::{MOST_COEFFICIENTS, MOST_POINTS, Shape};
 use crate::direct::motion::spline::{Spline, TimeDerivative};
 use crate::numerics::chain::ChainMatrix;
 use crate::numerics::padded::{LANES, Parts, combine, padded, sums_of_parts};
+use crate::numerics::widest::in_widest;
 
 /// Most blocks that are summed at once.
 const MOST_BLOCKS: usize = 4;
@@ -41,8 +42,13 @@ impl IntervalHessian {
     }
 
     /// Takes the Hessian of point `j`: 3n rows of [`row_length`].
+    #[inline(never)]
+    pub fn take(&mut self, j: usize, n: usize, factors: [[f64; MOST_COEFFICIENTS]; 3], hessian: &[f64]) {
+        in_widest!(self.take_rows(j, n, factors, hessian));
+    }
+
     #[inline(always)]
-    pub fn take<const FUSED: bool>(
+    fn take_rows<const FUSED: bool>(
         &mut self,
         j: usize,
         n: usize,
@@ -61,8 +67,13 @@ impl IntervalHessian {
     }
 
     /// Adds B'H B of the first points, so many, to the rows of interval `k` and of its ends.
+    #[inline(never)]
+    pub fn add_to(&mut self, matrix: &mut ChainMatrix, k: usize, n: usize, points: usize) {
+        in_widest!(self.add_sums(matrix, k, n, points));
+    }
+
     #[inline(always)]
-    pub fn add_to<const FUSED: bool>(&mut self, matrix: &mut ChainMatrix, k: usize, n: usize, points: usize) {
+    fn add_sums<const FUSED: bool>(&mut self, matrix: &mut ChainMatrix, k: usize, n: usize, points: usize) {
         let (count, mut first) = (self.shape.coefficients(), 0);
         for a in 0..count {
             let mut b = a;

@@ -8,7 +8,7 @@ use crate::direct::motion::spline::Spline;
 use crate::direct::points::values::Points;
 use crate::numerics::chain::ChainMatrix;
 use crate::numerics::padded::{add_squares, padded};
-use crate::numerics::widest::widest_fused;
+use crate::numerics::widest::in_widest;
 
 /// Room for the metric of a point, and of an interval.
 #[derive(Clone, Debug, Default)]
@@ -36,13 +36,7 @@ impl Metric {
     /// zeros; R is diagonal, `weights`. With the small part c every change costs something, that of positions
     /// alone too, which is left where they are free at both ends.
     pub fn fill(&mut self, matrix: &mut ChainMatrix, spline: &Spline, points: &Points, weights: &[f64]) {
-        widest_fused(
-            #[inline(always)]
-            |fused| match fused {
-                true => self.fill_all::<true>(matrix, spline, points, weights),
-                false => self.fill_all::<false>(matrix, spline, points, weights),
-            },
-        );
+        in_widest!(self.fill_all(matrix, spline, points, weights));
     }
 
     #[inline(always)]
@@ -73,10 +67,10 @@ impl Metric {
             }
             let (k, j) = spline.mesh.interval_of(p);
             let factors = spline.basis(k, j).in_time(1.0 / spline.clock(k));
-            self.interval.take::<FUSED>(j, n, factors, &self.hessian);
+            self.interval.take(j, n, factors, &self.hessian);
             let points = spline.mesh.own_points(k);
             if j + 1 == points {
-                self.interval.add_to::<FUSED>(matrix, k, n, points);
+                self.interval.add_to(matrix, k, n, points);
             }
         }
     }

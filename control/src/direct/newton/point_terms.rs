@@ -8,6 +8,7 @@ use crate::direct::motion::spline::{Spline, TimeDerivative};
 use crate::direct::points::running::{ByClock, Running};
 use crate::direct::points::values::Points;
 use crate::numerics::padded::{add_rows, add_squares, pad};
+use crate::numerics::widest::in_widest;
 
 /// Weights of the torques and rows in the Lagrangian: those for [`Points::weights`],
 /// [`Points::g_weights`] and [`Points::h_weights`], and of the rows at the ends. Those of the torques are
@@ -160,8 +161,21 @@ impl Work {
     }
 
     /// Gradients and Hessian of a point in z. Its weight in the integral over s, and its running cost.
+    #[inline(never)]
+    pub fn collect(
+        &mut self,
+        p: usize,
+        second: Second,
+        spline: &Spline,
+        points: &Points,
+        barrier: &Barrier,
+        running: &mut Running,
+    ) -> (f64, f64) {
+        in_widest!(self.collect_terms(p, second, spline, points, barrier, running))
+    }
+
     #[inline(always)]
-    pub fn collect<const FUSED: bool>(
+    fn collect_terms<const FUSED: bool>(
         &mut self,
         p: usize,
         second: Second,

@@ -16,7 +16,7 @@ use crate::direct::points::running::Running;
 use crate::direct::points::values::Points;
 use crate::numerics::chain::{ChainMatrix, dot};
 use crate::numerics::padded::add_rows;
-use crate::numerics::widest::widest_fused;
+use crate::numerics::widest::in_widest;
 
 /// The equations `[K B; B' C] (dx, dy) = -(g, g_y)`, g = g_0 + mu g_1, for the unknowns x of a spline and
 /// those that are shared, y: parameters of the times of its phases, and states at both ends of a motion whose
@@ -87,24 +87,6 @@ impl System {
         running: &mut Running,
         ends: &Ends,
     ) {
-        widest_fused(
-            #[inline(always)]
-            |fused| match fused {
-                true => self.assemble_all::<true>(spline, points, barrier, running, ends),
-                false => self.assemble_all::<false>(spline, points, barrier, running, ends),
-            },
-        );
-    }
-
-    #[inline(always)]
-    fn assemble_all<const FUSED: bool>(
-        &mut self,
-        spline: &Spline,
-        points: &Points,
-        barrier: &Barrier,
-        running: &mut Running,
-        ends: &Ends,
-    ) {
         self.matrix.reset(spline.mesh.intervals());
         self.damping_is_current = false;
         for vector in &mut self.gradient {
@@ -115,7 +97,7 @@ impl System {
         self.by_times.gradient[0].fill(running.time);
         self.at_ends.reset(spline.unknowns.len(), spline.mesh.intervals());
         for p in 0..points.count() {
-            self.add_point::<FUSED>(p, spline, points, barrier, running);
+            in_widest!(self.add_point(p, spline, points, barrier, running));
         }
         self.add_rates(spline, points);
         self.add_hulls(spline, points, barrier);
@@ -152,7 +134,7 @@ impl System {
         let factors = spline.basis(k, j).in_time(inverse);
         let work = &mut self.work;
         let of_hessian = if self.exact { Second::All } else { Second::Squares };
-        let (weight, cost) = work.collect::<FUSED>(p, of_hessian, spline, points, barrier, running);
+        let (weight, cost) = work.collect(p, of_hessian, spline, points, barrier, running);
         work.differentiate_in_time(points.z(p), spline, k, &factors);
         let [gradient, at_zero, of_mu, slope] = &mut work.z;
         let by_times = &mut self.by_times;
@@ -169,10 +151,10 @@ impl System {
             slope.for_each(|(slope, gradient)| *slope += factor * gradient);
         }
         by_times.add_second([phase; 2], second);
-        self.interval.take::<FUSED>(j, n, factors, &work.hessian);
+        self.interval.take(j, n, factors, &work.hessian);
         let own = spline.mesh.own_points(k);
         if j + 1 == own {
-            self.interval.add_to::<FUSED>(&mut self.matrix, k, n, own);
+            self.interval.add_to(&mut self.matrix, k, n, own);
         }
         let column = &mut by_times.columns[phase];
         let targets = self.gradient.iter_mut().chain([&mut *column]);

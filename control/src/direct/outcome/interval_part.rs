@@ -8,7 +8,6 @@ use crate::direct::newton::interval::{add_gradient, add_local};
 use crate::direct::newton::point_terms::{Second, Work};
 use crate::direct::newton::rate_rows::RateRows;
 use crate::direct::points::values::PointDynamics;
-use crate::numerics::widest::widest_fused;
 
 /// The derivatives of the part of one interval, with the multipliers.
 ///
@@ -65,13 +64,7 @@ impl IntervalPart {
         for (j, part) in mesh.shape.weights().iter().enumerate() {
             let p = mesh.first_point(k) + j;
             let (work, points) = (&mut self.work, &*points);
-            let (weight, cost) = widest_fused(
-                #[inline(always)]
-                |fused| match fused {
-                    true => work.collect::<true>(p, Second::Nothing, spline, points, barrier, running),
-                    false => work.collect::<false>(p, Second::Nothing, spline, points, barrier, running),
-                },
-            );
+            let (weight, cost) = work.collect(p, Second::Nothing, spline, points, barrier, running);
             // A node that is a point belongs to the intervals beside it in proportion to their widths.
             let own = part * mesh.width(k) / weight;
             let factors = spline.basis(k, j).in_time(1.0 / time);
