@@ -242,8 +242,8 @@ def peers(robot: costate.Robot, file: Path, limit: float) -> str:
             print(rows[-1][1], flush=True)
         process.kill()
         process.join()
-    text = f"| {BATCH} states | package | its time (ns a state) | costate (ns a state) | ratio | its compiling (s) |\n|---|---|--:|--:|--:|--:|\n"
-    text += "\n".join(row for _, row in sorted(rows)) + "\n"
+    text = f"| {BATCH} states | package | its time (ns a state) | costate (ns a state) | ratio | its compiling (s) |\n"
+    text += "|---|---|--:|--:|--:|--:|\n" + "\n".join(row for _, row in sorted(rows)) + "\n"
     return text + "".join(f"\nNot compared: {line}." for line in absent)
 
 
