@@ -7,6 +7,7 @@ mod action;
 mod clock;
 mod fit;
 mod measure;
+mod numerics;
 mod plot;
 mod problems;
 #[path = "../../routes/src/robots.rs"]

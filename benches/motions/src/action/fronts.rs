@@ -4,7 +4,7 @@
 //! every q are positive and those of every y are negative if and only if the motion is a local minimum on its
 //! mesh: the pivots up to q_k are those of the motion that ends at node k + 1.
 
-use super::linear::{Rows, WrongSign, add, backward, factorise, forward, negate, subtract};
+use crate::numerics::{Rows, WrongSign, add, backward, factorise, forward, negate, subtract};
 
 /// The front of node k: y_k, q_k-1, and what they meet: y_k+1, q_k, q_k+1. Rows of y are negated.
 #[derive(Clone)]
@@ -111,34 +111,31 @@ impl Front {
     }
 
     /// Eliminates y_k and q_k-1.
-    #[inline(always)]
-    pub fn eliminate<const FUSED: bool>(&mut self, rest: &mut Rest) -> Result<(), WrongSign> {
+    pub fn eliminate(&mut self, rest: &mut Rest) -> Result<(), WrongSign> {
         let n = self.n;
-        factorise::<FUSED>(&mut self.of_y, 5 * n)?;
-        add::<FUSED>((&self.of_y, 5 * n), n, (&mut self.of_q, 4 * n));
-        factorise::<FUSED>(&mut self.of_q, 4 * n)?;
+        factorise(&mut self.of_y, 5 * n)?;
+        add((&self.of_y, 5 * n), n, (&mut self.of_q, 4 * n));
+        factorise(&mut self.of_q, 4 * n)?;
         let (of_y, of_q): (Rows<'_>, Rows<'_>) = ((&self.of_y, 5 * n), (&self.of_q, 4 * n));
-        subtract::<FUSED>(of_y, 2 * n, (&mut rest.of_y, 3 * n), 3 * n);
-        add::<FUSED>(of_q, n, (&mut rest.of_y, 3 * n));
-        add::<FUSED>(of_y, 3 * n, (&mut rest.of_q, 2 * n));
-        subtract::<FUSED>(of_q, 2 * n, (&mut rest.of_q, 2 * n), 2 * n);
+        subtract(of_y, 2 * n, (&mut rest.of_y, 3 * n), 3 * n);
+        add(of_q, n, (&mut rest.of_y, 3 * n));
+        add(of_y, 3 * n, (&mut rest.of_q, 2 * n));
+        subtract(of_q, 2 * n, (&mut rest.of_q, 2 * n), 2 * n);
         Ok(())
     }
 
     /// The first half of the solution for `part`: y_k, q_k-1, y_k+1, q_k, q_k+1.
-    #[inline(always)]
-    pub fn forward<const FUSED: bool>(&self, part: &mut [f64]) {
+    pub fn forward(&self, part: &mut [f64]) {
         let n = self.n;
-        forward::<FUSED>((&self.of_y, 5 * n), part);
-        forward::<FUSED>((&self.of_q, 4 * n), &mut part[n..]);
+        forward((&self.of_y, 5 * n), part);
+        forward((&self.of_q, 4 * n), &mut part[n..]);
         negate(&mut part[..n]);
     }
 
     /// The second half: the last three are known.
-    #[inline(always)]
-    pub fn backward<const FUSED: bool>(&self, part: &mut [f64]) {
+    pub fn backward(&self, part: &mut [f64]) {
         let n = self.n;
-        backward::<FUSED>((&self.of_q, 4 * n), &mut part[n..]);
-        backward::<FUSED>((&self.of_y, 5 * n), part);
+        backward((&self.of_q, 4 * n), &mut part[n..]);
+        backward((&self.of_y, 5 * n), part);
     }
 }

@@ -1,7 +1,7 @@
 //! The second derivatives of the action over one interval, without its inner points.
 
-use super::linear::{Rows, WrongSign, backward, factorise, forward, negate, subtract};
 use super::points::{BLOCKS, WEIGHTS, differentiation};
+use crate::numerics::{Rows, WrongSign, backward, factorise, forward, negate, subtract};
 use costate::matrix::{add_scaled, dot};
 
 /// Where the points of an interval stand in its matrix: inner ones first, then the left and the right node.
@@ -65,8 +65,7 @@ impl Interval {
 
     /// Eliminates the inner unknowns; leaves the matrix of the nodes in `work`. `price`: b^2 / r of the
     /// controls.
-    #[inline(always)]
-    pub fn condense<const FUSED: bool>(
+    pub fn condense(
         &mut self,
         h: f64,
         price: &[f64],
@@ -116,9 +115,9 @@ impl Interval {
             self.root[e] = 1.0 / (h * WEIGHTS[1] * price[e % n]).sqrt();
             row.iter_mut().for_each(|entry| *entry *= self.root[e]);
         }
-        subtract::<FUSED>((&self.pull, wide), 0, (&mut self.inner, most), wide);
+        subtract((&self.pull, wide), 0, (&mut self.inner, most), wide);
         let of_q = 2 * n * wide;
-        subtract::<FUSED>((&self.pull, wide), 2 * n, (&mut work.nodes[..of_q], wide), 2 * n);
+        subtract((&self.pull, wide), 2 * n, (&mut work.nodes[..of_q], wide), 2 * n);
         negate(&mut self.inner);
         negate(&mut work.nodes);
         for (e, row) in work.of_nodes.chunks_exact(wide).enumerate() {
@@ -128,8 +127,8 @@ impl Interval {
             }
             work.nodes[(2 * n + e) * wide + 2 * n + e] = -h * WEIGHTS[0] * price[e % n];
         }
-        factorise::<FUSED>(&mut self.inner, most)?;
-        subtract::<FUSED>((&self.inner, most), 2 * n, (&mut work.nodes, wide), wide);
+        factorise(&mut self.inner, most)?;
+        subtract((&self.inner, most), 2 * n, (&mut work.nodes, wide), wide);
         Ok(())
     }
 
@@ -139,8 +138,7 @@ impl Interval {
 
     /// The right-hand side of the inner unknowns, eliminated; what it adds to that of the nodes is left in
     /// `part`: q left and right, y left and right.
-    #[inline(always)]
-    pub fn reduce<const FUSED: bool>(&self, q: &mut [f64], y: &mut [f64], part: &mut [f64]) {
+    pub fn reduce(&self, q: &mut [f64], y: &mut [f64], part: &mut [f64]) {
         let n = self.n;
         part[..2 * n].copy_from_slice(q);
         part[2 * n..].fill(0.0);
@@ -148,16 +146,15 @@ impl Interval {
             *y *= root;
             add_scaled(&mut part[..4 * n], -*y, row);
         }
-        forward::<FUSED>(self.rows(), part);
+        forward(self.rows(), part);
         q.copy_from_slice(&part[..2 * n]);
     }
 
     /// The inner unknowns from those of the nodes, in `part`.
-    #[inline(always)]
-    pub fn expand<const FUSED: bool>(&self, q: &mut [f64], y: &mut [f64], part: &mut [f64]) {
+    pub fn expand(&self, q: &mut [f64], y: &mut [f64], part: &mut [f64]) {
         let n = self.n;
         part[..2 * n].copy_from_slice(q);
-        backward::<FUSED>(self.rows(), part);
+        backward(self.rows(), part);
         q.copy_from_slice(&part[..2 * n]);
         for ((y, root), row) in y.iter_mut().zip(&self.root).zip(self.pull.chunks_exact(4 * n)) {
             *y = -root * (*y + dot(row, &part[..4 * n]));

@@ -2,7 +2,6 @@
 
 mod fronts;
 mod interval;
-mod linear;
 mod newton;
 mod points;
 

@@ -9,12 +9,11 @@
 
 use super::fronts::{Front, Given, Rest};
 use super::interval::{Interval, Work};
-use super::linear::WrongSign;
 use super::points::{Points, Values, WEIGHTS};
+use crate::numerics::WrongSign;
 use costate::EvalError;
 use costate::robot::Tree;
 use costate_control::Problem;
-use costate_jit::widest_fused;
 
 /// The unknowns of all points, three for each interval and the last one, n each.
 #[derive(Clone)]
@@ -92,14 +91,6 @@ impl Action {
 
     /// Gradient, and the factors of minus the second derivatives.
     pub fn linearise(&mut self) -> Result<(), Stopped> {
-        widest_fused(
-            #[inline(always)]
-            |fused| if fused { self.eliminate::<true>() } else { self.eliminate::<false>() },
-        )
-    }
-
-    #[inline(always)]
-    fn eliminate<const FUSED: bool>(&mut self) -> Result<(), Stopped> {
         let not_minimal = |WrongSign| Stopped::NotMinimal;
         self.clear_gradient();
         self.rest.clear();
@@ -109,9 +100,7 @@ impl Action {
                 self.evaluate_interval(k, true).map_err(Stopped::Dynamics)?;
                 let blocks = &self.points.blocks;
                 let interval = &mut self.intervals[k];
-                interval
-                    .condense::<FUSED>(self.h[k], &self.price, blocks, &mut self.work)
-                    .map_err(not_minimal)?;
+                interval.condense(self.h[k], &self.price, blocks, &mut self.work).map_err(not_minimal)?;
                 self.fronts[k].add(&self.work.nodes, &mut self.rest);
             }
             if k == 0 {
@@ -120,21 +109,13 @@ impl Action {
             if k + 1 == self.h.len() {
                 self.fronts[k].give(&mut self.rest, Given::Right);
             }
-            self.fronts[k].eliminate::<FUSED>(&mut self.rest).map_err(not_minimal)?;
+            self.fronts[k].eliminate(&mut self.rest).map_err(not_minimal)?;
         }
         Ok(())
     }
 
     /// The correction for the gradient of the last evaluation.
     pub fn correct(&mut self) {
-        widest_fused(
-            #[inline(always)]
-            |fused| if fused { self.solve::<true>() } else { self.solve::<false>() },
-        );
-    }
-
-    #[inline(always)]
-    fn solve<const FUSED: bool>(&mut self) {
         let (n, last) = (self.n, self.h.len());
         self.step.clone_from(&self.gradient);
         self.keep_ends();
@@ -142,7 +123,7 @@ impl Action {
             if k < last {
                 let (inner, part) = (3 * k * n + n..3 * (k + 1) * n, &mut self.work.part);
                 let Unknowns { q, y } = &mut self.step;
-                self.intervals[k].reduce::<FUSED>(&mut q[inner.clone()], &mut y[inner], part);
+                self.intervals[k].reduce(&mut q[inner.clone()], &mut y[inner], part);
                 for a in 0..n {
                     for (s, at) in [3 * k * n + a, 3 * (k + 1) * n + a].into_iter().enumerate() {
                         q[at] += part[(2 + s) * n + a];
@@ -152,12 +133,12 @@ impl Action {
                 self.keep_ends();
             }
             self.gather(k);
-            self.fronts[k].forward::<FUSED>(&mut self.work.part[..5 * n]);
+            self.fronts[k].forward(&mut self.work.part[..5 * n]);
             self.scatter(k);
         }
         for k in (0..=last).rev() {
             self.gather(k);
-            self.fronts[k].backward::<FUSED>(&mut self.work.part[..5 * n]);
+            self.fronts[k].backward(&mut self.work.part[..5 * n]);
             self.scatter(k);
         }
         for k in 0..last {
@@ -167,7 +148,7 @@ impl Action {
                 part[to * n..][..n].copy_from_slice(&from[..n]);
             }
             let inner = left + n..right;
-            self.intervals[k].expand::<FUSED>(&mut q[inner.clone()], &mut y[inner], part);
+            self.intervals[k].expand(&mut q[inner.clone()], &mut y[inner], part);
         }
     }
 
