@@ -7,7 +7,7 @@ use crate::problem::Problem;
 use crate::problem::check::CheckedProblem;
 use crate::problem::loop_rows::{Loops, Walk};
 use crate::result::constraint_forces::ConstraintForces;
-use crate::result::gait::{Gait, Landing};
+use crate::result::gait::{GaitReport, Landing};
 use crate::result::motion::Motion;
 use crate::result::solution::Solution;
 use crate::result::trajectory::Trajectory;
@@ -83,7 +83,7 @@ fn of_joints(problem: &Problem, loops: &Loops, found: Solution) -> Solution {
         let end = &problem.end;
         of(&end.q, &end.q_free, &state[..n]).max(of(&end.v, &end.v_free, &state[n..]))
     };
-    let gait = loops.walk.as_ref().and_then(|walk| Gait::of(walk, &trajectory, &problem.gain).ok()?);
+    let gait = loops.walk.as_ref().and_then(|walk| GaitReport::of(walk, &trajectory, &problem.gain).ok()?);
     let after = |walk: &Walk, state: &Vec<f64>| {
         let (q, v) = state.split_at(n);
         Landing::of(walk, q, v)

@@ -1,4 +1,4 @@
-//! What a step of a gait is: its speed, what it costs, the impact at its end.
+//! What is told of a gait: its speed, what it costs, the impact at its end.
 
 use crate::problem::loop_rows::{Walk, exchanged};
 use crate::result::trajectory::Trajectory;
@@ -6,10 +6,10 @@ use costate::EvalError;
 use costate::constraints::Impact;
 use serde::{Deserialize, Serialize};
 
-/// A step of a gait ([`Step`](crate::Step)).
+/// What a step of a [`Gait`](crate::Gait) is and costs.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
-pub struct Gait {
+pub struct GaitReport {
     /// Length of the step over its duration (m/s).
     pub speed: f64,
     /// `sum of |tau v|`, integrated over the step, over weight times length; from the nodes by trapezoids. A
@@ -27,7 +27,7 @@ pub struct Gait {
     pub miss: f64,
 }
 
-impl Gait {
+impl GaitReport {
     /// That of a motion, with the actuation as torques (N m, N).
     ///
     /// # Errors
@@ -45,7 +45,7 @@ impl Gait {
         let landing = Landing::of(walk, q, v)?;
         let miss = landing.miss(&motion.q[0], &motion.v[0]);
         let Landing { impulses, loss, .. } = landing;
-        let (weight_times_length, speed) = (walk.weight() * walk.step.length, walk.step.length / duration);
+        let (weight_times_length, speed) = (walk.weight() * walk.gait.length, walk.gait.length / duration);
         let cost_of_transport = work / weight_times_length;
         Ok(Some(Self { speed, cost_of_transport, weight_times_length, impulses, loss, miss }))
     }

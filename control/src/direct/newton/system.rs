@@ -280,5 +280,5 @@ impl System {
 mod tests;
 
 #[cfg(test)]
-#[path = "step_tests.rs"]
-mod step_tests;
+#[path = "gait_tests.rs"]
+mod gait_tests;
