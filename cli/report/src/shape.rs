@@ -5,15 +5,15 @@ use costate::robot::{Joint, Robot};
 /// Shorter distances count as none (m).
 const SHORTEST: f64 = 1e-9;
 
-/// Whether a joint is a coordinate of a base that moves freely, and not a slide: its link, and those that carry
-/// it, have no mass.
+/// Whether a joint is a coordinate of a base that moves freely, and not a slide: its link, and those that
+/// carry it, have no mass.
 pub(crate) fn moves_freely(robot: &Robot, joint: usize) -> bool {
     let Joint { inertia, parent, .. } = &robot.joints()[joint];
     inertia.mass == 0.0 && parent.is_none_or(|parent| moves_freely(robot, parent))
 }
 
-/// Whether the link of a joint carries several others at its own origin, as a torso whose hips are there: where
-/// it is, its centre of mass says.
+/// Whether the link of a joint carries several others at its own origin, as a torso whose hips are there:
+/// where it is, its centre of mass says.
 pub(crate) fn is_trunk(robot: &Robot, joint: usize) -> bool {
     let children = || robot.joints().iter().filter(|child| child.parent == Some(joint));
     children().count() > 1 && children().all(|child| child.placement.translation.norm() <= SHORTEST)
