@@ -1,13 +1,13 @@
 //! Motions of robots with constraints: those of the same robots with multipliers as coordinates
 //! ([`crate::problem::loops`]), by the direct method.
 
-use crate::direct::{Direct, Looseness};
+use crate::direct::{Direct, Looseness, WEIGHTS};
 use crate::options::SolverOptions;
 use crate::problem::Problem;
 use crate::problem::check::CheckedProblem;
 use crate::problem::loop_rows::{Loops, Walk};
 use crate::result::constraint_forces::ConstraintForces;
-use crate::result::gait::{Gait, Landing};
+use crate::result::gait::{GaitReport, Landing};
 use crate::result::motion::Motion;
 use crate::result::solution::Solution;
 use crate::result::trajectory::Trajectory;
@@ -83,7 +83,8 @@ fn of_joints(problem: &Problem, loops: &Loops, found: Solution) -> Solution {
         let end = &problem.end;
         of(&end.q, &end.q_free, &state[..n]).max(of(&end.v, &end.v_free, &state[n..]))
     };
-    let gait = loops.walk.as_ref().and_then(|walk| Gait::of(walk, &trajectory, &problem.gain).ok()?);
+    let walk = loops.walk.as_ref();
+    let gait = walk.and_then(|walk| GaitReport::of(walk, &trajectory, &problem.gain, &WEIGHTS).ok()?);
     let after = |walk: &Walk, state: &Vec<f64>| {
         let (q, v) = state.split_at(n);
         Landing::of(walk, q, v)

@@ -83,16 +83,16 @@ pub use problem::running_cost::{RunningCost, UserTerm};
 pub use problem::source_error::SourceError;
 pub use problem::warning::ProblemWarning;
 pub use problem::{
-    BodyPairs, BoundaryState, Bounds, Collision, EndError, FinalTime, FreeMotionError, JointReference, Keep,
-    Kept, Leads, LinkCapsule, LoopError, MotionLimits, Objective, Obstacle, Payload, Penalty, Problem,
-    Reference, Shape, Step, StepError, Task, TaskError, Tool, ToolCost, ToolOrientation, ToolPose,
+    BodyPairs, BoundaryState, Bounds, Collision, EndError, FinalTime, FreeMotionError, Gait, GaitError,
+    JointReference, Keep, Kept, Leads, LinkCapsule, LoopError, MotionLimits, Objective, Obstacle, Payload,
+    Penalty, Problem, Reference, Shape, Task, TaskError, Tool, ToolCost, ToolOrientation, ToolPose,
     ToolReference, TorqueSpeedError, UrdfBodyError, Via, ViaError,
 };
 pub use progress::{Cancel, Iteration, Phase};
 pub use result::constraint_forces::ConstraintForces;
 pub use result::fast_joint::FastJoint;
 pub use result::free_entries::FreeEntries;
-pub use result::gait::Gait;
+pub use result::gait::GaitReport;
 pub use result::infeasibility::{Infeasibility, RelaxedLimit};
 pub use result::limit_use::{ActiveLimit, LimitReport, LimitUse, LimitViolation};
 pub use result::motion::{Certificate, ExtremalSolution, Motion};

@@ -7,7 +7,7 @@ import subprocess
 import casadi as ca
 import numpy as np
 
-from shell import say
+from shell import say, stop
 
 LENGTH, TIME, CLEARANCE, MOST, GRAVITY, FRICTION = 0.5, 0.7, 0.02, 150.0, 9.81, 0.6
 INTERVALS, DEGREE = 20, 3
@@ -21,29 +21,35 @@ MASS = TORSO[0] + 2 * (FEMUR[0] + TIBIA[0])
 EXCHANGE = [0, 3, 4, 1, 2]
 
 
-def down(angle, length):
-    return ca.vertcat(-ca.sin(angle), -ca.cos(angle)) * length
+# Places are sums of multiples of (sin, cos) of the angles: of the hip from the foot that stands, of the centres of mass and of
+# the foot that swings from the hip.
+UNIT = [ca.DM(row) for row in np.eye(5)]
+HIP = FEMUR[3] * UNIT[3] + TIBIA[3] * UNIT[4]
+CENTRES = [TORSO[2] * UNIT[0]]
+for femur, tibia in ((1, 2), (3, 4)):
+    CENTRES += [-FEMUR[2] * UNIT[femur], -FEMUR[3] * UNIT[femur] - TIBIA[2] * UNIT[tibia]]
+FOOT = -FEMUR[3] * UNIT[1] - TIBIA[3] * UNIT[2]
 
 
-def bodies(hip, angles):
-    """Centres of mass and the feet."""
-    t, f1, t1, f2, t2 = ca.vertsplit(angles)
-    knees = [hip + down(f1, FEMUR[3]), hip + down(f2, FEMUR[3])]
-    centres = [hip - down(t, TORSO[2]), hip + down(f1, FEMUR[2]), knees[0] + down(t1, TIBIA[2])]
-    centres += [hip + down(f2, FEMUR[2]), knees[1] + down(t2, TIBIA[2])]
-    return centres, knees[0] + down(t1, TIBIA[3]), knees[1] + down(t2, TIBIA[3])
+def place(of, a):
+    return ca.vertcat(ca.dot(of, ca.sin(a)), ca.dot(of, ca.cos(a)))
+
+
+def rate(of, a, w):
+    return ca.vertcat(ca.dot(of, ca.cos(a) * w), -ca.dot(of, ca.sin(a) * w))
+
+
+def acceleration(of, a, w, acc):
+    along, down = ca.cos(a) * acc - ca.sin(a) * w**2, ca.sin(a) * acc + ca.cos(a) * w**2
+    return ca.vertcat(ca.dot(of, along), -ca.dot(of, down))
+
+
+def cone(x, z):
+    """Both are positive inside of the friction cone."""
+    return ca.vertcat(FRICTION * z - x, FRICTION * z + x)
 
 
 PARTS = [TORSO, FEMUR, TIBIA, FEMUR, TIBIA]
-
-
-def lagrangian(q, v, centres, angles):
-    kinetic, potential = 0, 0
-    for (m, inertia, *_), c, i in zip(PARTS, centres, angles):
-        rate = ca.jtimes(c, q, v)
-        kinetic += 0.5 * m * ca.sumsqr(rate) + 0.5 * inertia * v[i] ** 2
-        potential += m * GRAVITY * c[1]
-    return kinetic, potential
 
 
 def guess(s):
@@ -54,86 +60,96 @@ def guess(s):
     return begin + s * (end - begin) + np.array([0, -0.3, 0.4, 0, 0]) * bent
 
 
-def solve():
+class Step:
+    """The program of a step on so many equal intervals, with its bounds and its first guess; x, f and g are CasADi's names."""
+
+    def __init__(self, intervals=INTERVALS):
+        opti, self.jump, bounded = transcribed(intervals)
+        self.nlp = {"x": opti.x, "f": opti.f, "g": opti.g}
+        value = lambda of: np.array(opti.debug.value(of, opti.initial())).ravel()
+        lower, upper = np.full(opti.nx, -np.inf), np.full(opti.nx, np.inf)
+        columns = ca.jacobian(bounded, opti.x).sparsity().get_triplet()[1]
+        lower[columns], upper[columns] = -MOST, MOST
+        self.arguments = {"x0": value(opti.x), "lbx": lower, "ubx": upper, "lbg": value(opti.lbg), "ubg": value(opti.ubg)}
+
+    def impulse(self, found):
+        """Of the landing (N s), in what a solver returned."""
+        return np.array(ca.Function("jump", [self.nlp["x"]], [self.jump])(found["x"])).ravel()
+
+
+def solve(intervals=INTERVALS):
     """The cost of a step, and the impulse of the landing (N s)."""
-    # On the ground: five angles.
+    step = Step(intervals)
+    settings = {"print_time": False, "ipopt.print_level": 0, "ipopt.tol": 1e-10, "ipopt.max_iter": 3000, "ipopt.sb": "yes"}
+    solver = ca.nlpsol("solver", "ipopt", step.nlp, settings)
+    found = solver(**step.arguments)
+    if not solver.stats()["success"]:
+        stop(f"a step of RABBIT: IPOPT says {solver.stats()['return_status']}")
+    return float(found["f"]), step.impulse(found)
+
+
+def transcribed(intervals):
+    """The program, the impulse in it, and the torques, which are bounded."""
+    # On the ground, by virtual work: five angles.
     a, w, acc, tau = ca.SX.sym("a", 5), ca.SX.sym("w", 5), ca.SX.sym("acc", 5), ca.SX.sym("tau", 4)
-    hip = -(down(a[3], FEMUR[3]) + down(a[4], TIBIA[3]))
-    centres, swing, stance = bodies(hip, a)
-    kinetic, potential = lagrangian(a, w, centres, range(5))
-    p = ca.gradient(kinetic, w)
-    left = ca.jtimes(p, w, acc) + ca.jtimes(p, a, w) - ca.gradient(kinetic - potential, a)
+    force, left = ca.vertcat(0, 0), ca.vertcat(*(part[1] for part in PARTS)) * acc
+    for (m, *_), centre in zip(PARTS, CENTRES):
+        push = m * (acceleration(HIP + centre, a, w, acc) + ca.vertcat(0, GRAVITY))
+        left += (HIP + centre) * (ca.cos(a) * push[0] - ca.sin(a) * push[1])
+        force += push
     # Hip and knee of the leg that swings, then of the other one; of relative angles.
     relative = ca.vertcat(a[1] - a[0], a[2] - a[1], a[3] - a[0], a[4] - a[3])
     right = ca.jtimes(relative, a, tau, True)
-    equations = ca.Function("equations", [a, w, acc, tau], [left - right])
-    com = sum(part[0] * c for part, c in zip(PARTS, centres)) / MASS
-    com_rate = ca.jtimes(com, a, w)
-    force = MASS * (ca.jtimes(com_rate, a, w) + ca.jtimes(com_rate, w, acc) + ca.vertcat(0, GRAVITY))
-    forces = ca.Function("forces", [a, w, acc], [force])
-    foot = ca.Function("foot", [a], [swing])
-    knees = ca.Function("knees", [a], [ca.vertcat(relative[1], relative[3])])
-    hips = ca.Function("hips", [a, w], [hip, ca.jtimes(hip, a, w)])
+    swing = place(HIP + FOOT, a)
+    height = swing[1] - CLEARANCE * (1 - (swing[0] / LENGTH) ** 2)
+    limits = ca.vertcat(cone(force[0], force[1]), height, relative[1], relative[3])
+    point = ca.Function("point", [a, w, acc, tau], [left - right, limits], {"cse": True})
 
     # In the air: the hip and five angles.
-    q, v, before = ca.SX.sym("q", 7), ca.SX.sym("v", 7), ca.SX.sym("before", 7)
-    all_centres, q_swing, _ = bodies(q[:2], q[2:])
-    mass = ca.hessian(lagrangian(q, v, all_centres, range(2, 7))[0], v)[0]
-    jacobian = ca.jacobian(q_swing, q)
-    impulse = ca.SX.sym("impulse", 2)
-    impact = ca.Function("impact", [q, before, v, impulse], [mass @ (v - before) - jacobian.T @ impulse, jacobian @ v])
+    v, before, impulse = ca.SX.sym("v", 7), ca.SX.sym("before", 7), ca.SX.sym("impulse", 2)
+    rates = [v[:2] + rate(centre, a, v[2:]) for centre in CENTRES]
+    kinetic = sum(m / 2 * ca.sumsqr(one) + inertia / 2 * v[2 + i] ** 2
+                  for i, ((m, inertia, *_), one) in enumerate(zip(PARTS, rates)))
+    mass, sticks = ca.hessian(kinetic, v)[0], v[:2] + rate(FOOT, a, v[2:])
+    law = mass @ (v - before) - ca.jtimes(sticks, v, impulse, True)
+    impact = ca.Function("impact", [a, before, v, impulse], [law, sticks])
 
-    tau_points = np.array(ca.collocation_points(DEGREE, "legendre"))
-    places = np.append(0, tau_points)
-    C, D, B = ca.collocation_coeff(list(tau_points))
-    opti = ca.Opti()
-    h = TIME / INTERVALS
-    cost = 0
-    a_k, w_k = opti.variable(5), opti.variable(5)
-    a_0, w_0 = a_k, w_k
-    opti.set_initial(a_k, guess(0))
-    opti.set_initial(w_k, (guess(1) - guess(0)) / TIME)
-    opti.subject_to(foot(a_0) == ca.vertcat(-LENGTH, 0))
-    for k in range(INTERVALS):
-        a_c, w_c = opti.variable(5, DEGREE), opti.variable(5, DEGREE)
-        u = opti.variable(4, DEGREE)
-        for j in range(DEGREE):
-            s = (k + tau_points[j]) / INTERVALS
-            opti.set_initial(a_c[:, j], guess(s))
-            opti.set_initial(w_c[:, j], (guess(1) - guess(0)) / TIME)
-        A, W = ca.horzcat(a_k, a_c), ca.horzcat(w_k, w_c)
-        a_rate, w_rate = A @ C / h, W @ C / h
-        opti.subject_to(ca.vec(a_rate - w_c) == 0)
-        for j in range(DEGREE):
-            opti.subject_to(equations(a_c[:, j], w_c[:, j], w_rate[:, j], u[:, j]) == 0)
-            f = forces(a_c[:, j], w_c[:, j], w_rate[:, j])
-            opti.subject_to(FRICTION * f[1] - f[0] >= 0)
-            opti.subject_to(FRICTION * f[1] + f[0] >= 0)
-            place = foot(a_c[:, j])
-            opti.subject_to(place[1] - CLEARANCE * (1 - (place[0] / LENGTH) ** 2) >= 0)
-            opti.subject_to(knees(a_c[:, j]) >= 0)
-            opti.subject_to(opti.bounded(-MOST, u[:, j], MOST))
-            cost += h * B[j] * 0.5 * ca.sumsqr(u[:, j])
-        a_k, w_k = opti.variable(5), opti.variable(5)
-        s = (k + 1) / INTERVALS
-        opti.set_initial(a_k, guess(s))
-        opti.set_initial(w_k, (guess(1) - guess(0)) / TIME)
-        opti.subject_to(a_k == A @ D)
-        opti.subject_to(w_k == W @ D)
-    opti.subject_to(a_0 == a_k[EXCHANGE])
-    hip_T, hip_rate = hips(a_k, w_k)
+    parts = ca.collocation_points(DEGREE, "legendre")
+    C, D, B = ca.collocation_coeff(parts)
+    opti, h, count = ca.Opti(), TIME / intervals, DEGREE * intervals
+    a_n, w_n = opti.variable(5, intervals + 1), opti.variable(5, intervals + 1)
+    a_c, w_c, u = opti.variable(5, count), opti.variable(5, count), opti.variable(4, count)
+    rates = []
+    for k in range(intervals):
+        own = slice(DEGREE * k, DEGREE * (k + 1))
+        A, W = ca.horzcat(a_n[:, k], a_c[:, own]), ca.horzcat(w_n[:, k], w_c[:, own])
+        opti.subject_to(ca.vec(A @ C - h * w_c[:, own]) == 0)
+        opti.subject_to(a_n[:, k + 1] == A @ D)
+        opti.subject_to(w_n[:, k + 1] == W @ D)
+        rates.append(W @ C / h)
+    equations, limits = point.map(count)(a_c, w_c, ca.horzcat(*rates), u)
+    opti.subject_to(ca.vec(equations) == 0)
+    opti.subject_to(ca.vec(limits) >= 0)
+    cost = h / 2 * ca.dot(ca.repmat(B, intervals, 1).T, ca.sum1(u * u))
+    nodes = np.arange(intervals + 1) / intervals
+    places = np.add.outer(nodes[:-1], np.array(parts) / intervals).ravel()
+    for angles, speeds, at in ((a_n, w_n, nodes), (a_c, w_c, places)):
+        opti.set_initial(angles, np.array([guess(s) for s in at]).T)
+        opti.set_initial(speeds, np.tile((guess(1) - guess(0)) / TIME, (len(at), 1)).T)
+    a_0, w_0, a_T, w_T = a_n[:, 0], w_n[:, 0], a_n[:, -1], w_n[:, -1]
+    opti.subject_to(place(HIP + FOOT, a_0) == ca.vertcat(-LENGTH, 0))
+    opti.subject_to(a_0 == a_T[EXCHANGE])
     after, jump = opti.variable(7), opti.variable(2)
     opti.set_initial(after, np.append([0.7, 0], (guess(1) - guess(0)) / TIME))
-    law, sticks = impact(ca.vertcat(hip_T, a_k), ca.vertcat(hip_rate, w_k), after, jump)
+    law, sticks = impact(a_T, ca.vertcat(rate(HIP, a_T, w_T), w_T), after, jump)
     opti.subject_to(law == 0)
     opti.subject_to(sticks == 0)
     opti.subject_to(w_0 == after[2:][EXCHANGE])
-    opti.subject_to(FRICTION * jump[1] - jump[0] >= 0)
-    opti.subject_to(FRICTION * jump[1] + jump[0] >= 0)
+    opti.subject_to(cone(jump[0], jump[1]) >= 0)
     opti.minimize(cost)
-    opti.solver("ipopt", {"print_time": False}, {"print_level": 0, "tol": 1e-10, "max_iter": 3000, "sb": "yes"})
-    solution = opti.solve()
-    return solution.value(cost), solution.value(jump)
+    # Opti bakes a program when it has a solver.
+    opti.solver("ipopt")
+    return opti, jump, ca.vec(u)
 
 
 def check(root, costate, _):

@@ -2,7 +2,7 @@
 
 use crate::numbers::{scientific, short};
 use crate::units;
-use costate_control::{Certificate, FinalTime, Method, Motion, Problem, Solution, Verify};
+use costate_control::{Certificate, FinalTime, GaitReport, Method, Motion, Problem, Solution, Verify};
 
 /// Whether the final time is free.
 pub(crate) fn time_is_free(problem: &Problem) -> bool {
@@ -114,13 +114,6 @@ pub fn figures(problem: &Problem, solution: &Solution) -> Vec<(&'static str, Str
     ]);
     figures.extend(verification(motion));
     if extremal {
-        if let Some(gait) = &solution.gait {
-            let [x, z] = [0, 2].map(|axis| gait.impulses.iter().map(|impulse| impulse[axis]).sum::<f64>());
-            figures.push(("speed", format!("{:.4} m/s", gait.speed)));
-            figures.push(("cost of transport", format!("{:.4}", gait.cost_of_transport)));
-            figures.push(("landing", format!("{z:.3} N s up, {x:.3} N s ahead, {:.3} J lost", gait.loss)));
-            figures.push(("gait", format!("closes to {} rad, m, rad/s, m/s", scientific(gait.miss))));
-        }
         figures.extend(limit_figures(problem, solution));
     }
     if !motion.switches.is_empty() {
@@ -184,6 +177,7 @@ fn direct_figures(problem: &Problem, solution: &Solution) -> Vec<(&'static str, 
         let drift = solution.constraints.iter().map(|one| one.drift).fold(0.0, f64::max);
         figures.push(("drift of the loops", format!("{} m, rad", scientific(drift))));
     }
+    figures.extend(solution.gait.as_ref().map(gait_figures).into_iter().flatten());
     figures.extend(limit_figures(problem, solution));
     if motion.certificate == Certificate::LocalMinimumOnMesh {
         figures.push(("local minimum", ON_MESH.into()));
@@ -192,6 +186,18 @@ fn direct_figures(problem: &Problem, solution: &Solution) -> Vec<(&'static str, 
         figures.push(("local minimum", format!("no: a saddle {ON_MESH}, motions nearby cost less")));
     }
     figures
+}
+
+/// Figures of a step of a gait.
+fn gait_figures(gait: &GaitReport) -> [(&'static str, String); 5] {
+    let [x, z] = [0, 2].map(|axis| gait.impulses.iter().map(|impulse| impulse[axis]).sum::<f64>());
+    [
+        ("speed", format!("{:.4} m/s", gait.speed)),
+        ("cost of transport", format!("{:.4}", gait.cost_of_transport)),
+        ("work", format!("{:.3} J, {:.3} J of braking", gait.work, gait.braking)),
+        ("landing", format!("{z:.3} N s up, {x:.3} N s ahead, {:.3} J lost", gait.loss)),
+        ("gait", format!("closes to {} rad, m, rad/s, m/s", scientific(gait.miss))),
+    ]
 }
 
 /// What the second derivatives of the direct method show.

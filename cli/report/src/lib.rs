@@ -33,6 +33,7 @@ mod page;
 mod panels;
 mod plot;
 pub mod remarks;
+mod shape;
 mod svg;
 pub mod text;
 mod tools;

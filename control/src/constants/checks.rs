@@ -137,8 +137,8 @@ pub(crate) mod loops {
     pub const INDEPENDENT: f64 = 1e-6;
 }
 
-/// Steps of gaits.
-pub(crate) mod step {
+/// Gaits.
+pub(crate) mod gait {
     /// What no joint moves by more, at unit rate, is fixed (m).
     pub const PLANAR: f64 = 1e-9;
     /// Torques of mirrored motions are the same up to this part of the largest; places of feet likewise, in

@@ -165,7 +165,7 @@ impl Problem {
         }
         not_negative(Key::COST_TIME, self.cost.time)?;
         // A slow step is not a cheap one: the robot would have to stand on one foot.
-        let is_free = matches!(self.time, FinalTime::Free { .. }) && self.step.is_none();
+        let is_free = matches!(self.time, FinalTime::Free { .. }) && self.gait.is_none();
         if is_free && self.cost.time == 0.0 && !self.has_cost_of_states() {
             return Err(ProblemError::FreeTimeWithoutCost);
         }

@@ -3,9 +3,9 @@
 use crate::problem::continuation_cause::ContinuationCause;
 use crate::problem::end_error::EndError;
 use crate::problem::free_error::FreeMotionError;
+use crate::problem::gait_error::GaitError;
 use crate::problem::key::Key;
 use crate::problem::loop_error::LoopError;
-use crate::problem::step_error::StepError;
 use crate::problem::task_error::TaskError;
 use crate::problem::torque_speed_error::TorqueSpeedError;
 use crate::problem::via_error::ViaError;
@@ -244,12 +244,12 @@ pub enum ProblemError {
         /// The cause and its remedy.
         cause: LoopError,
     },
-    /// A [`Step`](crate::Step).
-    Step {
+    /// A [`Gait`](crate::Gait).
+    Gait {
         /// The field.
         key: Key,
         /// The cause and its remedy.
-        cause: Box<StepError>,
+        cause: Box<GaitError>,
     },
     /// A continuation in a parameter that the problem does not have, or to an invalid value.
     Continuation {
@@ -281,7 +281,7 @@ impl ProblemError {
             | Self::End { key, .. }
             | Self::Task { key, .. }
             | Self::Via { key, .. }
-            | Self::Step { key, .. }
+            | Self::Gait { key, .. }
             | Self::PhasesNeedDirect { key }
             | Self::TorqueSpeed { key, .. }
             | Self::RatesNeedDirect { key }
@@ -316,7 +316,7 @@ impl std::error::Error for ProblemError {
             Self::Continuation { cause: ContinuationCause::Robot(error), .. } => Some(&**error),
             Self::End { cause, .. } => Some(cause),
             Self::Loop { cause } => Some(cause),
-            Self::Step { cause, .. } => Some(&**cause),
+            Self::Gait { cause, .. } => Some(&**cause),
             Self::Free { cause } => Some(cause),
             Self::Task { cause, .. } => Some(cause),
             Self::Via { cause, .. } => Some(cause),

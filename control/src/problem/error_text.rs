@@ -107,7 +107,7 @@ impl ProblemError {
                 printable(constraint)
             ),
             Self::Loop { cause } => cause.to_string(),
-            Self::Step { cause, .. } => cause.to_string(),
+            Self::Gait { cause, .. } => cause.to_string(),
             Self::Free { cause } => cause.to_string(),
             Self::TaskNeedsDirect { .. } => "tools and obstacles are taken by method = \"direct\" only; choose it, or remove them".into(),
             Self::Via { cause, .. } => cause.to_string(),

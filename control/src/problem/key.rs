@@ -57,13 +57,13 @@ impl Key {
     pub(crate) const LIMIT_CORNER_SPEED: Self = Self::new("limits", "corner_speed", "limits.corner_speed");
     pub(crate) const LIMIT_NO_LOAD_SPEED: Self = Self::new("limits", "no_load_speed", "limits.no_load_speed");
     pub(crate) const PERIODIC_SHIFT: Self = Self::new("periodic", "shift", "periodic");
-    pub(crate) const STEP_STANCE: Self = Self::new("step", "stance", "step");
-    pub(crate) const STEP_SWING: Self = Self::new("step", "swing", "step");
-    pub(crate) const STEP_ALONG: Self = Self::new("step", "along", "step");
-    pub(crate) const STEP_LENGTH: Self = Self::new("step", "length", "step");
-    pub(crate) const STEP_FRICTION: Self = Self::new("step", "friction", "step");
-    pub(crate) const STEP_CLEARANCE: Self = Self::new("step", "clearance", "step");
-    pub(crate) const STEP_MIRROR: Self = Self::new("step", "mirror", "step");
+    pub(crate) const GAIT_STANCE: Self = Self::new("gait", "stance", "gait");
+    pub(crate) const GAIT_SWING: Self = Self::new("gait", "swing", "gait");
+    pub(crate) const GAIT_ALONG: Self = Self::new("gait", "along", "gait");
+    pub(crate) const GAIT_LENGTH: Self = Self::new("gait", "length", "gait");
+    pub(crate) const GAIT_FRICTION: Self = Self::new("gait", "friction", "gait");
+    pub(crate) const GAIT_CLEARANCE: Self = Self::new("gait", "clearance", "gait");
+    pub(crate) const GAIT_MIRROR: Self = Self::new("gait", "mirror", "gait");
     /// The file of a saved motion.
     pub const START_FROM: Self = Self::new("start_from", "file", "start");
 

@@ -1,6 +1,6 @@
 //! The rows of constraints whose multipliers are coordinates.
 
-use super::step::Step;
+use super::gait::Gait;
 use costate::robot::Robot;
 
 /// The rows that hold along a motion.
@@ -9,7 +9,7 @@ pub(crate) struct Loops {
     /// With its constraints.
     pub robot: Robot,
     pub rows: Vec<LoopRow>,
-    /// Of a step of a gait.
+    /// Of a gait.
     pub walk: Option<Walk>,
 }
 
@@ -25,10 +25,10 @@ pub(crate) struct LoopRow {
     pub name: String,
 }
 
-/// A step of a gait, prepared.
+/// A gait, prepared.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Walk {
-    pub step: Step,
+    pub gait: Gait,
     /// The robot with a constraint for each foot that stands, whose rows are x and z of it.
     pub foot: Robot,
     /// The same of the feet that swing.

@@ -18,10 +18,10 @@
 //! the error of the mesh, which is told. So at the end no more positions and rates stay given than are
 //! independent of the rows: others are left free there, and come to where the loops are closed.
 
+use super::gait_error::GaitError;
 use super::key::Key;
 use super::loop_error::LoopError;
 use super::loop_rows::{LoopRow, Loops};
-use super::step_error::StepError;
 use super::{BoundaryState, Bounds, MotionLimits, Objective, Penalty, Problem};
 use crate::constants::checks::loops::INDEPENDENT;
 use crate::constants::task::OFF;
@@ -46,27 +46,27 @@ impl Problem {
         joints.chain(rows.map(|row| (row.name.clone(), JointKind::Prismatic))).unzip()
     }
 
-    /// The first constraint is named where a robot with constraints is not taken; a step neither.
+    /// The first constraint is named where a robot with constraints is not taken; a gait neither.
     ///
     /// # Errors
-    /// [`ProblemError::Constrained`], [`ProblemError::Step`].
+    /// [`ProblemError::Constrained`], [`ProblemError::Gait`].
     pub(crate) fn refuse_constraints(&self) -> Result<(), ProblemError> {
-        if self.step.is_some() {
-            return Err(ProblemError::Step { key: Key::STEP_STANCE, cause: Box::new(StepError::NotHere) });
+        if self.gait.is_some() {
+            return Err(ProblemError::Gait { key: Key::GAIT_STANCE, cause: Box::new(GaitError::NotHere) });
         }
         let first = self.robot.constraints().first();
         first.map_or(Ok(()), |one| Err(ProblemError::Constrained { constraint: one.name.clone() }))
     }
 
     /// The same motion with the multipliers of the constraints as coordinates; of a robot with constraints,
-    /// or of a step.
+    /// or of a step of a gait.
     ///
     /// # Errors
     /// [`ProblemError::Loop`]: what such motions do not take, ends that do not satisfy the constraints.
-    /// [`ProblemError::Step`] and others of a step.
+    /// [`ProblemError::Gait`] and others of a gait.
     pub(crate) fn with_multipliers(&self) -> Result<Self, ProblemError> {
-        if let Some(step) = &self.step {
-            return self.walking(step);
+        if let Some(gait) = &self.gait {
+            return self.walking(gait);
         }
         self.refuse_with_loops()?;
         let unknown = |key: Key| move |error: EvalError| cannot(key, error.into());

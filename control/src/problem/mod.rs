@@ -12,6 +12,8 @@ pub(crate) mod free_end;
 mod free_error;
 mod free_fall;
 pub(crate) mod free_joints;
+pub(crate) mod gait;
+mod gait_error;
 mod given_ends;
 mod joint_limits;
 pub(crate) mod key;
@@ -28,8 +30,6 @@ pub(crate) mod references;
 pub(crate) mod rounded;
 pub(crate) mod running_cost;
 pub(crate) mod source_error;
-pub(crate) mod step;
-mod step_error;
 pub(crate) mod task;
 pub(crate) mod task_error;
 pub(crate) mod tools;
@@ -42,13 +42,13 @@ pub(crate) mod warning;
 
 pub use end_error::{EndError, Leads};
 pub use free_error::FreeMotionError;
+pub use gait::Gait;
+pub use gait_error::GaitError;
 pub use limits::MotionLimits;
 pub use loop_error::LoopError;
 pub use obstacles::{BodyPairs, Collision, LinkCapsule, Obstacle, Shape};
 pub use parts::{BoundaryState, Bounds, FinalTime, Objective, Penalty};
 pub use references::{JointReference, Reference, ToolReference};
-pub use step::Step;
-pub use step_error::StepError;
 pub use task::Task;
 pub use task_error::TaskError;
 pub use tools::{Keep, Kept, Tool, ToolCost, ToolOrientation, ToolPose};
@@ -115,9 +115,9 @@ pub struct Problem {
     /// Where the end follows the start: q(T) - q(0) (rad, m), n entries. `None`: the ends are independent.
     /// Needs [`Method::Direct`](crate::Method::Direct).
     pub periodic: Option<Vec<f64>>,
-    /// A step of a gait, whose ends are free; [`start`](Self::start) is a guess. Needs
+    /// The gait of which the motion is one step. Its ends are free; [`start`](Self::start) is a guess. Needs
     /// [`Method::Direct`](crate::Method::Direct).
-    pub step: Option<Step>,
+    pub gait: Option<Gait>,
     /// The constraints whose multipliers are coordinates too; of problems that the solver makes.
     pub(crate) loops: Option<Arc<Loops>>,
 }
@@ -141,7 +141,7 @@ impl Problem {
             task: Task::default(),
             vias: Vec::new(),
             periodic: None,
-            step: None,
+            gait: None,
             loops: None,
         }
     }
@@ -230,7 +230,7 @@ impl Problem {
     /// continuous there, but they are not given, so the motion need not begin or end with those of a robot at
     /// rest.
     pub fn jumps_at_rest(&self) -> Vec<&'static str> {
-        if self.first_of_rates().is_none() || self.periodic.is_some() || self.step.is_some() {
+        if self.first_of_rates().is_none() || self.periodic.is_some() || self.gait.is_some() {
             return Vec::new();
         }
         let rests = |end: &BoundaryState| end.v_free.is_empty() && end.v.iter().all(|&v| v == 0.0);
@@ -263,12 +263,12 @@ impl Problem {
     fn first_for_direct(&self) -> Option<Key> {
         let energy = self.cost.has_energy().then_some(Key::ENERGY);
         let rates = || self.first_of_rates();
-        let step = || self.step.as_ref().map(|_| Key::STEP_STANCE);
+        let gait = || self.gait.as_ref().map(|_| Key::GAIT_STANCE);
         energy
             .or_else(rates)
             .or_else(|| self.task.first_key())
             .or_else(|| self.first_of_phases())
-            .or_else(step)
+            .or_else(gait)
     }
 
     /// What makes accelerations continuous, if anything does: a limit or a cost of jerks or of rates of

@@ -31,7 +31,7 @@ impl Problem {
 
     /// The states at the ends of the phases: start, vias, end.
     pub(crate) fn ends(&self) -> Vec<BoundaryState> {
-        if self.step.is_some() {
+        if self.gait.is_some() {
             return vec![self.end_of_step(), self.end_of_step()];
         }
         let mut end = self.end.clone();

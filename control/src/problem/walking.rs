@@ -1,4 +1,4 @@
-//! A step of a walking robot as a motion of one with its foot in constraints.
+//! A step of a gait as a motion of a robot with its foot in constraints.
 //!
 //! Each foot that stands is held along two directions d_1, d_2 of the plane, the edges of the friction cone
 //! of the ground: its force is `a_1 d_1 + a_2 d_2` with the multipliers a of these rows, and it is in the
@@ -14,12 +14,12 @@
 //! Impulses are in the cone where these rates are positive.
 
 use super::error::ProblemError;
+use super::gait::Gait;
+use super::gait_error::GaitError;
 use super::key::Key;
 use super::loop_rows::{LoopRow, Loops, Walk, exchanged};
-use super::step::Step;
-use super::step_error::StepError;
 use super::{BoundaryState, Problem};
-use crate::constants::checks::step::{PLANAR, SYMMETRIC};
+use crate::constants::checks::gait::{PLANAR, SYMMETRIC};
 use costate::EvalError;
 use costate::constraints::{ConstrainedHamiltonian, Constraints};
 use costate::lagrangian::Lagrangian;
@@ -27,16 +27,16 @@ use costate::robot::{ConstraintRow, ConstraintSpec, JointKind, Placement, RobotE
 use std::sync::Arc;
 
 impl Problem {
-    /// With a step of a gait as the motion: its start and its end are free, and [`start`](Self::start) is a
-    /// guess of the position with which it begins.
+    /// With a step of this gait as the motion: its start and its end are free, and [`start`](Self::start) is
+    /// a guess of the position with which it begins.
     #[must_use]
-    pub fn with_step(self, step: Step) -> Self {
-        Self { step: Some(step), ..self }
+    pub fn with_gait(self, gait: Gait) -> Self {
+        Self { gait: Some(gait), ..self }
     }
 
     /// Whether the solver makes another problem of this one, with multipliers as coordinates.
     pub(crate) fn is_closed(&self) -> bool {
-        self.step.is_some() || !self.robot.constraints().is_empty()
+        self.gait.is_some() || !self.robot.constraints().is_empty()
     }
 
     /// An end of a step: all is free.
@@ -48,30 +48,30 @@ impl Problem {
     /// The step with the multipliers of the foot that stands as coordinates.
     ///
     /// # Errors
-    /// [`ProblemError::Step`], [`ProblemError::UnknownJoint`], [`ProblemError::GivenTwice`].
-    pub(super) fn walking(&self, step: &Step) -> Result<Self, ProblemError> {
-        self.refuse_with_step()?;
-        let [length, friction, clearance] = [step.length, step.friction, step.clearance];
-        positive(Key::STEP_LENGTH, length)?;
-        positive(Key::STEP_FRICTION, friction)?;
+    /// [`ProblemError::Gait`], [`ProblemError::UnknownJoint`], [`ProblemError::GivenTwice`].
+    pub(super) fn walking(&self, gait: &Gait) -> Result<Self, ProblemError> {
+        self.refuse_with_gait()?;
+        let [length, friction, clearance] = [gait.length, gait.friction, gait.clearance];
+        positive(Key::GAIT_LENGTH, length)?;
+        positive(Key::GAIT_FRICTION, friction)?;
         if !(clearance >= 0.0 && clearance.is_finite()) {
             let remedy = "must be neither negative nor infinite (m)";
-            return Err(StepError::OutOfRange { value: clearance, remedy }.at(Key::STEP_CLEARANCE));
+            return Err(GaitError::OutOfRange { value: clearance, remedy }.at(Key::GAIT_CLEARANCE));
         }
-        self.check_names(step)?;
-        let exchange = self.exchange(step)?;
-        let along = self.joint(Key::STEP_ALONG, &step.along)?;
-        self.check_feet(step, along)?;
-        let (q, places) = self.standing_guess(step)?;
+        self.check_names(gait)?;
+        let exchange = self.exchange(gait)?;
+        let along = self.joint(Key::GAIT_ALONG, &gait.along)?;
+        self.check_feet(gait, along)?;
+        let (q, places) = self.standing_guess(gait)?;
         let mut shift = vec![0.0; q.len()];
         shift[along] = -length;
-        self.check_mirror(step, &exchange, &q, &shift)?;
+        self.check_mirror(gait, &exchange, &q, &shift)?;
         // What cannot be evaluated is told at the start.
-        let failed = |error: EvalError| StepError::CannotStand { cause: error.into() }.at(Key::START_Q);
+        let failed = |error: EvalError| GaitError::CannotStand { cause: error.into() }.at(Key::START_Q);
         let angle = friction.atan();
         let (mut standing, mut foot, mut swing) =
             (self.robot.clone(), self.robot.clone(), self.robot.clone());
-        for ((stands, swings), x) in step.stance.iter().zip(&step.swing).zip(&places) {
+        for ((stands, swings), x) in gait.stance.iter().zip(&gait.swing).zip(&places) {
             for (name, angle) in [("ahead", angle), ("back", -angle)] {
                 let edge = format!("{stands} pushed {name}");
                 let edge = ConstraintSpec::rows(edge, stands, "world", &[ConstraintRow::Z])
@@ -83,12 +83,12 @@ impl Problem {
         }
         let still = vec![0.0; q.len()];
         let held =
-            Self { robot: standing, step: None, start: BoundaryState::fixed(&q, &still), ..self.clone() };
+            Self { robot: standing, gait: None, start: BoundaryState::fixed(&q, &still), ..self.clone() };
         let mut rows = Constraints::new(&held.robot);
         rows.set_position(&q).map_err(failed)?;
         let kept = held.independent_rows(&mut rows).map_err(failed)?;
         if kept.len() < rows.count() {
-            return Err(StepError::Redundant.at(Key::STEP_STANCE));
+            return Err(GaitError::Redundant.at(Key::GAIT_STANCE));
         }
         let mut model = Lagrangian::<f64>::new(&self.robot);
         let mass = model.linearise_inverse_dynamics(&q, &still, &still).map_err(failed)?.tau_a;
@@ -100,7 +100,7 @@ impl Problem {
             foot,
             swing,
             edges: kept.iter().map(|row| edges[row.row % 2]).collect(),
-            step: step.clone(),
+            gait: gait.clone(),
             places,
             exchange,
             shift,
@@ -110,7 +110,7 @@ impl Problem {
         Ok(held.with_walk(walk, kept))
     }
 
-    /// The step from a prepared one.
+    /// The step from a prepared gait.
     fn with_walk(&self, walk: Walk, rows: Vec<LoopRow>) -> Self {
         let (q, time) = (&self.start.q, self.time.value());
         let end = walk.mirrored_back(q);
@@ -127,17 +127,17 @@ impl Problem {
     }
 
     /// Whether the feet are frames, each named once, and paired.
-    fn check_names(&self, step: &Step) -> Result<(), ProblemError> {
-        let (stance, swing) = (step.stance.len(), step.swing.len());
+    fn check_names(&self, gait: &Gait) -> Result<(), ProblemError> {
+        let (stance, swing) = (gait.stance.len(), gait.swing.len());
         if stance != swing || stance == 0 {
-            return Err(StepError::Unpaired { stance, swing }.at(Key::STEP_SWING));
+            return Err(GaitError::Unpaired { stance, swing }.at(Key::GAIT_SWING));
         }
         let mut known: Vec<&String> = Vec::new();
-        for (key, feet) in [(Key::STEP_STANCE, &step.stance), (Key::STEP_SWING, &step.swing)] {
+        for (key, feet) in [(Key::GAIT_STANCE, &gait.stance), (Key::GAIT_SWING, &gait.swing)] {
             for frame in feet {
                 self.foot(key, frame)?;
                 if known.contains(&frame) {
-                    return Err(StepError::OneFoot { frame: frame.clone() }.at(key));
+                    return Err(GaitError::OneFoot { frame: frame.clone() }.at(key));
                 }
                 known.push(frame);
             }
@@ -145,17 +145,17 @@ impl Problem {
         Ok(())
     }
 
-    /// What steps do not take.
-    fn refuse_with_step(&self) -> Result<(), ProblemError> {
+    /// What gaits do not take.
+    fn refuse_with_gait(&self) -> Result<(), ProblemError> {
         if let Some(one) = self.robot.constraints().first() {
-            return Err(StepError::Constrained { constraint: one.name.clone() }.at(Key::STEP_STANCE));
+            return Err(GaitError::Constrained { constraint: one.name.clone() }.at(Key::GAIT_STANCE));
         }
         let terms = (!self.terms.is_empty()).then_some(Key::TERMS);
         let first = self.task.first_key().or_else(|| self.first_of_rates());
         let via = self.vias.first().map(|_| Key::via("q", 0));
         let periodic = self.periodic.as_ref().map(|_| Key::PERIODIC_SHIFT);
         match first.or(via).or(periodic).or(terms) {
-            Some(with) => Err(StepError::NotTaken { with }.at(Key::STEP_STANCE)),
+            Some(with) => Err(GaitError::NotTaken { with }.at(Key::GAIT_STANCE)),
             None => Ok(()),
         }
     }
@@ -167,7 +167,7 @@ impl Problem {
                 RobotError::UnknownFrame { nearest, .. } => nearest,
                 _ => Vec::new(),
             };
-            StepError::UnknownFrame { frame: name.into(), nearest }.at(key)
+            GaitError::UnknownFrame { frame: name.into(), nearest }.at(key)
         })
     }
 
@@ -178,13 +178,13 @@ impl Problem {
     }
 
     /// For each joint the one whose place it takes when the legs change their roles.
-    fn exchange(&self, step: &Step) -> Result<Vec<usize>, ProblemError> {
+    fn exchange(&self, gait: &Gait) -> Result<Vec<usize>, ProblemError> {
         let mut exchange: Vec<usize> = (0..self.robot.dof()).collect();
-        for pair in &step.mirror {
-            let [a, b] = [self.joint(Key::STEP_MIRROR, &pair[0])?, self.joint(Key::STEP_MIRROR, &pair[1])?];
+        for pair in &gait.mirror {
+            let [a, b] = [self.joint(Key::GAIT_MIRROR, &pair[0])?, self.joint(Key::GAIT_MIRROR, &pair[1])?];
             let twice = [a, b].into_iter().find(|&i| exchange[i] != i).or((a == b).then_some(a));
             if let Some(joint) = twice {
-                return Err(ProblemError::GivenTwice { key: Key::STEP_MIRROR, joint: self.name(joint) });
+                return Err(ProblemError::GivenTwice { key: Key::GAIT_MIRROR, joint: self.name(joint) });
             }
             exchange.swap(a, b);
         }
@@ -192,36 +192,36 @@ impl Problem {
     }
 
     /// Whether both feet move in the plane, and with the joint along which the robot moves as a whole.
-    fn check_feet(&self, step: &Step, along: usize) -> Result<(), ProblemError> {
+    fn check_feet(&self, gait: &Gait, along: usize) -> Result<(), ProblemError> {
         let mut carries = self.has_no_motor(along) || self.joint_limits()[along].torque == [0.0; 2];
         carries &= self.robot.independent_joints().nth(along).is_some_and(|j| j.kind == JointKind::Prismatic);
-        let feet = [(Key::STEP_STANCE, &step.stance), (Key::STEP_SWING, &step.swing)];
+        let feet = [(Key::GAIT_STANCE, &gait.stance), (Key::GAIT_SWING, &gait.swing)];
         let feet = feet.into_iter().flat_map(|(key, feet)| feet.iter().map(move |frame| (key, frame)));
         for (key, frame) in feet {
             let robot = self.robot.with_constraint(ConstraintSpec::pinned(frame.as_str(), frame, "world"));
             let mut foot = Constraints::<f64>::new(&robot.map_err(no_foot)?);
             if let Err(error) = foot.set_position(&self.start.q) {
-                return Err(StepError::CannotStand { cause: error.into() }.at(Key::START_Q));
+                return Err(GaitError::CannotStand { cause: error.into() }.at(Key::START_Q));
             }
             let [x, y, z] = [0, 1, 2].map(|row| foot.jacobian().row(row));
             if y.iter().any(|entry| entry.abs() > PLANAR) {
-                return Err(StepError::NotPlanar { frame: frame.clone() }.at(key));
+                return Err(GaitError::NotPlanar { frame: frame.clone() }.at(key));
             }
             carries &= (x[along] - 1.0).abs() < PLANAR && z[along].abs() < PLANAR;
         }
         match carries {
             true => Ok(()),
-            false => Err(StepError::NotAlong { joint: step.along.clone() }.at(Key::STEP_ALONG)),
+            false => Err(GaitError::NotAlong { joint: gait.along.clone() }.at(Key::GAIT_ALONG)),
         }
     }
 
     /// The position near the guess with the first foot that stands at the origin, and all that swing one step
     /// behind those that stand; x of these.
-    fn standing_guess(&self, step: &Step) -> Result<(Vec<f64>, Vec<f64>), ProblemError> {
-        let failed = |cause| StepError::CannotStand { cause }.at(Key::START_Q);
+    fn standing_guess(&self, gait: &Gait) -> Result<(Vec<f64>, Vec<f64>), ProblemError> {
+        let failed = |cause| GaitError::CannotStand { cause }.at(Key::START_Q);
         let mut q = self.start.q.clone();
-        let mut places = Vec::with_capacity(step.stance.len());
-        for foot in &step.stance {
+        let mut places = Vec::with_capacity(gait.stance.len());
+        for foot in &gait.stance {
             let robot = self.robot.with_constraint(point(foot, 0.0)).map_err(no_foot)?;
             let mut found = Constraints::<f64>::new(&robot);
             found.set_position(&q).map_err(|error| failed(error.into()))?;
@@ -230,9 +230,9 @@ impl Problem {
         let first = places[0];
         places.iter_mut().for_each(|x| *x -= first);
         let mut robot = self.robot.clone();
-        for ((stands, swings), x) in step.stance.iter().zip(&step.swing).zip(&places) {
+        for ((stands, swings), x) in gait.stance.iter().zip(&gait.swing).zip(&places) {
             robot = robot.with_constraint(point(stands, *x)).map_err(no_foot)?;
-            robot = robot.with_constraint(point(swings, x - step.length)).map_err(no_foot)?;
+            robot = robot.with_constraint(point(swings, x - gait.length)).map_err(no_foot)?;
         }
         let held = vec![false; q.len()];
         ConstrainedHamiltonian::<f64>::new(&robot).close(&mut q, &held).map_err(failed)?;
@@ -242,13 +242,13 @@ impl Problem {
     /// Whether the exchanged robot is the same one, with the feet exchanged.
     fn check_mirror(
         &self,
-        step: &Step,
+        gait: &Gait,
         exchange: &[usize],
         q: &[f64],
         shift: &[f64],
     ) -> Result<(), ProblemError> {
         let n = q.len();
-        let failed = |error: EvalError| StepError::CannotStand { cause: error.into() }.at(Key::START_Q);
+        let failed = |error: EvalError| GaitError::CannotStand { cause: error.into() }.at(Key::START_Q);
         let some = |first: f64| (0..n).map(|i| (first + 1.7 * i as f64).sin()).collect::<Vec<f64>>();
         let exchanged = |list: &[f64]| exchanged(exchange, list);
         let moved = |list: &[f64]| {
@@ -263,7 +263,7 @@ impl Problem {
         if let Some((joint, by)) =
             misses.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, by)| *by > SYMMETRIC * size)
         {
-            return Err(StepError::NotSymmetric { joint: self.name(joint), by }.at(Key::STEP_MIRROR));
+            return Err(GaitError::NotSymmetric { joint: self.name(joint), by }.at(Key::GAIT_MIRROR));
         }
         let place = |frame: &str, q: &[f64]| -> Result<Vec<f64>, ProblemError> {
             let robot = self.robot.with_constraint(ConstraintSpec::pinned(frame, frame, "world"));
@@ -271,11 +271,11 @@ impl Problem {
             foot.set_position(q).map_err(failed)?;
             Ok(foot.values().to_vec())
         };
-        for (swings, stands) in step.swing.iter().zip(&step.stance) {
+        for (swings, stands) in gait.swing.iter().zip(&gait.stance) {
             let (here, there) = (place(swings, q)?, place(stands, &moved(q))?);
-            let miss = (here[0] - step.length - there[0]).hypot(here[2] - there[2]);
-            if miss > SYMMETRIC * step.length.max(1.0) {
-                return Err(StepError::FeetStay { miss }.at(Key::STEP_MIRROR));
+            let miss = (here[0] - gait.length - there[0]).hypot(here[2] - there[2]);
+            if miss > SYMMETRIC * gait.length.max(1.0) {
+                return Err(GaitError::FeetStay { miss }.at(Key::GAIT_MIRROR));
             }
         }
         Ok(())
@@ -288,20 +288,20 @@ fn point(foot: &str, x: f64) -> ConstraintSpec {
         .to_placed(Placement::from_xyz_rpy([x, 0.0, 0.0], [0.0; 3]))
 }
 
-impl StepError {
+impl GaitError {
     /// As an error of a key.
     fn at(self, key: Key) -> ProblemError {
-        ProblemError::Step { key, cause: Box::new(self) }
+        ProblemError::Gait { key, cause: Box::new(self) }
     }
 }
 
 fn no_foot(error: RobotError) -> ProblemError {
-    StepError::NoFoot { cause: Arc::new(error) }.at(Key::STEP_STANCE)
+    GaitError::NoFoot { cause: Arc::new(error) }.at(Key::GAIT_STANCE)
 }
 
 fn positive(key: Key, value: f64) -> Result<(), ProblemError> {
     match value > 0.0 && value.is_finite() {
         true => Ok(()),
-        false => Err(StepError::OutOfRange { value, remedy: "must be positive and finite" }.at(key)),
+        false => Err(GaitError::OutOfRange { value, remedy: "must be positive and finite" }.at(key)),
     }
 }

@@ -1,4 +1,4 @@
-//! What a step of a gait is: its speed, what it costs, the impact at its end.
+//! What is told of a gait: its speed, what it costs, the impact at its end.
 
 use crate::problem::loop_rows::{Walk, exchanged};
 use crate::result::trajectory::Trajectory;
@@ -6,15 +6,28 @@ use costate::EvalError;
 use costate::constraints::Impact;
 use serde::{Deserialize, Serialize};
 
-/// A step of a gait ([`Step`](crate::Step)).
+/// What a step of a [`Gait`](crate::Gait) is and costs.
+///
+/// The cost of transport is the mechanical one of S. Collins, A. Ruina, R. Tedrake, M. Wisse, "Efficient
+/// bipedal robots based on passive-dynamic walkers", Science 307 (2005) 1082-1085: the work of the motors
+/// where they drive, over weight times distance. What they brake is not given back.
+///
+/// $$ c = \frac{W}{m g L}, \qquad W = \int_0^T \sum_i \max(\tau_i v_i, 0) \thinspace dt $$
+///
+/// After a step on level ground the robot has the energy with which it began, so W is `braking` and `loss`
+/// together.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
-pub struct Gait {
+pub struct GaitReport {
     /// Length of the step over its duration (m/s).
     pub speed: f64,
-    /// `sum of |tau v|`, integrated over the step, over weight times length; from the nodes by trapezoids. A
-    /// motor that brakes counts like one that drives. Without the cost of time.
+    /// Mechanical cost of transport c: `work` over `weight_times_length`, without a unit.
     pub cost_of_transport: f64,
+    /// Work W of the motors where they drive (J), by the rule of the direct method on its points: of second
+    /// order in the intervals where a power changes its sign.
+    pub work: f64,
+    /// The same of the negative parts of all powers (J), not negative.
+    pub braking: f64,
     /// Weight times length of a step (J).
     pub weight_times_length: f64,
     /// Impulses of the ground on the feet that land, in the axes of the world (N s).
@@ -27,28 +40,45 @@ pub struct Gait {
     pub miss: f64,
 }
 
-impl Gait {
-    /// That of a motion, with the actuation as torques (N m, N).
+impl GaitReport {
+    /// That of a motion whose intervals have as rows both ends and, between them, the points of a rule with
+    /// these weights; with the gain of the actuation.
     ///
     /// # Errors
     /// States that cannot be evaluated.
-    pub(crate) fn of(walk: &Walk, motion: &Trajectory, gain: &[f64]) -> Result<Option<Self>, EvalError> {
+    pub(crate) fn of(
+        walk: &Walk,
+        motion: &Trajectory,
+        gain: &[f64],
+        weights: &[f64],
+    ) -> Result<Option<Self>, EvalError> {
         let (Some(first), Some(last)) = (motion.t.first(), motion.t.last()) else { return Ok(None) };
-        let duration = last - first;
-        let power = |k: usize| {
-            let parts = motion.u[k].iter().zip(&motion.v[k]).zip(gain);
-            parts.map(|((u, v), gain)| (gain * u * v).abs()).sum::<f64>()
-        };
-        let widths = motion.t.windows(2).map(|ends| ends[1] - ends[0]).enumerate();
-        let work: f64 = widths.map(|(k, width)| 0.5 * width * (power(k) + power(k + 1))).sum();
         let (Some(q), Some(v)) = (motion.q.last(), motion.v.last()) else { return Ok(None) };
+        let [work, braking] = works(motion, gain, weights);
         let landing = Landing::of(walk, q, v)?;
         let miss = landing.miss(&motion.q[0], &motion.v[0]);
         let Landing { impulses, loss, .. } = landing;
-        let (weight_times_length, speed) = (walk.weight() * walk.step.length, walk.step.length / duration);
-        let cost_of_transport = work / weight_times_length;
-        Ok(Some(Self { speed, cost_of_transport, weight_times_length, impulses, loss, miss }))
+        let weight_times_length = walk.weight() * walk.gait.length;
+        let (speed, cost_of_transport) = (walk.gait.length / (last - first), work / weight_times_length);
+        Ok(Some(Self { speed, cost_of_transport, work, braking, weight_times_length, impulses, loss, miss }))
     }
+}
+
+/// The integrals of the positive and of the negative parts of all powers (J), both not negative.
+fn works(motion: &Trajectory, gain: &[f64], weights: &[f64]) -> [f64; 2] {
+    let rows = weights.len() + 2;
+    let mut works = [0.0; 2];
+    for interval in 0..motion.t.len() / rows {
+        let first = rows * interval;
+        let width = motion.t[first + rows - 1] - motion.t[first];
+        for (k, weight) in (first + 1..).zip(weights) {
+            let parts = motion.u[k].iter().zip(&motion.v[k]).zip(gain);
+            for power in parts.map(|((u, v), gain)| gain * u * v) {
+                works[usize::from(power < 0.0)] += weight * width * power.abs();
+            }
+        }
+    }
+    works
 }
 
 /// The state after a step.

@@ -239,7 +239,7 @@ impl<'a> Actuation<'a> {
     fn new(problem: &'a Problem) -> Self {
         let limits = problem.joint_limits().iter().map(|limits| limits.torque).collect();
         // The foot of a step is held by constraints that its robot does not have.
-        let made = problem.step.as_ref().and_then(|_| problem.with_multipliers().ok());
+        let made = problem.gait.as_ref().and_then(|_| problem.with_multipliers().ok());
         let robots = match made.and_then(|made| made.loops) {
             Some(loops) => vec![loops.robot.clone()],
             None => problem.robots(),

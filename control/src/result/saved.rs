@@ -3,7 +3,7 @@
 use crate::options::{SolverOptions, Verify};
 use crate::result::constraint_forces::ConstraintForces;
 use crate::result::free_entries::FreeEntries;
-use crate::result::gait::Gait;
+use crate::result::gait::GaitReport;
 use crate::result::limit_use::LimitReport;
 use crate::result::motion::{Certificate, Motion};
 use crate::result::polish_report::PolishReport;
@@ -115,7 +115,7 @@ struct Document {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     constraints: Vec<ConstraintForces>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    gait: Option<Gait>,
+    gait: Option<GaitReport>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     polish: Option<PolishReport>,
     #[serde(default)]

@@ -3,7 +3,7 @@
 use crate::options::SolverOptions;
 use crate::problem::Problem;
 use crate::result::constraint_forces::ConstraintForces;
-use crate::result::gait::Gait;
+use crate::result::gait::GaitReport;
 use crate::result::limit_use::LimitReport;
 use crate::result::motion::Motion;
 use crate::result::polish_report::PolishReport;
@@ -30,8 +30,8 @@ pub struct Solution {
     pub limits: LimitReport,
     /// The forces of the constraints of the robot at the nodes, and how far the motion drifts from them.
     pub constraints: Vec<ConstraintForces>,
-    /// Of a step of a gait, whose foot on the ground is the only one of `constraints`.
-    pub gait: Option<Gait>,
+    /// Of a gait, whose foot on the ground is the only one of `constraints`.
+    pub gait: Option<GaitReport>,
     /// Whether the motion is that of the direct method or its polished form, and why; `None` where that was
     /// not asked.
     pub polish: Option<PolishReport>,

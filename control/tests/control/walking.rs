@@ -8,7 +8,7 @@ use costate::hamiltonian::Hamiltonian;
 use costate::kinematics::Kinematics;
 use costate::robot::{LoadOptions, Robot};
 use costate_control::{
-    FinalTime, Problem, ProblemError, ProblemFile, Solution, Solver, SolverOptions, Status, Step, StepError,
+    FinalTime, Gait, GaitError, Problem, ProblemError, ProblemFile, Solution, Solver, SolverOptions, Status,
 };
 use std::sync::OnceLock;
 
@@ -117,7 +117,7 @@ fn the_ground_bears_what_the_feet_press() {
 #[test]
 fn the_foot_that_swings_clears_the_ground() {
     let (problem, solution) = walk();
-    let clearance = problem.step.as_ref().unwrap().clearance;
+    let clearance = problem.gait.as_ref().unwrap().clearance;
     let mut kinematics = Kinematics::<f64>::new(&problem.robot);
     let swing = problem.robot.frame_index("left_foot").unwrap();
     let mut most = 0.0_f64;
@@ -160,8 +160,8 @@ fn slippery_ground_costs_more() {
         forces.map(|[x, _, z]| x.abs() / z).fold(0.0_f64, f64::max)
     };
     let least = 0.8 * used(best);
-    let step = problem.step.clone().unwrap().with_friction(least);
-    let slippery = problem.clone().with_step(step);
+    let gait = problem.gait.clone().unwrap().with_friction(least);
+    let slippery = problem.clone().with_gait(gait);
     let solution = solve(&slippery, file().options);
     assert_eq!(solution.motion.status, Status::Converged);
     assert!(solution.total() > best.total() * (1.0 + 1e-6), "{} {}", solution.total(), best.total());
@@ -188,40 +188,40 @@ fn a_step_of_free_time_has_the_best_speed() {
 #[test]
 fn what_is_no_step_is_refused_by_name() {
     let problem = file().problem;
-    let step = problem.step.clone().unwrap();
+    let gait = problem.gait.clone().unwrap();
     let refused = |problem: &Problem| Solver::new(problem, SolverOptions::default()).unwrap_err();
-    let with = |change: &dyn Fn(&mut Step)| {
-        let mut step = step.clone();
-        change(&mut step);
-        refused(&problem.clone().with_step(step))
+    let with = |change: &dyn Fn(&mut Gait)| {
+        let mut gait = gait.clone();
+        change(&mut gait);
+        refused(&problem.clone().with_gait(gait))
     };
     let cause = |error: ProblemError| match error {
-        ProblemError::Step { key, cause } => (key.to_string(), *cause),
+        ProblemError::Gait { key, cause } => (key.to_string(), *cause),
         other => panic!("{other}"),
     };
-    let (key, found) = cause(with(&|step| step.stance = vec!["right_fot".into()]));
-    let StepError::UnknownFrame { frame, nearest } = found else { panic!("{found}") };
-    assert_eq!((&*key, &*frame, &*nearest[0]), ("step.stance", "right_fot", "right_foot"));
-    let (key, found) = cause(with(&|step| step.swing = vec!["right_foot".into()]));
-    assert_eq!((&*key, found), ("step.swing", StepError::OneFoot { frame: "right_foot".into() }));
-    let (key, found) = cause(with(&|step| step.swing.clear()));
-    assert_eq!((&*key, found), ("step.swing", StepError::Unpaired { stance: 1, swing: 0 }));
+    let (key, found) = cause(with(&|gait| gait.stance = vec!["right_fot".into()]));
+    let GaitError::UnknownFrame { frame, nearest } = found else { panic!("{found}") };
+    assert_eq!((&*key, &*frame, &*nearest[0]), ("gait.stance", "right_fot", "right_foot"));
+    let (key, found) = cause(with(&|gait| gait.swing = vec!["right_foot".into()]));
+    assert_eq!((&*key, found), ("gait.swing", GaitError::OneFoot { frame: "right_foot".into() }));
+    let (key, found) = cause(with(&|gait| gait.swing.clear()));
+    assert_eq!((&*key, found), ("gait.swing", GaitError::Unpaired { stance: 1, swing: 0 }));
     for value in [0.0, -0.1, f64::NAN] {
-        let (key, found) = cause(with(&|step| step.length = value));
-        assert!(key == "step.length" && matches!(found, StepError::OutOfRange { .. }), "{found}");
-        let (key, found) = cause(with(&|step| step.friction = value));
-        assert!(key == "step.friction" && matches!(found, StepError::OutOfRange { .. }), "{found}");
+        let (key, found) = cause(with(&|gait| gait.length = value));
+        assert!(key == "gait.length" && matches!(found, GaitError::OutOfRange { .. }), "{found}");
+        let (key, found) = cause(with(&|gait| gait.friction = value));
+        assert!(key == "gait.friction" && matches!(found, GaitError::OutOfRange { .. }), "{found}");
     }
-    assert_eq!(cause(with(&|step| step.clearance = -1.0)).0, "step.clearance");
-    let (key, found) = cause(with(&|step| step.along = "base_z".into()));
-    assert_eq!((&*key, found), ("step.along", StepError::NotAlong { joint: "base_z".into() }));
-    let (key, found) = cause(with(&|step| step.length = 3.0));
-    assert!(key == "start.q" && matches!(found, StepError::CannotStand { .. }), "{found}");
-    let (key, found) = cause(with(&|step| step.mirror.truncate(1)));
-    assert!(key == "step.mirror" && matches!(found, StepError::NotSymmetric { .. }), "{found}");
-    let twice = with(&|step| step.mirror[1] = step.mirror[0].clone());
+    assert_eq!(cause(with(&|gait| gait.clearance = -1.0)).0, "gait.clearance");
+    let (key, found) = cause(with(&|gait| gait.along = "base_z".into()));
+    assert_eq!((&*key, found), ("gait.along", GaitError::NotAlong { joint: "base_z".into() }));
+    let (key, found) = cause(with(&|gait| gait.length = 3.0));
+    assert!(key == "start.q" && matches!(found, GaitError::CannotStand { .. }), "{found}");
+    let (key, found) = cause(with(&|gait| gait.mirror.truncate(1)));
+    assert!(key == "gait.mirror" && matches!(found, GaitError::NotSymmetric { .. }), "{found}");
+    let twice = with(&|gait| gait.mirror[1] = gait.mirror[0].clone());
     assert!(matches!(twice, ProblemError::GivenTwice { .. }), "{twice}");
-    let unknown = with(&|step| step.mirror[1][0] = "left_kne".into());
+    let unknown = with(&|gait| gait.mirror[1][0] = "left_kne".into());
     assert!(unknown.to_string().contains("left_knee"), "{unknown}");
 }
 
@@ -236,8 +236,8 @@ fn problem_files_say_what_is_wrong_with_a_step() {
             .to_string()
     };
     assert!(refused("length = 0.5", "lenght = 0.5").contains("lenght"));
-    assert!(refused("length = 0.5", "").contains("step.length"));
-    assert!(refused("[time]", "[end]\nq = [0.0]\n[time]").contains("remove [end] or [step]"));
+    assert!(refused("length = 0.5", "").contains("gait.length"));
+    assert!(refused("[time]", "[end]\nq = [0.0]\n[time]").contains("remove [end] or [gait]"));
     let mirror =
         refused("[[\"left_hip\", \"right_hip\"], [\"left_knee\", \"right_knee\"]]", "[\"left_hip\"]");
     assert!(mirror.contains("a list of pairs of joint names"), "{mirror}");

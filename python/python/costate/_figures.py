@@ -150,6 +150,17 @@ class Figures:
         return list(self._figures.get("via_times", []))
 
     @property
+    def gait(self) -> dict[str, Any] | None:
+        """Of a problem with a gait: ``speed`` (m/s), ``cost_of_transport``, ``work`` and ``braking`` of the motors (J),
+        ``weight_times_length`` (J), ``impulses`` of the landing (N s), its ``loss`` (J), ``miss``; None of others.
+
+        The cost of transport is ``work / weight_times_length``: only where motors drive, after Collins et al., Science 307
+        (2005) 1082. See ``docs/walking.md``.
+        """
+        found: dict[str, Any] | None = self._figures.get("gait")
+        return found
+
+    @property
     def limits(self) -> dict[str, Any]:
         """How the motion uses its limits, by "position", "rate", "acceleration", "torque", "jerk", "torque_rate", "power",
         "torque_speed" and "task", where they are limited.

@@ -50,7 +50,7 @@ class Problem(Solves):
         them is a `LimitWarning`.
     via, keep, obstacle : list of dict
         Places on the way; what tools keep; what the robot keeps away from, with the bodies of ``collision``.
-    bounds, penalty, actuation, periodic, step, collision, solver, start_from : dict
+    bounds, penalty, actuation, periodic, gait, collision, solver, start_from : dict
         The other tables.
     folder : path, optional
         Where relative paths in the tables begin.
@@ -88,7 +88,7 @@ class Problem(Solves):
         actuation: Mapping[str, Any] | ArrayLike | None = None,
         via: Sequence[Mapping[str, Any]] | None = None,
         periodic: Mapping[str, Any] | ArrayLike | bool | None = None,
-        step: Mapping[str, Any] | None = None,
+        gait: Mapping[str, Any] | None = None,
         keep: Sequence[Mapping[str, Any]] | Mapping[str, Any] | None = None,
         obstacle: Sequence[Mapping[str, Any]] | Mapping[str, Any] | None = None,
         collision: Mapping[str, Any] | None = None,
@@ -99,7 +99,7 @@ class Problem(Solves):
         given: dict[str, Any] = {"start": start, "end": end, "time": time, "cost": cost, "limits": limits}
         given |= {"bounds": bounds, "penalty": penalty, "actuation": actuation, "via": via, "periodic": periodic}
         given |= {"keep": keep, "obstacle": obstacle, "collision": collision, "solver": solver}
-        given |= {"step": step, "start_from": start_from}
+        given |= {"gait": gait, "start_from": start_from}
         all_tables = dict(tables or {})
         for name, value in given.items():
             if value is None:

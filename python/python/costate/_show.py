@@ -25,6 +25,9 @@ def _rows(solution: Solution) -> list[tuple[str, str]]:
         rows.append(("finer mesh", f"changes the cost by {solution.finer_mesh:.1e} relative"))
     if np.isfinite(solution.end_defect):
         rows.append(("end defect", f"{solution.end_defect:.1e}"))
+    if solution.gait:
+        rows.append(("speed", f"{solution.gait['speed']:.4g} m/s"))
+        rows.append(("cost of transport", f"{solution.gait['cost_of_transport']:.4g}"))
     for kind, use in solution.limits.items():
         worst = use.get("worst")
         where = f", {worst['joint']} at {worst['time']:.4g} s" if worst else ""

@@ -13,7 +13,7 @@ from ._errors import ProblemError
 # What a number or a list stands for, where a table can be given.
 _SHORT = {"start": "q", "end": "q", "cost": "effort", "time": "final", "periodic": "shift", "actuation": "gain"}
 _TABLES = (
-    *("robot", "start", "end", "via", "periodic", "step", "time", "cost", "actuation", "bounds", "limits"),
+    *("robot", "start", "end", "via", "periodic", "gait", "time", "cost", "actuation", "bounds", "limits"),
     *("penalty", "keep", "obstacle", "collision", "start_from", "solver"),
 )
 

@@ -3,6 +3,7 @@
 use super::values::{number, placement, shown, vector};
 use crate::models::{LinkModel, Mesh, ModelShape};
 use crate::motion::Motion;
+use crate::shape::{is_trunk, moves_freely};
 use crate::tools::ToolFrame;
 use costate::robot::{JointKind, Placement, Robot};
 use costate_control::{Problem, Shape};
@@ -156,7 +157,7 @@ impl<'a> Capsules<'a> {
             ends.push(child.placement.translation);
             self.rail(i, bodies);
         }
-        if ends.is_empty() {
+        if ends.is_empty() || is_trunk(self.robot, joint) {
             let tools = self.tools.iter().filter(|tool| tool.joint == Some(joint));
             ends.extend(tools.map(|tool| tool.placement.translation));
             let frames = self.robot.frames().iter().filter(|frame| frame.joint == Some(joint));
@@ -175,10 +176,10 @@ impl<'a> Capsules<'a> {
         }
     }
 
-    /// What a prismatic joint slides on, as long as its way.
+    /// What a prismatic joint slides on, as long as its way. A base that moves freely slides on nothing.
     fn rail(&self, joint: usize, bodies: &mut Vec<Value>) {
         let slide = &self.robot.joints()[joint];
-        if slide.kind != JointKind::Prismatic {
+        if slide.kind != JointKind::Prismatic || moves_freely(self.robot, joint) {
             return;
         }
         let margin = 0.05 * self.reach;

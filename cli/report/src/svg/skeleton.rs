@@ -1,5 +1,6 @@
 //! The robot as a stick figure: points in the world frame and lines between them.
 
+use crate::shape::{is_trunk, moves_freely};
 use costate::robot::{JointKind, Robot};
 use costate_control::Trajectory;
 
@@ -13,7 +14,7 @@ pub enum Part {
     Base,
     /// Between two joints, or from the last joint to the centre of mass of its link.
     Link,
-    /// The displacement of a prismatic joint.
+    /// The displacement of a prismatic joint, but for those of a base that moves freely.
     Slide,
 }
 
@@ -29,13 +30,13 @@ impl Part {
 
 /// Point 0 is the origin of the world frame. Point 1 + 2 i is the origin of the frame of joint i at q = 0 of
 /// this joint, point 2 + 2 i its origin at the actual position; for a revolute joint both are the same. The
-/// centres of mass of the links without a child follow.
+/// centres of mass of the links without a child follow, and of trunks.
 pub struct Skeleton<'a> {
     robot: &'a Robot,
     leaves: Vec<usize>,
     /// Two points and the meaning of the line between them.
     pub lines: Vec<(usize, usize, Part)>,
-    /// The points whose path is drawn: one for each link without a child.
+    /// The points whose path is drawn: one for each link without a child, and for each trunk.
     pub tips: Vec<usize>,
 }
 
@@ -56,7 +57,7 @@ impl<'a> Skeleton<'a> {
     pub fn new(robot: &'a Robot) -> Self {
         let n = robot.joints().len();
         let carries = |i: usize| robot.joints().iter().any(|joint| joint.parent == Some(i));
-        let leaves: Vec<usize> = (0..n).filter(|&i| !carries(i)).collect();
+        let leaves: Vec<usize> = (0..n).filter(|&i| !carries(i) || is_trunk(robot, i)).collect();
         let mut lines = Vec::new();
         for (i, joint) in robot.joints().iter().enumerate() {
             let length = joint.placement.translation.norm();
@@ -64,7 +65,7 @@ impl<'a> Skeleton<'a> {
             if length > SHORTEST {
                 lines.push((from, placed(i), part));
             }
-            if joint.kind == JointKind::Prismatic {
+            if joint.kind == JointKind::Prismatic && !moves_freely(robot, i) {
                 lines.push((placed(i), moved(i), Part::Slide));
             }
         }

@@ -1,8 +1,8 @@
 //! Rows of tasks along a motion and at the ends of its phases.
 
+use super::gait_rows::{Derivatives, GaitRows};
 use super::quartic::bound_of_quartic;
 use super::side::{Limited, Side};
-use super::step_rows::{Derivatives, StepRows};
 use crate::direct::motion::spline::Spline;
 use crate::direct::points::values::Points;
 use crate::problem::loop_rows::Loops;
@@ -24,13 +24,13 @@ pub(crate) struct Tasks {
     first: usize,
     /// At each end of a phase.
     ends: Vec<TaskFunctions>,
-    /// Of a step of a gait: after the rows of the start, and after those along the motion.
-    step: Option<Box<StepRows>>,
+    /// Of a gait: after the rows of the start, and after those along the motion.
+    gait: Option<Box<GaitRows>>,
     /// 2n x 2n.
     hessian: Vec<f64>,
     /// q and v at an end.
     state: Vec<f64>,
-    /// Those at the end of a step.
+    /// Those at the end of a step of a gait.
     last: Vec<f64>,
     /// Largest |q| and |dq/dx| on an interval.
     bounds: [Vec<f64>; 2],
@@ -44,7 +44,7 @@ impl Tasks {
     /// Those of a robot with n joints whose points have so many rows h of powers.
     pub fn new(rows: &TaskRows, n: usize, powers: usize) -> Self {
         Self {
-            step: None,
+            gait: None,
             last: Vec::new(),
             along: rows.along.clone(),
             accelerations: rows.accelerations.clone(),
@@ -58,28 +58,28 @@ impl Tasks {
         }
     }
 
-    /// With those of a step of a gait.
-    pub fn with_step(self, loops: Option<&Loops>) -> Self {
-        let step = loops.and_then(|loops| Some(Box::new(StepRows::new(loops, loops.walk.as_ref()?))));
-        Self { last: vec![0.0; self.state.len()], step, ..self }
+    /// With those of a gait.
+    pub fn with_gait(self, loops: Option<&Loops>) -> Self {
+        let gait = loops.and_then(|loops| Some(Box::new(GaitRows::new(loops, loops.walk.as_ref()?))));
+        Self { last: vec![0.0; self.state.len()], gait, ..self }
     }
 
-    /// What holds for the rows of a step along the motion, and at its ends.
-    fn of_step(&self) -> [&[Row]; 2] {
-        match &self.step {
-            Some(step) => [step.along(), step.bounds()],
+    /// What holds for the rows of a gait along the motion, and at its ends.
+    fn of_gait(&self) -> [&[Row]; 2] {
+        match &self.gait {
+            Some(gait) => [gait.along(), gait.bounds()],
             None => [&[], &[]],
         }
     }
 
     /// Number of rows at the start that depend on the end too.
     pub fn rows_of_both_ends(&self) -> usize {
-        self.of_step()[1].len()
+        self.of_gait()[1].len()
     }
 
     /// Numbers of rows along the motion: g(q, v); h, those of powers and of accelerations of tools.
     pub fn rows(&self) -> [usize; 2] {
-        [self.along.rows() + self.of_step()[0].len(), self.first + self.accelerations.bounds().len()]
+        [self.along.rows() + self.of_gait()[0].len(), self.first + self.accelerations.bounds().len()]
     }
 
     /// Number of rows at all ends of phases.
@@ -92,7 +92,7 @@ impl Tasks {
         let of = |limited, first: usize| {
             move |(index, row): (usize, &Row)| Side::of_row(limited, first + index, row).collect::<Vec<_>>()
         };
-        let rows = self.along.bounds().iter().chain(self.of_step()[0]);
+        let rows = self.along.bounds().iter().chain(self.of_gait()[0]);
         let rows = rows.enumerate().flat_map(of(Limited::Task, 0));
         let accelerations = self.accelerations.bounds().iter().enumerate();
         rows.chain(accelerations.flat_map(of(Limited::ToolAcceleration, self.first)))
@@ -109,7 +109,7 @@ impl Tasks {
                 .collect()
         };
         let mut all: Vec<Vec<Side>> = self.ends.iter().map(sides).collect();
-        let (first, bounds) = (self.ends[0].rows(), self.of_step()[1].iter().enumerate());
+        let (first, bounds) = (self.ends[0].rows(), self.of_gait()[1].iter().enumerate());
         all[0].extend(bounds.flat_map(|(index, row)| Side::of_row(Limited::Task, first + index, row)));
         all
     }
@@ -146,10 +146,10 @@ impl Tasks {
                 self.accelerations.values(z, &mut h[self.first..])?;
             }
         }
-        if let Some(step) = &mut self.step {
+        if let Some(gait) = &mut self.gait {
             let (rows, first) = (points.rows, self.along.rows());
             for (z, g) in points.z.chunks_exact(3 * n).zip(points.g.chunks_exact_mut(rows)) {
-                step.heights(z, &mut g[first..])?;
+                gait.heights(z, &mut g[first..])?;
             }
         }
         if self.along.is_empty() {
@@ -176,11 +176,11 @@ impl Tasks {
             functions.values(&self.state[..n], &self.state[n..], g)?;
             first += functions.rows();
         }
-        if let Some(step) = &mut self.step {
+        if let Some(gait) = &mut self.gait {
             spline.end(0, &mut self.state);
             spline.end(spline.mesh.phases(), &mut self.last);
-            let rows = step.bounds().len();
-            step.values([&self.state, &self.last], &mut points.ends.g[..rows])?;
+            let rows = gait.bounds().len();
+            gait.values([&self.state, &self.last], &mut points.ends.g[..rows])?;
         }
         Ok(())
     }
@@ -193,7 +193,7 @@ impl Tasks {
     pub fn contract(&mut self, spline: &Spline, points: &mut Points) -> Result<(), EvalError> {
         self.contract_points(points)?;
         self.contract_accelerations(points)?;
-        self.contract_step(spline, points)?;
+        self.contract_gait(spline, points)?;
         let (n, mut first) = (spline.dof, 0);
         for (end, functions) in self.ends.iter_mut().enumerate() {
             if functions.is_empty() {
@@ -216,10 +216,10 @@ impl Tasks {
         Ok(())
     }
 
-    /// The rows of a step. Nothing else is asked of its ends, so they are the first ones there.
-    fn contract_step(&mut self, spline: &Spline, points: &mut Points) -> Result<(), EvalError> {
-        let Some(step) = &mut self.step else { return Ok(()) };
-        step.contract_heights(points, self.along.rows())?;
+    /// The rows of a gait. Nothing else is asked of its ends, so they are the first ones there.
+    fn contract_gait(&mut self, spline: &Spline, points: &mut Points) -> Result<(), EvalError> {
+        let Some(gait) = &mut self.gait else { return Ok(()) };
+        gait.contract_heights(points, self.along.rows())?;
         let last = spline.mesh.phases();
         spline.end(0, &mut self.state);
         spline.end(last, &mut self.last);
@@ -230,7 +230,7 @@ impl Tasks {
             entries.fill(0.0);
         }
         let derivatives = Derivatives { near: &mut all.g_x, far: &mut all.far, at_start, at_end };
-        step.contract([&self.state, &self.last], &all.weights, &mut all.g, derivatives)
+        gait.contract([&self.state, &self.last], &all.weights, &mut all.g, derivatives)
     }
 
     fn contract_points(&mut self, points: &mut Points) -> Result<(), EvalError> {
@@ -339,7 +339,7 @@ impl Tasks {
             return &self.accelerations.bounds()[side.joint - self.first];
         }
         let functions = end.map_or(&self.along, |end| &self.ends[end]);
-        let of_step = self.of_step()[usize::from(end.is_some())];
-        functions.bounds().get(side.joint).unwrap_or_else(|| &of_step[side.joint - functions.rows()])
+        let of_gait = self.of_gait()[usize::from(end.is_some())];
+        functions.bounds().get(side.joint).unwrap_or_else(|| &of_gait[side.joint - functions.rows()])
     }
 }

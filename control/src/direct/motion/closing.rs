@@ -1,6 +1,6 @@
 //! First guesses of robots whose loops are closed.
 
-use crate::constants::checks::step::{GUESSED_HEIGHT, GUESSED_IMPULSE, NEAR};
+use crate::constants::checks::gait::{GUESSED_HEIGHT, GUESSED_IMPULSE, NEAR};
 use crate::problem::loop_rows::{Loops, Walk};
 use costate::constraints::ConstrainedHamiltonian;
 use costate::robot::{ConstraintRow, ConstraintSpec, Placement};
@@ -73,13 +73,13 @@ impl<'a> Stepping<'a> {
 
     /// Moves the joints to the nearest position with both feet where they shall be, if there is one.
     fn place(&self, s: f64, q: &mut [f64]) {
-        let step = &self.walk.step;
+        let gait = &self.walk.gait;
         let part = 2.0 * s - 1.0;
         let [of_clearance, of_length] = GUESSED_HEIGHT;
-        let height = of_clearance * step.clearance + of_length * step.length;
+        let height = of_clearance * gait.clearance + of_length * gait.length;
         let mut robot = self.loops.robot.clone();
-        for (swings, x) in step.swing.iter().zip(&self.walk.places) {
-            let at = [x + part * step.length, 0.0, height * (1.0 - part * part)];
+        for (swings, x) in gait.swing.iter().zip(&self.walk.places) {
+            let at = [x + part * gait.length, 0.0, height * (1.0 - part * part)];
             let rows = [ConstraintRow::X, ConstraintRow::Z];
             let foot = ConstraintSpec::rows(swings.as_str(), swings, "world", &rows)
                 .to_placed(Placement::from_xyz_rpy(at, [0.0; 3]));

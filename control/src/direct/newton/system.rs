@@ -262,5 +262,5 @@ impl System {
 mod tests;
 
 #[cfg(test)]
-#[path = "step_tests.rs"]
-mod step_tests;
+#[path = "gait_tests.rs"]
+mod gait_tests;

@@ -68,7 +68,7 @@ pub(crate) fn interior_on(
     let points = |robot: &Robot| AnyPoints::new(problem, robot, options);
     let dynamics = PhaseDynamics::new(&problem.robots(), points);
     let powers = Powers::new(problem);
-    let tasks = Tasks::new(rows, problem.coordinates(), powers.rows()).with_step(problem.loops.as_deref());
+    let tasks = Tasks::new(rows, problem.coordinates(), powers.rows()).with_gait(problem.loops.as_deref());
     let model = Model { dynamics, tasks, powers };
     let (running, ends) = (Running::new(problem, rows), Ends::new(problem));
     let mut interior = Interior::new(spline, sides(problem), model, running, ends);

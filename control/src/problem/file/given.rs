@@ -41,7 +41,7 @@ impl Tables {
                 true => vec![0.0; n],
                 false => shift.clone(),
             }),
-            step: self.step.clone(),
+            gait: self.gait.clone(),
             loops: None,
             robot,
         };

@@ -3,6 +3,7 @@
 pub(crate) mod document;
 pub(crate) mod error;
 mod fault;
+mod gait;
 mod given;
 mod joints;
 mod nested;
@@ -12,7 +13,6 @@ mod phases;
 mod references;
 mod robot;
 mod solver;
-mod step;
 mod table;
 mod tables;
 mod task;

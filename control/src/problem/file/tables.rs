@@ -7,8 +7,8 @@ use crate::problem::file::joints::{JointName, joints};
 use crate::problem::file::phases::{self, ViaTable};
 use crate::problem::file::robot::{self, RobotTable, Source};
 use crate::problem::file::table::{Table, number};
-use crate::problem::file::{solver, step, task};
-use crate::problem::{Bounds, FinalTime, MotionLimits, Penalty, Step, Task};
+use crate::problem::file::{gait, solver, task};
+use crate::problem::{Bounds, FinalTime, Gait, MotionLimits, Penalty, Task};
 
 const ROOT: &[&str] = &[
     "robot",
@@ -16,7 +16,7 @@ const ROOT: &[&str] = &[
     "end",
     "via",
     "periodic",
-    "step",
+    "gait",
     "time",
     "cost",
     "actuation",
@@ -70,7 +70,7 @@ pub(super) struct Tables {
     pub task: Task,
     pub vias: Vec<ViaTable>,
     pub periodic: Option<Vec<f64>>,
-    pub step: Option<Step>,
+    pub gait: Option<Gait>,
     pub start_from: Option<String>,
     pub options: SolverOptions,
 }
@@ -107,10 +107,10 @@ pub(super) fn read(root: &Table<'_>, source: Source) -> Result<Tables, Fault> {
     let needed = |name, keys| root.need(name, optional(name, keys)?);
     let robot = robot::read(root, source)?;
     let (vias, periodic) = (phases::vias(root)?, phases::periodic(root)?);
-    let step = step::step(root)?;
+    let gait = gait::gait(root)?;
     let (start, end) = match periodic {
-        None if step.is_some() => {
-            step::refuse_ends(root)?;
+        None if gait.is_some() => {
+            gait::refuse_ends(root)?;
             (state(&needed("start", STATE)?)?, StateTable::default())
         }
         None => {
@@ -159,7 +159,7 @@ pub(super) fn read(root: &Table<'_>, source: Source) -> Result<Tables, Fault> {
         task,
         vias,
         periodic,
-        step,
+        gait,
         start_from: start_from.map(|table| table.need("file", table.string("file")?)).transpose()?,
         options: optional("solver", solver::KEYS)?
             .map_or(Ok(SolverOptions::default()), |table| solver::read(&table, SolverOptions::default()))?,

@@ -2,7 +2,7 @@
 
 use super::System;
 use crate::direct::interior::iterate::Interior;
-use crate::direct::limits::step_rows::tests::rabbit;
+use crate::direct::limits::gait_rows::tests::rabbit;
 use crate::direct::solve::prepare::{Dynamics, interior};
 use crate::options::SolverOptions;
 use crate::task::build::TaskRows;

@@ -1,17 +1,17 @@
-//! The table of a step.
+//! The table of a gait.
 
 use super::fault::Fault;
 use super::table::{Table, string};
-use crate::problem::Step;
+use crate::problem::Gait;
 use crate::problem::file::error::ProblemFileCause;
 use toml::de::DeValue;
 
-const STEP: &[&str] = &["stance", "swing", "along", "length", "friction", "clearance", "mirror"];
+const KEYS: &[&str] = &["stance", "swing", "along", "length", "friction", "clearance", "mirror"];
 
-/// Reads `[step]`.
-pub(super) fn step(root: &Table<'_>) -> Result<Option<Step>, Fault> {
-    let Some(table) = root.table("step")? else { return Ok(None) };
-    table.only(STEP)?;
+/// Reads `[gait]`.
+pub(super) fn gait(root: &Table<'_>) -> Result<Option<Gait>, Fault> {
+    let Some(table) = root.table("gait")? else { return Ok(None) };
+    table.only(KEYS)?;
     let feet = |key: &str| -> Result<Vec<String>, Fault> {
         match table.has_list(key) {
             true => {
@@ -22,10 +22,10 @@ pub(super) fn step(root: &Table<'_>) -> Result<Option<Step>, Fault> {
     };
     let length = table.need("length", table.number("length")?)?;
     let along = table.need("along", table.string("along")?)?;
-    let mut step = Step::new(&[], &[], &along, length);
-    (step.stance, step.swing) = (feet("stance")?, feet("swing")?);
-    step.friction = table.number("friction")?.unwrap_or(step.friction);
-    step.clearance = table.number("clearance")?.unwrap_or(step.clearance);
+    let mut gait = Gait::new(&[], &[], &along, length);
+    (gait.stance, gait.swing) = (feet("stance")?, feet("swing")?);
+    gait.friction = table.number("friction")?.unwrap_or(gait.friction);
+    gait.clearance = table.number("clearance")?.unwrap_or(gait.clearance);
     let pair = |value: &DeValue<'_>| -> Option<[String; 2]> {
         let DeValue::Array(entries) = value else { return None };
         let names = entries.iter().map(|entry| match entry.get_ref() {
@@ -34,13 +34,13 @@ pub(super) fn step(root: &Table<'_>) -> Result<Option<Step>, Fault> {
         });
         names.collect::<Option<Vec<_>>>()?.try_into().ok()
     };
-    step.mirror = table.list("mirror", "a list of pairs of joint names", pair)?.unwrap_or_default();
-    Ok(Some(step))
+    gait.mirror = table.list("mirror", "a list of pairs of joint names", pair)?.unwrap_or_default();
+    Ok(Some(gait))
 }
 
 /// Refuses what says where a step ends.
 pub(super) fn refuse_ends(root: &Table<'_>) -> Result<(), Fault> {
-    let message = "the start and the end of a step follow from each other; remove [end] or [step]";
+    let message = "the start and the end of a step follow from each other; remove [end] or [gait]";
     match root.has("end") {
         true => Err(root.fault("end", ProblemFileCause::Conflict(message))),
         false => Ok(()),

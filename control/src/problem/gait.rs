@@ -1,7 +1,7 @@
-//! A step of a walking robot, as the user gives it.
+//! The gait of a walking robot, as the user gives it.
 
-/// A step of a planar robot with point feet, in a gait that repeats itself mirrored: a walk on two legs, a
-/// trot on four.
+/// A gait of a planar robot with point feet that repeats itself mirrored after each step: a walk on two legs,
+/// a trot on four. The motion is one step of it, from one landing to the next.
 ///
 /// During the step some feet stand on the ground, pinned by forces within their friction cones, and as many
 /// others swing. At the end these land: an inelastic impact changes the velocities, the first ones leave the
@@ -16,25 +16,25 @@
 /// origin.
 ///
 /// ```
-/// use costate_control::{MotionLimits, Objective, Problem, Step};
+/// use costate_control::{MotionLimits, Objective, Problem, Gait};
 /// use costate::robot::Robot;
 /// # std::env::set_current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))?;
 /// let robot = Robot::from_file("robots/rabbit.toml")?;
 /// let q = [-0.25, 0.72, 0.1, 0.1, 0.3, -0.6, 0.3];
-/// let step = Step::new(&["right_foot"], &["left_foot"], "base_x", 0.5)
+/// let gait = Gait::new(&["right_foot"], &["left_foot"], "base_x", 0.5)
 ///     .with_mirror(&[["left_hip", "right_hip"], ["left_knee", "right_knee"]]);
 /// let most = [[0.0; 3].as_slice(), &[150.0; 4]].concat();
 /// let effort = [[0.0; 3].as_slice(), &[1.0; 4]].concat();
 /// let problem = Problem::rest_to_rest(robot, &q, &q, 0.7)
 ///     .with_cost(Objective::new(0.0, effort))
 ///     .with_limits(MotionLimits::none().with_torque_max(most))
-///     .with_step(step);
+///     .with_gait(gait);
 /// problem.check_for(costate_control::Method::Direct)?;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
-pub struct Step {
+pub struct Gait {
     /// The frames that stand on the ground during the step: points.
     pub stance: Vec<String>,
     /// For each of them the one that lands in its place, one step ahead, at the end.
@@ -52,11 +52,11 @@ pub struct Step {
     pub mirror: Vec<[String; 2]>,
 }
 
-impl Step {
+impl Gait {
     /// Coefficient of friction where none is given.
     pub const FRICTION: f64 = 0.6;
 
-    /// A step of this length (m) with the friction 0.6 and no clearance, of a robot whose joints stay in
+    /// Steps of this length (m) with the friction 0.6 and no clearance, of a robot whose joints stay in
     /// their places. Frames and the joint are named.
     pub fn new(stance: &[&str], swing: &[&str], along: &str, length: f64) -> Self {
         let [stance, swing] = [stance, swing].map(|feet| feet.iter().map(|&foot| foot.to_owned()).collect());

@@ -1,12 +1,12 @@
-use super::{Derivatives, StepRows};
+use super::{Derivatives, GaitRows};
 use crate::direct::points::values::Points;
-use crate::problem::{MotionLimits, Objective, Problem, Step};
+use crate::problem::{Gait, MotionLimits, Objective, Problem};
 use costate_test_support::robots::file;
 
 /// A step of RABBIT with its multipliers.
 pub(in crate::direct) fn rabbit() -> Problem {
     let q = [-0.25, 0.72, 0.1, 0.1, 0.3, -0.6, 0.3];
-    let step = Step::new(&["right_foot"], &["left_foot"], "base_x", 0.5)
+    let gait = Gait::new(&["right_foot"], &["left_foot"], "base_x", 0.5)
         .with_clearance(0.05)
         .with_mirror(&[["left_hip", "right_hip"], ["left_knee", "right_knee"]]);
     let most = [[0.0; 3].as_slice(), &[150.0; 4]].concat();
@@ -14,17 +14,17 @@ pub(in crate::direct) fn rabbit() -> Problem {
     let problem = Problem::rest_to_rest(file("rabbit.toml"), &q, &q, 0.7)
         .with_cost(Objective::new(0.0, effort))
         .with_limits(MotionLimits::none().with_torque_max(most))
-        .with_step(step);
+        .with_gait(gait);
     problem.with_multipliers().unwrap()
 }
 
-fn rows(problem: &Problem) -> StepRows {
+fn rows(problem: &Problem) -> GaitRows {
     let loops = problem.loops.as_ref().unwrap();
-    StepRows::new(loops, loops.walk.as_ref().unwrap())
+    GaitRows::new(loops, loops.walk.as_ref().unwrap())
 }
 
 /// g, its derivatives by both states, and the weighted second ones by each.
-fn derivatives(rows: &mut StepRows, states: [&[f64]; 2], weights: &[f64]) -> [Vec<f64>; 5] {
+fn derivatives(rows: &mut GaitRows, states: [&[f64]; 2], weights: &[f64]) -> [Vec<f64>; 5] {
     let (count, width) = (weights.len(), states[0].len());
     let zeros = |size: usize| vec![0.0; size];
     let mut all = [
@@ -47,7 +47,7 @@ fn derivatives_of_the_impact_are_those_of_differences() {
     let some = |first: f64, n: usize| (0..n).map(|i| (first + 1.3 * i as f64).sin()).collect::<Vec<_>>();
     let (states, weights) = ([some(0.2, width), some(1.1, width)], some(2.4, count));
     let all =
-        |rows: &mut StepRows, states: &[Vec<f64>; 2]| derivatives(rows, [&states[0], &states[1]], &weights);
+        |rows: &mut GaitRows, states: &[Vec<f64>; 2]| derivatives(rows, [&states[0], &states[1]], &weights);
     let [g, near, far, at_start, at_end] = all(&mut rows, &states);
     let mut values = vec![0.0; count];
     rows.values([&states[0], &states[1]], &mut values).unwrap();
@@ -56,7 +56,7 @@ fn derivatives_of_the_impact_are_those_of_differences() {
     let close = |found: f64, expected: f64| (found - expected).abs() < 1e-7 * (1.0 + expected.abs());
     for (end, jacobian, hessian) in [(0, &near, &at_start), (1, &far, &at_end)] {
         for j in 0..width {
-            let at = |rows: &mut StepRows, h: f64| {
+            let at = |rows: &mut GaitRows, h: f64| {
                 let mut states = states.clone();
                 states[end][j] += h;
                 all(rows, &states)
@@ -87,7 +87,7 @@ fn derivatives_of_the_height_are_those_of_differences() {
     let mut points = Points::default();
     points.resize(all, [1, 0], std::iter::once(1));
     points.g_weights[0] = 0.7;
-    let at = |rows: &mut StepRows, points: &mut Points, j: usize, h: f64| {
+    let at = |rows: &mut GaitRows, points: &mut Points, j: usize, h: f64| {
         points.z.iter_mut().enumerate().for_each(|(i, z)| *z = (0.4 + 1.7 * i as f64).sin());
         points.z[j] += h;
         points.hessian.fill(0.0);

@@ -1,4 +1,4 @@
-//! What is wrong with a step.
+//! What is wrong with a gait.
 
 use super::key::Key;
 use costate::constraints::ConstraintError;
@@ -6,10 +6,10 @@ use costate::robot::{RobotError, printable, printable_number as number};
 use std::fmt;
 use std::sync::Arc;
 
-/// Why a [`Step`](crate::Step) was refused.
+/// Why a [`Gait`](crate::Gait) was refused.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
-pub enum StepError {
+pub enum GaitError {
     /// A frame that the robot does not have.
     UnknownFrame {
         /// The name that was given.
@@ -70,12 +70,12 @@ pub enum StepError {
         /// Why.
         cause: ConstraintError,
     },
-    /// Something that steps do not take.
+    /// Something that gaits do not take.
     NotTaken {
         /// What it is.
         with: Key,
     },
-    /// Something that takes no step at all.
+    /// Something that takes no gait at all.
     NotHere,
     /// A robot with constraints of its own.
     Constrained {
@@ -85,13 +85,13 @@ pub enum StepError {
 }
 
 /// Errors with one message are one.
-impl PartialEq for StepError {
+impl PartialEq for GaitError {
     fn eq(&self, other: &Self) -> bool {
         std::mem::discriminant(self) == std::mem::discriminant(other) && self.to_string() == other.to_string()
     }
 }
 
-impl fmt::Display for StepError {
+impl fmt::Display for GaitError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::UnknownFrame { frame, nearest } => {
@@ -125,7 +125,7 @@ impl fmt::Display for StepError {
             ),
             Self::NotPlanar { frame } => write!(
                 f,
-                "a joint moves the frame '{}' along y of the world; steps are those of robots in the plane of \
+                "a joint moves the frame '{}' along y of the world; gaits are those of robots in the plane of \
                  x and z",
                 printable(frame)
             ),
@@ -145,21 +145,21 @@ impl fmt::Display for StepError {
             Self::CannotStand { cause } => {
                 write!(f, "from here the feet do not come to the ground one step apart: {cause}")
             }
-            Self::NotTaken { with } => write!(f, "{with} and a step do not go together; remove one of the two"),
+            Self::NotTaken { with } => write!(f, "{with} and a gait do not go together; remove one of the two"),
             Self::NotHere => f.write_str(
-                "steps are motions of the direct method alone, without solving again, feedback, sensitivities or \
-                 continuation; remove [step], or that",
+                "gaits are motions of the direct method alone, without solving again, feedback, sensitivities or \
+                 continuation; remove [gait], or that",
             ),
             Self::Constrained { constraint } => write!(
                 f,
-                "the robot has the constraint '{}', and steps are those of open trees; remove it",
+                "the robot has the constraint '{}', and gaits are those of open trees; remove it",
                 printable(constraint)
             ),
         }
     }
 }
 
-impl std::error::Error for StepError {
+impl std::error::Error for GaitError {
     fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
         match self {
             Self::CannotStand { cause } => Some(cause),

@@ -1,4 +1,4 @@
-//! A step of a gait: the impact between two steps, and the heights of the feet that swing.
+//! The rows of a gait: the impact between two steps, and the heights of the feet that swing.
 
 use crate::direct::points::values::Points;
 use crate::problem::loop_rows::{LoopRow, Loops, Walk};
@@ -12,7 +12,7 @@ use std::ops::Range;
 /// The unit of violations of the height (m).
 const HEIGHT: f64 = 0.1;
 
-/// The rows of a step in the states x = (q, nu, v, dnu/dt) of both ends, of n joints and k multipliers:
+/// The rows of a gait in the states x = (q, nu, v, dnu/dt) of both ends, of n joints and k multipliers:
 ///
 /// ```text
 /// M v(0) - J'dnu/dt(0) - S M v(T)     n, momenta after the impact
@@ -26,7 +26,7 @@ const HEIGHT: f64 = 0.1;
 /// `M v` is what inverse dynamics needs for the acceleration v at rest, more than for none; its derivatives
 /// are those of inverse dynamics.
 #[derive(Clone, Debug)]
-pub(crate) struct StepRows {
+pub(crate) struct GaitRows {
     open: LagrangianSecondOrder<f64>,
     rows: Vec<LoopRow>,
     exchange: Vec<usize>,
@@ -66,7 +66,7 @@ fn pairs(n: usize) -> impl Iterator<Item = (usize, usize)> {
     (0..n).flat_map(move |i| (0..n).map(move |j| (i, j)))
 }
 
-impl StepRows {
+impl GaitRows {
     pub fn new(loops: &Loops, walk: &Walk) -> Self {
         let stance = Constraints::<Tangent<f64>>::new(&loops.robot);
         let (n, k) = (stance.dof(), loops.rows.len());
@@ -77,7 +77,7 @@ impl StepRows {
             Row::equal(0.0, scale, "kg m/s, kg m^2/s", format!("momentum {i} through the impact"))
         });
         let of = |what: &str, unit, first: usize| {
-            let name = format!("{what} of '{}' at the start of the step", walk.step.stance[first / 2]);
+            let name = format!("{what} of '{}' at the start of the step", walk.gait.stance[first / 2]);
             Row::equal(0.0, 1.0, unit, name)
         };
         let speeds = (0..k).map(|c| of("velocity", "m/s", c));
@@ -102,10 +102,10 @@ impl StepRows {
             foot: Constraints::new(&walk.foot),
             of_swing: vec![0.0; k],
             of_foot: vec![0.0; k],
-            arch: [walk.step.clearance, walk.step.length],
+            arch: [walk.gait.clearance, walk.gait.length],
             bounds: bounds.collect(),
             places,
-            heights: walk.step.swing.iter().map(height).collect(),
+            heights: walk.gait.swing.iter().map(height).collect(),
             rest: vec![0.0; n],
             weights: vec![0.0; n],
             momentum: vec![0.0; n],
@@ -326,5 +326,5 @@ impl StepRows {
 }
 
 #[cfg(test)]
-#[path = "step_rows_tests.rs"]
+#[path = "gait_rows_tests.rs"]
 pub(in crate::direct) mod tests;

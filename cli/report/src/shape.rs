@@ -1,0 +1,39 @@
+//! What the tree of a robot without visual models says about its shape.
+
+use costate::robot::{Joint, Robot};
+
+/// Shorter distances count as none (m).
+const SHORTEST: f64 = 1e-9;
+
+/// Whether a joint is a coordinate of a base that moves freely, and not a slide: its link, and those that
+/// carry it, have no mass.
+pub(crate) fn moves_freely(robot: &Robot, joint: usize) -> bool {
+    let Joint { inertia, parent, .. } = &robot.joints()[joint];
+    inertia.mass == 0.0 && parent.is_none_or(|parent| moves_freely(robot, parent))
+}
+
+/// Whether the link of a joint carries several others at its own origin, as a torso whose hips are there:
+/// where it is, its centre of mass says.
+pub(crate) fn is_trunk(robot: &Robot, joint: usize) -> bool {
+    let children = || robot.joints().iter().filter(|child| child.parent == Some(joint));
+    children().count() > 1 && children().all(|child| child.placement.translation.norm() <= SHORTEST)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{is_trunk, moves_freely};
+    use costate::robot::Robot;
+
+    #[test]
+    fn rabbit_has_a_free_base_and_a_trunk() {
+        let rabbit = Robot::from_file("../../robots/rabbit.toml").unwrap();
+        let joints = |is: fn(&Robot, usize) -> bool| -> Vec<&str> {
+            let all = rabbit.joints().iter().enumerate();
+            all.filter(|&(i, _)| is(&rabbit, i)).map(|(_, joint)| &*joint.name).collect()
+        };
+        assert_eq!(joints(moves_freely), ["base_x", "base_z"]);
+        assert_eq!(joints(is_trunk), ["torso"]);
+        let cart = Robot::from_file("../../robots/cart_pole.toml").unwrap();
+        assert!(!moves_freely(&cart, 0));
+    }
+}

@@ -1,0 +1,69 @@
+"""Gaits of walking robots: the step of RABBIT."""
+
+import costate
+import numpy as np
+import pytest
+from conftest import PROBLEMS, load
+
+GAIT = {
+    "stance": "right_foot",
+    "swing": "left_foot",
+    "along": "base_x",
+    "length": 0.5,
+    "friction": 0.6,
+    "clearance": 0.02,
+    "mirror": [["left_hip", "right_hip"], ["left_knee", "right_knee"]],
+}
+FREE = float("inf")
+
+
+def tables() -> dict:
+    """Those of examples/problems/rabbit_walk.toml."""
+    return {
+        "start": [-0.25, 0.72, 0.1, 0.1, 0.3, -0.6, 0.3],
+        "time": 0.7,
+        "cost": [0, 0, 0, 1, 1, 1, 1],
+        "limits": {"q_min": [-FREE, -FREE, -FREE, -FREE, 0, -FREE, 0], "torque_max": [0, 0, 0, 150, 150, 150, 150]},
+        "gait": GAIT,
+        "solver": {"tolerance": 1e-6},
+    }
+
+
+@pytest.fixture(scope="module")
+def walk() -> costate.Solution:
+    return costate.Problem(load("rabbit.toml"), **tables()).solve().check()
+
+
+def test_tables_are_those_of_the_file(walk):
+    assert walk.converged and walk.problem == costate.Problem.from_file(PROBLEMS / "rabbit_walk.toml")
+    assert abs(walk.cost - 195.3952697) < 2e-5
+
+
+def test_the_gait_is_told(walk):
+    gait = walk.gait
+    assert abs(gait["speed"] - 0.5 / 0.7) < 1e-9 and gait["miss"] < 1e-6
+    assert gait["cost_of_transport"] == gait["work"] / gait["weight_times_length"]
+    assert abs(gait["weight_times_length"] - 40 * 9.81 * 0.5) < 1e-9
+    # After a step the robot has its energy again: what motors add is what they and the landing take.
+    assert abs(gait["work"] - gait["braking"] - gait["loss"]) < 1e-5 * gait["work"]
+    [[x, y, z]] = gait["impulses"]
+    assert y == 0 and 0 < abs(x) < 0.6 * z
+    for shown in (str(walk), walk._repr_html_()):
+        assert "cost of transport" in shown
+    # The legs have changed places, a step ahead.
+    exchanged = walk.q[-1][[0, 1, 2, 5, 6, 3, 4]] - [0.5, 0, 0, 0, 0, 0, 0]
+    assert np.abs(exchanged - walk.q[0]).max() < 1e-9
+    again = costate.Solution.from_json(walk.to_json(), walk.problem)
+    assert again.gait == gait
+
+
+def test_what_is_no_gait_is_refused_by_name():
+    with pytest.raises(costate.ProblemError, match="right_foot") as raised:
+        costate.Problem(load("rabbit.toml"), **tables() | {"gait": GAIT | {"stance": "right_fot"}}).solve()
+    assert raised.value.key == "gait.stance"
+    with pytest.raises(costate.ProblemError, match="remove"):
+        costate.Problem(load("rabbit.toml"), end=[0.0] * 7, **tables())
+
+
+def test_motions_without_a_gait_tell_none(arm):
+    assert costate.Problem(arm, start=[0, 0], end=[1, 1], time=1, cost=[1, 1]).solve().gait is None
