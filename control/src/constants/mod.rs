@@ -23,12 +23,12 @@ pub(crate) use extremals::{arcs, attempts, branch, free_time, homotopy, newton, 
 
 /// Extremals from motions of the direct method ([`crate::polish`]).
 pub(crate) mod polish {
-    /// A polish may take this many times the work of the direct method: the nodes of its Newton steps, ..
+    /// A polish may take this many times the work of the direct method: the nodes of all its Newton steps, ..
     pub const SHARE: usize = 10;
-    /// .. as many as take as long as all else does, guess and verification, ..
+    /// .. and so many more, which take as long as guess, checks and verification, ..
     pub const BESIDE_STEPS: usize = 150;
-    /// .. where a node of a polish counts as so many of them: of robots with two to seven joints it takes three
-    /// to six times as long.
+    /// .. where a node of a polish counts as so many of them: with two to seven joints it takes three to six
+    /// times as long.
     pub const NODE: usize = 5;
     /// Tolerance of the direct method before a polish ..
     pub const ROUGH: f64 = 1e-4;

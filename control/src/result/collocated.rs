@@ -1,8 +1,8 @@
 //! Transition matrices of linear equations `z' = G(t) z` by collocation.
 //!
 //! On an interval they are what is left of the equations of Lobatto's collocation (order 6) after its inner
-//! points are eliminated: `[L R] (z_0, z_1) = 0`, so `z_1 = -R^{-1} L z_0`. The transition over two halves has
-//! about 1/63 of the error of that over the whole, and the difference of both shows it.
+//! points are eliminated: `[L R] (z_0, z_1) = 0`, so `z_1 = -R^{-1} L z_0`. The difference of the transition
+//! over both halves to that over the whole is about 63 times the error of the former.
 
 use crate::bvp::collocation::condensed::{Condensed, Interval};
 use crate::bvp::collocation::lobatto::Lobatto;
