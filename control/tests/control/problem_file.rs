@@ -119,18 +119,18 @@ fn floating_joints_have_quaternions_by_a_key() {
         link("rim")
     );
     std::fs::write(folder.join("wheel.urdf"), urdf).unwrap();
-    for (key, option, joints) in
-        [("", false, 7), ("", true, 2), ("quaternions = true", false, 2), ("quaternions = false", true, 7)]
+    for (key, option, positions) in
+        [("", false, 7), ("", true, 8), ("quaternions = true", false, 8), ("quaternions = false", true, 7)]
     {
         // The last entry of a unit quaternion is 1.
-        let q = if joints == 2 { "[0, 0, 0, 0, 0, 0, 1, 0]" } else { "[0, 0, 0, 0, 0, 0, 0]" };
+        let q = if positions == 8 { "[0, 0, 0, 0, 0, 0, 1, 0]" } else { "[0, 0, 0, 0, 0, 0, 0]" };
         let text = format!(
             "[robot]\nfile = \"wheel.urdf\"\ngravity = [0, 0, 0]\n{key}\n[start]\nq = {q}\n[end]\nq = {q}\n[time]\nfinal = 2\n\
              [cost]\neffort = [1, 1, 1, 1, 1, 1, 1]\n"
         );
         let load = LoadOptions::default().quaternions(option);
         let robot = ProblemFile::from_text(&text, &folder, load).unwrap().problem.robot;
-        assert_eq!((robot.joints().len(), robot.dof()), (joints, 7), "{key} {option}");
+        assert_eq!((robot.nq(), robot.dof()), (positions, 7), "{key} {option}");
     }
 }
 
