@@ -54,7 +54,7 @@ fn everything_exported_is_in_the_header() {
         for part in text.split("#[repr(C)]").skip(1) {
             let name = part.split("pub enum ").nth(1).unwrap();
             let name = &name[..name.find(' ').unwrap()];
-            assert!(made.contains(&format!("typedef enum {name} {{")), "add {name} to cbindgen.toml");
+            assert!(made.contains(&format!("}} {name};")), "add {name} to cbindgen.toml");
             enums += 1;
         }
     }
