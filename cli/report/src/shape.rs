@@ -3,7 +3,7 @@
 use costate::robot::{Joint, Robot};
 
 /// Shorter distances count as none (m).
-const SHORTEST: f64 = 1e-9;
+pub(crate) const SHORTEST: f64 = 1e-9;
 
 /// Whether a joint is a coordinate of a base that moves freely, and not a slide: its link, and those that
 /// carry it, have no mass.

@@ -1,12 +1,10 @@
 //! The tools whose paths are drawn: those that the problem names, or else the ends of the last links.
 
 use crate::motion::Motion;
+use crate::shape::SHORTEST;
 use costate::kinematics::{Kinematics, ReferenceFrame};
 use costate::robot::{Frame, Placement, Robot};
 use costate_control::{Problem, Reference, Tool};
-
-/// Shorter vectors count as zero (m).
-const SHORTEST: f64 = 1e-9;
 
 /// A point that is fixed to a link, with axes.
 #[derive(Clone, Debug, PartialEq)]

@@ -18,7 +18,7 @@ const POINTS: usize = 4;
 
 /// Buffers for systems of one size.
 pub(crate) struct Collocated {
-    method: Lobatto,
+    method: &'static Lobatto,
     condensed: Condensed,
     /// Of each component: equations are solved in parts of it.
     scale: Vec<f64>,
@@ -36,7 +36,7 @@ impl Collocated {
         let m = scale.len();
         let square = || vec![0.0; m * m];
         Self {
-            method: Lobatto::new(POINTS),
+            method: Lobatto::of(POINTS),
             condensed: Condensed::new(m, POINTS - 2),
             scale: scale.to_vec(),
             nodes: [square(), square(), square()],
@@ -74,8 +74,10 @@ impl Collocated {
                 let t = from + (to - from) * self.method.points[j + 1];
                 scaled(t, self.condensed.jacobian_mut(j))?;
             }
-            let interval = Interval { length: to - from, left, right, block: 0 };
-            self.condensed.condense(&self.method, interval, &mut self.rows).map_err(|_| Undecided)?;
+            let interval = Interval { length: to - from, left, right };
+            if !self.condensed.condense(self.method, interval, &mut self.rows) {
+                return Err(Undecided);
+            }
             let m = scale.len();
             for (i, row) in self.rows.chunks_exact(2 * m).enumerate() {
                 self.left[m * i..][..m].iter_mut().zip(row).for_each(|(to, from)| *to = -from);

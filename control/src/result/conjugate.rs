@@ -95,6 +95,7 @@ impl Solved {
 /// A transition and the Jacobians on its way, in their order.
 struct Sampled {
     over: DMatrix<f64>,
+    /// A rougher one, where it is collocated.
     rough: Option<DMatrix<f64>>,
     samples: Vec<Sample>,
 }
@@ -220,34 +221,22 @@ impl Transitions<'_> {
     /// The transition over a part of a mesh interval, with the Jacobians that it was integrated from.
     fn sampled(&mut self, extremal: &mut dyn Extremal, part: Part) -> Result<Sampled, Undecided> {
         let (states, mut samples) = (extremal.states(), Vec::new());
-        let sample = |t: f64, jacobian: &[f64]| samples.push(Sample::new(t, states, jacobian));
-        let (over, rough) = match self.collocated.take() {
-            Some(mut collocated) => {
-                let found = self.collocate(&mut collocated, extremal, part, sample);
-                self.collocated = Some(collocated);
-                let [fine, rough] = found?;
-                (fine, Some(rough))
+        let mut sample = |t: f64, jacobian: &[f64]| samples.push(Sample::new(t, states, jacobian));
+        let Self { solved, durations, collocated, .. } = self;
+        let (over, rough) = match collocated {
+            Some(collocated) => {
+                let mut along = Along::new(solved, extremal, part.span, durations).ok_or(Undecided)?;
+                let evaluate = |t: f64, jacobian: &mut [f64]| {
+                    along.jacobian(t, jacobian)?;
+                    sample(t, jacobian);
+                    Ok(())
+                };
+                let [halves, whole] = collocated.transitions(part.from..part.to, evaluate)?;
+                (halves, Some(whole))
             }
             None => (self.transition(extremal, part, sample)?, None),
         };
         Ok(Sampled { over, rough, samples: ordered(samples) })
-    }
-
-    /// The transition over a part of a mesh interval, collocated on both halves, and on the whole.
-    fn collocate(
-        &self,
-        collocated: &mut Collocated,
-        extremal: &mut dyn Extremal,
-        part: Part,
-        mut sample: impl FnMut(f64, &[f64]),
-    ) -> Result<[DMatrix<f64>; 2], Undecided> {
-        let mut along = Along::new(self.solved, extremal, part.span, &self.durations).ok_or(Undecided)?;
-        let evaluate = |t: f64, jacobian: &mut [f64]| {
-            along.jacobian(t, jacobian)?;
-            sample(t, jacobian);
-            Ok(())
-        };
-        collocated.transitions(part.from..part.to, evaluate)
     }
 
     /// The transition matrix over a part of a mesh interval. `sample` is given each Jacobian.

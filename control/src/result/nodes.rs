@@ -68,7 +68,7 @@ impl Interpolant {
 
     /// z in the interval of `place`, from its value at the left end.
     pub fn values(&self, left: &[f64], place: Place) -> Vec<f64> {
-        let (method, mut z) = (Lobatto::with_points(self.points), left.to_vec());
+        let (method, mut z) = (Lobatto::of(self.points), left.to_vec());
         for (j, slope) in self.slopes_of(place.left).enumerate() {
             add_scaled(&mut z, place.length * method.weight(j, place.part), slope);
         }
@@ -77,7 +77,7 @@ impl Interpolant {
 
     /// dz/dt in the interval of `place`.
     pub fn derivative(&self, place: Place) -> Vec<f64> {
-        let method = Lobatto::with_points(self.points);
+        let method = Lobatto::of(self.points);
         let mut rate = vec![0.0; self.slopes[place.left].len()];
         for (j, slope) in self.slopes_of(place.left).enumerate() {
             add_scaled(&mut rate, method.lagrange(j, place.part), slope);
@@ -87,7 +87,7 @@ impl Interpolant {
 
     /// Controls in the interval of `place`, from those at its ends: the polynomial through all of its points.
     pub fn controls_at(&self, ends: [&[f64]; 2], place: Place) -> Vec<f64> {
-        let method = Lobatto::with_points(self.points);
+        let method = Lobatto::of(self.points);
         let inner = self.controls[place.left].iter().map(Vec::as_slice);
         let mut u = vec![0.0; ends[0].len()];
         for (j, at) in std::iter::once(ends[0]).chain(inner).chain([ends[1]]).enumerate() {
@@ -128,7 +128,7 @@ mod tests {
     /// z = t^3 on two intervals: exact for four points.
     #[test]
     fn cubics_are_interpolated_exactly() {
-        let method = Lobatto::new(4);
+        let method = Lobatto::of(4);
         let (t, cube) = (vec![0.0, 1.0, 3.0], |t: f64| vec![t.powi(3)]);
         let slope = |t: f64| vec![3.0 * t * t];
         let inner_times = |k: usize| [1, 2].map(|j| t[k] + (t[k + 1] - t[k]) * method.points[j]);

@@ -3,7 +3,7 @@
 use super::values::{number, placement, shown, vector};
 use crate::models::{LinkModel, Mesh, ModelShape};
 use crate::motion::Motion;
-use crate::shape::{is_trunk, moves_freely};
+use crate::shape::{SHORTEST, is_trunk, moves_freely};
 use crate::tools::ToolFrame;
 use costate::robot::{JointKind, Placement, Robot};
 use costate_control::{Problem, Shape};
@@ -12,9 +12,6 @@ use std::sync::Arc;
 
 /// Radius of a capsule near the base and at the end, in parts of the length of the robot.
 const RADII: [f64; 2] = [0.042, 0.022];
-
-/// Shorter links have no capsule (m).
-const SHORTEST: f64 = 1e-9;
 
 /// Meshes, each once.
 #[derive(Default)]

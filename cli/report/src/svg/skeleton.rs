@@ -1,6 +1,6 @@
 //! The robot as a stick figure: points in the world frame and lines between them.
 
-use crate::shape::{is_trunk, moves_freely};
+use crate::shape::{SHORTEST, is_trunk, moves_freely};
 use costate::robot::{JointKind, Robot};
 use costate_control::Trajectory;
 
@@ -39,9 +39,6 @@ pub struct Skeleton<'a> {
     /// The points whose path is drawn: one for each link without a child, and for each trunk.
     pub tips: Vec<usize>,
 }
-
-/// Shorter lines are omitted (m).
-const SHORTEST: f64 = 1e-9;
 
 /// The point of joint i before its displacement.
 fn placed(i: usize) -> usize {

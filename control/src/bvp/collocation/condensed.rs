@@ -1,16 +1,14 @@
 //! Elimination of the inner points of one interval.
 
 use crate::bvp::collocation::lobatto::Lobatto;
-use crate::numerics::almost_block_diagonal::SingularMatrix;
 use crate::numerics::lu;
 
-/// An interval: its length, the Jacobians of the slopes at its nodes, and its number.
+/// An interval: its length, and the Jacobians of the slopes at its nodes.
 #[derive(Clone, Copy)]
 pub(crate) struct Interval<'a> {
     pub length: f64,
     pub left: &'a [f64],
     pub right: &'a [f64],
-    pub block: usize,
 }
 
 /// The linear equations of one interval, those of its inner points solved.
@@ -58,14 +56,10 @@ impl Condensed {
         &mut self.jacobians[j * size..(j + 1) * size]
     }
 
-    /// Eliminates the inner points; writes the remaining rows, m x 2m, into those of the interval.
-    pub fn condense(
-        &mut self,
-        method: &Lobatto,
-        interval: Interval<'_>,
-        rows: &mut [f64],
-    ) -> Result<(), SingularMatrix> {
-        let Interval { length: h, left, right, block } = interval;
+    /// Eliminates the inner points; writes the remaining rows, m x 2m, into those of the interval. False if
+    /// the equations of the inner points are singular.
+    pub fn condense(&mut self, method: &Lobatto, interval: Interval<'_>, rows: &mut [f64]) -> bool {
+        let Interval { length: h, left, right } = interval;
         let (m, inner, s) = (self.m, self.inner, method.len());
         let (size, width) = (m * inner, 2 * m);
         for j in 0..inner {
@@ -88,7 +82,7 @@ impl Condensed {
             }
         }
         if !lu::eliminate(&mut self.factors, size, size, &mut self.exchanges) {
-            return Err(SingularMatrix { node: block });
+            return false;
         }
         lu::solve(&self.factors, size, &self.exchanges, &mut self.ends, width);
         let b = method.weights();
@@ -106,7 +100,7 @@ impl Condensed {
             }
         }
         lu::subtract_product(rows, width, &self.weighted, size, &self.ends);
-        Ok(())
+        true
     }
 
     /// Right-hand sides: `inner` from -r to d_0, and what that adds to those of the interval.

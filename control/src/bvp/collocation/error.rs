@@ -41,7 +41,7 @@ pub(crate) fn estimate<E: Extremal + ?Sized>(
     respond: impl FnOnce(&mut Collocation, &[f64], &mut Values),
 ) -> Result<Estimate, EvalError> {
     let (m, s) = (equations.m, equations.method.len());
-    let finer = Lobatto::with_points(s + 1);
+    let finer = Lobatto::of(s + 1);
     let mut defects = vec![0.0; equations.mesh.spans.len() * m];
     let mut local = vec![0.0; equations.mesh.spans.len()];
     let mut points = vec![0.0; (s + 1) * m];

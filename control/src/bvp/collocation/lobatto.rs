@@ -12,7 +12,7 @@ use std::sync::OnceLock;
 ///
 /// On an interval of length h the polynomial of degree s with `z' = g(z)` at all c_j satisfies `z(c_i) = z(0)
 /// + h sum_j a_ij g_j`. Its end value is the quadrature, of order 2s - 2. s = 3 is Simpson's rule.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub(crate) struct Lobatto {
     /// c_j, rising from 0 to 1.
     pub points: Vec<f64>,
@@ -24,8 +24,14 @@ pub(crate) struct Lobatto {
 }
 
 impl Lobatto {
-    /// The method with s = 3, 4 or 5 points: order 4, 6 or 8.
-    pub fn new(points: usize) -> Self {
+    /// The method with s = 3, 4 or 5 points: order 4, 6 or 8. Each is made once.
+    pub fn of(points: usize) -> &'static Self {
+        static METHODS: [OnceLock<Lobatto>; 3] = [const { OnceLock::new() }; 3];
+        let s = points.clamp(3, 5);
+        METHODS[s - 3].get_or_init(|| Self::new(s))
+    }
+
+    fn new(points: usize) -> Self {
         let inner = match points {
             0..=3 => vec![0.5],
             4 => {
@@ -60,13 +66,6 @@ impl Lobatto {
             }
         }
         method
-    }
-
-    /// The same, made once.
-    pub fn with_points(points: usize) -> &'static Self {
-        static METHODS: [OnceLock<Lobatto>; 3] = [const { OnceLock::new() }; 3];
-        let s = points.clamp(3, 5);
-        METHODS[s - 3].get_or_init(|| Self::new(s))
     }
 
     /// Number of points, s.
@@ -105,7 +104,7 @@ mod tests {
     #[test]
     fn quadratures_integrate_powers_up_to_their_order() {
         for (s, order) in [(3, 4), (4, 6), (5, 8)] {
-            let method = Lobatto::new(s);
+            let method = Lobatto::of(s);
             assert_eq!(method.order(), order);
             for k in 0..order {
                 let sum: f64 =
@@ -120,7 +119,7 @@ mod tests {
 
     #[test]
     fn polynomials_of_degree_s_are_collocated_exactly() {
-        let method = Lobatto::new(4);
+        let method = Lobatto::of(4);
         for c in [0.1, 0.37, 0.9] {
             // z = c^4, z' = 4 c^3.
             let z: f64 =

@@ -25,13 +25,14 @@ use crate::bvp::timed::Timed;
 use crate::bvp::values::Values;
 use crate::bvp::{Discretised, Failure, Solvable};
 use crate::extremal::{Extremal, HamiltonianTerms};
+use crate::numerics::almost_block_diagonal::SingularMatrix;
 
 /// The collocation equations on one mesh, with all that is ever allocated for it.
 ///
 /// Residuals and corrections are in scaled variables: component c of a correction, and equation c of an
 /// interval, are relative to `scale[c]`.
 pub(crate) struct Collocation {
-    pub method: Lobatto,
+    pub method: &'static Lobatto,
     pub mesh: Mesh,
     pub m: usize,
     pub current: Values,
@@ -63,7 +64,7 @@ impl Collocation {
         points: usize,
         mut guess: impl FnMut(usize, f64, &mut [f64]),
     ) -> Self {
-        let (m, nodes, method) = (timed.len(), mesh.nodes(), Lobatto::new(points));
+        let (m, nodes, method) = (timed.len(), mesh.nodes(), Lobatto::of(points));
         let inner = (nodes - 1) * (points - 2);
         let mut values = Values::zeros(nodes, m, points);
         let mut s = 0.0;
@@ -144,7 +145,7 @@ impl Discretised for Collocation {
             if let Span::Interval { length, .. } = *span {
                 let own = &mut target.inner[k * inner * m..(k + 1) * inner * m];
                 let reduced = &mut target.nodes[self.borders.row(k)..self.borders.row(k + 1)];
-                self.condensed[k].reduce(&self.method, length, own, reduced);
+                self.condensed[k].reduce(self.method, length, own, reduced);
             }
         }
         self.borders.matrix.solve(&mut target.nodes);
@@ -230,8 +231,10 @@ impl<E: Extremal + ?Sized> Solvable<E> for Collocation {
                     to_scaled(jacobian, &self.scale);
                 }
                 let (left, right) = self.node_jacobians[k * m * m..(k + 2) * m * m].split_at(m * m);
-                let interval = Interval { length, left, right, block: k };
-                condensed.condense(&self.method, interval, self.borders.matrix.block_mut(k))?;
+                let rows = self.borders.matrix.block_mut(k);
+                if !condensed.condense(self.method, Interval { length, left, right }, rows) {
+                    return Err(SingularMatrix { node: k }.into());
+                }
             }
         }
         let current = std::mem::replace(

@@ -31,10 +31,10 @@ impl Collocation {
             for c in 0..m {
                 for j in 0..inner {
                     let at = (k * inner + j) * m + c;
-                    let sum = points.sum(&self.method, j + 1, m, c);
+                    let sum = points.sum(self.method, j + 1, m, c);
                     self.inner_residual[at] = (values.inner[at] - left[c] - length * sum) / self.scale[c];
                 }
-                let sum = points.sum(&self.method, inner + 1, m, c);
+                let sum = points.sum(self.method, inner + 1, m, c);
                 target[c] = (right[c] - left[c] - length * sum) / self.scale[c];
             }
         }
