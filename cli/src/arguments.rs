@@ -102,16 +102,28 @@ impl RobotArguments {
     /// # Errors
     /// As [`load`](Self::load); [`RobotError::FreeJoint`], [`RobotError::Constrained`].
     pub fn load_and_warn(&self) -> Result<Robot, RobotError> {
-        let robot = self.load_any_and_warn()?;
-        if let Some(constraint) = robot.constraints().first() {
-            let constraint = constraint.name.clone();
-            return Err(RobotError::Constrained { constraint, what: "be taken by this command" });
-        }
+        let robot = self.load_tree_and_warn()?;
         match robot.free_joints().first() {
             None => Ok(robot),
             Some(free) => {
                 let (joint, kind) = (free.name.clone(), free.kind.name());
-                Err(RobotError::FreeJoint { joint, kind, what: "be taken by this command" })
+                let what = "be taken by this command (`eval`, `check` and `optimize` take it)";
+                Err(RobotError::FreeJoint { joint, kind, what })
+            }
+        }
+    }
+
+    /// Reads a robot of any joints, without constraints, and writes its warnings to standard error.
+    ///
+    /// # Errors
+    /// As [`load`](Self::load); [`RobotError::Constrained`].
+    pub fn load_tree_and_warn(&self) -> Result<Robot, RobotError> {
+        let robot = self.load_any_and_warn()?;
+        match robot.constraints().first() {
+            None => Ok(robot),
+            Some(constraint) => {
+                let constraint = constraint.name.clone();
+                Err(RobotError::Constrained { constraint, what: "be taken by this command" })
             }
         }
     }

@@ -6,6 +6,7 @@ use crate::error::JitError;
 use crate::limit::LANES_LIMIT;
 use costate::EvalError;
 use costate::codegen::{CodegenError, Coordinates, Quantity, REGULAR, guarded_program};
+use costate::configuration::Quaternions;
 use costate::robot::Robot;
 
 /// One quantity of one robot as machine code for four states at once, which checks each of them.
@@ -29,6 +30,7 @@ use costate::robot::Robot;
 #[derive(Debug)]
 pub struct JitLanes {
     code: Compiled<[f64; 4]>,
+    quaternions: Quaternions,
 }
 
 impl JitLanes {
@@ -50,7 +52,7 @@ impl JitLanes {
             Err(error) => return JitError::of_length(error).map(Err),
         };
         let code = Compiled::compile(&program, LANES_LIMIT, quantity.inverts(coordinates));
-        Ok(code.map(|code| Self { code }))
+        Ok(code.map(|code| Self { code, quaternions: Quaternions::of(robot) }))
     }
 
     /// Number of entries of all arguments.
@@ -65,8 +67,9 @@ impl JitLanes {
 
     /// Evaluates four states; returns which of them are certain. Nothing is allocated.
     ///
-    /// The others have an argument or a result that is not finite, or a mass matrix that may be singular up
-    /// to rounding: compute them by a [`JitQuantity`](crate::JitQuantity), whose result or error decides.
+    /// The others have an argument or a result that is not finite, a quaternion whose length is not 1, or a
+    /// mass matrix that may be singular up to rounding: compute them by a
+    /// [`JitQuantity`](crate::JitQuantity), whose result or error decides.
     ///
     /// # Errors
     /// [`EvalError::WrongLength`].
@@ -76,6 +79,8 @@ impl JitLanes {
         for four in inputs.iter().chain(&*outputs) {
             sums.iter_mut().zip(four).for_each(|(sum, value)| *sum += 0.0 * value);
         }
-        Ok(std::array::from_fn(|lane| guard[lane] < REGULAR && sums[lane] == 0.0))
+        // q is the first argument.
+        let is_unit = |lane: usize| self.quaternions.first_not_unit(|k| inputs[k][lane]).is_none();
+        Ok(std::array::from_fn(|lane| guard[lane] < REGULAR && sums[lane] == 0.0 && is_unit(lane)))
     }
 }

@@ -57,7 +57,8 @@ impl JitModel {
     /// Records and compiles f, f_x and y'f_xx.
     ///
     /// # Errors
-    /// [`CodegenError`]; all three are defined in both coordinates.
+    /// [`CodegenError`]; all three are defined in both coordinates. [`EvalError::FreeJoint`] for a robot with
+    /// floating or spherical joints.
     pub fn new(robot: &Robot, coordinates: Coordinates) -> Result<Self, CodegenError> {
         Ok(Self::of(robot.dof(), coordinates, quantities(robot, coordinates)?))
     }
@@ -104,6 +105,8 @@ impl JitLanesModel {
 
 /// The quantities of one state.
 fn quantities(robot: &Robot, coordinates: Coordinates) -> Result<[JitQuantity; 3], CodegenError> {
+    // The first half of x is q, the first half of f its rate.
+    robot.refuse_free_joints()?;
     let [f, f_x, y_f_xx] = QUANTITIES.map(|quantity| JitQuantity::new(robot, quantity, coordinates));
     Ok([f?, f_x?, y_f_xx?])
 }

@@ -6,6 +6,7 @@ use crate::error::JitError;
 use crate::limit::limit_of;
 use costate::EvalError;
 use costate::codegen::{CodegenError, Coordinates, Quantity, REGULAR, RobotQuantity, Shape, guarded_program};
+use costate::configuration::Quaternions;
 use costate::robot::Robot;
 use std::fmt;
 use std::sync::Arc;
@@ -35,6 +36,7 @@ use std::sync::Arc;
 pub struct JitQuantity {
     compiled: Arc<Result<Machine, JitError>>,
     generic: RobotQuantity<f64>,
+    quaternions: Arc<Quaternions>,
 }
 
 /// Machine code of a quantity.
@@ -97,7 +99,8 @@ impl JitQuantity {
         limit: usize,
     ) -> Result<Self, CodegenError> {
         let generic = RobotQuantity::new(robot, quantity, coordinates)?;
-        Ok(Self { compiled: Arc::new(Machine::new(robot, quantity, coordinates, limit)?), generic })
+        let compiled = Arc::new(Machine::new(robot, quantity, coordinates, limit)?);
+        Ok(Self { compiled, generic, quaternions: Arc::new(Quaternions::of(robot)) })
     }
 
     /// How it computes.
@@ -131,16 +134,19 @@ impl JitQuantity {
     /// Evaluates the quantity; nothing is allocated.
     ///
     /// Machine code also computes the guard of [`guarded_program`](costate::codegen::guarded_program). Where
-    /// the guard does not exclude a singular mass matrix, and where an argument or a result is not finite,
-    /// the generic code computes the quantity again: result and error are then its own. Outputs may be
-    /// written before an error is found.
+    /// the guard does not exclude a singular mass matrix, and where an argument or a result is not finite or
+    /// a quaternion has another length than 1, the generic code computes the quantity again: result and error
+    /// are then its own. Outputs may be written before an error is found.
     ///
     /// # Errors
-    /// [`EvalError::WrongLength`], [`EvalError::NonFinite`], [`EvalError::SingularMassMatrix`].
+    /// [`EvalError::WrongLength`], [`EvalError::NonFinite`], [`EvalError::NotUnit`],
+    /// [`EvalError::SingularMassMatrix`].
     pub fn evaluate(&mut self, inputs: &[f64], outputs: &mut [f64]) -> Result<(), EvalError> {
         if let Ok(Machine { code }) = &*self.compiled {
             let guard = code.call_guarded(inputs, outputs)?;
-            if guard < REGULAR && all_finite(inputs) && all_finite(outputs) {
+            // q is the first argument.
+            let is_unit = self.quaternions.first_not_unit(|k| inputs[k]).is_none();
+            if guard < REGULAR && is_unit && all_finite(inputs) && all_finite(outputs) {
                 return Ok(());
             }
         }

@@ -203,6 +203,10 @@ fn wrong_shape(array: &Bound<'_, PyUntypedArray>, expected: &Argument) -> PyErr 
             "one entry for each of the joints of `robot.joint_names`, in their order (y: twice, d: three times as \
              many)"
         }
+        Entries::Positions => {
+            "one entry for each position, in the order of `robot.joint_names`: a floating joint has x, y, z and its \
+             quaternion (x, y, z, w), a spherical one the quaternion; `robot.free_joints` says where"
+        }
         Entries::Axes => "one entry for each of the axes x, y, z",
         Entries::Rows => "one entry for each row of the constraints, of `row_names`",
     };

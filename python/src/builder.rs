@@ -59,7 +59,7 @@ impl RobotBuilder {
     }
 }
 
-/// The methods for the two kinds of joints, which differ by their name.
+/// The methods for the two kinds of joints of one degree of freedom, which differ by their name.
 macro_rules! joint_methods {
     ($($kind:ident: $text:literal),*) => {
         #[pymethods]
@@ -204,6 +204,64 @@ joint_methods!(
     prismatic: "Adds a prismatic joint with its link."
 );
 
+/// The methods for joints whose orientation is a quaternion.
+macro_rules! free_joint_methods {
+    ($($kind:ident: $text:literal),*) => {
+        #[pymethods]
+        impl RobotBuilder {
+            $(
+            #[doc = $text]
+            ///
+            /// Its orientation is a unit quaternion, see `Robot`.
+            ///
+            /// Parameters
+            /// ----------
+            /// name : str
+            ///     Its name; that of its link too.
+            /// on : str, optional
+            ///     The joint that carries it; the world unless given.
+            /// xyz, rpy : sequence of float
+            ///     Placement of its frame.
+            /// mass, com, inertia : float, sequence of float
+            ///     Of its link: kg, m, and xx, yy, zz, xy, xz, yz or a 3 x 3 matrix about the
+            ///     centre of mass (kg m^2).
+            ///
+            /// Returns
+            /// -------
+            /// RobotBuilder
+            ///     This one.
+            #[pyo3(signature = (name, *, on = None, xyz = [0.0; 3], rpy = [0.0; 3], mass = 0.0, com = [0.0; 3],
+                inertia = None))]
+            #[expect(clippy::too_many_arguments, reason = "all by name")]
+            fn $kind<'py>(
+                slf: Shared<'py>,
+                name: String,
+                on: Option<String>,
+                #[pyo3(from_py_with = triple)] xyz: [f64; 3],
+                #[pyo3(from_py_with = triple)] rpy: [f64; 3],
+                mass: f64,
+                #[pyo3(from_py_with = triple)] com: [f64; 3],
+                #[pyo3(from_py_with = inertia_entries)] inertia: Option<Vec<f64>>,
+            ) -> PyResult<Shared<'py>> {
+                let py = slf.py();
+                let arguments = named!(py, name, on, xyz, rpy, mass, com, inertia);
+                let mut joint = JointSpec::$kind(&name)
+                    .placed(Placement::from_xyz_rpy(xyz, rpy))
+                    .carrying(LinkInertia::from_entries(mass, com, inertia_of(py, inertia)?));
+                if let Some(on) = &on {
+                    joint = joint.on(on);
+                }
+                Ok(Self::add(slf, stringify!($kind), arguments, |builder| builder.joint(joint)))
+            }
+            )*
+        }
+    };
+}
+free_joint_methods!(
+    floating: "Adds a floating joint, which moves without restriction, with its link.",
+    spherical: "Adds a spherical joint, which turns without restriction, with its link."
+);
+
 #[pymethods]
 impl RobotBuilder {
     fn __eq__(&self, py: Python<'_>, other: &Self) -> PyResult<bool> {
@@ -216,7 +274,8 @@ impl RobotBuilder {
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         let calls = self.state.lock().unwrap_or_else(PoisonError::into_inner).1.copy(py);
         let names = |of: &[&str]| calls.names(py, of);
-        let (all, frames) = (names(&["revolute", "prismatic"])?, names(&["frame"])?);
+        let kinds = ["revolute", "prismatic", "floating", "spherical"];
+        let (all, frames) = (names(&kinds)?, names(&["frame"])?);
         let name = names(&["builder"])?.concat();
         Ok(format!("RobotBuilder({name}, joints=[{}], frames=[{}])", all.join(", "), frames.join(", ")))
     }

@@ -6,6 +6,8 @@ use crate::failures::Failures;
 use crate::plan::{Argument, Entries, Number, Plan};
 use crate::results::Target;
 use crate::workspace::Workspace;
+use costate::EvalError;
+use costate::configuration::Quaternions;
 use costate::robot::Robot;
 
 /// The states of one call.
@@ -49,6 +51,10 @@ impl Call<'_> {
             }
         }
         if let Err(failure) = done {
+            let failure = match failure {
+                Failure::Evaluation(EvalError::NotUnit { .. }) => self.not_unit(workspace.state(plan)),
+                failure => failure,
+            };
             failures.add(state, failure);
         } else if !finite {
             failures.add(state, self.not_finite_result(workspace.state(plan)));
@@ -77,9 +83,28 @@ impl Call<'_> {
         let Argument { name, entries, .. } = self.plan.arguments[argument];
         let joint = match entries {
             Entries::Joints => self.robot.independent_joints().nth(index % self.robot.dof().max(1)),
+            Entries::Positions => return (name, joint_of(self.robot, index)),
             Entries::Axes | Entries::Rows => None,
         };
         (name, joint.map(|joint| joint.name.clone()))
+    }
+
+    /// The first quaternion of a state whose length is not 1, in the order of the arguments.
+    #[cold]
+    fn not_unit(&self, buffer: &[f64]) -> Failure {
+        let quaternions = Quaternions::of(self.robot);
+        for place in &self.plan.places {
+            let Argument { name: argument, entries, .. } = self.plan.arguments[place.argument];
+            let q = |k: usize| buffer[place.at + k];
+            if entries == Entries::Positions
+                && let Some(k) = quaternions.first_not_unit(q)
+            {
+                let joint = self.robot.free_joints()[k].name.clone();
+                return Failure::NotUnit { argument, joint, length: quaternions.length(k, q) };
+            }
+        }
+        // The library has found one.
+        Failure::NotUnit { argument: "q", joint: String::new(), length: f64::NAN }
     }
 
     /// The first number of a state that is not finite, in the order of the arguments.
@@ -140,6 +165,20 @@ impl Call<'_> {
             start = end;
         }
     }
+}
+
+/// The name of the joint that an entry of q belongs to.
+#[cold]
+fn joint_of(robot: &Robot, index: usize) -> Option<String> {
+    let free = robot.free_joints().iter().find(|free| {
+        let own = free.position..free.position + free.kind.positions();
+        own.contains(&index)
+    });
+    if let Some(free) = free {
+        return Some(free.name.clone());
+    }
+    let before = robot.free_joints().iter().filter(|free| free.position < index).count();
+    robot.independent_joints().nth(index - before).map(|joint| joint.name.clone())
 }
 
 /// Whether every number is finite: `0 x` is 0 if x is finite, and not a number otherwise.

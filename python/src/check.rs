@@ -33,10 +33,10 @@ type Found = (Vec<Row>, usize, usize, Option<Py<PyAny>>);
 #[pyfunction]
 pub fn _compare(py: Python<'_>, robot: &Robot, states: Vec<[Vec<f64>; 4]>) -> PyResult<Found> {
     robot.refuse_constraints(py, "be checked")?;
-    let n = robot.model().dof();
+    let (nq, n) = (robot.model().nq(), robot.model().dof());
     for [q, v, tau, y] in &states {
-        if [q.len(), v.len(), tau.len(), y.len()] != [n, n, n, 2 * n] {
-            return Err(argument(py, "states", "a state is q, v, tau (n each) and y (2n)".into()));
+        if [q.len(), v.len(), tau.len(), y.len()] != [nq, n, n, 2 * n] {
+            return Err(argument(py, "states", "a state is q (nq), v, tau (n each) and y (2n)".into()));
         }
     }
     let mut signals = Signals::default();
@@ -67,7 +67,8 @@ type Compared = (Option<AtState>, usize, usize);
 /// What computes the quantities that are compared.
 struct Compare {
     routes: Routes,
-    steps: StepRoutes,
+    /// None with floating and spherical joints.
+    steps: Option<StepRoutes>,
     hamiltonian: Hamiltonian<f64>,
     /// With machine code, and without.
     codes: [Option<JitQuantity>; 2],
@@ -132,7 +133,8 @@ impl Compare {
             .ok()
         });
         let hamiltonian = Hamiltonian::new(robot);
-        Self { routes: Routes::new(robot), steps: StepRoutes::new(robot), hamiltonian, codes }
+        let steps = robot.free_joints().is_empty().then(|| StepRoutes::new(robot));
+        Self { routes: Routes::new(robot), steps, hamiltonian, codes }
     }
 
     /// All figures at a state; none where the mass matrix is singular.
@@ -144,7 +146,8 @@ impl Compare {
             Err(DerivativeError::Function(error)) => return Err(error.into()),
             Err(error) => return Err(EvalError::Model { reason: error.to_string() }.into()),
         };
-        match self.steps.compare(&x, tau, STEP, y, &mut report.figures) {
+        let steps = self.steps.as_mut();
+        match steps.map_or(Ok(()), |steps| steps.compare(&x, tau, STEP, y, &mut report.figures)) {
             Ok(()) | Err(StepError::NotConverged { .. } | StepError::Inaccurate { .. }) => {}
             Err(StepError::Dynamics(EvalError::SingularMassMatrix { .. })) => {}
             Err(error) => return Err(error.into()),

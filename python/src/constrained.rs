@@ -18,7 +18,8 @@ use std::sync::OnceLock;
 /// constrained Legendre transform p = M v - J'mu, J v = 0, with J = dg/dq and the impulses mu of the
 /// constraints. Start a motion at rest with p = 0, or with p = ``momentum(q, v)`` where J v = 0. z = (q, p,
 /// tau) has 3n entries, f = dx/dt has 2n. Compare v and ``multipliers`` of two motions, not p: p + J'kappa is
-/// the same motion for every kappa. A robot without constraints has k = 0.
+/// the same motion for every kappa. A robot without constraints has k = 0. With floating and spherical joints
+/// q and derivatives by q are as in `Dynamics`; what does not take them raises `StateError`.
 ///
 /// Arguments and results are those of `Dynamics`: float64 arrays with any leading batch axes. Batches run on
 /// threads, without the interpreter's lock, by the generic code.

@@ -55,9 +55,9 @@ const SHORT: usize = 12;
 /// A function of a robot with k rows of constraints.
 pub fn of_constrained(robot: Arc<Robot>, verb: Verb, k: usize) -> Function {
     use Verb::*;
-    let (n, c) = (robot.dof(), robot.constraints().len());
-    let [q, p, v, tau, start, held] =
-        ["q", "p", "v", "tau", "q_0", "held"].map(|name| Argument::of_joints(name, n));
+    let (nq, n, c) = (robot.nq(), robot.dof(), robot.constraints().len());
+    let [q, start] = ["q", "q_0"].map(|name| Argument::of_positions(name, [nq, n]));
+    let [p, v, tau, held] = ["p", "v", "tau", "held"].map(|name| Argument::of_joints(name, n));
     let [y, d] = [("y", 2 * n), ("d", 3 * n)].map(|(name, length)| Argument::of_joints(name, length));
     let (j, h): (&[usize], &[usize]) = (&[2 * n, 3 * n], &[3 * n, 3 * n]);
     let plan = match verb {
@@ -78,8 +78,8 @@ pub fn of_constrained(robot: Arc<Robot>, verb: Verb, k: usize) -> Function {
         ConstraintJacobian => Plan::whole(&[q], &[&[k, n]]),
         ConstraintRate => Plan::whole(&[q, v], &[&[k]]),
         Drift => Plan::whole(&[q, start], &[&[k]]),
-        Project => Plan::whole(&[q, p, start], &[&[n], &[n]]),
-        Close => Plan::whole(&[q, held], &[&[n]]),
+        Project => Plan::whole(&[q, p, start], &[&[nq], &[n]]),
+        Close => Plan::whole(&[q, held], &[&[nq]]),
         Impact => Plan::whole(&[q, p], &[&[n], &[n], &[k], &[]]),
         ImpactJacobian => Plan::whole(&[q, p], &[&[n, 2 * n], &[n, 2 * n], &[k, 2 * n]]),
         ImpactHessian => Plan::whole(&[q, p, Argument::of_joints("y", n)], &[&[2 * n, 2 * n]]),
@@ -96,7 +96,7 @@ pub fn of_constrained(robot: Arc<Robot>, verb: Verb, k: usize) -> Function {
             };
             let core = move || {
                 core_of(workspace.clone(), move |of, inputs, outputs| {
-                    contacts::impact(of, what, inputs, &mut Writer(outputs))
+                    contacts::impact(of, what, nq, inputs, &mut Writer(outputs))
                 })
             };
             return Function::new(plan, Arc::new(Engine::new(core).short(n < SHORT)), robot);
@@ -105,7 +105,7 @@ pub fn of_constrained(robot: Arc<Robot>, verb: Verb, k: usize) -> Function {
             let workspace = ForceMap::new(&robot, Coordinates::Hamiltonian);
             let core = move || {
                 core_of(workspace.clone(), move |of, inputs, outputs| {
-                    contacts::multipliers(of, verb == MultiplierHessian, inputs, &mut Writer(outputs))
+                    contacts::multipliers(of, verb == MultiplierHessian, nq, inputs, &mut Writer(outputs))
                 })
             };
             return Function::new(plan, Arc::new(Engine::new(core).short(n < SHORT)), robot);
@@ -118,10 +118,10 @@ pub fn of_constrained(robot: Arc<Robot>, verb: Verb, k: usize) -> Function {
             let mut writer = Writer(outputs);
             match verb {
                 F | Jacobian | Hessian | Linearise | Contract | Adjoint | Hvp => {
-                    equation(of, verb, inputs, &mut writer)
+                    equation(of, (verb, nq), inputs, &mut writer)
                 }
-                Acceleration | Multipliers | Forces => forces(of, verb, c, inputs, &mut writer),
-                _ => state(of, verb, inputs, &mut writer),
+                Acceleration | Multipliers | Forces => forces(of, (verb, nq), c, inputs, &mut writer),
+                _ => state(of, (verb, nq), inputs, &mut writer),
             }
         })
     };
@@ -133,12 +133,12 @@ pub fn of_constrained(robot: Arc<Robot>, verb: Verb, k: usize) -> Function {
 /// The state equation and its derivatives.
 fn equation(
     of: &mut Workspace,
-    verb: Verb,
+    (verb, nq): (Verb, usize),
     inputs: &[f64],
     writer: &mut Writer<'_, f64>,
 ) -> Result<(), Failure> {
     let n = of.dof();
-    let (q, rest) = inputs.split_at(n);
+    let (q, rest) = inputs.split_at(nq);
     let (p, rest) = rest.split_at(n);
     let (tau, rest) = rest.split_at(n);
     match verb {
@@ -191,13 +191,14 @@ fn put_hessian(writer: &mut Writer<'_, f64>, by_x: Block<'_, f64>, n: usize) {
 /// Accelerations and what the constraints exert.
 fn forces(
     of: &mut Workspace,
-    verb: Verb,
+    (verb, nq): (Verb, usize),
     count: usize,
     inputs: &[f64],
     writer: &mut Writer<'_, f64>,
 ) -> Result<(), Failure> {
     let n = of.dof();
-    let found = of.first().linearise(&inputs[..n], &inputs[n..2 * n], &inputs[2 * n..])?;
+    let (q, rest) = inputs.split_at(nq);
+    let found = of.first().linearise(q, &rest[..n], &rest[n..])?;
     match verb {
         Verb::Acceleration => {
             writer.put(found.acceleration());
@@ -225,12 +226,12 @@ fn forces(
 /// Positions, velocities and what the constraints say about them.
 fn state(
     of: &mut Workspace,
-    verb: Verb,
+    (verb, nq): (Verb, usize),
     inputs: &[f64],
     writer: &mut Writer<'_, f64>,
 ) -> Result<(), Failure> {
     let n = of.dof();
-    let (q, rest) = inputs.split_at(n);
+    let (q, rest) = inputs.split_at(nq);
     let of = of.first();
     match verb {
         Verb::Momentum => {

@@ -28,11 +28,12 @@ pub enum OfImpact {
 pub fn impact(
     of: &mut Impact<f64>,
     what: OfImpact,
+    nq: usize,
     inputs: &[f64],
     writer: &mut Writer<'_, f64>,
 ) -> Result<(), Failure> {
     let n = of.dof();
-    let (q, rest) = inputs.split_at(n);
+    let (q, rest) = inputs.split_at(nq);
     let (p, y) = rest.split_at(n);
     match what {
         OfImpact::Value => {
@@ -59,11 +60,12 @@ pub fn impact(
 pub fn multipliers(
     of: &mut ForceMap<f64>,
     hessian: bool,
+    nq: usize,
     inputs: &[f64],
     writer: &mut Writer<'_, f64>,
 ) -> Result<(), Failure> {
     let n = of.dof();
-    let (q, rest) = inputs.split_at(n);
+    let (q, rest) = inputs.split_at(nq);
     let (p, rest) = rest.split_at(n);
     let (tau, c) = rest.split_at(n);
     if hessian {

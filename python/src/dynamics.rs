@@ -26,6 +26,12 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 /// of them on machine code, and on threads, without the interpreter's lock. Do not write to arguments, or
 /// read results, while another thread computes with them. Numbers of equations are those of the reference.
 ///
+/// With floating and spherical joints q has ``robot.nq`` entries, and f = (v, a) or (v, dp/dt) is the rate in
+/// the tangent space: derivatives by q, n columns or rows, are those by d at d = 0, q (+) d in the place of q
+/// (see ``Robot.integrate``). p is conjugate to v: the momentum of a floating joint is that of all that it
+/// carries, about the origin of the moved frame, in its axes. Hessians are symmetric; energy, momenta and
+/// frames are those of the same motion.
+///
 /// Parameters
 /// ----------
 /// robot : Robot
@@ -36,7 +42,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 ///     What happens at a state of which any number of any argument or result is not finite, or at which the
 ///     mass matrix is singular: a `StateError` with the batch index (`NonFiniteState`, `NonFiniteResult`,
 ///     `SingularMassMatrix`), or results that are not-a-number with a `StateWarning`. All other states are
-///     computed.
+///     computed. A quaternion whose length is not 1 is such a state too (`NonUnitQuaternion`).
 /// threads : int, optional
 ///     Most threads for a batch, from 1 to 4096; as many as the process may use unless given.
 ///
@@ -97,6 +103,14 @@ impl Dynamics {
         self.robot.model()
     }
 
+    /// As [`Robot::refuse_free_joints`].
+    ///
+    /// # Errors
+    /// `RobotError` with the first such joint.
+    pub fn refuse_free_joints(&self, py: Python<'_>, what: &'static str) -> PyResult<()> {
+        self.robot.refuse_free_joints(py, what)
+    }
+
     /// The same, to keep.
     pub fn shared(&self) -> Arc<robot::Robot> {
         self.robot.shared()
@@ -154,7 +168,7 @@ impl Dynamics {
     #[cold]
     fn prepare(&self, py: Python<'_>, verb: Verb) -> PyResult<&Arc<Function>> {
         let Known { engine, .. } = self.engine(py, verb.quantity(self.coordinates))?;
-        let plan = verb.plan(self.coordinates, self.model().dof());
+        let plan = verb.plan(self.coordinates, [self.model().nq(), self.model().dof()]);
         Ok(self.functions[verb as usize].get_or_init(|| Arc::new(Function::new(plan, engine, self.shared()))))
     }
 
@@ -199,7 +213,7 @@ impl Dynamics {
         self.robot.clone()
     }
 
-    /// Number of joints that move by themselves.
+    /// Number of joints that move by themselves: the length of v and tau.
     #[getter]
     fn n(&self) -> usize {
         self.model().dof()

@@ -20,6 +20,7 @@ mod classes {
     pyo3::import_exception!(costate._errors, Interrupted);
     pyo3::import_exception!(costate._errors, NonFiniteResult);
     pyo3::import_exception!(costate._errors, NonFiniteState);
+    pyo3::import_exception!(costate._errors, NonUnitQuaternion);
     pyo3::import_exception!(costate._errors, RobotError);
     pyo3::import_exception!(costate._errors, RobotWarning);
     pyo3::import_exception!(costate._errors, SingularMassMatrix);
@@ -102,6 +103,12 @@ pub enum Failure {
         index: usize,
         joint: Option<String>,
     },
+    /// A quaternion of an argument has another length than 1.
+    NotUnit {
+        argument: &'static str,
+        joint: String,
+        length: f64,
+    },
     /// Arguments are finite, and a state between the beginning and the end of a step is not.
     Overflow {
         joint: String,
@@ -154,6 +161,12 @@ impl std::fmt::Display for Failure {
                 }
                 f.write_str(" is not finite; check the computation that produced it")
             }
+            Self::NotUnit { argument, joint, length } => write!(
+                f,
+                "the quaternion of joint '{}' in {argument} has the length {length}, not 1; Robot.normalize divides it \
+                 by its length",
+                costate::robot::printable(joint)
+            ),
             Self::Overflow { joint } => write!(
                 f,
                 "joint '{}' is beyond all numbers within the step; take a shorter step, or smaller arguments",
@@ -179,7 +192,8 @@ impl std::fmt::Display for Failure {
 impl Failure {
     /// What happened, with the batch index of the state.
     pub fn at(&self, index: &[usize]) -> String {
-        if index.is_empty() { self.to_string() } else { format!("state {index:?}: {self}") }
+        let text = if index.is_empty() { self.to_string() } else { format!("state {index:?}: {self}") };
+        in_python(&text)
     }
 
     /// The exception for the state with this batch index.
@@ -193,6 +207,10 @@ impl Failure {
             Self::NonFinite { argument, joint, .. } => {
                 let raised = with(py, classes::NonFiniteState::new_err(message), "joint", joint);
                 with(py, raised, "argument", *argument)
+            }
+            Self::NotUnit { argument, joint, length } => {
+                let raised = with(py, classes::NonUnitQuaternion::new_err(message), "joint", joint);
+                with(py, with(py, raised, "argument", *argument), "length", *length)
             }
             Self::Overflow { joint } => with(py, classes::NonFiniteResult::new_err(message), "joint", joint),
             Self::Result { argument, joint, .. } => {

@@ -5,8 +5,9 @@ use crate::engine::Engine;
 use crate::errors::Failure;
 use crate::function::Function;
 use crate::plan::{Argument, Plan};
+use costate::configuration::FreeKinematics;
 use costate::hamiltonian::Hamiltonian;
-use costate::kinematics::{Kinematics, ReferenceFrame};
+use costate::kinematics::ReferenceFrame;
 use costate::robot::Robot;
 use costate::scalar::{F64x4, Scalar};
 use costate::spatial::Motion;
@@ -41,7 +42,8 @@ pub const BODY_VERBS: usize = 4;
 /// A function of one frame.
 pub fn of_frame(robot: Arc<Robot>, verb: FrameVerb, frame: usize, axes: ReferenceFrame) -> Function {
     let n = robot.dof();
-    let [q, v, a] = ["q", "v", "a"].map(|name| Argument::of_joints(name, n));
+    let q = Argument::of_positions("q", [robot.nq(), n]);
+    let [v, a] = ["v", "a"].map(|name| Argument::of_joints(name, n));
     let w = Argument::in_space("w");
     let plan = match verb {
         FrameVerb::Pose => Plan::whole(&[q], &[&[3, 3], &[3]]),
@@ -54,13 +56,13 @@ pub fn of_frame(robot: Arc<Robot>, verb: FrameVerb, frame: usize, axes: Referenc
     let lanes = {
         let robot = robot.clone();
         move || {
-            let workspace = Kinematics::<F64x4>::new(&robot);
+            let workspace = FreeKinematics::<F64x4>::new(&robot);
             Some(lanes_of(workspace, move |of, inputs, outputs| {
                 motion(of, verb, (frame, axes), inputs, outputs)
             }))
         }
     };
-    let workspace = Kinematics::<f64>::new(&robot);
+    let workspace = FreeKinematics::<f64>::new(&robot);
     let core = move || {
         core_of(workspace.clone(), move |of, inputs, outputs| {
             motion(of, verb, (frame, axes), inputs, outputs)
@@ -71,14 +73,14 @@ pub fn of_frame(robot: Arc<Robot>, verb: FrameVerb, frame: usize, axes: Referenc
 
 /// What a method of `Frame` computes.
 fn motion<S: Scalar>(
-    of: &mut Kinematics<S>,
+    of: &mut FreeKinematics<S>,
     verb: FrameVerb,
     (frame, axes): (usize, ReferenceFrame),
     inputs: &[S],
     outputs: &mut [S],
 ) -> Result<(), Failure> {
     let n = of.dof();
-    let (q, rest) = inputs.split_at(n);
+    let (q, rest) = inputs.split_at(of.nq());
     let mut writer = Writer(outputs);
     let mut put_motion = |Motion { angular, linear }: Motion<S>| {
         writer.put(&angular.to_array()).put(&linear.to_array());
@@ -119,7 +121,8 @@ const SHORT: usize = 20;
 /// A function of the whole robot.
 pub fn of_robot(robot: Arc<Robot>, verb: BodyVerb) -> Function {
     let n = robot.dof();
-    let [q, v, p] = ["q", "v", "p"].map(|name| Argument::of_joints(name, n));
+    let q = Argument::of_positions("q", [robot.nq(), n]);
+    let [v, p] = ["v", "p"].map(|name| Argument::of_joints(name, n));
     let plan = match verb {
         BodyVerb::Momentum => Plan::whole(&[q, v], &[&[n]]),
         BodyVerb::Velocity => Plan::whole(&[q, p], &[&[n]]),
@@ -140,12 +143,12 @@ pub fn of_robot(robot: Arc<Robot>, verb: BodyVerb) -> Function {
             Engine::new(core).with_lanes(lanes)
         }
         BodyVerb::CentreOfMass | BodyVerb::CentroidalMomentum => {
-            let workspace = Kinematics::<f64>::new(&robot);
+            let workspace = FreeKinematics::<f64>::new(&robot);
             let core = move || {
                 core_of(workspace.clone(), move |of, inputs, outputs| centre(of, verb, inputs, outputs))
             };
             let lanes = move || {
-                let workspace = Kinematics::<F64x4>::new(&shared);
+                let workspace = FreeKinematics::<F64x4>::new(&shared);
                 Some(lanes_of(workspace, move |of, inputs, outputs| centre(of, verb, inputs, outputs)))
             };
             Engine::new(core).with_lanes(lanes)
@@ -161,7 +164,7 @@ fn conjugate<S: Scalar>(
     inputs: &[S],
     outputs: &mut [S],
 ) -> Result<(), Failure> {
-    let (q, rate) = inputs.split_at(of.dof());
+    let (q, rate) = inputs.split_at(of.tree().nq());
     outputs.copy_from_slice(match verb {
         BodyVerb::Momentum => of.momentum(q, rate)?,
         _ => of.velocity(q, rate)?,
@@ -171,12 +174,12 @@ fn conjugate<S: Scalar>(
 
 /// The centre of mass, or the momenta about it.
 fn centre<S: Scalar>(
-    of: &mut Kinematics<S>,
+    of: &mut FreeKinematics<S>,
     verb: BodyVerb,
     inputs: &[S],
     outputs: &mut [S],
 ) -> Result<(), Failure> {
-    let (q, v) = inputs.split_at(of.dof());
+    let (q, v) = inputs.split_at(of.nq());
     if verb == BodyVerb::CentreOfMass {
         of.set_position(q)?;
         outputs.copy_from_slice(&of.centre_of_mass()?.position);

@@ -3,8 +3,8 @@
 //! A call passes through these modules: `arrays` reads the arguments with their leading `axes`, `results`
 //! makes the arrays of results or takes those of the caller, `function` evaluates all states on threads until
 //! one of the `signals` comes, `call` those of one thread on lanes, `plan` says where arguments and results
-//! lie, `cores` computes one state and four; `xla` takes the arrays of JAX instead.
-//! `quantities` lists what is computed of the dynamics, `kinematics` of frames, `schemes` of time steps,
+//! lie, `cores` computes one state and four; `xla` takes the arrays of JAX instead. `quantities` lists what
+//! is computed of the dynamics, `configuration` of q (+) d, `kinematics` of frames, `schemes` of time steps,
 //! `constraints` of robots with loops. `robot` with `edits`, `builder` and its `recipe`, `dynamics`,
 //! `constrained`, `frame` and `time_step` are the classes that Python sees, `look` their visual models;
 //! `words` says in Python what messages advise on the command line. `motions` is what its classes for optimal
@@ -19,6 +19,8 @@ mod call;
 mod casadi;
 mod check;
 mod codegen;
+mod configuration;
+mod configuration_verbs;
 mod constrained;
 mod constrained_verbs;
 mod constraint_edits;

@@ -3,7 +3,19 @@
 /// The lines about an argument, by its kind.
 macro_rules! described {
     (q) => {
-        "q : array_like (..., n)\n    Positions (rad, m)."
+        "q : array_like (..., nq)\n    Positions (rad, m) and unit quaternions (x, y, z, w): see `Robot`."
+    };
+    (raw) => {
+        "q : array_like (..., nq)\n    Positions (rad, m) and quaternions (x, y, z, w) of any length but 0."
+    };
+    (from) => {
+        "q_0 : array_like (..., nq)\n    The first configuration (rad, m)."
+    };
+    (to) => {
+        "q_1 : array_like (..., nq)\n    The second configuration (rad, m)."
+    };
+    (step) => {
+        "d : array_like (..., n)\n    A direction (rad, m), in the order of v."
     };
     (v) => {
         "v : array_like (..., n)\n    Velocities (rad/s, m/s), in either coordinates."
@@ -37,7 +49,7 @@ macro_rules! described {
         "d : array_like (..., 3n)\n    A direction of z = (q, p, tau)."
     };
     (start) => {
-        "q_0 : array_like (..., n)\n    Positions (rad, m) whose g is kept, such as those at the start."
+        "q_0 : array_like (..., nq)\n    Positions (rad, m) whose g is kept, such as those at the start."
     };
     (rows) => {
         "c : array_like (..., k)\n    A weight for each multiplier."
@@ -59,6 +71,11 @@ macro_rules! described {
         "out : tuple of ndarray, optional\n    An array for each result, or None for a new one: C-contiguous \
          float64 of its shape,\n    without memory of an argument or of another result."
     };
+    (plain) => {
+        "\nRaises\n------\nArgumentError\n    For another type, shape or layout of an argument; ``argument`` \
+         names it.\nStateError\n    For a state that cannot be evaluated, with its ``index``: `NonFiniteState`, \
+         `NonUnitQuaternion`.\nInterrupted\n    As the methods of `Dynamics`."
+    };
     (raises) => {
         "\nRaises\n------\nArgumentError\n    For another type, shape or layout of an argument; ``argument`` \
          names it.\nStateError\n    For a state that cannot be evaluated, with its ``index``, unless \
@@ -69,10 +86,14 @@ macro_rules! described {
 pub(crate) use described;
 
 /// Methods of a class that are functions of arrays: each with its arguments and their kinds, whether it has
-/// one result or several, the lines about these, the Rust method that calls it, and which function it is.
+/// one result or several, the lines about these, the Rust method that calls it, and which function it is;
+/// after `with` which lines tell about errors.
 macro_rules! verbs {
+    (impl $class:ident; $($methods:tt)*) => {
+        $crate::methods::verbs! { impl $class with raises; $($methods)* }
+    };
     (
-        impl $class:ident;
+        impl $class:ident with $raises:ident;
         $(
             $(#[$doc:meta])*
             $name:ident($($argument:ident: $kind:ident),*) -> $count:ident $results:literal
@@ -92,7 +113,7 @@ macro_rules! verbs {
             /// Returns
             /// -------
             #[doc = $results]
-            #[doc = $crate::methods::described!(raises)]
+            #[doc = $crate::methods::described!($raises)]
             #[pyo3(signature = ($($argument),*, *, out = None))]
             fn $name<'py>(
                 &self,

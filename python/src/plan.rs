@@ -13,6 +13,8 @@ pub const ONE: usize = 0;
 pub enum Entries {
     /// The joints of the robot, in their order: all of them, or several times one after the other.
     Joints,
+    /// The configuration of a robot with quaternions.
+    Positions,
     /// The axes x, y, z.
     Axes,
     /// The rows of the constraints.
@@ -32,6 +34,12 @@ impl Argument {
     /// One entry for each of n joints.
     pub const fn of_joints(name: &'static str, length: usize) -> Self {
         Self { name, length, entries: Entries::Joints }
+    }
+
+    /// A configuration: nq entries, n of which belong to the joints alone where there are no quaternions.
+    pub const fn of_positions(name: &'static str, [nq, n]: [usize; 2]) -> Self {
+        let entries = if nq == n { Entries::Joints } else { Entries::Positions };
+        Self { name, length: nq, entries }
     }
 
     /// One entry for each row of the constraints.
@@ -158,6 +166,12 @@ impl PlanBuilder {
     /// An argument that the core reads; returns where it is.
     pub fn core(&mut self, name: &'static str, length: usize) -> usize {
         self.split(name, [(length, true)])[0]
+    }
+
+    /// The argument q, nq entries, which the core reads.
+    pub fn positions(&mut self, sizes: [usize; 2]) -> usize {
+        let Argument { name, length, entries } = Argument::of_positions("q", sizes);
+        self.parts(name, entries, [(length, true)])[0]
     }
 
     /// An argument in parts, each with its length and whether the core reads it.

@@ -21,13 +21,36 @@ impl Robot {
         self.model().name()
     }
 
-    /// Number of joints that mimic no other one: the length of q, v and tau.
+    /// Number of joints that mimic no other one: the length of v and tau, and of q without quaternions.
     #[getter]
     fn n(&self) -> usize {
         self.model().dof()
     }
 
-    /// The joints of q, v and tau, in their order.
+    /// Number of entries of q: n, and one more for each quaternion.
+    #[getter]
+    fn nq(&self) -> usize {
+        self.model().nq()
+    }
+
+    /// Number of entries of v, p, tau and of directions of q; the same as ``n``.
+    #[getter]
+    fn nv(&self) -> usize {
+        self.model().dof()
+    }
+
+    /// The floating and spherical joints: name, ``"floating"`` or ``"spherical"``, and the indices of its
+    /// first entries of q and of v.
+    #[getter]
+    fn free_joints(&self) -> Vec<(&str, &str, usize, usize)> {
+        let all = self.model().free_joints().iter();
+        all.map(|free| (free.name.as_str(), free.kind.name(), free.position, free.coordinate)).collect()
+    }
+
+    /// The joints of v and tau, in their order, and of q where it has no quaternions.
+    ///
+    /// A floating joint NAME stands here as ``NAME_x``, ``NAME_y``, ``NAME_z``, ``NAME_rx``, ``NAME_ry``,
+    /// ``NAME``, a spherical one as the last three.
     #[getter]
     fn joint_names(&self) -> Vec<&str> {
         self.model().independent_joints().map(|joint| joint.name.as_str()).collect()
@@ -46,7 +69,7 @@ impl Robot {
         joints.iter().map(|joint| joint.parent.map(|parent| joints[parent].name.as_str())).collect()
     }
 
-    /// ``"revolute"`` or ``"prismatic"``, for each of ``joint_names``.
+    /// ``"revolute"`` or ``"prismatic"``, for each of ``joint_names``; for parts of free joints too.
     #[getter]
     fn joint_kinds(&self) -> Vec<&str> {
         self.model().independent_joints().map(|joint| joint.kind.name()).collect()
@@ -82,7 +105,8 @@ impl Robot {
         Ok(PyArray2::from_vec2(py, &rows)?)
     }
 
-    /// Smallest and largest q (2, n) in rad, m; infinite where there is no limit.
+    /// Smallest and largest q (2, n) in rad, m, for each of ``joint_names``; infinite where there is no
+    /// limit, as for free joints.
     #[getter]
     fn position_limits<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let of = |side: fn(&Limits) -> f64| -> Vec<f64> {

@@ -1,6 +1,7 @@
 //! What is computed of the dynamics of a robot: the quantity behind each method, and the plan of its arrays.
 //!
-//! z = (q, v, tau) or (q, p, tau); f is dx/dt, 2n numbers; J = df/dz, 2n x 3n; H = d2(y'f)/dz2, 3n x 3n.
+//! z = (q, v, tau) or (q, p, tau); f is dx/dt, 2n numbers; J = df/dz, 2n x 3n; H = d2(y'f)/dz2, 3n x 3n. With
+//! quaternions q has nq > n numbers, and derivatives by q are those in the tangent space.
 
 use crate::errors::argument;
 use crate::plan::{ONE, Piece, Plan, PlanBuilder};
@@ -94,21 +95,21 @@ impl Verb {
         }
     }
 
-    /// Arguments and results for n joints.
-    pub fn plan(self, coordinates: Coordinates, n: usize) -> Plan {
+    /// Arguments and results for nq positions and n coordinates.
+    pub fn plan(self, coordinates: Coordinates, sizes: [usize; 2]) -> Plan {
         match (self, coordinates) {
             (
                 Self::Aba | Self::Rnea | Self::RneaJacobian | Self::RneaHessian | Self::Crba | Self::Energy,
                 _,
-            ) => self.in_velocities_alone(n),
-            (_, Coordinates::Lagrangian) => self.in_velocities(n),
-            (_, Coordinates::Hamiltonian) => self.in_momenta(n),
+            ) => self.in_velocities_alone(sizes),
+            (_, Coordinates::Lagrangian) => self.in_velocities(sizes),
+            (_, Coordinates::Hamiltonian) => self.in_momenta(sizes),
         }
     }
 
-    fn in_velocities_alone(self, n: usize) -> Plan {
+    fn in_velocities_alone(self, [nq, n]: [usize; 2]) -> Plan {
         let mut plan = PlanBuilder::new(0);
-        plan.core("q", n);
+        plan.positions([nq, n]);
         if self == Self::Crba {
             let plan = plan.results(n * n);
             let m = plan.core_outputs.start;
@@ -138,9 +139,9 @@ impl Verb {
         plan.output(&[n], vec![Piece::copy(0, values, n)])
     }
 
-    fn in_velocities(self, n: usize) -> Plan {
+    fn in_velocities(self, [nq, n]: [usize; 2]) -> Plan {
         let mut plan = PlanBuilder::new(4 * n);
-        plan.core("q", n);
+        plan.positions([nq, n]);
         let v = plan.core("v", n);
         plan.core("tau", n);
         let [y_q, y_v, d] = match self {
@@ -187,9 +188,9 @@ impl Verb {
         }
     }
 
-    fn in_momenta(self, n: usize) -> Plan {
+    fn in_momenta(self, [nq, n]: [usize; 2]) -> Plan {
         let mut plan = PlanBuilder::new(4 * n);
-        plan.core("q", n);
+        plan.positions([nq, n]);
         plan.core("p", n); // the parameter v of the caller
         if self == Self::Hvp {
             plan.split("tau", [(n, false)]);

@@ -1,5 +1,6 @@
 //! The class `Robot`.
 
+use crate::configuration::Functions;
 use crate::descriptions::triple;
 use crate::errors::{self, RobotWarning, argument};
 use crate::look::Look;
@@ -14,13 +15,19 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// A robot: a tree of revolute and prismatic joints on a base that does not move.
+/// A robot: a tree of revolute, prismatic, floating and spherical joints in the world.
 ///
 /// Constraints between frames close its loops, see `with_constraint` and `ConstrainedDynamics`.
 ///
 /// It never changes: ``lock``, ``with_payload`` and the like return another robot. The entries of q, v and
 /// tau belong to ``joint_names``: the joints that mimic no other one, parents before children, as in
 /// Pinocchio for most robots.
+///
+/// A floating or spherical joint has an orientation without singular poses: in q it has x, y, z (m, in the
+/// frame that it stands in) and a unit quaternion (x, y, z, w), or the quaternion alone; in v, p, tau and d
+/// the linear and angular parts, or the angular part alone, in the axes of the moved frame, as in Pinocchio.
+/// So q has ``nq`` entries and all else ``nv`` = n; ``free_joints`` says where. Derivatives by q are those by
+/// d in q (+) d, see ``integrate``.
 ///
 /// Examples
 /// --------
@@ -37,6 +44,8 @@ pub struct Robot {
     recipe: Arc<Recipe>,
     /// Its visual models, if it was read from a URDF; no part of what is compared.
     pub look: Option<Arc<Look>>,
+    /// Functions of its configurations.
+    pub functions: Arc<Functions>,
 }
 
 impl Robot {
@@ -57,18 +66,23 @@ impl Robot {
         recipe: Recipe,
         known: &[robot::Warning],
     ) -> PyResult<Self> {
-        if let Some(free) = robot.free_joints().first() {
-            let (joint, kind) = (free.name.clone(), free.kind.name());
-            let error = robot::RobotError::FreeJoint { joint, kind, what: "be used from Python" };
-            return Err(errors::robot(py, &error));
-        }
         let new = |warning: &&robot::Warning| !is_rebuilding() && !known.contains(warning);
         for warning in robot.warnings().iter().filter(new) {
             let text =
                 CString::new(in_python(&format!("robot '{}': {warning}", robot.name())).replace('\0', " "))?;
             PyErr::warn(py, &py.get_type::<RobotWarning>(), &text, 1)?;
         }
-        Ok(Self { inner: Arc::new(robot), recipe: Arc::new(recipe), look: None })
+        Ok(Self { inner: Arc::new(robot), recipe: Arc::new(recipe), look: None, functions: Arc::default() })
+    }
+
+    /// Refuses a robot with floating or spherical joints where they are not taken, saying what it cannot.
+    ///
+    /// # Errors
+    /// `RobotError` with the first such joint.
+    pub fn refuse_free_joints(&self, py: Python<'_>, what: &'static str) -> PyResult<()> {
+        let Some(free) = self.inner.free_joints().first() else { return Ok(()) };
+        let (joint, kind) = (free.name.clone(), free.kind.name());
+        Err(errors::robot(py, &robot::RobotError::FreeJoint { joint, kind, what }))
     }
 
     /// Refuses a robot with constraints where they would be ignored, saying what it cannot.
@@ -112,6 +126,11 @@ impl Robot {
     ///     Load ``<dynamics damping friction>`` of a URDF.
     /// strict : bool
     ///     Warnings that suggest a mistake are errors.
+    /// floating_base : bool
+    ///     The root link of a URDF moves by a floating joint ``root_joint``; it is the base unless set.
+    /// quaternions : bool
+    ///     Joints of type ``floating`` of a URDF are such joints; unless set, each becomes six joints with a
+    ///     singular pose. Joints of robots in TOML are what the file says.
     ///
     /// Returns
     /// -------
@@ -125,9 +144,17 @@ impl Robot {
     /// OSError
     ///     Where the file cannot be read.
     #[staticmethod]
-    #[pyo3(signature = (path, *, friction = false, strict = false))]
-    pub fn from_file(py: Python<'_>, path: PathBuf, friction: bool, strict: bool) -> PyResult<Self> {
+    #[pyo3(signature = (path, *, friction = false, strict = false, floating_base = false, quaternions = false))]
+    pub fn from_file(
+        py: Python<'_>,
+        path: PathBuf,
+        friction: bool,
+        strict: bool,
+        floating_base: bool,
+        quaternions: bool,
+    ) -> PyResult<Self> {
         let options = LoadOptions::default().friction(friction).strict(strict);
+        let options = options.floating_base(floating_base).quaternions(quaternions);
         // Other threads run meanwhile: a pipe may wait for one of them.
         let read = py.detach(|| {
             let file = RobotText::from_file(&path)?;
@@ -138,7 +165,8 @@ impl Robot {
         // A pickle contains the text: the file need not be where it is read.
         let look = Look::new(file.as_str(), file.format(), Some(&path));
         let (text, format) = (file.as_str(), file.format().name());
-        let recipe = Recipe::default().then(py, "from_text", named!(py, text, format, friction, strict));
+        let arguments = named!(py, text, format, friction, strict, floating_base, quaternions);
+        let recipe = Recipe::default().then(py, "from_text", arguments);
         Ok(Self::warned(py, read, recipe, &[])?.looking_like(look))
     }
 
@@ -150,7 +178,7 @@ impl Robot {
     ///     The description.
     /// format : {"urdf", "toml"}, optional
     ///     Found by the first character unless given.
-    /// friction, strict : bool
+    /// friction, strict, floating_base, quaternions : bool
     ///     As in `from_file`.
     ///
     /// Returns
@@ -163,13 +191,16 @@ impl Robot {
     /// RobotError
     ///     With ``line`` and ``culprit``.
     #[staticmethod]
-    #[pyo3(signature = (text, format = None, *, friction = false, strict = false))]
+    #[pyo3(signature = (text, format = None, *, friction = false, strict = false, floating_base = false,
+        quaternions = false))]
     fn from_text(
         py: Python<'_>,
         text: String,
         format: Option<&str>,
         friction: bool,
         strict: bool,
+        floating_base: bool,
+        quaternions: bool,
     ) -> PyResult<Self> {
         let kind = match format {
             None => RobotFormat::of_text(&text),
@@ -181,10 +212,12 @@ impl Robot {
             }
         };
         let options = LoadOptions::default().friction(friction).strict(strict);
+        let options = options.floating_base(floating_base).quaternions(quaternions);
         let read = robot::Robot::read(text.as_bytes(), kind, options);
         let read = read.map_err(|error| errors::robot(py, &error))?;
         let look = Look::new(&text, kind, None);
-        let recipe = Recipe::default().then(py, "from_text", named!(py, text, format, friction, strict));
+        let arguments = named!(py, text, format, friction, strict, floating_base, quaternions);
+        let recipe = Recipe::default().then(py, "from_text", arguments);
         Ok(Self::warned(py, read, recipe, &[])?.looking_like(look))
     }
 
@@ -262,7 +295,9 @@ impl Robot {
     }
 
     fn __repr__(&self) -> String {
-        format!("Robot('{}', n={})", robot::printable(self.inner.name()), self.inner.dof())
+        let (name, nq, n) = (robot::printable(self.inner.name()), self.inner.nq(), self.inner.dof());
+        let nq = if nq == n { String::new() } else { format!(", nq={nq}") };
+        format!("Robot('{name}', n={n}{nq})")
     }
 
     fn _repr_html_(&self) -> String {

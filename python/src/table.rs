@@ -33,9 +33,14 @@ fn row(robot: &Robot, joint: &Joint) -> String {
     let follows = joint
         .mimic
         .map_or(String::new(), |mimic| format!(" (mimics {})", escaped(&robot.joints()[mimic.joint].name)));
+    // The parts of a free joint are rows of their own.
+    let kind = match &joint.free {
+        Some(part) => format!("{}, {} of {}", part.kind.name(), part.place + 1, part.kind.dof()),
+        None => joint.kind.name().into(),
+    };
     let cells = [
         format!("{}{follows}", escaped(&joint.name)),
-        joint.kind.name().into(),
+        kind,
         escaped(parent),
         escaped(&joint.link),
         format!("{:.4}", joint.inertia.mass),

@@ -33,6 +33,8 @@ use std::sync::{Arc, OnceLock};
 /// ------
 /// ArgumentError
 ///     For another scheme, or one that needs other coordinates; for a duration that is not finite.
+/// RobotError
+///     For a robot with floating or spherical joints.
 ///
 /// References
 /// ----------
@@ -106,6 +108,10 @@ impl Step {
 impl Step {
     #[new]
     fn new(dynamics: &Bound<'_, Dynamics>, scheme: &str, dt: f64) -> PyResult<Self> {
+        dynamics.get().refuse_free_joints(
+            dynamics.py(),
+            "be moved by Step (by Dynamics.f and Robot.integrate it can)",
+        )?;
         let known = SCHEMES[scheme_of(dynamics.py(), scheme, dt, dynamics.get().space())?];
         Ok(Self {
             dynamics: dynamics.clone().unbind(),

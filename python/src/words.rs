@@ -1,7 +1,7 @@
 //! Messages of the library in the words of its Python interface.
 
 /// What messages advise on the command line and in Rust, and what does the same here.
-const WORDS: [(&str, &str); 20] = [
+const WORDS: [(&str, &str); 21] = [
     ("`costate info --frames` lists the names", "robot.frame_names lists the names"),
     ("request it by --friction (LoadOptions::friction)", "request it by friction=True"),
     ("give the format by --format (Robot::read)", "give the text and its format to Robot.from_text"),
@@ -25,6 +25,10 @@ const WORDS: [(&str, &str); 20] = [
     ),
     ("give its folder with --package-path", "give its folder by package_path=[...]"),
     ("as ConstrainedHamiltonian::close computes it", "as ConstrainedDynamics.close computes it"),
+    (
+        "`Hamiltonian`, `ConstrainedHamiltonian` and `Lagrangian` take them, to second order",
+        "Dynamics, Frame, ConstrainedDynamics.f and its derivatives take them",
+    ),
     ("in --sample too;", "in sample() too;"),
     ("and so does --polish, where", "and so does solver={'polish': True}, where"),
     ("raise solver.time_limit or --time-limit", "raise solver.time_limit"),

@@ -10,12 +10,18 @@
 mod chart;
 mod chart_frame;
 mod exponential;
+mod kinematics;
+#[cfg(test)]
+mod kinematics_tests;
+mod quaternions;
 #[cfg(test)]
 pub(crate) mod samples;
 #[cfg(test)]
 mod tests;
 
 pub(crate) use chart_frame::{ChartFrame, MOST};
+pub use kinematics::FreeKinematics;
+pub use quaternions::Quaternions;
 
 use crate::error::{EvalError, LengthError, check_length};
 use crate::kernels::{check_configuration, check_entries};

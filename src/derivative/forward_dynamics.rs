@@ -1,49 +1,63 @@
 //! Forward dynamics as a function for automatic differentiation.
 
 use super::function::Function;
+use super::positions::{Moved, Positions};
 use crate::error::{EvalError, check_length};
 use crate::lagrangian::Lagrangian;
 use crate::robot::{Robot, Tree};
 use crate::scalar::Scalar;
 
 /// `(q, v, u) -> a = M^-1 (u + D - C v - g)` (9), from 3n inputs to n outputs.
+///
+/// With floating and spherical joints the first n inputs are a direction, as in
+/// [`PhaseVelocity`](super::PhaseVelocity).
 #[derive(Clone, Debug)]
-pub struct ForwardDynamics(Tree);
+pub struct ForwardDynamics {
+    tree: Tree,
+    positions: Positions,
+}
 
 impl ForwardDynamics {
     /// The forward dynamics of this robot.
     pub fn new(robot: &Robot) -> Self {
-        Self(Tree::from(robot))
+        let tree = Tree::from(robot);
+        Self { positions: Positions::new(&tree), tree }
+    }
+
+    /// As [`PhaseVelocity::set_centre`](super::PhaseVelocity::set_centre).
+    pub fn set_centre(&mut self, q: &[f64]) {
+        self.positions.set_centre(q);
     }
 }
 
 impl Function for ForwardDynamics {
-    type Workspace<S: Scalar> = Lagrangian<S>;
+    type Workspace<S: Scalar> = (Lagrangian<S>, Moved<S>);
     type Error = EvalError;
 
     fn inputs(&self) -> usize {
-        3 * self.0.dof()
+        3 * self.tree.dof()
     }
 
     fn outputs(&self) -> usize {
-        self.0.dof()
+        self.tree.dof()
     }
 
-    fn workspace<S: Scalar>(&self) -> Lagrangian<S> {
-        Lagrangian::from_tree(self.0.clone())
+    fn workspace<S: Scalar>(&self) -> Self::Workspace<S> {
+        (Lagrangian::from_tree(self.tree.clone()), self.positions.room())
     }
 
     fn evaluate<S: Scalar>(
         &self,
-        lagrangian: &mut Lagrangian<S>,
+        (lagrangian, moved): &mut Self::Workspace<S>,
         z: &[S],
         a: &mut [S],
     ) -> Result<(), EvalError> {
-        let n = self.0.dof();
+        let n = self.tree.dof();
         check_length("z", z, 3 * n)?;
         check_length("a", a, n)?;
         let (q, rest) = z.split_at(n);
         let (v, u) = rest.split_at(n);
+        let q = self.positions.of(moved, q)?;
         a.copy_from_slice(lagrangian.forward_dynamics(q, v, u)?);
         Ok(())
     }

@@ -29,6 +29,8 @@ pub(super) struct Methods<S: Scalar> {
     packed: Matrix<S>,
     frames: FramePower,
     kinematics: Kinematics<S>,
+    /// Whether no joint is floating or spherical: methods that take none run then.
+    is_plain: bool,
 }
 
 /// Exponents of the scales `d_i = sqrt(M_ii)`, see [`Row`]: of q and p, of what is dual to them, of z = (q,
@@ -51,6 +53,7 @@ impl<S: Scalar> Methods<S> {
             packed: Matrix::zeros(2 * n, 2 * n),
             frames: FramePower::new(robot),
             kinematics: Kinematics::new(robot),
+            is_plain: robot.free_joints().is_empty(),
         }
     }
 
@@ -62,7 +65,9 @@ impl<S: Scalar> Methods<S> {
         self.second(state, reference, &mut rows)?;
         self.forward_dynamics(state, reference, &mut rows)?;
         self.conserved(state, reference, &mut rows)?;
-        self.frames(state, reference, &mut rows)?;
+        if self.is_plain {
+            self.frames(state, reference, &mut rows)?;
+        }
         Ok(rows)
     }
 
@@ -74,17 +79,18 @@ impl<S: Scalar> Methods<S> {
         to: &Reference<S>,
         rows: &mut Vec<Row<S>>,
     ) -> Result<(), EvalError> {
-        let State { x, u, y, .. } = state;
-        let (q, p) = x.split_at(u.len());
+        let State { q, p, u, y, .. } = state;
         let mut add = |route, f_x: Block<'_, S>| {
             rows.push(Row::new(["F_x", route], f_x, to.f_x.view(), [STATE, COSTATE]));
         };
         add("analytic", self.analytic.first().linearise(q, p, u)?.matrix());
-        add("tensors", self.tensors.first().linearise(q, p, u)?.matrix());
+        if self.is_plain {
+            add("tensors", self.tensors.first().linearise(q, p, u)?.matrix());
+        }
         add("dual", to.dual_f_x.view());
         let found = self.analytic.first().adjoint(q, p, u, y)?.y_f_x;
         let product = |j| y.iter().enumerate().fold(S::zero(), |sum, (k, &y)| sum + y * to.f_x[(k, j)]);
-        let (found, expected) = (matrix(1, x.len(), |_, j| found[j]), matrix(1, x.len(), |_, j| product(j)));
+        let (found, expected) = (matrix(1, y.len(), |_, j| found[j]), matrix(1, y.len(), |_, j| product(j)));
         rows.push(Row::new(["y'F_x", "analytic"], found.view(), expected.view(), [&[0], COSTATE]));
         Ok(())
     }
@@ -97,21 +103,22 @@ impl<S: Scalar> Methods<S> {
         to: &Reference<S>,
         rows: &mut Vec<Row<S>>,
     ) -> Result<(), EvalError> {
-        let State { x, u, y, .. } = state;
-        let (q, p) = x.split_at(u.len());
+        let State { q, p, u, y, .. } = state;
         let mut add = |route, y_f_xx: Block<'_, S>| {
             rows.push(Row::new(["y'F_xx", route], y_f_xx, to.y_f_xx.view(), [COSTATE, COSTATE]));
         };
         add("analytic", self.analytic.contract(q, p, u, y)?.matrix());
-        add("dual pass", self.dual_pass.contract(q, p, u, y)?.matrix());
-        self.full.hessian_tensor(q, p)?.contract(y, &mut self.packed)?;
-        add("packed tensor", self.packed.view());
-        add("tensors", self.tensors.contract(q, p, u, y)?.matrix());
+        if self.is_plain {
+            add("dual pass", self.dual_pass.contract(q, p, u, y)?.matrix());
+            self.full.hessian_tensor(q, p)?.contract(y, &mut self.packed)?;
+            add("packed tensor", self.packed.view());
+            add("tensors", self.tensors.contract(q, p, u, y)?.matrix());
+        }
         add("dual", to.nested_y_f_xx.view());
         rows.push(Row::asymmetry(["asymmetry of y'F_xx", "dual"], &to.nested_y_f_xx, COSTATE));
         let found = self.analytic.hessian_product(q, p, y, y)?;
-        let product = matrix(1, x.len(), |_, i| dot(to.y_f_xx.row(i), y));
-        let found = matrix(1, x.len(), |_, j| found[j]);
+        let product = matrix(1, y.len(), |_, i| dot(to.y_f_xx.row(i), y));
+        let found = matrix(1, y.len(), |_, j| found[j]);
         rows.push(Row::new(["y'F_xx y", "analytic"], found.view(), product.view(), [&[0], COSTATE]));
         Ok(())
     }
@@ -124,9 +131,8 @@ impl<S: Scalar> Methods<S> {
         to: &Reference<S>,
         rows: &mut Vec<Row<S>>,
     ) -> Result<(), EvalError> {
-        let State { x, v, u, y } = state;
-        let n = v.len();
-        let second = self.lagrangian.contract_forward_dynamics(&x[..n], v, u, &y[n..])?;
+        let State { q, v, u, y, .. } = state;
+        let second = self.lagrangian.contract_forward_dynamics(q, v, u, &y[v.len()..])?;
         let mut first = |route, a_z: Block<'_, S>| {
             let quantity = "a_z, z = (q, v, u)";
             rows.push(Row::new([quantity, route], a_z, to.a_z.view(), [&[1], COSTATE_OF_Z]));
@@ -149,8 +155,8 @@ impl<S: Scalar> Methods<S> {
         to: &Reference<S>,
         rows: &mut Vec<Row<S>>,
     ) -> Result<(), EvalError> {
-        let State { x, v, .. } = state;
-        let [first, second] = self.frames.derivatives(&mut self.kinematics, &x[..v.len()], v)?;
+        let State { q, v, .. } = state;
+        let [first, second] = self.frames.derivatives(&mut self.kinematics, q, v)?;
         let scales = &[-1, -1];
         rows.push(Row::new(["(w.V)_z of frames", "analytic"], first.view(), to.w_v_z.view(), [&[0], scales]));
         let quantity = ["(w.V)_zz of frames", "analytic"];
@@ -166,13 +172,16 @@ impl<S: Scalar> Methods<S> {
         to: &Reference<S>,
         rows: &mut Vec<Row<S>>,
     ) -> Result<(), EvalError> {
-        let n = state.v.len();
-        let (q, p) = state.x.split_at(n);
+        let State { q, p, .. } = state;
+        let n = p.len();
         let first = self.conservative.linearise(q, p, &filled(S::zero(), n))?;
         let f_x = first.matrix();
         let j_f_x = matrix(2 * n, 2 * n, |i, j| if i < n { f_x.row(n + i)[j] } else { -f_x.row(i - n)[j] });
         let products: Vec<S> = to.energy_gradient.iter().zip(first.f()).map(|(&g, &f)| g * f).collect();
-        rows.push(Row::asymmetry(["asymmetry of J F_x, D = 0", "analytic"], &j_f_x, COSTATE));
+        // The bracket of twists and momenta in a moved frame is another one.
+        if self.is_plain {
+            rows.push(Row::asymmetry(["asymmetry of J F_x, D = 0", "analytic"], &j_f_x, COSTATE));
+        }
         let sum = |terms: &dyn Fn(S) -> S| {
             matrix(1, 1, |_, _| products.iter().fold(S::zero(), |sum, &product| sum + terms(product)))
         };

@@ -22,6 +22,7 @@ mod methods;
 mod nested;
 mod operations;
 mod phase_velocity;
+mod positions;
 mod reference;
 mod report;
 mod routes;

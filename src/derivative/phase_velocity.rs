@@ -1,6 +1,7 @@
 //! The state equation as a function for automatic differentiation.
 
 use super::function::Function;
+use super::positions::{Moved, Positions};
 use crate::error::{EvalError, check_length};
 use crate::hamiltonian::Hamiltonian;
 use crate::matrix::filled;
@@ -8,9 +9,13 @@ use crate::robot::{Robot, Tree};
 use crate::scalar::Scalar;
 
 /// `x -> F(x) + (0, u)` for constant u, from 2n inputs (q, p) to 2n outputs.
+///
+/// With floating and spherical joints the first n inputs are a direction d, and F is that at the
+/// [centre](Self::set_centre) moved by d: derivatives at d = 0 are those in the tangent space.
 #[derive(Clone, Debug)]
 pub struct PhaseVelocity {
     tree: Tree,
+    positions: Positions,
     /// Actuation (N m, N), length n.
     pub u: Vec<f64>,
 }
@@ -18,7 +23,14 @@ pub struct PhaseVelocity {
 impl PhaseVelocity {
     /// The state equation of this robot, with u = 0.
     pub fn new(robot: &Robot) -> Self {
-        Self { tree: Tree::from(robot), u: vec![0.0; robot.dof()] }
+        let tree = Tree::from(robot);
+        Self { positions: Positions::new(&tree), tree, u: vec![0.0; robot.dof()] }
+    }
+
+    /// Takes the configuration (nq) that directions begin at, neutral before; without effect for robots
+    /// without floating and spherical joints.
+    pub fn set_centre(&mut self, q: &[f64]) {
+        self.positions.set_centre(q);
     }
 
     /// The same under the actuation u (N m, N), length n.
@@ -30,7 +42,7 @@ impl PhaseVelocity {
 }
 
 impl Function for PhaseVelocity {
-    type Workspace<S: Scalar> = (Hamiltonian<S>, Vec<S>);
+    type Workspace<S: Scalar> = (Hamiltonian<S>, Vec<S>, Moved<S>);
     type Error = EvalError;
 
     fn inputs(&self) -> usize {
@@ -42,12 +54,13 @@ impl Function for PhaseVelocity {
     }
 
     fn workspace<S: Scalar>(&self) -> Self::Workspace<S> {
-        (Hamiltonian::from_tree(self.tree.clone()), filled(S::zero(), self.tree.dof()))
+        let actuation = filled(S::zero(), self.tree.dof());
+        (Hamiltonian::from_tree(self.tree.clone()), actuation, self.positions.room())
     }
 
     fn evaluate<S: Scalar>(
         &self,
-        (hamiltonian, actuation): &mut Self::Workspace<S>,
+        (hamiltonian, actuation, moved): &mut Self::Workspace<S>,
         x: &[S],
         f: &mut [S],
     ) -> Result<(), EvalError> {
@@ -57,6 +70,7 @@ impl Function for PhaseVelocity {
         check_length("f", f, 2 * n)?;
         actuation.iter_mut().zip(&self.u).for_each(|(lifted, &u)| *lifted = S::from_f64(u));
         let (q, p) = x.split_at(n);
+        let q = self.positions.of(moved, q)?;
         f.copy_from_slice(hamiltonian.evaluate(q, p, actuation)?);
         Ok(())
     }

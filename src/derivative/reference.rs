@@ -5,14 +5,15 @@
 
 use super::called::ByCalls;
 use super::frame_power::FramePower;
-use super::function::{DerivativeError, Function};
+use super::function::{DerivativeError, Function, InnerNumber};
+use super::positions::{Moved, Positions};
 use super::row::matrix;
 use super::state::State;
 use super::{CHUNK, ForwardDynamics, Hessian, Jacobian, NestedHessian, PhaseVelocity};
 use crate::error::EvalError;
 use crate::hamiltonian::Hamiltonian;
 use crate::matrix::Matrix;
-use crate::robot::Robot;
+use crate::robot::{Robot, Tree};
 use crate::scalar::{Count, Scalar};
 
 /// Derivatives of F, of the acceleration a and of H by automatic differentiation.
@@ -59,33 +60,43 @@ pub(crate) fn rounded_once(a: &Matrix<f64>) -> Matrix<Count> {
     matrix(a.rows(), a.columns(), |i, j| Count::rounded(a[(i, j)]))
 }
 
-/// H(q, p) as a function of 2n inputs.
-struct TotalEnergy(Robot);
+/// H(q, p) as a function of 2n inputs, without friction.
+struct TotalEnergy {
+    tree: Tree,
+    positions: Positions,
+}
+
+impl TotalEnergy {
+    fn new(robot: &Robot) -> Self {
+        let tree = Tree::from(&robot.without_friction());
+        Self { positions: Positions::new(&tree), tree }
+    }
+}
 
 impl Function for TotalEnergy {
-    type Workspace<S: Scalar> = Hamiltonian<S>;
+    type Workspace<S: Scalar> = (Hamiltonian<S>, Moved<S>);
     type Error = EvalError;
 
     fn inputs(&self) -> usize {
-        2 * self.0.dof()
+        2 * self.tree.dof()
     }
 
     fn outputs(&self) -> usize {
         1
     }
 
-    fn workspace<S: Scalar>(&self) -> Hamiltonian<S> {
-        Hamiltonian::new(&self.0)
+    fn workspace<S: Scalar>(&self) -> Self::Workspace<S> {
+        (Hamiltonian::from_tree(self.tree.clone()), self.positions.room())
     }
 
     fn evaluate<S: Scalar>(
         &self,
-        energy: &mut Hamiltonian<S>,
+        (energy, moved): &mut Self::Workspace<S>,
         x: &[S],
         h: &mut [S],
     ) -> Result<(), EvalError> {
-        let (q, p) = x.split_at(self.0.dof());
-        h[0] = energy.hamiltonian(q, p)?;
+        let (q, p) = x.split_at(self.tree.dof());
+        h[0] = energy.hamiltonian(self.positions.of(moved, q)?, p)?;
         Ok(())
     }
 }
@@ -113,19 +124,25 @@ impl Automatic {
             dual_a: Jacobian::new(a()),
             nested_a: NestedHessian::new(a()),
             hyperdual_a: Hessian::new(a()),
-            energy: Jacobian::new(ByCalls(TotalEnergy(robot.without_friction()))),
+            energy: Jacobian::new(ByCalls(TotalEnergy::new(robot))),
             frames: Hessian::new(ByCalls(FramePower::new(robot))),
         }
     }
 
     #[inline]
     pub fn evaluate(&mut self, state: &State<f64>) -> Result<Reference<f64>, DerivativeError<EvalError>> {
-        let State { x, u, y, .. } = state;
-        let (z, y_p) = (&state.z()[..], &y[u.len()..]);
+        let State { q, u, y, .. } = state;
+        let (x, z, y_p) = (&state.x()[..], &state.z()[..], &y[u.len()..]);
         for function in [self.dual.function_mut(), self.nested.function_mut(), self.hyperdual.function_mut()]
         {
             function.0.u.copy_from_slice(u);
+            function.0.set_centre(q);
         }
+        let of_a =
+            [self.dual_a.function_mut(), self.nested_a.function_mut(), self.hyperdual_a.function_mut()];
+        of_a.into_iter().for_each(|function| function.0.set_centre(q));
+        self.energy.function_mut().0.positions.set_centre(q);
+        let [w_v_z, w_v_zz] = frames(&mut self.frames, state, x.len())?;
         Ok(Reference {
             y_f_xx: self.hyperdual.contract(x, y)?.clone(),
             f_x: self.hyperdual.last().jacobian().clone(),
@@ -135,11 +152,25 @@ impl Automatic {
             nested_y_f_xx: self.nested.contract(x, y)?.clone(),
             dual_a_z: self.dual_a.linearise(z)?.jacobian.clone(),
             nested_y_a_zz: self.nested_a.contract(z, y_p)?.clone(),
-            w_v_zz: self.frames.contract(&z[..x.len()], &[1.0])?.clone(),
-            w_v_z: self.frames.last().jacobian().clone(),
+            w_v_z,
+            w_v_zz,
             energy_gradient: self.energy.linearise(x)?.gradient().to_vec(),
         })
     }
+}
+
+/// Derivatives of the power of weights on frames; nothing where positions are directions.
+#[inline]
+fn frames<T: InnerNumber>(
+    frames: &mut Hessian<ByCalls<FramePower>, T>,
+    state: &State<T>,
+    inputs: usize,
+) -> Result<[Matrix<T>; 2], DerivativeError<EvalError>> {
+    if state.q.len() != state.v.len() {
+        return Ok([Matrix::zeros(0, 0), Matrix::zeros(0, 0)]);
+    }
+    let second = frames.contract(&state.z()[..inputs], &[Scalar::one()])?.clone();
+    Ok([frames.last().jacobian().clone(), second])
 }
 
 /// The same over numbers that carry their rounding error.
@@ -156,7 +187,7 @@ impl Rounding {
         Self {
             f: Hessian::over(ByCalls(PhaseVelocity::new(robot))),
             a: Hessian::over(ByCalls(ForwardDynamics::new(robot))),
-            energy: Jacobian::over(ByCalls(TotalEnergy(robot.without_friction()))),
+            energy: Jacobian::over(ByCalls(TotalEnergy::new(robot))),
             frames: Hessian::over(ByCalls(FramePower::new(robot))),
         }
     }
@@ -166,20 +197,24 @@ impl Rounding {
     pub fn evaluate(
         &mut self,
         state: &State<Count>,
-        u: &[f64],
+        [q, u]: [&[f64]; 2],
     ) -> Result<Reference<Count>, DerivativeError<EvalError>> {
-        let State { x, y, .. } = state;
+        let (x, y) = (&state.x()[..], &state.y);
         self.f.function_mut().0.u.copy_from_slice(u);
+        self.f.function_mut().0.set_centre(q);
+        self.a.function_mut().0.set_centre(q);
+        self.energy.function_mut().0.positions.set_centre(q);
         let (y_f_xx, y_a_zz) = (self.f.contract(x, y)?, self.a.contract(&state.z(), &y[u.len()..])?);
         let (y_f_xx, y_a_zz) = (y_f_xx.clone(), y_a_zz.clone());
         let (f_x, a_z) = (self.f.last().jacobian().clone(), self.a.last().jacobian().clone());
+        let [w_v_z, w_v_zz] = frames(&mut self.frames, state, x.len())?;
         Ok(Reference {
             dual_f_x: f_x.clone(),
             nested_y_f_xx: y_f_xx.clone(),
             dual_a_z: a_z.clone(),
             nested_y_a_zz: y_a_zz.clone(),
-            w_v_zz: self.frames.contract(&state.z()[..x.len()], &[Count::one()])?.clone(),
-            w_v_z: self.frames.last().jacobian().clone(),
+            w_v_z,
+            w_v_zz,
             f_x,
             y_f_xx,
             a_z,

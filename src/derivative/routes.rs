@@ -91,6 +91,10 @@ impl Routes {
 
     /// Compares at x = (q, p) with actuation u and costate y (2n), which is also the direction of products.
     ///
+    /// With floating and spherical joints q has nq entries, derivatives are those in the tangent space, and
+    /// the reference differentiates through q (+) d. Tensors, the dual pass, frames and the symmetry of J F_x
+    /// have no rows then.
+    ///
     /// # Errors
     /// A wrong length, numbers that are not finite, a singular mass matrix.
     #[inline]
@@ -104,7 +108,7 @@ impl Routes {
         let d = scales(&at.mass_matrix);
         let mut rows = self.judged(&at, at.reference.rounded_once())?;
         if rows.iter().any(|row| row.judge(&d).verdict(CLOSE * self.tolerance) == Verdict::Differs) {
-            let reference = self.rounded_reference.evaluate(&at.counted, u)?;
+            let reference = self.rounded_reference.evaluate(&at.counted, [&x[..at.counted.q.len()], u])?;
             rows = self.judged(&at, reference)?;
         }
         let figures = rows.iter().map(|row| row.judge(&d)).collect();
@@ -129,7 +133,7 @@ impl Routes {
     ) -> Result<Vec<[&'static str; 2]>, DerivativeError<EvalError>> {
         let at = self.evaluate(x, u, y)?;
         let d = scales(&at.mass_matrix);
-        let reference = self.rounded_reference.evaluate(&at.counted, u)?;
+        let reference = self.rounded_reference.evaluate(&at.counted, [&x[..at.counted.q.len()], u])?;
         let rows = self.judged(&at, reference)?;
         Ok(rows.iter().filter(|row| !row.detects(change, &d)).map(|row| row.row.name).collect())
     }
@@ -137,14 +141,15 @@ impl Routes {
     /// All methods in `f64`.
     #[inline]
     fn evaluate(&mut self, x: &[f64], u: &[f64], y: &[f64]) -> Result<Evaluated, DerivativeError<EvalError>> {
-        let n = self.methods.conservative.dof();
-        check_length("x", x, 2 * n)?;
+        let tree = self.methods.conservative.tree();
+        let (nq, n) = (tree.nq(), tree.dof());
+        check_length("x", x, nq + n)?;
         check_length("u", u, n)?;
         check_length("y", y, 2 * n)?;
-        let (q, p) = x.split_at(n);
+        let (q, p) = x.split_at(nq);
         let v = self.methods.conservative.velocity(q, p)?.to_vec();
         let mass_matrix = self.methods.conservative.mass_matrix(q)?.view().to_nalgebra();
-        let state = State { x: x.to_vec(), v, u: u.to_vec(), y: y.to_vec() };
+        let state = State { q: q.to_vec(), p: p.to_vec(), v, u: u.to_vec(), y: y.to_vec() };
         let reference = self.reference.evaluate(&state)?;
         let rows = self.methods.rows(&state, &reference)?;
         Ok(Evaluated { counted: state.map(Count::variable), mass_matrix, reference, rows })

@@ -1,24 +1,37 @@
 //! Where methods are compared.
 
+use crate::matrix::filled;
+use crate::scalar::Scalar;
+
 /// A state in both sets of coordinates, actuation u, and costate y (2n).
 #[derive(Clone, Debug)]
 pub(super) struct State<S> {
-    /// (q, p).
-    pub x: Vec<S>,
+    pub q: Vec<S>,
+    pub p: Vec<S>,
     pub v: Vec<S>,
     pub u: Vec<S>,
     pub y: Vec<S>,
 }
 
-impl<S: Copy> State<S> {
-    /// (q, v, u), the inputs of forward dynamics.
+impl<S: Scalar> State<S> {
+    /// (q, p), or (0, p) where positions are directions from q.
+    pub fn x(&self) -> Vec<S> {
+        [self.inputs(), self.p.clone()].concat()
+    }
+
+    /// (q, v, u), the inputs of forward dynamics, or (0, v, u).
     pub fn z(&self) -> Vec<S> {
-        let q = &self.x[..self.v.len()];
-        [q, &self.v, &self.u].concat()
+        [self.inputs(), self.v.clone(), self.u.clone()].concat()
+    }
+
+    fn inputs(&self) -> Vec<S> {
+        let n = self.v.len();
+        if self.q.len() == n { self.q.clone() } else { filled(S::zero(), n) }
     }
 
     pub fn map<T>(&self, lift: impl Fn(S) -> T) -> State<T> {
         let all = |values: &[S]| values.iter().map(|&value| lift(value)).collect();
-        State { x: all(&self.x), v: all(&self.v), u: all(&self.u), y: all(&self.y) }
+        let State { q, p, v, u, y } = self;
+        State { q: all(q), p: all(p), v: all(v), u: all(u), y: all(y) }
     }
 }

@@ -215,13 +215,24 @@ impl<S: Scalar> Kinematics<S> {
     /// where the quaternions of q and then the angles of the chart turn them. Other entries of q do not
     /// count.
     pub(crate) fn place_chart(&mut self, q: &[S], chart: &[S]) {
+        self.orient(q, chart);
+        self.place_still(chart);
+    }
+
+    /// The same with velocities and accelerations of the chains.
+    pub(crate) fn place_moving_chart(&mut self, q: &[S], chart: &[S], [v, a]: [&[S]; 2]) {
+        self.orient(q, chart);
+        self.place(chart, v, a);
+    }
+
+    /// Takes the orientations of floating and spherical joints.
+    fn orient(&mut self, q: &[S], chart: &[S]) {
         let Self { tree, orientations, .. } = self;
         for ((_, orientation), free) in orientations.iter_mut().zip(tree.free()) {
             let (sin, cos) = chart[free.coordinate + free.kind.slides()].times(0.5).sin_cos();
             let turn = Quaternion::new([S::zero(), S::zero(), sin, cos]);
             *orientation = free.orientation(q).then_after(turn);
         }
-        self.place_still(chart);
     }
 
     /// As [`set_state`](Self::set_state), without a check.

@@ -80,6 +80,9 @@ impl<S: Scalar> Lagrangian<S> {
     /// # Errors
     /// See [`Lagrangian`].
     pub fn energy(&mut self, q: &[S], v: &[S]) -> Result<Energy<S>, EvalError> {
+        if self.free.is_some() {
+            return self.energy_free(q, v);
+        }
         self.check(&[("q", q), ("v", v)])?;
         self.kernel.set_position(&self.tree, q)?;
         self.kernel.set_velocity(&self.tree, v)?;

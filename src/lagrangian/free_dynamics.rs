@@ -4,8 +4,9 @@ use super::free::Free;
 use super::inverse::{torque, torque_jacobian};
 use super::{ForwardDynamicsLinearisation, InverseDynamicsLinearisation, Lagrangian};
 use crate::error::EvalError;
+use crate::hamiltonian::Energy;
 use crate::kernels::{check_configuration, check_entries};
-use crate::matrix::{Matrix, add_scaled};
+use crate::matrix::{Matrix, add_scaled, dot};
 use crate::scalar::Scalar;
 
 impl<S: Scalar> Lagrangian<S> {
@@ -150,6 +151,19 @@ impl<S: Scalar> Lagrangian<S> {
             }
             in_u.copy_from_slice(weights);
         }
+    }
+
+    pub(super) fn energy_free(&mut self, q: &[S], v: &[S]) -> Result<Energy<S>, EvalError> {
+        self.check_free(q, &[("v", v)])?;
+        let mut twice = S::zero();
+        self.with_free(|this, free| {
+            free.set_state(q, v);
+            this.kernel.set_position(&this.tree, q)?;
+            this.kernel.set_velocity(&this.tree, &free.v_chain)?;
+            twice = dot(this.kernel.momentum(), &free.v_chain);
+            Ok(())
+        })?;
+        Ok(Energy { kinetic: twice.times(0.5), potential: self.kernel.potential(&self.tree) })
     }
 
     pub(super) fn mass_matrix_free(&mut self, q: &[S]) -> Result<&Matrix<S>, EvalError> {

@@ -59,8 +59,8 @@ use newton_euler::NewtonEuler;
 ///
 /// With floating and spherical joints q has [`Tree::nq`] entries, and derivatives by q are those in the
 /// left-trivialised tangent space: see [`FreeKind`](crate::robot::FreeKind). Inverse and forward dynamics,
-/// their Jacobians and M take such joints, as do the second derivatives of [`LagrangianSecondOrder`]; all
-/// else returns [`EvalError::FreeJoint`].
+/// their Jacobians, M and the energy take such joints, as do the second derivatives of
+/// [`LagrangianSecondOrder`]; all else returns [`EvalError::FreeJoint`].
 ///
 /// The generalised forces Q(q) of wrenches from outside ([`Robot::with_wrench`]) act as u does, with all
 /// their derivatives: inverse dynamics subtracts them, forward dynamics adds them.

@@ -71,3 +71,10 @@ pub struct FreeJoint {
     /// its orientation.
     pub turned: usize,
 }
+
+impl FreeJoint {
+    /// Index of the first entry of its quaternion in q.
+    pub fn quaternion(&self) -> usize {
+        self.position + self.kind.slides()
+    }
+}

@@ -73,7 +73,7 @@ pub use printable::{Printable, escape_hidden, printable, printable_number};
 pub use read::RobotText;
 pub(crate) use still_joints::{Site, StillJoint, WithStillJoints};
 pub use tree::Tree;
-pub(crate) use tree::TreeConstraintKind;
+pub(crate) use tree::{TreeConstraintKind, UNIT};
 pub use tree_frame::TreeFrame;
 pub use warning::{Positivity, Warning};
 pub use wrench::{AppliedWrench, Wrench, WrenchAxes};

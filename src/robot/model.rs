@@ -73,6 +73,17 @@ impl Robot {
         &self.free
     }
 
+    /// For what takes joints of one degree of freedom alone.
+    ///
+    /// # Errors
+    /// [`EvalError::FreeJoint`] with the first floating or spherical joint.
+    pub fn refuse_free_joints(&self) -> Result<(), EvalError> {
+        match self.free.first() {
+            None => Ok(()),
+            Some(free) => Err(EvalError::free_joint(&free.name, free.kind.name())),
+        }
+    }
+
     /// All joints of the tree, parents before children, with those that mimic others.
     ///
     /// The entries of q, v, p and u belong to the [`independent_joints`](Self::independent_joints).
@@ -96,9 +107,7 @@ impl Robot {
     /// [`EvalError::WrongLength`] unless q has n entries; [`EvalError::FreeJoint`] where a joint is floating
     /// or spherical.
     pub fn joint_positions(&self, q: &[f64]) -> Result<Vec<f64>, EvalError> {
-        if let Some(free) = self.free.first() {
-            return Err(EvalError::free_joint(&free.name, free.kind.name()));
-        }
+        self.refuse_free_joints()?;
         check_length("q", q, self.dof())?;
         Ok(match joint_map::rows(&self.joints) {
             None => q.to_vec(),

@@ -1,8 +1,8 @@
 //! Programs of robots, evaluated step by step, against the generic code.
 
 use costate::codegen::{
-    CodegenError, Coordinates, DEFAULT_LIMIT, Program, ProgramOptions, Quantity, parameter_names,
-    parameter_values, robot_program,
+    COptions, CodegenError, Coordinates, DEFAULT_LIMIT, Program, ProgramOptions, Quantity, acados_source,
+    casadi_source, parameter_names, parameter_values, robot_program,
 };
 use costate::hamiltonian::Hamiltonian;
 use costate::robot::{JointSpec, LinkInertia, LoadOptions, Placement, Robot};
@@ -75,6 +75,25 @@ fn programs_of_robots_with_constraints_are_refused_by_name() {
             assert!(error.to_string().contains("'rocker_pivot'"), "{error}");
         }
     }
+}
+
+/// Constants of a robot with quaternions are numbers; functions of x = (q, v) for other tools take none.
+#[test]
+fn what_takes_no_quaternions_is_refused_by_name() {
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/fixtures/free_tree.toml");
+    let robot = Robot::from_file(file).unwrap();
+    let options = ProgramOptions::default();
+    let inertia = robot_program(&robot, Quantity::MassMatrix, Coordinates::Lagrangian, &options).unwrap();
+    assert_eq!((inertia.inputs(), inertia.outputs()), (20, 17 * 17));
+    let notes = inertia.to_c(&COptions::default()).unwrap();
+    assert!(notes.contains("joint root is a quaternion") && notes.contains("unit quaternions"), "{notes}");
+    let options = options.with_parameters(true);
+    let errors = [
+        robot_program(&robot, Quantity::F, Coordinates::Lagrangian, &options).unwrap_err(),
+        casadi_source(&robot, None, &COptions::default()).unwrap_err(),
+        acados_source(&robot, None, &COptions::default()).unwrap_err(),
+    ];
+    assert!(errors.iter().all(|error| error.to_string().contains("'root' is floating")), "{errors:?}");
 }
 
 #[test]

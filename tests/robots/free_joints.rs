@@ -99,6 +99,12 @@ fn mass_matrix_and_accelerations_are_those_of_pinocchio() {
         assert!((&a - &expected).amax() < 1e-10 * expected.amax(), "{}: {a} {expected}", case.robot);
         assert!((f.rows(0, n) - DVector::from_column_slice(&v)).amax() < 1e-11);
         let mut lagrangian = Lagrangian::<f64>::new(&robot);
+        let (ours, theirs) = (lagrangian.energy(&q, &v).unwrap(), hamiltonian.energy(&q, &p).unwrap());
+        let velocity = DVector::from_column_slice(&v);
+        let kinetic = 0.5 * velocity.dot(&(&mass * &velocity));
+        assert!((ours.kinetic - kinetic).abs() < 1e-12 * kinetic, "{}", case.robot);
+        assert!((theirs.kinetic - kinetic).abs() < 1e-11 * kinetic, "{}", case.robot);
+        assert_eq!(ours.potential, theirs.potential, "{}", case.robot);
         let found = DVector::from_column_slice(lagrangian.forward_dynamics(&q, &v, &u).unwrap());
         assert!((&found - &expected).amax() < 1e-10 * expected.amax(), "{}: {found} {expected}", case.robot);
         let back = DVector::from_column_slice(lagrangian.inverse_dynamics(&q, &v, found.as_slice()).unwrap());

@@ -25,7 +25,7 @@ use std::process::ExitCode;
 const STEP: f64 = 1e-3;
 
 pub fn run(arguments: &Arguments) -> Outcome {
-    let robot = arguments.robot.load_and_warn()?;
+    let robot = arguments.robot.load_tree_and_warn()?;
     refuse_excessive(&robot, arguments.force)?;
     let findings = compare_all(&robot, arguments)?;
     if let Some(first) = findings.singular.first() {
@@ -49,18 +49,20 @@ pub fn run(arguments: &Arguments) -> Outcome {
     Ok(if failures.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
-/// Compares at q = 0 and at random states.
+/// Compares at q = 0, or the neutral configuration, and at random states.
 fn compare_all(robot: &Robot, arguments: &Arguments) -> Result<Findings, Box<dyn std::error::Error>> {
     let mut rng = Rng::with_seed(arguments.seed);
     let mut routes = Routes::new(robot).with_tolerance(arguments.tolerance);
-    let mut steps = StepRoutes::new(robot).with_tolerance(arguments.tolerance);
+    // Steps are those of joints of one degree of freedom.
+    let has_steps = robot.free_joints().is_empty();
+    let mut steps = has_steps.then(|| StepRoutes::new(robot).with_tolerance(arguments.tolerance));
     let mut hamiltonian = Hamiltonian::new(robot);
     let bar = terminal::progress_bar(arguments.samples as u64 + 1, "states");
     let mut findings =
         Findings { zero: None, random: None, singular: Vec::new(), nearly_singular: 0, steps_unsolved: 0 };
     for k in 0..=arguments.samples {
         let sample = random_sample(robot, &mut hamiltonian, &mut rng, k == 0)?;
-        match compare(&mut routes, &mut steps, &sample) {
+        match compare(&mut routes, steps.as_mut(), &sample) {
             Ok((report, unsolved)) => {
                 findings.steps_unsolved += usize::from(unsolved);
                 findings.nearly_singular += usize::from(report.is_nearly_singular());
@@ -99,7 +101,7 @@ impl From<EvalError> for Left {
 /// solution.
 fn compare(
     routes: &mut Routes,
-    steps: &mut StepRoutes,
+    steps: Option<&mut StepRoutes>,
     sample: &Sample,
 ) -> Result<(StateReport, bool), Left> {
     let Sample { x, u, y } = sample;
@@ -107,6 +109,7 @@ fn compare(
         DerivativeError::Function(error) => error.into(),
         error => Left::Failed(error.into()),
     })?;
+    let Some(steps) = steps else { return Ok((report, false)) };
     match steps.compare(x, u, STEP, y, &mut report.figures) {
         Ok(()) => Ok((report, false)),
         Err(

@@ -34,6 +34,20 @@ const LEGEND: [&str; 13] = [
     "ratio = difference / bound\n",
 ];
 
+/// The same with floating and spherical joints.
+const FREE_LEGEND: [&str; 10] = [
+    "analytic       by hand: F_x, y'F_xx by the 2n+1 rule; y'F_x and y'F_xx y without the matrix",
+    "dual           dual numbers through F and a, and dual numbers in dual numbers",
+    "a              acceleration in (q, v); z = (q, v, u)",
+    "",
+    "Derivatives by q are those in the tangent space: the reference is hyper-dual numbers through F and a at",
+    "q (+) d. Each row shows the block (q or p by q or p) closest to its bound; difference and bound are relative",
+    "to the largest entry of that block. The bound is 32 standard deviations of the rounding error, propagated",
+    "through every operation; a smaller bound, with one rounding for the error of the reference, is shown where a",
+    "tenth of it suffices (docs/check.md). Other methods, frames and time steps take no such joints.",
+    "ratio = difference / bound\n",
+];
+
 /// The robot and how it was sampled: the entries of every JSON object.
 fn heading(robot: &Robot, arguments: &Arguments) -> Value {
     json!({
@@ -84,9 +98,14 @@ impl Report<'_> {
 
     pub fn print(&self, out: &mut impl Write) -> io::Result<()> {
         let samples = counted(self.arguments.samples, "random state");
-        writeln!(out, "{}: {samples} (seed {}) and q = 0\n", title(self.robot), self.arguments.seed)?;
+        let is_plain = self.robot.free_joints().is_empty();
+        let (zero, legend) = match is_plain {
+            true => ("q = 0", &LEGEND[..]),
+            false => ("the neutral configuration", &FREE_LEGEND[..]),
+        };
+        writeln!(out, "{}: {samples} (seed {}) and {zero}\n", title(self.robot), self.arguments.seed)?;
         writeln!(out, "{}", self.table())?;
-        for line in LEGEND {
+        for line in legend {
             writeln!(out, "{}", format!("  {line}").trim_end())?;
         }
         self.print_states(out)?;
@@ -94,7 +113,8 @@ impl Report<'_> {
     }
 
     fn table(&self) -> Table {
-        let mut table = Table::new(&["quantity", "method", "difference", "bound", "ratio", "at q = 0"], 2);
+        let zero = if self.robot.free_joints().is_empty() { "at q = 0" } else { "at neutral" };
+        let mut table = Table::new(&["quantity", "method", "difference", "bound", "ratio", zero], 2);
         let mut above = "";
         for row in self.findings.rows() {
             let quantity = if row.named.quantity == above { "" } else { row.named.quantity };

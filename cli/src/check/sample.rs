@@ -1,6 +1,7 @@
 //! Random states.
 
 use costate::EvalError;
+use costate::configuration::ConfigurationSpace;
 use costate::hamiltonian::Hamiltonian;
 use costate::robot::{Joint, JointKind, Robot};
 use fastrand::Rng;
@@ -12,7 +13,8 @@ pub(super) struct Sample {
     pub y: Vec<f64>,
 }
 
-/// q uniform over its range; v, u and y uniform in +-1.
+/// q uniform over its range, of floating and spherical joints a direction from the neutral configuration; v,
+/// u and y uniform in +-1.
 pub(super) fn random_sample(
     robot: &Robot,
     hamiltonian: &mut Hamiltonian<f64>,
@@ -21,12 +23,15 @@ pub(super) fn random_sample(
 ) -> Result<Sample, EvalError> {
     let n = robot.dof();
     let mut within = |low: f64, high: f64| low + (high - low) * rng.f64();
-    let mut q = Vec::with_capacity(2 * n);
+    let mut d = Vec::with_capacity(n);
     for joint in robot.independent_joints() {
         let (low, high) = range(joint);
         let position = within(low, high);
-        q.push(if zero { 0.0 } else { position });
+        d.push(if zero { 0.0 } else { position });
     }
+    let space = ConfigurationSpace::new(robot);
+    let mut q = vec![0.0; space.nq()];
+    space.integrate(&space.neutral(), &d, &mut q)?;
     let mut uniform = |count: usize| (0..count).map(|_| within(-1.0, 1.0)).collect::<Vec<_>>();
     let (v, u, y) = (uniform(n), uniform(n), uniform(2 * n));
     let p = hamiltonian.momentum(&q, &v)?;

@@ -3,8 +3,9 @@
 use super::line::Answer;
 use super::request::Request;
 use super::route::Route;
+use costate::configuration::FreeKinematics;
 use costate::derivative::{FrameMotion, Function, Hessian, Jacobian, NestedHessian};
-use costate::kinematics::{Kinematics, ReferenceFrame};
+use costate::kinematics::ReferenceFrame;
 use costate::matrix::Matrix;
 use costate::robot::Robot;
 use serde_json::{Value, json};
@@ -15,13 +16,15 @@ type Derivatives = (Matrix<f64>, Option<Matrix<f64>>);
 /// Workspaces for the frames of one robot.
 pub struct Frames {
     robot: Robot,
-    kinematics: Kinematics<f64>,
+    kinematics: FreeKinematics<f64>,
     route: Route,
 }
 
 impl Frames {
     pub fn new(robot: &Robot, route: Route) -> Self {
-        Self { robot: robot.clone(), kinematics: Kinematics::new(robot), route }
+        // Functions of frames take no quaternions.
+        let route = if robot.free_joints().is_empty() { route } else { Route::Analytic };
+        Self { robot: robot.clone(), kinematics: FreeKinematics::new(robot), route }
     }
 
     /// Adds the key `frames` to the answer to a state.

@@ -11,7 +11,7 @@ use costate::hamiltonian::{
     self, DualPass, HamiltonianContraction, HamiltonianLinearisation, HamiltonianSecondOrder,
 };
 use costate::matrix::Block;
-use costate::robot::{Robot, Tree};
+use costate::robot::{Robot, Tree, printable};
 use costate::tensors::Christoffel;
 
 /// The workspaces of one method.
@@ -48,7 +48,15 @@ pub struct Hamiltonian {
 }
 
 impl Hamiltonian {
-    pub fn new(robot: &Robot, route: Route) -> Self {
+    pub fn new(robot: &Robot, route: Route) -> Result<Self, String> {
+        if let (Route::Tensors, Some(free)) = (route, robot.free_joints().first()) {
+            return Err(format!(
+                "joint '{}' is {}, its orientation a quaternion, and --route tensors takes no such joint; use analytic, \
+                 dual, hyperdual or jit",
+                printable(&free.name),
+                free.kind.name()
+            ));
+        }
         let function = || PhaseVelocity::new(robot);
         let workspace = match route {
             Route::Analytic => Workspace::Analytic(Box::new(HamiltonianSecondOrder::new(robot))),
@@ -62,7 +70,7 @@ impl Hamiltonian {
             #[cfg(feature = "jit")]
             Route::Jit => Workspace::Jit(Box::new(Machine::new(robot, codegen::Coordinates::Hamiltonian))),
         };
-        Self { hamiltonian: hamiltonian::Hamiltonian::new(robot), workspace }
+        Ok(Self { hamiltonian: hamiltonian::Hamiltonian::new(robot), workspace })
     }
 }
 
@@ -79,7 +87,7 @@ impl Evaluator for Hamiltonian {
         answer.matrix("M", self.hamiltonian.mass_matrix(q)?.view());
         answer.vector("q", q);
         answer.vector("p", &p);
-        let x = [q.as_slice(), &p].concat();
+        let x = [state.inputs(u.len()), p.clone()].concat();
         let y = state.y.as_deref();
         match &mut self.workspace {
             Workspace::Analytic(second) => match y {
@@ -91,8 +99,10 @@ impl Evaluator for Hamiltonian {
                 Some(y) => answer.contracted(second.contract(q, &p, u, y)?),
             },
             Workspace::Dual(jacobian, nested) => {
-                jacobian.function_mut().u.copy_from_slice(u);
-                nested.function_mut().u.copy_from_slice(u);
+                for function in [jacobian.function_mut(), nested.function_mut()] {
+                    function.u.copy_from_slice(u);
+                    function.set_centre(q);
+                }
                 let first = jacobian.linearise(&x)?;
                 answer.derivatives(first.value, first.jacobian.view());
                 if let Some(y) = y {
@@ -101,6 +111,7 @@ impl Evaluator for Hamiltonian {
             }
             Workspace::Hyperdual(hessian) => {
                 hessian.function_mut().u.copy_from_slice(u);
+                hessian.function_mut().set_centre(q);
                 hessian.contract(&x, y.unwrap_or(&vec![0.0; x.len()]))?;
                 answer.derivatives(hessian.last().value(), hessian.last().jacobian().view());
                 if y.is_some() {
@@ -112,7 +123,7 @@ impl Evaluator for Hamiltonian {
                 for (name, entries) in machine.evaluate([q, &p, u], y)? {
                     answer.result(name, &entries);
                     if name == "f" {
-                        answer.vector("v", &entries.as_slice()[..q.len()]);
+                        answer.vector("v", &entries.as_slice()[..u.len()]);
                     }
                 }
             }

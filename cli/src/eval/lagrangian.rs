@@ -65,13 +65,13 @@ impl Evaluator for Lagrangian {
         answer.matrix("M", self.lagrangian.mass_matrix(q)?.view());
         answer.vector("q", q);
         answer.vector("v", &v);
-        let z = [q.as_slice(), &v, u].concat();
+        let z = [state.inputs(u.len()), v.clone(), u.clone()].concat();
         let mut derivatives = |a: &[f64], a_z: Block<'_, f64>, y_a_zz: Option<Block<'_, f64>>| {
             answer.vector("qdd", a);
             answer.matrix("qdd_z", a_z);
             y_a_zz.into_iter().for_each(|y_a_zz| answer.matrix("yv_qdd_zz", y_a_zz));
         };
-        match (&mut self.workspace, state.y.as_ref().map(|y| &y[q.len()..])) {
+        match (&mut self.workspace, state.y.as_ref().map(|y| &y[u.len()..])) {
             (Workspace::Analytic(_), None) => {
                 let linear = self.lagrangian.linearise_forward_dynamics(q, &v, u)?;
                 derivatives(linear.acceleration(), linear.matrix(), None);
@@ -82,12 +82,15 @@ impl Evaluator for Lagrangian {
                 derivatives(linear.acceleration(), linear.matrix(), Some(second.to_matrix().view()));
             }
             (Workspace::Dual(jacobian, nested), y) => {
+                jacobian.function_mut().0.set_centre(q);
+                nested.function_mut().0.set_centre(q);
                 let first = jacobian.linearise(&z)?;
                 let second = y.map(|y| nested.contract(&z, y)).transpose()?;
                 derivatives(first.value, first.jacobian.view(), second.map(Matrix::view));
             }
             (Workspace::Hyperdual(hessian), y) => {
-                hessian.contract(&z, y.unwrap_or(&vec![0.0; q.len()]))?;
+                hessian.function_mut().0.set_centre(q);
+                hessian.contract(&z, y.unwrap_or(&vec![0.0; u.len()]))?;
                 let (last, second) = (hessian.last(), hessian.last_contraction().view());
                 derivatives(last.value(), last.jacobian().view(), y.map(|_| second));
             }

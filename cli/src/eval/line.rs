@@ -4,8 +4,9 @@ use super::keys::{Fields, parse};
 use super::request::Request;
 use crate::report::counted;
 use costate::Coordinates;
+use costate::configuration::Quaternions;
 use costate::matrix::Block;
-use costate::robot::Robot;
+use costate::robot::{Robot, printable};
 use serde_json::{Map, Value};
 
 /// A state, each array of the right length.
@@ -32,7 +33,8 @@ impl State {
     /// used.
     pub fn parse(line: &[u8], robot: &Robot, coordinates: Coordinates) -> Result<Self, String> {
         let (state, n) = (parse(line)?, robot.dof());
-        let q = numbers(&state, "q", n)?.ok_or("`q` is missing; give the n joint positions")?;
+        let q = numbers(&state, "q", robot.nq())?.ok_or("`q` is missing; give the n joint positions")?;
+        unit(&q, robot)?;
         let u = numbers(&state, "u", n)?.unwrap_or_else(|| vec![0.0; n]);
         let y = numbers(&state, "y", 2 * n)?;
         let momentum = || Ok::<_, String>(numbers(&state, "p", n)?.map(Motion::Momentum));
@@ -48,6 +50,25 @@ impl State {
         }
         Ok(Self { q, motion, u, y, frames })
     }
+
+    /// The first n inputs of a function that is differentiated: q, or no direction from q where it has
+    /// quaternions.
+    pub fn inputs(&self, n: usize) -> Vec<f64> {
+        if self.q.len() == n { self.q.clone() } else { vec![0.0; n] }
+    }
+}
+
+/// Refuses a quaternion whose length is not 1.
+fn unit(q: &[f64], robot: &Robot) -> Result<(), String> {
+    let quaternions = Quaternions::of(robot);
+    let Some(k) = quaternions.first_not_unit(|entry| q[entry]) else { return Ok(()) };
+    let (joint, length) = (printable(&robot.free_joints()[k].name), quaternions.length(k, |entry| q[entry]));
+    let first = robot.free_joints()[k].quaternion();
+    Err(format!(
+        "the quaternion of joint '{joint}', `q[{first}]` to `q[{}]`, has the length {length}, not 1; divide it by its \
+         length",
+        first + 3
+    ))
 }
 
 /// The numbers under `key`, `None` if it is absent or null.

@@ -40,7 +40,8 @@ pub struct Arguments {
     /// File of states, one JSON object per line, or - for standard input [default: standard input]
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     states: Option<PathBuf>,
-    /// Method for the derivatives; tensors and jit are about dynamics: frames are then answered by analytic
+    /// Method for the derivatives; tensors and jit are about dynamics: frames are then answered by analytic,
+    /// as are those of robots with quaternions by every method
     #[arg(long, value_enum, default_value = "analytic")]
     route: Route,
     /// State variables
@@ -58,7 +59,7 @@ const COORDINATES: [&str; 2] =
 /// The workspaces of the coordinates and the method; an error if the method does not offer the coordinates.
 fn evaluator(robot: &Robot, arguments: &Arguments) -> Result<Box<dyn Evaluator>, String> {
     Ok(match arguments.coordinates {
-        Coordinates::Hamiltonian => Box::new(hamiltonian::Hamiltonian::new(robot, arguments.route)),
+        Coordinates::Hamiltonian => Box::new(hamiltonian::Hamiltonian::new(robot, arguments.route)?),
         Coordinates::Lagrangian => Box::new(lagrangian::Lagrangian::new(robot, arguments.route)?),
     })
 }
@@ -68,7 +69,7 @@ pub fn run(arguments: &Arguments) -> Outcome {
     if states.is_none() && is_standard(arguments.robot.path()) {
         return Err("the robot is read from standard input; give the states by --states FILE".into());
     }
-    let robot = arguments.robot.load_and_warn()?;
+    let robot = arguments.robot.load_tree_and_warn()?;
     let cost = Cost::new(&robot, arguments.route, arguments.coordinates, arguments.force);
     cost.refuse_derivatives(Order::First)?;
     // Refused at the first state that asks for them.

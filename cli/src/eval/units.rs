@@ -22,7 +22,12 @@ impl<'a> UnitCheck<'a> {
         if self.warned {
             return;
         }
-        let joints = self.robot.independent_joints().zip(q);
+        let (free, q) = (self.robot.free_joints(), q.iter().enumerate());
+        // Entries of free joints are no angles.
+        let is_own =
+            |k: usize| free.iter().any(|f| (f.position..f.position + f.kind.positions()).contains(&k));
+        let q = q.filter(|(k, _)| !is_own(*k)).map(|(_, q)| q);
+        let joints = self.robot.independent_joints().filter(|joint| joint.free.is_none()).zip(q);
         let is_suspicious = |kind, q: f64| kind == JointKind::Revolute && q.abs() > LARGEST_ANGLE;
         if let Some((joint, q)) = { joints }.find(|(joint, q)| is_suspicious(joint.kind, **q)) {
             self.warned = true;

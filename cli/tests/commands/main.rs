@@ -4,6 +4,7 @@
 
 mod child;
 mod eval;
+mod free_joints;
 mod info;
 mod manual;
 mod optimize;

@@ -1,9 +1,11 @@
 //! Machine code of every quantity against the generic code.
 
-use costate::codegen::{Coordinates, ProgramOptions, Quantity, robot_program};
+use costate::EvalError;
+use costate::codegen::{CodegenError, Coordinates, ProgramOptions, Quantity, robot_program};
+use costate::configuration::ConfigurationSpace;
 use costate::hamiltonian::Hamiltonian;
-use costate::robot::{LoadOptions, Robot};
-use costate_jit::{Backend, Compiled, DEFAULT_LIMIT, JitError, JitQuantity};
+use costate::robot::{JointSpec, LinkInertia, LoadOptions, Robot};
+use costate_jit::{Backend, Compiled, DEFAULT_LIMIT, JitError, JitLanes, JitModel, JitQuantity};
 use costate_test_support::generic::{State, expected, judge};
 use costate_test_support::properties;
 use costate_test_support::random_robot::{Case, cases, tolerance};
@@ -116,6 +118,49 @@ fn every_quantity_of_every_robot_file_agrees_with_the_generic_code() {
         states.push([vec![0.0; n], vec![0.0; n], vec![0.0; n], vec![1.0; 2 * n]]);
         check(&robot, &states).unwrap();
     }
+}
+
+/// A floating body with a spherical and a revolute joint, as programs and as machine code; where a quaternion
+/// has another length than 1 the generic code decides.
+#[test]
+fn robots_with_quaternions_agree_with_the_generic_code() {
+    if !compiles() {
+        return;
+    }
+    let body = |x: f64| LinkInertia::about_com(1.0 + x, [x, 0.2, -0.1], nalgebra::Matrix3::identity() * 0.3);
+    let robot = Robot::builder("flying")
+        .joint(JointSpec::floating("root").carrying(body(0.3)))
+        .joint(JointSpec::spherical("hip").on("root").carrying(body(0.5)))
+        .joint(JointSpec::revolute("knee").on("hip").axis([0.3, -0.5, 0.8]).carrying(body(0.1)))
+        .build()
+        .unwrap();
+    let (space, mut random) = (ConfigurationSpace::new(&robot), fastrand::Rng::with_seed(3));
+    let mut numbers = |count: usize, size: f64| -> Vec<f64> {
+        (0..count).map(|_| size * (2.0 * random.f64() - 1.0)).collect()
+    };
+    let n = space.dof();
+    let states: Vec<[Vec<f64>; 4]> = (0..4)
+        .map(|_| {
+            let mut q = space.neutral();
+            space.integrate(&space.neutral(), &numbers(n, 2.0), &mut q).unwrap();
+            [q, numbers(n, 2.0), numbers(n, 5.0), numbers(2 * n, 1.0)]
+        })
+        .collect();
+    check(&robot, &states).unwrap();
+    let mut inertia = JitQuantity::new(&robot, Quantity::MassMatrix, Coordinates::Hamiltonian).unwrap();
+    assert!(matches!(inertia.backend(), Backend::Compiled { .. }), "{}", inertia.backend());
+    let (mut q, mut m) = (states[0][0].clone(), vec![0.0; n * n]);
+    inertia.evaluate(&q, &mut m).unwrap();
+    let four = JitLanes::new(&robot, Quantity::MassMatrix, Coordinates::Hamiltonian).unwrap().unwrap();
+    q[8] *= 1.1;
+    let error = inertia.evaluate(&q, &mut m).unwrap_err();
+    assert!(matches!(&error, EvalError::NotUnit { joint, .. } if joint == "hip"), "{error}");
+    let lanes: Vec<[f64; 4]> = (0..q.len()).map(|k| [states[0][0][k], q[k], states[1][0][k], q[k]]).collect();
+    let certain = four.evaluate(&lanes, &mut vec![[0.0; 4]; n * n]).unwrap();
+    assert_eq!(certain, [true, false, true, false]);
+    // A model for steps has x = (q, p) of 2n entries.
+    let error = JitModel::new(&robot, Coordinates::Hamiltonian).unwrap_err();
+    assert!(matches!(error, CodegenError::Eval(EvalError::FreeJoint { .. })), "{error}");
 }
 
 properties! {

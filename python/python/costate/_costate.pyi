@@ -1,7 +1,7 @@
 """Types of the compiled module; import from ``costate``.
 
 Arrays are C-ordered float64. Units: rad, m, kg, s, N m, N. n is the number of joints that move by themselves
-(``Robot.n``). Every method that takes states takes any number of leading batch axes, which are broadcast as NumPy
+(``Robot.n``), nq that of positions, which is larger where an orientation is a quaternion. Every method that takes states takes any number of leading batch axes, which are broadcast as NumPy
 broadcasts; ``...`` stands for them.
 """
 
@@ -58,7 +58,14 @@ __version__: str
 @final
 class Robot:
     @staticmethod
-    def from_file(path: str | PathLike[str], *, friction: bool = False, strict: bool = False) -> Robot: ...
+    def from_file(
+        path: str | PathLike[str],
+        *,
+        friction: bool = False,
+        strict: bool = False,
+        floating_base: bool = False,
+        quaternions: bool = False,
+    ) -> Robot: ...
     @staticmethod
     def from_text(
         text: str,
@@ -66,6 +73,8 @@ class Robot:
         *,
         friction: bool = False,
         strict: bool = False,
+        floating_base: bool = False,
+        quaternions: bool = False,
     ) -> Robot: ...
     @staticmethod
     def _of_problem(problem: Any) -> Robot: ...
@@ -75,6 +84,18 @@ class Robot:
     def name(self) -> str: ...
     @property
     def n(self) -> int: ...
+    @property
+    def nq(self) -> int: ...
+    @property
+    def nv(self) -> int: ...
+    @property
+    def free_joints(self) -> list[tuple[str, Literal["floating", "spherical"], int, int]]: ...
+    def neutral(self) -> _Array: ...
+    def integrate(self, q: _Vector, d: _Vector, *, out: _Out = None) -> _Array: ...
+    def difference(self, q_0: _Vector, q_1: _Vector, *, out: _Out = None) -> _Array: ...
+    def integrate_jacobians(self, d: _Vector, *, out: _Outs = None) -> tuple[_Array, _Array]: ...
+    def difference_jacobians(self, q_0: _Vector, q_1: _Vector, *, out: _Outs = None) -> tuple[_Array, _Array]: ...
+    def normalize(self, q: _Vector, *, out: _Out = None) -> _Array: ...
     @property
     def joint_names(self) -> list[str]: ...
     @property
@@ -193,6 +214,28 @@ class RobotBuilder:
         velocity: float | None = None,
         effort: float | None = None,
         mimic: tuple[str, float, float] | None = None,
+    ) -> RobotBuilder: ...
+    def floating(
+        self,
+        name: str,
+        *,
+        on: str | None = None,
+        xyz: _Triple = ...,
+        rpy: _Triple = ...,
+        mass: float = 0.0,
+        com: _Triple = ...,
+        inertia: ArrayLike | None = None,
+    ) -> RobotBuilder: ...
+    def spherical(
+        self,
+        name: str,
+        *,
+        on: str | None = None,
+        xyz: _Triple = ...,
+        rpy: _Triple = ...,
+        mass: float = 0.0,
+        com: _Triple = ...,
+        inertia: ArrayLike | None = None,
     ) -> RobotBuilder: ...
     def frame(self, name: str, on: str, *, xyz: _Triple = ..., rpy: _Triple = ...) -> RobotBuilder: ...
     def build(self) -> Robot: ...

@@ -133,7 +133,7 @@ class StateError(CostateError):
     joint : str or None
         The joint.
     argument : str or None
-        The argument with a number that is not finite.
+        The argument with a number that is not finite, or a quaternion that is not unit.
     """
 
     index: tuple[int, ...] = ()
@@ -143,6 +143,18 @@ class StateError(CostateError):
 
 class NonFiniteState(StateError):
     """An argument has an entry that is infinite or not a number."""
+
+
+class NonUnitQuaternion(StateError):
+    """A quaternion of a configuration has another length than 1; ``Robot.normalize`` divides it by its length.
+
+    Attributes
+    ----------
+    length : float
+        Its length.
+    """
+
+    length: float = float("nan")
 
 
 class NonFiniteResult(StateError):

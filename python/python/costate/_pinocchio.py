@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._errors import argument_error
+from ._wanted import free_joint_error
 
 if TYPE_CHECKING:
     from ._costate import Robot
@@ -45,6 +46,8 @@ class JointMap:
     def __init__(self, robot: Robot, model: Any) -> None:
         if not all(hasattr(model, part) for part in ("names", "joints", "idx_qs")):
             raise argument_error("model", f"model is a {type(model).__name__}; give a pinocchio.Model")
+        if robot.nq != robot.n:
+            raise free_joint_error(robot, "is not mapped: its entries of q and v are those of a free flyer of Pinocchio")
         names = list(model.names)
         missing = [name for name in robot.joint_names if name not in names]
         other = [name for name in names[1:] if name not in robot.joint_names]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any, cast
 
 from ._costate import Dynamics, Robot, Step
-from ._errors import ArgumentError, argument_error
+from ._errors import ArgumentError, RobotError, argument_error
 
 
 def robot_of(given: Any, name: str = "robot") -> Robot:
@@ -20,11 +20,23 @@ def robot_of(given: Any, name: str = "robot") -> Robot:
 def dynamics_of(given: Any, name: str = "dynamics") -> Dynamics:
     """The dynamics; those of a robot in (q, v)."""
     if isinstance(given, Robot):
-        return Dynamics(given)
+        given = Dynamics(given)
     # Objects with the methods of dynamics, such as those that count calls, will do.
     if isinstance(given, Dynamics) or hasattr(given, "adjoint") and hasattr(given, "coordinates"):
-        return cast("Dynamics", given)
+        found = cast("Dynamics", given)
+        robot = getattr(found, "robot", None)
+        if isinstance(robot, Robot) and robot.nq != robot.n:
+            raise free_joint_error(robot, "is differentiated by no entry of q here; use Dynamics with Robot.integrate")
+        return found
     raise _wrong(name, given, "costate.Dynamics, or a costate.Robot")
+
+
+def free_joint_error(robot: Robot, what: str) -> RobotError:
+    """The error for a robot with floating or spherical joints, which says what its first one does not."""
+    joint, kind, *_ = robot.free_joints[0]
+    error = RobotError(f"joint '{joint}' is {kind}, its orientation a quaternion, and {what}")
+    error.culprit = joint
+    return error
 
 
 def step_of(given: Any, name: str = "step") -> Step:

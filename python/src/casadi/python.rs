@@ -20,6 +20,7 @@ fn spec_of(py: Python<'_>, (kind, robot, letters, name, dt): Given<'_>) -> PyRes
     if matches!(kind.as_str(), "dynamics" | "inverse_dynamics" | "step") {
         robot.refuse_constraints(py, "be a function of CasADi")?;
     }
+    robot.refuse_free_joints(py, "be a function of CasADi")?;
     let kind = match kind.as_str() {
         "dynamics" => Kind::Dynamics,
         "inverse_dynamics" => Kind::InverseDynamics,

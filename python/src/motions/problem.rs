@@ -7,7 +7,7 @@ use super::solution::SolutionCore;
 use crate::errors;
 use crate::recipe::{Recipe, is_rebuilding, named};
 use crate::robot::Robot;
-use costate::robot::LoadOptions;
+use costate::robot::{LoadOptions, RobotError};
 use costate_control::{
     Parameter, Problem, ProblemFile, Resolve, RobotNames, SavedStart, Solution, Solver, SolverOptions,
     Trajectory, UnknownParameter,
@@ -18,6 +18,9 @@ use std::ffi::CString;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::PathBuf;
 use std::sync::Arc;
+
+/// What a robot with floating or spherical joints cannot.
+const NO_PROBLEM: &str = "be moved by a Problem of Python (by the command `costate optimize` it can)";
 
 /// A problem with the options of its solver.
 #[pyclass(frozen, name = "_Problem", module = "costate._costate")]
@@ -109,6 +112,7 @@ impl ProblemCore {
         folder: PathBuf,
         start: Option<&str>,
     ) -> PyResult<Self> {
+        robot.refuse_free_joints(py, NO_PROBLEM)?;
         let urdf = robot.look.as_ref().map(|look| look.urdf());
         let file = ProblemFile::for_robot_of_urdf(text, robot.model(), urdf, folder);
         let file = file.map_err(|error| raise::file(py, &error))?;
@@ -290,8 +294,12 @@ impl ProblemCore {
 impl ProblemCore {
     /// With the robot of a file, whose text goes into pickles.
     fn read_with(py: Python<'_>, file: ProblemFile, friction: bool) -> PyResult<Self> {
+        if let Some(free) = file.problem.robot.free_joints().first() {
+            let (joint, kind) = (free.name.clone(), free.kind.name());
+            return Err(errors::robot(py, &RobotError::FreeJoint { joint, kind, what: NO_PROBLEM }));
+        }
         let path = file.robot_path.clone().unwrap_or_default();
-        let robot = Robot::from_file(py, path, friction, false)?;
+        let robot = Robot::from_file(py, path, friction, false, false, false)?;
         Self::new(py, file, robot, None)
     }
 }

@@ -38,6 +38,7 @@ pub fn acados_source(
     step: Option<StepSpec>,
     options: &COptions,
 ) -> Result<String, CodegenError> {
+    robot.refuse_free_joints()?;
     let (n, model, limit) = (robot.dof(), name_from(robot.name()), options.limit);
     let mut all = vec![
         expl_ode_fun(robot, &model, limit)?,

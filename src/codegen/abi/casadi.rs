@@ -22,12 +22,13 @@ use crate::scalar::Scalar;
 ///
 /// # Errors
 /// [`CodegenError::TooLarge`], [`CodegenError::LongRecording`] for code above the limit of the options;
-/// [`CodegenError::Branch`] for an implicit scheme.
+/// [`CodegenError::Branch`] for an implicit scheme; [`EvalError::FreeJoint`](crate::EvalError::FreeJoint).
 pub fn casadi_source(
     robot: &Robot,
     step: Option<StepSpec>,
     options: &COptions,
 ) -> Result<String, CodegenError> {
+    robot.refuse_free_joints()?;
     let prefix = name_from(robot.name());
     let mut all = Vec::new();
     let forward = [Quantity::F, Quantity::FX, Quantity::YFX, Quantity::YFXX];

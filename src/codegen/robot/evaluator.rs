@@ -6,7 +6,7 @@ use crate::codegen::error::CodegenError;
 use crate::error::{EvalError, check_length};
 use crate::hamiltonian::{Hamiltonian, HamiltonianSecondOrder};
 use crate::lagrangian::{InverseDynamicsLinearisation, Lagrangian, LagrangianSecondOrder};
-use crate::matrix::Block;
+use crate::matrix::{Block, add_scaled};
 use crate::robot::{Robot, Tree};
 use crate::scalar::Scalar;
 
@@ -60,9 +60,10 @@ impl<S: Scalar> RobotQuantity<S> {
     /// # Errors
     /// [`CodegenError::Quantity`] where the quantity is not defined in these coordinates.
     pub fn from_tree(tree: Tree, quantity: Quantity, coordinates: Coordinates) -> Result<Self, CodegenError> {
-        let n = tree.dof();
+        let (nq, n) = (tree.nq(), tree.dof());
         let variables = quantity.arguments(coordinates).ok_or_else(|| quantity.undefined(coordinates))?;
-        let arguments: Vec<Shape> = variables.iter().map(|variable| variable.shape(coordinates, n)).collect();
+        let shape = |variable: &Variable| variable.shape(coordinates, [nq, n]);
+        let arguments: Vec<Shape> = variables.iter().map(shape).collect();
         let (results, _) = quantity.results(coordinates, n);
         let second = matches!(quantity, Quantity::YFXX | Quantity::HessianProduct | Quantity::YTauZZ);
         let workspace = match (coordinates, second) {
@@ -107,8 +108,8 @@ impl<S: Scalar> RobotQuantity<S> {
     /// Allocates nothing.
     ///
     /// # Errors
-    /// [`EvalError::WrongLength`], [`EvalError::NonFinite`], [`EvalError::SingularMassMatrix`]. Outputs may
-    /// be written before an error is found.
+    /// [`EvalError::WrongLength`], [`EvalError::NonFinite`], [`EvalError::NotUnit`],
+    /// [`EvalError::SingularMassMatrix`]. Outputs may be written before an error is found.
     pub fn evaluate(&mut self, inputs: &[S], outputs: &mut [S]) -> Result<(), EvalError> {
         check_length("inputs", inputs, self.inputs)?;
         check_length("outputs", outputs, self.outputs)?;
@@ -273,12 +274,21 @@ fn lagrangian_adjoint<S: Scalar>(
     products: &mut [S],
     results: &mut Results<'_, S>,
 ) -> Result<(), EvalError> {
-    let (w, rest) = products.split_at_mut(q.len());
-    let (f, y_a_x) = rest.split_at_mut(2 * q.len());
+    let n = v.len();
+    if !first.tree().free().is_empty() {
+        let linear = first.linearise_forward_dynamics(q, v, u)?;
+        let y_a_z = &mut products[..3 * n];
+        y_a_z.fill(S::zero());
+        y.iter().zip(linear.matrix().iter_rows()).for_each(|(&y, row)| add_scaled(y_a_z, y, row));
+        results.push(linear.acceleration()).push(y_a_z);
+        return Ok(());
+    }
+    let (w, rest) = products.split_at_mut(n);
+    let (f, y_a_x) = rest.split_at_mut(2 * n);
     w.copy_from_slice(y);
     first.solve_mass_matrix(q, w)?;
     first.adjoint_factored([q, v, u, w], f, y_a_x)?;
-    results.push(&f[q.len()..]).push(y_a_x).push(w);
+    results.push(&f[n..]).push(y_a_x).push(w);
     Ok(())
 }
 

@@ -12,7 +12,7 @@ use crate::codegen::names::name_from;
 use crate::codegen::program::Program;
 use crate::codegen::program_ends::RecordedResult;
 use crate::codegen::record::Expr;
-use crate::robot::{Robot, Tree};
+use crate::robot::{Robot, Tree, printable};
 use crate::scalar::Scalar;
 
 /// Records a quantity of a robot by the route with the fewest operations: see [`Quantity`] for arguments and
@@ -24,7 +24,9 @@ use crate::scalar::Scalar;
 /// # Errors
 /// [`CodegenError::Quantity`] where the quantity is not defined in these coordinates;
 /// [`CodegenError::LargeRobot`], [`CodegenError::LongRecording`] and [`CodegenError::TooLarge`] where the
-/// program has more steps than [`ProgramOptions::limit`].
+/// program has more steps than [`ProgramOptions::limit`];
+/// [`EvalError::FreeJoint`](crate::EvalError::FreeJoint) for [`ProgramOptions::parameters`] of a robot with
+/// floating or spherical joints.
 pub fn robot_program(
     robot: &Robot,
     quantity: Quantity,
@@ -44,13 +46,17 @@ pub(super) fn program_with(
 ) -> Result<Program, CodegenError> {
     // A tree with labelled constants has no constraints.
     Tree::from(robot).refuse_constraints()?;
-    let n = robot.dof();
+    if options.parameters {
+        // The axes in which a quaternion turns are no parameters.
+        robot.refuse_free_joints()?;
+    }
+    let (nq, n) = (robot.nq(), robot.dof());
     let variables = quantity.arguments(coordinates).ok_or_else(|| quantity.undefined(coordinates))?;
     let name = name_from(&format!("{} {} {}", robot.name(), coordinates.name(), quantity.name()));
     check_size(robot, quantity, coordinates, &name, options.limit)?;
     let is_argument = |variable: Variable| !options.only || quantity.depends_on(variable, coordinates);
     let shapes = variables.iter().filter(|variable| is_argument(**variable));
-    let shapes = shapes.map(|variable| variable.shape(coordinates, n));
+    let shapes = shapes.map(|variable| variable.shape(coordinates, [nq, n]));
     let mut sizes: Vec<(&str, usize)> = shapes.map(|shape| (shape.name, shape.entries())).collect();
     if options.parameters {
         sizes.push(("parameters", parameter_values(robot).len()));
@@ -62,7 +68,8 @@ pub(super) fn program_with(
             .iter()
             .map(|&variable| {
                 let given = is_argument(variable).then(|| arguments.next().cloned()).flatten();
-                given.unwrap_or_else(|| vec![Expr::zero(); variable.shape(coordinates, n).entries()])
+                let entries = variable.shape(coordinates, [nq, n]).entries();
+                given.unwrap_or_else(|| vec![Expr::zero(); entries])
             })
             .collect();
         let tree = match arguments.next() {
@@ -91,12 +98,24 @@ pub(super) fn program_with(
             "Nothing is checked.".into()
         },
     ];
+    if let Some(free) = robot.free_joints().first() {
+        notes.push(format!(
+            "The orientation of joint {} is a quaternion x, y, z, w of length 1, which is not checked; derivatives \
+             by q are those in the tangent space.",
+            printable(&free.name)
+        ));
+    }
     if options.parameters {
         notes.push("Parameters: link about the origin and in the axes of the joint frame of the robot file; SI units.".into());
         notes.extend(layout(robot));
     }
-    let exchanged = exchanged_joints(robot).filter(|_| !options.parameters).unwrap_or_default();
+    let is_plain = !options.parameters && robot.free_joints().is_empty();
+    let exchanged = exchanged_joints(robot).filter(|_| is_plain).unwrap_or_default();
     let program = program.with_notes(notes).with_meanings(&MEANINGS).with_symmetry(&exchanged);
+    let program = match robot.free_joints().is_empty() {
+        true => program,
+        false => program.with_meanings(&[("q", "positions (rad, m) and unit quaternions x, y, z, w")]),
+    };
     let weights = [("y", "weights of the entries of tau")];
     Ok(if quantity == Quantity::YTauZZ { program.with_meanings(&weights) } else { program })
 }

@@ -20,10 +20,11 @@ use crate::codegen::error::CodegenError;
 /// | `tau_z` | | q, v, a: tau, tau_z |
 /// | `y_tau_zz` | | q, v, a, y: tau, tau_z, y_tau_xx, y_tau_aq |
 ///
-/// q, p, v, u, a, qdd and tau have n entries, f, y_f_x, d and y 2n (Lagrangian: y has n, those of the
-/// velocities or weights of tau), y_qdd_z 3n. With x = (q, p) or (q, v), f_x, y_f_xx, y_qdd_xx and y_tau_xx
-/// are 2n x 2n; qdd_z is n x 3n with z = (q, v, u), tau_z with z = (q, v, a); m, y_qdd_uq and y_tau_aq are
-/// n x n. The other second derivatives in u and a are zero.
+/// q has nq entries, those of [`Robot::nq`](crate::robot::Robot::nq): n, and one more for each quaternion;
+/// then derivatives by q are those in the tangent space. p, v, u, a, qdd and tau have n, f, y_f_x, d and y 2n
+/// (Lagrangian: y has n, those of the velocities or weights of tau), y_qdd_z 3n. With x = (q, p) or (q, v),
+/// f_x, y_f_xx, y_qdd_xx and y_tau_xx are 2n x 2n; qdd_z is n x 3n with z = (q, v, u), tau_z with z = (q, v,
+/// a); m, y_qdd_uq and y_tau_aq are n x n. The other second derivatives in u and a are zero.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Quantity {
@@ -74,9 +75,10 @@ impl Variable {
         }
     }
 
-    /// Name and number of entries for n joints.
-    pub fn shape(self, coordinates: Coordinates, n: usize) -> Shape {
+    /// Name and number of entries for nq positions and n coordinates.
+    pub fn shape(self, coordinates: Coordinates, [nq, n]: [usize; 2]) -> Shape {
         let entries = match (self, coordinates) {
+            (Self::Q, _) => nq,
             (Self::Y | Self::D, Coordinates::Hamiltonian) => 2 * n,
             _ => n,
         };

@@ -43,7 +43,7 @@ pub(super) fn check_size(
         return Ok(());
     }
     let tree = Tree::from(robot);
-    let (outcome, _) = record(robot.dof(), RecordingLimit { name, steps: limit }, |q| {
+    let (outcome, _) = record(robot.nq(), RecordingLimit { name, steps: limit }, |q| {
         let mut kernel = KernelOne::new(&tree);
         let outcome = kernel.set_position(&tree, q);
         (outcome, kernel.mass_matrix().as_slice().to_vec())

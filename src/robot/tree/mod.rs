@@ -12,6 +12,7 @@ mod constraint;
 mod free;
 
 pub(crate) use constraint::TreeConstraintKind;
+pub(crate) use free::UNIT;
 
 use super::branches::Branches;
 use super::free_frame::FreeFrame;

@@ -29,7 +29,7 @@ impl State {
                 "q" => &self.q,
                 "p" | "v" => &self.second,
                 "u" | "a" => &self.u,
-                "y" if entries == self.q.len() => return self.y[entries..].to_vec(),
+                "y" if entries == self.u.len() => return self.y[entries..].to_vec(),
                 "y" => &self.y,
                 "d" => &self.d,
                 _ => panic!("no argument {name}"),
@@ -53,7 +53,7 @@ pub fn expected(robot: &Robot, quantity: Quantity, coordinates: Coordinates, sta
     let State { q, second, u, y, d } = state;
     match coordinates {
         Coordinates::Hamiltonian => in_q_p(robot, quantity, q, second, u, y, d),
-        Coordinates::Lagrangian => in_q_v(robot, quantity, q, second, u, &y[q.len()..]),
+        Coordinates::Lagrangian => in_q_v(robot, quantity, q, second, u, &y[u.len()..]),
     }
 }
 
@@ -101,7 +101,8 @@ fn in_q_v(robot: &Robot, quantity: Quantity, q: &[f64], v: &[f64], u: &[f64], y:
     let m = lagrangian.mass_matrix(q).unwrap().as_slice().to_vec();
     let tau = lagrangian.linearise_inverse_dynamics(q, v, u).unwrap();
     let tau_size = largest(tau.tau_q.as_slice()).max(largest(tau.tau_v.as_slice())).max(1.0);
-    let tau_z: Vec<f64> = (0..q.len())
+    let n = v.len();
+    let tau_z: Vec<f64> = (0..n)
         .flat_map(|i| [tau.tau_q, tau.tau_v, tau.tau_a].map(|block| block.row(i).to_vec()).concat())
         .collect();
     let tau = tau.tau.to_vec();
@@ -114,8 +115,8 @@ fn in_q_v(robot: &Robot, quantity: Quantity, q: &[f64], v: &[f64], u: &[f64], y:
         Quantity::F => vec![("qdd", qdd, size)],
         Quantity::FX => vec![("qdd", qdd, size), ("qdd_z", qdd_z, size)],
         Quantity::YFX => {
-            let column = |j: usize| (0..q.len()).map(|i| y[i] * qdd_z[i * 3 * q.len() + j]).sum();
-            vec![("qdd", qdd, size), ("y_qdd_z", (0..3 * q.len()).map(column).collect(), with_y)]
+            let column = |j: usize| (0..n).map(|i| y[i] * qdd_z[i * 3 * n + j]).sum();
+            vec![("qdd", qdd, size), ("y_qdd_z", (0..3 * n).map(column).collect(), with_y)]
         }
         Quantity::YFXX => vec![
             ("qdd", qdd, size),
