@@ -1,6 +1,7 @@
 //! Every public workspace can be printed and sent to another thread.
 
 use costate::batch::{Batch, Model, NodeFunction, StepMap};
+use costate::configuration::FreeKinematics;
 use costate::constraints::{
     ConstrainedHamiltonian, ConstrainedHamiltonianSecondOrder, ConstrainedLagrangian,
     ConstrainedLagrangianSecondOrder, Constraints, Impact,
@@ -42,7 +43,7 @@ fn workspaces_are_sent_shared_cloned_and_printed() {
     each!(cloned_and_shared:
         Tree, Matrix<f64>, KernelOne<f64>, KernelTwo<f64>, Factor<f64>,
         Hamiltonian<f64>, Hamiltonian<f64, Christoffel>, Momenta, DualPass<f64>, DualPass<f64, Christoffel>,
-        FullHessian<f64>, ExternalForces<f64>, Kinematics<f64>, KinematicsSecondOrder<f64>, Lagrangian<f64>,
+        FullHessian<f64>, ExternalForces<f64>, FreeKinematics<f64>, Kinematics<f64>, KinematicsSecondOrder<f64>, Lagrangian<f64>,
         ParameterSet, Regressor<f64>, HamiltonianParameters<f64>, LagrangianParameters<f64>,
         Constraints<f64>, ConstrainedHamiltonian<f64>, ConstrainedHamiltonianSecondOrder<f64>,
         ConstrainedLagrangian<f64>, ConstrainedLagrangianSecondOrder<f64>, Impact<f64>,

@@ -1,7 +1,9 @@
 //! Robots with quaternions as plain states.
 
 use crate::robot;
+use costate::configuration::{ConfigurationSpace, FreeKinematics};
 use costate::dynamics::{Dynamics, QuaternionDynamics};
+use costate::kinematics::ReferenceFrame;
 use costate_test_support::allocations::allocations;
 
 #[test]
@@ -14,6 +16,24 @@ fn quaternions_as_states_do_not_allocate() {
         model.evaluate(&x, &u).unwrap();
         model.linearise(&x, &u).unwrap();
         model.contract(&x, &u, &y).unwrap();
+    });
+    assert_eq!(count, 0);
+}
+
+#[test]
+fn kinematics_in_the_tangent_space_does_not_allocate() {
+    let robot = robot("../tests/fixtures/free_tree.toml");
+    let mut kinematics = FreeKinematics::<f64>::new(&robot);
+    let q = ConfigurationSpace::new(&robot).neutral();
+    let (v, frame, axes) = (vec![0.3; robot.dof()], robot.frames().len() - 1, ReferenceFrame::Local);
+    let count = allocations(|| {
+        kinematics.set_motion(&q, &v, &v).unwrap();
+        kinematics.acceleration(frame, axes).unwrap();
+        kinematics.jacobian(frame, axes).unwrap();
+        kinematics.jacobian_rate(frame, axes).unwrap();
+        kinematics.position_hessian(frame, &[1.0, 2.0, 3.0]).unwrap();
+        kinematics.centre_of_mass().unwrap();
+        kinematics.momentum().unwrap();
     });
     assert_eq!(count, 0);
 }

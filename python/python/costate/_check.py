@@ -77,8 +77,8 @@ def check(robot: Robot, states: int = 5, *, seed: int = 0) -> CheckReport:
 
     Positions are uniform within the limits of the joints (pi or 1 m around 0 without), velocities, torques and
     costates within 1. Floating and spherical joints move from the neutral configuration by such directions; tensors,
-    frames and time steps are not compared then. The bound of each difference is 32 standard deviations of the rounding error, propagated
-    through every operation; ``docs/check.md`` has the rule.
+    frames and time steps are not compared then. The bound of each difference is 32 standard deviations of the rounding
+    error, propagated through every operation; ``docs/check.md`` has the rule.
 
     Parameters
     ----------
