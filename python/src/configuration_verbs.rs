@@ -38,8 +38,8 @@ verbs! {
 
     /// The configuration q (+) d: q moved by d, and the sum q + d where no joint is floating or spherical.
     ///
-    /// Such a joint moves by the exponential of d in the axes of the moved frame, as in Pinocchio: a body with
-    /// velocity v is at q (+) v dt after the time dt.
+    /// Such a joint moves by the exponential of d in the axes of the moved frame, as in Pinocchio: a body
+    /// with velocity v is at q (+) v dt after the time dt.
     integrate(q: q, d: step) -> one
         "ndarray (..., nq)\n    In rad, m; quaternions of length 1."
         = configure Verb::Integrate;

@@ -1,10 +1,11 @@
 //! Kinematics of robots with floating and spherical joints.
 //!
 //! The chain of a joint has velocity `v = B nu` with the twist nu of the moved frame, in its axes, and B the
-//! inverse of A (`chart.rs`), B = 1 at the centre. So Jacobians of the chain, their columns in the axes of the
-//! frame, are those in the tangent space, and
+//! inverse of A (`chart.rs`), B = 1 at the centre. So Jacobians of the chain, their columns in the axes of
+//! the frame, are those in the tangent space, and
 //!
-//! $$ \dot J = \dot J\_c + J\_c B\_q[\nu], \qquad (w \cdot x)\_{\xi \xi} = (w \cdot x)\_{qq} + (w \cdot x)\_q \Phi $$
+//! $$ \dot J = \dot J\_c + J\_c B\_q[\nu], \qquad (w \cdot x)\_{\xi \xi} = (w \cdot x)\_{qq} + (w \cdot x)\_q
+//! \Phi $$
 
 use super::ChartFrame;
 use crate::error::EvalError;
@@ -18,9 +19,9 @@ use crate::spatial::Motion;
 /// Poses, twists, accelerations and Jacobians of frames, the centre of mass and momentum, with positions
 /// in the configuration space and Jacobians in its tangent space; no call allocates.
 ///
-/// It takes robots with floating and spherical joints: q has nq entries, v, a and columns of Jacobians n, those
-/// of such joints in the axes of the moved frame. For other robots it is [`Kinematics`], which has more second
-/// derivatives. [`set_position`](Self::set_position), [`set_state`](Self::set_state) or
+/// It takes robots with floating and spherical joints: q has nq entries, v, a and columns of Jacobians n,
+/// those of such joints in the axes of the moved frame. For other robots it is [`Kinematics`], which has more
+/// second derivatives. [`set_position`](Self::set_position), [`set_state`](Self::set_state) or
 /// [`set_motion`](Self::set_motion) place the robot, before the others are called. Methods that take a frame
 /// can fail with [`EvalError::NoFrame`].
 ///
