@@ -138,8 +138,8 @@ def add_meshes(options, costate, file):
         sides = comparison.beside(task)
         record.add({"task": task.name, "sides": sides})
         report(task.name, sides)
-    for added in measures.of(record.close()):
-        if added["task"] in rows:
+    for added in record.close():
+        if added.get("task") in rows:
             new = {label: side for label, side in added["sides"].items() if label != measures.OURS}
             rows[added["task"]]["sides"] |= new
     head["mesh_added"] = True

@@ -214,3 +214,23 @@ fn a_tool_that_is_too_slow_is_told() {
     assert!(limit.name.contains("speed of the tool"), "{limit:?}");
     assert!(limit.amount > 0.5 && limit.amount < 0.56, "{limit:?}");
 }
+
+/// A post in the way of an arm without other limits, which meshes do not resolve: it is beaten past the post.
+#[test]
+fn a_way_that_is_blocked_is_told() {
+    let text = std::fs::read_to_string("../examples/problems/two_link.toml").unwrap();
+    let text = text.replace("\"../../robots/", "\"../robots/");
+    let link = |joint: &str| {
+        format!(
+            "[[collision.capsule]]\nframe = \"joint:{joint}\"\nname = \"{joint}\"\nfrom = [0, 0, 0]\n\
+             to = [1, 0, 0]\nradius = 0.05\n"
+        )
+    };
+    let post = "[limits]\nfrom_robot = false\n[[obstacle]]\nname = \"post\"\nkind = \"capsule\"\n\
+                from = [0.5, 0.5, -1]\nto = [0.5, 0.5, 1]\nradius = 0.1\n";
+    let text = format!("{text}\n{post}{}{}", link("elbow"), link("shoulder"));
+    let file = ProblemFile::from_text(&text, ".".as_ref(), LoadOptions::default()).unwrap();
+    let found = lacks(&file.problem);
+    let limit = only(&found);
+    assert!(limit.name.contains("post") && limit.amount > 0.1, "{found:?}");
+}

@@ -40,6 +40,7 @@ mod rates;
 mod references;
 mod refused;
 mod reorientation;
+mod resumed;
 mod samples;
 mod second_order;
 mod second_variation;
