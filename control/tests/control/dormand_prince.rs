@@ -3,7 +3,8 @@
 use nalgebra::SVector;
 
 /// Nodes, weights of the stages, and weights of order 5 less those of order 4: J. R. Dormand, P. J. Prince,
-/// "A family of embedded Runge-Kutta formulae", Journal of Computational and Applied Mathematics 6 (1980) 19-26.
+/// "A family of embedded Runge-Kutta formulae", Journal of Computational and Applied Mathematics 6 (1980)
+/// 19-26.
 const C: [f64; 7] = [0.0, 0.2, 0.3, 0.8, 8.0 / 9.0, 1.0, 1.0];
 const A: [[f64; 6]; 7] = [
     [0.0; 6],

@@ -11,8 +11,8 @@
 //! F_0(p(0)) = F_T(p(T)) - integral over the step of DF_s(p(s)) (0, M^-1 e r(s)) ds
 //! ```
 //!
-//! with e the direction of r (E. Hairer, S. P. Nørsett, G. Wanner, Solving Ordinary Differential Equations I,
-//! section I.14). On each interval with G = DF_s (0, M^-1 e) and R the integral of r from its start, which
+//! with e the direction of r (E. Hairer, S. P. Nørsett, G. Wanner, Solving Ordinary Differential Equations
+//! I, section I.14). On each interval with G = DF_s (0, M^-1 e) and R the integral of r from its start, which
 //! collocation makes small,
 //!
 //! ```text
@@ -129,7 +129,7 @@ fn landed(robot: &OneFoot, before: &[f64]) -> (State, [f64; 2]) {
 
 /// How much more than the landing of the solver the integrated one may miss, in each component.
 fn bound(robot: &OneFoot, pieces: &[Piece]) -> State {
-    // The effect of an impulse of the ground of 1 N m s at the start of each piece, and at the end of the last one.
+    // The effect of an impulse of the ground of 1 N m s at the start of each piece, and at the end.
     let by_impulse = |k: usize| {
         const SMALL: f64 = 1e-4;
         let [a, w, _] =
@@ -161,7 +161,7 @@ fn bound(robot: &OneFoot, pieces: &[Piece]) -> State {
 fn check(solution: &Solution, friction: f64) -> f64 {
     let (robot, pieces, motion) = (OneFoot::new(), pieces(solution), &solution.trajectory);
     assert_eq!(motion.t.len(), ROWS * pieces.len());
-    // The quartics are those of the motion, and their torques and forces those that are told, at Gauss's points.
+    // The quartics are those of the motion; at Gauss's points their torques and forces are those told.
     let force = &solution.constraints[0].force;
     let [mut rates, mut torques, mut missing, mut forces] = [0.0_f64; 4];
     for (k, row) in (0..motion.t.len()).map(|row| (row / ROWS, row)) {

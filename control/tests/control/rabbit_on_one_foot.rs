@@ -1,8 +1,8 @@
 //! RABBIT on one foot by its own equations of motion, as a judge of gaits. Nothing of the library is in it.
 //!
-//! Coordinates are the angles a_i of the links from the vertical (rad), positive ahead: of the torso, of femur
-//! and tibia of the leg that swings, and of those of the leg that stands. The centre of mass of link b is
-//! `sum_j c_bj (sin a_j, cos a_j)` from the foot that stands, so that
+//! Coordinates are the angles a_i of the links from the vertical (rad), positive ahead: of the torso, of
+//! femur and tibia of the leg that swings, and of those of the leg that stands. The centre of mass of link b
+//! is `sum_j c_bj (sin a_j, cos a_j)` from the foot that stands, so that
 //!
 //! ```text
 //! K_ij = sum_b m_b c_bi c_bj + I_i delta_ij        G_i = sum_b m_b c_bi
@@ -21,8 +21,8 @@ type Square = SMatrix<f64, LINKS, LINKS>;
 /// Of hip and knee of the leg that swings, then of the one that stands (N m).
 pub(crate) type Torques = [f64; 4];
 
-/// robots/rabbit.toml: masses (kg) and moments of inertia (kg m^2) of the links, lengths of femur and tibia and
-/// distances of centres of mass from the hips or the knee (m).
+/// robots/rabbit.toml: masses (kg) and moments of inertia (kg m^2) of the links, lengths of femur and tibia
+/// and distances of centres of mass from the hips or the knee (m).
 const MASSES: [f64; LINKS] = [20.0, 6.8, 3.2, 6.8, 3.2];
 const INERTIAS: [f64; LINKS] = [2.22, 1.08, 0.93, 1.08, 0.93];
 const LENGTH: f64 = 0.4;
@@ -63,8 +63,8 @@ fn sums(centres: [Links; LINKS]) -> Links {
     (0..LINKS).map(|b| MASSES[b] * centres[b]).sum()
 }
 
-/// Angles of the links, or their rates, of the joints of RABBIT: x and z of the hips, torso, left hip and knee,
-/// right hip and knee. The right foot stands.
+/// Angles of the links, or their rates, of the joints of RABBIT: x and z of the hips, torso, left hip and
+/// knee, right hip and knee. The right foot stands.
 pub(crate) fn links(joints: &[f64]) -> Links {
     let [torso, left, right] = [joints[2], joints[3], joints[5]];
     Links::new(torso, torso + left, torso + left + joints[4], torso + right, torso + right + joints[6])
@@ -142,8 +142,8 @@ impl OneFoot {
         0.5 * w.dot(&(self.mass(a) * w)) + GRAVITY * self.g.dot(&a.map(f64::cos))
     }
 
-    /// Rates after the foot that swings has landed and the other one has let go, and x and z of the impulse (N s):
-    /// the angular momenta of all links about it are those of before.
+    /// Rates after the foot that swings has landed and the other one has let go, and x and z of the impulse
+    /// (N s): nothing but this impulse changes momenta.
     pub fn landed(&self, a: &Links, w: &Links) -> (Links, [f64; 2]) {
         let (before, after) = (centres(FROM_STANCE), centres(FROM_SWING));
         let with_cos = |k: Square| Square::from_fn(|i, j| k[(i, j)] * (a[i] - a[j]).cos());
