@@ -1,10 +1,10 @@
 //! Problems that cannot be solved: which limit has to give, when, by how much.
 
 use crate::sledge;
-use costate::robot::Robot;
+use costate::robot::{LoadOptions, Robot};
 use costate_control::{
-    Bounds, FinalTime, Infeasibility, Keep, Kept, MotionLimits, Phase, Polish, Problem, RelaxedLimit,
-    Solution, Solver, SolverOptions, Status, Task, Via,
+    Bounds, FinalTime, Infeasibility, Keep, Kept, MotionLimits, Phase, Polish, Problem, ProblemFile,
+    RelaxedLimit, Solution, Solver, SolverOptions, Status, Task, Via,
 };
 use std::f64::consts::FRAC_PI_2;
 
