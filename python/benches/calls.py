@@ -26,11 +26,12 @@ ROOT = Path(__file__).parents[2]
 PAGE = ROOT / "docs" / "python_calls.md"
 
 
-def seconds(call) -> float:
-    """The time of a call (s)."""
+def seconds(call, repeats: int = 1) -> float:
+    """The mean time of so many calls (s)."""
     start = time.perf_counter()
-    call()
-    return time.perf_counter() - start
+    for _ in range(repeats):
+        call()
+    return (time.perf_counter() - start) / repeats
 
 
 def by_turns(calls: dict, rounds: int, budget: float) -> dict[str, float]:
@@ -52,8 +53,8 @@ def overhead(robot: costate.Robot) -> str:
     for verb in ("f", "aba", "rnea", "linearise", "jacobian", "hessian", "contract", "adjoint"):
         given, method = arguments(robot.n, verb, ()), getattr(dynamics, verb)
         out = method(*given)
-        repeated = lambda method=method, given=given: [method(*given) for _ in range(REPEATS)]  # noqa: E731
-        calls = {"Rust": lambda: dynamics._seconds(verb, given, out, REPEATS), "Python": lambda: seconds(repeated) / REPEATS}
+        calls = {"Rust": lambda: dynamics._seconds(verb, given, out, REPEATS),
+                 "Python": lambda: seconds(lambda: method(*given), REPEATS)}  # fmt: skip
         rust, ours = by_turns(calls, 50, 1.0).values()
         rows.append((ours - rust, f"| `{verb}` | {rust * 1e6:.2f} | {ours * 1e6:.2f} | {(ours - rust) * 1e6:.2f} |"))
     rows.sort(reverse=True)
