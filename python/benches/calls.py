@@ -72,8 +72,16 @@ def fits(method, given: list, states: int) -> int:
     """So many states, or a tenth where there is no memory for results of Python, of Rust, and new ones."""
     results = method(*(array[:1] for array in given))
     size = 8 * states * sum(array.size for array in (results if isinstance(results, tuple) else (results,)))
-    free = os.sysconf("SC_AVPHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
-    return states if 3.2 * size < free else states // 10
+    return states if 3.2 * size < available() else states // 10
+
+
+def available() -> int:
+    """Memory (bytes) that can be had, that of caches of files included where the system tells it."""
+    file = Path("/proc/meminfo")
+    for line in file.read_text().splitlines() if file.exists() else ():
+        if line.startswith("MemAvailable:"):
+            return 1024 * int(line.split()[1])
+    return os.sysconf("SC_AVPHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
 
 
 def batches(robot: costate.Robot, states: int) -> str:

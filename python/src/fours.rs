@@ -92,6 +92,10 @@ pub unsafe fn read<const WIDE: bool>(from: [*const u8; 4], to: &mut [[f64; 4]]) 
     }
 }
 
+/// From so many numbers on, results are written where 32 bytes of them are in one cache line: memory that is
+/// not in the cache takes stores that span two lines much more slowly.
+const LONG: usize = 64;
+
 /// Writes the results of four states one after the other: number k of each is that of entry `places[k]`.
 ///
 /// # Safety
@@ -99,19 +103,29 @@ pub unsafe fn read<const WIDE: bool>(from: [*const u8; 4], to: &mut [[f64; 4]]) 
 #[inline(always)]
 pub unsafe fn write<const WIDE: bool>(entries: &[[f64; 4]], places: &[u32], results: &mut [f64]) {
     let length = places.len();
+    // The four begin alike in a cache line.
+    let alike = length >= LONG && length.is_multiple_of(4);
+    let head = if alike { results.as_ptr().align_offset(size_of::<[f64; 4]>()).min(length) } else { 0 };
     let (upper, lower) = results.split_at_mut(2 * length);
     let ((a, b), (c, d)) = (upper.split_at_mut(length), lower.split_at_mut(length));
+    let [(a_head, a), (b_head, b), (c_head, c), (d_head, d)] = [a, b, c, d].map(|row| row.split_at_mut(head));
+    let (places_head, places) = places.split_at(head);
+    write_singly(entries, places_head, [a_head, b_head, c_head, d_head]);
     let (blocks, rest) = places.as_chunks::<4>();
-    let (a, a_rest) = a.as_chunks_mut::<4>();
-    let (b, b_rest) = b.as_chunks_mut::<4>();
-    let (c, c_rest) = c.as_chunks_mut::<4>();
-    let (d, d_rest) = d.as_chunks_mut::<4>();
+    let [(a, a_rest), (b, b_rest), (c, c_rest), (d, d_rest)] =
+        [a, b, c, d].map(|row| row.as_chunks_mut::<4>());
     for ((block, (a, b)), (c, d)) in blocks.iter().zip(a.iter_mut().zip(b)).zip(c.iter_mut().zip(d)) {
         // SAFETY: the promise of the caller.
         [*a, *b, *c, *d] = unsafe { transposed::<WIDE>(block.map(|place| entries[place as usize])) };
     }
-    let rows = a_rest.iter_mut().zip(b_rest).zip(c_rest.iter_mut().zip(d_rest));
-    for (place, ((a, b), (c, d))) in rest.iter().zip(rows) {
+    write_singly(entries, rest, [a_rest, b_rest, c_rest, d_rest]);
+}
+
+/// The same of a few numbers.
+#[inline(always)]
+fn write_singly(entries: &[[f64; 4]], places: &[u32], [a, b, c, d]: [&mut [f64]; 4]) {
+    let rows = a.iter_mut().zip(b).zip(c.iter_mut().zip(d));
+    for (place, ((a, b), (c, d))) in places.iter().zip(rows) {
         [*a, *b, *c, *d] = entries[*place as usize];
     }
 }
