@@ -147,7 +147,8 @@ impl Arrays {
 
 /// The part of an array behind those that were taken, `length` numbers of it or what there is.
 fn next<'a>(rest: &mut &'a mut [f64], length: usize) -> &'a mut [f64] {
-    let (here, behind) = std::mem::take(rest).split_at_mut(length.min(rest.len()));
+    let length = length.min(rest.len());
+    let (here, behind) = std::mem::take(rest).split_at_mut(length);
     *rest = behind;
     here
 }
