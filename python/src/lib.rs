@@ -33,6 +33,7 @@ mod engine;
 mod engines;
 mod errors;
 mod failures;
+mod fours;
 mod frame;
 mod function;
 mod kinematics;
