@@ -229,7 +229,7 @@ fn a_way_that_is_blocked_is_told() {
     let post = "[limits]\nfrom_robot = false\n[[obstacle]]\nname = \"post\"\nkind = \"capsule\"\n\
                 from = [0.5, 0.5, -1]\nto = [0.5, 0.5, 1]\nradius = 0.1\n";
     let text = format!("{text}\n{post}{}{}", link("elbow"), link("shoulder"));
-    let file = ProblemFile::from_text(&text, ".".as_ref(), LoadOptions::default()).unwrap();
+    let file = ProblemFile::from_text(&text, ".", LoadOptions::default()).unwrap();
     let found = lacks(&file.problem);
     let limit = only(&found);
     assert!(limit.name.contains("post") && limit.amount > 0.1, "{found:?}");
