@@ -1,10 +1,10 @@
 //! Problems that cannot be solved: which limit has to give, when, by how much.
 
 use crate::sledge;
-use costate::robot::Robot;
+use costate::robot::{LoadOptions, Robot};
 use costate_control::{
-    Bounds, FinalTime, Infeasibility, Keep, Kept, MotionLimits, Phase, Polish, Problem, RelaxedLimit,
-    Solution, Solver, SolverOptions, Status, Task, Via,
+    Bounds, FinalTime, Infeasibility, Keep, Kept, MotionLimits, Phase, Polish, Problem, ProblemFile,
+    RelaxedLimit, Solution, Solver, SolverOptions, Status, Task, Via,
 };
 use std::f64::consts::FRAC_PI_2;
 
@@ -203,6 +203,20 @@ fn an_elastic_phase_has_the_limits_of_the_options() {
         iterations.iter().all(|iteration| iteration.nodes <= 20 && iteration.number <= 3),
         "{iterations:?}"
     );
+}
+
+/// What lacks is the motor of the crank, not the constraint that closes the loop or a motor that a joint does
+/// not have: these are laws of physics, not limits.
+#[test]
+fn laws_of_physics_are_not_named() {
+    let file = ProblemFile::read("../examples/problems/four_bar.toml", LoadOptions::default());
+    let mut problem = file.unwrap().problem;
+    // 10 N m are enough.
+    problem.limits.torque_max = Some(vec![8.0, 0.0, 0.0]);
+    let solution = solve(&problem);
+    assert!(!solution.motion.status.is_solved());
+    let found = solution.limits.infeasible.iter().flat_map(|found| &found.limits);
+    assert!(found.clone().all(|limit| limit.name == "crank"), "{:?}", found.collect::<Vec<_>>());
 }
 
 #[test]
