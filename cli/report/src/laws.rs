@@ -3,8 +3,8 @@
 use crate::numbers::short;
 use costate_control::{LimitViolation, Problem};
 
-/// That a joint without a motor would need a torque, or that a constraint is not kept; `None` for a limit, which
-/// could be widened.
+/// That a joint without a motor would need a torque, or that a constraint is not kept; `None` for a limit,
+/// which could be widened.
 pub(crate) fn not_kept(problem: &Problem, kind: &str, worst: &LimitViolation) -> Option<String> {
     if kind != "torque" || worst.limit != 0.0 {
         return None;
