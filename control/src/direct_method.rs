@@ -29,10 +29,11 @@
 //! with the quadratic through the three values of $L_q$ (W. W. Hager, Runge-Kutta methods in optimal control
 //! and the transformed adjoint system, Numerische Mathematik 87, 2000).
 //!
-//! With vias there is a time for each phase, and s goes on by one in each; at the ends of phases the unknowns
-//! are q and v. Where jerks or rates of torques are limited or cost anything, or accelerations are given at
-//! an end, the polynomial is the quintic with q, q' and q'' of both ends. Jerks and rates of torques are then
-//! limited at Gauss's points, all else at Lobatto's five, which integrate the cost.
+//! With vias there is a time for each phase, and s goes on by one in each. At the ends of phases, the start
+//! and the end of the motion too, v is the unknown in place of q'. Where jerks or rates of torques are
+//! limited or cost anything, or accelerations are given at an end, the polynomial is the quintic with q, q'
+//! and q'' of both ends. Jerks and rates of torques are then limited at Gauss's points, all else at Lobatto's
+//! five, which integrate the cost.
 //!
 //! # Barrier problem
 //!
