@@ -205,6 +205,20 @@ fn an_elastic_phase_has_the_limits_of_the_options() {
     );
 }
 
+/// What lacks is the motor of the crank, not the constraint that closes the loop or a motor that a joint does
+/// not have: these are laws of physics, not limits.
+#[test]
+fn laws_of_physics_are_not_named() {
+    let file = ProblemFile::read("../examples/problems/four_bar.toml", LoadOptions::default());
+    let mut problem = file.unwrap().problem;
+    // 10 N m are enough.
+    problem.limits.torque_max = Some(vec![8.0, 0.0, 0.0]);
+    let solution = solve(&problem);
+    assert!(!solution.motion.status.is_solved());
+    let found = solution.limits.infeasible.iter().flat_map(|found| &found.limits);
+    assert!(found.clone().all(|limit| limit.name == "crank"), "{:?}", found.collect::<Vec<_>>());
+}
+
 #[test]
 fn a_tool_that_is_too_slow_is_told() {
     let task = Task::default().with_keep(Keep::new("x", Kept::Speed { max: 0.5 }));

@@ -124,6 +124,12 @@ impl Side {
             .map(move |side| Self { range: row.range, is_equation, ..side })
     }
 
+    /// Whether it is a law of physics, or a half of one, which nobody could relax: that a joint without a
+    /// motor has no torque, or a row of a constraint.
+    pub fn is_law(&self) -> bool {
+        (self.is_equation || self.is_half) && self.limited == Limited::Torque
+    }
+
     /// An equation as two limits, anything else as it is.
     pub fn halves(self) -> impl Iterator<Item = Self> {
         let half = |sign: f64| Self { sign, is_equation: false, is_half: true, ..self };
