@@ -138,8 +138,9 @@
 //!
 //! $$ \frac{P}{2} \sum_i \left( e_i + \sqrt{e_i^2 + \delta^2} \right), \qquad \delta = 10^{-3} $$
 //!
-//! beside the cost, P at first 100 times the cost, then up to twice 100 times more. An equation that gives is
-//! two limits with one $e_i$. The unknowns $e_i$ border Newton's equations as times do. The phase ends at a
+//! beside the cost, P at first 100 times the cost, then up to twice 100 times more. An equation of a task
+//! that gives is two limits with one $e_i$; laws of physics (a joint without a motor has no torque, rows of
+//! constraints) stay equations. The unknowns $e_i$ border Newton's equations as times do. The phase ends at a
 //! motion that keeps all limits, from which the search goes on, or at a minimum with $e > 0$, on halved
 //! intervals until that does not fall by a fifth: [`Infeasibility`](crate::Infeasibility), a local statement.
 //! One elastic variable for a constraint is what the elastic mode of SNOPT has (P. E. Gill, W. Murray, M. A.

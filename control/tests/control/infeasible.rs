@@ -3,10 +3,10 @@
 use crate::sledge;
 use costate::robot::{LoadOptions, Robot};
 use costate_control::{
-    Bounds, FinalTime, Infeasibility, Keep, Kept, MotionLimits, Phase, Polish, Problem, ProblemFile,
-    RelaxedLimit, Solution, Solver, SolverOptions, Status, Task, Via,
+    Bounds, FinalTime, Infeasibility, Keep, Kept, MotionLimits, Objective, Phase, Polish, Problem,
+    ProblemFile, RelaxedLimit, Solution, Solver, SolverOptions, Status, Task, Via,
 };
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 const INF: f64 = f64::INFINITY;
 
@@ -205,18 +205,36 @@ fn an_elastic_phase_has_the_limits_of_the_options() {
     );
 }
 
-/// What lacks is the motor of the crank, not the constraint that closes the loop or a motor that a joint does
-/// not have: these are laws of physics, not limits.
+/// What lacks is the motor of the crank or of the cart, never the constraint that closes the loop or a motor
+/// that a joint does not have: these are laws of physics, not limits.
 #[test]
-fn laws_of_physics_are_not_named() {
-    let file = ProblemFile::read("../examples/problems/four_bar.toml", LoadOptions::default());
-    let mut problem = file.unwrap().problem;
+fn laws_of_physics_do_not_give() {
+    let four_bar = ProblemFile::read("../examples/problems/four_bar.toml", LoadOptions::default()).unwrap();
     // 10 N m are enough.
-    problem.limits.torque_max = Some(vec![8.0, 0.0, 0.0]);
-    let solution = solve(&problem);
-    assert!(!solution.motion.status.is_solved());
-    let found = solution.limits.infeasible.iter().flat_map(|found| &found.limits);
-    assert!(found.clone().all(|limit| limit.name == "crank"), "{:?}", found.collect::<Vec<_>>());
+    for most in [8.0, 5.5] {
+        let mut problem = four_bar.problem.clone();
+        problem.limits.torque_max = Some(vec![most, 0.0, 0.0]);
+        let found = lacks(&problem);
+        let limit = only(&found);
+        assert_eq!((&limit.kind[..], &limit.name[..], &limit.unit[..]), ("torque", "crank", "N m"));
+        assert_eq!(limit.limit.map(f64::abs), Some(most));
+        assert!(limit.amount > 0.1 && limit.amount < 10.0 - most, "{limit:?}");
+    }
+    let cart = Robot::from_file("../robots/cart_pole.toml").unwrap();
+    for most in [2.0, 0.5] {
+        let problem = Problem::rest_to_rest(cart.clone(), &[0.0, PI], &[1.0, 0.0], 1.5)
+            .with_cost(Objective::new(0.0, vec![1.0, 0.0]))
+            .with_limits(MotionLimits::none().with_torque_max(vec![most, 0.0]));
+        let found = lacks(&problem);
+        let limit = only(&found);
+        assert_eq!((&limit.kind[..], &limit.name[..], &limit.unit[..]), ("torque", "cart", "N"));
+        assert!(limit.amount > 0.1, "{limit:?}");
+        // With so much it can be done.
+        let mut problem = problem;
+        problem.limits.torque_max = Some(vec![most + 1.02 * limit.amount, 0.0]);
+        let solution = solve(&problem);
+        assert!(solution.limits.torque.unwrap().at_points < 1e-6, "{}", solution.motion.status);
+    }
 }
 
 #[test]

@@ -130,10 +130,14 @@ impl Side {
         (self.is_equation || self.is_half) && self.limited == Limited::Torque
     }
 
-    /// An equation as two limits, anything else as it is.
+    /// An equation of a task as two limits, anything else as it is.
     pub fn halves(self) -> impl Iterator<Item = Self> {
         let half = |sign: f64| Self { sign, is_equation: false, is_half: true, ..self };
-        let all = if self.is_equation { [Some(half(1.0)), Some(half(-1.0))] } else { [Some(self), None] };
+        let all = if self.is_equation && !self.is_law() {
+            [Some(half(1.0)), Some(half(-1.0))]
+        } else {
+            [Some(self), None]
+        };
         all.into_iter().flatten()
     }
 
