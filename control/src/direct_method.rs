@@ -167,6 +167,9 @@
 //! where torques jump. What may jump is kept between points by limits of the coefficients in Bernstein's
 //! basis (G. Farin, Curves and Surfaces for CAGD, 5th edition, 2002, chapter 4).
 //!
+//! A mesh is given up where the points miss more than the whole cost. After six of them in a row the search
+//! begins again at the last motion that was not so, twice at most.
+//!
 //! With [`Verify::Full`](crate::Verify::Full) a converged motion is solved once more on halved intervals
 //! ([`Motion::finer_mesh`](crate::Motion::finer_mesh)), and integrated again with its torques, cut to their
 //! limits, by an adaptive method: it has to end within $0.3 \sqrt{\text{tolerance}}$ of the largest values
