@@ -153,13 +153,13 @@ fn limits_of_positions_and_torques() {
     }
 }
 
-/// At a tight tolerance costs have all digits of the values.
+/// At a tight tolerance costs have the first eight digits of the values.
 #[test]
-fn limits_to_all_digits() {
+fn limits_to_eight_digits() {
     let swing = Problem::rest_to_rest(robot("pendulum"), &[0.0], &[PI], 3.0)
         .with_limits(MotionLimits::none().with_q_min(vec![-0.7]));
     for (problem, value, digits) in [
-        (limited("two_link", &[INF, 7.0]), 155.74483972, 1e-9),
+        (limited("two_link", &[INF, 7.0]), 155.74483972, 1e-8),
         (limited("two_link_least_time", &[0.35, 1.0]), 3.2300988, 2e-8),
         (swing, 19.4870292, 1e-8),
     ] {
