@@ -234,7 +234,10 @@ impl Plan {
             }
         }
         let cleared = moves.iter().map(|part| part.length).sum::<usize>() < length;
-        let mut places = vec![ZERO as u32; length];
+        // Pieces of a larger array, as those of tensors for CasADi, end after their own shape.
+        let end = |part: &Move| part.length.checked_sub(1).map_or(0, |last| part.to.0 + last * part.to.1 + 1);
+        let most = moves.iter().map(end).fold(length, usize::max);
+        let mut places = vec![ZERO as u32; most];
         for &Move { to, from, length } in &moves {
             (0..length).for_each(|k| places[to.0 + k * to.1] = (from.0 + k * from.1) as u32);
         }
