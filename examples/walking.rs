@@ -3,15 +3,14 @@
 //!
 //! `cargo run --release -p costate-examples --example walking`
 
+mod page;
+
 use costate::robot::LoadOptions;
 use costate_control::{FinalTime, Objective, Problem, ProblemFile, Solver, SolverOptions};
+use page::{COLORS, ROOT, legend, write_table};
 use plotters::prelude::*;
 use std::error::Error;
 use std::fmt::Write;
-
-const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
-const BEGIN: &str = "<!-- table: begin -->";
-const END: &str = "<!-- table: end -->";
 
 /// Lengths of steps (m) and speeds (m/s).
 const LENGTHS: [f64; 3] = [0.4, 0.5, 0.6];
@@ -105,8 +104,7 @@ fn draw(curves: &[Curve]) -> Result<(), Box<dyn Error>> {
         .light_line_style(TRANSPARENT)
         .bold_line_style(BLACK.mix(0.12))
         .draw()?;
-    let colors = [RGBColor(0, 114, 178), RGBColor(213, 94, 0), RGBColor(0, 158, 115)];
-    for (curve, color) in curves.iter().zip(colors) {
+    for (curve, color) in curves.iter().zip(COLORS) {
         let style = ShapeStyle::from(color).stroke_width(2);
         chart
             .draw_series(LineSeries::new(curve.points.iter().flatten().map(place), style))?
@@ -114,14 +112,7 @@ fn draw(curves: &[Curve]) -> Result<(), Box<dyn Error>> {
             .legend(move |(x, y)| PathElement::new([(x, y), (x + 24, y)], style));
         chart.draw_series(curve.best.iter().map(|best| Circle::new(place(best), 6, color.filled())))?;
     }
-    chart
-        .configure_series_labels()
-        .position(SeriesLabelPosition::UpperLeft)
-        .label_font(("sans-serif", 18))
-        .background_style(WHITE.mix(0.9))
-        .border_style(BLACK.mix(0.4))
-        .legend_area_size(32)
-        .draw()?;
+    legend(&mut chart, SeriesLabelPosition::UpperLeft)?;
     area.present()?;
     Ok(())
 }
@@ -131,12 +122,5 @@ fn main() -> Result<(), Box<dyn Error>> {
     let file = ProblemFile::read(path, LoadOptions::default())?;
     let curves = LENGTHS.into_iter().map(|length| curve(&file, length)).collect::<Result<Vec<_>, _>>()?;
     draw(&curves)?;
-    let table = table(&curves)?;
-    println!("{table}");
-    let page = format!("{ROOT}/docs/walking.md");
-    let text = std::fs::read_to_string(&page)?;
-    let (before, rest) = text.split_once(BEGIN).ok_or("docs/walking.md has lost the begin of its table")?;
-    let (_, after) = rest.split_once(END).ok_or("docs/walking.md has lost the end of its table")?;
-    std::fs::write(page, format!("{before}{BEGIN}\n{table}{END}{after}"))?;
-    Ok(())
+    write_table("walking.md", &table(&curves)?)
 }
