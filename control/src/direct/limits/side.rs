@@ -124,10 +124,10 @@ impl Side {
             .map(move |side| Self { range: row.range, is_equation, ..side })
     }
 
-    /// Whether it is a law of physics, or a half of one, which nobody could relax: that a joint without a
-    /// motor has no torque, or a row of a constraint.
+    /// Whether it is a law of physics, which nobody could relax: that a joint without a motor has no torque,
+    /// or a row of a constraint.
     pub fn is_law(&self) -> bool {
-        (self.is_equation || self.is_half) && self.limited == Limited::Torque
+        self.is_equation && self.limited == Limited::Torque
     }
 
     /// An equation of a task as two limits, anything else as it is.

@@ -47,7 +47,6 @@ pub(crate) fn with_proof(problem: &Problem, found: Option<Infeasibility>) -> Opt
 /// What the limits of an elastic iterate give.
 pub(crate) fn relaxed<D: PointDynamics>(problem: &Problem, interior: &Interior<D>) -> Infeasibility {
     let mut given = interior.given();
-    given.retain(|given| !interior.barrier.numbered(given.side).is_law());
     given.sort_by(|a, b| b.part.total_cmp(&a.part));
     let least = given.first().map_or(0.0, |first| constants::NOTICED_RELIEF * first.part.max(0.0));
     given.retain(|given| given.part > least);
