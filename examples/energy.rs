@@ -3,19 +3,18 @@
 //!
 //! `cargo run --release -p costate-examples --example energy`
 
+mod page;
+
 use costate::EvalError;
 use costate::dynamics::{Contraction, Dynamics, Linearisation, Structure};
 use costate::hamiltonian::{Hamiltonian, HamiltonianSecondOrder};
 use costate::lagrangian::{Lagrangian, LagrangianSecondOrder};
 use costate::robot::Robot;
 use costate::step::{ImplicitMidpoint, RungeKutta4, SemiImplicitEuler, Step, StoermerVerlet, VelocityForm};
+use page::{COLORS, ROOT, legend, write_table};
 use plotters::prelude::*;
 use std::error::Error;
 use std::fmt::Write;
-
-const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
-const BEGIN: &str = "<!-- table: begin -->";
-const END: &str = "<!-- table: end -->";
 
 /// Duration of a step (s) and number of steps.
 const H: f64 = 0.02;
@@ -222,22 +221,14 @@ fn draw(runs: &[Run]) -> Result<(), Box<dyn Error>> {
         .light_line_style(TRANSPARENT)
         .bold_line_style(BLACK.mix(0.12))
         .draw()?;
-    let colors = [RGBColor(0, 114, 178), RGBColor(213, 94, 0), RGBColor(0, 158, 115), RGBColor(86, 40, 130)];
-    for (run, color) in runs.iter().zip(colors) {
+    for (run, color) in runs.iter().zip(COLORS) {
         let style = ShapeStyle::from(color).stroke_width(2);
         chart
             .draw_series(LineSeries::new(run.envelope.iter().copied(), style))?
             .label(format!("{}, {}", run.name, run.coordinates))
             .legend(move |(x, y)| PathElement::new([(x, y), (x + 24, y)], style));
     }
-    chart
-        .configure_series_labels()
-        .position(SeriesLabelPosition::LowerRight)
-        .label_font(("sans-serif", 18))
-        .background_style(WHITE.mix(0.9))
-        .border_style(BLACK.mix(0.4))
-        .legend_area_size(32)
-        .draw()?;
+    legend(&mut chart, SeriesLabelPosition::LowerRight)?;
     area.present()?;
     Ok(())
 }
@@ -246,12 +237,5 @@ fn main() -> Result<(), Box<dyn Error>> {
     let robot = Robot::from_file(format!("{ROOT}/robots/two_link.toml"))?;
     let runs = all(&robot)?;
     draw(&runs)?;
-    let table = table(&runs)?;
-    println!("{table}");
-    let page = format!("{ROOT}/docs/energy.md");
-    let text = std::fs::read_to_string(&page)?;
-    let (before, rest) = text.split_once(BEGIN).ok_or("docs/energy.md has lost the begin of its table")?;
-    let (_, after) = rest.split_once(END).ok_or("docs/energy.md has lost the end of its table")?;
-    std::fs::write(page, format!("{before}{BEGIN}\n{table}{END}{after}"))?;
-    Ok(())
+    write_table("energy.md", &table(&runs)?)
 }

@@ -76,6 +76,7 @@ impl RobotArguments {
     fn read(&self, options: LoadOptions) -> Result<Robot, RobotError> {
         let from_input = is_standard(&self.robot);
         if !from_input && self.format.is_none() {
+            self.warn_of_flags(RobotFormat::of_path(&self.robot).ok());
             return Robot::from_file_with(&self.robot, options);
         }
         let path = if from_input { PathBuf::from("standard input") } else { self.robot.clone() };
@@ -88,12 +89,18 @@ impl RobotArguments {
         let format = self.format.map(RobotFormat::from);
         if !from_input {
             let mut file = std::fs::File::open(&self.robot).map_err(unreadable)?;
+            self.warn_of_flags(format);
             return read(&mut file, format.unwrap_or(RobotFormat::Toml));
         }
         let mut input = std::io::BufReader::new(std::io::stdin().lock());
         let start = input.fill_buf().map_err(unreadable)?;
         let format = format.unwrap_or_else(|| RobotFormat::of_text(&String::from_utf8_lossy(start)));
+        self.warn_of_flags(Some(format));
         read(&mut input, format)
+    }
+
+    fn warn_of_flags(&self, format: Option<RobotFormat>) {
+        warn_of_urdf_flags(format, [self.friction, self.floating_base, self.quaternions]);
     }
 
     /// Reads a robot of joints of one degree of freedom, without constraints, and writes its warnings to
@@ -145,6 +152,18 @@ impl From<Format> for RobotFormat {
             Format::Urdf => Self::Urdf,
             Format::Toml => Self::Toml,
         }
+    }
+}
+
+/// Warns of `--friction`, `--floating-base` and `--quaternions` where they are given for a robot in TOML, on
+/// which they have no effect.
+pub fn warn_of_urdf_flags(format: Option<RobotFormat>, given: [bool; 3]) {
+    let floats = "; give its joint type = \"floating\" there";
+    let flags =
+        [("friction", ", whose friction always counts"), ("floating-base", floats), ("quaternions", floats)];
+    let is_toml = format == Some(RobotFormat::Toml);
+    for ((flag, instead), _) in flags.iter().zip(given).filter(|(_, given)| *given && is_toml) {
+        terminal::warning(format!("--{flag} has no effect on a robot in TOML{instead}"));
     }
 }
 

@@ -25,6 +25,7 @@ use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use interrupt::Interrupted;
 use outcome::Outcome;
 use std::error::Error;
+use std::ffi::{OsStr, OsString};
 use std::io::ErrorKind;
 use std::process::ExitCode;
 
@@ -145,8 +146,26 @@ fn command() -> clap::Command {
         .mut_subcommands(|command| command.after_help(EXIT_CODES).mut_args(with_negative_numbers))
 }
 
+/// The arguments with `--polish WHEN` as `--polish=WHEN`. Its value may be left out, so clap would take one
+/// that follows a blank for a file.
+fn joined(arguments: impl Iterator<Item = OsString>) -> Vec<OsString> {
+    let mut joined: Vec<OsString> = Vec::new();
+    for argument in arguments {
+        let is_value = ["true", "false", "auto"].iter().any(|value| argument == *value);
+        match joined.last_mut().filter(|last| is_value && last.as_os_str() == OsStr::new("--polish")) {
+            Some(polish) => {
+                polish.push("=");
+                polish.push(argument);
+            }
+            None => joined.push(argument),
+        }
+    }
+    joined
+}
+
 fn main() -> ExitCode {
-    let cli = Cli::from_arg_matches(&command().get_matches()).unwrap_or_else(|error| error.exit());
+    let given = command().get_matches_from(joined(std::env::args_os()));
+    let cli = Cli::from_arg_matches(&given).unwrap_or_else(|error| error.exit());
     let outcome = match cli.command {
         Command::Info(arguments) => info::run(&arguments),
         Command::Eval(arguments) => eval::run(&arguments),

@@ -1,4 +1,4 @@
-//! Optimal motions by Pontryagin's maximum principle.
+//! Optimal motions of robots, by a direct method and by Pontryagin's maximum principle.
 //!
 //! A [`Problem`] is to move a robot from its start to its end at the least cost $J = \int l(x, u) \\, dt$.
 //! Along an optimal motion there is a costate y with
@@ -7,7 +7,7 @@
 //!    x' = \frac{\partial H^\ast}{\partial y}, \qquad y' = -\frac{\partial H^\ast}{\partial x} $$
 //!
 //! This is a boundary-value problem for z = (q, p, y_q, y_p), whose Jacobian contains the contracted Hessian
-//! $y^\top F_{xx}$ ([`RobotExtremal`]). [`Solver`] finds motions by the [direct method](Method::Direct),
+//! $y^\top F_{xx}$ ([`RobotExtremal`]). [`Solver`] finds motions by the [direct method](direct_method),
 //! which keeps all kinds of [limits](MotionLimits), and solves the boundary-value problem from there by
 //! Lobatto collocation, or by multiple [shooting](Method::Shooting) with the variational equations. Sign
 //! conventions:
@@ -29,6 +29,7 @@ mod constants;
 mod continuation;
 mod cubics;
 mod direct;
+pub mod direct_method;
 mod direct_states;
 mod extremal;
 mod free_motions;

@@ -4,6 +4,7 @@ use crate::code::Code;
 use crate::compiled::Compiled;
 use crate::error::JitError;
 use crate::limit::LANES_LIMIT;
+use crate::widest::widest;
 use costate::EvalError;
 use costate::codegen::{CodegenError, Coordinates, Quantity, REGULAR, guarded_program};
 use costate::configuration::Quaternions;
@@ -75,12 +76,40 @@ impl JitLanes {
     /// [`EvalError::WrongLength`].
     pub fn evaluate(&self, inputs: &[[f64; 4]], outputs: &mut [[f64; 4]]) -> Result<[bool; 4], EvalError> {
         let guard = self.code.call_guarded(inputs, outputs)?;
-        let mut sums = [0.0; 4];
-        for four in inputs.iter().chain(&*outputs) {
-            sums.iter_mut().zip(four).for_each(|(sum, value)| *sum += 0.0 * value);
-        }
+        let (given, found) = (finite_states(inputs), finite_states(outputs));
         // q is the first argument.
         let is_unit = |lane: usize| self.quaternions.first_not_unit(|k| inputs[k][lane]).is_none();
-        Ok(std::array::from_fn(|lane| guard[lane] < REGULAR && sums[lane] == 0.0 && is_unit(lane)))
+        Ok(std::array::from_fn(|lane| guard[lane] < REGULAR && given[lane] && found[lane] && is_unit(lane)))
+    }
+}
+
+/// Of which of four states all numbers are finite; entry k holds number k of all four.
+///
+/// ```
+/// let numbers = [[1.0, 2.0, f64::INFINITY, 4.0], [1.0, f64::NAN, 3.0, 4.0]];
+/// assert_eq!(costate_jit::finite_states(&numbers), [true, false, false, true]);
+/// ```
+pub fn finite_states(numbers: &[[f64; 4]]) -> [bool; 4] {
+    widest(
+        #[inline(always)]
+        || {
+            // 0 x is 0 if x is finite, and not a number otherwise. Four sums do not wait for each other.
+            let mut sums = [[0.0; 4]; 4];
+            let (blocks, rest) = numbers.as_chunks::<4>();
+            for block in blocks {
+                add_nothing(&mut sums, block);
+            }
+            add_nothing(&mut sums, rest);
+            let [a, b, c, d] = sums;
+            std::array::from_fn(|lane| (a[lane] + b[lane]) + (c[lane] + d[lane]) == 0.0)
+        },
+    )
+}
+
+/// Adds 0 x of each number.
+#[inline(always)]
+fn add_nothing(sums: &mut [[f64; 4]; 4], numbers: &[[f64; 4]]) {
+    for (sum, four) in sums.iter_mut().zip(numbers) {
+        sum.iter_mut().zip(four).for_each(|(sum, number)| *sum += 0.0 * number);
     }
 }

@@ -48,7 +48,7 @@ pub use costate::codegen::{OPERATIONS_PER_STEP, Shape};
 pub use compiled::{Compiled, supported};
 pub use error::JitError;
 pub use fours::Fours;
-pub use lanes::JitLanes;
+pub use lanes::{JitLanes, finite_states};
 pub use limit::{DEFAULT_LIMIT, LANES_LIMIT, limit_of};
 pub use model::{JitLanesModel, JitModel};
 pub use number::JitNumber;

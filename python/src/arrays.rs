@@ -3,6 +3,7 @@
 pub use crate::axes::Axes;
 use crate::axes::MOST_AXES;
 use crate::errors::argument;
+use crate::fours;
 use crate::plan::{Argument, Entries};
 use numpy::npyffi::NPY_TYPES;
 use numpy::{PyArrayDescrMethods, PyArrayDyn, PyArrayMethods, PyUntypedArray, PyUntypedArrayMethods};
@@ -42,9 +43,9 @@ impl Source {
         Self { data, strides }
     }
 
-    /// Copies numbers `start..start + to.len()` of a state.
+    /// The address of number `start` of a state.
     #[inline]
-    pub fn copy(&self, axes: &Axes, state: usize, start: usize, to: &mut [f64]) {
+    pub fn address(&self, axes: &Axes, state: usize, start: usize) -> *const u8 {
         let mut offset = 0;
         let mut rest = state;
         // Along the first axis, which most batches have alone, nothing is divided.
@@ -54,15 +55,37 @@ impl Source {
             rest /= length;
         }
         offset += rest as isize * self.strides[0];
+        self.data.wrapping_offset(offset).wrapping_add(start * size_of::<f64>())
+    }
+
+    /// Copies numbers `start..start + to.len()` of a state.
+    #[inline]
+    pub fn copy(&self, axes: &Axes, state: usize, start: usize, to: &mut [f64]) {
         // SAFETY: `read_all` has checked that the array has this many numbers along its last axis, one after
         // the other, at every index of its leading axes, and that the state is one of them; the caller of
-        // `dense` has promised it. Bytes are
-        // copied, which need no alignment. As in NumPy, a thread that writes to the array meanwhile decides
-        // what is read.
+        // `dense` has promised it. Bytes are copied, which need no alignment. As in NumPy, a thread that
+        // writes to the array meanwhile decides what is read.
         unsafe {
-            let from = self.data.offset(offset).add(start * size_of::<f64>());
+            let from = self.address(axes, state, start);
             std::ptr::copy_nonoverlapping(from, to.as_mut_ptr().cast::<u8>(), size_of_val(to));
         }
+    }
+
+    /// The same of four states.
+    ///
+    /// # Safety
+    /// `WIDE` only where the processor has AVX.
+    #[inline(always)]
+    pub unsafe fn copy_four<const WIDE: bool>(
+        &self,
+        axes: &Axes,
+        states: [usize; 4],
+        start: usize,
+        to: &mut [[f64; 4]],
+    ) {
+        let from = states.map(|state| self.address(axes, state, start));
+        // SAFETY: the numbers are there, as for `copy`; the rest is the promise of the caller.
+        unsafe { fours::read::<WIDE>(from, to) }
     }
 }
 

@@ -3,12 +3,15 @@
 use crate::arrays::{Axes, Source};
 use crate::errors::Failure;
 use crate::failures::Failures;
-use crate::plan::{Argument, Entries, Number, Plan};
+use crate::fours;
+use crate::plan::{Argument, Entries, Plan};
 use crate::results::Target;
 use crate::workspace::Workspace;
 use costate::EvalError;
 use costate::configuration::Quaternions;
 use costate::robot::Robot;
+use costate_jit::{finite_states, widest_fused};
+use std::ops::Range;
 
 /// The states of one call.
 pub struct Call<'a> {
@@ -122,47 +125,64 @@ impl Call<'_> {
 
     /// Evaluates these states in fours, the last one repeated where they are not a multiple of four. States
     /// that are not certain are evaluated one by one.
-    pub fn by_fours(
+    pub fn by_fours(&self, workspace: &mut Workspace, states: Range<usize>, failures: &mut Failures) {
+        workspace.fit_four(self.plan);
+        widest_fused(
+            #[inline(always)]
+            |wide| match wide {
+                // SAFETY: vectors that fuse products and sums are of AVX or later, on x86.
+                true => unsafe { self.fours::<true>(workspace, states, failures) },
+                // SAFETY: asks for nothing.
+                false => unsafe { self.fours::<false>(workspace, states, failures) },
+            },
+        );
+    }
+
+    /// # Safety
+    /// `WIDE` only where the processor has AVX.
+    #[inline(always)]
+    unsafe fn fours<const WIDE: bool>(
         &self,
         workspace: &mut Workspace,
-        states: std::ops::Range<usize>,
+        states: Range<usize>,
         failures: &mut Failures,
     ) {
         let Self { plan, sources, targets, axes, .. } = self;
-        if workspace.four.len() < plan.size() {
-            workspace.four.resize(plan.size(), [0.0; 4]);
-        }
-        let mut start = states.start;
-        while start < states.end {
-            let buffer = &mut workspace.four[..plan.size()];
-            buffer[crate::plan::ONE] = <[f64; 4]>::ONE;
+        for start in states.clone().step_by(4) {
+            let four = std::array::from_fn(|lane| (start + lane).min(states.end - 1));
+            let buffer = workspace.four(plan);
             let mut finite = [true; 4];
-            for (lane, finite) in finite.iter_mut().enumerate() {
-                let state = (start + lane).min(states.end - 1);
-                for place in &plan.places {
-                    let numbers = &mut workspace.one[..place.length];
-                    sources[place.argument].copy(axes, state, place.start, numbers);
-                    // Lanes look at their own arguments.
-                    *finite &= place.at >= plan.core_inputs.start || all_finite(numbers);
-                    let to = &mut buffer[place.at..place.at + place.length];
-                    to.iter_mut().zip(&*numbers).for_each(|(to, from)| to.set(lane, *from));
+            for place in &plan.places {
+                let to = &mut buffer[place.at..place.at + place.length];
+                // SAFETY: the promise of the caller.
+                unsafe { sources[place.argument].copy_four::<WIDE>(axes, four, place.start, to) };
+                // Lanes look at their own arguments.
+                if place.at < plan.core_inputs.start {
+                    finite.iter_mut().zip(finite_states(to)).for_each(|(finite, found)| *finite &= found);
                 }
             }
-            workspace.one[crate::plan::ONE] = 1.0;
             let certain = workspace.evaluate_four(plan);
-            let end = states.end.min(start + <[f64; 4]>::STATES);
-            for state in start..end {
-                if !(certain[state - start] && finite[state - start]) {
+            let certain: [bool; 4] = std::array::from_fn(|lane| certain[lane] && finite[lane]);
+            let buffer = workspace.four(plan);
+            if certain == [true; 4] && start + 4 <= states.end {
+                for (output, target) in plan.outputs.iter().zip(*targets) {
+                    // SAFETY: each state of a call is evaluated once, by one thread; the rest is the promise
+                    // of the caller.
+                    unsafe { fours::write::<WIDE>(buffer, &output.places, target.of_all(start..start + 4)) };
+                }
+                continue;
+            }
+            for (lane, state) in (start..states.end.min(start + 4)).enumerate() {
+                if !certain[lane] {
                     self.one(workspace, state, failures);
                     continue;
                 }
-                let buffer = &workspace.four[..plan.size()];
+                let buffer = workspace.four(plan);
                 for (output, target) in plan.outputs.iter().zip(*targets) {
                     // SAFETY: each state of a call is evaluated once, by one thread.
-                    output.write(buffer, state - start, unsafe { target.of(state) });
+                    output.write(buffer, lane, unsafe { target.of(state) });
                 }
             }
-            start = end;
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::errors::Failure;
 use costate::scalar::F64x4;
-use costate_jit::{JitLanes, JitQuantity};
+use costate_jit::{JitLanes, JitQuantity, finite_states};
 use std::sync::Arc;
 
 /// What a core computes of a function: its value; its Jacobian too; its contracted Hessian too.
@@ -62,11 +62,8 @@ where
         }
         outputs.iter_mut().zip(&self.outputs).for_each(|(to, from)| to.copy_from_slice(from.as_slice()));
         // The library checks what it needs: a number that is not finite may have no effect.
-        let mut sums = [0.0; 4];
-        for four in inputs.iter().chain(&*outputs) {
-            sums.iter_mut().zip(four).for_each(|(sum, number)| *sum += 0.0 * number);
-        }
-        sums.map(|sum| sum == 0.0)
+        let (given, found) = (finite_states(inputs), finite_states(outputs));
+        std::array::from_fn(|state| given[state] && found[state])
     }
 }
 

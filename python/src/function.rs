@@ -18,8 +18,15 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 /// Fewer states are evaluated one by one, on the calling thread.
 const FEW: usize = 16;
-/// States that a thread takes at a time; a multiple of the states in one number.
+/// States between two looks whether to stop, and the fewest that a thread takes at a time; a multiple of the
+/// states in one number.
 const CHUNK: usize = 64;
+/// Bytes of results that a thread takes at a time where there are many: new memory is given by pages of up to
+/// 2 MB, and threads that write to the same one for the first time would clear it twice.
+const STRETCH: usize = 1 << 23;
+/// Such stretches for each thread, at least, and the most chunks of one: no thread waits long for the others.
+const STRETCHES: usize = 8;
+const MOST_CHUNKS: usize = 32;
 /// States that a thread fills at a time after a signal.
 const FILLED: usize = 4096;
 /// More threads are probably a mistake.
@@ -179,43 +186,56 @@ impl Function {
     }
 
     /// Evaluates many states on lanes and threads, until a signal comes. Which states are evaluated together
-    /// does not depend on the number of threads. With the number of states that were reached; the results of
-    /// all others are not-a-number.
+    /// does not depend on the number of threads. With the number of states before which all were reached; the
+    /// results of all others are not-a-number.
     fn many(&self, call: &Call<'_>, settings: Settings, signals: Option<&mut Signals>) -> (Failures, usize) {
         let states = call.axes.states();
-        let (next, stopped) = (AtomicUsize::new(0), AtomicBool::new(false));
+        let threads = self.threads(states, settings);
+        let stretch = self.stretch(states, threads);
+        let (next, reached, stopped) =
+            (AtomicUsize::new(0), AtomicUsize::new(states), AtomicBool::new(false));
         let work = |mut signals: Option<&mut Signals>| {
             self.engine.with(call.plan, |workspace| {
                 let has_lanes = self.engine.lanes(workspace);
                 let mut failures = Failures::default();
                 loop {
-                    // Only the thread that called from Python looks.
-                    if signals.as_mut().is_some_and(|signals| signals.came()) {
-                        stopped.store(true, Ordering::Relaxed);
-                    }
-                    if stopped.load(Ordering::Relaxed) {
-                        return failures;
-                    }
-                    let start = next.fetch_add(CHUNK, Ordering::Relaxed);
+                    let start = next.fetch_add(stretch, Ordering::Relaxed);
                     if start >= states {
                         return failures;
                     }
-                    let end = states.min(start + CHUNK);
-                    match has_lanes {
-                        true => call.by_fours(workspace, start..end, &mut failures),
-                        false => (start..end).for_each(|state| call.one(workspace, state, &mut failures)),
+                    let end = states.min(start + stretch);
+                    for start in (start..end).step_by(CHUNK) {
+                        // Only the thread that called from Python looks.
+                        if signals.as_mut().is_some_and(|signals| signals.came()) {
+                            stopped.store(true, Ordering::Relaxed);
+                        }
+                        if stopped.load(Ordering::Relaxed) {
+                            reached.fetch_min(start, Ordering::Relaxed);
+                            return failures;
+                        }
+                        let chunk = start..end.min(start + CHUNK);
+                        match has_lanes {
+                            true => call.by_fours(workspace, chunk, &mut failures),
+                            false => chunk.for_each(|state| call.one(workspace, state, &mut failures)),
+                        }
                     }
                 }
             })
         };
-        let threads = self.threads(states, settings);
         let mut failures = Failures::default();
         on_threads(threads, || work(None), || work(signals), |found| failures.join(found));
-        let done = next.into_inner().min(states);
+        let done = reached.into_inner();
         if done < states {
             fill(call.targets, done..states, threads);
         }
         (failures, done)
+    }
+
+    /// How many states a thread takes at a time.
+    fn stretch(&self, states: usize, threads: usize) -> usize {
+        let numbers: usize = self.plan.outputs.iter().map(|output| output.length).sum();
+        let most = STRETCH / (numbers * size_of::<f64>()).max(1);
+        (most.min(states / (STRETCHES * threads)) / CHUNK).clamp(1, MOST_CHUNKS) * CHUNK
     }
 
     /// How many threads so many states are worth.

@@ -35,6 +35,7 @@ mod engine;
 mod engines;
 mod errors;
 mod failures;
+mod fours;
 mod frame;
 mod function;
 mod kinematics;

@@ -1,12 +1,14 @@
 //! Where the arguments of a call go and where its results come from.
 //!
-//! All numbers of one state lie in one buffer: a one, numbers that are passed on, the arguments of the core,
-//! its results, products of these. [`Piece`]s of it make a result array, for one state as for four.
+//! All numbers of one state lie in one buffer: a one, a zero, numbers that are passed on, the arguments of
+//! the core, its results, products of these. [`Piece`]s of it make a result array, for one state as for
+//! four.
 
 use std::ops::Range;
 
-/// The position of a number 1 in every buffer.
+/// The positions of a number 1 and, for four states, of a number 0 in every buffer.
 pub const ONE: usize = 0;
+pub const ZERO: usize = 1;
 
 /// What the entries of an argument belong to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -89,6 +91,8 @@ pub struct Output {
     /// What is moved there; it is cleared before where that is not all of it.
     moves: Vec<Move>,
     cleared: bool,
+    /// The same number by number: where each of them is in the buffer.
+    pub places: Vec<u32>,
 }
 
 /// As [`Piece::Move`].
@@ -135,7 +139,7 @@ impl Plan {
     }
 
     /// Computes the products of one state, or of four, once the core has its results.
-    #[inline]
+    #[inline(always)]
     pub fn multiply<T: Number>(&self, buffer: &mut [T]) {
         for &Product { to, adds, a, b, length } in &self.products {
             let mut sum = if adds { buffer[to] } else { T::ZERO };
@@ -159,8 +163,8 @@ pub struct PlanBuilder {
 impl PlanBuilder {
     /// A plan without arguments; at most `passed` numbers of them are not for the core.
     pub fn new(passed: usize) -> Self {
-        let first = ONE + 1 + passed;
-        Self { arguments: Vec::new(), places: Vec::new(), passed: ONE + 1, first, core: first }
+        let first = ZERO + 1 + passed;
+        Self { arguments: Vec::new(), places: Vec::new(), passed: ZERO + 1, first, core: first }
     }
 
     /// An argument that the core reads; returns where it is.
@@ -244,7 +248,14 @@ impl Plan {
             }
         }
         let cleared = moves.iter().map(|part| part.length).sum::<usize>() < length;
-        self.outputs.push(Output { shape: shape.to_vec(), length, moves, cleared });
+        // Pieces of a larger array, as those of tensors for CasADi, end after their own shape.
+        let end = |part: &Move| part.length.checked_sub(1).map_or(0, |last| part.to.0 + last * part.to.1 + 1);
+        let most = moves.iter().map(end).fold(length, usize::max);
+        let mut places = vec![ZERO as u32; most];
+        for &Move { to, from, length } in &moves {
+            (0..length).for_each(|k| places[to.0 + k * to.1] = (from.0 + k * from.1) as u32);
+        }
+        self.outputs.push(Output { shape: shape.to_vec(), length, moves, cleared, places });
         self
     }
 }
@@ -272,24 +283,15 @@ impl Piece {
 /// One number of one state, or of four.
 pub trait Number: Copy {
     const ZERO: Self;
-    const ONE: Self;
-    /// States in one number.
-    const STATES: usize;
     /// The number of one state.
     fn of(self, state: usize) -> f64;
-    fn set(&mut self, state: usize, value: f64);
     fn add_product(&mut self, a: Self, b: Self);
 }
 
 impl Number for f64 {
     const ZERO: Self = 0.0;
-    const ONE: Self = 1.0;
-    const STATES: usize = 1;
     fn of(self, _: usize) -> f64 {
         self
-    }
-    fn set(&mut self, _: usize, value: f64) {
-        *self = value;
     }
     fn add_product(&mut self, a: Self, b: Self) {
         *self += a * b;
@@ -298,13 +300,8 @@ impl Number for f64 {
 
 impl Number for [f64; 4] {
     const ZERO: Self = [0.0; 4];
-    const ONE: Self = [1.0; 4];
-    const STATES: usize = 4;
     fn of(self, state: usize) -> f64 {
         self[state]
-    }
-    fn set(&mut self, state: usize, value: f64) {
-        self[state] = value;
     }
     fn add_product(&mut self, a: Self, b: Self) {
         for state in 0..4 {

@@ -2,20 +2,22 @@
 
 use crate::cores::{Core, Lanes};
 use crate::errors::Failure;
-use crate::plan::{ONE, Plan};
+use crate::fours::Fours;
+use crate::plan::{ONE, Plan, ZERO};
+use costate_jit::finite_states;
 
 /// What one thread computes with: a core, and buffers for one state and for four.
 pub struct Workspace {
     core: Box<dyn Core>,
     lanes: Option<Box<dyn Lanes>>,
-    pub one: Vec<f64>,
-    pub four: Vec<[f64; 4]>,
+    one: Vec<f64>,
+    four: Fours,
 }
 
 impl Workspace {
     /// Without room for states yet.
     pub fn new(core: Box<dyn Core>) -> Self {
-        Self { core, lanes: None, one: Vec::new(), four: Vec::new() }
+        Self { core, lanes: None, one: Vec::new(), four: Fours::default() }
     }
 
     /// Makes what computes four states at once, unless it is there.
@@ -26,19 +28,32 @@ impl Workspace {
         self.lanes.is_some()
     }
 
-    /// Evaluates four states; of which it is certain.
+    /// Makes room for four states of this plan.
+    pub fn fit_four(&mut self, plan: &Plan) {
+        self.four.fit(plan.size());
+        let buffer = self.four.numbers();
+        (buffer[ONE], buffer[ZERO]) = ([1.0; 4], [0.0; 4]);
+    }
+
+    /// The numbers of four states; their arguments are written here.
+    #[inline]
+    pub fn four(&mut self, plan: &Plan) -> &mut [[f64; 4]] {
+        &mut self.four.numbers()[..plan.size()]
+    }
+
+    /// Evaluates these states; of which it is certain.
+    #[inline(always)]
     pub fn evaluate_four(&mut self, plan: &Plan) -> [bool; 4] {
         let Some(lanes) = &mut self.lanes else { return [false; 4] };
-        let buffer = &mut self.four[..plan.size()];
+        let buffer = &mut self.four.numbers()[..plan.size()];
         let (inputs, outputs) = buffer[..plan.core_outputs.end].split_at_mut(plan.core_outputs.start);
         let mut certain = lanes.evaluate(&inputs[plan.core_inputs.clone()], outputs);
         plan.multiply(buffer);
         // Lanes have looked at their own results.
-        let mut sums = [0.0; 4];
-        for four in &buffer[plan.core_outputs.end..] {
-            sums.iter_mut().zip(four).for_each(|(sum, number)| *sum += 0.0 * number);
+        let products = &buffer[plan.core_outputs.end..];
+        if !products.is_empty() {
+            certain.iter_mut().zip(finite_states(products)).for_each(|(certain, finite)| *certain &= finite);
         }
-        certain.iter_mut().zip(sums).for_each(|(certain, sum)| *certain &= sum == 0.0);
         certain
     }
 

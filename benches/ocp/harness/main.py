@@ -12,6 +12,7 @@ from pathlib import Path
 
 import agreement
 import derivatives
+import gait_times
 import in_space
 import inside
 import judged
@@ -66,6 +67,8 @@ def arguments():
     parser.add_argument("--only-write-tasks", action="store_true", help="write the problem files and stop")
     parser.add_argument("--values", action="store_true",
                         help="check the peer and the judge by derivatives and known values, and stop")
+    parser.add_argument("--walking", action="store_true",
+                        help="only steps of a walking robot, by both sides; --write writes their tables")
     parser.add_argument("--from", dest="source", type=Path, metavar="FILE", help="no run: report the figures in FILE")
     options = parser.parse_args()
     if len(options.tolerances) < 2 or options.tolerances != sorted(set(options.tolerances), reverse=True):
@@ -138,8 +141,8 @@ def add_meshes(options, costate, file):
         sides = comparison.beside(task)
         record.add({"task": task.name, "sides": sides})
         report(task.name, sides)
-    for added in measures.of(record.close()):
-        if added["task"] in rows:
+    for added in record.close():
+        if added.get("task") in rows:
             new = {label: side for label, side in added["sides"].items() if label != measures.OURS}
             rows[added["task"]]["sides"] |= new
     head["mesh_added"] = True
@@ -182,6 +185,16 @@ def run(options, costate, file):
     return record.close()
 
 
+def walk(options, costate):
+    head = describe(options, costate)
+    packages = ", ".join(f"{name} {number}" for name, number in head["packages"].items())
+    table = gait_times.text(ROOT, options.cache, costate, options)
+    table += f"{head['machine']}; {'; '.join(head['compilers'])}; {packages}; {head['costate']}.\n"
+    print(table)
+    if options.write:
+        tables.put(ROOT / "BENCHMARKS.md", {"ocp walking": table})
+
+
 def main():
     options = arguments()
     options.inside |= options.write
@@ -192,6 +205,8 @@ def main():
             parts = (derivatives, judged, same_mesh, values, sensitivities, in_space, walking)
             kept = [part.check(ROOT, costate, the_peer(options)) for part in parts]
             raise SystemExit(0 if all(kept) else 1)
+        if options.walking:
+            return walk(options, costate)
         file = options.cache / "figures.jsonl"
         figures = (add_meshes if options.add_mesh else run)(options, costate, file)
         if options.only_write_tasks:

@@ -55,7 +55,7 @@ def compiled(cache, name, function):
     return ca.external(function.name(), str(library(cache, stem, generator.dump())))
 
 
-def library(cache, stem, text):
+def library(cache, stem, text, flags=FLAGS):
     """C compiled by the first compiler that there is; again only if its text has changed."""
     folder = cache / "points"
     folder.mkdir(exist_ok=True)
@@ -63,7 +63,7 @@ def library(cache, stem, text):
     if not source.exists():
         source.write_text(text)
     _, c, _ = compilers()[0]
-    command = [c, "-std=gnu11", *FLAGS.split(), "-w", "-fPIC", "-shared", source, "-lm"]
+    command = [c, "-std=gnu11", *flags.split(), "-w", "-fPIC", "-shared", source, "-lm"]
     return build_once(cache, f"{stem}.so", command, [source])
 
 

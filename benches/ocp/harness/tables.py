@@ -165,8 +165,13 @@ def print_all(figures):
 
 
 def write(page, figures):
+    put(page, tables(figures))
+
+
+def put(page, parts):
+    """Texts between the marks of their names."""
     text = page.read_text()
-    for name, part in tables(figures).items():
+    for name, part in parts.items():
         begin, end = f"<!-- {name}: begin (written by benches/ocp/run --write) -->\n", f"<!-- {name}: end -->"
         if begin not in text or end not in text:
             stop(f"{page.name} has no marks for {name}")

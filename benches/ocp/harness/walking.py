@@ -1,5 +1,5 @@
-"""The step of examples/problems/rabbit_walk.toml by CasADi and IPOPT, in other coordinates: absolute angles of the five
-links of a robot whose foot is pinned, without constraints; the impact in seven coordinates."""
+"""Steps of RABBIT as in examples/problems/rabbit_walk.toml by CasADi and IPOPT, in other coordinates: absolute angles of the
+five links of a robot whose foot is pinned, without constraints; the impact in seven coordinates."""
 
 import json
 import subprocess
@@ -52,25 +52,34 @@ def cone(x, z):
 PARTS = [TORSO, FEMUR, TIBIA, FEMUR, TIBIA]
 
 
-def guess(s):
-    """Linear from pose to pose, the leg that swings bent."""
-    begin = np.array([0.1, 0.2, 0.5, -0.5, -0.2])
-    end = begin[EXCHANGE]
-    bent = np.sin(np.pi * s)
-    return begin + s * (end - begin) + np.array([0, -0.3, 0.4, 0, 0]) * bent
+def guess(s, length):
+    """Linear from pose to pose, the leg that swings bent; a row for each part s of the step."""
+    s = np.asarray(s)[:, None]
+    begin = np.array([0.1, 0.2, 0.5, -0.5, -0.2]) * [1, *[length / LENGTH] * 4]
+    return begin + s * (begin[EXCHANGE] - begin) + np.array([0, -0.3, 0.4, 0, 0]) * np.sin(np.pi * s)
 
 
 class Step:
-    """The program of a step on so many equal intervals, with its bounds and its first guess; x, f and g are CasADi's names."""
+    """The program of a step on so many equal intervals, with its length and duration as parameters; x, p, f and g are CasADi's
+    names."""
 
     def __init__(self, intervals=INTERVALS):
-        opti, self.jump, bounded = transcribed(intervals)
-        self.nlp = {"x": opti.x, "f": opti.f, "g": opti.g}
+        self.opti, self.size, self.jump, self.torques, self.guessed = transcribed(intervals)
+        self.nlp = {"x": self.opti.x, "p": self.opti.p, "f": self.opti.f, "g": self.opti.g}
+
+    def arguments(self, length=LENGTH, time=TIME):
+        """Of a solver: the first guess, bounds and parameters."""
+        opti = self.opti
+        opti.set_value(self.size, [length, time])
+        for unknowns, rows in self.guessed(length, time):
+            opti.set_initial(unknowns, rows)
         value = lambda of: np.array(opti.debug.value(of, opti.initial())).ravel()
         lower, upper = np.full(opti.nx, -np.inf), np.full(opti.nx, np.inf)
-        columns = ca.jacobian(bounded, opti.x).sparsity().get_triplet()[1]
+        # Of torques, that IPOPT takes them for bounds of unknowns.
+        columns = ca.jacobian(self.torques, opti.x).sparsity().get_triplet()[1]
         lower[columns], upper[columns] = -MOST, MOST
-        self.arguments = {"x0": value(opti.x), "lbx": lower, "ubx": upper, "lbg": value(opti.lbg), "ubg": value(opti.ubg)}
+        return {"x0": value(opti.x), "lbx": lower, "ubx": upper, "lbg": value(opti.lbg), "ubg": value(opti.ubg),
+                "p": [length, time]}
 
     def impulse(self, found):
         """Of the landing (N s), in what a solver returned."""
@@ -82,16 +91,17 @@ def solve(intervals=INTERVALS):
     step = Step(intervals)
     settings = {"print_time": False, "ipopt.print_level": 0, "ipopt.tol": 1e-10, "ipopt.max_iter": 3000, "ipopt.sb": "yes"}
     solver = ca.nlpsol("solver", "ipopt", step.nlp, settings)
-    found = solver(**step.arguments)
+    found = solver(**step.arguments())
     if not solver.stats()["success"]:
         stop(f"a step of RABBIT: IPOPT says {solver.stats()['return_status']}")
     return float(found["f"]), step.impulse(found)
 
 
 def transcribed(intervals):
-    """The program, the impulse in it, and the torques, which are bounded."""
+    """The program, its parameters, the impulse in it, the torques, and its unknowns with their guess for a size."""
     # On the ground, by virtual work: five angles.
-    a, w, acc, tau = ca.SX.sym("a", 5), ca.SX.sym("w", 5), ca.SX.sym("acc", 5), ca.SX.sym("tau", 4)
+    a, w, acc, tau, reach = (ca.SX.sym(name, count) for name, count in
+                            (("a", 5), ("w", 5), ("acc", 5), ("tau", 4), ("reach", 1)))
     force, left = ca.vertcat(0, 0), ca.vertcat(*(part[1] for part in PARTS)) * acc
     for (m, *_), centre in zip(PARTS, CENTRES):
         push = m * (acceleration(HIP + centre, a, w, acc) + ca.vertcat(0, GRAVITY))
@@ -101,9 +111,9 @@ def transcribed(intervals):
     relative = ca.vertcat(a[1] - a[0], a[2] - a[1], a[3] - a[0], a[4] - a[3])
     right = ca.jtimes(relative, a, tau, True)
     swing = place(HIP + FOOT, a)
-    height = swing[1] - CLEARANCE * (1 - (swing[0] / LENGTH) ** 2)
+    height = swing[1] - CLEARANCE * (1 - (swing[0] / reach) ** 2)
     limits = ca.vertcat(cone(force[0], force[1]), height, relative[1], relative[3])
-    point = ca.Function("point", [a, w, acc, tau], [left - right, limits], {"cse": True})
+    point = ca.Function("point", [a, w, acc, tau, reach], [left - right, limits], {"cse": True})
 
     # In the air: the hip and five angles.
     v, before, impulse = ca.SX.sym("v", 7), ca.SX.sym("before", 7), ca.SX.sym("impulse", 2)
@@ -116,7 +126,9 @@ def transcribed(intervals):
 
     parts = ca.collocation_points(DEGREE, "legendre")
     C, D, B = ca.collocation_coeff(parts)
-    opti, h, count = ca.Opti(), TIME / intervals, DEGREE * intervals
+    opti, count = ca.Opti(), DEGREE * intervals
+    size = opti.parameter(2)
+    length, h = size[0], size[1] / intervals
     a_n, w_n = opti.variable(5, intervals + 1), opti.variable(5, intervals + 1)
     a_c, w_c, u = opti.variable(5, count), opti.variable(5, count), opti.variable(4, count)
     rates = []
@@ -127,20 +139,14 @@ def transcribed(intervals):
         opti.subject_to(a_n[:, k + 1] == A @ D)
         opti.subject_to(w_n[:, k + 1] == W @ D)
         rates.append(W @ C / h)
-    equations, limits = point.map(count)(a_c, w_c, ca.horzcat(*rates), u)
+    equations, limits = point.map(count)(a_c, w_c, ca.horzcat(*rates), u, ca.repmat(length, 1, count))
     opti.subject_to(ca.vec(equations) == 0)
     opti.subject_to(ca.vec(limits) >= 0)
     cost = h / 2 * ca.dot(ca.repmat(B, intervals, 1).T, ca.sum1(u * u))
-    nodes = np.arange(intervals + 1) / intervals
-    places = np.add.outer(nodes[:-1], np.array(parts) / intervals).ravel()
-    for angles, speeds, at in ((a_n, w_n, nodes), (a_c, w_c, places)):
-        opti.set_initial(angles, np.array([guess(s) for s in at]).T)
-        opti.set_initial(speeds, np.tile((guess(1) - guess(0)) / TIME, (len(at), 1)).T)
     a_0, w_0, a_T, w_T = a_n[:, 0], w_n[:, 0], a_n[:, -1], w_n[:, -1]
-    opti.subject_to(place(HIP + FOOT, a_0) == ca.vertcat(-LENGTH, 0))
+    opti.subject_to(place(HIP + FOOT, a_0) == ca.vertcat(-length, 0))
     opti.subject_to(a_0 == a_T[EXCHANGE])
     after, jump = opti.variable(7), opti.variable(2)
-    opti.set_initial(after, np.append([0.7, 0], (guess(1) - guess(0)) / TIME))
     law, sticks = impact(a_T, ca.vertcat(rate(HIP, a_T, w_T), w_T), after, jump)
     opti.subject_to(law == 0)
     opti.subject_to(sticks == 0)
@@ -149,7 +155,17 @@ def transcribed(intervals):
     opti.minimize(cost)
     # Opti bakes a program when it has a solver.
     opti.solver("ipopt")
-    return opti, jump, ca.vec(u)
+    nodes = np.arange(intervals + 1) / intervals
+    places = np.add.outer(nodes[:-1], np.array(parts) / intervals).ravel()
+
+    def guessed(length, time):
+        speeds = np.diff(guess([0, 1], length), axis=0)[0] / time
+        yield after, np.append([length / time, 0], speeds)
+        for angles, rates, at in ((a_n, w_n, nodes), (a_c, w_c, places)):
+            yield angles, guess(at, length).T
+            yield rates, np.tile(speeds, (len(at), 1)).T
+
+    return opti, size, jump, ca.vec(u), guessed
 
 
 def check(root, costate, _):

@@ -46,8 +46,11 @@ pub fn advice(problem: &Problem, solution: &Solution) -> Option<String> {
     // Fast motions of what is nearly without inertia are behind the others too.
     let fast = solution.fastest_joint(problem).ok().flatten();
     let others = !(is_coarse || *status == Status::NewtonFailed);
+    // Rotors do not help robots that fly or turn freely: their method has no trouble with light joints.
+    let is_free = !problem.robot.free_joints().is_empty();
     let light = match &fast {
         Some(fast) => with_rotor(problem, fast),
+        None if is_free => None,
         None => without_rotors(problem)
             .filter(|_| jumps || energy || others)
             .map(|joints| format!("robot.armature (the inertia of rotors: {joints} without)")),
@@ -55,6 +58,9 @@ pub fn advice(problem: &Problem, solution: &Solution) -> Option<String> {
     remedies.extend(light);
     match status {
         Status::NotVerified => remedies.push("a smaller solver.tolerance".into()),
+        _ if is_free && (is_coarse || *status != Status::MeshLimit) => {
+            remedies.push("another start (solver.starts), another time (time.final)".into())
+        }
         Status::MeshLimit if is_coarse => {
             remedies.push("another start (solver.starts), more solver.nodes, another time".into());
         }
@@ -181,8 +187,10 @@ fn jumps(problem: &Problem) -> bool {
 #[cfg(test)]
 mod tests {
     use super::advice;
-    use costate::robot::Robot;
-    use costate_control::{FinalTime, Objective, Problem, Solution, Solver, SolverOptions, Status, Verify};
+    use costate::robot::{LoadOptions, Robot};
+    use costate_control::{
+        FinalTime, Objective, Problem, ProblemFile, Solution, Solver, SolverOptions, Status, Verify,
+    };
 
     fn arm(robot: Robot, cost: Objective) -> Problem {
         Problem::rest_to_rest(robot, &[0.0; 2], &[1.0; 2], 1.0).with_cost(cost)
@@ -230,6 +238,16 @@ mod tests {
         let coarse = advice(&arm(light.clone(), effort()), &coarse).unwrap();
         assert!(coarse.contains("do not resolve the motion: the error of its cost is 0.64"), "{coarse}");
         assert!(!coarse.contains("larger solver.tolerance") && !coarse.contains("armature"), "{coarse}");
+        let file = "../../examples/problems/satellite_arm.toml";
+        let satellite = ProblemFile::read(file, LoadOptions::default()).unwrap();
+        let turned = Solver::new(&satellite.problem, satellite.options).unwrap().solve();
+        for status in [Status::IterationLimit, Status::NewtonFailed] {
+            let told = advice(&satellite.problem, &ended(&turned, status)).unwrap();
+            assert!(
+                told.ends_with("what may help: another start (solver.starts), another time (time.final)"),
+                "{told}"
+            );
+        }
         let mut cut = ended(&solved, Status::NotVerified);
         cut.motion.verification = Verify::Factors;
         let cut = advice(&arm(light, effort()), &cut).unwrap();

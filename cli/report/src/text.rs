@@ -3,6 +3,7 @@
 use crate::advice::advice;
 pub use crate::criterion::criterion;
 use crate::figures::{Needed, time_is_free};
+use crate::laws;
 use crate::numbers::{scientific, short};
 use costate_control::{
     Certificate, Iteration, Method, PolishOutcome, Problem, RelaxedLimit, Solution, SolverOptions,
@@ -32,7 +33,7 @@ pub fn explanation(problem: &Problem, solution: &Solution) -> Option<String> {
             None => status.to_string(),
         },
         Status::LimitsNotKept => {
-            let exceeded: Vec<_> = exceeded(solution).collect();
+            let exceeded: Vec<_> = exceeded(problem, solution).collect();
             match exceeded.is_empty() {
                 true => status.to_string(),
                 false => format!(
@@ -186,8 +187,11 @@ fn apart(a: f64, b: f64) -> (String, String) {
 }
 
 /// For each kind of limits that is exceeded: which joint, tool or body, where, by how much.
-fn exceeded(solution: &Solution) -> impl Iterator<Item = String> {
-    solution.limits.violations().map(|(kind, worst)| {
+fn exceeded(problem: &Problem, solution: &Solution) -> impl Iterator<Item = String> {
+    solution.limits.violations().map(move |(kind, worst)| {
+        if let Some(law) = laws::not_kept(problem, kind, worst) {
+            return law;
+        }
         let (name, unit, time) = (&worst.name, &worst.unit, short(worst.time, 4));
         if kind == "task" {
             return format!("the {name} is off by {} {unit} at t = {time} s", short(worst.excess, 4));

@@ -12,10 +12,11 @@ mod sensitivities;
 mod summary;
 mod task;
 
+use crate::arguments::warn_of_urdf_flags;
 use crate::interrupt::{self, Interrupt};
 use crate::{Outcome, terminal};
 pub use arguments::Arguments;
-use costate::robot::{LoadOptions, Robot, printable};
+use costate::robot::{LoadOptions, Robot, RobotFormat, printable};
 use costate_control::{BranchEnd, CostDerivative, FinalTime, Method, Samples, Solution, Solver, StageTimes};
 use costate_report::ReportOptions;
 use costate_report::remarks::remarks;
@@ -54,11 +55,16 @@ pub fn run(arguments: &Arguments) -> Outcome {
         task.options = task.options.with_polish(when.into());
     }
     refuse_pictures(arguments, &task.problem.robot)?;
+    if let Some(folder) = arguments.package_path.iter().find(|folder| !folder.is_dir()) {
+        return Err(format!("--package-path: there is no folder {}", folder.display()).into());
+    }
     let outputs = Outputs::prepare(arguments, &task.inputs)?;
     if let (Some(rate), FinalTime::Fixed(time), None) = (arguments.sample, task.problem.time, arguments.range)
     {
         Samples::count(time, rate).map_err(|error| format!("--sample: {error}"))?;
     }
+    let format = task.robot_path.as_ref().and_then(|path| RobotFormat::of_path(path).ok());
+    warn_of_urdf_flags(format, [arguments.friction, arguments.floating_base, arguments.quaternions]);
     task.problem.robot.warnings().iter().for_each(terminal::warning);
     task.problem.warnings().iter().for_each(terminal::warning);
     if let Some(key) = task.problem.keeps_robot_limits_by() {

@@ -313,6 +313,11 @@ pub const LOOK: usize = 8;
 pub const UNRESOLVED: f64 = 1.0;
 /// .. After so many of these meshes, one after the other, the motion that the last one began with is given.
 pub const UNRESOLVED_MESHES: usize = 6;
+/// .. and another search begins at it, so often.
+pub const SEARCHES_FROM_UNRESOLVED: usize = 2;
+/// Steps in which an iterate may miss its equations by more than it should, but by no more than is accepted,
+/// with gap and decrement as small as they should be: what is left is rounding.
+pub const STEPS_AT_ROUNDING: usize = 6;
 /// Most meshes.
 pub const MESHES: usize = 16;
 /// Meshes after which a motion that exceeds limits is given up.

@@ -2,6 +2,7 @@
 
 use super::unsolved::Unsolved;
 use crate::direct_states::problem::DirectDynamics;
+use crate::direct_states::solution::StateMotion;
 use crate::extremal::dynamics::problem::{DynamicsProblem, EndState};
 use crate::problem::free_end::FreeEnd;
 use crate::problem::free_joints::plain_entries;
@@ -16,6 +17,8 @@ pub(super) struct FreeTask<'a> {
     /// Coordinates that something drives: the controls.
     pub driven: Vec<usize>,
     pub limits: Vec<JointLimits>,
+    /// How many times as wide the limits of controls are as those of the problem.
+    pub widened: f64,
     /// x at the start, and what is given at the end.
     pub start: Vec<f64>,
     pub end: FreeEnd,
@@ -26,6 +29,7 @@ impl<'a> FreeTask<'a> {
         Ok(Self {
             driven: (0..problem.robot.dof()).filter(|i| !problem.has_no_motor(*i)).collect(),
             limits: problem.joint_limits(),
+            widened: 1.0,
             start: problem.free_start()?,
             end: problem.free_end()?,
             problem,
@@ -53,8 +57,20 @@ impl<'a> FreeTask<'a> {
 
     /// Least and largest control, before the gain.
     pub fn control_range(&self, i: usize) -> [f64; 2] {
-        let ends = self.limits[i].torque.map(|torque| torque / self.problem.gain[i]);
+        let widened = |torque: f64| if torque == 0.0 { 0.0 } else { self.widened * torque };
+        let ends = self.limits[i].torque.map(|torque| widened(torque) / self.problem.gain[i]);
         [ends[0].min(ends[1]), ends[0].max(ends[1])]
+    }
+
+    /// How many times as wide the limits of the problem would have to be for a motion.
+    pub fn needed(&self, motion: &StateMotion) -> f64 {
+        let part = |k: usize, u: f64| {
+            let torque = self.problem.gain[self.driven[k]] * u;
+            let limits = self.limits[self.driven[k]].torque;
+            limits.into_iter().filter(|limit| *limit != 0.0).map(|limit| torque / limit).fold(0.0, f64::max)
+        };
+        let rows = motion.u.iter().flat_map(|u| u.iter().enumerate());
+        rows.map(|(k, &u)| part(k, u)).fold(0.0, f64::max)
     }
 
     pub fn in_states(&self) -> DynamicsProblem {

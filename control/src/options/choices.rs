@@ -27,7 +27,8 @@ pub enum Method {
     Shooting,
     /// The direct method: motions as piecewise polynomials, torques from inverse dynamics, an interior-point
     /// method. The only one that keeps the [limits](crate::MotionLimits) of a problem. For robots: problems
-    /// of other models are solved by collocation.
+    /// of other models are solved by collocation. [`direct_method`](crate::direct_method) has its formulas
+    /// and their sources.
     #[default]
     Direct,
 }
@@ -91,7 +92,8 @@ pub enum Strategy {
 /// Machine code takes a fifth to a tenth of the time of the generic code, and some milliseconds to make for a
 /// robot of six joints. It is kept for the last four robots. Results differ by rounding. Robots of more than
 /// 14 joints, and very long programs, are left to the generic code, and so is all on processors without AVX2
-/// or FMA and on other architectures: it computes one point after the other there, not in lanes.
+/// or FMA and on other architectures, in the lanes of vectors where these have any. Robots with
+/// [constraints](crate::Problem) are always evaluated by the generic code, one point after the other.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]

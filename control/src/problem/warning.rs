@@ -1,8 +1,8 @@
 //! Valid problems that are probably not meant.
 
-use crate::problem::Problem;
 use crate::problem::free_joints::plain_entries;
 use crate::problem::key::Key;
+use crate::problem::{BodyPairs, Problem};
 use costate::robot::{JointKind, printable, printable_number};
 use std::fmt;
 
@@ -22,13 +22,18 @@ pub enum ProblemWarning {
         /// The angle (rad).
         value: f64,
     },
+    /// Bodies of the robot with nothing that they keep away from.
+    NothingToAvoid {
+        /// The field.
+        key: Key,
+    },
 }
 
 impl ProblemWarning {
     /// The field.
     pub fn key(&self) -> Key {
         match self {
-            Self::LargeAngle { key, .. } => *key,
+            Self::LargeAngle { key, .. } | Self::NothingToAvoid { key } => *key,
         }
     }
 }
@@ -44,6 +49,11 @@ impl fmt::Display for ProblemWarning {
                 printable(joint),
                 printable_number(*value),
                 shown(value.to_radians())
+            ),
+            Self::NothingToAvoid { key } => write!(
+                f,
+                "{key}: the bodies of [collision] keep away from nothing, as there is neither an obstacle nor a pair of \
+                 them; give [[obstacle]] or this"
             ),
         }
     }
@@ -72,6 +82,16 @@ impl Problem {
                 if joint.kind == JointKind::Revolute && value.abs() > SUSPICIOUS_ANGLE {
                     warnings.push(ProblemWarning::LargeAngle { key, joint: joint.name.clone(), value });
                 }
+            }
+        }
+        if let Some(collision) = &self.task.collision {
+            let has_pairs = match &collision.pairs {
+                BodyPairs::None => false,
+                BodyPairs::These(pairs) => !pairs.is_empty(),
+                BodyPairs::All => true,
+            };
+            if !has_pairs && self.task.obstacles.is_empty() {
+                warnings.push(ProblemWarning::NothingToAvoid { key: Key::entry("collision", "pairs", 0) });
             }
         }
         warnings

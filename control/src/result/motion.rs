@@ -113,7 +113,7 @@ pub struct Motion {
     /// What the second variation shows.
     pub certificate: Certificate,
     /// Estimated error of each component of z in the coordinates of the search, relative to its largest
-    /// value.
+    /// value; of a motion of the direct method that of the cost alone, relative to it.
     pub errors: Vec<f64>,
     /// Newton steps, those of the direct method included.
     pub iterations: Vec<Iteration>,

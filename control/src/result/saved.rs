@@ -87,6 +87,8 @@ struct Document {
     end_defect: Option<f64>,
     shooting_defect: Option<f64>,
     #[serde(default)]
+    cost_error: Option<f64>,
+    #[serde(default)]
     finer_mesh: Option<f64>,
     #[serde(default)]
     duality_gap: Option<f64>,
@@ -216,6 +218,7 @@ impl From<&Solution> for Document {
             costate_start: SavedCostates { y_q: y_q.to_vec(), y_p: y_p.to_vec() },
             end_defect: finite(solution.end_defect),
             shooting_defect: finite(motion.shooting_defect),
+            cost_error: solution.cost_error(),
             finer_mesh: finite(motion.finer_mesh),
             duality_gap: finite(motion.duality_gap),
             newton_decrement: finite(motion.newton_decrement),
@@ -242,8 +245,8 @@ impl From<&Solution> for Document {
 impl TryFrom<Document> for Solution {
     type Error = TrajectoryError;
 
-    /// Errors of components, the iterations, the values between nodes and the times of stages are not in the
-    /// document.
+    /// Errors of components of extremals, the iterations, the values between nodes and the times of stages
+    /// are not in the document.
     fn try_from(document: Document) -> Result<Self, TrajectoryError> {
         check_version(document.format)?;
         let n = document.trajectory.v.first().map_or(0, Vec::len);
@@ -275,6 +278,7 @@ impl TryFrom<Document> for Solution {
             conjugate_multiplicity: document.conjugate_multiplicity,
             certificate: document.certificate,
             switches: document.switches,
+            errors: document.cost_error.into_iter().collect(),
             bound_violation: violation,
             ..Motion::missing(document.status, document.final_time.unwrap_or(f64::NAN))
         };

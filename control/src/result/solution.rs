@@ -1,6 +1,6 @@
 //! What solving a problem of a robot gives.
 
-use crate::options::SolverOptions;
+use crate::options::{Method, SolverOptions};
 use crate::problem::Problem;
 use crate::result::constraint_forces::ConstraintForces;
 use crate::result::gait::GaitReport;
@@ -104,6 +104,14 @@ impl Solution {
             false => 1,
         };
         stride * self.intervals() + 1
+    }
+
+    /// Estimated error of the cost of a motion of the direct method, relative to it. `None` of extremals,
+    /// whose [`errors`](Motion::errors) are those of components, and where there is no estimate.
+    pub fn cost_error(&self) -> Option<f64> {
+        let is_polished = self.polish.as_ref().is_some_and(|report| report.outcome.is_polished());
+        let error = self.motion.errors.first().filter(|error| error.is_finite());
+        error.copied().filter(|_| self.options.method == Method::Direct && !is_polished)
     }
 
     /// The costates at the start: `y(0) = -dJ/dx(0)`. Empty for a solution without a motion.

@@ -153,6 +153,23 @@ fn limits_of_positions_and_torques() {
     }
 }
 
+/// At a tight tolerance costs have the first eight digits of the values.
+#[test]
+fn limits_to_eight_digits() {
+    let swing = Problem::rest_to_rest(robot("pendulum"), &[0.0], &[PI], 3.0)
+        .with_limits(MotionLimits::none().with_q_min(vec![-0.7]));
+    for (problem, value, digits) in [
+        (limited("two_link", &[INF, 7.0]), 155.74483972, 1e-8),
+        (limited("two_link_least_time", &[0.35, 1.0]), 3.2300988, 2e-8),
+        (swing, 19.4870292, 1e-8),
+    ] {
+        let options = SolverOptions::default().with_polish(Polish::Never).with_starts(4);
+        let solution = solve_with(&problem, options.with_tolerance(1e-8));
+        assert_eq!(solution.motion.status, Status::Converged, "{value}");
+        assert!((solution.total() / value - 1.0).abs() < digits, "{value}: {}", solution.total());
+    }
+}
+
 #[test]
 fn limits_of_accelerations_and_torques() {
     // From 0 to 1 in T with |a| <= A: the bang-bang time 2 / sqrt(A); torque and effort of a unit mass are

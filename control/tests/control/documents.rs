@@ -88,13 +88,22 @@ fn has(text: &str, name: &str) -> bool {
     header || text.lines().filter(|line| line.starts_with('[')).any(starts)
 }
 
-/// The text with what it lacks: keys without a table first. A periodic motion has no end.
+/// The text with what it lacks: keys without a table first. Periodic motions and gaits have no end.
 fn completed(text: &str, lacking: &[(&str, &str)]) -> String {
     let lacks =
-        |name: &str| !(has(text, name) || name == "end" && (has(text, "periodic") || has(text, "step")));
+        |name: &str| !(has(text, name) || name == "end" && (has(text, "periodic") || has(text, "gait")));
     let added = lacking.iter().filter(|(name, _)| lacks(name)).map(|(_, lines)| *lines);
     let (keys, tables): (Vec<&str>, Vec<&str>) = added.partition(|lines| !lines.starts_with('['));
     format!("{}{text}{}", keys.concat(), tables.concat())
+}
+
+#[test]
+fn motions_whose_end_follows_their_start_get_none() {
+    let end = [("end", "[end]\n")];
+    for text in ["[gait]\nlength = 0.4\n", "[periodic]\n", "[end]\nq = [1.0]\n"] {
+        assert_eq!(completed(text, &end), text);
+    }
+    assert_eq!(completed("[time]\n", &end), "[time]\n[end]\n");
 }
 
 fn read(text: &str) -> Result<ProblemFile, String> {

@@ -6,7 +6,7 @@ use costate::hamiltonian::Hamiltonian;
 use costate::robot::{JointSpec, LinkInertia, LoadOptions, Placement, Robot};
 use costate_control::{
     BoundaryState, FreeMotionError, Method, MotionLimits, Objective, Problem, ProblemError, ProblemFile,
-    Resolve, Solution, Solver, SolverOptions, Trajectory,
+    Resolve, Solution, Solver, SolverOptions, Status, Trajectory,
 };
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use std::f64::consts::PI;
@@ -78,6 +78,29 @@ fn a_wheel_turns_what_floats() {
     assert!((last[7] + 1.2 * 4.2 / 0.2).abs() < 1e-5, "{last:?}");
     let base = solution.trajectory.u.iter().flat_map(|u| &u[..6]).all(|u| *u == 0.0);
     assert!(base && solution.end_defect < 1e-6, "{}", solution.end_defect);
+}
+
+/// From bound to bound the turn takes the torque 4 I angle/T^2 = 4.8 N m, with the least effort 7.2 N m. With
+/// 1 N m it cannot be made: the motor is named with what it would have to give. With 5 N m it can.
+#[test]
+fn a_motor_that_is_too_weak_is_named_with_what_it_lacks() {
+    let turn = |most: f64| {
+        let end = [&[0.0; 3][..], &turned([0.0, 0.0, 1.2]), &[0.0]].concat();
+        let start = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+        let problem = Problem::rest_to_rest(wheel(), &start, &end, 2.0)
+            .with_limits(MotionLimits::none().with_torque_max([&[0.0; 6][..], &[most]].concat()));
+        let end = problem.end.clone().with_q_free(&[0, 1, 2, 6]);
+        Solver::new(&problem.with_end(end), SolverOptions::default()).unwrap().solve()
+    };
+    let solution = turn(1.0);
+    assert_eq!(solution.motion.status, Status::LimitsNotKept);
+    let (kind, worst) = solution.limits.violations().next().unwrap();
+    assert_eq!((kind, &worst.name[..], &worst.unit[..], worst.limit.abs()), ("torque", "wheel", "N m", 1.0));
+    assert!((4.8 * (1.0 - 1e-3)..4.8 * 1.08).contains(&worst.value.abs()), "{worst:?}");
+    assert!((worst.excess - (worst.value.abs() - 1.0)).abs() < 1e-9, "{worst:?}");
+    assert!(solution.trajectory.t.len() > 2 && !solution.motion.iterations.is_empty());
+    let solution = turn(5.0);
+    assert!(solution.motion.status.is_converged() && solution.limits.are_kept(), "{:?}", solution.limits);
 }
 
 /// A floating base with two links that nothing holds.

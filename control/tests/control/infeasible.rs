@@ -1,12 +1,12 @@
 //! Problems that cannot be solved: which limit has to give, when, by how much.
 
 use crate::sledge;
-use costate::robot::Robot;
+use costate::robot::{LoadOptions, Robot};
 use costate_control::{
-    Bounds, FinalTime, Infeasibility, Keep, Kept, MotionLimits, Phase, Polish, Problem, RelaxedLimit,
-    Solution, Solver, SolverOptions, Status, Task, Via,
+    Bounds, FinalTime, Infeasibility, Keep, Kept, MotionLimits, Objective, Phase, Polish, Problem,
+    ProblemFile, RelaxedLimit, Solution, Solver, SolverOptions, Status, Task, Via,
 };
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 const INF: f64 = f64::INFINITY;
 
@@ -205,6 +205,38 @@ fn an_elastic_phase_has_the_limits_of_the_options() {
     );
 }
 
+/// What lacks is the motor of the crank or of the cart, never the constraint that closes the loop or a motor
+/// that a joint does not have: these are laws of physics, not limits.
+#[test]
+fn laws_of_physics_do_not_give() {
+    let four_bar = ProblemFile::read("../examples/problems/four_bar.toml", LoadOptions::default()).unwrap();
+    // 10 N m are enough.
+    for most in [8.0, 5.5] {
+        let mut problem = four_bar.problem.clone();
+        problem.limits.torque_max = Some(vec![most, 0.0, 0.0]);
+        let found = lacks(&problem);
+        let limit = only(&found);
+        assert_eq!((&limit.kind[..], &limit.name[..], &limit.unit[..]), ("torque", "crank", "N m"));
+        assert_eq!(limit.limit.map(f64::abs), Some(most));
+        assert!(limit.amount > 0.1 && limit.amount < 10.0 - most, "{limit:?}");
+    }
+    let cart = Robot::from_file("../robots/cart_pole.toml").unwrap();
+    for most in [2.0, 0.5] {
+        let problem = Problem::rest_to_rest(cart.clone(), &[0.0, PI], &[1.0, 0.0], 1.5)
+            .with_cost(Objective::new(0.0, vec![1.0, 0.0]))
+            .with_limits(MotionLimits::none().with_torque_max(vec![most, 0.0]));
+        let found = lacks(&problem);
+        let limit = only(&found);
+        assert_eq!((&limit.kind[..], &limit.name[..], &limit.unit[..]), ("torque", "cart", "N"));
+        assert!(limit.amount > 0.1, "{limit:?}");
+        // With so much it can be done.
+        let mut problem = problem;
+        problem.limits.torque_max = Some(vec![most + 1.02 * limit.amount, 0.0]);
+        let solution = solve(&problem);
+        assert!(solution.limits.torque.unwrap().at_points < 1e-6, "{}", solution.motion.status);
+    }
+}
+
 #[test]
 fn a_tool_that_is_too_slow_is_told() {
     let task = Task::default().with_keep(Keep::new("x", Kept::Speed { max: 0.5 }));
@@ -213,4 +245,24 @@ fn a_tool_that_is_too_slow_is_told() {
     assert_eq!((&limit.kind[..], &limit.unit[..], limit.limit), ("task", "m/s", None));
     assert!(limit.name.contains("speed of the tool"), "{limit:?}");
     assert!(limit.amount > 0.5 && limit.amount < 0.56, "{limit:?}");
+}
+
+/// A post in the way of an arm without other limits, which meshes do not resolve: it is beaten past the post.
+#[test]
+fn a_way_that_is_blocked_is_told() {
+    let text = std::fs::read_to_string("../examples/problems/two_link.toml").unwrap();
+    let text = text.replace("\"../../robots/", "\"../robots/");
+    let link = |joint: &str| {
+        format!(
+            "[[collision.capsule]]\nframe = \"joint:{joint}\"\nname = \"{joint}\"\nfrom = [0, 0, 0]\n\
+             to = [1, 0, 0]\nradius = 0.05\n"
+        )
+    };
+    let post = "[limits]\nfrom_robot = false\n[[obstacle]]\nname = \"post\"\nkind = \"capsule\"\n\
+                from = [0.5, 0.5, -1]\nto = [0.5, 0.5, 1]\nradius = 0.1\n";
+    let text = format!("{text}\n{post}{}{}", link("elbow"), link("shoulder"));
+    let file = ProblemFile::from_text(&text, ".", LoadOptions::default()).unwrap();
+    let found = lacks(&file.problem);
+    let limit = only(&found);
+    assert!(limit.name.contains("post") && limit.amount > 0.1, "{found:?}");
 }

@@ -11,6 +11,7 @@ mod branch;
 mod direct;
 mod direct_refused;
 mod documents;
+mod dormand_prince;
 mod dynamics;
 mod equations;
 mod extremals;
@@ -18,6 +19,7 @@ mod fast_joints;
 mod finer_mesh;
 mod free_joints;
 mod free_start;
+mod gait_integrated;
 mod guessed_times;
 mod guesses;
 mod in_space;
@@ -36,10 +38,12 @@ mod power;
 mod power_refused;
 mod problem_file;
 mod problems;
+mod rabbit_on_one_foot;
 mod rates;
 mod references;
 mod refused;
 mod reorientation;
+mod resumed;
 mod samples;
 mod second_order;
 mod second_variation;
@@ -57,6 +61,7 @@ mod verification;
 mod via_file;
 mod vias;
 mod walking;
+mod walking_refused;
 
 /// A mass of 1 kg that slides along x.
 fn sledge() -> Robot {

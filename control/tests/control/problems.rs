@@ -2,7 +2,10 @@
 
 use crate::sharp;
 use costate::robot::Robot;
-use costate_control::{Bounds, FinalTime, Method, Penalty, Problem, Solution, Solver, SolverOptions};
+use costate_control::{
+    BodyPairs, Bounds, Collision, FinalTime, LinkCapsule, Method, Obstacle, Penalty, Problem, Shape,
+    Solution, Solver, SolverOptions, Task,
+};
 use std::ops::ControlFlow;
 
 fn problem() -> Problem {
@@ -84,6 +87,22 @@ fn angles_in_degrees_are_a_warning() {
     let message = warnings[0].to_string();
     assert!(message.contains("'elbow'") && message.contains("1.5708 rad"), "{message}");
     assert!(problem.check().is_ok());
+}
+
+#[test]
+fn bodies_that_keep_away_from_nothing_are_a_warning() {
+    let with = |collision: Collision| problem().with_task(Task::default().with_collision(collision));
+    let tip = || Collision::of(vec![LinkCapsule::sphere("joint:elbow", 0.1)]);
+    let nothing = with(tip());
+    let warnings = nothing.warnings();
+    assert_eq!(warnings.len(), 1);
+    assert_eq!(warnings[0].key().to_string(), "collision.pairs");
+    assert!(warnings[0].to_string().contains("give [[obstacle]]"), "{}", warnings[0]);
+    assert!(nothing.check().is_ok());
+    assert!(with(tip().with_pairs(BodyPairs::All)).warnings().is_empty());
+    let ball = Obstacle::new("ball", Shape::Sphere { centre: [0.0, 0.0, 3.0], radius: 0.1 });
+    let task = Task::default().with_collision(tip()).with_obstacle(ball);
+    assert!(problem().with_task(task).warnings().is_empty());
 }
 
 #[test]

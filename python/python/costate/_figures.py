@@ -99,6 +99,11 @@ class Figures:
         return str(self._figures["verification"])
 
     @property
+    def cost_error(self) -> float:
+        """Estimated error of the cost of a direct motion, relative to it; NaN of polished and indirect motions."""
+        return self._number("cost_error")
+
+    @property
     def finer_mesh(self) -> float:
         """By how much the cost changes on a mesh with halved intervals, relative to it; NaN where not known."""
         return self._number("finer_mesh")

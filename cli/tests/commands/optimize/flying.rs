@@ -1,6 +1,6 @@
 //! Robots with floating joints: what is written about their motions, and what is refused.
 
-use super::missing::WRONG;
+use super::missing::{IMPOSSIBLE, WRONG};
 use super::{empty_folder, json, optimize};
 use crate::child::{stderr, stdout};
 
@@ -51,6 +51,23 @@ fn motions_of_a_satellite_are_written_and_not_drawn() {
     assert_eq!(output.status.code(), Some(WRONG));
     let message = stderr(&output);
     assert!(message.contains("end.q") && message.contains("has length 1.08"), "{message}");
+}
+
+/// A motor that is too weak is named with what it lacks; rotors would not help.
+#[test]
+fn what_a_satellite_cannot_do_is_told() {
+    let folder = empty_folder("flying_weak");
+    std::fs::write(folder.join("wheel.toml"), ROBOT).unwrap();
+    let weak = format!("{PROBLEM}[limits]\ntorque_max = [0, 0, 0, 0, 0, 0, 0.5]\n");
+    let output = optimize("flying_weak", &weak, &[]);
+    assert_eq!(output.status.code(), Some(IMPOSSIBLE), "{}", stderr(&output));
+    let table = stdout(&output).replace("\n", " ");
+    for part in
+        ["limits not kept", "the torque of joint 'wheel' would have to be", "instead of", "raise time.final"]
+    {
+        assert!(table.contains(part), "{part}: {table}");
+    }
+    assert!(!table.contains("armature"), "{table}");
 }
 
 /// The keys of the file do what the options do.

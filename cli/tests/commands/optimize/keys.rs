@@ -62,6 +62,10 @@ fn changes_of_the_robot_are_checked() {
         ("wrench = { frame = \"elbo\", force = [1, 0, 0] }", &["robot.wrench: ", near]),
         ("wrench = { frame = \"elbow\", force = [1, 0, nan] }", &["robot.wrench: ", "'elbow'", "finite"]),
         (
+            "wrench = { frame = \"elbow\", axes = \"local\" }",
+            &["robot.wrench.frame: has no effect without a force or a moment"],
+        ),
+        (
             "wrench = { frame = \"elbow\", axes = \"worl\" }",
             &["robot.wrench.axes: `worl` is unknown", "`aligned`"],
         ),
@@ -110,6 +114,8 @@ fn options_of_the_solver_are_checked() {
         ("coordinates = \"q\"", &["solver.coordinates: `q` is unknown", "`lagrangian`"]),
         ("polish = 1", &["solver.polish: give true, false or \"auto\", not 1"]),
         ("max_iterations = 5", &["solver.max_iterations: unknown key", "`starts`"]),
+        ("jacobian = \"exact\"\npolish = false", &["solver.jacobian: has no effect on the direct method"]),
+        ("coordinates = \"qv\"\npolish = false", &["solver.coordinates: has no effect", "solver.method"]),
     ] {
         missing.check(&and("solver", line), WRONG, Some(11), parts);
     }

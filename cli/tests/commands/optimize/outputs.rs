@@ -4,6 +4,44 @@ use super::{empty_folder, folder, json, names, optimize, robot, two_link};
 use crate::child::{costate, stderr, stdout};
 use serde_json::Value;
 
+/// The value of `--polish` may be left out; with a blank it is not the name of a file.
+#[test]
+fn the_value_of_polish_follows_an_equals_sign_or_a_blank() {
+    let polish = |more: &[&str]| {
+        let output = optimize("polish", &two_link(), &[&["--json"], more].concat());
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        json(&output)["options"]["polish"].clone()
+    };
+    for (more, expected) in [
+        (&["--polish", "false"][..], "never"),
+        (&["--polish=false"], "never"),
+        (&["--polish", "auto"], "auto"),
+        (&["--polish", "true"], "always"),
+        (&["--polish"], "always"),
+    ] {
+        assert_eq!(polish(more), expected, "{more:?}");
+    }
+}
+
+/// Options for URDFs are a warning where the robot is in TOML.
+#[test]
+fn options_for_urdfs_are_a_warning_for_robots_in_toml() {
+    let flags = ["--friction", "--floating-base", "--quaternions"];
+    let warned = |output: &std::process::Output| {
+        let message = stderr(output);
+        assert_eq!(output.status.code(), Some(0), "{message}");
+        flags
+            .map(|flag| message.matches(&format!("warning: {flag} has no effect on a robot in TOML")).count())
+    };
+    assert_eq!(warned(&optimize("for_urdfs", &two_link(), &flags)), [1; 3]);
+    assert_eq!(warned(&optimize("for_urdfs", &two_link(), &[])), [0; 3]);
+    let arm = robot("two_link.toml");
+    assert_eq!(warned(&costate(&["info", &arm, "--friction"], b"")), [1, 0, 0]);
+    let text = std::fs::read(&arm).unwrap();
+    assert_eq!(warned(&costate(&["info", "-", "--quaternions"], &text)), [0, 0, 1]);
+    assert_eq!(warned(&costate(&["info", &robot("ur5.urdf"), "--friction"], b"")), [0; 3]);
+}
+
 #[test]
 fn outputs_are_checked_before_the_problem_is_solved() {
     let folder = empty_folder("outputs");
@@ -20,6 +58,7 @@ fn outputs_are_checked_before_the_problem_is_solved() {
         (&["-o", nowhere], "cannot be written"),
         (&["--save", folder.to_str().unwrap()], "is a folder; give a file"),
         (&["--svg", arm], "is a file; give a folder"),
+        (&["-o", page, "--package-path", nowhere], "--package-path: there is no folder "),
         (&["-o", page, "--save", page], "both -o and --save"),
         (&["--save", page, "--sample", "1kHz", "--sample-to", page], "both --save and --sample-to"),
         (&["--sample", "1kHz", "--sample-to", problem], "is the input file"),

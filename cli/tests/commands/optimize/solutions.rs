@@ -17,6 +17,7 @@ fn json_has_the_documented_keys_and_the_cost_of_the_swing_up() {
         "conjugate_multiplicity",
         "conjugate_time",
         "cost",
+        "cost_error",
         "costate",
         "costate_start",
         "duality_gap",

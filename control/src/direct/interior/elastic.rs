@@ -29,7 +29,8 @@ pub(crate) struct Kept {
 }
 
 impl<D: PointDynamics> Interior<D> {
-    /// Lets all limits give so much that the motion keeps them; equations along the motion become two limits.
+    /// Lets all limits give so much that the motion keeps them; equations of tasks along the motion become
+    /// two limits, laws of physics stay equations.
     /// With price and ranges of a coarser mesh the motion is near its minimum. The barrier that was there
     /// before.
     ///
@@ -151,13 +152,14 @@ impl<D: PointDynamics> Interior<D> {
     /// All limits with what they have to give: the largest violation of each along the motion.
     pub fn given(&self) -> Vec<Given> {
         let limits = self.relaxation.limits();
-        let count = limits.iter().max().map_or(0, |last| last + 1);
+        let count = limits.iter().flatten().max().map_or(0, |last| last + 1);
         let mut found: Vec<Option<Given>> = vec![None; count];
         for at in (0..self.barrier.count()).filter(|&at| self.barrier.is_limit(at)) {
             let Some(side) = self.barrier.side_index(at) else { continue };
+            let Some(limit) = limits[side] else { continue };
             let amount = self.part(at) * self.barrier.side(at).range;
             let part = amount / self.relaxation.own_range(side);
-            let given = found[limits[side]].get_or_insert(Given { side, at, amount, part });
+            let given = found[limit].get_or_insert(Given { side, at, amount, part });
             (given.amount, given.part) = (given.amount.max(amount), given.part.max(part));
             if self.barrier.multiplier[at] > self.barrier.multiplier[given.at] {
                 (given.side, given.at) = (side, at);

@@ -169,6 +169,7 @@ impl<D: PointDynamics> Interior<D> {
         self.squares = Squares { left: if squares { constants::SQUARES } else { 0 }, damping: 0.0 };
         self.short_steps = 0;
         self.figures.is_minimum = false;
+        let mut at_rounding = 0;
         for _ in 0..most {
             self.figures.iterations += 1;
             let equations = self.figures.equations;
@@ -186,7 +187,9 @@ impl<D: PointDynamics> Interior<D> {
                     self.choose_barrier(tolerance);
                     self.figures.decrement = self.decrement();
                     self.clock.lap(Stage::Limits);
-                    if damping <= constants::SOLVED_DAMPING && self.is_solved(tolerance) {
+                    let near = damping <= constants::SOLVED_DAMPING;
+                    at_rounding = if near && self.is_at_rounding(tolerance) { at_rounding + 1 } else { 0 };
+                    if near && (self.is_solved(tolerance) || at_rounding > constants::STEPS_AT_ROUNDING) {
                         self.figures.is_minimum = damping == 0.0 && self.system.exact;
                         self.damping = 0.0;
                         return Ok(End::Solved);
@@ -229,14 +232,27 @@ impl<D: PointDynamics> Interior<D> {
 
     /// Whether the next step would change next to nothing, and the limits are kept at all points.
     fn is_solved(&self, tolerance: f64) -> bool {
-        let Figures { size, gap, violation, decrement, .. } = self.figures;
-        let scale = tolerance * size;
-        let (part, exceeded) = match self.last_tolerance {
-            Some(last) if tolerance > last => (1.0, self.least_violation.max(constants::VIOLATION_ACCEPTED)),
-            Some(_) => (self.looseness.between(constants::OF_DECREMENT), self.least_violation),
-            None => (1.0, self.least_violation),
+        let exceeded = match self.last_tolerance {
+            Some(last) if tolerance > last => self.least_violation.max(constants::VIOLATION_ACCEPTED),
+            _ => self.least_violation,
         };
-        decrement.abs() <= part * scale && gap <= scale && violation <= exceeded
+        self.is_stationary(tolerance) && self.figures.violation <= exceeded
+    }
+
+    /// The same, but for a violation that is accepted.
+    fn is_at_rounding(&self, tolerance: f64) -> bool {
+        self.is_stationary(tolerance) && self.figures.violation <= constants::VIOLATION_ACCEPTED
+    }
+
+    /// Whether the next step would change next to nothing.
+    fn is_stationary(&self, tolerance: f64) -> bool {
+        let Figures { size, gap, decrement, .. } = self.figures;
+        let scale = tolerance * size;
+        let part = match self.last_tolerance {
+            Some(last) if tolerance <= last => self.looseness.between(constants::OF_DECREMENT),
+            _ => 1.0,
+        };
+        decrement.abs() <= part * scale && gap <= scale
     }
 
     /// Whether squares say how far to go: there is an effort, and there are no equations, whose stiff squares

@@ -19,7 +19,8 @@ use crate::numerics::chain::dot;
 /// $$ \varphi(e) = \frac{P}{2} \left( e + \sqrt{e^2 + \delta^2} \right) $$
 ///
 /// which is about P e where it is relaxed and next to nothing where it is not. Both sides of a limit on a
-/// magnitude are relaxed alike, as both halves of an equation do. Empty outside of the elastic phase.
+/// magnitude are relaxed alike, as both halves of an equation do. What is still an equation is a law of
+/// physics and not relaxed. Empty outside of the elastic phase.
 ///
 /// The sum over limits of the largest violation along the motion is what SNOPT's elastic mode minimises, with
 /// one elastic variable for all constraints of a limit (P. E. Gill, W. Murray, M. A. Saunders, "SNOPT: an SQP
@@ -35,8 +36,8 @@ use crate::numerics::chain::dot;
 /// and a dense matrix C - B'K^-1 B.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Relaxation {
-    /// The limit that each side of the barrier belongs to.
-    limits: Vec<usize>,
+    /// The limit that each side of the barrier belongs to; none for equations.
+    limits: Vec<Option<usize>>,
     ranges: Vec<f64>,
     /// Those outside of the elastic phase.
     own: Vec<f64>,
@@ -56,22 +57,22 @@ pub(crate) struct Relaxation {
     steps: [Vec<f64>; 2],
 }
 
-/// The limits that the sides belong to, counted from 0.
-fn limits_of<'a>(sides: impl Iterator<Item = &'a Side>) -> Vec<usize> {
+/// The limits that the sides belong to, counted from 0; none for equations, which are not relaxed.
+fn limits_of<'a>(sides: impl Iterator<Item = &'a Side>) -> Vec<Option<usize>> {
     let key = |side: &Side| {
         // Lower and upper limits of positions, of boxes and the like are two.
         let apart = matches!(side.limited, Limited::Position | Limited::Task) && !side.is_half;
         (side.limited, side.joint, apart && side.sign < 0.0)
     };
     let mut found = Vec::new();
-    let number = |side: &Side| {
+    let mut number = |side: &Side| {
         let key = key(side);
         found.iter().position(|other| *other == key).unwrap_or_else(|| {
             found.push(key);
             found.len() - 1
         })
     };
-    sides.map(number).collect()
+    sides.map(|side| (!side.is_equation).then(|| number(side))).collect()
 }
 
 impl Relaxation {
@@ -80,10 +81,10 @@ impl Relaxation {
     /// give.
     pub fn of(barrier: &Barrier, own: Vec<f64>, price: f64, room: f64) -> Self {
         let limits = limits_of(barrier.all_sides());
-        let count = limits.iter().max().map_or(0, |last| last + 1);
+        let count = limits.iter().flatten().max().map_or(0, |last| last + 1);
         let mut give = vec![0.0_f64; count];
-        for (&limit, violation) in limits.iter().zip(barrier.violations()) {
-            give[limit] = give[limit].max(violation);
+        for (limit, violation) in limits.iter().zip(barrier.violations()) {
+            limit.iter().for_each(|&limit| give[limit] = give[limit].max(violation));
         }
         give.iter_mut().for_each(|give| *give += room * (1.0 + *give));
         Self {
@@ -100,7 +101,7 @@ impl Relaxation {
 
     /// What it adds to the distances of a side.
     pub fn relief(&self, side: usize) -> f64 {
-        self.ranges[side] * self.give[self.limits[side]]
+        self.limits[side].map_or(0.0, |limit| self.ranges[side] * self.give[limit])
     }
 
     /// Whether limits may give.
@@ -112,10 +113,12 @@ impl Relaxation {
     pub fn widened(barrier: &Barrier) -> Vec<f64> {
         let limits = limits_of(barrier.all_sides());
         let mut scale = vec![1.0_f64; limits.len()];
-        for (&limit, violation) in limits.iter().zip(barrier.violations()) {
-            scale[limit] = scale[limit].max(violation);
+        for (limit, violation) in limits.iter().zip(barrier.violations()) {
+            limit.iter().for_each(|&limit| scale[limit] = scale[limit].max(violation));
         }
-        barrier.ranges().iter().zip(&limits).map(|(range, &limit)| range * scale[limit]).collect()
+        let widened =
+            |(range, limit): (&f64, &Option<usize>)| range * limit.map_or(1.0, |limit| scale[limit]);
+        barrier.ranges().iter().zip(&limits).map(widened).collect()
     }
 
     /// The range of a side outside of the elastic phase.
@@ -123,8 +126,8 @@ impl Relaxation {
         self.own[side]
     }
 
-    /// The limit of each side.
-    pub fn limits(&self) -> &[usize] {
+    /// The limit of each side; none for equations.
+    pub fn limits(&self) -> &[Option<usize>] {
         &self.limits
     }
 
@@ -168,8 +171,9 @@ impl Relaxation {
 
     fn add(&self, step: impl Fn(usize) -> f64, barrier: &Barrier, to: &mut [f64]) {
         for (at, to) in to.iter_mut().enumerate() {
-            if let Some(side) = barrier.side_index(at) {
-                *to += self.ranges[side] * step(self.limits[side]);
+            let Some(side) = barrier.side_index(at) else { continue };
+            if let Some(limit) = self.limits[side] {
+                *to += self.ranges[side] * step(limit);
             }
         }
     }
@@ -218,9 +222,9 @@ impl Relaxation {
         }
     }
 
-    /// Adds an entry to gradient and corner of its limit. Its curvature times its range and sign.
-    fn add_entry(&mut self, side: usize, at: usize, barrier: &Barrier) -> f64 {
-        let (limit, range) = (self.limits[side], self.ranges[side]);
+    /// Adds an entry of a side to gradient and corner of its limit. Its curvature times its range and sign.
+    fn add_entry(&mut self, limit: usize, side: usize, at: usize, barrier: &Barrier) -> f64 {
+        let range = self.ranges[side];
         let ([_, at_zero, of_mu], sigma) = side_terms(barrier, at, 1.0);
         self.gradient[0][limit] += range * at_zero;
         self.gradient[1][limit] += range * of_mu;
@@ -237,12 +241,15 @@ impl Relaxation {
         let z = &mut work.z[0];
         let mut i = 0;
         while i < sides.len() {
+            let Some(limit) = self.limits[i] else {
+                i += 1;
+                continue;
+            };
             // The sides of a limit stand together.
-            let limit = self.limits[i];
             z.fill(0.0);
-            while i < sides.len() && self.limits[i] == limit {
+            while i < sides.len() && self.limits[i] == Some(limit) {
                 let side = &sides[i];
-                let factor = self.add_entry(i, barrier.at_point(p).start + i, barrier);
+                let factor = self.add_entry(limit, i, barrier.at_point(p).start + i, barrier);
                 add_row(points, p, side, factor, z);
                 i += 1;
             }
@@ -255,11 +262,12 @@ impl Relaxation {
     fn add_node(&mut self, k: usize, spline: &Spline, barrier: &Barrier) {
         let node = AtNode::new(spline, k);
         for (i, at) in barrier.at_node(k).enumerate() {
-            let factor = self.add_entry(i, at, barrier);
+            let Some(limit) = self.limits[i] else { continue };
+            let factor = self.add_entry(limit, i, at, barrier);
             let NodeValue { unknown, scale, by_time, .. } = node.of(&barrier.sides()[i]);
-            self.border.columns[self.limits[i]][unknown] += scale * factor;
+            self.border.columns[limit][unknown] += scale * factor;
             if let Some(by_time) = by_time {
-                self.by_times[self.limits[i]][by_time.phase] += by_time.first * factor;
+                self.by_times[limit][by_time.phase] += by_time.first * factor;
             }
         }
     }
@@ -272,8 +280,8 @@ impl Relaxation {
             (spline, points, barrier),
             |_| true,
             |at, i, row, by_time| {
-                let factor = self.add_entry(first + i, at, barrier);
-                let limit = self.limits[first + i];
+                let Some(limit) = self.limits[first + i] else { return };
+                let factor = self.add_entry(limit, first + i, at, barrier);
                 add_local(spline, k, row, factor, &mut self.border.columns[limit]);
                 self.by_times[limit][phase] += by_time * factor;
             },

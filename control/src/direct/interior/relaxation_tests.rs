@@ -8,6 +8,12 @@ use crate::constants::direct as constants;
 use crate::direct::motion::shape::Shape;
 use crate::direct::points::generic_points::RobotPoints;
 use crate::direct::points::phases::PhaseDynamics;
+use crate::direct::points::values::PointDynamics;
+use crate::direct::solve::prepare::interior;
+use crate::options::SolverOptions;
+use crate::problem::{MotionLimits, Problem};
+use crate::task::build::TaskRows;
+use costate::robot::Robot;
 
 #[test]
 fn the_price_is_smooth() {
@@ -100,7 +106,33 @@ fn steps_solve_the_bordered_equations() {
 }
 
 fn steps_solve_bordered_equations(shape: Shape) {
-    let mut interior = relaxed(shape);
+    steps_solve_the_equations_of(relaxed(shape));
+}
+
+/// A pole without a motor: that it has no torque stays an equation, which no limit gives.
+#[test]
+fn laws_of_physics_are_not_relaxed() {
+    let robot = Robot::from_file("../robots/cart_pole.toml").unwrap();
+    let limits = MotionLimits::none().with_torque_max(vec![0.5, 0.0]).with_v_max(vec![0.3, 1.0]);
+    let problem = Problem::rest_to_rest(robot, &[0.0, 3.0], &[1.0, 0.0], 1.5).with_limits(limits);
+    let rows = TaskRows::new(&problem).unwrap();
+    let mut interior = interior(&problem, &rows, &SolverOptions::default(), 0, None);
+    interior.start(None).unwrap();
+    interior.relax(None).unwrap();
+    let (barrier, relaxation) = (&interior.barrier, &interior.relaxation);
+    let laws: Vec<usize> =
+        (0..barrier.all_sides().count()).filter(|&i| barrier.numbered(i).is_law()).collect();
+    assert_eq!(laws.len(), 1);
+    assert!(barrier.numbered(laws[0]).joint == 1 && relaxation.limits[laws[0]].is_none());
+    assert!(relaxation.relief(laws[0]) == 0.0 && barrier.equations().count() == barrier.points());
+    let given = interior.given();
+    assert!(given.len() == 3 && given.iter().all(|given| given.side != laws[0]), "{given:?}");
+    // The pole would fall: what its torque is off by is seen.
+    assert!(interior.violation_without_relief() > 0.1);
+    steps_solve_the_equations_of(interior);
+}
+
+fn steps_solve_the_equations_of<D: PointDynamics>(mut interior: Interior<D>) {
     interior.refresh().unwrap();
     let Interior { system, relaxation, spline, points, barrier, running, ends, .. } = &mut interior;
     system.assemble(spline, points, barrier, running, ends);
@@ -117,7 +149,7 @@ fn steps_solve_bordered_equations(shape: Shape) {
     for at in (0..barrier.count()).filter(|&at| barrier.is_limit(at)) {
         let side = barrier.side_index(at).unwrap();
         let multiplier = barrier.multiplier[at] + interior.trial.multiplier_step[at];
-        sums[relaxation.limits[side]] += relaxation.ranges[side] * multiplier;
+        sums[relaxation.limits[side].unwrap()] += relaxation.ranges[side] * multiplier;
     }
     for (i, sum) in sums.iter().enumerate() {
         let [_, first, second] = price(relaxation.give[i]);
@@ -137,7 +169,7 @@ fn steps_solve_bordered_equations(shape: Shape) {
         spline.times[0] += factor * interior.time_steps[0][0];
         let relaxation = &interior.relaxation;
         interior.barrier.move_out(|side| {
-            let give = relaxation.steps[0][relaxation.limits[side]];
+            let give = relaxation.limits[side].map_or(0.0, |limit| relaxation.steps[0][limit]);
             relaxation.relief(side) + factor * relaxation.ranges[side] * give
         });
         interior.model.evaluate(&spline, &mut interior.points).unwrap();

@@ -60,7 +60,8 @@ impl Barrier {
         Self { sides, rates, first_at, at_ends: at_ends.concat(), ..Self::default() }
     }
 
-    /// The same without entries, each equation along the motion as two limits.
+    /// The same without entries, each equation of a task along the motion as two limits. Laws of physics stay
+    /// equations: no motion is without them.
     pub fn with_halves(&self) -> Self {
         let sides = self.all_sides().flat_map(|side| side.halves()).collect();
         Self { at_ends: self.at_ends.clone(), first_at: self.first_at.clone(), ..Self::new(sides, &[]) }

@@ -124,10 +124,20 @@ impl Side {
             .map(move |side| Self { range: row.range, is_equation, ..side })
     }
 
-    /// An equation as two limits, anything else as it is.
+    /// Whether it is a law of physics, which nobody could relax: that a joint without a motor has no torque,
+    /// or a row of a constraint.
+    pub fn is_law(&self) -> bool {
+        self.is_equation && self.limited == Limited::Torque
+    }
+
+    /// An equation of a task as two limits, anything else as it is.
     pub fn halves(self) -> impl Iterator<Item = Self> {
         let half = |sign: f64| Self { sign, is_equation: false, is_half: true, ..self };
-        let all = if self.is_equation { [Some(half(1.0)), Some(half(-1.0))] } else { [Some(self), None] };
+        let all = if self.is_equation && !self.is_law() {
+            [Some(half(1.0)), Some(half(-1.0))]
+        } else {
+            [Some(self), None]
+        };
         all.into_iter().flatten()
     }
 

@@ -81,8 +81,15 @@ fn usage<D>(
         }
     }
     let mut worst = VIOLATION_ACCEPTED;
+    let on = |is_law: bool| {
+        let of_it = move |side: &Side| is_this(side) && side.is_law() == is_law;
+        (0..barrier.count()).filter(move |&at| barrier.is_on(at) && of_it(barrier.side(at)))
+    };
+    let part = |at: usize| barrier.side(at).violation(barrier.true_distance(at));
+    // What a law of physics is off by is told where no limit is exceeded.
+    let exceeds = on(false).any(|at| part(at) > VIOLATION_ACCEPTED);
     // The given ends are within the limits; the problem was checked.
-    for at in (0..barrier.count()).filter(|&at| barrier.is_on(at) && is_this(barrier.side(at))) {
+    for at in on(false).chain(on(true).filter(|_| !exceeds)) {
         let (side, distance) = (barrier.side(at), barrier.true_distance(at));
         let end = barrier.side_index(at).is_none().then(|| barrier.end_of(at));
         let usage = found.get_or_insert_default();

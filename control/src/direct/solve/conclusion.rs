@@ -30,7 +30,7 @@ impl Refinement<'_, '_> {
                 }
                 return Ok(Some(Next::Done));
             }
-            _ if solved.unresolved => Status::MeshLimit,
+            _ if solved.unresolved && !judged.violated => Status::MeshLimit,
             End::NoProgress | End::IterationLimit if judged.violated => Status::LimitsNotKept,
             End::NoProgress => Status::NewtonFailed,
             End::IterationLimit => Status::IterationLimit,

@@ -75,7 +75,7 @@ impl Direct<'_> {
                     saved.mesh_nodes().is_some_and(|nodes| nodes == interior.spline.mesh.nodes)
                 };
                 let start = match saved {
-                    Some(saved) if interior.needs_smoothing() && is_own(saved) => Start::Resolved,
+                    Some(saved) if is_own(saved) => Start::Resolved,
                     _ if self.saved.is_some() => Start::Saved,
                     _ => Start::Guess,
                 };
@@ -127,6 +127,13 @@ impl Direct<'_> {
         let most = if eases { constants::NODES_OF_LEAST_TIME } else { usize::MAX };
         let few = self.options.clone().with_max_nodes(self.options.max_nodes.min(most));
         let mut refined = refine(problem, &few, start, &mut interior, &mut resolution, recorder)?;
+        for _ in 0..constants::SEARCHES_FROM_UNRESOLVED {
+            let gave_up = refined.gave_up && refined.status == Status::MeshLimit;
+            if !gave_up || eases || recorder.interruption().is_some() {
+                break;
+            }
+            refined = refine(problem, &few, Start::Saved, &mut interior, &mut resolution, recorder)?;
+        }
         let is_hard = !(refined.status.is_converged() || refined.status.is_interruption())
             && refined.infeasible.is_none();
         if is_hard && eases {
@@ -156,7 +163,7 @@ impl Direct<'_> {
         &self,
         interior: &mut Interior<Dynamics>,
         resolution: &Resolution,
-        Refined { status, error, finer_mesh, again, infeasible }: Refined,
+        Refined { status, error, finer_mesh, again, infeasible, .. }: Refined,
         smoothing: Smoothing,
         recorder: &mut Recorder<'_>,
     ) -> Result<Solution, EvalError> {

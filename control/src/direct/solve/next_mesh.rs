@@ -23,6 +23,7 @@ impl Refinement<'_, '_> {
             }
             if solved.unresolved {
                 self.takes_resolved(&solved.resolved)?;
+                self.refined.gave_up = is_last;
             }
             return Ok(Next::Done);
         }

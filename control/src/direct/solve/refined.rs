@@ -17,6 +17,9 @@ pub(super) struct Refined {
     pub again: Option<Again>,
     /// Why there is no motion that keeps all limits.
     pub infeasible: Option<Infeasibility>,
+    /// Whether mesh after mesh did not resolve its motion: another search, from the motion that is left, may
+    /// lead on.
+    pub gave_up: bool,
 }
 
 impl Refined {
@@ -34,6 +37,6 @@ impl Refined {
 
     /// Without a motion that was solved.
     pub fn without(status: Status) -> Self {
-        Self { status, error: f64::INFINITY, finer_mesh: None, again: None, infeasible: None }
+        Self { status, error: f64::INFINITY, finer_mesh: None, again: None, infeasible: None, gave_up: false }
     }
 }

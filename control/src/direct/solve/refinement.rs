@@ -201,9 +201,9 @@ impl<'a, 'r> Refinement<'a, 'r> {
     /// Looks for a motion that keeps its limits where the iteration is stuck beyond them.
     fn restore(&mut self, solved: &mut Solved) -> Result<Option<Next>, EvalError> {
         let is_beyond = self.interior.figures.violation > constants::VIOLATION_ACCEPTED;
-        if !(solved.is_over() && is_beyond && self.restorations < constants::RESTORATIONS)
-            || solved.unresolved
-        {
+        // Another mesh may resolve the motion, and keep the limits then.
+        let has_meshes = solved.unresolved && self.left + 1 < constants::UNRESOLVED_MESHES;
+        if !(solved.is_over() && is_beyond && self.restorations < constants::RESTORATIONS) || has_meshes {
             return Ok(None);
         }
         self.restorations += 1;

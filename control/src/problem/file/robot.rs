@@ -114,7 +114,12 @@ pub(super) fn read(root: &Table<'_>, source: Source) -> Result<RobotTable, Fault
     }
     for row in table.tables("wrench", WRENCH)? {
         let frame = row.need("frame", row.string("frame")?)?;
-        add("wrench", row.start, RobotEdit::Wrench(frame, wrench(&row)?));
+        let applied = wrench(&row)?;
+        if !row.has("force") && !row.has("moment") {
+            let message = "has no effect without a force or a moment; give `force`, `moment` or both";
+            return Err(row.fault("frame", ProblemFileCause::Conflict(message)));
+        }
+        add("wrench", row.start, RobotEdit::Wrench(frame, applied));
     }
     let locked = table.numbers_by_name("lock")?;
     if !locked.is_empty() {

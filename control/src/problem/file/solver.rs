@@ -53,7 +53,7 @@ pub(super) fn read(table: &Table<'_>, given: SolverOptions) -> Result<SolverOpti
         Ok(found.map(|count| usize::try_from(count).unwrap_or(usize::MAX)).or(default))
     };
     let count = |name: &str, default: usize| some(name, Some(default)).map(|count| count.unwrap_or(default));
-    Ok(SolverOptions {
+    let options = SolverOptions {
         starts: some("starts", defaults.starts)?,
         threads: some("threads", defaults.threads)?,
         seed: table.whole("seed")?.unwrap_or(defaults.seed),
@@ -67,7 +67,14 @@ pub(super) fn read(table: &Table<'_>, given: SolverOptions) -> Result<SolverOpti
         machine_code: table.choice("machine_code", &MACHINE_CODE)?.unwrap_or(defaults.machine_code),
         time_limit: time_limit(table)?.unwrap_or(defaults.time_limit),
         ..defaults
-    })
+    };
+    let is_direct = options.method == Method::Direct && options.polish == Polish::Never;
+    if let Some(key) = ["jacobian", "coordinates"].into_iter().find(|key| is_direct && table.has(key)) {
+        let message = "has no effect on the direct method without a polish; remove it, or give solver.method or \
+                       solver.polish";
+        return Err(table.fault(key, ProblemFileCause::Conflict(message)));
+    }
+    Ok(options)
 }
 
 /// true, false or "auto".

@@ -1,0 +1,63 @@
+//! Gaits that are refused, by name and with the remedy.
+
+use super::walking::file;
+use costate::robot::LoadOptions;
+use costate_control::{Gait, GaitError, Problem, ProblemError, ProblemFile, Solver, SolverOptions};
+
+#[test]
+fn what_is_no_step_is_refused_by_name() {
+    let problem = file().problem;
+    let gait = problem.gait.clone().unwrap();
+    let refused = |problem: &Problem| Solver::new(problem, SolverOptions::default()).unwrap_err();
+    let with = |change: &dyn Fn(&mut Gait)| {
+        let mut gait = gait.clone();
+        change(&mut gait);
+        refused(&problem.clone().with_gait(gait))
+    };
+    let cause = |error: ProblemError| match error {
+        ProblemError::Gait { key, cause } => (key.to_string(), *cause),
+        other => panic!("{other}"),
+    };
+    let (key, found) = cause(with(&|gait| gait.stance = vec!["right_fot".into()]));
+    let GaitError::UnknownFrame { frame, nearest } = found else { panic!("{found}") };
+    assert_eq!((&*key, &*frame, &*nearest[0]), ("gait.stance", "right_fot", "right_foot"));
+    let (key, found) = cause(with(&|gait| gait.swing = vec!["right_foot".into()]));
+    assert_eq!((&*key, found), ("gait.swing", GaitError::OneFoot { frame: "right_foot".into() }));
+    let (key, found) = cause(with(&|gait| gait.swing.clear()));
+    assert_eq!((&*key, found), ("gait.swing", GaitError::Unpaired { stance: 1, swing: 0 }));
+    for value in [0.0, -0.1, f64::NAN] {
+        let (key, found) = cause(with(&|gait| gait.length = value));
+        assert!(key == "gait.length" && matches!(found, GaitError::OutOfRange { .. }), "{found}");
+        let (key, found) = cause(with(&|gait| gait.friction = value));
+        assert!(key == "gait.friction" && matches!(found, GaitError::OutOfRange { .. }), "{found}");
+    }
+    assert_eq!(cause(with(&|gait| gait.clearance = -1.0)).0, "gait.clearance");
+    let (key, found) = cause(with(&|gait| gait.along = "base_z".into()));
+    assert_eq!((&*key, found), ("gait.along", GaitError::NotAlong { joint: "base_z".into() }));
+    let (key, found) = cause(with(&|gait| gait.length = 3.0));
+    assert!(key == "start.q" && matches!(found, GaitError::CannotStand { .. }), "{found}");
+    let (key, found) = cause(with(&|gait| gait.mirror.truncate(1)));
+    assert!(key == "gait.mirror" && matches!(found, GaitError::NotSymmetric { .. }), "{found}");
+    let twice = with(&|gait| gait.mirror[1] = gait.mirror[0].clone());
+    assert!(matches!(twice, ProblemError::GivenTwice { .. }), "{twice}");
+    let unknown = with(&|gait| gait.mirror[1][0] = "left_kne".into());
+    assert!(unknown.to_string().contains("left_knee"), "{unknown}");
+}
+
+#[test]
+fn problem_files_say_what_is_wrong_with_a_step() {
+    let text = file().text;
+    let folder = "../examples/problems";
+    let refused = |from: &str, to: &str| {
+        assert!(text.contains(from), "{from}");
+        ProblemFile::from_text(&text.replace(from, to), folder, LoadOptions::default())
+            .unwrap_err()
+            .to_string()
+    };
+    assert!(refused("length = 0.5", "lenght = 0.5").contains("lenght"));
+    assert!(refused("length = 0.5", "").contains("gait.length"));
+    assert!(refused("[time]", "[end]\nq = [0.0]\n[time]").contains("remove [end] or [gait]"));
+    let mirror =
+        refused("[[\"left_hip\", \"right_hip\"], [\"left_knee\", \"right_knee\"]]", "[\"left_hip\"]");
+    assert!(mirror.contains("a list of pairs of joint names"), "{mirror}");
+}
