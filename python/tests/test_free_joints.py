@@ -1,4 +1,4 @@
-"""Floating and spherical joints: numbers of Pinocchio, laws of motion, configurations, batches, and what is refused."""
+"""Floating and spherical joints: numbers of Pinocchio, laws of motion, configurations, batches, what is refused."""
 
 import copy
 import json
@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from conftest import ROBOTS, assert_close
 
+EPS = float(np.finfo(float).eps)
 FIXTURES = ROBOTS.parent / "tests" / "fixtures"
 PAYLOAD = {"mass": 5.0, "com": [0.1, -0.05, 0.2], "inertia": [0.3, 0.4, 0.35, 0, 0, 0]}
 CASES = [json.loads(line) for line in (FIXTURES / "free_joints_pinocchio.jsonl").read_text().splitlines()]
@@ -60,6 +61,41 @@ def state(tree, random):
     return q, *(random.normal(size=k * n) for k in (1, 1, 2, 3))
 
 
+def slope(function, h: float, noise: float):
+    """The derivative at 0 by differences of order four, and a bound of its error.
+
+    ``noise`` is the error of one value; the weights of the four add up to 1.5 / h. The error of truncation is
+    proportional to h^4: a fifteenth of what twice the step changes, of which the bound takes a seventh.
+    """
+
+    def by(h):
+        return (8 * (function(h) - function(-h)) - (function(2 * h) - function(-2 * h))) / (12 * h)
+
+    found = by(h)
+    return found, 1.5 * noise / h + np.abs(by(2 * h) - found).max() / 7
+
+
+def curvature(function, h: float, noise: float):
+    """The same of the second derivative; the weights add up to 64 / (12 h^2)."""
+
+    def by(h):
+        near, far = function(h) + function(-h), function(2 * h) + function(-2 * h)
+        return (16 * near - far - 30 * function(0.0)) / (12 * h * h)
+
+    found = by(h)
+    return found, 64 / 12 * noise / h**2 + np.abs(by(2 * h) - found).max() / 7
+
+
+def assert_within(found, expected, bound: float) -> None:
+    assert np.abs(np.asarray(found) - expected).max() <= bound
+
+
+def solving(dynamics, q) -> float:
+    """The relative error of solutions of equations with the mass matrix at q: its condition in units of rounding."""
+    mass = dynamics.crba(q)
+    return float(len(mass) * EPS * np.linalg.cond(mass))
+
+
 def rotation(quaternion) -> np.ndarray:
     """The matrix of a unit quaternion (x, y, z, w)."""
     (x, y, z), w = quaternion[:3], quaternion[3]
@@ -77,22 +113,25 @@ def test_dynamics_and_their_jacobian_are_those_of_pinocchio(case):
     v, tau, a = (np.array(case[key])[to_v] for key in ("v", "tau", "a"))
     mass, a_q, a_v, a_tau = (np.array(case[key])[np.ix_(to_v, to_v)] for key in ("M", "a_q", "a_v", "a_tau"))
     dynamics = costate.Dynamics(robot)
+    solved = solving(dynamics, q)
     assert_close(dynamics.crba(q), mass, 1e-12)
     assert_close(dynamics.aba(q, v, tau), a, 1e-10)
     assert_close(dynamics.f(q, v, tau), np.concatenate([v, a]), 1e-10)
-    assert_close(dynamics.rnea(q, v, a), tau, 1e-7)
+    # M a, which may be much larger than tau, has 1e-10 of the largest entry too.
+    assert_within(dynamics.rnea(q, v, a), tau, 1e-10 * np.abs(mass).max() * np.abs(a).max())
     jacobian = dynamics.jacobian(q, v, tau)
     for k, expected in enumerate((a_q, a_v, a_tau)):
-        assert_close(jacobian[n:, k * n : (k + 1) * n], expected, 1e-9)
+        assert_close(jacobian[n:, k * n : (k + 1) * n], expected, max(1e-10, solved))
     assert_close(jacobian[:n], np.eye(n, 3 * n, n), 0)
     kinetic, _ = dynamics.energy(q, v)
     assert kinetic == pytest.approx(v @ mass @ v / 2, rel=1e-12)
     assert_close(dynamics.momentum(q, v), mass @ v, 1e-12)
-    assert_close(dynamics.velocity(q, mass @ v), v, 1e-8)
+    assert_close(dynamics.velocity(q, mass @ v), v, solved)
     # tau_z of inverse dynamics is -M a_z, and M by a.
     torques = dynamics.rnea_jacobian(q, v, a)
-    for k, expected in enumerate((-mass @ a_q, -mass @ a_v, mass)):
-        assert_close(torques[:, k * n : (k + 1) * n], expected, 1e-8)
+    for k, by in enumerate((-a_q, -a_v, np.eye(n))):
+        size = np.abs(mass).max() * np.abs(by).max()
+        assert_within(torques[:, k * n : (k + 1) * n], mass @ by, 1e-10 * size)
 
 
 def test_the_momenta_of_a_motion_are_those_of_its_velocities(tree, state):
@@ -100,15 +139,17 @@ def test_the_momenta_of_a_motion_are_those_of_its_velocities(tree, state):
     q, v, tau, *_ = state
     n, velocities, momenta = tree.n, costate.Dynamics(tree), costate.Dynamics(tree, "qp")
     p, a = velocities.momentum(q, v), velocities.aba(q, v, tau)
-    f = momenta.f(q, p, tau)
-    assert_close(f[:n], v, 1e-11)
-    h = 1e-5
+    f, solved = momenta.f(q, p, tau), solving(velocities, q)
+    assert_close(f[:n], v, solved)
 
     def momentum(s):
         return velocities.momentum(tree.integrate(q, s * v), v + s * a)
 
-    rate = (8 * (momentum(h) - momentum(-h)) - (momentum(2 * h) - momentum(-2 * h))) / (12 * h)
-    assert_close(f[n:], rate, 1e-8)
+    rate, bound = slope(momentum, 1e-4, n * EPS * np.abs(p).max())
+    # M a is as far from exact as the solution a.
+    force = np.abs(velocities.crba(q) @ a).max()
+    assert bound < 1e-7 * force
+    assert_within(f[n:], rate, bound + solved * force)
     kinetic, potential = momenta.energy(q, v)
     assert kinetic == pytest.approx(v @ p / 2, rel=1e-12) and potential == velocities.energy(q, v)[1]
 
@@ -127,14 +168,19 @@ def test_derivatives_are_those_along_q_plus_d(tree, state, coordinates):
     assert_close(dynamics.hvp(q, v, tau, y, d), hessian @ d, 1e-11)
     assert_close(hessian, hessian.T, 1e-13)
 
+    # Along a direction of length 1.
+    d = d / np.linalg.norm(d)
+
     def along(s):
         return dynamics.f(tree.integrate(q, s * d[:n]), v + s * d[n : 2 * n], tau + s * d[2 * n :])
 
-    h = 1e-4
-    first = (8 * (along(h) - along(-h)) - (along(2 * h) - along(-2 * h))) / (12 * h)
-    assert_close(jacobian @ d, first, 1e-7)
-    second = (16 * (along(h) + along(-h)) - (along(2 * h) + along(-2 * h)) - 30 * along(0)) / (12 * h * h)
-    assert d @ hessian @ d == pytest.approx(y @ second, rel=1e-4)
+    noise = solving(dynamics, q) * np.abs(f).max()
+    first, bound = slope(along, 1e-3, noise)
+    assert bound < 1e-6 * np.abs(jacobian).max()
+    assert_within(jacobian @ d, first, bound)
+    second, bound = curvature(lambda s: y @ along(s), 1e-2, noise * np.abs(y).sum())
+    assert bound < 1e-4 * np.abs(hessian).max()
+    assert_within(d @ hessian @ d, second, bound)
 
 
 def test_second_derivatives_of_inverse_dynamics(tree, state):
@@ -154,15 +200,17 @@ def test_a_free_robot_keeps_its_angular_momentum_and_falls(tree, random):
     n, dynamics = tree.n, costate.Dynamics(tree)
     q, v = tree.integrate(tree.neutral(), random.normal(size=n)), random.normal(size=n)
     tau = np.concatenate([np.zeros(6), random.normal(size=n - 6)])
-    a, h = dynamics.aba(q, v, tau), 1e-5
+    a = dynamics.aba(q, v, tau)
+    total, matrix = dynamics.centroidal_momentum(q, v)
 
     def momentum(s):
         return dynamics.centroidal_momentum(tree.integrate(q, s * v), v + s * a)[0]
 
-    rate = (8 * (momentum(h) - momentum(-h)) - (momentum(2 * h) - momentum(-2 * h))) / (12 * h)
+    rate, bound = slope(momentum, 1e-4, n * EPS * np.abs(matrix).max() * np.abs(v).max())
     expected = np.concatenate([np.zeros(3), tree.mass * tree.gravity])
-    assert np.abs(rate - expected).max() < 1e-7 * np.abs(expected).max()
-    total, matrix = dynamics.centroidal_momentum(q, v)
+    force = np.abs(matrix @ a).max()
+    assert bound < 1e-7 * force
+    assert_within(rate, expected, bound + solving(dynamics, q) * force)
     assert_close(matrix @ v, total, 1e-12)
 
 
@@ -219,20 +267,22 @@ def test_configurations_move_by_exponentials(tree, random):
 
 
 def test_jacobians_of_configurations(tree, random):
-    """By finite differences between tangent spaces."""
-    n, h = tree.n, 1e-6
+    """By finite differences between tangent spaces; positions have a size of about 1."""
+    n, unit = tree.n, np.eye(tree.n)
     q, d = tree.integrate(tree.neutral(), random.normal(size=n)), random.normal(size=n)
     to = tree.integrate(q, d)
 
-    def slope(function):
-        return (function(h * np.eye(n)) - function(-h * np.eye(n))).T / (2 * h)
+    def check(found, function):
+        expected, bound = slope(lambda s: function(s * unit).T, 1e-3, 16 * EPS)
+        assert bound < 1e-8
+        assert_within(found, expected, bound)
 
     by_q, by_d = tree.integrate_jacobians(d)
-    assert_close(by_q, slope(lambda e: tree.difference(to, tree.integrate(tree.integrate(q, e), d))), 1e-8)
-    assert_close(by_d, slope(lambda e: tree.difference(to, tree.integrate(q, d + e))), 1e-8)
+    check(by_q, lambda e: tree.difference(to, tree.integrate(tree.integrate(q, e), d)))
+    check(by_d, lambda e: tree.difference(to, tree.integrate(q, d + e)))
     by_from, by_to = tree.difference_jacobians(q, to)
-    assert_close(by_from, slope(lambda e: tree.difference(tree.integrate(q, e), to)), 1e-8)
-    assert_close(by_to, slope(lambda e: tree.difference(q, tree.integrate(to, e))), 1e-8)
+    check(by_from, lambda e: tree.difference(tree.integrate(q, e), to))
+    check(by_to, lambda e: tree.difference(q, tree.integrate(to, e)))
 
 
 @pytest.mark.parametrize("coordinates", ["qv", "qp"])
@@ -294,7 +344,6 @@ def test_what_takes_no_quaternions_says_so(tree, drone, state):
     refused = [
         lambda: costate.Step(dynamics, "rk4", 0.01),
         lambda: costate.Problem(tree, start=q, end=q, time=1.0),
-        lambda: tree.map_to(_Model()),
         lambda: tree.lock({"root": 0.0}),
         lambda: tree.with_armature("hip", 1.0),
     ]
@@ -310,11 +359,33 @@ def test_what_takes_no_quaternions_says_so(tree, drone, state):
         scipy.Extremal(drone, np.zeros(12), np.zeros(12))
 
 
-class _Model:
-    """What `Robot.map_to` looks for in a model of Pinocchio."""
-
-    names, joints, idx_qs = ("universe", "root"), (None, None), (0, 0)
-
+def test_a_model_of_pinocchio_is_mapped_with_its_free_joints(random):
+    """Positions, velocities and torques of a humanoid there and back, and the same accelerations."""
+    pinocchio = pytest.importorskip("pinocchio")
+    path = ROBOTS / "humanoid32.urdf"
+    robot = costate.Robot.from_file(path, floating_base=True)
+    model = pinocchio.buildModelFromUrdf(str(path), pinocchio.JointModelFreeFlyer())
+    model.gravity.linear = robot.gravity
+    joints, n = robot.map_to(model), robot.n
+    q = robot.integrate(robot.neutral(), random.normal(size=(4, n)))
+    v, tau = random.normal(size=(2, 4, n))
+    there = joints.q_to_pinocchio(q), joints.v_to_pinocchio(v), joints.v_to_pinocchio(tau)
+    assert there[0].shape == (4, model.nq) and there[1].shape == (4, model.nv)
+    assert np.array_equal(joints.q_from_pinocchio(there[0]), q)
+    assert np.array_equal(joints.v_from_pinocchio(there[1]), v)
+    data = model.createData()
+    a = np.stack([pinocchio.aba(model, data, *arguments) for arguments in zip(*there)])
+    assert_close(costate.Dynamics(robot).aba(q, v, tau), joints.v_from_pinocchio(a), 1e-10)
+    step = pinocchio.integrate(model, there[0][0], there[1][0])
+    assert_close(robot.integrate(q[0], v[0]), joints.q_from_pinocchio(step), 1e-13)
+    with pytest.raises(costate.ArgumentError, match="lacks the joints .'root_joint'. of the robot"):
+        robot.map_to(pinocchio.buildModelFromUrdf(str(path)))
+    still = costate.Robot.from_file(path)
+    with pytest.raises(costate.ArgumentError, match="the robot the joints .'root_joint'. of the model"):
+        still.map_to(model)
+    model.jointPlacements[1] = pinocchio.SE3.Random()
+    with pytest.raises(costate.ArgumentError, match="'root_joint' has another frame in the model"):
+        robot.map_to(model)
 
 
 def test_source_code_has_the_quaternion_as_argument(drone):

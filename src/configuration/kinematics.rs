@@ -96,6 +96,9 @@ impl<S: Scalar> FreeKinematics<S> {
     /// # Errors
     /// [`EvalError::WrongLength`], [`EvalError::NonFinite`], [`EvalError::NotUnit`].
     pub fn set_position(&mut self, q: &[S]) -> Result<(), EvalError> {
+        if self.frames.is_empty() {
+            return self.kinematics.set_position(q);
+        }
         let zero = std::mem::take(&mut self.zero);
         let outcome = self.set_motion(q, &zero, &zero);
         self.zero = zero;
@@ -108,6 +111,9 @@ impl<S: Scalar> FreeKinematics<S> {
     /// # Errors
     /// As [`set_position`](Self::set_position).
     pub fn set_state(&mut self, q: &[S], v: &[S]) -> Result<(), EvalError> {
+        if self.frames.is_empty() {
+            return self.kinematics.set_state(q, v);
+        }
         let zero = std::mem::take(&mut self.zero);
         let outcome = self.set_motion(q, v, &zero);
         self.zero = zero;
@@ -119,6 +125,9 @@ impl<S: Scalar> FreeKinematics<S> {
     /// # Errors
     /// As [`set_position`](Self::set_position).
     pub fn set_motion(&mut self, q: &[S], v: &[S], a: &[S]) -> Result<(), EvalError> {
+        if self.frames.is_empty() {
+            return self.kinematics.set_motion(q, v, a);
+        }
         let tree = self.kinematics.tree();
         check_configuration(tree, q)?;
         check_entries(tree, "v", v, tree.dof())?;

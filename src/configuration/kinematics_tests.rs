@@ -2,9 +2,11 @@
 
 use super::samples::{robots, state};
 use super::{ConfigurationSpace, FreeKinematics};
-use crate::kinematics::ReferenceFrame;
-use crate::robot::Robot;
+use crate::kinematics::{Kinematics, ReferenceFrame};
+use crate::matrix::Matrix;
+use crate::robot::{JointSpec, LinkInertia, Robot};
 use crate::scalar::Scalar;
+use crate::spatial::Motion;
 use num_dual::{Dual64, HyperDual64};
 
 const AXES: [ReferenceFrame; 3] =
@@ -117,4 +119,42 @@ fn jacobians_and_hessians_of_positions_are_those_of_hyper_dual_numbers() {
             }
         }
     }
+}
+
+/// Bit for bit: without free joints nothing is computed in another way.
+#[test]
+fn joints_of_one_degree_of_freedom_have_the_numbers_of_kinematics() {
+    let link = || LinkInertia::about_com(1.5, [0.1, -0.2, 0.3], nalgebra::Matrix3::identity() * 0.2);
+    let robot = Robot::builder("arm")
+        .joint(JointSpec::revolute("base").axis([0.6, 0.0, 0.8]).carrying(link()))
+        .joint(JointSpec::prismatic("rail").on("base").axis([0.0, 1.0, 0.0]).carrying(link()))
+        .joint(JointSpec::revolute("wrist").on("rail").axis([1.0, 0.0, 0.0]).carrying(link()))
+        .build()
+        .unwrap();
+    let (q, v, a, w) = ([0.3, -0.7, 1.9], [1.1, 0.4, -2.3], [0.2, -5.0, 0.9], [0.7, -1.1, 0.4]);
+    let frame = robot.frames().len() - 1;
+    let (mut free, mut plain) = (FreeKinematics::<f64>::new(&robot), Kinematics::<f64>::new(&robot));
+    free.set_motion(&q, &v, &a).unwrap();
+    plain.set_motion(&q, &v, &a).unwrap();
+    let same =
+        |found: &Matrix<f64>, expected: &Matrix<f64>| assert_eq!(found.as_slice(), expected.as_slice());
+    let same_motion = |found: Motion<f64>, expected: Motion<f64>| {
+        assert_eq!(found.angular.to_array(), expected.angular.to_array());
+        assert_eq!(found.linear.to_array(), expected.linear.to_array());
+    };
+    for axes in AXES {
+        same_motion(free.acceleration(frame, axes).unwrap(), plain.acceleration(frame, axes).unwrap());
+        same(free.jacobian(frame, axes).unwrap(), plain.jacobian(frame, axes).unwrap());
+        same(free.jacobian_rate(frame, axes).unwrap(), plain.jacobian_rate(frame, axes).unwrap());
+    }
+    same(free.momentum().unwrap().matrix, plain.momentum().unwrap().matrix);
+    let (ours, theirs) = (free.centre_of_mass().unwrap(), plain.centre_of_mass().unwrap());
+    assert_eq!(ours.position, theirs.position);
+    same(ours.jacobian_rate, theirs.jacobian_rate);
+    free.set_state(&q, &v).unwrap();
+    plain.set_state(&q, &v).unwrap();
+    same_motion(free.twist(frame, AXES[2]).unwrap(), plain.twist(frame, AXES[2]).unwrap());
+    free.set_position(&q).unwrap();
+    plain.set_position(&q).unwrap();
+    same(free.position_hessian(frame, &w).unwrap(), plain.position_hessian(frame, &w).unwrap());
 }

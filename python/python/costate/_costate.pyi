@@ -1,8 +1,8 @@
 """Types of the compiled module; import from ``costate``.
 
 Arrays are C-ordered float64. Units: rad, m, kg, s, N m, N. n is the number of joints that move by themselves
-(``Robot.n``), nq that of positions, which is larger where an orientation is a quaternion. Every method that takes states takes any number of leading batch axes, which are broadcast as NumPy
-broadcasts; ``...`` stands for them.
+(``Robot.n``), nq that of positions, which is larger where an orientation is a quaternion. Every method that takes
+states takes any number of leading batch axes, which are broadcast as NumPy broadcasts; ``...`` stands for them.
 """
 
 from collections.abc import Mapping, Sequence

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._errors import argument_error
-from ._wanted import free_joint_error
 
 if TYPE_CHECKING:
     from ._costate import Robot
@@ -18,23 +17,25 @@ if TYPE_CHECKING:
 class JointMap:
     """Order and sign of the joints of a robot in a Pinocchio model; made by ``Robot.map_to``.
 
-    Joints are found by their names and are of one kind in both. A joint has sign -1 where its axis points the other way than in the model,
-    compared in the world at zero; a model without placements (``jointPlacements``) is taken to have the same axes.
-    Continuous joints, for which Pinocchio has a cosine and a sine, are converted.
+    Joints are found by their names and are of one kind in both. A joint has sign -1 where its axis points the other
+    way than in the model, compared in the world at zero; a model without placements (``jointPlacements``) is taken to
+    have the same axes. Continuous joints, for which Pinocchio has a cosine and a sine, are converted. A floating joint
+    is a free flyer of the model, whose entries of q and v have the same order and meaning, a spherical one a
+    spherical joint; both have the same frame in both.
 
     Parameters
     ----------
     robot : Robot
         The robot.
     model : pinocchio.Model
-        A model with one joint for each of ``robot.joint_names``, and no other.
+        A model with one joint for each of ``robot.joint_names``, of which those of a free joint are one, and no other.
 
     Attributes
     ----------
     indices_q, indices_v : list of int
-        Where the model has the position and the velocity of each joint of the robot.
+        Where the model has each entry of q and v of the robot.
     signs : list of float
-        1 or -1 for each joint.
+        1 or -1 for each of ``robot.joint_names``.
 
     Raises
     ------
@@ -46,45 +47,63 @@ class JointMap:
     def __init__(self, robot: Robot, model: Any) -> None:
         if not all(hasattr(model, part) for part in ("names", "joints", "idx_qs")):
             raise argument_error("model", f"model is a {type(model).__name__}; give a pinocchio.Model")
-        if robot.nq != robot.n:
-            raise free_joint_error(robot, "is not mapped: its entries of q and v are those of a free flyer of Pinocchio")
         names = list(model.names)
-        missing = [name for name in robot.joint_names if name not in names]
-        other = [name for name in names[1:] if name not in robot.joint_names]
+        joints = _joints(robot)
+        own = [joint.name for joint in joints]
+        missing = [name for name in own if name not in names]
+        other = [name for name in names[1:] if name not in own]
         if missing or other:
             raise argument_error(
                 "model",
                 f"the model lacks the joints {missing} of the robot, and the robot the joints {other} of the model; "
                 "lock them in one of the two"
             )
-        self._joints = [names.index(name) for name in robot.joint_names]
-        widths = [int(getattr(model.joints[j], "nq", 1)) for j in self._joints]
-        if any(width > 2 for width in widths):
-            raise argument_error("model", "the model has joints of several degrees of freedom; a robot has them as single joints")
+        theirs = [names.index(name) for name in own]
+        widths = [int(getattr(model.joints[j], "nq", 1)) for j in theirs]
+        for joint, width in zip(joints, widths, strict=True):
+            if joint.free and width != joint.nq:
+                raise argument_error("model", f"the joint '{joint.name}' is {joint.free} in the robot, and not in the model")
+            if not joint.free and width > 2:
+                raise argument_error(
+                    "model",
+                    f"the joint '{joint.name}' has several degrees of freedom in the model, and one in the robot "
+                    "(floating_base=True and quaternions=True read such joints)",
+                )
         velocities = getattr(model, "idx_vs", model.idx_qs)
-        self.indices_q: list[int] = [int(model.idx_qs[j]) for j in self._joints]
-        self.indices_v: list[int] = [int(velocities[j]) for j in self._joints]
-        self.signs: list[float] = _signs(robot, model, self._joints)
-        self._circles = [k for k, width in enumerate(widths) if width == 2]
-        self._nq, self._n = sum(widths), len(self._joints)
+        self.indices_q: list[int] = []
+        self.indices_v: list[int] = []
+        circles: list[int] = []
+        for joint, j, width in zip(joints, theirs, widths, strict=True):
+            if not joint.free and width == 2:
+                circles.append(joint.position)
+            self.indices_q += range(int(model.idx_qs[j]), int(model.idx_qs[j]) + joint.nq)
+            self.indices_v += range(int(velocities[j]), int(velocities[j]) + joint.nv)
+        self.signs: list[float] = _signs(robot, model, joints, theirs)
+        self._circles = circles
+        self._nq, self._own_nq, self._n = sum(widths), robot.nq, robot.n
         self._index_q = np.array(self.indices_q, dtype=int)
         self._index_v = np.array(self.indices_v, dtype=int)
         self._sign = np.array(self.signs)
+        # Those of the entries of q.
+        self._sign_q = np.ones(robot.nq)
+        for joint in joints:
+            if not joint.free:
+                self._sign_q[joint.position] = self._sign[joint.coordinate]
 
     def q_to_pinocchio(self, q: ArrayLike) -> NDArray[np.float64]:
         """Positions of the robot as those of the model.
 
         Parameters
         ----------
-        q : array_like (..., n)
-            In the order of ``robot.joint_names`` (rad, m).
+        q : array_like (..., robot.nq)
+            As `Robot` has it (rad, m, quaternions).
 
         Returns
         -------
-        ndarray (..., nq)
+        ndarray (..., model.nq)
             In the order of the model, with cosine and sine of continuous joints.
         """
-        turned = _states("q", q, self._n) * self._sign
+        turned = _states("q", q, self._own_nq) * self._sign_q
         out = np.zeros((*turned.shape[:-1], self._nq))
         out[..., self._index_q] = turned
         for k in self._circles:
@@ -97,20 +116,20 @@ class JointMap:
 
         Parameters
         ----------
-        q : array_like (..., nq)
+        q : array_like (..., model.nq)
             In the order of the model.
 
         Returns
         -------
-        ndarray (..., n)
-            In the order of ``robot.joint_names`` (rad, m); continuous joints within pi of 0.
+        ndarray (..., robot.nq)
+            As `Robot` has it (rad, m, quaternions); continuous joints within pi of 0.
         """
         given = _states("q", q, self._nq)
         out = given[..., self._index_q].copy()
         for k in self._circles:
             at = self.indices_q[k]
             out[..., k] = np.arctan2(given[..., at + 1], given[..., at])
-        result: NDArray[np.float64] = out * self._sign
+        result: NDArray[np.float64] = out * self._sign_q
         return result
 
     def v_to_pinocchio(self, v: ArrayLike) -> NDArray[np.float64]:
@@ -164,26 +183,75 @@ def _states(name: str, given: ArrayLike, count: int) -> NDArray[np.float64]:
     return array.astype(float)
 
 
-def _signs(robot: Robot, model: Any, joints: Sequence[int]) -> list[float]:
-    """The sign of the product of the axes in the world at zero."""
+class _Joint(NamedTuple):
+    """A joint of a robot, with its first entries of q and v."""
+
+    name: str
+    free: str  # The kind of a floating or spherical joint, and nothing for others.
+    position: int
+    coordinate: int
+
+    @property
+    def nq(self) -> int:
+        return {"floating": 7, "spherical": 4}.get(self.free, 1)
+
+    @property
+    def nv(self) -> int:
+        return {"floating": 6, "spherical": 3}.get(self.free, 1)
+
+
+def _joints(robot: Robot) -> list[_Joint]:
+    """The joints in their order; those that a free joint consists of are one."""
+    free = {coordinate: (name, kind) for name, kind, _, coordinate in robot.free_joints}
+    names, joints = robot.joint_names, list[_Joint]()
+    position = coordinate = 0
+    while coordinate < robot.n:
+        name, kind = free.get(coordinate, (names[coordinate], ""))
+        joints.append(_Joint(name, kind, position, coordinate))
+        position, coordinate = position + joints[-1].nq, coordinate + joints[-1].nv
+    return joints
+
+
+def _signs(robot: Robot, model: Any, joints: Sequence[_Joint], theirs: Sequence[int]) -> list[float]:
+    """The sign of the product of the axes in the world at zero, for each entry of v."""
     if not hasattr(model, "jointPlacements"):
-        return [1.0] * len(joints)
+        return [1.0] * robot.n
     from ._costate import Dynamics
 
     dynamics = Dynamics(robot.without_constraints())
-    zero = np.zeros(robot.n)
-    signs = []
-    for k, (name, joint) in enumerate(zip(robot.joint_names, joints, strict=True)):
+    zero = robot.neutral()
+    signs: list[float] = []
+    for own, joint in zip(joints, theirs, strict=True):
+        name, frame = own.name, dynamics.frame(f"joint:{own.name}")
+        if own.free:
+            turn, place = _frame(model, joint)
+            found, origin = frame.pose(zero)
+            size = max(1.0, float(np.abs(origin).max()))
+            if np.abs(found - turn).max() > 1e-6 or np.abs(origin - place).max() > 1e-6 * size:
+                raise argument_error("model", f"the joint '{name}' has another frame in the model, at zero")
+            signs += [1.0] * own.nv
+            continue
         axis, kind = _axis(model, joint)
-        ours = robot.joint_kinds[k]
+        ours = robot.joint_kinds[own.coordinate]
         if kind != ours:
             raise argument_error("model", f"the joint '{name}' is {kind} in the model and {ours} in the robot")
-        columns = dynamics.frame(f"joint:{name}").jacobian(zero)[:, k]
+        columns = frame.jacobian(zero)[:, own.coordinate]
         product = float((columns[:3] if ours == "revolute" else columns[3:]) @ axis)
         if abs(abs(product) - 1) > 1e-6:
             raise argument_error("model", f"the axis of the joint '{name}' has another direction in the model")
         signs.append(float(np.sign(product)))
     return signs
+
+
+def _frame(model: Any, joint: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """The axes and the origin of the frame of a joint of the model, in the world at zero."""
+    turn, place = np.eye(3), np.zeros(3)
+    while joint:
+        placement = model.jointPlacements[joint]
+        rotation = np.asarray(placement.rotation)
+        turn, place = rotation @ turn, np.asarray(placement.translation) + rotation @ place
+        joint = model.parents[joint]
+    return turn, place
 
 
 def _axis(model: Any, joint: int) -> tuple[NDArray[np.float64], str]:
