@@ -4,7 +4,7 @@ use crate::arrays::{Axes, Source};
 use crate::errors::Failure;
 use crate::failures::Failures;
 use crate::fours;
-use crate::plan::{Argument, Entries, Plan};
+use crate::plan::{Argument, Entries, Place, Plan};
 use crate::results::Target;
 use crate::workspace::Workspace;
 use costate::EvalError;
@@ -55,7 +55,11 @@ impl Call<'_> {
         }
         if let Err(failure) = done {
             let failure = match failure {
-                Failure::Evaluation(EvalError::NotUnit { .. }) => self.not_unit(workspace.state(plan)),
+                // The library does not say which argument it is in.
+                Failure::Evaluation(error @ EvalError::NotUnit { .. }) => {
+                    let found = self.quaternion(workspace.state(plan), |all, q| all.first_not_unit(q));
+                    found.unwrap_or(Failure::Evaluation(error))
+                }
                 failure => failure,
             };
             failures.add(state, failure);
@@ -66,9 +70,13 @@ impl Call<'_> {
         }
     }
 
-    /// The largest number of all arguments of a state, where a result is not finite.
+    /// A quaternion without a direction, or the largest number of all arguments of a state, where a result is
+    /// not finite.
     #[cold]
     fn not_finite_result(&self, buffer: &[f64]) -> Failure {
+        if let Some(failure) = self.quaternion(buffer, |all, q| all.first_without_direction(q)) {
+            return failure;
+        }
         let all = self.plan.places.iter().flat_map(|place| {
             let numbers = &buffer[place.at..place.at + place.length];
             numbers.iter().enumerate().map(move |(k, &value)| (place.argument, place.start + k, value))
@@ -92,22 +100,22 @@ impl Call<'_> {
         (name, joint.map(|joint| joint.name.clone()))
     }
 
-    /// The first quaternion of a state whose length is not 1, in the order of the arguments.
+    /// The first quaternion of a state that is found, in the order of the arguments.
     #[cold]
-    fn not_unit(&self, buffer: &[f64]) -> Failure {
+    fn quaternion(
+        &self,
+        buffer: &[f64],
+        find: impl Fn(&Quaternions, &dyn Fn(usize) -> f64) -> Option<usize>,
+    ) -> Option<Failure> {
         let quaternions = Quaternions::of(self.robot);
-        for place in &self.plan.places {
-            let Argument { name: argument, entries, .. } = self.plan.arguments[place.argument];
-            let q = |k: usize| buffer[place.at + k];
-            if entries == Entries::Positions
-                && let Some(k) = quaternions.first_not_unit(q)
-            {
-                let joint = self.robot.free_joints()[k].name.clone();
-                return Failure::NotUnit { argument, joint, length: quaternions.length(k, q) };
-            }
-        }
-        // The library has found one.
-        Failure::NotUnit { argument: "q", joint: String::new(), length: f64::NAN }
+        let positions = |place: &&Place| self.plan.arguments[place.argument].entries == Entries::Positions;
+        self.plan.places.iter().filter(positions).find_map(|place| {
+            let q = |entry: usize| buffer[place.at + entry];
+            let k = find(&quaternions, &q)?;
+            let joint = self.robot.free_joints()[k].name.clone();
+            let argument = self.plan.arguments[place.argument].name;
+            Some(Failure::NotUnit { argument, joint, length: quaternions.length(k, q) })
+        })
     }
 
     /// The first number of a state that is not finite, in the order of the arguments.

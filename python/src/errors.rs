@@ -161,12 +161,17 @@ impl std::fmt::Display for Failure {
                 }
                 f.write_str(" is not finite; check the computation that produced it")
             }
-            Self::NotUnit { argument, joint, length } => write!(
-                f,
-                "the quaternion of joint '{}' in {argument} has the length {length}, not 1; Robot.normalize divides it \
-                 by its length",
-                costate::robot::printable(joint)
-            ),
+            Self::NotUnit { argument, joint, length } => {
+                let joint = costate::robot::printable(joint);
+                let advice = match length.is_normal() {
+                    true => "Robot.normalize divides it by its length",
+                    false => "it has no direction; give another one",
+                };
+                write!(
+                    f,
+                    "the quaternion of joint '{joint}' in {argument} has the length {length}, not 1; {advice}"
+                )
+            }
             Self::Overflow { joint } => write!(
                 f,
                 "joint '{}' is beyond all numbers within the step; take a shorter step, or smaller arguments",

@@ -331,8 +331,9 @@ def test_quaternions_that_are_not_unit_are_told_by_their_length(tree, state):
         dynamics.f(np.where(np.arange(20) == 9, np.inf, q), v, tau)
     with pytest.raises(costate.NonFiniteState, match=r"q\[12\] \(joint 'mast'\)"):
         dynamics.f(np.where(np.arange(20) == 12, np.inf, q), v, tau)
-    with pytest.raises(costate.StateError):
-        tree.normalize(np.zeros(20))
+    with pytest.raises(costate.NonUnitQuaternion, match="'hip' in q has the length 0, not 1; it has no direction") as caught:
+        tree.normalize(np.where((np.arange(20) > 6) & (np.arange(20) < 11), 0.0, q))
+    assert (caught.value.joint, caught.value.length) == ("hip", 0.0)
     with pytest.raises(costate.ArgumentError, match=r"not \(..., 20\).*quaternion"):
         dynamics.f(v, v, tau)
     assert np.isfinite(dynamics.f(tree.normalize(wrong), v, tau)).all()

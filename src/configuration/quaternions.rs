@@ -14,6 +14,8 @@ use crate::robot::{Robot, UNIT};
 /// let (quaternions, q) = (Quaternions::of(&drone), [0.0, 0.0, 1.0, 0.0, 0.0, 0.6, 0.9]);
 /// assert_eq!(quaternions.first_not_unit(|k| q[k]), Some(0));
 /// assert!((quaternions.length(0, |k| q[k]) - 1.17_f64.sqrt()).abs() < 1e-15);
+/// assert_eq!(quaternions.first_without_direction(|k| q[k]), None);
+/// assert_eq!(quaternions.first_without_direction(|_| 0.0), Some(0));
 /// # Ok::<(), costate::robot::RobotError>(())
 /// ```
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -37,6 +39,11 @@ impl Quaternions {
     pub fn first_not_unit(&self, q: impl Fn(usize) -> f64) -> Option<usize> {
         let is_unit = |&place: &usize| (square(place, &q) - 1.0).abs() < UNIT.value();
         self.places.iter().position(|place| !is_unit(place))
+    }
+
+    /// The first one without a direction: its squared length is zero, or no finite number.
+    pub fn first_without_direction(&self, q: impl Fn(usize) -> f64) -> Option<usize> {
+        self.places.iter().position(|&place| !square(place, &q).is_normal())
     }
 }
 
