@@ -10,6 +10,8 @@ import numpy as np
 import pytest
 from conftest import ROBOTS, assert_close
 
+# Bases without mass, which move.
+pytestmark = pytest.mark.filterwarnings("ignore::costate.RobotWarning")
 EPS = float(np.finfo(float).eps)
 FIXTURES = ROBOTS.parent / "tests" / "fixtures"
 PAYLOAD = {"mass": 5.0, "com": [0.1, -0.05, 0.2], "inertia": [0.3, 0.4, 0.35, 0, 0, 0]}
@@ -91,9 +93,14 @@ def assert_within(found, expected, bound: float) -> None:
 
 
 def solving(dynamics, q) -> float:
-    """The relative error of solutions of equations with the mass matrix at q: its condition in units of rounding."""
+    """The relative error of solutions of equations with the mass matrix M at q: n times its condition in units of rounding.
+
+    Scales of the coordinates change nothing in the factorisation L'DL: the condition is that of M scaled to a unit
+    diagonal.
+    """
     mass = dynamics.crba(q)
-    return float(len(mass) * EPS * np.linalg.cond(mass))
+    scale = np.sqrt(np.diag(mass))
+    return float(len(mass) * EPS * np.linalg.cond(mass / np.outer(scale, scale)))
 
 
 def rotation(quaternion) -> np.ndarray:
@@ -178,8 +185,8 @@ def test_derivatives_are_those_along_q_plus_d(tree, state, coordinates):
     first, bound = slope(along, 1e-3, noise)
     assert bound < 1e-6 * np.abs(jacobian).max()
     assert_within(jacobian @ d, first, bound)
-    second, bound = curvature(lambda s: y @ along(s), 1e-2, noise * np.abs(y).sum())
-    assert bound < 1e-4 * np.abs(hessian).max()
+    second, bound = curvature(lambda s: y @ along(s), 2e-2, noise * np.abs(y).sum())
+    assert bound < 1e-5 * np.abs(hessian).max()
     assert_within(d @ hessian @ d, second, bound)
 
 
@@ -307,7 +314,7 @@ def test_quaternions_that_are_not_unit_are_told_by_their_length(tree, state):
     q, v, tau, *_ = state
     dynamics, wrong = costate.Dynamics(tree), q.copy()
     wrong[7:11] *= 1.25
-    with pytest.raises(costate.NonUnitQuaternion, match="'hip' in q has the length 1.25") as caught:
+    with pytest.raises(costate.NonUnitQuaternion, match="'hip' in q has the length 1.2") as caught:
         dynamics.f(wrong, v, tau)
     assert (caught.value.joint, caught.value.argument, caught.value.index) == ("hip", "q", ())
     assert caught.value.length == pytest.approx(1.25) and isinstance(caught.value, costate.StateError)
@@ -410,7 +417,7 @@ def test_robots_are_built_read_and_pickled(tree, drone):
     pair = builder.spherical("ball", on="base", xyz=[0, 0, 1], mass=1, com=[0, 0, 0.1], inertia=[1, 1, 1]).build()
     assert pair.joint_names == ["base_x", "base_y", "base_z", "base_rx", "base_ry", "base", "ball_rx", "ball_ry", "ball"]
     assert (pair.nq, pair.nv) == (11, 9) and "'ball'" in repr(builder) and np.isinf(pair.position_limits).all()
-    assert "revolute, 3 of 3" in pair._repr_html_()
+    assert "spherical, 3 of 3" in pair._repr_html_()
     ur5 = ROBOTS / "ur5.urdf"
     flying = costate.Robot.from_file(ur5, floating_base=True)
     assert (flying.nq, flying.nv) == (13, 12) and flying.free_joints[0][0] == "root_joint"
