@@ -85,6 +85,8 @@ class Model:
     ArgumentError
         For what is neither dynamics nor a robot; where an argument is not float64, or has another shape; where JAX computes
         in float32.
+    RobotError
+        For a robot with floating or spherical joints, whose functions have no derivatives by entries of q.
 
     Examples
     --------

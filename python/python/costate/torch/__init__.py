@@ -45,6 +45,8 @@ class Model:
         Where an argument is no tensor of float64 on the CPU, or has another shape.
     StateError
         As the methods of `Dynamics`.
+    RobotError
+        For a robot with floating or spherical joints, whose functions have no derivatives by entries of q.
 
     Examples
     --------
