@@ -1,0 +1,198 @@
+"""Robots with floating and spherical joints: configurations, batches, errors, what is refused, files, Pinocchio models."""
+
+import copy
+import pickle
+
+import costate
+import numpy as np
+import pytest
+from conftest import ROBOTS, assert_close
+from free_joints import EPS, FIXTURES, assert_within, drone, rotation, slope, state, tree  # noqa: F401
+
+# Bases without mass, which move.
+pytestmark = pytest.mark.filterwarnings("ignore::costate.RobotWarning")
+
+
+def test_configurations_move_by_exponentials(tree, random):
+    n = tree.n
+    assert (tree.nq, tree.nv, n) == (20, 17, 17)
+    assert tree.free_joints == [("root", "floating", 0, 0), ("hip", "spherical", 7, 6), ("load", "floating", 13, 11)]
+    neutral = tree.neutral()
+    assert neutral.tolist() == [0, 0, 0, 0, 0, 0, 1] + [0, 0, 0, 1] + [0, 0] + [0, 0, 0, 0, 0, 0, 1]
+    q, d = tree.integrate(neutral, random.normal(size=n)), random.normal(size=n)
+    moved = tree.integrate(q, d)
+    assert_close(tree.difference(q, moved), d, 1e-13)
+    assert_close(moved[11:13], q[11:13] + d[9:11], 1e-15)
+    # A turn by an angle about an axis of the body: R(q) exp(theta).
+    theta, axis = np.linalg.norm(d[6:9]), d[6:9] / np.linalg.norm(d[6:9])
+    half = np.append(np.sin(theta / 2) * axis, np.cos(theta / 2))
+    assert_close(rotation(moved[7:11]), rotation(q[7:11]) @ rotation(half), 1e-14)
+    # Two half steps of a constant twist are one.
+    assert_close(tree.integrate(tree.integrate(q, d / 2), d / 2), moved, 1e-14)
+    stretched = moved.copy()
+    stretched[7:11] *= 3
+    assert_close(tree.normalize(stretched), moved, 1e-15)
+    plain = costate.Robot.builder("cart").prismatic("rail", mass=1).build()
+    assert (plain.nq, plain.nv, plain.free_joints) == (1, 1, [])
+    assert plain.integrate([1.0], [0.5]).tolist() == [1.5] and plain.neutral().tolist() == [0.0]
+
+
+def test_jacobians_of_configurations(tree, random):
+    """By finite differences between tangent spaces; positions have a size of about 1."""
+    n, unit = tree.n, np.eye(tree.n)
+    q, d = tree.integrate(tree.neutral(), random.normal(size=n)), random.normal(size=n)
+    to = tree.integrate(q, d)
+
+    def check(found, function):
+        expected, bound = slope(lambda s: function(s * unit).T, 1e-3, 16 * EPS)
+        assert bound < 1e-8
+        assert_within(found, expected, bound)
+
+    by_q, by_d = tree.integrate_jacobians(d)
+    check(by_q, lambda e: tree.difference(to, tree.integrate(tree.integrate(q, e), d)))
+    check(by_d, lambda e: tree.difference(to, tree.integrate(q, d + e)))
+    by_from, by_to = tree.difference_jacobians(q, to)
+    check(by_from, lambda e: tree.difference(tree.integrate(q, e), to))
+    check(by_to, lambda e: tree.difference(q, tree.integrate(to, e)))
+
+
+@pytest.mark.parametrize("coordinates", ["qv", "qp"])
+def test_batches_are_single_states(tree, random, coordinates):
+    n, dynamics = tree.n, costate.Dynamics(tree, coordinates)
+    q = tree.integrate(tree.neutral(), random.normal(size=(3, 1, 7, n)))
+    v, tau, y = random.normal(size=(5, 1, n)), random.normal(size=n), random.normal(size=2 * n)
+    f, jacobian, hessian = dynamics.contract(q, v, tau, y)
+    assert (f.shape, jacobian.shape, hessian.shape) == ((3, 5, 7, 2 * n), (3, 5, 7, 2 * n, 3 * n), (3, 5, 7, 3 * n, 3 * n))
+    room = np.empty_like(f)
+    assert dynamics.f(q, v, tau, out=room) is room
+    for k in ((0, 0, 0), (2, 4, 6), (1, 3, 2)):
+        alone = q[k[0], 0, k[2]], v[k[1], 0], tau
+        assert_close(room[k], dynamics.f(*alone), 1e-10)
+        for found, expected in zip((f, jacobian, hessian), dynamics.contract(*alone, y), strict=True):
+            assert_close(found[k], expected, 1e-9)
+        assert_close(dynamics.centre_of_mass(q)[k[0], 0, k[2]], dynamics.centre_of_mass(alone[0]), 1e-12)
+    assert tree.difference(q, tree.neutral()).shape == (3, 1, 7, n)
+
+
+def test_quaternions_that_are_not_unit_are_told_by_their_length(tree, state):
+    q, v, tau, *_ = state
+    dynamics, wrong = costate.Dynamics(tree), q.copy()
+    wrong[7:11] *= 1.25
+    with pytest.raises(costate.NonUnitQuaternion, match="'hip' in q has the length 1.2") as caught:
+        dynamics.f(wrong, v, tau)
+    assert (caught.value.joint, caught.value.argument, caught.value.index) == ("hip", "q", ())
+    assert caught.value.length == pytest.approx(1.25) and isinstance(caught.value, costate.StateError)
+    batch = np.stack([q] * 40)
+    batch[17] = wrong
+    batch[30, 2] = np.nan
+    for call in (dynamics.f, dynamics.rnea):
+        with pytest.raises(costate.NonUnitQuaternion) as caught:
+            call(batch, v, tau)
+        assert caught.value.index == (17,)
+    lenient = costate.Dynamics(tree, on_error="nan")
+    with pytest.warns(costate.StateWarning, match="2 of 40 states"):
+        f = lenient.f(batch, v, tau)
+    assert np.isnan(f[[17, 30]]).all() and np.isfinite(np.delete(f, [17, 30], 0)).all()
+    for call in (lambda: dynamics.frame("root").pose(wrong), lambda: tree.difference(q, wrong), lambda: dynamics.crba(wrong)):
+        with pytest.raises(costate.NonUnitQuaternion):
+            call()
+    with pytest.raises(costate.NonUnitQuaternion, match="in q_1"):
+        tree.difference(q, wrong)
+    with pytest.raises(costate.NonFiniteState, match=r"q\[9\] \(joint 'hip'\)"):
+        dynamics.f(np.where(np.arange(20) == 9, np.inf, q), v, tau)
+    with pytest.raises(costate.NonFiniteState, match=r"q\[12\] \(joint 'mast'\)"):
+        dynamics.f(np.where(np.arange(20) == 12, np.inf, q), v, tau)
+    with pytest.raises(costate.NonUnitQuaternion, match="'hip' in q has the length 0, not 1; it has no direction") as caught:
+        tree.normalize(np.where((np.arange(20) > 6) & (np.arange(20) < 11), 0.0, q))
+    assert (caught.value.joint, caught.value.length) == ("hip", 0.0)
+    with pytest.raises(costate.ArgumentError, match=r"not \(..., 20\).*quaternion"):
+        dynamics.f(v, v, tau)
+    assert np.isfinite(dynamics.f(tree.normalize(wrong), v, tau)).all()
+
+
+def test_what_takes_no_quaternions_says_so(tree, drone, state):
+    q, v, tau, *_ = state
+    dynamics = costate.Dynamics(tree)
+    refused = [
+        lambda: costate.Step(dynamics, "rk4", 0.01),
+        lambda: costate.Problem(tree, start=q, end=q, time=1.0),
+        lambda: tree.lock({"root": 0.0}),
+        lambda: tree.with_armature("hip", 1.0),
+    ]
+    for call in refused:
+        with pytest.raises(costate.RobotError, match="'(root|hip)' is (floating|spherical)"):
+            call()
+    with pytest.raises(costate.CodegenError, match="'root' is floating.*Dynamics"):
+        costate.codegen(tree, abi="casadi")
+    with pytest.raises(costate.CodegenError, match="'root' is floating"):
+        costate.codegen(tree, "f", parameters=True)
+    scipy = pytest.importorskip("costate.scipy")
+    with pytest.raises(costate.RobotError, match="'body' is floating"):
+        scipy.Extremal(drone, np.zeros(12), np.zeros(12))
+
+
+def test_a_model_of_pinocchio_is_mapped_with_its_free_joints(random):
+    """Positions, velocities and torques of a humanoid there and back, and the same accelerations."""
+    pinocchio = pytest.importorskip("pinocchio")
+    path = ROBOTS / "humanoid32.urdf"
+    robot = costate.Robot.from_file(path, floating_base=True)
+    model = pinocchio.buildModelFromUrdf(str(path), pinocchio.JointModelFreeFlyer())
+    model.gravity.linear = robot.gravity
+    joints, n = robot.map_to(model), robot.n
+    q = robot.integrate(robot.neutral(), random.normal(size=(4, n)))
+    v, tau = random.normal(size=(2, 4, n))
+    there = joints.q_to_pinocchio(q), joints.v_to_pinocchio(v), joints.v_to_pinocchio(tau)
+    assert there[0].shape == (4, model.nq) and there[1].shape == (4, model.nv)
+    assert np.array_equal(joints.q_from_pinocchio(there[0]), q)
+    assert np.array_equal(joints.v_from_pinocchio(there[1]), v)
+    data = model.createData()
+    a = np.stack([pinocchio.aba(model, data, *arguments) for arguments in zip(*there)])
+    assert_close(costate.Dynamics(robot).aba(q, v, tau), joints.v_from_pinocchio(a), 1e-10)
+    step = pinocchio.integrate(model, there[0][0], there[1][0])
+    assert_close(robot.integrate(q[0], v[0]), joints.q_from_pinocchio(step), 1e-13)
+    with pytest.raises(costate.ArgumentError, match="lacks the joints .'root_joint'. of the robot"):
+        robot.map_to(pinocchio.buildModelFromUrdf(str(path)))
+    still = costate.Robot.from_file(path)
+    with pytest.raises(costate.ArgumentError, match="the robot the joints .'root_joint'. of the model"):
+        still.map_to(model)
+    model.jointPlacements[1] = pinocchio.SE3.Random()
+    with pytest.raises(costate.ArgumentError, match="'root_joint' has another frame in the model"):
+        robot.map_to(model)
+
+
+def test_source_code_has_the_quaternion_as_argument(drone):
+    text = costate.codegen(drone, "f")
+    assert "unit quaternions" in text and "f(" in text
+    assert "machine code" in costate.Dynamics(drone).backend("f") or "generic" in costate.Dynamics(drone).backend("f")
+
+
+def test_all_methods_are_compared_at_random_states(drone, tree):
+    report = costate.check(drone, 3)
+    assert report.passed and report.states == 3
+    rows = {(row.quantity, row.method) for row in report.comparisons}
+    assert {("F_x", "analytic"), ("y'F_xx", "analytic"), ("y'a_zz", "analytic"), ("F_x", "dual")} <= rows
+    assert costate.check(tree, 2).passed
+
+
+def test_robots_are_built_read_and_pickled(tree, drone):
+    text = (FIXTURES / "free_tree.toml").read_text()
+    assert costate.Robot.from_text(text) == tree and repr(tree) == "Robot('free tree', n=17, nq=20)"
+    builder = costate.Robot.builder("pair").floating("base", mass=1, inertia=[1, 1, 1])
+    pair = builder.spherical("ball", on="base", xyz=[0, 0, 1], mass=1, com=[0, 0, 0.1], inertia=[1, 1, 1]).build()
+    assert pair.joint_names == ["base_x", "base_y", "base_z", "base_rx", "base_ry", "base", "ball_rx", "ball_ry", "ball"]
+    assert (pair.nq, pair.nv) == (11, 9) and "'ball'" in repr(builder) and np.isinf(pair.position_limits).all()
+    assert "spherical, 3 of 3" in pair._repr_html_()
+    ur5 = ROBOTS / "ur5.urdf"
+    flying = costate.Robot.from_file(ur5, floating_base=True)
+    assert (flying.nq, flying.nv) == (13, 12) and flying.free_joints[0][0] == "root_joint"
+    for robot in (tree, pair, flying, drone.with_gravity([0, 0, 0])):
+        again = pickle.loads(pickle.dumps(robot))
+        assert again == robot == copy.deepcopy(robot) and again.nq == robot.nq
+        dynamics = pickle.loads(pickle.dumps(costate.Dynamics(robot, "qp")))
+        assert dynamics == costate.Dynamics(robot, "qp")
+    joint = '<joint name="fly" type="floating"><parent link="world"/><child link="body"/></joint>'
+    inertia = '<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/>'
+    body = f'<link name="body"><inertial><mass value="1"/>{inertia}</inertial></link>'
+    urdf = f'<robot name="fly"><link name="world"/>{body}{joint}</robot>'
+    assert costate.Robot.from_text(urdf, quaternions=True).nq == 7
+    assert costate.Robot.from_text(urdf).nq == 6
