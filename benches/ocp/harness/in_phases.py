@@ -79,7 +79,7 @@ def quarter(*more, **changes):
 
 def through(*more, **changes):
     """The quarter turn with one via."""
-    return Phases(**{"robots": (FREE, FREE), "places": (START, PLACE, END), "times": (0.5, 1.0), "passed": (1,),
+    return Phases(**{"robots": (FREE, FREE), "places": (START, PLACE, END), "times": (0.5, 1.0), "rates": (END,),
                      "free": (True, False), "conditions": between(*more)} | changes)
 
 
@@ -96,7 +96,7 @@ def time(k):
 
 
 # From the via on with 1 kg at the tip, in free time.
-PICK = {"robots": (FREE, LOADED), "times": (1.5, 3.0), "free": (True, True), "passed": ()}
+PICK = {"robots": (FREE, LOADED), "times": (1.5, 3.0), "free": (True, True), "rates": ()}
 RATED = {"smooth": True, "jerk": (1e-3, 2e-3)}
 
 
@@ -116,10 +116,10 @@ VIAS = (
     vias("at any time", 683.075598, 1e-6, through(via), (0.5353498,)),
     vias("one joint, on the way", 145.13113754, 1e-6,
          through(lambda x: [x[1].q[0] - 1.0], places=(START, (1.0, 1.0), END)), (0.7066422,)),
-    vias("stopping", 1763.83704, 1e-6, through(stop_there, passed=()), (0.5208382,)),
+    vias("stopping", 1763.83704, 1e-6, through(stop_there, rates=()), (0.5208382,)),
     vias("picking up", 119.2922487, 1e-6, through(stop_there, second=20.0, **PICK), (2.1005849,), end=last(4.4734593)),
     vias("picking up, placing, back", 176.89347, 1e-6,
-         Phases((FREE, LOADED, FREE), (START, PLACE, END, START), (1.5, 3.0, 4.5), free=(True,) * 3, second=20.0,
+         Phases((FREE, LOADED, FREE), (START, PLACE, END, START), (2.0, 4.5, 6.5), free=(True,) * 3, second=20.0,
                 conditions=lambda x: [row for state, q in zip(x, (START, PLACE, END, START)) for row in resting(state, q)]),
          (2.1005849, 4.4734593), end=last(6.6335051)),
     vias("picking up with at most 5 N m", 4.283254, 3e-6,
@@ -129,12 +129,12 @@ VIAS = (
          rate=(lambda found: found.state(1).v[1], 1.42239, 1e-3)),
     vias("the tip at a place", 824.610145, 1e-6,
          through(lambda x: [tip(x[1].q) - ca.DM([math.cos(1) + math.cos(1.2), math.sin(1) + math.sin(1.2)])],
-                 places=(START, (0.9, 0.3), END)), (0.5263784,)),
+                 rates=((5.0, -9.0),)), (0.5263784,)),
     vias("with a cost of jerks", 993.712714, 1e-5, through(via, **RATED), (0.5491794,)),
     vias("picking up with a cost of jerks", 124.83955, 1e-5, through(stop_there, second=20.0, **RATED, **PICK), (2.276433,)),
     vias("a cycle", 68.300997, 1e-6,
          Phases((FREE, LOADED), ((-0.8, 2.0), PLACE, (-0.8, 2.0)), (1.0, 2.0), free=(True, False),
-                conditions=lambda x: [x[0].q[0] + 0.8, x[0].q - x[2].q, x[0].v - x[2].v, *via(x)]),
+                conditions=lambda x: [x[0].q[0] + 0.8, x[0].v, x[0].q - x[2].q, x[2].v, *via(x)]),
          (0.8732841,), elbow=(lambda found: found.state(0).q[1], 2.7045956, 1e-3)),
     vias("a turn of a pendulum", 3.29039479, 1e-6,
          Phases((pendulum,), ((-math.pi,), (math.pi,)), (2.0,), effort=(1.0,),

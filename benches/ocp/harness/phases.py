@@ -27,7 +27,7 @@ DERIVATIVE, _, WEIGHTS = ca.collocation_coeff(list(POINTS))
 LEADING = numpy.array([polynomial.coeffs[0] for polynomial in radau.basis(POINTS)])
 # Elements of a phase at first, parts of one that is split, rounds of splitting, the relative change of the cost that ends them,
 # and the part of the largest bend from which elements are split.
-ELEMENTS, PARTS, ROUNDS, SETTLED, BENT = 40, 4, 8, 1e-8, 0.02
+ELEMENTS, PARTS, ROUNDS, SETTLED, BENT = 40, 4, 8, 1e-8, 0.1
 # Smoothing of the cost of energy (W).
 SMOOTHING = 1.0
 
@@ -54,8 +54,8 @@ class Phases:
     times: tuple
     conditions: Callable
     free: tuple = (False,)
-    # Positions of `places` at which the guess does not stop.
-    passed: tuple = ()
+    # Of the guess, where phases meet; without them it stops there.
+    rates: tuple = ()
     second: float = 0.0
     effort: tuple = (1.0, 1.0)
     energy: float = 0.0
@@ -121,11 +121,11 @@ def point(problem, torques):
 
 
 def guess(problem):
-    """Cubics from place to place, at rest where they stop."""
+    """Cubics from place to place, at rest at the ends."""
     times, places = numpy.append(0.0, problem.times), numpy.array(problem.places)
     rates = numpy.zeros(places.shape)
-    for k in problem.passed:
-        rates[k] = (places[k + 1] - places[k - 1]) / (times[k + 1] - times[k - 1])
+    for row, given in zip(rates[1:-1], problem.rates):
+        row[:] = given
     spline = CubicHermiteSpline(times, places, rates)
     orders = 3 if problem.smooth else 2
     pieces = []

@@ -1,8 +1,8 @@
 //! Limits of mechanical power, torque-speed limits of motors, and a cost of energy.
 //!
-//! The values are those of a direct collocation on Radau's points with inverse dynamics, in CasADi with
-//! IPOPT, a program that shares nothing with this one: 400 elements with four points each. Those of 250
-//! elements differ by less than a relative 3e-7.
+//! The values are those of `bash benches/ocp/run --values in_phases` (`benches/ocp/harness/in_phases.py`):
+//! direct collocation on Radau's points with the inverse dynamics of the two-link arm written out, in CasADi
+//! with IPOPT. Elements of four points are split until the cost changes by less than a relative 1e-8.
 
 use costate::robot::{LoadOptions, Robot};
 use costate_control::{

@@ -1,11 +1,10 @@
 //! Motions through vias: given and free times, payloads that change there, ends that follow the start.
 //!
-//! The values are those of a direct collocation on Radau's points with the state (q, v) and the equations of
-//! the two-link arm written out, in CasADi with IPOPT, a program that shares nothing with this one: 160
-//! elements with three points in each phase, the times of phases among the unknowns, from several guesses: of
-//! local minima it is the one that is found here. Values of 80 elements
-//! differ by less than a relative 2e-7, where torques are limited by 1e-6. With costs of jerks the state is
-//! (q, v, a), and the control the jerk.
+//! The values are those of `bash benches/ocp/run --values in_phases` (`benches/ocp/harness/in_phases.py`):
+//! direct collocation on Radau's points with the state (q, v) and the equations of the two-link arm written
+//! out, in CasADi with IPOPT, the times of phases among the unknowns, from a guess that leads to the local
+//! minimum that is found here. Elements of four points are split until the cost changes by less than a
+//! relative 1e-8. With costs of jerks the state is (q, v, a), and the control the jerk.
 
 use costate::robot::{Friction, Robot};
 use costate_control::{

@@ -1,9 +1,9 @@
 //! Limits and costs of jerks and of rates of torques, accelerations that are given at the ends.
 //!
-//! The values are those of a direct collocation on Radau's points with the state (q, v, a), the jerk as the
-//! control and the exact rate of the torques, in CasADi with IPOPT, a program that shares nothing with this
-//! one: 500 elements with three points each. Those of 300 elements differ by less than a relative 3e-6, those
-//! of the costs of jerks and rates of torques by less than 1e-8.
+//! The values are those of `bash benches/ocp/run --values in_phases` (`benches/ocp/harness/in_phases.py`):
+//! direct collocation on Radau's points with the state (q, v, a), the jerk as the control and the exact rate
+//! of the torques, in CasADi with IPOPT. Elements of four points are split until the cost changes by less
+//! than a relative 1e-8.
 
 mod refused;
 
