@@ -27,9 +27,11 @@ DERIVATIVE, _, WEIGHTS = ca.collocation_coeff(list(POINTS))
 LEADING = numpy.array([polynomial.coeffs[0] for polynomial in radau.basis(POINTS)])
 # Elements of a phase at first, parts of one that is split, rounds of splitting, the relative change of the cost that ends them,
 # and the part of the largest bend from which elements are split.
-ELEMENTS, PARTS, ROUNDS, SETTLED, BENT = 40, 4, 8, 1e-8, 0.1
+ELEMENTS, PARTS, ROUNDS, SETTLED, BENT = 40, 4, 8, 1e-9, 0.1
 # Smoothing of the cost of energy (W).
 SMOOTHING = 1.0
+# What IPOPT's tolerance is absolute for: costs are scaled to this, as far as they are known.
+SIZE = 1000.0
 
 PLACES = (numpy.arange(PARTS)[:, None] + POINTS) / PARTS
 STATE_AT, CONTROL_AT = (numpy.array([[[polynomial(s) for s in part] for part in PLACES] for polynomial in radau.basis(nodes)])
@@ -195,7 +197,8 @@ class Program:
         for k, free in enumerate(problem.free):
             if not free:
                 self.vanish(sum(durations[: k + 1]) - problem.times[k])
-        self.cost = cost + problem.second * sum(durations)
+        self.scale = 1.0 if math.isnan(start.cost) else SIZE / start.cost
+        self.cost = self.scale * (cost + problem.second * sum(durations))
         self.durations = ca.vertcat(*durations)
 
     def unknown(self, value, low=-math.inf):
@@ -228,7 +231,7 @@ class Program:
             states, controls = (rows.T.reshape(len(shares), DEGREE, -1) for rows in (states, controls))
             left = numpy.concatenate([first.T, states[:-1, -1]])
             pieces.append((shares, numpy.concatenate([left[:, None], states], axis=1), controls))
-        return Found(float(found["f"]), numpy.cumsum(durations), pieces)
+        return Found(float(found["f"]) / self.scale, numpy.cumsum(durations), pieces)
 
 
 def solve(name, problem):
