@@ -138,7 +138,7 @@ fn least_time() {
     let ProblemFile { problem, options, .. } = ProblemFile::read(path, LoadOptions::default()).unwrap();
     assert_eq!(options.method, Method::Direct);
     let solution = Solver::new(&problem, options).unwrap().solve();
-    check(&solution, 1.44097514, 1e-5);
+    check(&solution, 1.44097521, 1e-5);
     kept(solution.limits.torque.as_ref(), 50.0, &["shoulder", "elbow"]);
 }
 
