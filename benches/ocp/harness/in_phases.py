@@ -13,7 +13,7 @@ import phases
 from in_space import tip
 from phases import Phases
 
-HALF_PI, INF = math.pi / 2, math.inf
+HALF_PI = math.pi / 2
 # Of the quarter turn, and the via on its way.
 START, END, PLACE = (0.0, 0.0), (HALF_PI, HALF_PI), (1.0, 0.2)
 
@@ -127,6 +127,7 @@ VIAS = (
     vias("a given time and rate", 406.59564, 3e-6,
          through(via, lambda x: [x[1].v[0] - 1.0], times=(0.6, 2.0), rates=((1.0, 1.0),), free=(False, True), second=20.0), (),
          rate=(lambda found: found.state(1).v[1], 1.42239, 1e-3)),
+    # Bent the other way than at any time, which is a dearer minimum.
     vias("the tip at a place", 824.610145, 1e-6,
          through(lambda x: [tip(x[1].q) - ca.DM([math.cos(1) + math.cos(1.2), math.sin(1) + math.sin(1.2)])],
                  rates=((5.0, -9.0),)), (0.5263784,)),
@@ -188,7 +189,7 @@ def check(*_):
     for value in (*VIAS, *POWER, *RATES, *UNACTUATED):
         found = phases.solve(value.name, value.problem)
         difference = abs(found.cost / value.value - 1)
-        reproduced = difference <= value.within
+        reproduced = difference <= value.within and found.change <= phases.SETTLED
         told = ""
         for name, (read, expected, within) in value.more.items():
             reproduced &= abs(read(found) - expected) <= within
