@@ -127,7 +127,7 @@ VIAS = (
     vias("a given time and rate", 406.59564, 3e-6,
          through(via, lambda x: [x[1].v[0] - 1.0], times=(0.6, 2.0), rates=((1.0, 1.0),), free=(False, True), second=20.0), (),
          rate=(lambda found: found.state(1).v[1], 1.42239, 1e-3)),
-    # Bent the other way than at any time, which is a dearer minimum.
+    # A dearer minimum than at any time: the elbow first bends the other way.
     vias("the tip at a place", 824.610145, 1e-6,
          through(lambda x: [tip(x[1].q) - ca.DM([math.cos(1) + math.cos(1.2), math.sin(1) + math.sin(1.2)])],
                  rates=((5.0, -9.0),)), (0.5263784,)),

@@ -136,8 +136,8 @@ fn a_tool_at_a_via() {
     let tool = Tool::new("joint:elbow").with_offset([1.0, 0.0, 0.0]);
     let ((s, c), (s_2, c_2)) = (PLACE[0].sin_cos(), (PLACE[0] + PLACE[1]).sin_cos());
     let pose = ToolPose::of(tool).with_position([c + c_2, s + s_2, f64::INFINITY]);
-    // The position decides both joints, on the branch of the guess. The elbow first bends the other way than in
-    // `a_via_at_any_time`, whose cheaper motion keeps the same conditions.
+    // The position decides both joints, on the branch of the guess. A dearer minimum than in
+    // `a_via_at_any_time`, whose motion passes there too: the elbow first bends the other way.
     let via = Via::at(&[0.9, 0.3]).with_q_free(&[0, 1]).with_tool(pose);
     check(&solve(&arm().with_via(via)), 824.610145, &[0.5263784], 1e-6);
     assert!(Task::default().is_empty());
