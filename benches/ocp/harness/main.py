@@ -13,6 +13,7 @@ from pathlib import Path
 import agreement
 import derivatives
 import gait_times
+import in_phases
 import in_space
 import inside
 import judged
@@ -35,6 +36,8 @@ from same_mesh import SameMesh
 from shell import compilers, first_line, say, stop
 
 ROOT = Path(__file__).resolve().parents[3]
+# Of --values.
+PARTS = {part.__name__: part for part in (derivatives, judged, same_mesh, values, sensitivities, in_space, in_phases, walking)}
 
 
 def arguments():
@@ -65,8 +68,9 @@ def arguments():
     parser.add_argument("--costate-arguments", nargs="*", default=[], metavar="ARGUMENT",
                         help="further arguments of `costate optimize`, without their dashes: strict, method=direct")
     parser.add_argument("--only-write-tasks", action="store_true", help="write the problem files and stop")
-    parser.add_argument("--values", action="store_true",
-                        help="check the peer and the judge by derivatives and known values, and stop")
+    parser.add_argument("--values", nargs="*", choices=PARTS, metavar="PART",
+                        help="check the peer and the judge by derivatives and known values, and stop; only these of "
+                        + ", ".join(PARTS))
     parser.add_argument("--walking", action="store_true",
                         help="only steps of a walking robot, by both sides; --write writes their tables")
     parser.add_argument("--from", dest="source", type=Path, metavar="FILE", help="no run: report the figures in FILE")
@@ -201,9 +205,8 @@ def main():
     options.mesh |= options.write
     if options.source is None:
         costate = (options.costate or build()).resolve()
-        if options.values:
-            parts = (derivatives, judged, same_mesh, values, sensitivities, in_space, walking)
-            kept = [part.check(ROOT, costate, the_peer(options)) for part in parts]
+        if options.values is not None:
+            kept = [PARTS[name].check(ROOT, costate, the_peer(options)) for name in options.values or PARTS]
             raise SystemExit(0 if all(kept) else 1)
         if options.walking:
             return walk(options, costate)

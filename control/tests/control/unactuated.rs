@@ -1,7 +1,8 @@
 //! Joints without a motor: their torque is zero as an equation.
 //!
-//! The value is that of a collocation on Legendre's points with the forward dynamics of cart and pole written
-//! by hand, in CasADi with IPOPT: 100 and 200 intervals with four points each agree to 2e-13.
+//! The value is that of `bash benches/ocp/run --values in_phases` (`benches/ocp/harness/in_phases.py`):
+//! direct collocation on Radau's points with the equations of cart and pole written out, in CasADi with
+//! IPOPT.
 
 use costate::robot::Robot;
 use costate_control::{MotionLimits, Objective, Polish, Problem, Solver, SolverOptions, Status};
