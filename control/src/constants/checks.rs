@@ -34,7 +34,7 @@ pub(crate) mod disconjugate {
 /// The motion on a finer mesh, beside a solved one.
 pub(crate) mod finer_mesh {
     /// Most Newton steps that it may take from the solved one.
-    pub const STEPS: usize = 20;
+    pub const STEPS: usize = 60;
     /// How often the search goes on from it where the cost changes by more than the tolerance.
     pub const MESHES: usize = 3;
 }
