@@ -40,12 +40,7 @@ pub(crate) fn best_of_starts(
             lock(&shared).take(number, solution);
         }
     });
-    let Shared { best, mut starts, newton_iterations, stage_times, .. } =
-        shared.into_inner().unwrap_or_else(PoisonError::into_inner);
-    starts.sort_by_key(|(number, _)| *number);
-    let starts = starts.into_iter().map(|(_, start)| start).collect();
-    let options = options.clone();
-    best.map(|(_, best)| Solution { newton_iterations, stage_times, starts, options, ..best })
+    shared.into_inner().unwrap_or_else(PoisonError::into_inner).solution(options)
 }
 
 /// The number of the next start, if there is one and the search goes on.
@@ -65,6 +60,15 @@ fn lock(shared: &Mutex<Shared>) -> MutexGuard<'_, Shared> {
 }
 
 impl Shared {
+    /// The best solution, with the results of all starts in their order.
+    fn solution(self, options: &SolverOptions) -> Option<Solution> {
+        let Self { best, mut starts, newton_iterations, stage_times, .. } = self;
+        starts.sort_by_key(|(number, _)| *number);
+        let starts = starts.into_iter().map(|(_, start)| start).collect();
+        let options = options.clone();
+        best.map(|(_, best)| Solution { newton_iterations, stage_times, starts, options, ..best })
+    }
+
     fn take(&mut self, number: usize, mut solution: Solution) {
         let own = solution.starts.pop().unwrap_or_else(|| {
             let guess = if number == 0 { GuessKind::Straight } else { GuessKind::Disturbed };

@@ -35,6 +35,9 @@ pub struct Program {
     column_major: bool,
 }
 
+/// A function that is recorded.
+type Recorder<'a> = Box<dyn FnOnce(&[Vec<Expr>]) -> Result<Vec<RecordedResult>, CodegenError> + 'a>;
+
 impl Program {
     /// Records a function: arguments by name and number of entries, results as it returns them.
     ///
@@ -76,6 +79,16 @@ impl Program {
         arguments: &[(&str, usize)],
         limit: usize,
         function: impl FnOnce(&[Vec<Expr>]) -> Result<Vec<RecordedResult>, CodegenError>,
+    ) -> Result<Self, CodegenError> {
+        Self::recorded(name, arguments, limit, Box::new(function))
+    }
+
+    /// The same, compiled once for all functions.
+    fn recorded(
+        name: &str,
+        arguments: &[(&str, usize)],
+        limit: usize,
+        function: Recorder<'_>,
     ) -> Result<Self, CodegenError> {
         let inputs = arguments.iter().map(|(_, entries)| entries).sum();
         let limited = RecordingLimit { name, steps: limit };

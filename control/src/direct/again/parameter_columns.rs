@@ -61,7 +61,7 @@ impl<D: PointDynamics> Interior<D> {
                 column.cost += cost;
                 add_row(points, p, side, factor, &mut work.z[0]);
             }
-            let factors = spline.basis(k, j).in_time(1.0 / spline.clock(k));
+            let factors = spline.factors(k, j);
             work.differentiate_in_time(points.z(p), spline, k, &factors);
             add_gradient(spline, k, &factors, &work.z[0], &mut column.unknowns);
             column.times[spline.mesh.phase(k)] += dot(&work.z[0], &work.z_t);
@@ -163,7 +163,7 @@ impl<D: PointDynamics> Interior<D> {
                 let factor = -points.h_weights[powers * p + row];
                 self.model.powers.add_products(row, factor, &by_mass, &mut z[n..2 * n]);
             }
-            let factors = spline.basis(k, j).in_time(1.0 / spline.clock(k));
+            let factors = spline.factors(k, j);
             work.differentiate_in_time(points.z(p), spline, k, &factors);
             add_gradient(spline, k, &factors, &work.z[0], &mut column.unknowns);
             let part = spline.mesh.point(p).1;

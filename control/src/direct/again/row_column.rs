@@ -115,7 +115,7 @@ impl Resolve {
                 add_row(points, p, side, factor, &mut work.z[0]);
                 add_scaled(&mut work.z[0], side.sign * barrier.multiplier[at], gradient);
             }
-            let factors = spline.basis(k, j).in_time(1.0 / spline.clock(k));
+            let factors = spline.factors(k, j);
             work.differentiate_in_time(points.z(p), spline, k, &factors);
             add_gradient(spline, k, &factors, &work.z[0], &mut column.unknowns);
             column.times[spline.mesh.phase(k)] += dot(&work.z[0][..3 * spline.dof], &work.z_t);

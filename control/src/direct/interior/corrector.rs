@@ -116,7 +116,7 @@ impl System {
                         }
                         add_row(points, p, side, value, z);
                     }
-                    let factors = spline.basis(k, j).in_time(1.0 / spline.clock(k));
+                    let factors = spline.factors(k, j);
                     work.differentiate_in_time(points.z(p), spline, k, &factors);
                     time_correction[spline.mesh.phase(k)] += dot(&work.z[0], &work.z_t);
                     add_gradient(spline, k, &factors, &work.z[0], correction);

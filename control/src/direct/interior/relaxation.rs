@@ -234,7 +234,7 @@ impl Relaxation {
 
     fn add_point(&mut self, p: usize, spline: &Spline, points: &Points, barrier: &Barrier) {
         let (k, j) = spline.mesh.interval_of(p);
-        let factors = spline.basis(k, j).in_time(1.0 / spline.clock(k));
+        let factors = spline.factors(k, j);
         let sides = barrier.sides();
         let mut work = std::mem::take(&mut self.work);
         work.differentiate_in_time(points.z(p), spline, k, &factors);

@@ -75,11 +75,9 @@ impl<D: PointDynamics> Interior<D> {
     pub(crate) fn change_distances(&mut self, part: usize) {
         widest_fused(
             #[inline(always)]
-            |_| {
-                self.change_at_points(part);
-                self.change_at_nodes(part);
-            },
+            |_| self.change_at_points(part),
         );
+        self.change_at_nodes(part);
         self.change_of_rates(part);
         self.change_at_ends(part);
         self.barrier.take_coefficients(&mut self.changes[part]);
@@ -115,7 +113,7 @@ impl<D: PointDynamics> Interior<D> {
     }
 
     /// Change of z at a point by a part of the step, to the trial.
-    #[inline(always)]
+    #[inline(never)]
     pub(crate) fn change_of_z(&mut self, p: usize, part: usize) {
         let (k, j) = self.spline.mesh.interval_of(p);
         let (n, rate) = (self.spline.dof, 1.0 / self.spline.clock(k));
@@ -139,7 +137,6 @@ impl<D: PointDynamics> Interior<D> {
     }
 
     /// Change of the distances at the nodes by a part of the step.
-    #[inline(always)]
     fn change_at_nodes(&mut self, part: usize) {
         for k in 0..self.spline.mesh.nodes.len() {
             let node = AtNode::new(&self.spline, k);

@@ -76,7 +76,7 @@ impl Barrier {
 
     /// What the entries of a side in interval `k` add to the derivative by its value at point `j`, if they
     /// add `of` to that by themselves.
-    #[inline(always)]
+    #[inline(never)]
     pub fn by_value(&self, (k, j): (usize, usize), side: usize, of: impl Fn(usize) -> f64) -> f64 {
         let entries = self.in_interval(k, side).into_iter().zip(COEFFICIENTS);
         entries.map(|(at, factors)| factors[j] * of(at)).sum()

@@ -1,6 +1,7 @@
 //! Polynomials of one interval.
 
 use super::shape::{MOST_COEFFICIENTS, Shape};
+use crate::numerics::widest::widest_fused;
 
 /// q, q', q'', q''' at a point as sums over the coefficients: of a quartic the height of the bubble, then q
 /// and q' at the left end and at the right end; of a quintic q, q' and q'' at both ends.
@@ -68,12 +69,15 @@ impl Basis {
 
     /// q, q', q'', and q''' if `z` has room for it, from the coefficients: inner ones, then those of both
     /// ends.
-    #[inline(always)]
+    #[inline(never)]
     pub fn combine(&self, n: usize, inner: &[f64], ends: &[f64], z: &mut [f64]) {
-        match (inner.len() + ends.len()) / n {
-            5 => self.sum::<5>(n, inner, ends, z),
-            _ => self.sum::<6>(n, inner, ends, z),
-        }
+        widest_fused(
+            #[inline(always)]
+            |_| match (inner.len() + ends.len()) / n {
+                5 => self.sum::<5>(n, inner, ends, z),
+                _ => self.sum::<6>(n, inner, ends, z),
+            },
+        );
     }
 
     /// q''' alone, n numbers.
@@ -86,10 +90,11 @@ impl Basis {
 
     #[inline(always)]
     fn sum<const C: usize>(&self, n: usize, inner: &[f64], ends: &[f64], z: &mut [f64]) {
-        let parts: [&[f64]; C] = std::array::from_fn(|c| {
+        let mut parts = [&inner[..0]; C];
+        for (c, part) in parts.iter_mut().enumerate() {
             let at = c * n;
-            if at < inner.len() { &inner[at..at + n] } else { &ends[at - inner.len()..][..n] }
-        });
+            *part = if at < inner.len() { &inner[at..at + n] } else { &ends[at - inner.len()..][..n] };
+        }
         for (row, z) in self.rows.iter().zip(z.chunks_exact_mut(n)) {
             for (i, z) in z.iter_mut().enumerate() {
                 let [mut even, mut odd] = [0.0; 2];

@@ -20,6 +20,8 @@ pub(crate) struct Mesh {
     phases: Vec<usize>,
     /// The node of each end of a phase.
     ends: Vec<usize>,
+    /// Whether each node is one.
+    is_end: Vec<bool>,
     /// The interval of each point.
     intervals: Vec<usize>,
 }
@@ -33,8 +35,9 @@ impl Mesh {
         };
         let (basis, gauss) = (at(shape.places()), if shape.is_smooth() { at(&PLACES) } else { Vec::new() });
         let phases: Vec<usize> = nodes.iter().skip(1).map(|node| node.ceil() as usize - 1).collect();
-        let ends = (0..nodes.len()).filter(|&k| nodes[k].fract() == 0.0).collect();
-        let mut mesh = Self { basis, gauss, shape, nodes, phases, ends, intervals: Vec::new() };
+        let is_end: Vec<bool> = nodes.iter().map(|node| node.fract() == 0.0).collect();
+        let ends = (0..nodes.len()).filter(|&k| is_end[k]).collect();
+        let mut mesh = Self { basis, gauss, shape, nodes, phases, ends, is_end, intervals: Vec::new() };
         for k in 0..mesh.intervals() {
             mesh.intervals.extend(std::iter::repeat_n(k, mesh.own_points(k)));
         }
@@ -71,7 +74,7 @@ impl Mesh {
     /// Whether a node is an end of a phase.
     #[inline(always)]
     pub fn is_end(&self, node: usize) -> bool {
-        self.nodes[node].fract() == 0.0
+        self.is_end[node]
     }
 
     /// The end of a phase at a node, if it is one.

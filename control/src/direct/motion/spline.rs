@@ -2,8 +2,8 @@
 
 use super::basis::Basis;
 use super::mesh::Mesh;
-use super::shape::Shape;
-use crate::numerics::widest::widest_fused;
+use super::shape::{MOST_COEFFICIENTS, Shape};
+use std::borrow::Cow;
 use std::sync::Arc;
 
 /// q(s) on [0, K], a polynomial of degree four or five on each interval ([`Shape`]); and the times of the K
@@ -141,12 +141,12 @@ impl Spline {
 
     /// A basis of interval `k` over its unknowns: derivatives in s.
     #[inline(always)]
-    fn over_unknowns(&self, k: usize, mut basis: Basis) -> Basis {
+    fn over_unknowns<'a>(&self, k: usize, mut basis: Cow<'a, Basis>) -> Cow<'a, Basis> {
         if self.mesh.is_end(k) || self.mesh.is_end(k + 1) {
-            let time = self.clock(k);
+            let (time, own) = (self.clock(k), basis.to_mut());
             for TimeDerivative { column, order, .. } in self.time_derivatives(k) {
                 let factor = if order == 1.0 { time } else { time * time };
-                basis.rows.iter_mut().for_each(|row| row[column] *= factor);
+                own.rows.iter_mut().for_each(|row| row[column] *= factor);
             }
         }
         basis
@@ -154,33 +154,34 @@ impl Spline {
 
     /// The basis at point `j` of an interval over its unknowns.
     #[inline(always)]
-    pub(crate) fn basis(&self, k: usize, j: usize) -> Basis {
-        self.over_unknowns(k, *self.mesh.basis(k, j))
+    pub(crate) fn basis(&self, k: usize, j: usize) -> Cow<'_, Basis> {
+        self.over_unknowns(k, Cow::Borrowed(self.mesh.basis(k, j)))
     }
 
-    /// The same at one of Gauss's points, where accelerations are continuous.
-    pub(crate) fn gauss_basis(&self, k: usize, j: usize) -> Basis {
-        self.over_unknowns(k, *self.mesh.gauss_basis(k, j))
+    /// [`Basis::in_time`] at point `j` of an interval.
+    #[inline(never)]
+    pub(crate) fn factors(&self, k: usize, j: usize) -> [[f64; MOST_COEFFICIENTS]; 3] {
+        self.basis(k, j).in_time(1.0 / self.clock(k))
+    }
+
+    /// The basis at one of Gauss's points, where accelerations are continuous.
+    pub(crate) fn gauss_basis(&self, k: usize, j: usize) -> Cow<'_, Basis> {
+        self.over_unknowns(k, Cow::Borrowed(self.mesh.gauss_basis(k, j)))
     }
 
     /// The same at the part `x` of an interval.
-    pub(super) fn basis_at(&self, k: usize, x: f64) -> Basis {
-        self.over_unknowns(k, Basis::at(self.mesh.shape, x, self.mesh.width(k)))
+    pub(super) fn basis_at(&self, k: usize, x: f64) -> Cow<'_, Basis> {
+        self.over_unknowns(k, Cow::Owned(Basis::at(self.mesh.shape, x, self.mesh.width(k))))
     }
 
     /// q, v, a at all points, 3n numbers a point.
     pub fn evaluate(&self, z: &mut [f64]) {
-        widest_fused(
-            #[inline(always)]
-            |_| {
-                for (p, z) in z.chunks_exact_mut(3 * self.dof).enumerate() {
-                    let (k, j) = self.mesh.interval_of(p);
-                    let (inner, ends) = self.of_interval(&self.unknowns, k);
-                    self.basis(k, j).combine(self.dof, inner, ends, z);
-                    self.scale(k, z);
-                }
-            },
-        );
+        for (p, z) in z.chunks_exact_mut(3 * self.dof).enumerate() {
+            let (k, j) = self.mesh.interval_of(p);
+            let (inner, ends) = self.of_interval(&self.unknowns, k);
+            self.basis(k, j).combine(self.dof, inner, ends, z);
+            self.scale(k, z);
+        }
     }
 
     /// q, v, a at the part `x` of interval `k`, 3n numbers; with the jerk 4n.
@@ -196,7 +197,6 @@ impl Spline {
     }
 
     /// Derivatives in s become derivatives in time.
-    #[inline(always)]
     fn scale(&self, k: usize, z: &mut [f64]) {
         let (rate, mut factor) = (1.0 / self.clock(k), 1.0);
         for derivatives in z.chunks_exact_mut(self.dof).skip(1) {

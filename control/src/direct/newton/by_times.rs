@@ -49,7 +49,7 @@ impl ByTimes {
 
     /// Adds what the clock makes of a point that was [collected](Work::collect), to the derivatives by the
     /// times of its phase and of those before it.
-    #[inline(always)]
+    #[inline(never)]
     pub fn add_clock(
         &mut self,
         p: usize,

@@ -149,7 +149,7 @@ impl IntervalHessian {
 }
 
 /// Adds a gradient in z at a point of interval `k` to one in the unknowns.
-#[inline(always)]
+#[inline(never)]
 pub(crate) fn add_gradient(
     spline: &Spline,
     k: usize,
@@ -162,18 +162,18 @@ pub(crate) fn add_gradient(
     let blocks = inner[own * k..own * (k + 1)]
         .chunks_exact_mut(n)
         .chain(nodes[node * k..node * (k + 2)].chunks_exact_mut(n));
-    for (b, to) in blocks.enumerate() {
+    let [of_q, of_v, of_a] = [&from[..n], &from[n..2 * n], &from[2 * n..3 * n]];
+    blocks.enumerate().for_each(|(b, to)| {
         let [f, g, h] = [factors[0][b], factors[1][b], factors[2][b]];
-        let [of_q, of_v, of_a] = [0, 1, 2].map(|s| &from[s * n..][..n]);
-        for (i, to) in to.iter_mut().enumerate() {
-            *to += f * of_q[i] + (g * of_v[i] + h * of_a[i]);
+        for (((to, q), v), a) in to.iter_mut().zip(of_q).zip(of_v).zip(of_a) {
+            *to += f * q + (g * v + h * a);
         }
-    }
+    });
 }
 
 /// Adds what the derivatives of z by the unknowns change by with the time of the phase, beside what z itself
 /// does: those of unknowns that are derivatives in time have a factor `T^m`, and the gradient is one in z.
-#[inline(always)]
+#[inline(never)]
 pub(super) fn add_by_time(
     spline: &Spline,
     k: usize,

@@ -36,17 +36,6 @@ impl Metric {
     /// zeros; R is diagonal, `weights`. With the small part c every change costs something, that of positions
     /// alone too, which is left where they are free at both ends.
     pub fn fill(&mut self, matrix: &mut ChainMatrix, spline: &Spline, points: &Points, weights: &[f64]) {
-        in_widest!(self.fill_all(matrix, spline, points, weights));
-    }
-
-    #[inline(always)]
-    fn fill_all<const FUSED: bool>(
-        &mut self,
-        matrix: &mut ChainMatrix,
-        spline: &Spline,
-        points: &Points,
-        weights: &[f64],
-    ) {
         let (n, width) = (spline.dof, padded(spline.dof));
         for p in 0..points.count() {
             let weight = spline.weight(p);
@@ -54,7 +43,7 @@ impl Metric {
                 to[..n].copy_from_slice(&tau_z[2 * n..]);
             }
             self.square.fill(0.0);
-            add_squares::<FUSED>(&mut self.square, [width, n], weights, &self.mass);
+            in_widest!(add_squares(&mut self.square, [width, n], weights, &self.mass));
             let time = spline.clock(spline.mesh.interval_of(p).0);
             let rate = 1.0 / (time * time);
             let of_states = [REST_OF_METRIC * rate * rate, REST_OF_METRIC * rate];
@@ -66,7 +55,7 @@ impl Metric {
                 }
             }
             let (k, j) = spline.mesh.interval_of(p);
-            let factors = spline.basis(k, j).in_time(1.0 / spline.clock(k));
+            let factors = spline.factors(k, j);
             self.interval.take(j, n, factors, &self.hessian);
             let points = spline.mesh.own_points(k);
             if j + 1 == points {

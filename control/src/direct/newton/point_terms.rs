@@ -310,7 +310,7 @@ impl Work {
     /// Derivatives of z = (q, q'/T, q''/T^2) in the time T of the phase of interval `k`, at constant
     /// unknowns. Those that are derivatives in time, of the order m, are in z with the powers `T^(m - s)`,
     /// s = 0, 1, 2.
-    #[inline(always)]
+    #[inline(never)]
     pub fn differentiate_in_time(
         &mut self,
         z: &[f64],

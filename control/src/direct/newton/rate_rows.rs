@@ -94,7 +94,7 @@ impl RateRows {
     /// The same of what is no rate.
     fn take_at_point(&mut self, k: usize, j: usize, side: &Side, spline: &Spline, points: &Points) -> f64 {
         let (n, p) = (spline.dof, spline.mesh.first_point(k) + j);
-        let factors = spline.basis(k, j).in_time(1.0 / spline.clock(k));
+        let factors = spline.factors(k, j);
         self.work.differentiate_in_time(points.z(p), spline, k, &factors);
         let z = &mut self.work.z[0];
         z.fill(0.0);
@@ -153,14 +153,14 @@ impl RateRows {
 
     /// Derivatives of the torques at the points of an interval.
     pub fn differentiate_torques(&mut self, k: usize, spline: &Spline, points: &Points) {
-        let (n, inverse, mesh) = (spline.dof, 1.0 / spline.clock(k), &spline.mesh);
+        let (n, mesh) = (spline.dof, &spline.mesh);
         let count = mesh.shape.coefficients();
         self.by_unknowns.clear();
         self.by_unknowns.resize(MOST_POINTS * n * count * n, 0.0);
         self.by_time.clear();
         for m in 0..MOST_POINTS {
             let p = mesh.first_point(k) + m;
-            let (factors, tau_z) = (spline.basis(k, m).in_time(inverse), points.tau_z(p));
+            let (factors, tau_z) = (spline.factors(k, m), points.tau_z(p));
             self.work.differentiate_in_time(points.z(p), spline, k, &factors);
             for (i, tau_z) in tau_z.chunks_exact(3 * n).enumerate() {
                 self.by_time.push(tau_z.iter().zip(&self.work.z_t).map(|(a, b)| a * b).sum());

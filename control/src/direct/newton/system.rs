@@ -97,7 +97,7 @@ impl System {
         self.by_times.gradient[0].fill(running.time);
         self.at_ends.reset(spline.unknowns.len(), spline.mesh.intervals());
         for p in 0..points.count() {
-            in_widest!(self.add_point(p, spline, points, barrier, running));
+            self.add_point(p, spline, points, barrier, running);
         }
         self.add_rates(spline, points);
         self.add_hulls(spline, points, barrier);
@@ -120,8 +120,7 @@ impl System {
 
     /// Adds a point: its gradients and its Hessian in z become those in the unknowns and in the time of its
     /// phase.
-    #[inline(always)]
-    fn add_point<const FUSED: bool>(
+    fn add_point(
         &mut self,
         p: usize,
         spline: &Spline,
@@ -131,7 +130,7 @@ impl System {
     ) {
         let (k, j) = spline.mesh.interval_of(p);
         let (n, phase, inverse) = (points.dof, spline.mesh.phase(k), 1.0 / spline.clock(k));
-        let factors = spline.basis(k, j).in_time(inverse);
+        let factors = spline.factors(k, j);
         let work = &mut self.work;
         let of_hessian = if self.exact { Second::All } else { Second::Squares };
         let (weight, cost) = work.collect(p, of_hessian, spline, points, barrier, running);
@@ -143,7 +142,7 @@ impl System {
         let mut second = dot(gradient, &work.z_tt) + 2.0 * dot(slope, &work.z_t);
         // H is symmetric.
         work.product.fill(0.0);
-        add_rows::<FUSED>(&mut work.product, &work.z_t, &work.hessian);
+        in_widest!(add_rows(&mut work.product, &work.z_t, &work.hessian));
         second += dot(&work.z_t, &work.product);
         slope.iter_mut().zip(&work.product).for_each(|(slope, product)| *slope += product);
         for (factor, group) in [(-inverse, n..2 * n), (-2.0 * inverse, 2 * n..3 * n)] {

@@ -67,7 +67,7 @@ impl IntervalPart {
             let (weight, cost) = work.collect(p, Second::Nothing, spline, points, barrier, running);
             // A node that is a point belongs to the intervals beside it in proportion to their widths.
             let own = part * mesh.width(k) / weight;
-            let factors = spline.basis(k, j).in_time(1.0 / time);
+            let factors = spline.factors(k, j);
             self.work.differentiate_in_time(points.z(p), spline, k, &factors);
             self.scaled.iter_mut().zip(&self.work.z[0]).for_each(|(to, from)| *to = own * from);
             by_time += own * weight * cost;
