@@ -232,7 +232,6 @@ macro_rules! free_joint_methods {
             ///     This one.
             #[pyo3(signature = (name, *, on = None, xyz = [0.0; 3], rpy = [0.0; 3], mass = 0.0, com = [0.0; 3],
                 inertia = None))]
-            #[expect(clippy::too_many_arguments, reason = "all by name")]
             fn $kind<'py>(
                 slf: Shared<'py>,
                 name: String,
