@@ -145,8 +145,8 @@ impl ConstrainedDynamics {
     ///
     /// Returns
     /// -------
-    /// ndarray (..., n)
-    ///     In rad, m.
+    /// ndarray (..., nq)
+    ///     In rad, m; quaternions of length 1.
     ///
     /// Raises
     /// ------
@@ -167,6 +167,10 @@ impl ConstrainedDynamics {
     ) -> PyResult<Bound<'py, PyAny>> {
         let mut mask = vec![0.0; self.n()];
         for name in held.unwrap_or_default() {
+            if let Some(free) = self.robot.model().free_joints().iter().find(|free| free.name == name) {
+                mask[free.coordinate..free.coordinate + free.kind.dof()].fill(1.0);
+                continue;
+            }
             let joints = || self.robot.model().independent_joints();
             let Some(index) = joints().position(|joint| joint.name == name) else {
                 let all: Vec<&str> = joints().map(|joint| joint.name.as_str()).collect();

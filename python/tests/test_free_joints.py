@@ -188,3 +188,8 @@ def test_a_body_held_at_a_point_is_a_spherical_pendulum(random):
     assert_close(constrained.acceleration(q, p, np.zeros(6))[3:], a, 1e-11)
     assert jacobian.shape == (12, 18)
     assert_close(constrained.velocity(q, p)[0][3:], v, 1e-12)
+    # Away from its pin it is moved there, turned or not, unless all of it is held.
+    away = np.concatenate([[0.1, -0.2, 0.3], turn])
+    assert np.abs(constrained.constraint(constrained.close(away))).max() < 1e-12
+    with pytest.raises(costate.ConstraintError):
+        constrained.close(away, held=["body"])

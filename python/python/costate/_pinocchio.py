@@ -60,8 +60,9 @@ class JointMap:
             )
         theirs = [names.index(name) for name in own]
         widths = [int(getattr(model.joints[j], "nq", 1)) for j in theirs]
-        for joint, width in zip(joints, widths, strict=True):
-            if joint.free and width != joint.nq:
+        for joint, j, width in zip(joints, theirs, widths, strict=True):
+            # A planar joint has as many entries of q and v as a spherical one.
+            if joint.free and (width != joint.nq or not _is_free(model.joints[j])):
                 raise argument_error("model", f"the joint '{joint.name}' is {joint.free} in the robot, and not in the model")
             if not joint.free and width > 2:
                 raise argument_error(
@@ -210,6 +211,12 @@ def _joints(robot: Robot) -> list[_Joint]:
         joints.append(_Joint(name, kind, position, coordinate))
         position, coordinate = position + joints[-1].nq, coordinate + joints[-1].nv
     return joints
+
+
+def _is_free(joint: Any) -> bool:
+    """Whether a joint of a model turns freely, as far as its name tells."""
+    name = joint.shortname() if hasattr(joint, "shortname") else ""
+    return not name or name.endswith(("FreeFlyer", "Spherical"))
 
 
 def _signs(robot: Robot, model: Any, joints: Sequence[_Joint], theirs: Sequence[int]) -> list[float]:

@@ -26,7 +26,7 @@ def dynamics_of(given: Any, name: str = "dynamics") -> Dynamics:
         found = cast("Dynamics", given)
         robot = getattr(found, "robot", None)
         if isinstance(robot, Robot) and robot.nq != robot.n:
-            raise free_joint_error(robot, "is differentiated by no entry of q here; use Dynamics with Robot.integrate")
+            raise free_joint_error(robot, "functions here have no derivatives by it; use Dynamics with Robot.integrate")
         return found
     raise _wrong(name, given, "costate.Dynamics, or a costate.Robot")
 
