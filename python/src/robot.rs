@@ -15,6 +15,16 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::PathBuf;
 use std::sync::Arc;
 
+/// Refuses a robot with floating or spherical joints where they are not taken, saying what it cannot.
+///
+/// # Errors
+/// `RobotError` with the first such joint.
+pub fn refuse_free_joints(py: Python<'_>, robot: &robot::Robot, what: &'static str) -> PyResult<()> {
+    let Some(free) = robot.free_joints().first() else { return Ok(()) };
+    let (joint, kind) = (free.name.clone(), free.kind.name());
+    Err(errors::robot(py, &robot::RobotError::FreeJoint { joint, kind, what }))
+}
+
 /// A robot: a tree of revolute, prismatic, floating and spherical joints in the world.
 ///
 /// Constraints between frames close its loops, see `with_constraint` and `ConstrainedDynamics`.
@@ -75,14 +85,12 @@ impl Robot {
         Ok(Self { inner: Arc::new(robot), recipe: Arc::new(recipe), look: None, functions: Arc::default() })
     }
 
-    /// Refuses a robot with floating or spherical joints where they are not taken, saying what it cannot.
+    /// As [`refuse_free_joints`].
     ///
     /// # Errors
     /// `RobotError` with the first such joint.
     pub fn refuse_free_joints(&self, py: Python<'_>, what: &'static str) -> PyResult<()> {
-        let Some(free) = self.inner.free_joints().first() else { return Ok(()) };
-        let (joint, kind) = (free.name.clone(), free.kind.name());
-        Err(errors::robot(py, &robot::RobotError::FreeJoint { joint, kind, what }))
+        refuse_free_joints(py, &self.inner, what)
     }
 
     /// Refuses a robot with constraints where they would be ignored, saying what it cannot.

@@ -4,7 +4,7 @@ use super::task::FreeTask;
 use super::unsolved::Unsolved;
 use crate::constants::free_motions::PLACES;
 use crate::cubics::{Disturbance, JointState, cubic};
-use crate::problem::free_joints::{normalised, orientation, plain_entries, quaternion};
+use crate::problem::free_joints::{normalised, orientation, plain_entries};
 use crate::result::free_entries::FreeEntries;
 use crate::result::trajectory::Trajectory;
 use costate::hamiltonian::Hamiltonian;
@@ -118,7 +118,7 @@ impl<'a> Path<'a> {
         }
         let (part, slope) = (s * s * (3.0 - 2.0 * s), 6.0 * s * (1.0 - s) / time);
         for (free, turn) in problem.robot.free_joints().iter().zip(&self.turns) {
-            let at = quaternion(free);
+            let at = free.quaternion();
             let x = &self.task.start;
             let start = Quaternion::new(x[at + 3], x[at], x[at + 1], x[at + 2]);
             let turned = start * UnitQuaternion::from_scaled_axis(turn * part).into_inner();

@@ -8,7 +8,7 @@ use crate::direct_states::solution::StateMotion;
 use crate::numerics::dormand_prince::DormandPrince;
 use crate::problem::Problem;
 use crate::problem::free_end::orientation_rows;
-use crate::problem::free_joints::{normalised, plain_entries, quaternion};
+use crate::problem::free_joints::{normalised, plain_entries};
 use crate::result::free_entries::FreeEntries;
 use costate::hamiltonian::Hamiltonian;
 
@@ -59,7 +59,7 @@ pub(super) fn missed(problem: &Problem, state: &[f64]) -> f64 {
         (0..free.kind.slides()).for_each(|k| {
             count(free.coordinate + k, q[free.position + k] - target[free.position + k]);
         });
-        let at = quaternion(free);
+        let at = free.quaternion();
         let rows = orientation_rows([0, 1, 2, 3].map(|k| target[at + k]));
         for (k, row) in rows.iter().enumerate() {
             let turn: f64 = row.iter().zip(&q[at..]).map(|(c, a)| c * a).sum();

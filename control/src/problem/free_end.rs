@@ -7,7 +7,7 @@
 
 use super::error::ProblemError;
 use super::free_error::FreeMotionError;
-use super::free_joints::{length, normalised, orientation, plain_entries, quaternion};
+use super::free_joints::{length, normalised, orientation, plain_entries};
 use super::key::Key;
 use super::{FinalTime, Problem};
 use crate::constants::free_motions::KEPT;
@@ -139,7 +139,7 @@ impl Problem {
         let is_free = |k: &usize| self.end.q_free.contains(&(free.coordinate + k));
         let of_angles = free.kind.slides();
         found.free.extend((0..of_angles).filter(is_free).map(|k| free.position + k));
-        let at = quaternion(free);
+        let at = free.quaternion();
         found.free.extend(at..at + 4);
         let turns: Vec<usize> = (0..3).filter(|k| is_free(&(of_angles + k))).collect();
         if turns.len() == 2 {

@@ -3,7 +3,7 @@
 use super::Problem;
 use super::error::ProblemError;
 use super::free_end::{Carried, unknown};
-use super::free_joints::{normalised, orientation, quaternion};
+use super::free_joints::{normalised, orientation};
 use super::key::Key;
 use costate::EvalError;
 use costate::hamiltonian::Hamiltonian;
@@ -82,7 +82,7 @@ impl FreeFall<'_> {
         model: &mut Hamiltonian<f64>,
     ) -> Result<(), EvalError> {
         if let Some(spin) = &mut self.spin {
-            let (at, i) = (quaternion(self.free), self.free.coordinate + 3);
+            let (at, i) = (self.free.quaternion(), self.free.coordinate + 3);
             spin.turn *= UnitQuaternion::from_scaled_axis(spin.rate * (t - spin.t));
             q[at..at + 4].copy_from_slice(spin.turn.coords.as_slice());
             let now = Carried::new(self.free, q, v, model)?;

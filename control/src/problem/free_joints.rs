@@ -30,15 +30,10 @@ pub(crate) fn each_plain(
     (i..n).for_each(|k| take(at + k - i, k));
 }
 
-/// Index of the first entry of its quaternion in q.
-pub(crate) fn quaternion(free: &FreeJoint) -> usize {
-    free.position + free.kind.slides()
-}
-
 /// q with quaternions of length 1.
 pub(crate) fn normalised(robot: &Robot, q: &[f64]) -> Vec<f64> {
     let mut q = q.to_vec();
-    for at in robot.free_joints().iter().map(quaternion) {
+    for at in robot.free_joints().iter().map(FreeJoint::quaternion) {
         let length = length(&q[at..at + 4]);
         q[at..at + 4].iter_mut().for_each(|entry| *entry /= length);
     }
@@ -47,7 +42,7 @@ pub(crate) fn normalised(robot: &Robot, q: &[f64]) -> Vec<f64> {
 
 /// R of its frame, from its quaternion.
 pub(crate) fn orientation(free: &FreeJoint, q: &[f64]) -> UnitQuaternion<f64> {
-    let at = quaternion(free);
+    let at = free.quaternion();
     UnitQuaternion::from_quaternion(Quaternion::new(q[at + 3], q[at], q[at + 1], q[at + 2]))
 }
 
@@ -128,7 +123,7 @@ impl Problem {
         }
         for (key, q) in [(Key::START_Q, &self.start.q), (Key::END_Q, &self.end.q)] {
             for free in self.robot.free_joints() {
-                let entry = quaternion(free);
+                let entry = free.quaternion();
                 let length = length(&q[entry..entry + 4]);
                 let is_unit = (length * length - 1.0).abs() <= UNIT;
                 if !is_unit {

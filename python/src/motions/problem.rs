@@ -6,8 +6,8 @@ use super::run::{Range, Run, Work};
 use super::solution::SolutionCore;
 use crate::errors;
 use crate::recipe::{Recipe, is_rebuilding, named};
-use crate::robot::Robot;
-use costate::robot::{LoadOptions, RobotError};
+use crate::robot::{Robot, refuse_free_joints};
+use costate::robot::LoadOptions;
 use costate_control::{
     Parameter, Problem, ProblemFile, Resolve, RobotNames, SavedStart, Solution, Solver, SolverOptions,
     Trajectory, UnknownParameter,
@@ -294,10 +294,7 @@ impl ProblemCore {
 impl ProblemCore {
     /// With the robot of a file, whose text goes into pickles.
     fn read_with(py: Python<'_>, file: ProblemFile, friction: bool) -> PyResult<Self> {
-        if let Some(free) = file.problem.robot.free_joints().first() {
-            let (joint, kind) = (free.name.clone(), free.kind.name());
-            return Err(errors::robot(py, &RobotError::FreeJoint { joint, kind, what: NO_PROBLEM }));
-        }
+        refuse_free_joints(py, &file.problem.robot, NO_PROBLEM)?;
         let path = file.robot_path.clone().unwrap_or_default();
         let robot = Robot::from_file(py, path, friction, false, false, false)?;
         Self::new(py, file, robot, None)
