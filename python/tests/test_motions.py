@@ -33,6 +33,10 @@ def test_the_file_of_the_two_link_arm(arm):
     assert abs(solution.cost - 145.13113754) < 1e-6 and solution.final_time == 1.0
     assert solution.certificate == "local_minimum" and solution.conjugate_time is None
     assert solution.verification == "full" and solution.end_defect < 1e-6 and solution.shooting_defect < 1e-6
+    # Errors of polished motions are estimated for each component; that of the direct one is told, and not smaller than
+    # the real one.
+    direct = problem.solve(polish=False)
+    assert np.isnan(solution.cost_error) and abs(direct.cost / 145.13113754 - 1) < direct.cost_error < 1e-6
     # H* is constant, and J T^3 is: dJ/dT = -3 J/T = -H*.
     assert abs(solution.hamiltonian_mean - 3 * 145.13113754) < 1e-5 and solution.hamiltonian_drift < 1e-6
     assert problem == costate.Problem(arm, start=[0, 0], end=[QUARTER, QUARTER], time=1, cost=[1.0, 1.0])
