@@ -48,12 +48,12 @@ pub(crate) fn solve(
 fn of_joints(problem: &Problem, loops: &Loops, found: Solution) -> Solution {
     let n = problem.robot.dof();
     let lambda = |accelerations: &Vec<f64>| match &loops.walk {
-        // Along the axes of the world, of forces along the edges of the friction cone.
+        // In the axes of the world, of forces along the edges of the friction cone and torques about toes.
         Some(walk) => {
-            let mut lambda = vec![0.0; loops.rows.len()];
-            for ((edge, row), a) in walk.edges.iter().zip(&loops.rows).zip(&accelerations[n..]) {
-                let foot = &mut lambda[2 * (row.row / 2)..][..2];
-                foot.iter_mut().zip(edge).for_each(|(to, part)| *to += part * row.mass * a);
+            let (mut lambda, of_foot) = (vec![0.0; loops.rows.len()], walk.gait.rows_of_foot());
+            for ((column, row), a) in walk.columns.iter().zip(&loops.rows).zip(&accelerations[n..]) {
+                let foot = &mut lambda[of_foot * (row.row / of_foot)..][..of_foot];
+                foot.iter_mut().zip(column).for_each(|(to, part)| *to += part * row.mass * a);
             }
             lambda
         }

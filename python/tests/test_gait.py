@@ -57,6 +57,25 @@ def test_the_gait_is_told(walk):
     assert again.gait == gait
 
 
+def test_soles_are_those_of_the_file():
+    file = costate.Problem.from_file(PROBLEMS / "seven_link_walk.toml")
+    gait = GAIT | {
+        "sole": [-0.0665, 0.125],
+        "mirror": [[f"left_{joint}", f"right_{joint}"] for joint in ("hip", "knee", "ankle")],
+    }
+    given = {
+        "start": [-0.25, 0.9, 0.05, 0.2, 0.15, -0.35, -0.4, 0.2, 0.2],
+        "time": 0.6,
+        "cost": [0] * 3 + [1] * 6,
+        "limits": {"q_min": [-FREE] * 4 + [0, -FREE, -FREE, 0, -FREE], "torque_max": [0] * 3 + [200] * 6},
+        "solver": {"tolerance": 1e-6},
+    }
+    assert costate.Problem(load("seven_link.toml"), gait=gait, **given) == file
+    with pytest.raises(costate.ProblemError, match="heel") as raised:
+        costate.Problem(load("seven_link.toml"), gait=gait | {"sole": [0.1, 0.1]}, **given).solve()
+    assert raised.value.key == "gait.sole"
+
+
 def test_what_is_no_gait_is_refused_by_name():
     with pytest.raises(costate.ProblemError, match="right_foot") as raised:
         costate.Problem(load("rabbit.toml"), **tables() | {"gait": GAIT | {"stance": "right_fot"}}).solve()

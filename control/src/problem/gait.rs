@@ -1,6 +1,6 @@
 //! The gait of a walking robot, as the user gives it.
 
-/// A gait of a planar robot with point feet that repeats itself mirrored after each step: a walk on two legs,
+/// A gait of a planar robot that repeats itself mirrored after each step: a walk on two legs,
 /// a trot on four. The motion is one step of it, from one landing to the next.
 ///
 /// During the step some feet stand on the ground, pinned by forces within their friction cones, and as many
@@ -35,7 +35,7 @@
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Gait {
-    /// The frames that stand on the ground during the step: points.
+    /// The frames that stand on the ground during the step: points, or origins of soles.
     pub stance: Vec<String>,
     /// For each of them the one that lands in its place, one step ahead, at the end.
     pub swing: Vec<String>,
@@ -50,6 +50,10 @@ pub struct Gait {
     pub clearance: f64,
     /// Pairs of joints that change places when the legs change their roles.
     pub mirror: Vec<[String; 2]>,
+    /// x of heel and toe in the frames of the feet (m), where these have soles; points if there are none. A
+    /// foot that stands is flat on the ground: x of its frame is ahead and z up. The ground pushes heel and
+    /// toe with forces in their friction cones, so that the centre of pressure is between them.
+    pub sole: Option<[f64; 2]>,
 }
 
 impl Gait {
@@ -61,7 +65,16 @@ impl Gait {
     pub fn new(stance: &[&str], swing: &[&str], along: &str, length: f64) -> Self {
         let [stance, swing] = [stance, swing].map(|feet| feet.iter().map(|&foot| foot.to_owned()).collect());
         let along = along.to_owned();
-        Self { stance, swing, along, length, friction: Self::FRICTION, clearance: 0.0, mirror: Vec::new() }
+        Self {
+            stance,
+            swing,
+            along,
+            length,
+            friction: Self::FRICTION,
+            clearance: 0.0,
+            mirror: Vec::new(),
+            sole: None,
+        }
     }
 
     /// With this coefficient of friction.
@@ -74,6 +87,12 @@ impl Gait {
     #[must_use]
     pub fn with_clearance(self, clearance: f64) -> Self {
         Self { clearance, ..self }
+    }
+
+    /// With soles from heel to toe, x in the frames of the feet (m).
+    #[must_use]
+    pub fn with_sole(self, heel: f64, toe: f64) -> Self {
+        Self { sole: Some([heel, toe]), ..self }
     }
 
     /// With these pairs of joints that change places.

@@ -53,6 +53,11 @@ pub enum GaitError {
         /// The frame.
         frame: String,
     },
+    /// A sole whose frame does not lie in the plane of x and z of the world, x ahead and z up.
+    Tilted {
+        /// The frame.
+        frame: String,
+    },
     /// The mirror image of the robot is another one.
     NotSymmetric {
         /// The joint whose torque differs most for mirrored motions.
@@ -127,6 +132,12 @@ impl fmt::Display for GaitError {
                 f,
                 "a joint moves the frame '{}' along y of the world; gaits are those of robots in the plane of \
                  x and z",
+                printable(frame)
+            ),
+            Self::Tilted { frame } => write!(
+                f,
+                "a foot with a sole stands on x of its frame, with z up, but that of '{}' is tilted sideways or \
+                 turned about z; place another frame there",
                 printable(frame)
             ),
             Self::NotSymmetric { joint, by } => write!(

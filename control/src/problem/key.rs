@@ -64,6 +64,7 @@ impl Key {
     pub(crate) const GAIT_FRICTION: Self = Self::new("gait", "friction", "gait");
     pub(crate) const GAIT_CLEARANCE: Self = Self::new("gait", "clearance", "gait");
     pub(crate) const GAIT_MIRROR: Self = Self::new("gait", "mirror", "gait");
+    pub(crate) const GAIT_SOLE: Self = Self::new("gait", "sole", "gait");
     /// The file of a saved motion.
     pub const START_FROM: Self = Self::new("start_from", "file", "start");
 

@@ -29,10 +29,13 @@ pub(crate) struct LoopRow {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Walk {
     pub gait: Gait,
-    /// The robot with a constraint for each foot that stands, whose rows are x and z of it.
+    /// The robot with a constraint for each foot that stands, whose rows are x and z of it, and its angle if
+    /// it is a sole.
     pub foot: Robot,
     /// The same of the feet that swing.
     pub swing: Robot,
+    /// With x and z of the points that touch the ground: of the feet that swing, and that stand.
+    pub corners: [Robot; 2],
     /// x of the feet that stand, in a guess.
     pub places: Vec<f64>,
     /// For each joint the one whose place it takes when the legs change their roles.
@@ -41,8 +44,8 @@ pub(crate) struct Walk {
     pub shift: Vec<f64>,
     /// Units of momenta, the diagonal of M at the start (kg m^2/s, kg m/s).
     pub scales: Vec<f64>,
-    /// x and z of the direction of each row: edges of friction cones, two for each foot.
-    pub edges: Vec<[f64; 2]>,
+    /// Force (x, z) and torque about the origin of the foot of each row, the same number for each foot.
+    pub columns: Vec<[f64; 3]>,
     /// Accelerations of multipliers that carry the weight, for guesses.
     pub lift: Vec<f64>,
 }

@@ -29,6 +29,7 @@ mod phases;
 pub(crate) mod references;
 pub(crate) mod rounded;
 pub(crate) mod running_cost;
+mod soles;
 pub(crate) mod source_error;
 pub(crate) mod task;
 pub(crate) mod task_error;
@@ -37,7 +38,7 @@ pub(crate) mod torque_speed_error;
 pub(crate) mod urdf_bodies;
 mod via;
 mod via_error;
-mod walking;
+pub(crate) mod walking;
 pub(crate) mod warning;
 
 pub use end_error::{EndError, Leads};

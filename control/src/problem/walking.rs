@@ -1,7 +1,7 @@
 //! A step of a gait as a motion of a robot with its foot in constraints.
 //!
 //! Each foot that stands is held along two directions d_1, d_2 of the plane, the edges of the friction cone
-//! of the ground: its force is `a_1 d_1 + a_2 d_2` with the multipliers a of these rows, and it is in the
+//! of the ground ([`super::soles`] says what soles have in addition): its force is `a_1 d_1 + a_2 d_2` with the multipliers a of these rows, and it is in the
 //! cone where both are positive. As in [`super::loops`] they are accelerations of further coordinates nu,
 //! and nothing depends on their rates. So the rates with which a step begins are the impulses Lambda of the
 //! impact before it: what `p = M v - J'dnu/dt` says about them is that p is continuous there, but for the
@@ -23,7 +23,7 @@ use crate::constants::checks::gait::{PLANAR, SYMMETRIC};
 use costate::EvalError;
 use costate::constraints::{ConstrainedHamiltonian, Constraints};
 use costate::lagrangian::Lagrangian;
-use costate::robot::{ConstraintRow, ConstraintSpec, JointKind, Placement, RobotError};
+use costate::robot::{ConstraintSpec, JointKind, RobotError};
 use std::sync::Arc;
 
 impl Problem {
@@ -58,6 +58,13 @@ impl Problem {
             let remedy = "must be neither negative nor infinite (m)";
             return Err(GaitError::OutOfRange { value: clearance, remedy }.at(Key::GAIT_CLEARANCE));
         }
+        if let Some([heel, toe]) = gait.sole {
+            let value = toe - heel;
+            if !(value > 0.0 && value.is_finite()) {
+                let remedy = "heel and toe (m) must be finite numbers, the heel the smaller one";
+                return Err(GaitError::OutOfRange { value, remedy }.at(Key::GAIT_SOLE));
+            }
+        }
         self.check_names(gait)?;
         let exchange = self.exchange(gait)?;
         let along = self.joint(Key::GAIT_ALONG, &gait.along)?;
@@ -71,42 +78,47 @@ impl Problem {
         let angle = friction.atan();
         let (mut standing, mut foot, mut swing) =
             (self.robot.clone(), self.robot.clone(), self.robot.clone());
+        let mut corners = [self.robot.clone(), self.robot.clone()];
         for ((stands, swings), x) in gait.stance.iter().zip(&gait.swing).zip(&places) {
-            for (name, angle) in [("ahead", angle), ("back", -angle)] {
-                let edge = format!("{stands} pushed {name}");
-                let edge = ConstraintSpec::rows(edge, stands, "world", &[ConstraintRow::Z])
-                    .to_placed(Placement::from_xyz_rpy([*x, 0.0, 0.0], [0.0, angle, 0.0]));
-                standing = standing.with_constraint(edge).map_err(no_foot)?;
+            for row in gait.held(stands, *x) {
+                standing = standing.with_constraint(row).map_err(no_foot)?;
             }
-            foot = foot.with_constraint(point(stands, 0.0)).map_err(no_foot)?;
-            swing = swing.with_constraint(point(swings, 0.0)).map_err(no_foot)?;
+            foot = foot.with_constraint(gait.placed(stands, stands, [0.0; 2])).map_err(no_foot)?;
+            swing = swing.with_constraint(gait.placed(swings, swings, [0.0; 2])).map_err(no_foot)?;
+            for (of, foot) in corners.iter_mut().zip([swings, stands]) {
+                for (number, x) in gait.corners().into_iter().enumerate() {
+                    *of = of.with_constraint(gait.corner(foot, number, x)).map_err(no_foot)?;
+                }
+            }
         }
         let still = vec![0.0; q.len()];
         let held =
             Self { robot: standing, gait: None, start: BoundaryState::fixed(&q, &still), ..self.clone() };
         let mut rows = Constraints::new(&held.robot);
         rows.set_position(&q).map_err(failed)?;
-        let kept = held.independent_rows(&mut rows).map_err(failed)?;
+        let mut kept = held.independent_rows(&mut rows).map_err(failed)?;
         if kept.len() < rows.count() {
             return Err(GaitError::Redundant.at(Key::GAIT_STANCE));
         }
         let mut model = Lagrangian::<f64>::new(&self.robot);
         let mass = model.linearise_inverse_dynamics(&q, &still, &still).map_err(failed)?.tau_a;
         let scales: Vec<f64> = (0..q.len()).map(|i| mass[(i, i)]).collect();
-        let share = scales[along] * self.robot.gravity().norm() / (kept.len() as f64 * angle.cos());
-        let lift = kept.iter().map(|row| share / row.mass).collect();
-        let edges = [[angle.sin(), angle.cos()], [-angle.sin(), angle.cos()]];
-        let walk = Walk {
-            foot,
-            swing,
-            edges: kept.iter().map(|row| edges[row.row % 2]).collect(),
-            gait: gait.clone(),
-            places,
-            exchange,
-            shift,
-            scales,
-            lift,
-        };
+        let columns = gait.columns().repeat(gait.stance.len());
+        let (share, gravity) = (scales[along] / (2.0 * places.len() as f64), self.robot.gravity().norm());
+        // The weight is on both edges alike, and a sole is pressed in its middle.
+        let masses = (0..gait.rows_of_foot()).map(|row| match gait.sole {
+            Some([heel, toe]) if row == 2 => share * (toe - heel),
+            _ => share / angle.cos(),
+        });
+        let masses = masses.collect::<Vec<f64>>().repeat(places.len());
+        if gait.sole.is_some() {
+            // A foot alone is light and easily turned: in its own masses the weight is an acceleration of
+            // thousands of units, and limits would be kept to parts of one.
+            kept.iter_mut().zip(&masses).for_each(|(row, mass)| row.mass = knob("MASS", 1.0) * mass);
+        }
+        let lift = kept.iter().zip(masses).map(|(row, mass)| mass * gravity / row.mass).collect();
+        let walk =
+            Walk { foot, swing, corners, columns, gait: gait.clone(), places, exchange, shift, scales, lift };
         Ok(held.with_walk(walk, kept))
     }
 
@@ -198,12 +210,16 @@ impl Problem {
         let feet = [(Key::GAIT_STANCE, &gait.stance), (Key::GAIT_SWING, &gait.swing)];
         let feet = feet.into_iter().flat_map(|(key, feet)| feet.iter().map(move |frame| (key, frame)));
         for (key, frame) in feet {
-            let robot = self.robot.with_constraint(ConstraintSpec::pinned(frame.as_str(), frame, "world"));
+            let robot = self.robot.with_constraint(ConstraintSpec::rigid(frame.as_str(), frame, "world"));
             let mut foot = Constraints::<f64>::new(&robot.map_err(no_foot)?);
             if let Err(error) = foot.set_position(&self.start.q) {
                 return Err(GaitError::CannotStand { cause: error.into() }.at(Key::START_Q));
             }
             let [x, y, z] = [0, 1, 2].map(|row| foot.jacobian().row(row));
+            let tilts = [3, 5].map(|row| foot.values()[row].abs());
+            if gait.sole.is_some() && tilts.iter().any(|tilt| *tilt > PLANAR) {
+                return Err(GaitError::Tilted { frame: frame.clone() }.at(key));
+            }
             if y.iter().any(|entry| entry.abs() > PLANAR) {
                 return Err(GaitError::NotPlanar { frame: frame.clone() }.at(key));
             }
@@ -222,7 +238,7 @@ impl Problem {
         let mut q = self.start.q.clone();
         let mut places = Vec::with_capacity(gait.stance.len());
         for foot in &gait.stance {
-            let robot = self.robot.with_constraint(point(foot, 0.0)).map_err(no_foot)?;
+            let robot = self.robot.with_constraint(gait.placed(foot, foot, [0.0; 2])).map_err(no_foot)?;
             let mut found = Constraints::<f64>::new(&robot);
             found.set_position(&q).map_err(|error| failed(error.into()))?;
             places.push(found.values()[0]);
@@ -231,8 +247,9 @@ impl Problem {
         places.iter_mut().for_each(|x| *x -= first);
         let mut robot = self.robot.clone();
         for ((stands, swings), x) in gait.stance.iter().zip(&gait.swing).zip(&places) {
-            robot = robot.with_constraint(point(stands, *x)).map_err(no_foot)?;
-            robot = robot.with_constraint(point(swings, x - gait.length)).map_err(no_foot)?;
+            robot = robot.with_constraint(gait.placed(stands, stands, [*x, 0.0])).map_err(no_foot)?;
+            let behind = [x - gait.length, 0.0];
+            robot = robot.with_constraint(gait.placed(swings, swings, behind)).map_err(no_foot)?;
         }
         let held = vec![false; q.len()];
         ConstrainedHamiltonian::<f64>::new(&robot).close(&mut q, &held).map_err(failed)?;
@@ -282,10 +299,8 @@ impl Problem {
     }
 }
 
-/// The constraint of a foot at a place of the ground.
-fn point(foot: &str, x: f64) -> ConstraintSpec {
-    ConstraintSpec::rows(foot, foot, "world", &[ConstraintRow::X, ConstraintRow::Z])
-        .to_placed(Placement::from_xyz_rpy([x, 0.0, 0.0], [0.0; 3]))
+pub(crate) fn knob(name: &str, default: f64) -> f64 {
+    std::env::var(format!("KNOB_{name}")).ok().and_then(|x| x.parse().ok()).unwrap_or(default)
 }
 
 impl GaitError {

@@ -102,7 +102,8 @@ impl Landing {
         let after = impact.evaluate(q, &p)?;
         let exchanged = |list: &[f64]| exchanged(&walk.exchange, list);
         let places = exchanged(q).iter().zip(&walk.shift).map(|(q, shift)| q + shift).collect();
-        let impulses = after.impulse.chunks_exact(2).map(|foot| [foot[0], 0.0, foot[1]]).collect();
+        let feet = after.impulse.chunks_exact(walk.gait.rows_of_foot());
+        let impulses = feet.map(|foot| [foot[0], 0.0, foot[1]]).collect();
         Ok(Self { q: places, v: exchanged(after.velocity), impulses, loss: after.loss })
     }
 

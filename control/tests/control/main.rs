@@ -48,6 +48,7 @@ mod samples;
 mod second_order;
 mod second_variation;
 mod shooting;
+mod soles;
 mod source;
 mod states;
 mod stopping;

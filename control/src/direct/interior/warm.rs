@@ -20,6 +20,7 @@ impl<D: PointDynamics> Interior<D> {
         for (at, multiplier) in self.barrier.at_ends().zip(at_ends) {
             self.barrier.multiplier[at] = multiplier;
         }
+        self.centre_ends();
         self.measure_figures();
         Ok(())
     }
@@ -56,7 +57,30 @@ impl<D: PointDynamics> Interior<D> {
         old.fill(&self.spline, &self.barrier);
         self.warm_start(&old, gap, rough);
         self.multipliers = old;
+        self.centre_ends();
         self.measure_figures();
+    }
+
+    /// Puts limits at the ends near the central path, from their multipliers, as [`warm_start`] does along
+    /// the motion.
+    ///
+    /// [`warm_start`]: Self::warm_start
+    fn centre_ends(&mut self) {
+        for at in self.barrier.at_ends() {
+            if !self.barrier.is_limit(at) {
+                continue;
+            }
+            let (range, weight) = (1.0 / self.barrier.unit[at], self.barrier.weight[at]);
+            let slack_at = [constants::LEAST_SLACK, constants::FIRST_SLACK].map(|part| part * range);
+            let (distance, multiplier) = (self.barrier.distance[at], self.barrier.multiplier[at]);
+            let most = distance.max(slack_at[1]);
+            let of_multiplier = self.mu * weight / multiplier.max(f64::MIN_POSITIVE);
+            let slack = distance.max(slack_at[0]).max(of_multiplier).min(most);
+            let central = self.mu * weight / slack;
+            let [low, high] = [central / constants::OFF_CENTRE, constants::OFF_CENTRE * central];
+            self.barrier.slack[at] = slack;
+            self.barrier.multiplier[at] = multiplier.clamp(low, high);
+        }
     }
 
     /// Slacks and multipliers near the central path, for a gap of at least what it costs to move all limits

@@ -1,5 +1,6 @@
 //! The rows of a gait: the impact between two steps, and the heights of the feet that swing.
 
+use super::gait_soles::GaitSoles;
 use crate::direct::points::values::Points;
 use crate::problem::loop_rows::{LoopRow, Loops, Walk};
 use crate::task::row::{Measure, Row};
@@ -17,11 +18,11 @@ const HEIGHT: f64 = 0.1;
 /// ```text
 /// M v(0) - J'dnu/dt(0) - S M v(T)     n, momenta after the impact
 /// J v(0)                              k, rates of the rows of the feet that stand
-/// g(q(0))                             x and z of the first of these feet, z of the others
+/// g(q(0))                             x and z of the first of these feet, z of the others; angles of soles
 /// ```
 ///
-/// and along the motion `z - h (1 - x^2 / L^2) >= 0` of each foot that swings, x from the foot whose place it
-/// takes.
+/// then those of [`GaitSoles`]; and along the motion `z - h (1 - x^2 / L^2) >= 0` of each point of a foot that
+/// swings, x from the one whose place it takes.
 ///
 /// `M v` is what inverse dynamics needs for the acceleration v at rest, more than for none; its derivatives
 /// are those of inverse dynamics.
@@ -36,7 +37,7 @@ pub(crate) struct GaitRows {
     forces: Vec<Tangent<f64>>,
     /// The rows whose sum is a place.
     places: Vec<Range<usize>>,
-    /// x and z of the feet that swing, and of those that stand.
+    /// x and z of the points of feet that swing, and of those that stand.
     swing: Constraints<f64>,
     foot: Constraints<f64>,
     /// Weights of x and z of both.
@@ -46,6 +47,7 @@ pub(crate) struct GaitRows {
     arch: [f64; 2],
     bounds: Vec<Row>,
     heights: Vec<Row>,
+    soles: Option<GaitSoles>,
     rest: Vec<f64>,
     weights: Vec<f64>,
     momentum: Vec<f64>,
@@ -70,26 +72,43 @@ impl GaitRows {
     pub fn new(loops: &Loops, walk: &Walk) -> Self {
         let stance = Constraints::<Tangent<f64>>::new(&loops.robot);
         let (n, k) = (stance.dof(), loops.rows.len());
-        let places: Vec<Range<usize>> =
-            [0..1, 1..2].into_iter().chain((1..k / 2).map(|i| 2 * i..2 * i + 2)).collect();
+        let (of_foot, sole) = (walk.gait.rows_of_foot(), walk.gait.sole.is_some());
+        let places = |foot: usize| {
+            let first = of_foot * foot;
+            let angle = sole.then(|| first + 2..first + 3);
+            let others = match foot {
+                0 => [Some(0..1), Some(1..2)],
+                _ => [Some(first..first + 2), None],
+            };
+            others.into_iter().flatten().chain(angle)
+        };
+        let places: Vec<Range<usize>> = (0..k / of_foot).flat_map(places).collect();
         let momenta = walk.scales.iter().enumerate();
         let momenta = momenta.map(|(i, &scale)| {
             Row::equal(0.0, scale, "kg m/s, kg m^2/s", format!("momentum {i} through the impact"))
         });
-        let of = |what: &str, unit, first: usize| {
-            let name = format!("{what} of '{}' at the start of the step", walk.gait.stance[first / 2]);
+        let of = |[what, turned]: [&str; 2], [unit, of_angles]: [&'static str; 2], first: usize| {
+            let is_angle = first % of_foot == 2;
+            let (what, unit) = if is_angle { (turned, of_angles) } else { (what, unit) };
+            let name = format!("{what} of '{}' at the start of the step", walk.gait.stance[first / of_foot]);
             Row::equal(0.0, 1.0, unit, name)
         };
-        let speeds = (0..k).map(|c| of("velocity", "m/s", c));
-        let bounds = momenta.chain(speeds).chain(places.iter().map(|rows| of("place", "m", rows.start)));
-        let height = |swings: &String| Row {
+        let speeds = (0..k).map(|c| of(["velocity", "rate of the angle"], ["m/s", "rad/s"], c));
+        let starts = places.iter().map(|rows| of(["place", "angle"], ["m", "rad"], rows.start));
+        let soles = GaitSoles::new(loops, walk);
+        let of_soles = soles.iter().flat_map(|soles| soles.bounds().iter().cloned());
+        let bounds = momenta.chain(speeds).chain(starts).chain(of_soles);
+        let height = |(swings, corner): (&String, usize)| Row {
             lower: 0.0,
             upper: f64::INFINITY,
-            range: HEIGHT,
-            name: format!("clearance of '{swings}' from the ground"),
+            range: crate::problem::walking::knob("HEIGHT", HEIGHT),
+            name: format!("clearance of {} from the ground", walk.gait.name_of_corner(swings, corner)),
             unit: "m",
             measure: Measure::Plain,
         };
+        let points = walk.gait.corners().len();
+        let corners = walk.gait.swing.iter().flat_map(|foot| (0..points).map(move |corner| (foot, corner)));
+        let heights: Vec<Row> = corners.map(height).collect();
         let zero = Tangent::new(0.0, 0.0);
         Self {
             open: LagrangianSecondOrder::new(&loops.robot.without_constraints()),
@@ -98,14 +117,15 @@ impl GaitRows {
             line: vec![zero; n],
             forces: vec![zero; stance.count()],
             stance,
-            swing: Constraints::new(&walk.swing),
-            foot: Constraints::new(&walk.foot),
-            of_swing: vec![0.0; k],
-            of_foot: vec![0.0; k],
+            swing: Constraints::new(&walk.corners[0]),
+            foot: Constraints::new(&walk.corners[1]),
+            of_swing: vec![0.0; 2 * heights.len()],
+            of_foot: vec![0.0; 2 * heights.len()],
             arch: [walk.gait.clearance, walk.gait.length],
             bounds: bounds.collect(),
             places,
-            heights: walk.gait.swing.iter().map(height).collect(),
+            heights,
+            soles,
             rest: vec![0.0; n],
             weights: vec![0.0; n],
             momentum: vec![0.0; n],
@@ -123,6 +143,16 @@ impl GaitRows {
         &self.heights
     }
 
+    /// Forces on toes, in the accelerations of multipliers, and what holds for them.
+    pub fn soles(&self) -> Option<&GaitSoles> {
+        self.soles.as_ref()
+    }
+
+    /// The same, no more than these rows.
+    pub fn forces(&self) -> &[Row] {
+        self.soles.as_ref().map_or(&[], GaitSoles::forces)
+    }
+
     /// The rows at the ends in these states of them.
     ///
     /// # Errors
@@ -138,7 +168,8 @@ impl GaitRows {
         momenta.iter_mut().zip(&self.momentum).for_each(|(to, p)| *to += p);
         let (q, v, rates) = (&start[..n], &start[n + k..2 * n + k], &start[2 * n + k..]);
         self.place(q, v)?;
-        let (speeds, places) = others.split_at_mut(k);
+        let (speeds, others) = others.split_at_mut(k);
+        let (places, of_soles) = others.split_at_mut(self.places.len());
         let values = self.stance.values();
         for (place, rows) in places.iter_mut().zip(&self.places) {
             *place = self.rows[rows.clone()].iter().map(|one| values[one.row].re).sum();
@@ -148,7 +179,10 @@ impl GaitRows {
             let slopes = self.stance.jacobian().row(*row);
             momenta.iter_mut().zip(slopes).for_each(|(to, j)| *to -= mass * rate * j.re);
         }
-        Ok(())
+        match &mut self.soles {
+            Some(soles) => soles.values([start, end], of_soles),
+            None => Ok(()),
+        }
     }
 
     /// The same with derivatives, second ones weighted; all of them are added.
@@ -223,10 +257,18 @@ impl GaitRows {
         for (i, j) in pairs(n) {
             at_start[width * i + j] += bent[(i, j)].re;
         }
-        Ok(())
+        let first = all + self.places.len();
+        let (near, far) = (&mut near[width * first..], &mut far[width * first..]);
+        match &mut self.soles {
+            Some(soles) => {
+                let derivatives = Derivatives { near, far, at_start, at_end };
+                soles.contract([start, end], &weights[first..], derivatives)
+            }
+            None => Ok(()),
+        }
     }
 
-    /// The heights of the feet that swing above their parabolas, at the position q of the joints.
+    /// The heights of the points of feet that swing above their parabolas, at the position q of the joints.
     ///
     /// # Errors
     /// A position that cannot be evaluated.
@@ -242,7 +284,7 @@ impl GaitRows {
         Ok(())
     }
 
-    /// x of a foot that swings from the one whose place it takes.
+    /// x of a point that swings from the one whose place it takes.
     fn distance(&self, i: usize) -> f64 {
         self.swing.values()[2 * i] - self.foot.values()[2 * i]
     }

@@ -18,6 +18,26 @@ pub(in crate::direct) fn rabbit() -> Problem {
     problem.with_multipliers().unwrap()
 }
 
+/// A step of the biped with feet, with its multipliers.
+pub(in crate::direct) fn seven_link() -> Problem {
+    let q = [-0.25, 0.9, 0.05, 0.2, 0.15, -0.35, -0.4, 0.2, 0.2];
+    let gait = Gait::new(&["right_foot"], &["left_foot"], "base_x", 0.5)
+        .with_clearance(0.05)
+        .with_sole(-0.0665, 0.125)
+        .with_mirror(&[
+            ["left_hip", "right_hip"],
+            ["left_knee", "right_knee"],
+            ["left_ankle", "right_ankle"],
+        ]);
+    let most = [[0.0; 3].as_slice(), &[200.0; 6]].concat();
+    let effort = [[0.0; 3].as_slice(), &[1.0; 6]].concat();
+    let problem = Problem::rest_to_rest(file("seven_link.toml"), &q, &q, 0.6)
+        .with_cost(Objective::new(0.0, effort))
+        .with_limits(MotionLimits::none().with_torque_max(most))
+        .with_gait(gait);
+    problem.with_multipliers().unwrap()
+}
+
 fn rows(problem: &Problem) -> GaitRows {
     let loops = problem.loops.as_ref().unwrap();
     GaitRows::new(loops, loops.walk.as_ref().unwrap())
@@ -40,9 +60,12 @@ fn derivatives(rows: &mut GaitRows, states: [&[f64]; 2], weights: &[f64]) -> [Ve
 }
 
 #[test]
-fn derivatives_of_the_impact_are_those_of_differences() {
-    let problem = rabbit();
-    let mut rows = rows(&problem);
+fn derivatives_at_the_ends_are_those_of_differences() {
+    [rabbit(), seven_link()].iter().for_each(compare_ends);
+}
+
+fn compare_ends(problem: &Problem) {
+    let mut rows = rows(problem);
     let (width, count) = (2 * problem.coordinates(), rows.bounds().len());
     let some = |first: f64, n: usize| (0..n).map(|i| (first + 1.3 * i as f64).sin()).collect::<Vec<_>>();
     let (states, weights) = ([some(0.2, width), some(1.1, width)], some(2.4, count));
@@ -53,7 +76,9 @@ fn derivatives_of_the_impact_are_those_of_differences() {
     rows.values([&states[0], &states[1]], &mut values).unwrap();
     assert_eq!(g, values);
     let h = 1e-5;
-    let close = |found: f64, expected: f64| (found - expected).abs() < 1e-7 * (1.0 + expected.abs());
+    // Heavier links have larger third derivatives.
+    let size = g.iter().fold(1.0_f64, |most, g| most.max(g.abs()));
+    let close = |found: f64, expected: f64| (found - expected).abs() < 1e-7 * (size + expected.abs());
     for (end, jacobian, hessian) in [(0, &near, &at_start), (1, &far, &at_end)] {
         for j in 0..width {
             let at = |rows: &mut GaitRows, h: f64| {
@@ -111,21 +136,63 @@ fn derivatives_of_the_height_are_those_of_differences() {
     }
 }
 
+/// The heights of heel and toe, and the load of the toe, which is linear.
+#[test]
+fn derivatives_of_soles_are_those_of_differences() {
+    let problem = seven_link();
+    let (mut rows, all) = (rows(&problem), problem.coordinates());
+    assert_eq!((rows.along().len(), rows.forces().len(), all), (2, 1, 12));
+    let mut points = Points::default();
+    points.resize(all, [2, 1], std::iter::once(1));
+    points.g_weights.copy_from_slice(&[0.7, -1.1]);
+    let some = |i: usize| (0.4 + 1.7 * i as f64).sin();
+    let at = |rows: &mut GaitRows, points: &mut Points, j: usize, h: f64| {
+        points.z.iter_mut().enumerate().for_each(|(i, z)| *z = some(i));
+        points.z[j] += h;
+        points.hessian.fill(0.0);
+        rows.contract_heights(points, 0).unwrap();
+        rows.soles().unwrap().contract_loads(&points.z, &mut points.h, &mut points.h_z);
+        let values = [&points.g[..], &points.h].concat();
+        (values, points.g_x.clone(), points.h_z.clone(), points.hessian.clone())
+    };
+    let (values, g_x, h_z, hessian) = at(&mut rows, &mut points, 0, 0.0);
+    let mut load = [0.0];
+    rows.soles().unwrap().load(&points.z[2 * all + 9..], &mut load);
+    assert_eq!(values[2], load[0]);
+    let h = 1e-5;
+    for j in 0..3 * all {
+        let plus = at(&mut rows, &mut points, j, h);
+        let minus = at(&mut rows, &mut points, j, -h);
+        let slope = |row: usize| (plus.0[row] - minus.0[row]) / (2.0 * h);
+        for row in 0..2 {
+            let found = if j < 2 * all { g_x[2 * all * row + j] } else { 0.0 };
+            assert!((found - slope(row)).abs() < 1e-8, "{row} {j}: {found} {}", slope(row));
+        }
+        assert!((h_z[j] - slope(2)).abs() < 1e-6 * (1.0 + h_z[j].abs()), "{j}: {} {}", h_z[j], slope(2));
+        for i in 0..2 * all {
+            let by = |of: &[f64]| 0.7 * of[i] - 1.1 * of[2 * all + i];
+            let expected = (by(&plus.1) - by(&minus.1)) / (2.0 * h);
+            let found = hessian[3 * all * i + j];
+            assert!((found - expected).abs() < 1e-8, "{i} {j}: {found} {expected}");
+        }
+    }
+}
+
 /// The guess that a step begins with stands on both feet, and the foot that swings ends a step ahead.
 #[test]
 fn a_step_begins_on_both_feet() {
-    let problem = rabbit();
-    let mut rows = rows(&problem);
-    let (n, k) = (7, 2);
-    assert_eq!(problem.coordinates(), n + k);
-    for q in [&problem.start.q, &problem.end.q] {
-        // On the ground at both ends.
-        let mut height = [1.0];
-        rows.heights(q, &mut height).unwrap();
-        assert!(height[0].abs() < 1e-9, "{height:?}");
+    for (problem, n, k) in [(rabbit(), 7, 2), (seven_link(), 9, 3)] {
+        let mut rows = rows(&problem);
+        assert_eq!(problem.coordinates(), n + k);
+        for q in [&problem.start.q, &problem.end.q] {
+            // On the ground at both ends.
+            let mut heights = vec![1.0; rows.along().len()];
+            rows.heights(q, &mut heights).unwrap();
+            assert!(heights.iter().all(|height| height.abs() < 1e-9), "{heights:?}");
+        }
+        let state = |q: &[f64]| [q, &vec![0.0; n + k]].concat();
+        let mut g = vec![0.0; rows.bounds().len()];
+        rows.values([&state(&problem.start.q), &state(&problem.end.q)], &mut g).unwrap();
+        assert!(g.iter().all(|g| g.abs() < 1e-9), "{g:?}");
     }
-    let state = |q: &[f64]| [q, &vec![0.0; n + k]].concat();
-    let mut g = vec![0.0; n + 2 * k];
-    rows.values([&state(&problem.start.q), &state(&problem.end.q)], &mut g).unwrap();
-    assert!(g.iter().all(|g| g.abs() < 1e-9), "{g:?}");
 }

@@ -72,6 +72,11 @@ impl Tasks {
         }
     }
 
+    /// What holds for forces on soles, after the accelerations of tools.
+    fn forces(&self) -> &[Row] {
+        self.gait.as_ref().map_or(&[], |gait| gait.forces())
+    }
+
     /// Number of rows at the start that depend on the end too.
     pub fn rows_of_both_ends(&self) -> usize {
         self.of_gait()[1].len()
@@ -79,7 +84,8 @@ impl Tasks {
 
     /// Numbers of rows along the motion: g(q, v); h, those of powers and of accelerations of tools.
     pub fn rows(&self) -> [usize; 2] {
-        [self.along.rows() + self.of_gait()[0].len(), self.first + self.accelerations.bounds().len()]
+        let of_tools = self.first + self.accelerations.bounds().len();
+        [self.along.rows() + self.of_gait()[0].len(), of_tools + self.forces().len()]
     }
 
     /// Number of rows at all ends of phases.
@@ -94,7 +100,7 @@ impl Tasks {
         };
         let rows = self.along.bounds().iter().chain(self.of_gait()[0]);
         let rows = rows.enumerate().flat_map(of(Limited::Task, 0));
-        let accelerations = self.accelerations.bounds().iter().enumerate();
+        let accelerations = self.accelerations.bounds().iter().chain(self.forces()).enumerate();
         rows.chain(accelerations.flat_map(of(Limited::ToolAcceleration, self.first)))
     }
 
@@ -150,6 +156,12 @@ impl Tasks {
             let (rows, first) = (points.rows, self.along.rows());
             for (z, g) in points.z.chunks_exact(3 * n).zip(points.g.chunks_exact_mut(rows)) {
                 gait.heights(z, &mut g[first..])?;
+            }
+            if let Some(soles) = gait.soles() {
+                let first = self.first + self.accelerations.bounds().len();
+                for (z, h) in points.z.chunks_exact(3 * n).zip(points.h.chunks_exact_mut(points.powers)) {
+                    soles.load(&z[2 * n + soles.joints()..], &mut h[first..]);
+                }
             }
         }
         if self.along.is_empty() {
@@ -220,6 +232,18 @@ impl Tasks {
     fn contract_gait(&mut self, spline: &Spline, points: &mut Points) -> Result<(), EvalError> {
         let Some(gait) = &mut self.gait else { return Ok(()) };
         gait.contract_heights(points, self.along.rows())?;
+        if let Some(soles) = gait.soles() {
+            let (width, rows) = (3 * points.dof, points.powers);
+            let first = self.first + self.accelerations.bounds().len();
+            for p in 0..points.count() {
+                let (h, h_z) = (&mut points.h[rows * p..][first..rows], &mut points.h_z[width * rows * p..]);
+                soles.contract_loads(
+                    &points.z[width * p..][..width],
+                    h,
+                    &mut h_z[width * first..width * rows],
+                );
+            }
+        }
         let last = spline.mesh.phases();
         spline.end(0, &mut self.state);
         spline.end(last, &mut self.last);
@@ -336,7 +360,8 @@ impl Tasks {
     /// What holds on a side, along the motion (`None`) or at an end.
     pub fn row(&self, end: Option<usize>, side: &Side) -> &Row {
         if side.limited == Limited::ToolAcceleration {
-            return &self.accelerations.bounds()[side.joint - self.first];
+            let (at, tools) = (side.joint - self.first, self.accelerations.bounds());
+            return tools.get(at).unwrap_or_else(|| &self.forces()[at - tools.len()]);
         }
         let functions = end.map_or(&self.along, |end| &self.ends[end]);
         let of_gait = self.of_gait()[usize::from(end.is_some())];

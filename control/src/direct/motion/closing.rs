@@ -3,7 +3,6 @@
 use crate::constants::checks::gait::{GUESSED_HEIGHT, GUESSED_IMPULSE, NEAR};
 use crate::problem::loop_rows::{Loops, Walk};
 use costate::constraints::ConstrainedHamiltonian;
-use costate::robot::{ConstraintRow, ConstraintSpec, Placement};
 
 /// Brings states to where the loops are closed.
 pub(super) struct Closing {
@@ -79,11 +78,8 @@ impl<'a> Stepping<'a> {
         let height = of_clearance * gait.clearance + of_length * gait.length;
         let mut robot = self.loops.robot.clone();
         for (swings, x) in gait.swing.iter().zip(&self.walk.places) {
-            let at = [x + part * gait.length, 0.0, height * (1.0 - part * part)];
-            let rows = [ConstraintRow::X, ConstraintRow::Z];
-            let foot = ConstraintSpec::rows(swings.as_str(), swings, "world", &rows)
-                .to_placed(Placement::from_xyz_rpy(at, [0.0; 3]));
-            let Ok(with) = robot.with_constraint(foot) else { return };
+            let at = [x + part * gait.length, height * (1.0 - part * part)];
+            let Ok(with) = robot.with_constraint(gait.placed(swings, swings, at)) else { return };
             robot = with;
         }
         let (mut closed, held) = (q.to_vec(), vec![false; q.len()]);

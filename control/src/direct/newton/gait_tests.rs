@@ -2,17 +2,17 @@
 
 use super::System;
 use crate::direct::interior::iterate::Interior;
-use crate::direct::limits::gait_rows::tests::rabbit;
+use crate::direct::limits::gait_rows::tests::{rabbit, seven_link};
 use crate::direct::solve::prepare::{Dynamics, interior};
 use crate::options::SolverOptions;
+use crate::problem::Problem;
 use crate::task::build::TaskRows;
 
 /// A step on a coarse mesh, with its Lagrange function's gradient by all unknowns, shared ones last.
-fn begun() -> Interior<Dynamics> {
-    let problem = rabbit();
-    let rows = TaskRows::new(&problem).unwrap();
+fn begun(problem: &Problem) -> Interior<Dynamics> {
+    let rows = TaskRows::new(problem).unwrap();
     let options = SolverOptions::default().with_nodes(7);
-    let mut interior = interior(&problem, &rows, &options, 0, None);
+    let mut interior = interior(problem, &rows, &options, 0, None);
     interior.start(None).unwrap();
     let count = interior.barrier.count();
     for at in 0..count {
@@ -60,11 +60,21 @@ fn entry(system: &System, size: usize, i: usize, j: usize) -> f64 {
 
 #[test]
 fn the_matrix_is_the_derivative_of_the_gradient() {
-    let mut interior = begun();
+    compare(&rabbit(), 7 + 7 + 2);
+}
+
+/// Of soles, which have limits at the ends and of forces.
+#[test]
+fn the_matrix_of_soles_is_the_derivative_of_the_gradient() {
+    compare(&seven_link(), 9 + 9 + 3);
+}
+
+fn compare(problem: &Problem, shared: usize) {
+    let mut interior = begun(problem);
     let size = interior.spline.unknowns.len();
     let all = size + interior.ends.shared();
     // Positions, velocities and impulses of the start.
-    assert_eq!(interior.ends.shared(), 7 + 7 + 2);
+    assert_eq!(interior.ends.shared(), shared);
     let removed: Vec<usize> = {
         let node = interior.spline.node();
         interior.ends.removed(&interior.spline.mesh).map(|(k, i)| node * k + i).collect()

@@ -1,12 +1,12 @@
 //! The table of a gait.
 
 use super::fault::Fault;
-use super::table::{Table, string};
+use super::table::{Table, number, string};
 use crate::problem::Gait;
 use crate::problem::file::error::ProblemFileCause;
 use toml::de::DeValue;
 
-const KEYS: &[&str] = &["stance", "swing", "along", "length", "friction", "clearance", "mirror"];
+const KEYS: &[&str] = &["stance", "swing", "along", "length", "friction", "clearance", "mirror", "sole"];
 
 /// Reads `[gait]`.
 pub(super) fn gait(root: &Table<'_>) -> Result<Option<Gait>, Fault> {
@@ -35,7 +35,15 @@ pub(super) fn gait(root: &Table<'_>) -> Result<Option<Gait>, Fault> {
         names.collect::<Option<Vec<_>>>()?.try_into().ok()
     };
     gait.mirror = table.list("mirror", "a list of pairs of joint names", pair)?.unwrap_or_default();
+    gait.sole = table.value("sole", "a list of two numbers, x of heel and toe", two)?;
     Ok(Some(gait))
+}
+
+/// Two numbers.
+fn two(value: &DeValue<'_>) -> Option<[f64; 2]> {
+    let DeValue::Array(entries) = value else { return None };
+    let numbers = entries.iter().map(|entry| number(entry.get_ref()));
+    numbers.collect::<Option<Vec<_>>>()?.try_into().ok()
 }
 
 /// Refuses what says where a step ends.

@@ -1,0 +1,134 @@
+//! What soles need beside the limits of single multipliers: the load of the toe, and corners that do not
+//! sink into the ground at the ends of a step.
+
+use super::gait_lifts::GaitLifts;
+use super::gait_rows::Derivatives;
+use crate::problem::loop_rows::{Loops, Walk};
+use crate::task::row::{Measure, Row};
+use costate::EvalError;
+
+/// Rows of soles in the states x = (q, nu, v, dnu/dt) of both ends, of n joints and k multipliers, after
+/// those of all feet:
+///
+/// ```text
+/// impulse on the toe >= 0                   of each foot that lands, in dnu/dt at the start
+/// dH/dt >= 0 at the start, <= 0 at the end  of each corner that swings
+/// ```
+///
+/// and along the motion the same `force on the toe >= 0` in the accelerations of nu: see
+/// [`problem::soles`](crate::problem).
+#[derive(Clone, Debug)]
+pub(crate) struct GaitSoles {
+    lifts: GaitLifts,
+    /// n and k.
+    sizes: [usize; 2],
+    /// For each foot its first multiplier, and the forces on the toe by its three.
+    loads: Vec<(usize, [f64; 3])>,
+    bounds: Vec<Row>,
+    forces: Vec<Row>,
+}
+
+impl GaitSoles {
+    /// `None` for points.
+    pub fn new(loops: &Loops, walk: &Walk) -> Option<Self> {
+        let by_multipliers = walk.gait.load_of_toe()?;
+        let (n, rows) = (walk.shift.len(), &loops.rows);
+        let of_foot = walk.gait.rows_of_foot();
+        let loads = rows.chunks_exact(of_foot).enumerate().map(|(foot, rows)| {
+            let mut load = by_multipliers;
+            load.iter_mut().zip(rows).for_each(|(load, row)| *load *= row.mass);
+            (of_foot * foot, load)
+        });
+        let weight = walk.weight();
+        let row = |foot: &String, what: &str, unit, range| Row {
+            lower: 0.0,
+            upper: f64::INFINITY,
+            range,
+            name: format!("{what} of the ground on {}", walk.gait.name_of_corner(foot, 1)),
+            unit,
+            measure: Measure::Plain,
+        };
+        let forces = walk.gait.stance.iter().map(|foot| row(foot, "force", "N", weight)).collect();
+        let gravity = walk.foot.gravity().norm();
+        let impulses = walk.gait.stance.iter().map(|foot| row(foot, "impulse", "N s", weight / gravity));
+        let corners = walk.gait.swing.iter().flat_map(|foot| {
+            (0..walk.gait.corners().len()).map(|corner| walk.gait.name_of_corner(foot, corner))
+        });
+        let arch = [walk.gait.clearance, walk.gait.length];
+        let lifts = GaitLifts::new(&walk.corners, arch, &corners.collect::<Vec<_>>());
+        let bounds = impulses.chain(lifts.bounds().iter().cloned()).collect();
+        Some(Self { sizes: [n, rows.len()], loads: loads.collect(), lifts, bounds, forces })
+    }
+
+    /// What holds at the ends, together.
+    pub fn bounds(&self) -> &[Row] {
+        &self.bounds
+    }
+
+    /// What holds along the motion.
+    pub fn forces(&self) -> &[Row] {
+        &self.forces
+    }
+
+    /// Number of joints.
+    pub fn joints(&self) -> usize {
+        self.sizes[0]
+    }
+
+    /// Joints' positions and rates of a state.
+    fn of_joints<'a>(&self, state: &'a [f64]) -> (&'a [f64], &'a [f64]) {
+        let [n, k] = self.sizes;
+        (&state[..n], &state[n + k..2 * n + k])
+    }
+
+    /// The rows at the ends.
+    ///
+    /// # Errors
+    /// States that cannot be evaluated.
+    pub fn values(&mut self, [start, end]: [&[f64]; 2], g: &mut [f64]) -> Result<(), EvalError> {
+        let (impulses, rates) = g.split_at_mut(self.loads.len());
+        self.load(&start[start.len() / 2 + self.sizes[0]..], impulses);
+        self.lifts.values([self.of_joints(start), self.of_joints(end)], rates)
+    }
+
+    /// Their derivatives; all are added.
+    ///
+    /// # Errors
+    /// As [`values`](Self::values).
+    pub fn contract(
+        &mut self,
+        [start, end]: [&[f64]; 2],
+        weights: &[f64],
+        Derivatives { near, far, at_start, at_end }: Derivatives<'_>,
+    ) -> Result<(), EvalError> {
+        let ([n, k], width, feet) = (self.sizes, start.len(), self.loads.len());
+        for ((first, load), row) in self.loads.iter().zip(near.chunks_exact_mut(width)) {
+            let to = &mut row[2 * n + k + first..];
+            to.iter_mut().zip(load).for_each(|(to, load)| *to += load);
+        }
+        let corners = (weights.len() - feet) / 2;
+        let (at, middle) = (width * feet, width * (feet + corners));
+        let [(q, v), (last_q, last_v)] = [self.of_joints(start), self.of_joints(end)];
+        let (lifts, lands) = weights[feet..].split_at(corners);
+        self.lifts.contract((q, v, n + k), lifts, &mut near[at..middle], at_start)?;
+        self.lifts.contract((last_q, last_v, n + k), lands, &mut far[middle..], at_end)
+    }
+
+    /// The loads of all toes, of these rates or accelerations of multipliers.
+    pub fn load(&self, multipliers: &[f64], loads: &mut [f64]) {
+        for (to, (first, load)) in loads.iter_mut().zip(&self.loads) {
+            *to = multipliers[*first..].iter().zip(load).map(|(a, load)| a * load).sum();
+        }
+    }
+
+    /// The same at a point z = (q, v, a) with the Jacobian, rows of the width of z.
+    pub fn contract_loads(&self, z: &[f64], loads: &mut [f64], jacobian: &mut [f64]) {
+        let ([n, _], width) = (self.sizes, z.len());
+        let first_of_all = 2 * width / 3 + n;
+        self.load(&z[first_of_all..], loads);
+        jacobian.fill(0.0);
+        for (row, (first, load)) in jacobian.chunks_exact_mut(width).zip(&self.loads) {
+            row[first_of_all + first..].iter_mut().zip(load).for_each(|(to, load)| *to = *load);
+        }
+    }
+}
