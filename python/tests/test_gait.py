@@ -60,14 +60,19 @@ def test_the_gait_is_told(walk):
 def test_soles_are_those_of_the_file():
     file = costate.Problem.from_file(PROBLEMS / "seven_link_walk.toml")
     gait = GAIT | {
+        "length": 0.4,
         "sole": [-0.0665, 0.125],
         "mirror": [[f"left_{joint}", f"right_{joint}"] for joint in ("hip", "knee", "ankle")],
     }
     given = {
-        "start": [-0.25, 0.9, 0.05, 0.2, 0.15, -0.35, -0.4, 0.2, 0.2],
+        "start": [-0.2, 0.84, 0.05, 0.1, 0.6, -0.7, -0.6, 0.6, 0.0],
         "time": 0.6,
         "cost": [0] * 3 + [1] * 6,
-        "limits": {"q_min": [-FREE] * 4 + [0, -FREE, -FREE, 0, -FREE], "torque_max": [0] * 3 + [200] * 6},
+        "limits": {
+            "q_min": [-FREE, -FREE, -0.3, -1.5, 0, -1, -1.5, 0, -1],
+            "q_max": [FREE, FREE, 0.3, 1, 2, 1, 1, 2, 1],
+            "torque_max": [0] * 3 + [200] * 6,
+        },
         "solver": {"tolerance": 1e-6},
     }
     assert costate.Problem(load("seven_link.toml"), gait=gait, **given) == file

@@ -38,7 +38,7 @@ pub(crate) mod torque_speed_error;
 pub(crate) mod urdf_bodies;
 mod via;
 mod via_error;
-pub(crate) mod walking;
+mod walking;
 pub(crate) mod warning;
 
 pub use end_error::{EndError, Leads};

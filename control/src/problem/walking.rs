@@ -1,11 +1,11 @@
 //! A step of a gait as a motion of a robot with its foot in constraints.
 //!
 //! Each foot that stands is held along two directions d_1, d_2 of the plane, the edges of the friction cone
-//! of the ground ([`super::soles`] says what soles have in addition): its force is `a_1 d_1 + a_2 d_2` with the multipliers a of these rows, and it is in the
-//! cone where both are positive. As in [`super::loops`] they are accelerations of further coordinates nu,
-//! and nothing depends on their rates. So the rates with which a step begins are the impulses Lambda of the
-//! impact before it: what `p = M v - J'dnu/dt` says about them is that p is continuous there, but for the
-//! exchange of the legs,
+//! of the ground: its force is `a_1 d_1 + a_2 d_2` with the multipliers a of these rows, and it is in the
+//! cone where both are positive; soles have one more ([`super::soles`]). As in [`super::loops`] they are
+//! accelerations of further coordinates nu, and nothing depends on their rates. So the rates with which a
+//! step begins are the impulses Lambda of the impact before it: what `p = M v - J'dnu/dt` says about them is
+//! that p is continuous there, but for the exchange of the legs,
 //!
 //! ```text
 //! M v(0) - J'dnu/dt(0) = S M v(T),    J v(0) = 0,    g(q(0)) = 0,    q(0) = S q(T) + shift
@@ -114,7 +114,7 @@ impl Problem {
         if gait.sole.is_some() {
             // A foot alone is light and easily turned: in its own masses the weight is an acceleration of
             // thousands of units, and limits would be kept to parts of one.
-            kept.iter_mut().zip(&masses).for_each(|(row, mass)| row.mass = knob("MASS", 1.0) * mass);
+            kept.iter_mut().zip(&masses).for_each(|(row, mass)| row.mass = *mass);
         }
         let lift = kept.iter().zip(masses).map(|(row, mass)| mass * gravity / row.mass).collect();
         let walk =
@@ -297,10 +297,6 @@ impl Problem {
         }
         Ok(())
     }
-}
-
-pub(crate) fn knob(name: &str, default: f64) -> f64 {
-    std::env::var(format!("KNOB_{name}")).ok().and_then(|x| x.parse().ok()).unwrap_or(default)
 }
 
 impl GaitError {

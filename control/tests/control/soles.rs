@@ -117,7 +117,7 @@ fn check(problem: &Problem, solution: &Solution) {
 fn a_biped_with_feet_walks() {
     let (problem, solution) = walk();
     let gait = solution.gait.as_ref().unwrap();
-    assert!((gait.weight_times_length - 70.0 * 9.81 * 0.5).abs() < 1e-9, "{gait:?}");
+    assert!((gait.weight_times_length - 70.0 * 9.81 * 0.4).abs() < 1e-9, "{gait:?}");
     assert!((gait.work - gait.braking - gait.loss).abs() < 1e-4 * gait.work, "{gait:?}");
     let [foot] = &solution.constraints[..] else { panic!("{:?}", solution.constraints) };
     assert_eq!(

@@ -176,7 +176,7 @@ impl Barrier {
         first..first + self.rates.len()
     }
 
-    /// The entries of the rows at the ends of phases: equations, one side a row.
+    /// The entries of the rows at the ends of phases, one side a row: equations, and limits of gaits.
     pub fn at_ends(&self) -> Range<usize> {
         self.first_at_ends()..self.weight.len()
     }

@@ -40,14 +40,13 @@ impl GaitLifts {
         let row = |name: &String, end: &str, [lower, upper]: [f64; 2]| Row {
             lower,
             upper,
-            range: crate::problem::walking::knob("RATE", RATE),
+            range: RATE,
             name: format!("rate at which {name} {end}"),
             unit: "m/s",
             measure: Measure::Plain,
         };
-        let slope = -crate::problem::walking::knob("LIFT", 0.0);
-        let lifts = names.iter().map(|name| row(name, "leaves the ground", [slope, f64::INFINITY]));
-        let lands = names.iter().map(|name| row(name, "comes to the ground", [f64::NEG_INFINITY, -slope]));
+        let lifts = names.iter().map(|name| row(name, "leaves the ground", [0.0, f64::INFINITY]));
+        let lands = names.iter().map(|name| row(name, "comes to the ground", [f64::NEG_INFINITY, 0.0]));
         Self {
             line: vec![zero; n],
             of_swing: vec![zero; 2 * names.len()],

@@ -1,6 +1,6 @@
 //! The rows of a gait: the impact between two steps, and the heights of the feet that swing.
 
-use super::gait_soles::GaitSoles;
+use super::gait_soles::{Derivatives, GaitSoles};
 use crate::direct::points::values::Points;
 use crate::problem::loop_rows::{LoopRow, Loops, Walk};
 use crate::task::row::{Measure, Row};
@@ -18,10 +18,10 @@ const HEIGHT: f64 = 0.1;
 /// ```text
 /// M v(0) - J'dnu/dt(0) - S M v(T)     n, momenta after the impact
 /// J v(0)                              k, rates of the rows of the feet that stand
-/// g(q(0))                             x and z of the first of these feet, z of the others; angles of soles
+/// g(q(0))                             x and z of the first of these feet, z of the others, angles of soles
 /// ```
 ///
-/// then those of [`GaitSoles`]; and along the motion `z - h (1 - x^2 / L^2) >= 0` of each point of a foot that
+/// then those of [`GaitSoles`]; along the motion `z - h (1 - x^2 / L^2) >= 0` of each point of a foot that
 /// swings, x from the one whose place it takes.
 ///
 /// `M v` is what inverse dynamics needs for the acceleration v at rest, more than for none; its derivatives
@@ -53,14 +53,6 @@ pub(crate) struct GaitRows {
     momentum: Vec<f64>,
     /// n x 2 (n + k).
     slope: Vec<f64>,
-}
-
-/// Derivatives of the rows: by the state at the start and at the end, and second ones of the weighted sum.
-pub(crate) struct Derivatives<'a> {
-    pub near: &'a mut [f64],
-    pub far: &'a mut [f64],
-    pub at_start: &'a mut [f64],
-    pub at_end: &'a mut [f64],
 }
 
 /// All entries of a square matrix.
@@ -101,7 +93,7 @@ impl GaitRows {
         let height = |(swings, corner): (&String, usize)| Row {
             lower: 0.0,
             upper: f64::INFINITY,
-            range: crate::problem::walking::knob("HEIGHT", HEIGHT),
+            range: HEIGHT,
             name: format!("clearance of {} from the ground", walk.gait.name_of_corner(swings, corner)),
             unit: "m",
             measure: Measure::Plain,

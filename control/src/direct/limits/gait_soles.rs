@@ -2,10 +2,17 @@
 //! sink into the ground at the ends of a step.
 
 use super::gait_lifts::GaitLifts;
-use super::gait_rows::Derivatives;
 use crate::problem::loop_rows::{Loops, Walk};
 use crate::task::row::{Measure, Row};
 use costate::EvalError;
+
+/// Derivatives of the rows: by the state at the start and at the end, and second ones of the weighted sum.
+pub(crate) struct Derivatives<'a> {
+    pub near: &'a mut [f64],
+    pub far: &'a mut [f64],
+    pub at_start: &'a mut [f64],
+    pub at_end: &'a mut [f64],
+}
 
 /// Rows of soles in the states x = (q, nu, v, dnu/dt) of both ends, of n joints and k multipliers, after
 /// those of all feet:

@@ -23,6 +23,11 @@ pub(crate) struct Multipliers {
 impl Multipliers {
     /// Those of a motion, with all of them at the points: for an integral over the points alone. Where the
     /// coefficients of torques are limited they are those of the torques, of either sign.
+    ///
+    /// Without those of the nodes at the ends of phases: a position or rate that is at its limit at an end
+    /// alone, as a knee that is straight when its foot lands, leaves it at once. All of the multiplier is of
+    /// that instant, where the limit is kept; spread over an interval it would be an error of the cost of
+    /// the order of its width.
     pub fn at_points(spline: &Spline, barrier: &Barrier) -> Self {
         let mut found = Self::default();
         found.take(spline, barrier, false);
@@ -52,6 +57,9 @@ impl Multipliers {
         weights.clear();
         weights.extend_from_slice(&barrier.weight[..sides * points]);
         for k in 0..spline.mesh.nodes.len() {
+            if !with_nodes && spline.mesh.is_end(k) {
+                continue;
+            }
             for (i, at) in barrier.at_node(k).enumerate() {
                 for (p, share) in beside(spline, k).into_iter().flatten() {
                     densities[sides * p + i] += share * barrier.multiplier[at];

@@ -1,6 +1,7 @@
 //! Rows of tasks along a motion and at the ends of its phases.
 
-use super::gait_rows::{Derivatives, GaitRows};
+use super::gait_rows::GaitRows;
+use super::gait_soles::Derivatives;
 use super::quartic::bound_of_quartic;
 use super::side::{Limited, Side};
 use crate::direct::motion::spline::Spline;
