@@ -100,11 +100,19 @@ fn sides(problem: &Problem) -> Vec<Side> {
     let torque = of(Limited::Torque, |limits| limits.torque).filter(|side| has_motor(&limits[side.joint]));
     let without = (0..limits.len()).filter(|&j| !has_motor(&limits[j])).map(|j| Side::no_torque(j, unit));
     // Forces and impulses of a foot are between the edges of the friction cone.
-    let walking = problem.loops.iter().filter(|loops| loops.walk.is_some());
-    let edges = walking.flat_map(|loops| (0..loops.rows.len()).map(move |k| loops.robot.dof() + k));
-    let cone = edges.flat_map(|i| {
-        let positive = move |limited| Side::pair(limited, i, 0.0, f64::INFINITY);
-        [Limited::Rate, Limited::Acceleration].into_iter().flat_map(positive)
+    let walking = problem.loops.iter().filter_map(|loops| Some((loops, loops.walk.as_ref()?)));
+    let edges = walking.flat_map(|(loops, walk)| {
+        let first = loops.robot.dof();
+        // Those of soles are measured in what carries the weight.
+        let sole = walk.gait.sole.is_some();
+        let range = move |lift: &f64| if sole && *lift > 1.0 { *lift } else { 1.0 };
+        walk.lift.iter().enumerate().map(move |(k, lift)| (first + k, range(lift)))
+    });
+    let cone = edges.flat_map(|(i, range)| {
+        let positive = move |limited, range| {
+            Side::pair(limited, i, 0.0, f64::INFINITY).map(move |side| Side { range, ..side })
+        };
+        positive(Limited::Rate, 1.0).chain(positive(Limited::Acceleration, range))
     });
     of(Limited::Position, |limits| limits.q)
         .chain(of(Limited::Rate, |limits| [-limits.v, limits.v]))
