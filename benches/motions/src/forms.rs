@@ -8,8 +8,8 @@ use costate::dynamics::Dynamics;
 use costate::hamiltonian::HamiltonianSecondOrder;
 use costate::lagrangian::LagrangianSecondOrder;
 use costate_control::{
-    Bounds, DirectDynamics, DynamicsProblem, EndState, FinalTime, MachineCode, Polish, Problem, Solver,
-    SolverOptions,
+    Bounds, DirectDynamics, DynamicsProblem, EndState, FinalTime, MachineCode, MotionLimits, Polish, Problem,
+    Solver, SolverOptions,
 };
 use std::ops::ControlFlow;
 
@@ -50,12 +50,18 @@ pub fn table(short: bool) -> Result<String, Failure> {
         ("two-link arm", of_file("two_link.toml")?),
         ("PUMA 560", of_file("puma560_pick_and_place.toml")?),
         (
-            "UR5 with rotors",
-            between("ur5.urdf", [0.0, -1.6, 1.8, -1.8, -1.57, 0.0], [0.8, -1.2, 1.4, -1.6, -1.2, 0.4])?,
+            "Panda with rotors",
+            between(
+                "panda.urdf",
+                [0.0, -0.5, 0.0, -2.2, 0.0, 1.7, 0.8],
+                [0.9, 0.1, 0.3, -1.6, -0.4, 2.0, 0.2],
+            )?,
         ),
     ];
     let mut rows = Vec::new();
     for (name, problem) in &free {
+        // States and torques know no limits of the robot.
+        let problem = &problem.clone().with_limits(MotionLimits::none().with_from_robot(false));
         let bounded = bounded(problem)?;
         for (what, problem) in [("effort", problem), ("bounded torques", &bounded)] {
             rows.extend(of_problem(&format!("{name}, {what}"), problem, repeats)?);
