@@ -24,12 +24,12 @@ pub(crate) struct ChartFrame<S> {
 impl<S: Scalar> ChartFrame<S> {
     pub fn new(free: &FreeFrame) -> Self {
         let rotation = Rotation { rows: [Vec3::zero(); 3] };
-        Self { free: free.clone(), chart: Chart::new(free.kind), rotation }
+        Self { free: free.clone(), chart: Chart::new(free.joint.kind), rotation }
     }
 
     /// Its first coordinate and how many there are.
     pub fn place(&self) -> (usize, usize) {
-        (self.free.coordinate, self.free.kind.dof())
+        (self.free.joint.coordinate, self.free.joint.kind.dof())
     }
 
     /// Its entries of a vector of n entries; zeros beyond.
@@ -41,7 +41,7 @@ impl<S: Scalar> ChartFrame<S> {
     }
 
     fn slides(&self) -> bool {
-        self.free.kind == FreeKind::Floating
+        self.free.joint.kind == FreeKind::Floating
     }
 
     /// Takes the orientation from q.

@@ -206,9 +206,7 @@ impl<S: Scalar> ConstrainedHamiltonian<S> {
 
     /// Every argument has n finite entries, positions nq.
     pub(super) fn check(&self, arguments: &[(&'static str, &[S])]) -> Result<(), EvalError> {
-        if !self.tree.wrenches().is_empty() {
-            self.tree.refuse_free()?;
-        }
+        self.tree.refuse_free_and_wrench()?;
         let n = self.dof();
         arguments.iter().try_for_each(|&(what, values)| match what {
             "q" | "q_0" => check_position(&self.tree, what, values),

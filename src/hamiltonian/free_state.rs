@@ -13,9 +13,10 @@ use crate::scalar::Scalar;
 impl<S: Scalar, R: Route> Hamiltonian<S, R> {
     /// Arguments of a robot with free joints: q of nq entries, the others of n.
     pub(super) fn check_free(&self, q: &[S], others: &[(&'static str, &[S])]) -> Result<(), EvalError> {
-        if !R::Hessian::<S>::FREE_JOINTS || !self.tree.wrenches().is_empty() {
+        if !R::Hessian::<S>::FREE_JOINTS {
             self.tree.refuse_free()?;
         }
+        self.tree.refuse_free_and_wrench()?;
         check_configuration(&self.tree, q)?;
         let n = self.tree.dof();
         others.iter().try_for_each(|&(what, values)| check_entries(&self.tree, what, values, n))

@@ -69,7 +69,8 @@ use state::StateEquation;
 /// [`EvalError::FreeJoint`]; a quaternion whose length is not 1 is [`EvalError::NotUnit`].
 ///
 /// The generalised forces Q(q) of wrenches from outside ([`Robot::with_wrench`]) act as u does: F gains Q,
-/// F_x and y'F_xx its derivatives.
+/// F_x and y'F_xx its derivatives. Robots with floating or spherical joints take none:
+/// [`EvalError::FreeJointAndWrench`].
 #[derive(Clone, Debug)]
 pub struct Hamiltonian<S: Scalar, R: Route = Contracted> {
     tree: Tree,

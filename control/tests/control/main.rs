@@ -20,6 +20,7 @@ mod finer_mesh;
 mod free_joints;
 mod free_start;
 mod gait_integrated;
+mod gripper;
 mod guessed_times;
 mod guesses;
 mod in_space;

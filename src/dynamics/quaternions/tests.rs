@@ -112,3 +112,29 @@ fn controls_act_by_their_columns() {
     let nothing = vec![0.0; x.len()];
     assert!(matches!(whole.evaluate(&nothing, &u), Err(EvalError::NonFinite { .. })));
 }
+
+/// f does not depend on the length of a quaternion but for a', which is proportional to it.
+#[test]
+fn quaternions_of_any_size_are_taken() {
+    let robot = robots().remove(1);
+    let [q, p, u, _] = state(&ConfigurationSpace::new(&robot));
+    let expected = at(&robot, &[&q[..], &p].concat(), &u);
+    for size in [1e-160, 1e160] {
+        let mut x = [&q[..], &p].concat();
+        let mut scaled = expected.clone();
+        for free in robot.free_joints() {
+            let a = free.quaternion();
+            x[a..a + 4].iter_mut().chain(&mut scaled[a..a + 4]).for_each(|entry| *entry *= size);
+        }
+        let found = at(&robot, &x, &u);
+        for (k, (found, expected)) in found.iter().zip(&scaled).enumerate() {
+            let error = (found - expected).abs() / expected.abs().max(size.min(1.0));
+            assert!(error < 1e-12, "{size:e}: {k}: {found} {expected}");
+        }
+        // The slopes by a are those at length 1 over its length.
+        let f_x = QuaternionDynamics::<f64>::new(&robot).linearise(&x, &u).unwrap().f_x.to_nalgebra();
+        assert!(f_x.iter().all(|slope| slope.is_finite()), "{size:e}");
+        let a = robot.free_joints()[0].quaternion();
+        assert!(f_x[(robot.nq(), a)].abs() > 0.0, "{size:e}");
+    }
+}
