@@ -211,12 +211,12 @@ impl<S: Scalar> Kinematics<S> {
         self.zero = zero;
     }
 
-    /// At rest at q (nq), with the joints of the chains of floating and spherical joints at `chart` (n):
-    /// where the quaternions of q and then the angles of the chart turn them. Other entries of q do not
-    /// count.
-    pub(crate) fn place_chart(&mut self, q: &[S], chart: &[S]) {
+    /// These links alone, parents before children, at q (nq) with the joints of the chains of floating and
+    /// spherical joints at `chart` (n): where the quaternions of q and then the angles of the chart turn
+    /// them. Other entries of q do not count.
+    pub(crate) fn pose_chart(&mut self, q: &[S], chart: &[S], links: &[usize]) {
         self.orient(q, chart);
-        self.place_still(chart);
+        self.pose_links(chart, links);
     }
 
     /// The same with velocities and accelerations of the chains.

@@ -37,7 +37,10 @@ fn derivatives_are_those_of_dual_and_hyper_dual_numbers() {
         let all = model.contract(&x, &u, &y).unwrap();
         let (f, f_x, xx) = (all.first.f.to_vec(), all.first.f_x.to_nalgebra(), all.xx.to_nalgebra());
         let linear = model.linearise(&x, &u).unwrap();
-        assert_eq!((linear.f, linear.f_x.to_nalgebra()), (&f[..], f_x.clone()), "{}", robot.name());
+        // Beyond 12 joints by another kernel.
+        let of_f = f.iter().fold(1.0, |most: f64, f| most.max(f.abs()));
+        assert!(linear.f.iter().zip(&f).all(|(a, b)| (a - b).abs() < 1e-12 * of_f), "{}", robot.name());
+        assert!((linear.f_x.to_nalgebra() - &f_x).amax() < 1e-12 * f_x.amax(), "{}", robot.name());
         let size = x.len();
         let (mut jacobian, mut hessian) = (DMatrix::zeros(size, size), DMatrix::zeros(size, size));
         for i in 0..size {
@@ -88,7 +91,8 @@ fn rates_are_those_of_the_tangent_space() {
             let turned = (a..a + 4).map(|i| (longer[i] - length * expected[i]).abs()).fold(0.0, f64::max);
             // |a| does not change.
             let grows: f64 = (a..a + 4).map(|i| longer[i] * x[i]).sum();
-            assert!(turned < 1e-12 && grows.abs() < 1e-12, "{}: {turned:.1e} {grows:.1e}", robot.name());
+            let most = 1e-12 * expected.amax().max(1.0);
+            assert!(turned < most && grows.abs() < most, "{}: {turned:.1e} {grows:.1e}", robot.name());
         }
     }
 }
