@@ -109,7 +109,7 @@ impl<S: Scalar> ChartFrame<S> {
         if !self.slides() {
             return;
         }
-        let (n, at) = (a_z.rows(), self.free.coordinate);
+        let (n, at) = (a_z.rows(), self.free.joint.coordinate);
         self.turn_rows(a_z, at);
         for i in 0..n {
             let (in_q, rest) = a_z.row_mut(i).split_at_mut(n);
@@ -132,7 +132,7 @@ impl<S: Scalar> ChartFrame<S> {
         if !self.slides() {
             return;
         }
-        let (n, at) = (f_x.rows() / 2, self.free.coordinate);
+        let (n, at) = (f_x.rows() / 2, self.free.joint.coordinate);
         let places = [at, n + at];
         places.iter().for_each(|&top| self.turn_rows(f_x, top));
         self.turn_corners(f_x, &places);

@@ -105,7 +105,7 @@ impl<S: Scalar> WorldKernel<S> {
         };
         super::joint_positions::joint_positions(tree, coordinates, |i, position| self.turns[i] = position);
         for free in tree.free() {
-            self.turns[free.turned] = JointPosition::Oriented(free.orientation(q));
+            self.turns[free.joint.turned] = JointPosition::Oriented(free.orientation(q));
         }
         for (k, place) in self.places.iter().enumerate() {
             let fixed = &tree.joints()[place.joint].screw;
