@@ -8,6 +8,7 @@ use costate_control::SolverOptions;
 mod between;
 mod bounded;
 mod branch;
+mod cost_errors;
 mod direct;
 mod direct_refused;
 mod documents;
