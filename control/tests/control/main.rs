@@ -56,6 +56,7 @@ mod stopping;
 mod task_file;
 mod tasks;
 mod tool_acceleration;
+mod trotting;
 mod unactuated;
 mod urdf_bodies;
 mod user_terms;
