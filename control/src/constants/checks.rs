@@ -150,11 +150,6 @@ pub(crate) mod gait {
     pub const GUESSED_HEIGHT: [f64; 2] = [1.5, 0.05];
     /// Step in s of rates of guesses.
     pub const NEAR: f64 = 1e-4;
-    /// The parabola above which a foot swings is lower at its ends by this part of its height. There
-    /// equations hold the foot at the ground already: a limit at the ground too could be kept by no margin
-    /// but by moving the feet that stand, from which it is measured, and multipliers of both would not be
-    /// determined.
-    pub const LOWER_ENDS: f64 = 1e-4;
 }
 
 /// Limits of what is given at an end.

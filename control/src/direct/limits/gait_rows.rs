@@ -1,6 +1,5 @@
 //! The rows of a gait: the impact between two steps, and the heights of the feet that swing.
 
-use crate::constants::checks::gait::LOWER_ENDS;
 use crate::direct::points::values::Points;
 use crate::problem::loop_rows::{LoopRow, Loops, Walk};
 use crate::task::row::{Measure, Row};
@@ -21,8 +20,8 @@ const HEIGHT: f64 = 0.1;
 /// g(q(0))                             x and z of the first of these feet, z of the others
 /// ```
 ///
-/// and along the motion `z - h (1 - (1 + e) x^2 / L^2) >= 0` of each foot that swings, x from the foot whose
-/// place it takes, e = [`LOWER_ENDS`].
+/// and along the motion `z - h (1 - x^2 / L^2) >= 0` of each foot that swings, x from the foot whose place it
+/// takes.
 ///
 /// `M v` is what inverse dynamics needs for the acceleration v at rest, more than for none; its derivatives
 /// are those of inverse dynamics.
@@ -238,7 +237,7 @@ impl GaitRows {
         let [h, length] = self.arch;
         for (i, height) in heights.iter_mut().enumerate() {
             let part = self.distance(i) / length;
-            *height = self.swing.values()[2 * i + 1] - h * (1.0 - (1.0 + LOWER_ENDS) * part * part);
+            *height = self.swing.values()[2 * i + 1] - h * (1.0 - part * part);
         }
         Ok(())
     }
@@ -256,7 +255,7 @@ impl GaitRows {
     pub fn contract_heights(&mut self, points: &mut Points, first: usize) -> Result<(), EvalError> {
         let (n, all, rows, count) = (self.rest.len(), points.dof, points.rows, self.heights.len());
         let [h, length] = self.arch;
-        let bend = 2.0 * h * (1.0 + LOWER_ENDS) / (length * length);
+        let bend = 2.0 * h / (length * length);
         for p in 0..points.count() {
             let own = rows * p + first;
             self.heights(&points.z[3 * all * p..][..n], &mut points.g[own..own + count])?;

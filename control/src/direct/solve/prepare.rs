@@ -99,16 +99,12 @@ fn sides(problem: &Problem) -> Vec<Side> {
     let has_motor = |limits: &JointLimits| limits.torque[0] < limits.torque[1];
     let torque = of(Limited::Torque, |limits| limits.torque).filter(|side| has_motor(&limits[side.joint]));
     let without = (0..limits.len()).filter(|&j| !has_motor(&limits[j])).map(|j| Side::no_torque(j, unit));
-    // Forces and impulses of a foot are between the edges of the friction cone. They are measured in what
-    // carries the weight, and in what it does in the time of the step.
-    let walks = problem.loops.iter().filter_map(|loops| Some((loops.robot.dof(), loops.walk.as_ref()?)));
-    let edges = walks.flat_map(|(n, walk)| walk.lift.iter().enumerate().map(move |(k, lift)| (n + k, *lift)));
-    let time = problem.time.value();
-    let cone = edges.flat_map(|(i, lift)| {
-        let ranges = [(Limited::Rate, lift * time), (Limited::Acceleration, lift)];
-        ranges.into_iter().flat_map(move |(limited, range)| {
-            Side::pair(limited, i, 0.0, f64::INFINITY).map(move |side| Side { range, ..side })
-        })
+    // Forces and impulses of a foot are between the edges of the friction cone.
+    let walking = problem.loops.iter().filter(|loops| loops.walk.is_some());
+    let edges = walking.flat_map(|loops| (0..loops.rows.len()).map(move |k| loops.robot.dof() + k));
+    let cone = edges.flat_map(|i| {
+        let positive = move |limited| Side::pair(limited, i, 0.0, f64::INFINITY);
+        [Limited::Rate, Limited::Acceleration].into_iter().flat_map(positive)
     });
     of(Limited::Position, |limits| limits.q)
         .chain(of(Limited::Rate, |limits| [-limits.v, limits.v]))
