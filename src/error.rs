@@ -58,6 +58,19 @@ pub enum EvalError {
         /// `"floating"` or `"spherical"`.
         kind: &'static str,
     },
+    /// A robot with a floating or spherical joint and wrenches from outside.
+    #[error(
+        "joint '{}' is {kind}, its orientation a quaternion: the dynamics of such a robot take no wrenches from \
+         outside; add their generalised forces J'W to u, with the Jacobians J of `FreeKinematics`, or describe \
+         the joint as a chain of joints of one degree of freedom",
+        printable(joint)
+    )]
+    FreeJointAndWrench {
+        /// The joint.
+        joint: String,
+        /// `"floating"` or `"spherical"`.
+        kind: &'static str,
+    },
     /// A robot with constraints, where this computation would ignore them.
     #[error(
         "the robot has the constraint '{}', which this computation would ignore: use `ConstrainedHamiltonian`, \

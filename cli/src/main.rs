@@ -62,8 +62,10 @@ enum Command {
     Info(info::Arguments),
     /// Evaluate the dynamics and their derivatives at states, from JSON lines to JSON lines
     ///
-    /// Each input line is an object with the n joint positions `q` and either the n momenta `p` or the n
-    /// velocities `v`. Optional: the n joint forces `u` (zeros by default) and the costate `y` (2n numbers),
+    /// Each input line is an object with the joint positions `q` and either the n momenta `p` or the n
+    /// velocities `v`. `q` has n numbers, and one more for each quaternion: (x, y, z, qx, qy, qz, qw) of a
+    /// floating joint, (qx, qy, qz, qw) of a spherical one; derivatives by it have n columns, those of the
+    /// tangent space. Optional: the n joint forces `u` (zeros by default) and the costate `y` (2n numbers),
     /// which asks for second derivatives. If a line has both `p` and `v`, Hamiltonian coordinates use `p` and
     /// Lagrangian ones `v`.
     ///

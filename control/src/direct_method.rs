@@ -157,15 +157,27 @@
 //! points as the quadratic through theirs, the error of the cost by interval k is estimated as
 //!
 //! $$ E_k = 1.5 \left( \frac{h_k T}{2} \sum_i r_i \frac{D_i^2}{4 \cdot 7} + \left| J_k^{\text{fine}} - J_k
-//!    \right| \right) + \sum_i h_k \left| \int_0^1 \lambda_i d_i \\, dx \right| $$
+//!    \right| \right) + \sum_i h_k \left| \int_0^1 \lambda_i d_i \\, dx \right| + \sum_j \left( P_{jk}
+//!    \max_{|l - k| \le 1} e_{jl} + M_{jk} \right) $$
 //!
-//! the last integral by the finer rule, of $|\lambda_i d_i|$ for positions, rates and tasks, which do not
-//! jump. The reported error is $(\sum_k E_k + \sum_i s_i \eta_i)/|J|$, the reported cost that of the finer
-//! rule. Limits are looked at between the points too: a mesh is accurate where the error is below the
-//! tolerance and limits of what does not jump are kept to 1e-4 of their range. Otherwise the intervals with
-//! the largest errors are divided, in up to four parts each, as the errors fall with $h^7$; nodes move to
-//! where torques jump. What may jump is kept between points by limits of the coefficients in Bernstein's
-//! basis (G. Farin, Curves and Surfaces for CAGD, 5th edition, 2002, chapter 4).
+//! with i over equations and limits of what may jump at nodes, the integral by the finer rule, and j over
+//! limits of what does not jump: positions, rates and tasks. These are kept at points and nodes, and exceeded
+//! between them by $e_{jl}$ where a limit is touched or left, mostly by nothing. To keep them everywhere
+//! costs this times the sum $P_{jk}$ of their multipliers $\eta$ there, to first order. A limit that was
+//! moved inside by m costs $M_{jk} = \sum \eta m$. Densities times distances would be far too much where a
+//! limit is touched: a multiplier stands at one point there, and its density between the points is that of
+//! nothing. Where bodies pass through each other between the points, by more than 3e-3 of the range, the
+//! error of their distance is $h_k \int_0^1 |\lambda d| \\, dx$: such a mesh says nothing about what it costs
+//! to keep it. So it is for all limits that do not jump where accelerations are continuous. The reported
+//! error is $(\sum_k E_k + \sum_i s_i \eta_i)/|J|$, the reported cost that of the finer rule. Limits are
+//! looked at between the points too: a mesh is accurate where the error is below the tolerance and limits of
+//! what does not jump are kept to 1e-4 of their range. Otherwise the intervals with the largest errors are
+//! divided, in up to four parts each, as the errors fall with $h^7$; nodes move to where torques jump. An
+//! interval whose error is mostly that of one peak beyond a limit of a position or task, which is nearly
+//! kept, is divided where the motion touches it, in the mean of the multipliers around: with a node there for
+//! a position, which is limited at nodes too, and with the middle of an interval there for a task. Then next
+//! to nothing of the peak is left. What may jump is kept between points by limits of the coefficients in
+//! Bernstein's basis (G. Farin, Curves and Surfaces for CAGD, 5th edition, 2002, chapter 4).
 //!
 //! A mesh is given up where the points miss more than the whole cost. After six of them in a row the search
 //! begins again at the last motion that was not so, twice at most.

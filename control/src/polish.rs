@@ -270,6 +270,8 @@ fn usage(
         torque_rate: None,
         power: measured(&direct.power, 3),
         torque_speed: measured(&direct.torque_speed, 4),
+        ground_force: None,
+        landing_impulse: None,
         task: None,
         infeasible: None,
     };

@@ -1,10 +1,10 @@
 //! NumPy arrays in: their checks, their leading axes, and numbers by states.
 
+use crate::argument::{Argument, Entries};
 pub use crate::axes::Axes;
 use crate::axes::MOST_AXES;
 use crate::errors::argument;
 use crate::fours;
-use crate::plan::{Argument, Entries};
 use numpy::npyffi::NPY_TYPES;
 use numpy::{PyArrayDescrMethods, PyArrayDyn, PyArrayMethods, PyUntypedArray, PyUntypedArrayMethods};
 use pyo3::intern;

@@ -1,10 +1,11 @@
 //! The states of a call: their numbers are read, evaluated one by one or in fours, and written.
 
+use crate::argument::{Argument, Entries};
 use crate::arrays::{Axes, Source};
 use crate::errors::Failure;
 use crate::failures::Failures;
 use crate::fours;
-use crate::plan::{Argument, Entries, Place, Plan};
+use crate::plan::{Place, Plan};
 use crate::results::Target;
 use crate::workspace::Workspace;
 use costate::EvalError;
@@ -94,7 +95,7 @@ impl Call<'_> {
         let Argument { name, entries, .. } = self.plan.arguments[argument];
         let joint = match entries {
             Entries::Joints => self.robot.independent_joints().nth(index % self.robot.dof().max(1)),
-            Entries::Positions => return (name, joint_of(self.robot, index)),
+            Entries::Positions => return (name, self.robot.joint_of_position(index).map(str::to_owned)),
             Entries::Axes | Entries::Rows => None,
         };
         (name, joint.map(|joint| joint.name.clone()))
@@ -193,20 +194,6 @@ impl Call<'_> {
             }
         }
     }
-}
-
-/// The name of the joint that an entry of q belongs to.
-#[cold]
-fn joint_of(robot: &Robot, index: usize) -> Option<String> {
-    let free = robot.free_joints().iter().find(|free| {
-        let own = free.position..free.position + free.kind.positions();
-        own.contains(&index)
-    });
-    if let Some(free) = free {
-        return Some(free.name.clone());
-    }
-    let before = robot.free_joints().iter().filter(|free| free.position < index).count();
-    robot.independent_joints().nth(index - before).map(|joint| joint.name.clone())
 }
 
 /// Whether every number is finite: `0 x` is 0 if x is finite, and not a number otherwise.

@@ -1,10 +1,11 @@
 //! Functions of the configurations of a robot: q (+) d, differences and their Jacobians.
 
+use crate::argument::Argument;
 use crate::cores::{Writer, core_of, lanes_of};
 use crate::engine::Engine;
 use crate::errors::Failure;
 use crate::function::Function;
-use crate::plan::{Argument, Plan};
+use crate::plan::Plan;
 use costate::configuration::{ConfigurationJacobians, ConfigurationSpace};
 use costate::robot::Robot;
 use costate::scalar::Scalar;

@@ -1,11 +1,12 @@
 //! Functions of robots whose loops are closed by constraints.
 
+use crate::argument::Argument;
 use crate::contacts::{self, OfImpact};
 use crate::cores::{Writer, core_of};
 use crate::engine::Engine;
 use crate::errors::Failure;
 use crate::function::Function;
-use crate::plan::{Argument, Plan};
+use crate::plan::Plan;
 use costate::Coordinates;
 use costate::constraints::{ConstrainedHamiltonianSecondOrder, ConstrainedLinearisation};
 use costate::contacts::ForceMap;

@@ -45,7 +45,7 @@ impl Robot {
     /// ----------
     /// joints : list of str
     ///     The joints that remain.
-    /// q : array_like (n), optional
+    /// q : array_like (nq), optional
     ///     Positions (rad, m) at which others are held; 0 unless given.
     ///
     /// Returns
@@ -56,11 +56,12 @@ impl Robot {
     /// Raises
     /// ------
     /// RobotError
-    ///     For an unknown joint, or a wrong number of positions.
+    ///     For an unknown joint, a wrong number of positions, or a floating or spherical joint that does not
+    ///     remain.
     #[pyo3(signature = (joints, q = None))]
     fn reduced_to(&self, py: Python<'_>, joints: Vec<String>, q: Option<Vec<f64>>) -> PyResult<Self> {
         let arguments = named!(py, joints, q);
-        let q = q.unwrap_or_else(|| vec![0.0; self.model().dof()]);
+        let q = q.unwrap_or_else(|| vec![0.0; self.model().nq()]);
         let joints: Vec<&str> = joints.iter().map(String::as_str).collect();
         self.changed(py, "reduced_to", arguments, |robot| robot.reduced_to(&joints, &q))
     }

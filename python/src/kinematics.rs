@@ -1,10 +1,11 @@
 //! Frames, the centre of mass and momenta.
 
+use crate::argument::Argument;
 use crate::cores::{Writer, core_of, lanes_of};
 use crate::engine::Engine;
 use crate::errors::Failure;
 use crate::function::Function;
-use crate::plan::{Argument, Plan};
+use crate::plan::Plan;
 use costate::configuration::FreeKinematics;
 use costate::hamiltonian::Hamiltonian;
 use costate::kinematics::ReferenceFrame;

@@ -12,6 +12,7 @@
 
 #![deny(unsafe_op_in_unsafe_fn, clippy::undocumented_unsafe_blocks)]
 
+mod argument;
 mod arrays;
 mod axes;
 mod builder;
@@ -46,6 +47,7 @@ mod plan;
 mod properties;
 mod quantities;
 mod recipe;
+mod refusals;
 mod results;
 mod robot;
 mod schemes;

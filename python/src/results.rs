@@ -1,9 +1,10 @@
 //! Result arrays: new ones, or those that a caller gives.
 
+use crate::argument::Argument;
 use crate::arrays::Held;
 use crate::axes::{Axes, MOST_AXES};
 use crate::errors::argument;
-use crate::plan::{Argument, Output};
+use crate::plan::Output;
 use numpy::npyffi::flags::{NPY_ARRAY_ALIGNED, NPY_ARRAY_WRITEABLE};
 use numpy::npyffi::{NpyTypes, PY_ARRAY_API, get_type_object};
 use numpy::{

@@ -5,6 +5,7 @@ use crate::descriptions::triple;
 use crate::errors::{self, RobotWarning, argument};
 use crate::look::Look;
 use crate::recipe::{Recipe, is_rebuilding, named};
+use crate::refusals::{refuse_floating_base, refuse_free_joints};
 use crate::table;
 use crate::words::in_python;
 use costate::robot::{self, LoadOptions, RobotFormat, RobotText};
@@ -14,16 +15,6 @@ use std::ffi::CString;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::PathBuf;
 use std::sync::Arc;
-
-/// Refuses a robot with floating or spherical joints where they are not taken, saying what it cannot.
-///
-/// # Errors
-/// `RobotError` with the first such joint.
-pub fn refuse_free_joints(py: Python<'_>, robot: &robot::Robot, what: &'static str) -> PyResult<()> {
-    let Some(free) = robot.free_joints().first() else { return Ok(()) };
-    let (joint, kind) = (free.name.clone(), free.kind.name());
-    Err(errors::robot(py, &robot::RobotError::FreeJoint { joint, kind, what }))
-}
 
 /// A robot: a tree of revolute, prismatic, floating and spherical joints in the world.
 ///
@@ -136,6 +127,7 @@ impl Robot {
     ///     Warnings that suggest a mistake are errors.
     /// floating_base : bool
     ///     The root link of a URDF moves by a floating joint ``root_joint``; it is the base unless set.
+    ///     Refused for robots in TOML, which name the joint of their base themselves.
     /// quaternions : bool
     ///     Joints of type ``floating`` of a URDF are such joints; unless set, each becomes six joints with a
     ///     singular pose. Joints of robots in TOML are what the file says.
@@ -149,6 +141,8 @@ impl Robot {
     /// ------
     /// RobotError
     ///     With ``path``, ``line`` and ``culprit``.
+    /// ArgumentError
+    ///     For ``floating_base`` of a robot in TOML.
     /// OSError
     ///     Where the file cannot be read.
     #[staticmethod]
@@ -164,12 +158,9 @@ impl Robot {
         let options = LoadOptions::default().friction(friction).strict(strict);
         let options = options.floating_base(floating_base).quaternions(quaternions);
         // Other threads run meanwhile: a pipe may wait for one of them.
-        let read = py.detach(|| {
-            let file = RobotText::from_file(&path)?;
-            let robot = file.robot(options)?;
-            Ok((file, robot))
-        });
-        let (file, read) = read.map_err(|error| errors::robot(py, &error))?;
+        let file = py.detach(|| RobotText::from_file(&path)).map_err(|error| errors::robot(py, &error))?;
+        refuse_floating_base(py, floating_base, file.format())?;
+        let read = py.detach(|| file.robot(options)).map_err(|error| errors::robot(py, &error))?;
         // A pickle contains the text: the file need not be where it is read.
         let look = Look::new(file.as_str(), file.format(), Some(&path));
         let (text, format) = (file.as_str(), file.format().name());
@@ -198,6 +189,8 @@ impl Robot {
     /// ------
     /// RobotError
     ///     With ``line`` and ``culprit``.
+    /// ArgumentError
+    ///     For ``floating_base`` of a robot in TOML, or an unknown format.
     #[staticmethod]
     #[pyo3(signature = (text, format = None, *, friction = false, strict = false, floating_base = false,
         quaternions = false))]
@@ -221,6 +214,7 @@ impl Robot {
         };
         let options = LoadOptions::default().friction(friction).strict(strict);
         let options = options.floating_base(floating_base).quaternions(quaternions);
+        refuse_floating_base(py, floating_base, kind)?;
         let read = robot::Robot::read(text.as_bytes(), kind, options);
         let read = read.map_err(|error| errors::robot(py, &error))?;
         let look = Look::new(&text, kind, None);

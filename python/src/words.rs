@@ -1,9 +1,11 @@
 //! Messages of the library in the words of its Python interface.
 
 /// What messages advise on the command line and in Rust, and what does the same here.
-const WORDS: [(&str, &str); 21] = [
+const WORDS: [(&str, &str); 23] = [
     ("`costate info --frames` lists the names", "robot.frame_names lists the names"),
     ("request it by --friction (LoadOptions::friction)", "request it by friction=True"),
+    ("request it by --floating-base (LoadOptions::floating_base)", "request it by floating_base=True"),
+    ("request it by --quaternions (LoadOptions::quaternions)", "request it by quaternions=True"),
     ("give the format by --format (Robot::read)", "give the text and its format to Robot.from_text"),
     ("or give --format urdf", "or give the text and format=\"urdf\" to Robot.from_text"),
     ("or give --format toml", "or give the text and format=\"toml\" to Robot.from_text"),

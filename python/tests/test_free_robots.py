@@ -194,4 +194,39 @@ def test_robots_are_built_read_and_pickled(tree, drone):
     body = f'<link name="body"><inertial><mass value="1"/>{inertia}</inertial></link>'
     urdf = f'<robot name="fly"><link name="world"/>{body}{joint}</robot>'
     assert costate.Robot.from_text(urdf, quaternions=True).nq == 7
-    assert costate.Robot.from_text(urdf).nq == 6
+    with pytest.warns(costate.RobotWarning, match="request it by quaternions=True"):
+        assert costate.Robot.from_text(urdf).nq == 6
+
+
+def test_the_inside_of_a_free_joint_has_no_frames(drone, tree):
+    assert drone.frame_names == ["world", "body"]
+    with pytest.raises(costate.RobotError, match="body_rx"):
+        costate.Dynamics(drone).frame("body_rx")
+    assert not any(name.endswith(("_rx", "_ry")) for name in tree.frame_names)
+
+
+def test_free_joints_remain_where_others_are_held():
+    flying = costate.Robot.from_file(ROBOTS / "ur5.urdf", floating_base=True)
+    q = flying.neutral()
+    q[7:] = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6]
+    kept = ["root_joint", "shoulder_pan_joint"]
+    held = dict(zip(flying.joint_names[7:], q[8:].tolist()))
+    assert flying.reduced_to(kept, q.tolist()) == flying.lock(held)
+    with pytest.raises(costate.RobotError, match="'root_joint' is floating.*name it among the joints that remain"):
+        flying.reduced_to(["shoulder_pan_joint"])
+
+
+def test_robots_in_toml_name_the_joint_of_their_base():
+    path = ROBOTS / "two_link.toml"
+    for read, source in ((costate.Robot.from_file, path), (costate.Robot.from_text, path.read_text())):
+        with pytest.raises(costate.ArgumentError, match='give that joint type = "floating"') as error:
+            read(source, floating_base=True)
+        assert error.value.argument == "floating_base"
+        assert read(source, quaternions=True).nq == 2
+
+
+def test_quaternions_of_any_size_are_normalised(drone):
+    q = drone.neutral()
+    for size in (1e-160, 1e160):
+        q[3:] = np.array([0.0, 3.0, 0.0, -4.0]) * size
+        assert_close(drone.normalize(q)[3:], [0, 0.6, 0, -0.8], 1e-15)

@@ -24,6 +24,9 @@ def test_pickles_lose_nothing(limited, solved):
     assert (pickle.loads(pickle.dumps(polished)).sample(100).q == polished.sample(100).q).all()
     with pytest.raises(costate.MotionError):
         costate.Solution.from_json(solved.to_json(), costate.Problem.from_file(PROBLEMS / "pendulum_swing_up.toml"))
+    of_another = solved.to_json().replace('"robot":"two_link"', '"robot":"other"')
+    with pytest.raises(costate.MotionError, match="is one of robot 'other'; the robot of the problem is 'two_link'"):
+        costate.Solution.from_json(of_another, limited)
 
 
 def test_files_are_those_of_the_command(limited, solved, tmp_path):

@@ -24,12 +24,12 @@ pub(crate) struct ChartFrame<S> {
 impl<S: Scalar> ChartFrame<S> {
     pub fn new(free: &FreeFrame) -> Self {
         let rotation = Rotation { rows: [Vec3::zero(); 3] };
-        Self { free: free.clone(), chart: Chart::new(free.kind), rotation }
+        Self { free: free.clone(), chart: Chart::new(free.joint.kind), rotation }
     }
 
     /// Its first coordinate and how many there are.
     pub fn place(&self) -> (usize, usize) {
-        (self.free.coordinate, self.free.kind.dof())
+        (self.free.joint.coordinate, self.free.joint.kind.dof())
     }
 
     /// Its entries of a vector of n entries; zeros beyond.
@@ -41,7 +41,7 @@ impl<S: Scalar> ChartFrame<S> {
     }
 
     fn slides(&self) -> bool {
-        self.free.kind == FreeKind::Floating
+        self.free.joint.kind == FreeKind::Floating
     }
 
     /// Takes the orientation from q.
@@ -59,10 +59,101 @@ impl<S: Scalar> ChartFrame<S> {
         self.turned(vector, |rotation, linear| rotation.undo(linear));
     }
 
+    /// The same for the entries of the joint alone.
+    pub fn outward_own(&self, own: &mut [S; MOST]) {
+        if let (true, [x, y, z, ..]) = (self.slides(), own) {
+            [*x, *y, *z] = self.rotation.apply(Vec3::new(*x, *y, *z)).to_array();
+        }
+    }
+
     fn turned(&self, vector: &mut [S], turn: impl Fn(&Rotation<S>, Vec3<S>) -> Vec3<S>) {
         let (at, _) = self.place();
         if let (true, [x, y, z]) = (self.slides(), &mut vector[at..at + 3]) {
             [*x, *y, *z] = turn(&self.rotation, Vec3::new(*x, *y, *z)).to_array();
+        }
+    }
+
+    /// Rows `top` to `top + 2` of a matrix, the linear components, from the axes of the parent to those of
+    /// the frame.
+    fn turn_rows(&self, matrix: &mut Matrix<S>, top: usize) {
+        if !self.slides() {
+            return;
+        }
+        let [a, b, c] = self.rotation.rows;
+        let undo = |i: fn(Vec3<S>) -> S| [i(a), i(b), i(c)];
+        let [to_x, to_y, to_z] = [undo(|row| row.x), undo(|row| row.y), undo(|row| row.z)];
+        let [first, second, third] = matrix.three_rows_mut(top);
+        for ((x, y), z) in first.iter_mut().zip(second).zip(third) {
+            let along = |[a, b, c]: [S; 3]| a.mul_add(*x, b.mul_add(*y, c * *z));
+            [*x, *y, *z] = [along(to_x), along(to_y), along(to_z)];
+        }
+    }
+
+    /// The linear components of rows and columns of a symmetric matrix, which begin at these places, from the
+    /// axes of the parent to those of the frame. The matrix stays symmetric to the last digit.
+    pub fn turn_symmetric(&self, matrix: &mut Matrix<S>, places: &[usize]) {
+        if !self.slides() {
+            return;
+        }
+        places.iter().for_each(|&top| self.turn_rows(matrix, top));
+        self.turn_corners(matrix, places);
+        for row in places.iter().flat_map(|&top| top..top + 3) {
+            for j in 0..matrix.rows() {
+                matrix[(j, row)] = matrix[(row, j)];
+            }
+        }
+    }
+
+    /// The linear components of the rows and columns of `[a_q, a_v, a_u]`, n x 3n, a_u symmetric.
+    pub fn turn_responses(&self, a_z: &mut Matrix<S>) {
+        if !self.slides() {
+            return;
+        }
+        let (n, at) = (a_z.rows(), self.free.joint.coordinate);
+        self.turn_rows(a_z, at);
+        for i in 0..n {
+            let (in_q, rest) = a_z.row_mut(i).split_at_mut(n);
+            let (in_v, in_u) = rest.split_at_mut(n);
+            self.inward(in_q);
+            self.inward(in_v);
+            if (at..at + 3).contains(&i) {
+                self.inward(in_u);
+            }
+        }
+        for row in at..at + 3 {
+            for j in 0..n {
+                a_z[(j, 2 * n + row)] = a_z[(row, 2 * n + j)];
+            }
+        }
+    }
+
+    /// The same for an F_x without friction: with J = (0, 1; -1, 0), J F_x is symmetric.
+    pub fn turn_symplectic(&self, f_x: &mut Matrix<S>) {
+        if !self.slides() {
+            return;
+        }
+        let (n, at) = (f_x.rows() / 2, self.free.joint.coordinate);
+        let places = [at, n + at];
+        places.iter().for_each(|&top| self.turn_rows(f_x, top));
+        self.turn_corners(f_x, &places);
+        for row in at..at + 3 {
+            for j in (0..at).chain(at + 3..n) {
+                f_x[(j, row)] = -f_x[(n + row, n + j)];
+                f_x[(j, n + row)] = f_x[(row, n + j)];
+                f_x[(n + j, row)] = f_x[(n + row, j)];
+                f_x[(n + j, n + row)] = -f_x[(row, j)];
+            }
+        }
+    }
+
+    /// The entries of both rows and columns that begin at these places, where the rows are turned already.
+    fn turn_corners(&self, matrix: &mut Matrix<S>, places: &[usize]) {
+        for row in places.iter().flat_map(|&top| top..top + 3) {
+            for &left in places {
+                if let [x, y, z] = &mut matrix.row_mut(row)[left..left + 3] {
+                    [*x, *y, *z] = self.rotation.undo(Vec3::new(*x, *y, *z)).to_array();
+                }
+            }
         }
     }
 

@@ -88,7 +88,7 @@ impl ConfigurationSpace {
     pub fn neutral(&self) -> Vec<f64> {
         let mut q = vec![0.0; self.nq()];
         for free in self.tree.free() {
-            q[free.position + free.kind.slides() + 3] = 1.0;
+            q[free.joint.quaternion() + 3] = 1.0;
         }
         q
     }
@@ -109,9 +109,8 @@ impl ConfigurationSpace {
     pub fn normalize<S: Scalar>(&self, q: &mut [S]) -> Result<(), LengthError> {
         LengthError::check("q", self.nq(), q.len())?;
         for free in self.tree.free() {
-            let inverse = free.quaternion(q).square().sqrt().recip();
-            let at = free.position + free.kind.slides();
-            q[at..at + 4].iter_mut().for_each(|entry| *entry *= inverse);
+            let unit = free.quaternion(q).unit();
+            q[free.quaternion_entries()].copy_from_slice(&unit.to_array());
         }
         Ok(())
     }
@@ -131,12 +130,11 @@ impl ConfigurationSpace {
             let to = from.then_after(exponential::quaternion(theta));
             // One step of Newton's method to length 1 removes what rounding adds.
             let scale = (-to.square()).plus(3.0).times(0.5);
-            let at = free.position + free.kind.slides();
             let entries = to.to_array().map(|entry| entry * scale);
-            moved[at..at + 4].copy_from_slice(&entries);
-            if free.kind == FreeKind::Floating {
+            moved[free.quaternion_entries()].copy_from_slice(&entries);
+            if free.joint.kind == FreeKind::Floating {
                 let by = from.rotation().apply(exponential::displacement(theta, rho)).to_array();
-                (0..3).for_each(|k| moved[free.position + k] = q[free.position + k] + by[k]);
+                (0..3).for_each(|k| moved[free.joint.position + k] = q[free.joint.position + k] + by[k]);
             }
         }
         Ok(())
@@ -153,12 +151,12 @@ impl ConfigurationSpace {
         check_length("d", d, self.dof())?;
         self.each_plain(|at, i| d[i] = to[at] - from[at]);
         for free in self.tree.free() {
-            let at = free.coordinate;
+            let at = free.joint.coordinate;
             let start = free.quaternion(from);
             let theta = exponential::logarithm(start.conjugate().then_after(free.quaternion(to)));
-            d[at + free.kind.slides()..at + free.kind.dof()].copy_from_slice(&theta.to_array());
-            if free.kind == FreeKind::Floating {
-                let apart = [0, 1, 2].map(|k| to[free.position + k] - from[free.position + k]);
+            d[at + free.joint.kind.slides()..at + free.joint.kind.dof()].copy_from_slice(&theta.to_array());
+            if free.joint.kind == FreeKind::Floating {
+                let apart = [0, 1, 2].map(|k| to[free.joint.position + k] - from[free.joint.position + k]);
                 let seen = start.rotation().undo(Vec3::from(apart));
                 d[at..at + 3].copy_from_slice(&exponential::displacement_back(theta, seen).to_array());
             }
@@ -215,8 +213,11 @@ impl ConfigurationSpace {
     fn each_plain(&self, mut entry: impl FnMut(usize, usize)) {
         let (mut at, mut i) = (0, 0);
         for free in self.tree.free() {
-            (i..free.coordinate).for_each(|k| entry(at + k - i, k));
-            (at, i) = (free.position + free.kind.positions(), free.coordinate + free.kind.dof());
+            (i..free.joint.coordinate).for_each(|k| entry(at + k - i, k));
+            (at, i) = (
+                free.joint.position + free.joint.kind.positions(),
+                free.joint.coordinate + free.joint.kind.dof(),
+            );
         }
         (i..self.dof()).for_each(|k| entry(at + k - i, k));
     }
@@ -224,9 +225,9 @@ impl ConfigurationSpace {
 
 /// Displacement and rotation vector of a joint in a direction.
 fn tangent<S: Scalar>(free: &FreeFrame, d: &[S]) -> (Vec3<S>, Vec3<S>) {
-    let at = free.coordinate;
+    let at = free.joint.coordinate;
     let vector = |k: usize| Vec3::new(d[at + k], d[at + k + 1], d[at + k + 2]);
-    match free.kind {
+    match free.joint.kind {
         FreeKind::Floating => (vector(0), vector(3)),
         FreeKind::Spherical => (Vec3::zero(), vector(0)),
     }
@@ -242,11 +243,11 @@ fn adjoint_back<S: Scalar>(rho: Vec3<S>, theta: Vec3<S>) -> [Square<S>; 2] {
 
 /// Puts the diagonal block of angles, which is that of displacements too, and the block between them.
 fn fill<S: Scalar>(free: &FreeFrame, matrix: &mut Matrix<S>, [diagonal, corner]: &[Square<S>; 2]) {
-    let at = free.coordinate;
-    let angles = at + free.kind.slides();
+    let at = free.joint.coordinate;
+    let angles = at + free.joint.kind.slides();
     for (i, (diagonal, corner)) in diagonal.iter().zip(corner).enumerate() {
         matrix.row_mut(angles + i)[angles..angles + 3].copy_from_slice(diagonal);
-        if free.kind == FreeKind::Floating {
+        if free.joint.kind == FreeKind::Floating {
             matrix.row_mut(at + i)[at..at + 3].copy_from_slice(diagonal);
             matrix.row_mut(at + i)[angles..angles + 3].copy_from_slice(corner);
         }

@@ -1,6 +1,7 @@
 //! Where the quaternions of a robot are.
 
 use crate::robot::{Robot, UNIT};
+use crate::spatial::Quaternion;
 
 /// Where the quaternions of a robot are in q, for what must know whether they have length 1 and runs no check
 /// of [`ConfigurationSpace`](super::ConfigurationSpace).
@@ -32,21 +33,22 @@ impl Quaternions {
 
     /// Length of quaternion `k`, of q given by its entries.
     pub fn length(&self, k: usize, q: impl Fn(usize) -> f64) -> f64 {
-        square(self.places[k], q).sqrt()
+        quaternion(self.places[k], q).length()
     }
 
     /// The first one whose length is not 1: its square differs from 1 by 1e-9 or more, or is no number.
     pub fn first_not_unit(&self, q: impl Fn(usize) -> f64) -> Option<usize> {
-        let is_unit = |&place: &usize| (square(place, &q) - 1.0).abs() < UNIT.value();
+        let is_unit = |&place: &usize| (quaternion(place, &q).square() - 1.0).abs() < UNIT.value();
         self.places.iter().position(|place| !is_unit(place))
     }
 
-    /// The first one without a direction: its squared length is zero, or no finite number.
+    /// The first one without a direction, which [`normalize`](super::ConfigurationSpace::normalize) cannot
+    /// give length 1: its entries are all zero, or one of them is no finite number.
     pub fn first_without_direction(&self, q: impl Fn(usize) -> f64) -> Option<usize> {
-        self.places.iter().position(|&place| !square(place, &q).is_normal())
+        self.places.iter().position(|&place| !quaternion(place, &q).unit().square().is_finite())
     }
 }
 
-fn square(place: usize, q: impl Fn(usize) -> f64) -> f64 {
-    (place..place + 4).map(|k| q(k) * q(k)).sum()
+fn quaternion(place: usize, q: impl Fn(usize) -> f64) -> Quaternion<f64> {
+    Quaternion::new([0, 1, 2, 3].map(|k| q(place + k)))
 }

@@ -5,13 +5,18 @@ use crate::robot::{JointSpec, LinkInertia};
 use num_dual::Dual64;
 
 fn space() -> ConfigurationSpace {
+    ConfigurationSpace::new(&robot())
+}
+
+fn robot() -> Robot {
     let link = LinkInertia::about_com(1.0, [0.1, 0.0, 0.2], nalgebra::Matrix3::identity());
-    let robot = Robot::builder("mixed")
+    Robot::builder("mixed")
         .joint(JointSpec::revolute("a").carrying(link))
         .joint(JointSpec::floating("b").on("a").carrying(link))
         .joint(JointSpec::spherical("c").on("b").carrying(link))
-        .joint(JointSpec::prismatic("d").on("c").carrying(link));
-    ConfigurationSpace::new(&robot.build().unwrap())
+        .joint(JointSpec::prismatic("d").on("c").carrying(link))
+        .build()
+        .unwrap()
 }
 
 const Q: [f64; 13] = [0.3, 1.0, -2.0, 0.5, 0.5, -0.5, 0.5, 0.5, 0.1, -0.7, 0.5, 0.5, -0.4];
@@ -106,5 +111,34 @@ fn a_quaternion_that_is_not_unit_is_refused_with_its_size() {
     space.normalize(&mut q).unwrap();
     space.check(&q).unwrap();
     q[8] = f64::NAN;
-    assert!(space.check(&q).unwrap_err().to_string().contains("'c_rx'"));
+    assert!(space.check(&q).unwrap_err().to_string().contains("joint 'c'"));
+}
+
+#[test]
+fn quaternions_of_any_size_are_normalised() {
+    let space = space();
+    let robot_places = Quaternions::of(&robot());
+    for size in [1e-320, 1e-160, 1e-9, 1.0, 1e9, 1e160, 1e307] {
+        let mut q = Q;
+        q[4..8].iter_mut().for_each(|entry| *entry *= size);
+        q[8..12].iter_mut().zip([0.0, 3.0, 0.0, -4.0]).for_each(|(entry, of)| *entry = of * size);
+        let [first, second] = [0, 1].map(|k| robot_places.length(k, |k| q[k]) / size);
+        // The smallest numbers have few digits.
+        let rounding = if size < 1e-310 { 1e-3 } else { 1e-15 };
+        assert!(
+            (first - 1.0).abs() < rounding && (second / 5.0 - 1.0).abs() < rounding,
+            "{size:e}: {first} {second}"
+        );
+        assert_eq!(robot_places.first_without_direction(|k| q[k]), None, "{size:e}");
+        space.normalize(&mut q).unwrap();
+        space.check(&q).unwrap();
+        let expected = [&Q[4..8], &[0.0, 0.6, 0.0, -0.8]].concat();
+        let error = q[4..12].iter().zip(expected).fold(0.0, |most, (q, e)| f64::max(most, (q - e).abs()));
+        assert!(error < rounding, "{size:e}: {error:e}");
+    }
+    for bad in [0.0, f64::NAN, f64::INFINITY] {
+        let mut q = Q;
+        q[8..12].fill(bad);
+        assert_eq!(robot_places.first_without_direction(|k| q[k]), Some(1), "{bad}");
+    }
 }

@@ -1,23 +1,23 @@
 //! F_x of the constrained state equation, accelerations and forces.
 
 use super::ConstrainedHamiltonian;
+use super::blocks::Blocks;
 use super::linearisation::ConstrainedLinearisation;
-use crate::matrix::{add_scaled, dot};
+use crate::matrix::{Panel, add_scaled, dot_packs};
 use crate::scalar::Scalar;
 
 impl<S: Scalar> ConstrainedHamiltonian<S> {
     /// F, F_x, mu_x, accelerations and lambda, after [`prepare`](Self::prepare).
     #[inline(never)]
     pub(super) fn assemble(&mut self, q: &[S], u: &[S]) {
-        self.assemble_chart(q, u);
+        self.rate(q, u);
+        self.conservative();
+        self.add_slopes(q);
         self.balance();
     }
 
-    /// The same without accelerations and lambda, in the coordinates of the chains of joints.
-    pub(super) fn assemble_chart(&mut self, q: &[S], u: &[S]) {
-        self.rate(q, u);
-        self.responses();
-        self.forces();
+    /// Adds the slopes of friction and of wrenches from outside to F_x.
+    pub(super) fn add_slopes(&mut self, q: &[S]) {
         let n = self.dof();
         for &i in self.tree.with_friction() {
             let slope = self.friction[i].first;
@@ -32,8 +32,33 @@ impl<S: Scalar> ConstrainedHamiltonian<S> {
         }
     }
 
+    /// F_x without friction and wrenches from outside, and mu_x.
+    pub(super) fn conservative(&mut self) {
+        let Self { kernel, factor, kkt, moving, cross, elimination, f_x, mu_x, world, in_world, .. } = self;
+        let Blocks { curvature, bend, slope, .. } = &moving.blocks;
+        match (elimination, world) {
+            (Some(blocks), Some(world)) if !Panel::<S>::ONE_LANE && *in_world => {
+                let take_p = |p: &mut Panel<S>| p.set_difference(world.l_vq(), curvature);
+                let take_l_qq = |p: &mut Panel<S>| p.set_difference(world.l_qq(), bend);
+                blocks.place((factor, kkt), [&take_p, &take_l_qq], slope, [f_x, mu_x]);
+            }
+            (Some(blocks), _) if !Panel::<S>::ONE_LANE => {
+                let take_p = |p: &mut Panel<S>| p.read::<0>(cross);
+                let take_l_qq = |p: &mut Panel<S>| {
+                    p.read::<0>(kernel.l_qq());
+                    (0..bend.rows()).for_each(|i| p.subtract_row(i, bend.row(i)));
+                };
+                blocks.place((factor, kkt), [&take_p, &take_l_qq], slope, [f_x, mu_x]);
+            }
+            _ => {
+                self.responses();
+                self.forces();
+            }
+        }
+    }
+
     /// The rows of v and mu: a column of (v, mu)_x for each unit direction.
-    pub(super) fn responses(&mut self) {
+    fn responses(&mut self) {
         let n = self.dof();
         let [mut d_q, mut d_p] = std::mem::take(&mut self.direction);
         let [mut dv, mut dmu] = std::mem::take(&mut self.change);
@@ -54,7 +79,7 @@ impl<S: Scalar> ConstrainedHamiltonian<S> {
 
     /// The conservative rows of p: `LL_qq + (P - (mu . J)_q)' v_q - (J v)_q' mu_q` and `-v_q'`, and v_p
     /// exactly symmetric.
-    pub(super) fn forces(&mut self) {
+    fn forces(&mut self) {
         let (n, blocks) = (self.dof(), &self.moving.blocks);
         for i in 0..n {
             for j in 0..=i {
@@ -79,10 +104,10 @@ impl<S: Scalar> ConstrainedHamiltonian<S> {
     pub(super) fn balance(&mut self) {
         let [mut a, mut lambda] = std::mem::take(&mut self.rates);
         for (i, a) in a.iter_mut().enumerate() {
-            *a = dot(self.f_x.row(i), &self.f);
+            *a = dot_packs(self.f_x.row(i), &self.f);
         }
         for (i, lambda) in lambda.iter_mut().enumerate() {
-            *lambda = dot(self.mu_x.row(i), &self.f);
+            *lambda = dot_packs(self.mu_x.row(i), &self.f);
         }
         self.rates = [a, lambda];
     }

@@ -91,8 +91,14 @@ impl<S: Scalar> Moving<S> {
         self.rows.place_chart(&self.at.q, &self.at.chart);
         self.rows.contract(&self.mu);
         let Blocks { jacobian, slope, curvature, bend } = &mut self.blocks;
-        take(self.rows.chart_jacobian(), |entry| [entry.re, entry.eps], [jacobian, slope]);
-        take(self.rows.contracted(), |entry| [entry.re, entry.eps], [curvature, bend]);
+        take_rows(
+            0..self.rows.count(),
+            self.rows.chart_jacobian(),
+            |entry| [entry.re, entry.eps],
+            [jacobian, slope],
+        );
+        let some = self.rows.coordinates().iter().copied();
+        take_rows(some, self.rows.contracted(), |entry| [entry.re, entry.eps], [curvature, bend]);
     }
 }
 
@@ -124,17 +130,29 @@ impl<S: Scalar> Changing<S> {
         self.rows.place_chart(&self.at.q, &self.at.chart);
         self.rows.contract(&self.mu);
         let Blocks { jacobian, slope, curvature, bend } = &mut self.blocks;
-        take(self.rows.chart_jacobian(), |entry| [entry.eps.re, entry.eps.eps], [jacobian, slope]);
-        take(self.rows.contracted(), |entry| [entry.eps.re, entry.eps.eps], [curvature, bend]);
+        take_rows(
+            0..self.rows.count(),
+            self.rows.chart_jacobian(),
+            |entry| [entry.eps.re, entry.eps.eps],
+            [jacobian, slope],
+        );
+        let some = self.rows.coordinates().iter().copied();
+        take_rows(some, self.rows.contracted(), |entry| [entry.eps.re, entry.eps.eps], [curvature, bend]);
     }
 }
 
-/// Copies two parts of every entry.
-fn take<T: Scalar, S: Scalar>(from: &Matrix<T>, parts: impl Fn(T) -> [S; 2], to: [&mut Matrix<S>; 2]) {
+/// Copies two parts of every entry of some rows.
+fn take_rows<T: Scalar, S: Scalar>(
+    some: impl Iterator<Item = usize>,
+    from: &Matrix<T>,
+    parts: impl Fn(T) -> [S; 2],
+    to: [&mut Matrix<S>; 2],
+) {
     let [first, second] = to;
-    for i in 0..from.rows() {
-        for (j, &entry) in from.row(i).iter().enumerate() {
-            [first[(i, j)], second[(i, j)]] = parts(entry);
+    for i in some {
+        let to = first.row_mut(i).iter_mut().zip(second.row_mut(i));
+        for (&entry, (first, second)) in from.row(i).iter().zip(to) {
+            [*first, *second] = parts(entry);
         }
     }
 }

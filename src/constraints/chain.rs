@@ -13,7 +13,7 @@ use crate::kinematics::{Kinematics, Seat};
 use crate::matrix::filled;
 use crate::robot::{Row, Tree, TreeFrame, scaled};
 use crate::scalar::Scalar;
-use crate::spatial::{Motion, Vec3};
+use crate::spatial::{Force, Motion, Vec3};
 
 /// A joint of a chain, its coordinate, and the rate of the chain's joint at unit rate of the coordinate.
 #[derive(Clone, Copy, Debug)]
@@ -96,12 +96,23 @@ impl<S: Scalar> Chain<S> {
         self.links.iter().zip(&self.columns).map(|(link, column)| (link.coordinate, *column))
     }
 
-    /// Calls for each pair s, t of joints, s not beyond t, once: with the coordinates, the columns, and
-    /// whether both are one joint.
-    pub fn for_pairs(&self, mut of: impl FnMut([usize; 2], [Motion<S>; 2], bool)) {
-        for (t, (j, outer)) in self.columns().enumerate() {
-            for (s, (i, inner)) in self.columns().take(t + 1).enumerate() {
-                of([i, j], [inner, outer], s == t);
+    /// The first and the second frame.
+    pub fn frames(&self) -> [TreeFrame; 2] {
+        self.frames
+    }
+
+    /// The coordinates.
+    pub fn coordinates(&self) -> impl Iterator<Item = usize> + '_ {
+        self.links.iter().map(|link| link.coordinate)
+    }
+
+    /// Calls for each pair s, t of joints, s not beyond t, once: with the coordinates, the power of the force
+    /// that belongs to column s in the motion of column t, and whether both are one joint.
+    pub fn for_pairs(&self, force: impl Fn(Motion<S>) -> Force<S>, mut of: impl FnMut([usize; 2], S, bool)) {
+        for (s, (i, inner)) in self.columns().enumerate() {
+            let force = force(inner);
+            for (t, (j, outer)) in self.columns().enumerate().skip(s) {
+                of([i, j], force.dot(outer), s == t);
             }
         }
     }

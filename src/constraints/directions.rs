@@ -10,8 +10,7 @@ impl<S: Scalar> ConstrainedHamiltonian<S> {
     /// v, mu and their Jacobians, the first rows of F_x and mu_x, for arguments that are not checked.
     pub(super) fn responses_at(&mut self, q: &[S], p: &[S]) -> Result<(), EvalError> {
         self.prepare(q, p)?;
-        self.responses();
-        self.forces();
+        self.conservative();
         Ok(())
     }
 

@@ -10,7 +10,7 @@ use super::linearisation::{
 use super::{ConstrainedHamiltonian, ConstrainedHamiltonianSecondOrder};
 use crate::error::EvalError;
 use crate::hamiltonian::Free;
-use crate::matrix::{add_scaled, dot};
+use crate::matrix::{Entry, add_scaled, dot};
 use crate::scalar::Scalar;
 
 impl<S: Scalar> ConstrainedHamiltonian<S> {
@@ -64,9 +64,7 @@ impl<S: Scalar> ConstrainedHamiltonian<S> {
         [q, p, u]: [&[S]; 3],
     ) -> Result<ConstrainedRate<'_, S>, EvalError> {
         self.with_free(|this, free| {
-            free.set_configuration(q);
-            free.set_momentum(p);
-            free.set_actuation(u);
+            free.set_state([q, p, u]);
             this.first_order(q, &free.p)?;
             this.rows.contract(&this.mu);
             let n = u.len();
@@ -86,9 +84,10 @@ impl<S: Scalar> ConstrainedHamiltonian<S> {
         [q, p, u]: [&[S]; 3],
     ) -> Result<ConstrainedLinearisation<'_, S>, EvalError> {
         self.with_free(|this, free| {
-            this.prepare_free(free, [q, p, u])?;
-            this.assemble_chart(q, &free.u);
-            this.turn_jacobian(free, u);
+            free.set_state([q, p, u]);
+            this.prepare_alone(q, &free.p)?;
+            this.assemble_chart(free, [q, u]);
+            this.turn_jacobian(free, q);
             this.finish_jacobian(free);
             Ok(())
         })?;
@@ -97,17 +96,32 @@ impl<S: Scalar> ConstrainedHamiltonian<S> {
 
     /// All blocks in the chart.
     fn prepare_free(&mut self, free: &mut Free<S>, [q, p, u]: [&[S]; 3]) -> Result<(), EvalError> {
-        free.set_configuration(q);
-        free.set_momentum(p);
-        free.set_actuation(u);
+        free.set_state([q, p, u]);
         self.prepare(q, &free.p)
     }
 
-    /// F in the tangent space, F_x of the chart and mu_x by its variables.
-    fn turn_jacobian(&mut self, free: &mut Free<S>, u: &[S]) {
+    /// F in the tangent space; F_x of the chart without friction and mu_x, by (xi, pi), in the axes of the
+    /// chart.
+    fn assemble_chart(&mut self, free: &mut Free<S>, [q, u]: [&[S]; 2]) {
+        self.rate(q, &free.u);
         free.finish_rate(&mut self.f, u);
+        let less = free.momentum_slope();
+        match &mut self.world {
+            Some(world) if self.in_world => world.l_vq_mut().subtract_entries(less),
+            _ => {
+                for &Entry { row, column, value } in less {
+                    self.cross[(row, column)] -= value;
+                }
+            }
+        }
+        self.conservative();
+    }
+
+    /// F_x of the chart with friction and mu_x in the axes of the frames.
+    fn turn_jacobian(&mut self, free: &Free<S>, q: &[S]) {
         free.prepare_jacobian(&mut self.f_x);
         free.prepare_rows(&mut self.mu_x);
+        self.add_slopes(q);
     }
 
     /// F_x in the tangent space, accelerations and forces.
@@ -165,16 +179,13 @@ impl<S: Scalar> ConstrainedHamiltonianSecondOrder<S> {
         self.first.prepare_free(free, [q, p, u])?;
         free.set_costate(y);
         self.differentiate(q, &free.y_chart)?;
-        self.first.assemble_chart(q, &free.u);
+        self.first.assemble_chart(free, [q, u]);
         self.pull();
+        // By (xi, pi), as P has lost K.
         self.congruence();
+        free.turn_hessian(&mut self.y_f_xx);
+        self.first.turn_jacobian(free, q);
         self.add_friction(&free.y_chart[n..]);
-        self.first.turn_jacobian(free, u);
-        free.turn_blocks(&mut self.y_f_xx);
-        for part in &free.parts {
-            part.spread_columns(&mut self.y_f_xx);
-            part.spread_rows(&mut self.y_f_xx);
-        }
         free.parts.iter().for_each(|part| part.curve([y, &free.y], &self.first.f_x, &mut self.y_f_xx));
         self.first.finish_jacobian(free);
         Ok(())

@@ -268,4 +268,8 @@ fn positions_are_closed_and_projected() {
     let weights = ImpactWeights { velocity: &[0.0; 18], momentum: &[0.0; 18], impulse: &[0.0; 12] };
     let refused = impact.contract(&start, &p, weights).unwrap_err().to_string();
     assert!(refused.contains("'trunk'"), "{refused}");
+    let (of_v, of_u) = ([0.0; 18], [0.0; 18]);
+    let mut second = ConstrainedLagrangianSecondOrder::<f64>::new(&robot);
+    let refused = second.contract([&start, &of_v, &of_u], &[1.0; 18], &[0.0; 12]).unwrap_err().to_string();
+    assert!(refused.contains("'trunk'"), "{refused}");
 }

@@ -2,14 +2,15 @@
 
 use super::Constraints;
 use super::blocks::Moving;
+use super::elimination::Elimination;
 use super::kkt::Kkt;
 use super::linearisation::{ConstrainedAdjoint, ConstrainedLinearisation, ConstrainedRate};
 use super::position::check_position;
 use crate::error::EvalError;
-use crate::hamiltonian::Free;
-use crate::kernels::{Factor, FrictionDerivatives, KernelOne, check_entries, friction_of};
+use crate::hamiltonian::{Free, World};
+use crate::kernels::{Factor, FrictionDerivatives, KernelOne, check_entries};
 use crate::kinematics::ExternalForces;
-use crate::matrix::{Matrix, add_scaled, dot, filled};
+use crate::matrix::{Matrix, Panel, add_scaled, dot, filled};
 use crate::robot::{Robot, Tree};
 use crate::scalar::Scalar;
 
@@ -64,6 +65,11 @@ pub struct ConstrainedHamiltonian<S: Scalar> {
     pub(super) rows: Constraints<S>,
     pub(super) moving: Moving<S>,
     pub(super) kkt: Kkt<S>,
+    /// F_x block by block, where it is computed so.
+    pub(super) elimination: Option<Box<Elimination<S>>>,
+    /// Kernel one in the axes of the world, and whether it was used last.
+    pub(super) world: Option<Box<World<S>>>,
+    pub(super) in_world: bool,
     pub(super) v: Vec<S>,
     pub(super) mu: Vec<S>,
     /// Directions (w_q, w_p), and the changes of v and mu along them.
@@ -96,9 +102,13 @@ impl<S: Scalar> ConstrainedHamiltonian<S> {
         let (zeros, multipliers) = (filled(S::zero(), n), filled(S::zero(), k));
         let mut f_u = Matrix::zeros(2 * n, n);
         (0..n).for_each(|i| f_u[(n + i, i)] = S::one());
+        let factor = Factor::new(&tree);
         Self {
             kernel: KernelOne::new(&tree),
-            factor: Factor::new(&tree),
+            elimination: Panel::<S>::for_blocks(n, || Elimination::new(&factor, rows.pattern())),
+            factor,
+            world: World::where_fast(&tree),
+            in_world: false,
             rows,
             moving: Moving::new(&tree),
             kkt: Kkt::new(n, k),
@@ -164,7 +174,7 @@ impl<S: Scalar> ConstrainedHamiltonian<S> {
         if self.free.is_some() {
             return self.linearise_free([q, p, u]);
         }
-        self.prepare(q, p)?;
+        self.prepare_alone(q, p)?;
         self.assemble(q, u);
         Ok(self.linearisation())
     }
@@ -206,9 +216,7 @@ impl<S: Scalar> ConstrainedHamiltonian<S> {
 
     /// Every argument has n finite entries, positions nq.
     pub(super) fn check(&self, arguments: &[(&'static str, &[S])]) -> Result<(), EvalError> {
-        if !self.tree.wrenches().is_empty() {
-            self.tree.refuse_free()?;
-        }
+        self.tree.refuse_free_and_wrench()?;
         let n = self.dof();
         arguments.iter().try_for_each(|&(what, values)| match what {
             "q" | "q_0" => check_position(&self.tree, what, values),
@@ -220,66 +228,5 @@ impl<S: Scalar> ConstrainedHamiltonian<S> {
     pub(super) fn check_plain(&self, arguments: &[(&'static str, &[S])]) -> Result<(), EvalError> {
         self.tree.refuse_free()?;
         self.check(arguments)
-    }
-
-    /// M, J and the factors of their matrix.
-    pub(super) fn factor(&mut self, q: &[S]) -> Result<(), EvalError> {
-        let Self { tree, kernel, factor, .. } = self;
-        kernel.set_position(tree, q)?;
-        let singular = |k: usize| EvalError::SingularMassMatrix { joint: tree.name(k).into() };
-        factor.factor(kernel.mass_matrix(), |k| kernel.size_of_entry(tree, k)).map_err(singular)?;
-        self.rows.place(q);
-        self.kkt.set_sizes(self.rows.sizes(), self.kernel.mass_matrix());
-        self.kkt.factor(&self.factor, self.rows.chart_jacobian());
-        Ok(())
-    }
-
-    pub(super) fn solve_velocity(&mut self, q: &[S], p: &[S]) -> Result<(), EvalError> {
-        self.factor(q)?;
-        self.v.copy_from_slice(p);
-        self.kkt.velocity(&self.factor, &mut self.v, &mut self.mu);
-        Ok(())
-    }
-
-    pub(super) fn first_order(&mut self, q: &[S], p: &[S]) -> Result<(), EvalError> {
-        self.solve_velocity(q, p)?;
-        self.kernel.set_velocity(&self.tree, &self.v)
-    }
-
-    /// All blocks of MM, PP and LL_qq.
-    #[inline(never)]
-    pub(super) fn prepare(&mut self, q: &[S], p: &[S]) -> Result<(), EvalError> {
-        self.first_order(q, p)?;
-        self.kernel.second_order(&self.tree);
-        self.moving.place(q, &self.v, &self.mu);
-        for i in 0..self.dof() {
-            let row = self.cross.row_mut(i);
-            row.copy_from_slice(self.kernel.l_vq().row(i));
-            add_scaled(row, -S::one(), self.moving.blocks.curvature.row(i));
-        }
-        Ok(())
-    }
-
-    /// F, after [`prepare`](Self::prepare).
-    pub(super) fn rate(&mut self, q: &[S], u: &[S]) {
-        let n = self.dof();
-        for i in 0..n {
-            self.f[n + i] = self.kernel.l_q()[i] - dot(self.moving.blocks.curvature.row(i), &self.v);
-        }
-        self.add_outer_forces(q, u);
-    }
-
-    /// v, and what friction, actuation and wrenches add to F^p.
-    pub(super) fn add_outer_forces(&mut self, q: &[S], u: &[S]) {
-        let (f_q, f_p) = self.f.split_at_mut(self.v.len());
-        f_q.copy_from_slice(&self.v);
-        f_p.iter_mut().zip(u).for_each(|(f, &u)| *f += u);
-        for &i in self.tree.with_friction() {
-            self.friction[i] = friction_of(&self.tree, i, self.v[i]);
-            f_p[i] += self.friction[i].value;
-        }
-        if let Some(external) = &mut self.external {
-            f_p.iter_mut().zip(external.force(q)).for_each(|(f, &tau)| *f += tau);
-        }
     }
 }

@@ -4,9 +4,9 @@ use super::chain::Chain;
 use super::quaternion::HalfTurn;
 use crate::kinematics::Kinematics;
 use crate::matrix::Matrix;
-use crate::robot::{ConstraintRow, Row, Tree, TreeConstraintKind};
+use crate::robot::{ConstraintRow, Row, Tree, TreeConstraintKind, TreeFrame};
 use crate::scalar::Scalar;
-use crate::spatial::{Motion, Vec3};
+use crate::spatial::{Force, Motion, Vec3};
 
 /// One constraint, its rows of g and J and its part of `(mu . g)_qq`.
 #[derive(Clone, Debug)]
@@ -119,11 +119,27 @@ impl<S: Scalar> Held<S> {
         }
     }
 
+    /// The frames that it holds.
+    pub fn frames(&self) -> Vec<TreeFrame> {
+        match self {
+            Self::Pose { chain, .. } | Self::Distance { chain, .. } => chain.frames().into(),
+            Self::Coupling { .. } => Vec::new(),
+        }
+    }
+
+    /// The coordinates that enter its rows.
+    pub fn coordinates(&self) -> Vec<usize> {
+        match self {
+            Self::Pose { chain, .. } | Self::Distance { chain, .. } => chain.coordinates().collect(),
+            Self::Coupling { terms, .. } => terms.iter().map(|&(coordinate, _)| coordinate).collect(),
+        }
+    }
+
     /// Adds its part of `(mu . g)_qq` for the weights of its rows: for a pair s, t, s not beyond t,
     ///
     /// ```text
-    /// rows      f . (w_s x c_t) + (nu . psi)_,st
-    /// distance  mu (c_s . c_t + r . (w_s x c_t)) / l
+    /// rows      f . (w_s x c_t) + (nu . psi)_,st = (f x w_s) . c_t + h_s . w_t
+    /// distance  mu (c_s . c_t + r . (w_s x c_t)) / l = mu (c_s + r x w_s) . c_t / l
     /// coupling  0
     /// ```
     pub fn add_curvature(&self, mu: &[S], hessian: &mut Matrix<S>) {
@@ -131,20 +147,19 @@ impl<S: Scalar> Held<S> {
             Self::Pose { chain, rows, turn } => {
                 let (f, nu) = split(rows, mu);
                 let turns = rows.iter().any(|row| row.component().1);
-                chain.for_pairs(|at, [inner, outer], same| {
-                    let mut entry = f.dot(inner.angular.cross(outer.linear));
-                    if turns {
-                        entry += turn.curvature(nu, inner.angular, outer.angular);
-                    }
-                    add_pair(hessian, at, entry, same);
-                });
+                let force = |inner: Motion<S>| Force {
+                    moment: if turns { turn.curvature(nu, inner.angular) } else { Vec3::zero() },
+                    force: f.cross(inner.angular),
+                };
+                chain.for_pairs(force, |at, entry, same| add_pair(hessian, at, entry, same));
             }
             Self::Distance { chain, length } => {
                 let (r, factor) = (chain.position, mu[0].times(1.0 / length));
-                chain.for_pairs(|at, [inner, outer], same| {
-                    let along = r.dot(inner.angular.cross(outer.linear));
-                    add_pair(hessian, at, (inner.linear.dot(outer.linear) + along) * factor, same);
-                });
+                let force = |inner: Motion<S>| Force {
+                    moment: Vec3::zero(),
+                    force: (inner.linear + r.cross(inner.angular)).scaled(factor),
+                };
+                chain.for_pairs(force, |at, entry, same| add_pair(hessian, at, entry, same));
             }
             Self::Coupling { .. } => {}
         }

@@ -1,8 +1,8 @@
 //! Linear equations with M and the Jacobian of the constraints.
 
 use crate::kernels::Factor;
-use crate::matrix::{Matrix, add_scaled, dot, filled};
-use crate::scalar::Scalar;
+use crate::matrix::{Matrix, Panel, add_rows, add_scaled, dot, dot_packs, filled};
+use crate::scalar::{Pack, Scalar};
 
 /// A pivot below this part of its diagonal entry belongs to a redundant row.
 pub(super) const REDUNDANT: f64 = 1e-10;
@@ -27,6 +27,8 @@ pub(super) struct Kkt<S: Scalar> {
     pivots: Vec<S>,
     /// What pivots of rows that count exceed.
     least: Vec<S>,
+    /// `1 / M_jj`, n.
+    inverse_diagonal: Vec<S>,
     /// 1 for rows that are kept, 0 for redundant ones.
     pub kept: Vec<S>,
 }
@@ -39,16 +41,18 @@ impl<S: Scalar> Kkt<S> {
             inverse_pivots: filled(S::zero(), k),
             pivots: filled(S::zero(), k),
             least: filled(S::zero(), k),
+            inverse_diagonal: filled(S::zero(), n),
             kept: filled(S::zero(), k),
         }
     }
 
     /// Takes the squares of the sizes of the entries of J, and M.
     pub fn set_sizes(&mut self, sizes: &Matrix<S>, mass_matrix: &Matrix<S>) {
+        for (j, inverse) in self.inverse_diagonal.iter_mut().enumerate() {
+            *inverse = mass_matrix[(j, j)].recip();
+        }
         for (i, least) in self.least.iter_mut().enumerate() {
-            let terms = sizes.row(i).iter().enumerate();
-            let sum = terms.fold(S::zero(), |sum, (j, &size)| sum + size * mass_matrix[(j, j)].recip());
-            *least = sum.times(STILL);
+            *least = dot_packs(sizes.row(i), &self.inverse_diagonal).times(STILL);
         }
     }
 
@@ -71,6 +75,17 @@ impl<S: Scalar> Kkt<S> {
         self.decompose(jacobian);
     }
 
+    /// Takes C and A', computed block by block.
+    pub fn take(&mut self, schur: &Panel<S>, response: &Panel<S>) {
+        for i in 0..self.pivots.len() {
+            response.write_row::<0>(i, self.response.row_mut(i), |pack| pack);
+            for j in i..self.pivots.len() {
+                self.lower[(i, j)] = schur.get(i, j);
+            }
+        }
+        self.eliminate();
+    }
+
     /// C and its factors.
     #[inline(never)]
     fn decompose(&mut self, jacobian: &Matrix<S>) {
@@ -80,7 +95,13 @@ impl<S: Scalar> Kkt<S> {
                 self.lower[(i, j)] = dot(jacobian.row(i), self.response.row(j));
             }
         }
-        for i in 0..k {
+        self.eliminate();
+    }
+
+    /// The factors of C.
+    #[inline(never)]
+    fn eliminate(&mut self) {
+        for i in 0..self.pivots.len() {
             let mut pivot = self.lower[(i, i)];
             for j in 0..i {
                 let mut entry = self.lower[(j, i)];
@@ -114,12 +135,42 @@ impl<S: Scalar> Kkt<S> {
         }
     }
 
+    /// `R <- L^-1 R`, k rows, zero for redundant ones.
+    pub fn first_half(&self, rows: &mut Panel<S>) {
+        let width = rows.width::<0>();
+        for (i, &kept) in self.kept.iter().enumerate() {
+            let (before, row, _) = rows.split_at_row::<0>(i);
+            let terms = (0..i).map(|l| (l, S::Pack::splat(-self.lower[(i, l)])));
+            add_rows(row, before, width, terms);
+            row.iter_mut().for_each(|pack| *pack *= S::Pack::splat(kept));
+        }
+    }
+
+    /// `D^-1 R`, k rows.
+    pub fn divide_by_pivots(&self, rows: &Panel<S>, scaled: &mut Panel<S>) {
+        for (i, &inverse) in self.inverse_pivots.iter().enumerate() {
+            let entries = scaled.row_mut(i).iter_mut().zip(rows.row(i));
+            entries.for_each(|(to, &pack)| *to = pack * S::Pack::splat(inverse));
+        }
+    }
+
+    /// `R <- L'^-1 R`, k rows, zero for redundant ones.
+    pub fn second_half(&self, rows: &mut Panel<S>) {
+        let (k, width) = (self.kept.len(), rows.width::<0>());
+        for (i, &kept) in self.kept.iter().enumerate().rev() {
+            let (_, row, after) = rows.split_at_row::<0>(i);
+            let terms = (i + 1..k).map(|j| (j - i - 1, S::Pack::splat(-self.lower[(j, i)])));
+            add_rows(row, after, width, terms);
+            row.iter_mut().for_each(|pack| *pack *= S::Pack::splat(kept));
+        }
+    }
+
     /// `(x; m) <- (M, -J'; -J, 0)^-1 (x; m)`, n and k entries:
     /// `m = -C^-1 (m + J M^-1 x)`, `x = M^-1 x + M^-1 J' m`.
     #[inline(never)]
     pub fn solve(&mut self, factor: &Factor<S>, x: &mut [S], m: &mut [S]) {
         for (i, m) in m.iter_mut().enumerate() {
-            *m = -(*m + dot(self.response.row(i), x));
+            *m = -(*m + dot_packs(self.response.row(i), x));
         }
         self.solve_schur(m);
         factor.solve(x);

@@ -84,7 +84,8 @@ impl<S: Scalar> ConstrainedLagrangianSecondOrder<S> {
         c: &[S],
     ) -> Result<AccelerationContraction<'_, S>, EvalError> {
         let Self { first, adjoint: [m_1, m_2], .. } = self;
-        check_entries(&first.solver.tree, "e", e, q.len())?;
+        first.solver.tree.refuse_free()?;
+        check_entries(&first.solver.tree, "e", e, first.dof())?;
         check_length("c", c, first.lambda.len())?;
         first.linearise(q, v, u)?;
         // (M J'; -J 0) (m_1; m_2) = (e; c): the symmetric matrix for (m_1; -m_2).

@@ -15,6 +15,7 @@ mod assembly;
 mod blocks;
 mod chain;
 mod directions;
+mod elimination;
 mod error;
 #[cfg(test)]
 mod free_samples;
@@ -34,6 +35,7 @@ mod lagrangian_tests;
 mod linearisation;
 #[cfg(test)]
 mod loop_tests;
+mod orders;
 mod position;
 mod projection;
 mod quaternion;

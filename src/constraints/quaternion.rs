@@ -10,7 +10,8 @@ use crate::spatial::Vec3;
 ///
 /// ```text
 /// eps_,s = 1/2 (eta w_s + w_s x eps)      eta_,s = -1/2 eps . w_s      psi = 2 eps
-/// (nu . psi)_,st = nu . ( eta_,s w_t + eta w_s x w_t + (w_s x w_t) x eps + w_t x eps_,s )
+/// (nu . psi)_,st = nu . ( eta_,s w_t + eta w_s x w_t + (w_s x w_t) x eps + w_t x eps_,s ) = h_s . w_t
+/// h_s = eta_,s nu + m x w_s + eps_,s x nu      m = eta nu + eps x nu
 /// ```
 ///
 /// for s not beyond t: three independent rows for every angle below pi, and gradients, so that constraints
@@ -39,11 +40,10 @@ impl<S: Scalar> HalfTurn<S> {
         w.scaled(self.eta) + w.cross(self.eps)
     }
 
-    /// `(nu . psi)_,st`, s the inner one.
-    pub fn curvature(&self, nu: Vec3<S>, inner: Vec3<S>, outer: Vec3<S>) -> S {
-        let turned = inner.cross(outer);
-        let of_outer = outer.scaled(self.eps.dot(inner).times(-0.5)) + self.slope(turned);
-        nu.dot(of_outer + outer.cross(self.slope(inner).times(0.5)))
+    /// h_s of `(nu . psi)_,st = h_s . w_t`, s the inner one.
+    pub fn curvature(&self, nu: Vec3<S>, inner: Vec3<S>) -> Vec3<S> {
+        let along = nu.scaled(self.eps.dot(inner).times(-0.5));
+        along + self.moment(nu).cross(inner) + self.slope(inner).cross(nu).times(0.5)
     }
 
     /// The moment of multipliers nu of psi: `nu . psi' = moment . w` with `moment = eta nu + eps x nu`.
@@ -99,7 +99,7 @@ mod tests {
                 for (found, expected) in first.iter().zip(expected.to_array()) {
                     assert!((found - expected.eps1).abs() < 1e-14, "{s}");
                 }
-                let found = plain.curvature(Vec3::constant(nu), seen(s), seen(t));
+                let found = plain.curvature(Vec3::constant(nu), seen(s)).dot(seen(t));
                 let expected: f64 =
                     nu.iter().zip(expected.to_array()).map(|(nu, psi)| nu * psi.eps1eps2).sum();
                 assert!((found - expected).abs() < 1e-14, "{s} {t}: {found} {expected}");

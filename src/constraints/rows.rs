@@ -33,9 +33,13 @@ use std::ops::Range;
 #[derive(Clone, Debug)]
 pub struct Constraints<S: Scalar> {
     kinematics: Kinematics<S>,
+    /// The links that carry frames, and those before them.
+    links: Vec<usize>,
     held: Vec<Held<S>>,
     names: Vec<String>,
     rows: Vec<Range<usize>>,
+    /// The coordinates that enter any row: all other rows and columns of Hessians stay zero.
+    coordinates: Vec<usize>,
     values: Vec<S>,
     jacobian: Matrix<S>,
     sizes: Matrix<S>,
@@ -70,11 +74,20 @@ impl<S: Scalar> Constraints<S> {
             first..k
         });
         let rows: Vec<_> = rows.collect();
+        let mut links: Vec<usize> =
+            held.iter().flat_map(Held::frames).flat_map(|frame| tree.path(frame.joint)).collect();
+        links.sort_unstable();
+        links.dedup();
+        let mut coordinates: Vec<usize> = held.iter().flat_map(Held::coordinates).collect();
+        coordinates.sort_unstable();
+        coordinates.dedup();
         Self {
             kinematics: Kinematics::from_tree(tree.clone()),
+            links,
             held,
             names: tree.constraints().iter().map(|one| one.name.clone()).collect(),
             rows,
+            coordinates,
             values: filled(S::zero(), k),
             jacobian: Matrix::zeros(k, n),
             sizes: Matrix::zeros(k, n),
@@ -138,12 +151,23 @@ impl<S: Scalar> Constraints<S> {
 
     /// At the orientations of q, and these coordinates of the chains of joints.
     pub(super) fn place_chart(&mut self, q: &[S], chart: &[S]) {
-        self.kinematics.place_chart(q, chart);
+        self.kinematics.pose_chart(q, chart, &self.links);
         self.jacobian.fill_zero();
         for (held, rows) in self.held.iter_mut().zip(&self.rows) {
             held.place(&self.kinematics, chart, &mut self.values[rows.clone()]);
             held.add_gradients(&mut self.jacobian, rows.start);
         }
+    }
+
+    /// The coordinates that enter any row.
+    pub(super) fn coordinates(&self) -> &[usize] {
+        &self.coordinates
+    }
+
+    /// The coordinates that enter each row.
+    pub(super) fn pattern(&self) -> Vec<Vec<usize>> {
+        let rows = self.held.iter().flat_map(|one| (0..one.rows()).map(|_| one.coordinates()));
+        rows.collect()
     }
 
     /// The model.
@@ -189,7 +213,9 @@ impl<S: Scalar> Constraints<S> {
     /// The same without a check.
     #[inline(never)]
     pub(super) fn contract(&mut self, mu: &[S]) -> &Matrix<S> {
-        self.hessian.fill_zero();
+        for &i in &self.coordinates {
+            self.hessian.row_mut(i).fill(S::zero());
+        }
         for (held, rows) in self.held.iter().zip(&self.rows) {
             held.add_curvature(&mu[rows.clone()], &mut self.hessian);
         }

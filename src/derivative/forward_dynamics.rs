@@ -2,7 +2,7 @@
 
 use super::function::Function;
 use super::positions::{Moved, Positions};
-use crate::error::{EvalError, check_length};
+use crate::error::{EvalError, LengthError, check_length};
 use crate::lagrangian::Lagrangian;
 use crate::robot::{Robot, Tree};
 use crate::scalar::Scalar;
@@ -25,8 +25,11 @@ impl ForwardDynamics {
     }
 
     /// As [`PhaseVelocity::set_centre`](super::PhaseVelocity::set_centre).
-    pub fn set_centre(&mut self, q: &[f64]) {
-        self.positions.set_centre(q);
+    ///
+    /// # Errors
+    /// [`LengthError`] unless q has nq entries.
+    pub fn set_centre(&mut self, q: &[f64]) -> Result<(), LengthError> {
+        self.positions.set_centre(q)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::function::Function;
 use super::positions::{Moved, Positions};
-use crate::error::{EvalError, check_length};
+use crate::error::{EvalError, LengthError, check_length};
 use crate::hamiltonian::Hamiltonian;
 use crate::matrix::filled;
 use crate::robot::{Robot, Tree};
@@ -29,8 +29,11 @@ impl PhaseVelocity {
 
     /// Takes the configuration (nq) that directions begin at, neutral before; without effect for robots
     /// without floating and spherical joints.
-    pub fn set_centre(&mut self, q: &[f64]) {
-        self.positions.set_centre(q);
+    ///
+    /// # Errors
+    /// [`LengthError`] unless q has nq entries.
+    pub fn set_centre(&mut self, q: &[f64]) -> Result<(), LengthError> {
+        self.positions.set_centre(q)
     }
 
     /// The same under the actuation u (N m, N), length n.

@@ -1,7 +1,7 @@
 //! Positions as functions of n inputs.
 
 use crate::configuration::ConfigurationSpace;
-use crate::error::EvalError;
+use crate::error::{EvalError, LengthError};
 use crate::matrix::filled;
 use crate::robot::Tree;
 use crate::scalar::Scalar;
@@ -31,12 +31,13 @@ impl Positions {
         !self.centre.is_empty()
     }
 
-    /// Takes another centre, where there is one.
-    pub fn set_centre(&mut self, q: &[f64]) {
+    /// Takes another centre, of nq entries, where there is one.
+    pub fn set_centre(&mut self, q: &[f64]) -> Result<(), LengthError> {
+        LengthError::check("q", self.space.nq(), q.len())?;
         if self.is_moved() {
-            self.centre.clear();
-            self.centre.extend_from_slice(q);
+            self.centre.copy_from_slice(q);
         }
+        Ok(())
     }
 
     /// Buffers.

@@ -10,7 +10,7 @@ use super::positions::{Moved, Positions};
 use super::row::matrix;
 use super::state::State;
 use super::{CHUNK, ForwardDynamics, Hessian, Jacobian, NestedHessian, PhaseVelocity};
-use crate::error::EvalError;
+use crate::error::{EvalError, LengthError};
 use crate::hamiltonian::Hamiltonian;
 use crate::matrix::Matrix;
 use crate::robot::{Robot, Tree};
@@ -136,12 +136,12 @@ impl Automatic {
         for function in [self.dual.function_mut(), self.nested.function_mut(), self.hyperdual.function_mut()]
         {
             function.0.u.copy_from_slice(u);
-            function.0.set_centre(q);
+            function.0.set_centre(q).map_err(wrong)?;
         }
         let of_a =
             [self.dual_a.function_mut(), self.nested_a.function_mut(), self.hyperdual_a.function_mut()];
-        of_a.into_iter().for_each(|function| function.0.set_centre(q));
-        self.energy.function_mut().0.positions.set_centre(q);
+        of_a.into_iter().try_for_each(|function| function.0.set_centre(q)).map_err(wrong)?;
+        self.energy.function_mut().0.positions.set_centre(q).map_err(wrong)?;
         let [w_v_z, w_v_zz] = frames(&mut self.frames, state, x.len())?;
         Ok(Reference {
             y_f_xx: self.hyperdual.contract(x, y)?.clone(),
@@ -201,9 +201,9 @@ impl Rounding {
     ) -> Result<Reference<Count>, DerivativeError<EvalError>> {
         let (x, y) = (&state.x()[..], &state.y);
         self.f.function_mut().0.u.copy_from_slice(u);
-        self.f.function_mut().0.set_centre(q);
-        self.a.function_mut().0.set_centre(q);
-        self.energy.function_mut().0.positions.set_centre(q);
+        self.f.function_mut().0.set_centre(q).map_err(wrong)?;
+        self.a.function_mut().0.set_centre(q).map_err(wrong)?;
+        self.energy.function_mut().0.positions.set_centre(q).map_err(wrong)?;
         let (y_f_xx, y_a_zz) = (self.f.contract(x, y)?, self.a.contract(&state.z(), &y[u.len()..])?);
         let (y_f_xx, y_a_zz) = (y_f_xx.clone(), y_a_zz.clone());
         let (f_x, a_z) = (self.f.last().jacobian().clone(), self.a.last().jacobian().clone());
@@ -222,4 +222,8 @@ impl Rounding {
             energy_gradient: self.energy.linearise(x)?.gradient().to_vec(),
         })
     }
+}
+
+fn wrong(error: LengthError) -> DerivativeError<EvalError> {
+    DerivativeError::Function(error.into())
 }

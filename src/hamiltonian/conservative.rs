@@ -1,9 +1,10 @@
 //! The part without friction and actuation: `x' = J grad H`, and Hess H.
 
 use super::elimination::Elimination;
+use super::world::World;
 use crate::error::EvalError;
 use crate::kernels::{Factor, LagrangianHessian};
-use crate::matrix::{Left, Matrix, Panel, Part, Place, Update, dot, filled, sized};
+use crate::matrix::{Entry, Left, Matrix, Panel, Part, Place, Update, dot, filled, sized};
 use crate::robot::Tree;
 use crate::scalar::Scalar;
 
@@ -25,6 +26,9 @@ pub(super) struct Conservative<S: Scalar, K> {
     y: Panel<S>,
     pub z: Panel<S>,
     tiles: Option<Box<Elimination>>,
+    /// Kernel one in the axes of the world, and whether it was used last.
+    world: Option<Box<World<S>>>,
+    in_world: bool,
 }
 
 impl<S: Scalar, K: LagrangianHessian<S>> Conservative<S, K> {
@@ -43,12 +47,15 @@ impl<S: Scalar, K: LagrangianHessian<S>> Conservative<S, K> {
             p: square.clone(),
             y: square.clone(),
             z: square,
+            world: if K::WORLD_AXES { World::where_fast(tree) } else { None },
+            in_world: false,
         }
     }
 
     /// M(q) and its factors.
     #[inline(never)]
     pub fn factor(&mut self, tree: &Tree, q: &[S]) -> Result<(), EvalError> {
+        self.in_world = false;
         self.kernel.set_position(tree, q)?;
         self.factor_mass_matrix(tree)
     }
@@ -56,6 +63,7 @@ impl<S: Scalar, K: LagrangianHessian<S>> Conservative<S, K> {
     /// The same without what [`first_order`](Self::first_order) needs.
     #[inline(never)]
     pub fn factor_alone(&mut self, tree: &Tree, q: &[S]) -> Result<(), EvalError> {
+        self.in_world = false;
         self.kernel.set_mass_matrix(tree, q)?;
         self.factor_mass_matrix(tree)
     }
@@ -81,6 +89,46 @@ impl<S: Scalar, K: LagrangianHessian<S>> Conservative<S, K> {
         self.kernel.set_velocity(tree, &self.v)
     }
 
+    /// v and L_q, where neither kernel two nor products with P or L_qq are asked for: what follows is
+    /// [`second_order`](Self::second_order) or nothing.
+    #[inline(never)]
+    pub fn first_order_alone(&mut self, tree: &Tree, q: &[S], p: &[S]) -> Result<(), EvalError> {
+        let Some(world) = self.world.as_mut().filter(|_| !Panel::<S>::ONE_LANE) else {
+            return self.first_order(tree, q, p);
+        };
+        self.in_world = true;
+        world.factor(tree, q, &mut self.factor)?;
+        self.v.copy_from_slice(p);
+        self.factor.solve(&mut self.v);
+        world.first_order(tree, q, &self.v);
+        Ok(())
+    }
+
+    /// The kernel in the axes of the world, if it was used last.
+    fn world(&self) -> Option<&World<S>> {
+        self.world.as_deref().filter(|_| !Panel::<S>::ONE_LANE && self.in_world)
+    }
+
+    /// Whether that is so.
+    pub fn is_in_world(&self) -> bool {
+        self.world().is_some()
+    }
+
+    /// L_q, of either.
+    pub fn l_q(&self) -> &[S] {
+        self.world().map_or(self.kernel.l_q(), World::l_q)
+    }
+
+    /// M in the axes of the world if it was computed there last, to be changed until the next call.
+    pub fn mass_matrix_mut(&mut self) -> Option<&mut Matrix<S>> {
+        self.world.as_mut().filter(|_| self.in_world).map(|world| world.mass_matrix_mut())
+    }
+
+    /// M, of either.
+    pub fn mass_matrix(&self) -> &Matrix<S> {
+        self.world().map_or(self.kernel.mass_matrix(), World::mass_matrix)
+    }
+
     /// `V d = M^-1 (d_p - P d_q)`: the change of v along d = (d_q, d_p). Needs the third stage of the kernel.
     #[inline(never)]
     pub fn velocity_change(&self, d_q: &[S], d_p: &[S], change: &mut [S]) {
@@ -95,24 +143,30 @@ impl<S: Scalar, K: LagrangianHessian<S>> Conservative<S, K> {
     /// Packs of several lanes multiply by M^-1, whose rows are independent, up to 12 joints, and beyond by
     /// U' = L'^-1, block by block and without what branches leave empty: only Y and Z, with which
     /// [`place_blocks`](Self::place_blocks) gives the rest. Scalars use the factors of M.
+    ///
+    /// In place of P stands here P without the entries `less`.
     #[inline(never)]
-    pub fn second_order(&mut self, tree: &Tree) {
-        self.kernel.second_order(tree);
+    pub fn second_order(&mut self, tree: &Tree, less: &[Entry<S>]) {
+        match &mut self.world {
+            Some(world) if !Panel::<S>::ONE_LANE && self.in_world => world.second_order(tree),
+            _ => self.kernel.second_order(tree),
+        }
         if Panel::<S>::ONE_LANE {
-            self.eliminate_by_factors();
+            self.eliminate_by_factors(less);
         } else if let Some(tiles) = self.tiles.take() {
-            self.eliminate_by_blocks(&tiles);
+            self.eliminate_by_blocks(&tiles, less);
             self.tiles = Some(tiles);
         } else {
-            sized!(S, tree.dof(), self.eliminate_by_products());
+            sized!(S, tree.dof(), self.eliminate_by_products(less));
         }
     }
 
     /// With `Y = L'^-1 P` and `Z = D^-1 Y`: `P' M^-1 P = Y' Z`, `W = L^-1 Z`.
-    fn eliminate_by_factors(&mut self) {
+    fn eliminate_by_factors(&mut self, less: &[Entry<S>]) {
         let Self { kernel, factor, inverse, p, w, z, reduced, .. } = self;
         factor.form_inverse::<0, 0>(inverse);
         p.read::<0>(kernel.l_vq());
+        p.subtract_entries(less);
         reduced.read::<0>(kernel.l_qq());
         factor.first_half(p);
         z.copy_from::<0, 0>(p);
@@ -123,11 +177,12 @@ impl<S: Scalar, K: LagrangianHessian<S>> Conservative<S, K> {
         factor.second_half(w);
     }
 
-    fn eliminate_by_products<const N: usize, const W: usize>(&mut self) {
+    fn eliminate_by_products<const N: usize, const W: usize>(&mut self, less: &[Entry<S>]) {
         // The inverse comes first: P and L_qq were stored entry by entry just before, and reading them whole
         // would stall.
         self.factor.form_inverse::<N, W>(&mut self.inverse);
         self.p.read::<N>(self.kernel.l_vq());
+        self.p.subtract_entries(less);
         self.reduced.read::<N>(self.kernel.l_qq());
         let Self { inverse, p, w, reduced, .. } = self;
         [&*inverse, p, w, reduced].into_iter().for_each(Panel::has_size::<N, W>);
@@ -137,13 +192,19 @@ impl<S: Scalar, K: LagrangianHessian<S>> Conservative<S, K> {
     }
 
     /// U', `Y = U' P` and `Z = D^-1 Y`.
-    fn eliminate_by_blocks(&mut self, tiles: &Elimination) {
-        let Self { kernel, factor, p, y, z, .. } = self;
+    fn eliminate_by_blocks(&mut self, tiles: &Elimination, less: &[Entry<S>]) {
+        let Self { kernel, factor, p, y, z, world, in_world, .. } = self;
         factor.invert();
-        p.read::<0>(kernel.l_vq());
+        let p = match world {
+            Some(world) if *in_world => world.l_vq_mut(),
+            _ => {
+                p.read::<0>(kernel.l_vq());
+                p
+            }
+        };
+        p.subtract_entries(less);
         y.set_tiles(&tiles.upper, Left::Rows(factor.upper()), p);
-        z.copy_from::<0, 0>(y);
-        factor.divide_by_pivots(z);
+        factor.divide(y, z);
     }
 
     /// The conservative part of F_x: `M^-1`, `-W = -U Z`, the transpose of W, and
@@ -151,15 +212,21 @@ impl<S: Scalar, K: LagrangianHessian<S>> Conservative<S, K> {
     #[inline(never)]
     pub fn place_blocks(&mut self, f_x: &mut Matrix<S>) {
         let Some(tiles) = self.tiles.take() else { return };
-        let Self { kernel, factor, p, w, y, z, .. } = self;
+        let Self { kernel, factor, p, w, y, z, world, in_world, .. } = self;
         let n = z.rows();
         factor.place_inverse(f_x, (0, n));
         let velocity = Place { at: (0, 0), across: (n, n), minus: [true, false] };
         let factors = (Left::Columns(factor.upper()), &*z);
         f_x.place_tiles(velocity, &tiles.lower, factors, (w, Update::Set));
-        p.read::<0>(kernel.l_qq());
+        let update = match world {
+            Some(world) if *in_world => Update::SubtractFrom(world.l_qq()),
+            _ => {
+                p.read::<0>(kernel.l_qq());
+                Update::Subtract
+            }
+        };
         let force = Place::symmetric((n, 0), false);
-        f_x.place_tiles(force, &tiles.square, (Left::Columns(y), z), (p, Update::Subtract));
+        f_x.place_tiles(force, &tiles.square, (Left::Columns(y), z), (p, update));
         self.tiles = Some(tiles);
     }
 

@@ -96,12 +96,13 @@ impl<S: Scalar, R: Route> DualPass<S, R> {
             self.p[i] = Tangent::new(p[i], direction.p[i]);
         }
         self.tangent.first_order(&self.first.tree, &self.q, &self.p)?;
-        self.tangent.second_order(&self.first.tree);
+        self.tangent.second_order(&self.first.tree, &[]);
         self.take_values();
         let Hamiltonian { tree, flow, state, .. } = &mut self.first;
         state.rate_of_change(tree, &flow.v, &self.l_q, u);
         state.add_wrenches(q);
         state.assemble(tree, flow);
+        state.add_slopes(tree);
         state.add_wrench_slopes(q);
         self.take_derivative();
         self.first.state.add_curvature(&self.first.tree, &y[n..], &mut self.y_f_xx);

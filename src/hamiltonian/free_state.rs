@@ -13,9 +13,10 @@ use crate::scalar::Scalar;
 impl<S: Scalar, R: Route> Hamiltonian<S, R> {
     /// Arguments of a robot with free joints: q of nq entries, the others of n.
     pub(super) fn check_free(&self, q: &[S], others: &[(&'static str, &[S])]) -> Result<(), EvalError> {
-        if !R::Hessian::<S>::FREE_JOINTS || !self.tree.wrenches().is_empty() {
+        if !R::Hessian::<S>::FREE_JOINTS {
             self.tree.refuse_free()?;
         }
+        self.tree.refuse_free_and_wrench()?;
         check_configuration(&self.tree, q)?;
         let n = self.tree.dof();
         others.iter().try_for_each(|&(what, values)| check_entries(&self.tree, what, values, n))
@@ -36,27 +37,22 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
     pub(super) fn evaluate_free(&mut self, [q, p, u]: [&[S]; 3]) -> Result<&[S], EvalError> {
         self.check_free(q, &[("p", p), ("u", u)])?;
         self.with_free(|this, free| {
-            free.set_configuration(q);
-            free.set_momentum(p);
-            free.set_actuation(u);
-            this.flow.first_order(&this.tree, q, &free.p)?;
-            this.state.rate_of_change(&this.tree, &this.flow.v, this.flow.kernel.l_q(), &free.u);
+            free.set_state([q, p, u]);
+            this.flow.first_order_alone(&this.tree, q, &free.p)?;
+            this.state.rate_of_change(&this.tree, &this.flow.v, this.flow.l_q(), &free.u);
             free.finish_rate(&mut this.state.f, u);
             Ok(())
         })?;
         Ok(&self.state.f)
     }
 
-    /// F of the tangent space, F_x of the chart.
-    fn linearise_chart(&mut self, free: &mut Free<S>, [q, p, u]: [&[S]; 3]) -> Result<(), EvalError> {
-        free.set_configuration(q);
-        free.set_momentum(p);
-        free.set_actuation(u);
-        self.flow.first_order(&self.tree, q, &free.p)?;
-        self.flow.second_order(&self.tree);
-        self.state.rate_of_change(&self.tree, &self.flow.v, self.flow.kernel.l_q(), &free.u);
-        self.assembled();
-        Ok(())
+    /// F of the chart, and its derivative by (xi, pi) in the axes of the frames, after the first order.
+    fn linearise_chart(&mut self, free: &mut Free<S>) {
+        self.flow.second_order(&self.tree, free.momentum_slope());
+        self.state.rate_of_change(&self.tree, &self.flow.v, self.flow.l_q(), &free.u);
+        self.assemble();
+        free.prepare_jacobian(&mut self.state.f_x);
+        self.state.add_slopes(&self.tree);
     }
 
     #[inline(never)]
@@ -66,18 +62,25 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
     ) -> Result<HamiltonianLinearisation<'_, S>, EvalError> {
         self.check_free(q, &[("p", p), ("u", u)])?;
         self.with_free(|this, free| {
-            this.linearise_chart(free, [q, p, u])?;
+            free.set_state([q, p, u]);
+            this.flow.first_order_alone(&this.tree, q, &free.p)?;
+            this.linearise_chart(free);
             free.finish_rate(&mut this.state.f, u);
-            free.prepare_jacobian(&mut this.state.f_x);
             free.parts.iter().for_each(|part| part.finish_jacobian(&mut this.state.f_x));
-            free.set_mass_matrix(this.flow.kernel.mass_matrix());
+            match this.flow.mass_matrix_mut() {
+                Some(mass_matrix) => free.turn_symmetric(mass_matrix),
+                None => free.set_mass_matrix(this.flow.kernel.mass_matrix()),
+            }
             Ok(())
         })?;
         Ok(self.state.linearisation(self.mass_matrix_of_free()))
     }
 
     fn mass_matrix_of_free(&self) -> &Matrix<S> {
-        self.free.as_ref().map_or(self.flow.kernel.mass_matrix(), |free| &free.mass_matrix)
+        match &self.free {
+            Some(free) if !self.flow.is_in_world() => &free.mass_matrix,
+            _ => self.flow.mass_matrix(),
+        }
     }
 
     /// F and y'F_x, by F_x.
@@ -104,7 +107,7 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
             free.set_mass_matrix(this.flow.kernel.mass_matrix());
             Ok(())
         })?;
-        Ok(self.mass_matrix_of_free())
+        Ok(self.free.as_ref().map_or(self.flow.kernel.mass_matrix(), |free| &free.mass_matrix))
     }
 
     pub(super) fn inverse_free(&mut self, q: &[S]) -> Result<&Matrix<S>, EvalError> {
@@ -113,8 +116,7 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
             free.set_configuration(q);
             this.flow.factor_alone(&this.tree, q)?;
             this.flow.factor.inverse(&mut this.inverse);
-            let n = this.tree.dof();
-            free.parts.iter().for_each(|part| part.frame.turn_block(&mut this.inverse, [0, 0], n));
+            free.turn_symmetric(&mut this.inverse);
             Ok(())
         })?;
         Ok(&self.inverse)
@@ -213,19 +215,17 @@ impl<S: Scalar> HamiltonianSecondOrder<S> {
 
     fn contract_in_chart(&mut self, free: &mut Free<S>, [q, p, u, y]: [&[S]; 4]) -> Result<(), EvalError> {
         let n = u.len();
-        self.first.linearise_chart(free, [q, p, u])?;
+        free.set_state([q, p, u]);
+        self.first.flow.first_order(&self.first.tree, q, &free.p)?;
+        self.first.linearise_chart(free);
         free.set_costate(y);
         self.differentiate(&free.y_chart)?;
+        // By (xi, pi), as P has lost K.
         self.congruence.apply(&self.along, &self.first.flow, &mut self.y_f_xx);
+        free.turn_hessian(&mut self.y_f_xx);
         let Hamiltonian { tree, flow, state, .. } = &mut self.first;
         state.add_curvature(tree, &free.y_chart[n..], &mut self.y_f_xx);
         free.finish_rate(&mut state.f, u);
-        free.prepare_jacobian(&mut state.f_x);
-        free.turn_blocks(&mut self.y_f_xx);
-        for part in &free.parts {
-            part.spread_columns(&mut self.y_f_xx);
-            part.spread_rows(&mut self.y_f_xx);
-        }
         free.parts.iter().for_each(|part| part.curve([y, &free.y], &state.f_x, &mut self.y_f_xx));
         free.parts.iter().for_each(|part| part.finish_jacobian(&mut state.f_x));
         free.set_mass_matrix(flow.kernel.mass_matrix());

@@ -31,6 +31,7 @@ mod linearisation;
 mod second_order;
 mod state;
 mod tensor;
+mod world;
 mod wrenches;
 
 pub use adjoint::AdjointProduct;
@@ -52,6 +53,7 @@ use conservative::Conservative;
 use direction::Direction;
 pub(crate) use free::Free;
 use state::StateEquation;
+pub(crate) use world::World;
 
 /// Workspace for the Hamiltonian state equation of one robot; no call allocates.
 ///
@@ -69,7 +71,8 @@ use state::StateEquation;
 /// [`EvalError::FreeJoint`]; a quaternion whose length is not 1 is [`EvalError::NotUnit`].
 ///
 /// The generalised forces Q(q) of wrenches from outside ([`Robot::with_wrench`]) act as u does: F gains Q,
-/// F_x and y'F_xx its derivatives.
+/// F_x and y'F_xx its derivatives. Robots with floating or spherical joints take none:
+/// [`EvalError::FreeJointAndWrench`].
 #[derive(Clone, Debug)]
 pub struct Hamiltonian<S: Scalar, R: Route = Contracted> {
     tree: Tree,
@@ -146,8 +149,8 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
             return self.evaluate_free([q, p, u]);
         }
         self.check(&[("q", q), ("p", p), ("u", u)])?;
-        self.flow.first_order(&self.tree, q, p)?;
-        self.state.rate_of_change(&self.tree, &self.flow.v, self.flow.kernel.l_q(), u);
+        self.flow.first_order_alone(&self.tree, q, p)?;
+        self.state.rate_of_change(&self.tree, &self.flow.v, self.flow.l_q(), u);
         self.state.add_wrenches(q);
         Ok(&self.state.f)
     }
@@ -165,30 +168,43 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
         if self.free.is_some() {
             return self.linearise_free([q, p, u]);
         }
-        self.prepare(q, p, u)?;
+        self.check(&[("q", q), ("p", p), ("u", u)])?;
+        self.flow.first_order_alone(&self.tree, q, p)?;
+        self.prepare_second_order(q, u);
         self.assembled();
         self.state.add_wrench_slopes(q);
-        Ok(self.state.linearisation(self.flow.kernel.mass_matrix()))
+        Ok(self.state.linearisation(self.flow.mass_matrix()))
     }
 
-    /// F, and all that F_x is made of.
+    /// F, and all that F_x and kernel two are made of.
     fn prepare(&mut self, q: &[S], p: &[S], u: &[S]) -> Result<(), EvalError> {
         self.check(&[("q", q), ("p", p), ("u", u)])?;
         self.flow.first_order(&self.tree, q, p)?;
-        self.flow.second_order(&self.tree);
-        self.state.rate_of_change(&self.tree, &self.flow.v, self.flow.kernel.l_q(), u);
-        self.state.add_wrenches(q);
+        self.prepare_second_order(q, u);
         Ok(())
     }
 
-    /// Assembles F_x from the blocks of the conservative part.
+    /// The same after the first order.
+    fn prepare_second_order(&mut self, q: &[S], u: &[S]) {
+        self.flow.second_order(&self.tree, &[]);
+        self.state.rate_of_change(&self.tree, &self.flow.v, self.flow.l_q(), u);
+        self.state.add_wrenches(q);
+    }
+
+    /// Assembles F_x from the blocks of the conservative part and the slopes of friction.
     pub(super) fn assembled(&mut self) -> HamiltonianLinearisation<'_, S> {
+        self.assemble();
+        self.state.add_slopes(&self.tree);
+        self.state.linearisation(self.flow.mass_matrix())
+    }
+
+    /// The conservative part alone.
+    fn assemble(&mut self) {
         if !Panel::<S>::ONE_LANE && self.flow.in_blocks() {
-            self.state.assemble_by_blocks(&self.tree, &mut self.flow);
+            self.state.assemble_by_blocks(&mut self.flow);
         } else {
             self.state.assemble(&self.tree, &self.flow);
         }
-        self.state.linearisation(self.flow.kernel.mass_matrix())
     }
 
     /// Kinetic and potential energy (J); their sum is H(q, p).

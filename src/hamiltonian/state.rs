@@ -53,27 +53,21 @@ impl<S: Scalar> StateEquation<S> {
         }
     }
 
-    /// Assembles F_x from the blocks of the conservative part and the slopes of friction.
+    /// Assembles F_x without friction from the blocks of the conservative part.
     #[inline(never)]
     pub fn assemble<K>(&mut self, tree: &Tree, flow: &Conservative<S, K>) {
         let blocks = [&flow.w, &flow.inverse, &flow.reduced];
         sized!(S, tree.dof(), self.place(blocks));
-        self.add_slopes(tree);
     }
 
     /// The same, where the conservative part computes the blocks in place.
     #[inline(never)]
-    pub fn assemble_by_blocks<K: LagrangianHessian<S>>(
-        &mut self,
-        tree: &Tree,
-        flow: &mut Conservative<S, K>,
-    ) {
+    pub fn assemble_by_blocks<K: LagrangianHessian<S>>(&mut self, flow: &mut Conservative<S, K>) {
         flow.place_blocks(&mut self.f_x);
-        self.add_slopes(tree);
     }
 
     /// Adds `D_v V`, `V = [-W, M^-1]` the upper half of F_x, to the lower half.
-    fn add_slopes(&mut self, tree: &Tree) {
+    pub fn add_slopes(&mut self, tree: &Tree) {
         for &i in tree.with_friction() {
             let slope = self.friction[i].first;
             let (row, v) = self.f_x.row_mut_and_above(tree.dof() + i, i);

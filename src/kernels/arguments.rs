@@ -28,9 +28,7 @@ pub(crate) fn check_configuration<S: Scalar>(tree: &Tree, q: &[S]) -> Result<(),
     if S::CHECKED
         && let Some(index) = q.iter().position(|value| !value.is_finite())
     {
-        // Entries of a quaternion are counted to the last of its three angles.
-        let before = tree.free().iter().filter(|free| free.position + free.kind.positions() <= index + 1);
-        let joint = tree.name(index - before.count()).into();
+        let joint = tree.joint_of_position(index).into();
         return Err(EvalError::NonFinite { what: "q", index, joint });
     }
     tree.check_unit(q)

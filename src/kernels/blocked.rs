@@ -57,27 +57,32 @@ impl<S: Scalar> Factor<S> {
     /// The pivots of a block of rows and the entries of L below the diagonal of its diagonal block.
     #[inline(always)]
     fn eliminate_corner(&mut self, block: usize) -> Corner<S> {
-        let rows = self.rows(block);
+        // Loops of a length that is known; rows that are cut off are those of the unit matrix.
+        let (lanes, rows) = (Panel::<S>::LANES, self.rows(block));
         let mut l = [[S::zero(); MOST_LANES]; MOST_LANES];
         let mut d = l;
-        for (r, row) in rows.clone().enumerate() {
-            for (c, d) in d[r].iter_mut().enumerate().take(r + 1) {
-                *d = self.work.get(row, rows.start + c);
+        for (r, d) in d.iter_mut().enumerate().take(lanes) {
+            if r < rows.len() {
+                (0..=r).for_each(|c| d[c] = self.work.get(rows.start + r, rows.start + c));
+            } else {
+                d[r] = S::one();
             }
         }
-        for i in (0..rows.len()).rev() {
+        let mut inverses = [S::one(); MOST_LANES];
+        for i in (0..lanes).rev() {
             let inverse = d[i][i].recip();
-            self.inverse_pivots[rows.start + i] = inverse;
+            inverses[i] = inverse;
             for r in 0..i {
                 l[i][r] = d[i][r] * inverse;
             }
             for r in 0..i {
                 let from = d[i];
-                for (d, from) in d[r][..=r].iter_mut().zip(from) {
+                for (d, from) in d[r].iter_mut().zip(from).take(r + 1) {
                     *d = (-l[i][r]).mul_add(from, *d);
                 }
             }
         }
+        self.inverse_pivots[rows.clone()].copy_from_slice(&inverses[..rows.len()]);
         l
     }
 
@@ -130,6 +135,13 @@ impl<S: Scalar> Factor<S> {
         let factors = (Left::Columns(&self.upper), &self.scaled);
         let product = (&mut self.product, Update::Set);
         to.place_tiles(Place::symmetric(at, false), &tiles.inverse, factors, product);
+    }
+
+    /// `M^-1 = U D^-1 U'` on and below the diagonal.
+    #[inline(never)]
+    pub(super) fn form_inverse_by_blocks(&mut self, tiles: &FactorTiles) {
+        self.scale(tiles);
+        self.product.set_tiles(&tiles.inverse, Left::Columns(&self.upper), &self.scaled);
     }
 
     /// `D^-1 U'`.

@@ -208,6 +208,14 @@ impl<S: Scalar> Factor<S> {
         }
     }
 
+    /// `Z = D^-1 Y`.
+    pub(crate) fn divide(&self, y: &Panel<S>, z: &mut Panel<S>) {
+        for (k, &inverse) in self.inverse_pivots.iter().enumerate() {
+            let inverse = S::Pack::splat(inverse);
+            z.row_mut(k).iter_mut().zip(y.row(k)).for_each(|(z, &y)| *z = y * inverse);
+        }
+    }
+
     /// `Y <- D^-1 Y`.
     pub(crate) fn divide_by_pivots(&self, y: &mut Panel<S>) {
         for (k, &inverse) in self.inverse_pivots.iter().enumerate() {

@@ -57,6 +57,15 @@ impl<S: Scalar> Factor<S> {
         }
     }
 
+    /// M^-1 on and below the diagonal as a panel, if it is computed block by block.
+    pub(crate) fn inverse_by_blocks(&mut self) -> &Panel<S> {
+        if let Some(tiles) = self.tiles.take() {
+            self.form_inverse_by_blocks(&tiles);
+            self.tiles = Some(tiles);
+        }
+        &self.product
+    }
+
     /// U', after the inverse, if it is computed block by block.
     pub(crate) fn upper(&self) -> &Panel<S> {
         &self.upper

@@ -191,12 +191,8 @@ pub(crate) fn size_of_joint<S: Scalar>(tree: &Tree, k: usize, q: &[S], entry: S)
     }
     let joints = tree.joints();
     let mut reach = S::from_f64(joints[k].reach);
-    if joints[k].carries_slides {
-        for (joint, &q) in tree.subtree(k).iter().map(|&j| (&joints[j], &q[j])) {
-            if joint.kind == JointKind::Prismatic {
-                reach += q.plus(joint.offset).abs().times(joint.subtree_mass.sqrt());
-            }
-        }
+    for &(slide, root) in &joints[k].slides {
+        reach += q[slide].plus(joints[slide].offset).abs().times(root);
     }
     entry + (reach * reach).times(2.0)
 }

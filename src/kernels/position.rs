@@ -165,7 +165,7 @@ impl<S: Scalar> KernelOne<S> {
     fn place(&mut self, tree: &Tree, q: &[S]) {
         joint_positions(tree, &self.q, |i, position| self.bodies[i].position = position);
         for free in tree.free() {
-            self.bodies[free.turned].position = JointPosition::Oriented(free.orientation(q));
+            self.bodies[free.joint.turned].position = JointPosition::Oriented(free.orientation(q));
         }
         let bodies = &mut self.bodies[..tree.joints().len()];
         let mut before = Outward::new();

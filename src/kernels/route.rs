@@ -16,6 +16,9 @@ pub trait LagrangianHessian<S: Scalar>: Clone + Debug {
     /// Whether it takes floating and spherical joints.
     const FREE_JOINTS: bool = false;
 
+    /// Whether F and F_x may be computed in the axes of the world where that takes less time.
+    const WORLD_AXES: bool = false;
+
     /// Buffers for a tree.
     fn new(tree: &Tree) -> Self;
 
@@ -81,6 +84,7 @@ impl Route for Contracted {
 
 impl<S: Scalar> LagrangianHessian<S> for KernelOne<S> {
     const FREE_JOINTS: bool = true;
+    const WORLD_AXES: bool = true;
 
     fn new(tree: &Tree) -> Self {
         Self::new(tree).with_world_axes(tree)

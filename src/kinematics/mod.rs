@@ -144,7 +144,7 @@ impl<S: Scalar> Kinematics<S> {
             orientations: tree
                 .free()
                 .iter()
-                .map(|free| (free.turned, Quaternion::constant([0.0, 0.0, 0.0, 1.0])))
+                .map(|free| (free.joint.turned, Quaternion::constant([0.0, 0.0, 0.0, 1.0])))
                 .collect(),
             all: [(); 3].map(|()| filled(S::zero(), n)),
             direction: filled(S::zero(), n),
@@ -211,12 +211,12 @@ impl<S: Scalar> Kinematics<S> {
         self.zero = zero;
     }
 
-    /// At rest at q (nq), with the joints of the chains of floating and spherical joints at `chart` (n):
-    /// where the quaternions of q and then the angles of the chart turn them. Other entries of q do not
-    /// count.
-    pub(crate) fn place_chart(&mut self, q: &[S], chart: &[S]) {
+    /// These links alone, parents before children, at q (nq) with the joints of the chains of floating and
+    /// spherical joints at `chart` (n): where the quaternions of q and then the angles of the chart turn
+    /// them. Other entries of q do not count.
+    pub(crate) fn pose_chart(&mut self, q: &[S], chart: &[S], links: &[usize]) {
         self.orient(q, chart);
-        self.place_still(chart);
+        self.pose_links(chart, links);
     }
 
     /// The same with velocities and accelerations of the chains.
@@ -229,7 +229,7 @@ impl<S: Scalar> Kinematics<S> {
     fn orient(&mut self, q: &[S], chart: &[S]) {
         let Self { tree, orientations, .. } = self;
         for ((_, orientation), free) in orientations.iter_mut().zip(tree.free()) {
-            let (sin, cos) = chart[free.coordinate + free.kind.slides()].times(0.5).sin_cos();
+            let (sin, cos) = chart[free.joint.coordinate + free.joint.kind.slides()].times(0.5).sin_cos();
             let turn = Quaternion::new([S::zero(), S::zero(), sin, cos]);
             *orientation = free.orientation(q).then_after(turn);
         }

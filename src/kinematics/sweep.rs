@@ -27,16 +27,7 @@ impl<S: Scalar> Kinematics<S> {
         let world = Body { rows: self.world_axes(), ..Body::still() };
         for (i, joint) in self.tree.joints().iter().enumerate() {
             let parent = joint.parent.map_or(world, |p| self.bodies[p]);
-            let oriented = self.orientations.iter().find(|(turned, _)| *turned == i);
-            let transform = match oriented {
-                None => joint.transform(self.all[0][i]),
-                Some(&(_, orientation)) => joint.transform_at(JointPosition::Oriented(orientation)),
-            };
-            let [(x, along_x), (y, along_y), (z, along_z)] =
-                parent.rows.map(|row| transform.vector_down_with_arm(row));
-            let (rows, arm) = ([x, y, z], Vec3::new(along_x, along_y, along_z));
-            let position = parent.position + arm;
-            let mut body = Body { joint: transform.joint, rows, position, ..parent };
+            let (mut body, arm) = self.posed(i, &parent);
             let axis = body.axis();
             let (rate, rate_of_rate) = (axis.scaled(self.all[1][i]), axis.scaled(self.all[2][i]));
             let turned = parent.angular.cross(rate) + rate_of_rate;
@@ -56,6 +47,31 @@ impl<S: Scalar> Kinematics<S> {
             body.linear_rate = body.linear_rate + parent.angular_rate.cross(arm);
             self.bodies[i] = body;
         }
+    }
+
+    /// Poses of these links alone, parents before children, at the coordinates q (n).
+    pub(super) fn pose_links(&mut self, q: &[S], links: &[usize]) {
+        positions(&self.tree, q, &mut self.all[0]);
+        let world = Body { rows: self.world_axes(), ..Body::still() };
+        for &i in links {
+            let parent = self.tree.joints()[i].parent.map_or(world, |p| self.bodies[p]);
+            (self.bodies[i], _) = self.posed(i, &parent);
+        }
+    }
+
+    /// Link i with the motion of its parent, and its origin seen from that of the parent.
+    #[inline(always)]
+    fn posed(&self, i: usize, parent: &Body<S>) -> (Body<S>, Vec3<S>) {
+        let joint = &self.tree.joints()[i];
+        let oriented = self.orientations.iter().find(|(turned, _)| *turned == i);
+        let transform = match oriented {
+            None => joint.transform(self.all[0][i]),
+            Some(&(_, orientation)) => joint.transform_at(JointPosition::Oriented(orientation)),
+        };
+        let [(x, along_x), (y, along_y), (z, along_z)] =
+            parent.rows.map(|row| transform.vector_down_with_arm(row));
+        let (rows, arm) = ([x, y, z], Vec3::new(along_x, along_y, along_z));
+        (Body { joint: transform.joint, rows, position: parent.position + arm, ..*parent }, arm)
     }
 
     /// The axes of the world of the robot, seen from the aligned world.

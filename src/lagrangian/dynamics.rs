@@ -109,13 +109,18 @@ impl<S: Scalar> Lagrangian<S> {
         let Some(world) = self.world.as_mut().filter(|_| self.routes.derivatives) else {
             return self.factor_by_kernel(q);
         };
-        let tree = &self.tree;
-        world.set_position(tree, q);
-        world.compose(tree);
+        world.set_position(&self.tree, q);
+        world.compose(&self.tree);
+        self.factor_placed(q)
+    }
+
+    /// The factors of M where it is computed in the axes of the world, at these coordinates (n).
+    pub(super) fn factor_placed(&mut self, q: &[S]) -> Result<(), EvalError> {
+        let Self { tree, world: Some(world), factor, .. } = self else { return Ok(()) };
         let mass_matrix = world.mass_matrix();
         let size_of = |k| size_of_joint(tree, k, q, mass_matrix[(k, k)]);
         let singular = |k: usize| EvalError::SingularMassMatrix { joint: tree.name(k).into() };
-        self.factor.factor(mass_matrix, size_of).map_err(singular)
+        factor.factor(mass_matrix, size_of).map_err(singular)
     }
 
     /// The same by kernel one.

@@ -1,5 +1,7 @@
-//! Inverse and forward dynamics of robots with floating and spherical joints, by kernels one and two.
+//! Inverse and forward dynamics of robots with floating and spherical joints, by the algorithm that
+//! [`Routes`](super::choice::Routes) has chosen.
 
+use super::choice::current_mass_matrix;
 use super::free::Free;
 use super::inverse::{torque, torque_jacobian};
 use super::{ForwardDynamicsLinearisation, InverseDynamicsLinearisation, Lagrangian};
@@ -12,9 +14,7 @@ use crate::scalar::Scalar;
 impl<S: Scalar> Lagrangian<S> {
     /// Arguments of a robot with free joints: q of nq entries, the others of n.
     pub(super) fn check_free(&self, q: &[S], others: &[(&'static str, &[S])]) -> Result<(), EvalError> {
-        if !self.tree.wrenches().is_empty() {
-            self.tree.refuse_free()?;
-        }
+        self.tree.refuse_free_and_wrench()?;
         check_configuration(&self.tree, q)?;
         let n = self.tree.dof();
         others.iter().try_for_each(|&(what, values)| check_entries(&self.tree, what, values, n))
@@ -33,12 +33,11 @@ impl<S: Scalar> Lagrangian<S> {
 
     /// Kernel one at (q, v), and M in the axes of the frames.
     fn set_kernel(&mut self, free: &mut Free<S>, q: &[S], v: &[S]) -> Result<(), EvalError> {
-        free.set_state(q, v);
+        free.set_state(&self.tree, q, v);
         self.kernel.set_position(&self.tree, q)?;
         self.kernel.set_velocity(&self.tree, &free.v_chain)?;
         self.kernel.second_order(&self.tree);
-        let mass_matrix = self.kernel.mass_matrix();
-        free.set_mass_matrix(|i, j| mass_matrix[(i, j)]);
+        free.set_mass_matrix(self.kernel.mass_matrix(), |entry| entry);
         Ok(())
     }
 
@@ -58,25 +57,77 @@ impl<S: Scalar> Lagrangian<S> {
         Ok(())
     }
 
-    /// Fills (v, nu') and factors M.
+    /// tau, tau_q and tau_v in the axes of the world.
+    fn linearise_torque_free(&mut self, free: &mut Free<S>, [q, v, a]: [&[S]; 3]) -> Result<(), EvalError> {
+        free.set_state(&self.tree, q, v);
+        free.set_acceleration(a);
+        self.place(q)?;
+        if let Some(world) = &mut self.world {
+            world.set_motion(&self.tree, &free.v_chain, Some(&free.a_chain));
+        }
+        self.differentiate_torque_at_motion(&free.chart, &free.v_chain)?;
+        self.unpack_torque();
+        self.take_torques(&free.chart, &free.v_chain, &free.a_chain);
+        free.inward(&mut self.tau);
+        let mass_matrix = current_mass_matrix(self.routes, &self.kernel, self.world.as_ref());
+        free.set_mass_matrix(mass_matrix, |entry| entry);
+        free.finish_jacobian(&self.tau, [&mut self.tau_q, &mut self.tau_v]);
+        Ok(())
+    }
+
+    /// Fills (v, nu') and factors M; a_chain is the acceleration of the chain.
     pub(super) fn accelerate_free(
         &mut self,
         free: &mut Free<S>,
         [q, v, u]: [&[S]; 3],
     ) -> Result<(), EvalError> {
-        let n = v.len();
-        self.set_kernel(free, q, v)?;
-        let size_of = |k| self.kernel.size_of_entry(&self.tree, k);
-        let singular = |k: usize| EvalError::SingularMassMatrix { joint: self.tree.name(k).into() };
-        self.factor.factor(self.kernel.mass_matrix(), size_of).map_err(singular)?;
-        free.a_chain.fill(S::zero());
-        torque(&self.tree, &self.kernel, |entry| entry, (&free.v_chain, &free.a_chain), &mut self.tau);
-        let (rate_q, a) = self.rate.split_at_mut(n);
-        rate_q.copy_from_slice(v);
-        a.copy_from_slice(u);
-        free.outward(a);
-        a.iter_mut().zip(&self.tau).for_each(|(a, &tau)| *a -= tau);
+        if self.routes.derivatives {
+            free.set_state(&self.tree, q, v);
+            self.place(q)?;
+            self.factor_placed(&free.chart)?;
+            self.set_bias(&free.chart, &free.v_chain);
+            let mass_matrix = current_mass_matrix(self.routes, &self.kernel, self.world.as_ref());
+            free.set_mass_matrix(mass_matrix, |entry| entry);
+        } else {
+            self.set_kernel(free, q, v)?;
+            let size_of = |k| self.kernel.size_of_entry(&self.tree, k);
+            let singular = |k: usize| EvalError::SingularMassMatrix { joint: self.tree.name(k).into() };
+            self.factor.factor(self.kernel.mass_matrix(), size_of).map_err(singular)?;
+            free.a_chain.fill(S::zero());
+            torque(&self.tree, &self.kernel, |entry| entry, (&free.v_chain, &free.a_chain), &mut self.tau);
+        }
+        self.take_given_forces(free, [v, u]);
+        let a = &mut self.rate[v.len()..];
         self.factor.solve(a);
+        free.a_chain.copy_from_slice(a);
+        free.finish_acceleration(a);
+        Ok(())
+    }
+
+    /// Fills `(v, u - tau)`, with u in the axes of the chain.
+    fn take_given_forces(&mut self, free: &Free<S>, [v, u]: [&[S]; 2]) {
+        let (rate_q, forces) = self.rate.split_at_mut(v.len());
+        rate_q.copy_from_slice(v);
+        forces.copy_from_slice(u);
+        free.outward(forces);
+        forces.iter_mut().zip(&self.tau).for_each(|(force, &tau)| *force -= tau);
+    }
+
+    /// Fills (v, nu'), by articulated bodies if they take less time than M and its factors.
+    fn accelerate_alone_free(&mut self, free: &mut Free<S>, [q, v, u]: [&[S]; 3]) -> Result<(), EvalError> {
+        if self.bodies.is_none() {
+            return self.accelerate_free(free, [q, v, u]);
+        }
+        free.set_state(&self.tree, q, v);
+        self.tau.fill(S::zero());
+        self.add_joint_forces(&free.chart, &free.v_chain);
+        self.take_given_forces(free, [v, u]);
+        let a = &mut self.rate[v.len()..];
+        let (Some(world), Some(bodies)) = (&mut self.world, &mut self.bodies) else { return Ok(()) };
+        world.set_position(&self.tree, q);
+        world.set_motion(&self.tree, &free.v_chain, None);
+        let singular = |k: usize| EvalError::SingularMassMatrix { joint: self.tree.name(k).into() };
+        bodies.solve(&self.tree, world, a).map_err(singular)?;
         free.finish_acceleration(a);
         Ok(())
     }
@@ -85,9 +136,21 @@ impl<S: Scalar> Lagrangian<S> {
     pub(super) fn inverse_dynamics_free(&mut self, [q, v, a]: [&[S]; 3]) -> Result<&[S], EvalError> {
         self.check_free(q, &[("v", v), ("a", a)])?;
         self.with_free(|this, free| {
-            this.set_kernel(free, q, v)?;
+            if !this.routes.derivatives {
+                this.set_kernel(free, q, v)?;
+                free.set_acceleration(a);
+                this.take_torque_free(free);
+                return Ok(());
+            }
+            free.set_state(&this.tree, q, v);
             free.set_acceleration(a);
-            this.take_torque_free(free);
+            let Some(world) = &mut this.world else { return Ok(()) };
+            world.set_position(&this.tree, q);
+            world.set_motion(&this.tree, &free.v_chain, Some(&free.a_chain));
+            world.sum_forces(&mut this.tau);
+            this.add_armature(&free.a_chain);
+            this.add_joint_forces(&free.chart, &free.v_chain);
+            free.inward(&mut this.tau);
             Ok(())
         })?;
         Ok(&self.tau)
@@ -100,6 +163,9 @@ impl<S: Scalar> Lagrangian<S> {
     ) -> Result<InverseDynamicsLinearisation<'_, S>, EvalError> {
         self.check_free(q, &[("v", v), ("a", a)])?;
         self.with_free(|this, free| {
+            if this.routes.derivatives {
+                return this.linearise_torque_free(free, [q, v, a]);
+            }
             this.set_kernel(free, q, v)?;
             free.set_acceleration(a);
             this.take_torque_free(free);
@@ -113,7 +179,7 @@ impl<S: Scalar> Lagrangian<S> {
     #[inline(never)]
     pub(super) fn evaluate_free(&mut self, [q, v, u]: [&[S]; 3]) -> Result<&[S], EvalError> {
         self.check_free(q, &[("v", v), ("u", u)])?;
-        self.with_free(|this, free| this.accelerate_free(free, [q, v, u]))?;
+        self.with_free(|this, free| this.accelerate_alone_free(free, [q, v, u]))?;
         Ok(&self.rate)
     }
 
@@ -127,12 +193,28 @@ impl<S: Scalar> Lagrangian<S> {
         self.with_free(|this, free| {
             this.accelerate_free(free, [q, v, u])?;
             free.set_acceleration(&this.rate[n..]);
+            if this.routes.derivatives {
+                return this.respond_free(free, u);
+            }
             this.take_torque_free(free);
             this.take_jacobian_free(free)?;
             this.solve_jacobian_free(free);
             Ok(())
         })?;
         Ok(self.forward_jacobian())
+    }
+
+    /// Fills a_z in the axes of the world, where [`accelerate_free`](Self::accelerate_free) was called; the
+    /// torque of the motion is u.
+    fn respond_free(&mut self, free: &mut Free<S>, u: &[S]) -> Result<(), EvalError> {
+        if let Some(world) = &mut self.world {
+            world.set_acceleration(&self.tree, &free.v_chain, &free.a_chain);
+        }
+        self.differentiate_torque_at_motion(&free.chart, &free.v_chain)?;
+        self.torque[0].subtract_entries(free.force_slope(u));
+        self.solve_jacobian();
+        free.finish_responses(&mut self.a_z);
+        Ok(())
     }
 
     /// Fills a_z from tau_q and tau_v; M is factored.
@@ -157,7 +239,7 @@ impl<S: Scalar> Lagrangian<S> {
         self.check_free(q, &[("v", v)])?;
         let mut twice = S::zero();
         self.with_free(|this, free| {
-            free.set_state(q, v);
+            free.set_state(&this.tree, q, v);
             this.kernel.set_position(&this.tree, q)?;
             this.kernel.set_velocity(&this.tree, &free.v_chain)?;
             twice = dot(this.kernel.momentum(), &free.v_chain);
@@ -171,8 +253,7 @@ impl<S: Scalar> Lagrangian<S> {
         self.with_free(|this, free| {
             free.set_configuration(q);
             this.kernel.set_position(&this.tree, q)?;
-            let mass_matrix = this.kernel.mass_matrix();
-            free.set_mass_matrix(|i, j| mass_matrix[(i, j)]);
+            free.set_mass_matrix(this.kernel.mass_matrix(), |entry| entry);
             Ok(())
         })?;
         Ok(self.free.as_ref().map_or(self.kernel.mass_matrix(), |free| &free.mass_matrix))

@@ -23,8 +23,7 @@ impl<S: Scalar> LagrangianSecondOrder<S> {
         let along = self.direction_v.iter_mut().zip(&free.a_chain);
         along.for_each(|(dual, &a)| *dual = Tangent::new(a, S::zero()));
         self.pass(q, &free.v_chain)?;
-        let mass_matrix = self.kernel.mass_matrix();
-        free.set_mass_matrix(|i, j| mass_matrix[(i, j)].re);
+        free.set_mass_matrix(self.kernel.mass_matrix(), |entry| entry.re);
         let Lagrangian { tree, tau, tau_q, tau_v, .. } = &mut self.first;
         torque(tree, &self.kernel, |entry| entry.re, (&free.v_chain, &free.a_chain), tau);
         free.inward(tau);
@@ -41,7 +40,7 @@ impl<S: Scalar> LagrangianSecondOrder<S> {
     ) -> Result<InverseDynamicsContraction<'_, S>, EvalError> {
         self.first.check_free(q, &[("v", v), ("a", a), ("w", w)])?;
         if let Some(mut free) = self.first.free.take() {
-            free.set_state(q, v);
+            free.set_state(&self.first.tree, q, v);
             free.w.copy_from_slice(w);
             let outcome = self.differentiate_free(&mut free, q, Some(a));
             self.first.free = Some(free);

@@ -63,7 +63,8 @@ use newton_euler::NewtonEuler;
 /// [`LagrangianSecondOrder`]; all else returns [`EvalError::FreeJoint`].
 ///
 /// The generalised forces Q(q) of wrenches from outside ([`Robot::with_wrench`]) act as u does, with all
-/// their derivatives: inverse dynamics subtracts them, forward dynamics adds them.
+/// their derivatives: inverse dynamics subtracts them, forward dynamics adds them. Robots with floating or
+/// spherical joints take none: [`EvalError::FreeJointAndWrench`].
 ///
 /// ```
 /// use costate::lagrangian::Lagrangian;

@@ -38,8 +38,18 @@ impl<S: Scalar> Lagrangian<S> {
         self.subtract_wrenches(q);
     }
 
+    /// Adds the torques that accelerate the armature to tau.
+    pub(super) fn add_armature(&mut self, a: &[S]) {
+        for &(i, j, value) in self.tree.armature() {
+            self.tau[i] += a[j].times(value);
+            if i != j {
+                self.tau[j] += a[i].times(value);
+            }
+        }
+    }
+
     /// Adds springs to tau, and subtracts friction and wrenches from outside.
-    fn add_joint_forces(&mut self, q: &[S], v: &[S]) {
+    pub(super) fn add_joint_forces(&mut self, q: &[S], v: &[S]) {
         for &i in self.tree.with_spring() {
             let spring = self.tree.joints()[i].spring;
             self.tau[i] += q[i].plus(-spring.rest).times(spring.stiffness);
@@ -89,7 +99,7 @@ impl<S: Scalar> Lagrangian<S> {
 
     /// The same where the motion of the links is known, if they move in the axes of the world.
     #[inline(never)]
-    fn differentiate_torque_at_motion(&mut self, q: &[S], v: &[S]) -> Result<(), EvalError> {
+    pub(super) fn differentiate_torque_at_motion(&mut self, q: &[S], v: &[S]) -> Result<(), EvalError> {
         let Some(world) = self.world.as_mut().filter(|_| self.routes.derivatives) else {
             return self.differentiate_torque_by_kernels(q, v);
         };
@@ -127,12 +137,7 @@ impl<S: Scalar> Lagrangian<S> {
         match &self.world {
             Some(world) if self.routes.derivatives => {
                 world.torques(&mut self.tau);
-                for &(i, j, value) in self.tree.armature() {
-                    self.tau[i] += a[j].times(value);
-                    if i != j {
-                        self.tau[j] += a[i].times(value);
-                    }
-                }
+                self.add_armature(a);
                 self.add_joint_forces(q, v);
             }
             _ => {

@@ -13,7 +13,7 @@ pub(crate) use panel::{Panel, sized};
 pub(crate) use pattern::Pattern;
 pub(crate) use place::Place;
 pub(crate) use product::{Left, Part};
-pub(crate) use rows::{add_rows, sum_rows, write_packs};
+pub(crate) use rows::{add_rows, dot_packs, sum_rows, write_packs};
 pub use rows::{add_scaled, dot};
 pub(crate) use tile::Update;
 pub(crate) use tiles::{Terms, Tiles};
@@ -33,6 +33,14 @@ pub(crate) fn filled<T: Copy>(value: T, count: usize) -> Vec<T> {
         copies.push(value);
     }
     copies
+}
+
+/// A term of one entry of a matrix.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Entry<S> {
+    pub row: usize,
+    pub column: usize,
+    pub value: S,
 }
 
 /// A dense matrix, stored row by row.
@@ -95,6 +103,14 @@ impl<S: Scalar> Matrix<S> {
     pub(crate) fn row_mut_and_below(&mut self, i: usize, k: usize) -> (&mut [S], &[S]) {
         let (to_k, from_k) = self.data.split_at_mut(k * self.columns);
         (&mut to_k[i * self.columns..(i + 1) * self.columns], &from_k[..self.columns])
+    }
+
+    /// Rows `i` to `i + 2`.
+    #[inline(always)]
+    pub(crate) fn three_rows_mut(&mut self, i: usize) -> [&mut [S]; 3] {
+        let (first, rest) = self.data[i * self.columns..][..3 * self.columns].split_at_mut(self.columns);
+        let (second, third) = rest.split_at_mut(self.columns);
+        [first, second, third]
     }
 
     /// All entries, row by row.

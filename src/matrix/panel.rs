@@ -1,6 +1,6 @@
 //! A matrix whose rows are whole packs.
 
-use super::Matrix;
+use super::{Entry, Matrix};
 use crate::scalar::{Pack, Scalar};
 
 /// A dense matrix whose rows are padded to a whole number of packs (of registers, if it is computed block by
@@ -68,6 +68,11 @@ impl<S: Scalar> Panel<S> {
         let width = columns.div_ceil(Self::LANES).next_multiple_of(packs);
         let padded = rows.next_multiple_of(Self::LANES * packs);
         Self { rows, columns, width, data: vec![S::Pack::zero(); padded * width] }
+    }
+
+    /// Makes all entries zero.
+    pub fn clear(&mut self) {
+        self.data.fill(S::Pack::zero());
     }
 
     /// Number of rows.
@@ -163,6 +168,13 @@ impl<S: Scalar> Panel<S> {
         self.data[i * self.width + j / Self::LANES].set_lane(j % Self::LANES, value);
     }
 
+    /// Subtracts some terms.
+    pub fn subtract_entries(&mut self, entries: &[Entry<S>]) {
+        for &Entry { row, column, value } in entries {
+            self.set(row, column, self.get(row, column) - value);
+        }
+    }
+
     /// Fills row `i` with numbers, as many as there are columns. N: their number where known, else 0.
     #[inline(always)]
     pub fn read_row<const N: usize>(&mut self, i: usize, from: &[S]) {
@@ -181,6 +193,22 @@ impl<S: Scalar> Panel<S> {
         let (to, from) = (&mut self.data[..N * W], &from.data[..N * W]);
         for (to, &from) in to.iter_mut().zip(from) {
             *to = from;
+        }
+    }
+
+    /// Subtracts numbers, as many as there are columns, from row `i`.
+    pub fn subtract_row(&mut self, i: usize, numbers: &[S]) {
+        for (pack, numbers) in self.row_mut(i).iter_mut().zip(numbers.chunks(Self::LANES)) {
+            *pack -= S::Pack::read(numbers);
+        }
+    }
+
+    /// `A - B`, of a panel and a matrix of the same size.
+    pub fn set_difference(&mut self, a: &Self, b: &Matrix<S>) {
+        for i in 0..self.rows {
+            let packs = a.row(i).iter().zip(b.row(i).chunks(Self::LANES));
+            let to = self.row_mut(i).iter_mut();
+            to.zip(packs).for_each(|(to, (&a, b))| *to = a - S::Pack::read(b));
         }
     }
 

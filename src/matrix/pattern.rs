@@ -54,9 +54,23 @@ impl Pattern {
 
     /// The same with the diagonal.
     pub fn with_diagonal(&self) -> Self {
+        self.with_diagonal_to(self.n)
+    }
+
+    /// The same with so many entries of the diagonal.
+    pub fn with_diagonal_to(&self, count: usize) -> Self {
         let mut with = self.clone();
-        (0..self.n).for_each(|i| with.insert(i, i));
+        (0..count).for_each(|i| with.insert(i, i));
         with
+    }
+
+    /// The same positions in a larger matrix.
+    pub fn enlarged(&self, n: usize) -> Self {
+        let mut enlarged = Self::empty(n.max(self.n));
+        for i in 0..self.n {
+            (0..self.n).filter(|&j| self.has(i, j)).for_each(|j| enlarged.insert(i, j));
+        }
+        enlarged
     }
 
     /// The union with another set.

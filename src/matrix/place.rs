@@ -34,7 +34,7 @@ impl<S: Scalar> Matrix<S> {
         place: Place,
         tiles: &Tiles,
         (a, b): (Left<'_, S>, &Panel<S>),
-        (product, update): (&mut Panel<S>, Update),
+        (product, update): (&mut Panel<S>, Update<'_, S>),
     ) {
         match a {
             Left::Rows(a) => self.place_all::<false>(place, tiles, (a, b), (product, update)),
@@ -47,7 +47,7 @@ impl<S: Scalar> Matrix<S> {
         place: Place,
         tiles: &Tiles,
         (a, b): (&Panel<S>, &Panel<S>),
-        (product, update): (&mut Panel<S>, Update),
+        (product, update): (&mut Panel<S>, Update<'_, S>),
     ) {
         product.tiles::<ACROSS>(tiles, a, b, update, |product, block, packs| match place.minus {
             [false, false] => self.place_packs::<false, false>(place, product, block, packs),
@@ -102,14 +102,30 @@ impl<S: Scalar> Matrix<S> {
                 tile[r] = tile[r].before(r + 1, across[r]);
             }
         } else {
-            for (r, pack) in across.iter().enumerate().take(columns) {
-                let pack = if place.minus[1] { -*pack } else { *pack };
-                pack.write(&mut self.row_mut(place.across.0 + left + r)[place.across.1 + top..][..rows]);
-            }
+            let (row, column) = place.across;
+            self.write_part((row + left, column + top), &across, (columns, rows), place.minus[1]);
         }
-        for (r, pack) in tile.iter().enumerate().take(rows) {
-            let pack = if place.minus[0] { -*pack } else { *pack };
-            pack.write(&mut self.row_mut(place.at.0 + top + r)[place.at.1 + left..][..columns]);
+        let (row, column) = place.at;
+        self.write_part((row + top, column + left), &tile, (rows, columns), place.minus[0]);
+    }
+
+    /// The first rows and columns of a block of packs, from this row and column on.
+    #[inline(always)]
+    fn write_part(
+        &mut self,
+        (row, column): (usize, usize),
+        packs: &[S::Pack; MOST_LANES],
+        (rows, columns): (usize, usize),
+        minus: bool,
+    ) {
+        let lanes = Panel::<S>::LANES;
+        for (r, &pack) in packs.iter().enumerate().take(lanes) {
+            if r < rows {
+                let pack = if minus { -pack } else { pack };
+                let to = &mut self.data[(row + r) * self.columns + column..];
+                // A whole pack is one store.
+                if columns == lanes { pack.write(&mut to[..lanes]) } else { pack.write(&mut to[..columns]) }
+            }
         }
     }
 }

@@ -9,6 +9,28 @@ pub fn dot<S: Scalar>(a: &[S], b: &[S]) -> S {
     a.iter().zip(b).fold(S::zero(), |sum, (&a, &b)| a.mul_add(b, sum))
 }
 
+/// The same in packs, the terms in another order.
+#[inline]
+pub(crate) fn dot_packs<S: Scalar>(a: &[S], b: &[S]) -> S {
+    let lanes = Panel::<S>::LANES;
+    if Panel::<S>::ONE_LANE {
+        return dot(a, b);
+    }
+    let length = a.len().min(b.len());
+    let (pairs_a, pairs_b) = (a[..length].chunks_exact(2 * lanes), b[..length].chunks_exact(2 * lanes));
+    let rest = pairs_a.remainder().chunks(lanes).zip(pairs_b.remainder().chunks(lanes));
+    let mut sums = [S::Pack::zero(); 2];
+    for (a, b) in pairs_a.zip(pairs_b) {
+        for (k, sum) in sums.iter_mut().enumerate() {
+            let part = k * lanes..(k + 1) * lanes;
+            *sum = S::Pack::read(&a[part.clone()]).mul_add(S::Pack::read(&b[part]), *sum);
+        }
+    }
+    let [even, odd] = sums;
+    let sum = rest.fold(even + odd, |sum, (a, b)| S::Pack::read(a).mul_add(S::Pack::read(b), sum));
+    (1..lanes).fold(sum.lane(0), |total, lane| total + sum.lane(lane))
+}
+
 /// `target += factor source`, truncated to the shorter slice.
 #[inline]
 pub fn add_scaled<S: Scalar>(target: &mut [S], factor: S, source: &[S]) {
@@ -108,7 +130,18 @@ pub(crate) fn write_packs<S: Scalar>(from: &[S::Pack], to: &mut [S], function: i
 
 #[cfg(test)]
 mod tests {
-    use super::{add_rows, sum_rows};
+    use super::{add_rows, dot, dot_packs, sum_rows};
+
+    #[test]
+    fn a_product_in_packs_is_that_of_the_numbers() {
+        for n in 0..=27 {
+            let numbers = |from: f64| (0..n).map(|i| (from + 1.3 * i as f64).sin()).collect::<Vec<f64>>();
+            let (a, b) = (numbers(0.2), numbers(1.7));
+            assert!((dot_packs(&a, &b) - dot(&a, &b)).abs() < 1e-14, "n = {n}");
+            // As far as the shorter one.
+            assert_eq!(dot_packs(&a, &[b.as_slice(), &[7.0; 9]].concat()), dot_packs(&a, &b));
+        }
+    }
 
     #[test]
     fn rows_are_added_in_blocks_of_any_length() {

@@ -12,11 +12,13 @@ type Wide<S> = <<S as Scalar>::Pack as Pack<S>>::Wide;
 type Sums<S, const C: usize> = [[Wide<S>; C]; MOST_LANES];
 
 /// Which step a product takes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Update {
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Update<'a, S: Scalar> {
     Set,
     Subtract,
     Add,
+    /// The result is this panel, of the same size, minus the product.
+    SubtractFrom(&'a Panel<S>),
 }
 
 /// Computes a tile of so many registers in a row, and does something with its sums.
@@ -114,7 +116,7 @@ impl<S: Scalar> Panel<S> {
         tiles: &Tiles,
         a: &Self,
         b: &Self,
-        update: Update,
+        update: Update<'_, S>,
         mut then: impl FnMut(&Self, usize, Range<usize>),
     ) {
         let width = <S::Pack as Pack<S>>::WIDTH;
@@ -136,7 +138,7 @@ impl<S: Scalar> Panel<S> {
     }
 
     #[inline(always)]
-    fn store<const C: usize>(&mut self, (block, left): Corner, sums: &Sums<S, C>, update: Update) {
+    fn store<const C: usize>(&mut self, (block, left): Corner, sums: &Sums<S, C>, update: Update<'_, S>) {
         let (stride, width) = (self.width::<0>(), <S::Pack as Pack<S>>::WIDTH);
         for (r, sums) in sums.iter().enumerate().take(Self::LANES) {
             let place = (block * Self::LANES + r) * stride + left * width;
@@ -147,6 +149,9 @@ impl<S: Scalar> Panel<S> {
                     Update::Set => sum,
                     Update::Subtract => S::Pack::join(target) - sum,
                     Update::Add => S::Pack::join(target) + sum,
+                    Update::SubtractFrom(base) => {
+                        S::Pack::join(&base.packs()[place + c * width..][..width]) - sum
+                    }
                 };
                 S::Pack::split(sum, target);
             }

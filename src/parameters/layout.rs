@@ -42,6 +42,8 @@ pub(super) struct Layout {
     pub kept: Vec<usize>,
     /// The coordinates of the joints.
     pub rows: Vec<Row>,
+    /// The frame of each joint in the tree.
+    joint_frames: Vec<Option<usize>>,
     /// Number of parameters.
     pub len: usize,
     pub bodies: Vec<Body>,
@@ -63,6 +65,7 @@ impl Layout {
         let tree = Tree::from(robot);
         let mut layout = Self {
             rows: tree.rows(),
+            joint_frames: (0..robot.joints().len()).map(|i| robot.frame_of_joint(i)).collect(),
             tree,
             extended: Tree::from(&extended),
             kept,
@@ -143,9 +146,10 @@ impl Layout {
         }
     }
 
-    /// The frame of joint `i` of the robot in that of the tree: after that of the world.
+    /// The frame of joint `i` of the robot in that of the tree.
     fn joint_frame(&self, i: usize) -> Placement {
-        self.tree.frames()[1 + i].placement
+        // Parts inside of a floating or spherical joint have none, and no evaluation takes such joints.
+        self.joint_frames[i].map_or(Placement::identity(), |frame| self.tree.frames()[frame].placement)
     }
 
     /// Adds an entry of a body; consecutive entries of one frame are one body.

@@ -218,7 +218,7 @@ impl RobotBuilder {
 
 /// The frames of the world, of joints, of links that the description names, and the given ones.
 fn frames(joints: &[Joint], given: Vec<FrameSpec>) -> Result<Vec<Frame>, RobotError> {
-    let mut frames = FrameList::of_joints(joints.iter().map(|joint| joint.name.as_str()));
+    let mut frames = FrameList::of_joints(joints);
     let is_link = |frame: &&FrameSpec| frame.kind == FrameKind::Link;
     let given_links: HashSet<&str> = given.iter().filter(is_link).map(|frame| frame.name.as_str()).collect();
     for joint in joints.iter().filter(|joint| joint.link != joint.name) {

@@ -3,6 +3,7 @@
 use super::checks;
 use super::error::RobotError;
 use super::frame::{Base, Frame, FrameKind, FrameSpec};
+use super::joint::Joint;
 use super::link::Placement;
 use super::nearest::resembling;
 use std::collections::HashMap;
@@ -14,15 +15,13 @@ pub(super) struct FrameList {
 }
 
 impl FrameList {
-    /// The frames of the world and of the joints.
-    pub(super) fn of_joints<'a>(names: impl Iterator<Item = &'a str>) -> Self {
+    /// The frames of the world and of the joints; of a floating or spherical joint that of its last part,
+    /// which moves the link. The chain inside of it moves with the chart of its positions, not as a body.
+    pub(super) fn of_joints(joints: &[Joint]) -> Self {
         let placement = Placement::identity();
         let world = Frame { name: "world".into(), kind: FrameKind::World, joint: None, placement };
-        let joints = names.enumerate().map(|(i, name)| Frame {
-            name: name.to_owned(),
-            kind: FrameKind::Joint,
-            joint: Some(i),
-            placement,
+        let joints = joints.iter().enumerate().filter(|(_, joint)| !joint.is_inner()).map(|(i, joint)| {
+            Frame { name: joint.name.clone(), kind: FrameKind::Joint, joint: Some(i), placement }
         });
         Self::from(std::iter::once(world).chain(joints).collect::<Vec<_>>())
     }

@@ -1,31 +1,23 @@
 //! Floating and spherical joints in the frames of a tree.
 
-use super::free::{FreeJoint, FreeKind};
+use super::free::FreeJoint;
 use crate::scalar::Scalar;
 use crate::spatial::Quaternion;
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion};
+use std::ops::Range;
 
-/// A floating or spherical joint: which entries belong to it, and how its quaternion turns the frame of the
-/// first of its revolute joints.
+/// How the quaternion of a floating or spherical joint turns the frame of the first of its revolute joints.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct FreeFrame {
-    pub name: String,
-    pub kind: FreeKind,
-    /// Its first entry of q.
-    pub position: usize,
-    /// Its first entry of v.
-    pub coordinate: usize,
-    /// Index of the joint that it turns.
-    pub turned: usize,
+    pub joint: FreeJoint,
     /// Quaternions before and after that of q.
     around: [[f64; 4]; 2],
 }
 
 impl FreeFrame {
     /// In axes that have not been chosen yet.
-    pub fn new(free: &FreeJoint) -> Self {
-        let FreeJoint { name, kind, position, coordinate, turned } = free.clone();
-        Self { name, kind, position, coordinate, turned, around: [[0.0, 0.0, 0.0, 1.0]; 2] }
+    pub fn new(joint: &FreeJoint) -> Self {
+        Self { joint: joint.clone(), around: [[0.0, 0.0, 0.0, 1.0]; 2] }
     }
 
     /// With the axes of the turned joint: `x_aligned = aligned x_original`, and the offset of its angle.
@@ -38,9 +30,15 @@ impl FreeFrame {
         Self { around: [(turn * axes).coords.into(), axes.inverse().coords.into()], ..self }
     }
 
+    /// The entries of its quaternion in q.
+    pub fn quaternion_entries(&self) -> Range<usize> {
+        let first = self.joint.quaternion();
+        first..first + 4
+    }
+
     /// Its quaternion in a configuration.
     pub fn quaternion<S: Scalar>(&self, q: &[S]) -> Quaternion<S> {
-        let at = self.position + self.kind.slides();
+        let at = self.joint.quaternion();
         Quaternion::new([q[at], q[at + 1], q[at + 2], q[at + 3]])
     }
 

@@ -128,6 +128,14 @@ pub struct Joint {
     pub free: Option<FreePart>,
 }
 
+impl Joint {
+    /// Whether it is a part of a floating or spherical joint that others follow: it moves no link, and has no
+    /// frame.
+    pub(crate) fn is_inner(&self) -> bool {
+        self.free.as_ref().is_some_and(|part| part.place + 1 < part.kind.dof())
+    }
+}
+
 /// What a [`JointSpec`] says about the joint that it mimics.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct MimicSpec {

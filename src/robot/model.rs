@@ -6,7 +6,7 @@ use super::constraint::Constraint;
 use super::error::RobotError;
 use super::frame::{Frame, FrameSpec};
 use super::frame_list::FrameList;
-use super::free::FreeJoint;
+use super::free::{FreeJoint, of_position};
 use super::joint::{Friction, Joint};
 use super::joint_map;
 use super::warning::Warning;
@@ -101,6 +101,17 @@ impl Robot {
         &self.independent
     }
 
+    /// The name of the joint that an entry of q belongs to: of a floating or spherical one for each of its
+    /// entries. `None` if q has no such entry.
+    pub fn joint_of_position(&self, index: usize) -> Option<&str> {
+        match of_position(&self.free, index) {
+            Ok(free) => Some(&free.name),
+            Err(coordinate) => {
+                self.independent.get(coordinate).map(|&joint| self.joints[joint].name.as_str())
+            }
+        }
+    }
+
     /// `G q + b`: the positions of all joints (rad, m), in the order of [`joints`](Self::joints).
     ///
     /// # Errors
@@ -138,7 +149,8 @@ impl Robot {
         self.armature.matrix()
     }
 
-    /// The frames: the world, then those of the joints, of links and of merged joints, and added ones.
+    /// The frames: the world, then those of the joints, of links and of merged joints, and added ones. A
+    /// floating or spherical joint has one frame: that of its last part, which moves the link.
     ///
     /// ```
     /// use costate::robot::{FrameSpec, Placement, Robot};
@@ -154,6 +166,14 @@ impl Robot {
     /// ```
     pub fn frames(&self) -> &[Frame] {
         &self.frames
+    }
+
+    /// The position of the frame of joint `i` in [`frames`](Self::frames); `None` for a part of a floating or
+    /// spherical joint that is not its last one.
+    pub fn frame_of_joint(&self, i: usize) -> Option<usize> {
+        let has_frame = |joint: &&Joint| !joint.is_inner();
+        let before = self.joints.get(..i)?.iter().filter(has_frame).count();
+        self.joints.get(i).filter(has_frame).map(|_| 1 + before)
     }
 
     /// The frame of this name: of an added frame, else of a link, else of a joint, else the world.

@@ -61,6 +61,28 @@ impl<S: Scalar> Quaternion<S> {
         self.vector.dot(self.vector) + self.scalar * self.scalar
     }
 
+    /// Its length; no square overflows or vanishes.
+    pub fn length(self) -> S {
+        let (scaled, largest) = self.scaled();
+        scaled.square().sqrt() * largest
+    }
+
+    /// Itself divided by its length; not a number if this is zero.
+    pub fn unit(self) -> Self {
+        let (scaled, _) = self.scaled();
+        let inverse = scaled.square().sqrt().recip();
+        Self::new(scaled.to_array().map(|entry| entry * inverse))
+    }
+
+    /// Itself divided by its largest entry, and this, or 1 where all are zero.
+    fn scaled(self) -> (Self, S) {
+        let larger = |a: S, b: S| S::select(a.less(b), b, a);
+        let entries = self.to_array();
+        let largest = entries.map(S::abs).into_iter().fold(S::zero(), larger);
+        let largest = S::select(S::zero().less(largest), largest, S::one());
+        (Self::new(entries.map(|entry| entry / largest)), largest)
+    }
+
     /// `(R a, R b)`.
     ///
     /// This and the next three are calls in transforms, which are inlined at many places: only free joints

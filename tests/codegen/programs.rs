@@ -1,11 +1,12 @@
 //! Programs of robots, evaluated step by step, against the generic code.
 
+use costate::EvalError;
 use costate::codegen::{
     COptions, CodegenError, Coordinates, DEFAULT_LIMIT, Program, ProgramOptions, Quantity, acados_source,
     casadi_source, parameter_names, parameter_values, robot_program,
 };
 use costate::hamiltonian::Hamiltonian;
-use costate::robot::{JointSpec, LinkInertia, LoadOptions, Placement, Robot};
+use costate::robot::{JointSpec, LinkInertia, LoadOptions, Placement, Robot, Wrench};
 use costate_test_support::generic::{State, expected, judge};
 use costate_test_support::properties;
 use costate_test_support::random_robot::{Case, cases, tolerance};
@@ -94,6 +95,14 @@ fn what_takes_no_quaternions_is_refused_by_name() {
         acados_source(&robot, None, &COptions::default()).unwrap_err(),
     ];
     assert!(errors.iter().all(|error| error.to_string().contains("'root' is floating")), "{errors:?}");
+    let with_wrench = robot.with_wrench("root", Wrench::default()).unwrap();
+    for coordinates in Coordinates::ALL {
+        let error =
+            robot_program(&with_wrench, Quantity::F, coordinates, &ProgramOptions::default()).unwrap_err();
+        let expected = EvalError::FreeJointAndWrench { joint: "root".into(), kind: "floating" };
+        assert!(matches!(&error, CodegenError::Eval(found) if *found == expected), "{error}");
+        assert!(error.to_string().contains("take no wrenches"), "{error}");
+    }
 }
 
 #[test]

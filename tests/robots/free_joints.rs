@@ -1,15 +1,16 @@
 //! Floating and spherical joints: descriptions, what is refused, and the numbers of Pinocchio.
 
-use costate::EvalError;
-use costate::configuration::ConfigurationSpace;
+use costate::configuration::{ConfigurationSpace, FreeKinematics};
+use costate::derivative::{ForwardDynamics, PhaseVelocity};
 use costate::hamiltonian::{DualPass, FullHessian, Hamiltonian};
 use costate::kinematics::Kinematics;
 use costate::lagrangian::{Lagrangian, LagrangianSecondOrder};
 use costate::robot::{
-    FreeKind, Friction, JointSpec, Limits, LinkInertia, LoadOptions, Robot, RobotError, Spring, Tree, file,
-    urdf,
+    FrameSpec, FreeKind, Friction, JointSpec, Limits, LinkInertia, LoadOptions, Robot, RobotError, Spring,
+    Tree, file, urdf,
 };
 use costate::tensors::Christoffel;
+use costate::{EvalError, LengthError};
 use nalgebra::{DMatrix, DVector, Matrix3};
 use serde::Deserialize;
 use std::path::Path;
@@ -128,6 +129,92 @@ fn a_free_joint_is_a_chain_of_which_the_last_moves_the_link() {
     let [free] = robot.free_joints() else { panic!("{:?}", robot.free_joints()) };
     assert_eq!((free.kind, free.position, free.coordinate, free.turned), (FreeKind::Floating, 0, 0, 3));
     assert_eq!(robot.frame("root").unwrap().joint, Some(5));
+    // Inside of the chain nothing moves as a body does: there are no frames.
+    let frames: Vec<&str> = robot.frames().iter().map(|frame| frame.name.as_str()).collect();
+    assert_eq!(frames, ["world", "root"]);
+    assert_eq!([4, 5, 6].map(|joint| robot.frame_of_joint(joint)), [None, Some(1), None]);
+    assert!(matches!(robot.frame("joint:root_rx"), Err(RobotError::UnknownFrame { .. })));
+    assert!(robot.with_frame(FrameSpec::new("tool").on("root_y")).is_err());
+}
+
+/// An arm on a satellite; its forearm slides, and one of two fingers mimics the other.
+fn satellite() -> Robot {
+    Robot::builder("satellite")
+        .joint(JointSpec::revolute("boom").carrying(body()))
+        .joint(JointSpec::floating("base").on("boom").carrying(body()))
+        .joint(JointSpec::revolute("shoulder").on("base").link("arm").carrying(body()))
+        .joint(JointSpec::spherical("ball").on("shoulder").carrying(body()))
+        .joint(JointSpec::prismatic("finger").on("ball").axis([1.0, 0.0, 0.0]).carrying(body()))
+        .joint(JointSpec::prismatic("thumb").on("ball").carrying(body()).mimicking("finger", -1.0, 0.0))
+        .build()
+        .unwrap()
+}
+
+#[test]
+fn free_joints_remain_where_other_joints_are_held() {
+    let robot = satellite();
+    assert_eq!((robot.dof(), robot.nq()), (12, 14));
+    let mut q = ConfigurationSpace::new(&robot).neutral();
+    (q[0], q[8], q[13]) = (0.4, -0.7, 0.2);
+    let reduced = robot.reduced_to(&["base", "ball", "boom"], &q).unwrap();
+    assert_eq!(reduced, robot.lock(&[("shoulder", -0.7), ("finger", 0.2)]).unwrap());
+    assert_eq!((reduced.dof(), reduced.nq()), (10, 12));
+    // Frames follow in the order of the joints that are left, then those that are held.
+    let names: Vec<&str> = reduced.frames().iter().map(|frame| frame.name.as_str()).collect();
+    assert_eq!(names, ["world", "boom", "base", "ball", "shoulder", "finger", "thumb", "arm"]);
+    let carriers: Vec<Option<usize>> = reduced.frames().iter().map(|frame| frame.joint).collect();
+    assert_eq!(carriers[1..4], [Some(0), Some(6), Some(9)]);
+    assert_eq!([1, 6, 9].map(|joint| reduced.frame_of_joint(joint)), [None, Some(2), Some(3)]);
+    // Links are where they were, at rest and in any other pose.
+    let mut rest = q.clone();
+    rest[4..8].copy_from_slice(&[0.5, -0.5, 0.5, 0.5]);
+    rest[9..13].copy_from_slice(&[0.0, 0.6, 0.0, 0.8]);
+    let left: Vec<f64> = (0..14).filter(|k| ![8, 13].contains(k)).map(|k| rest[k]).collect();
+    let (mut whole, mut part) = (FreeKinematics::<f64>::new(&robot), FreeKinematics::<f64>::new(&reduced));
+    whole.set_position(&rest).unwrap();
+    part.set_position(&left).unwrap();
+    for frame in robot.frames() {
+        let pose = |robot: &Robot, of: &FreeKinematics<f64>| {
+            let pose = of.pose(robot.frame_index(&frame.name).unwrap()).unwrap();
+            [pose.position, pose.rotation[0], pose.rotation[1], pose.rotation[2]].concat()
+        };
+        let (before, after) = (pose(&robot, &whole), pose(&reduced, &part));
+        let error = before.iter().zip(&after).fold(0.0, |most, (a, b)| f64::max(most, (a - b).abs()));
+        assert!(error < 1e-14, "{}: {before:?} {after:?}", frame.name);
+    }
+    let refused = |joints: &[&str]| robot.reduced_to(joints, &q).unwrap_err();
+    for error in [refused(&["shoulder", "base"]), refused(&["base", "ball", "base_rx"])] {
+        assert!(matches!(error, RobotError::FreeJoint { .. }), "{error}");
+    }
+    assert!(refused(&["shoulder", "base"]).to_string().contains("'ball' is spherical"));
+    assert!(matches!(refused(&["base", "base"]), RobotError::RepeatedJoint { .. }));
+    let wrong = robot.reduced_to(&["base", "ball"], &q[1..]).unwrap_err();
+    assert!(matches!(wrong, RobotError::WrongPositions { expected: 14, found: 13 }), "{wrong}");
+}
+
+#[test]
+fn each_entry_of_q_has_a_joint() {
+    let robot = satellite();
+    let names: Vec<&str> = (0..14).filter_map(|entry| robot.joint_of_position(entry)).collect();
+    let expected = [&["boom"][..], &["base"; 7], &["shoulder"], &["ball"; 4], &["finger"]].concat();
+    assert_eq!(names, expected);
+    assert_eq!(robot.joint_of_position(14), None);
+    let mut q = ConfigurationSpace::new(&robot).neutral();
+    q[13] = f64::NAN;
+    let error = Hamiltonian::<f64>::new(&robot).evaluate(&q, &[0.0; 12], &[0.0; 12]).unwrap_err();
+    assert!(matches!(&error, EvalError::NonFinite { joint, index: 13, .. } if joint == "finger"), "{error}");
+}
+
+#[test]
+fn a_centre_of_another_length_is_refused() {
+    let (robot, chain) =
+        (satellite(), Robot::builder("chain").joint(JointSpec::revolute("a").carrying(body())));
+    let wrong = |expected, found| LengthError { what: "q", expected, found };
+    let mut function = PhaseVelocity::new(&robot);
+    function.set_centre(&ConfigurationSpace::new(&robot).neutral()).unwrap();
+    assert_eq!(function.set_centre(&[0.0; 13]), Err(wrong(14, 13)));
+    assert_eq!(ForwardDynamics::new(&robot).set_centre(&[0.0; 15]), Err(wrong(14, 15)));
+    assert_eq!(PhaseVelocity::new(&chain.build().unwrap()).set_centre(&[0.0; 2]), Err(wrong(1, 2)));
 }
 
 #[test]
@@ -187,7 +274,8 @@ fn what_a_free_joint_cannot_have_is_refused_by_name() {
     let robot = drone();
     let edits = [
         robot.lock(&[("root_rx", 0.0)]).err(),
-        robot.reduced_to(&["root"], &[0.0; 6]).err(),
+        robot.reduced_to(&[], &[0.0; 7]).err(),
+        robot.reduced_to(&["root_rx"], &[0.0; 7]).err(),
         robot.with_joint_armature("root", 1.0).err(),
         robot.with_friction("root_x", Friction::none()).err(),
         robot.with_limits("root", limits).err(),
@@ -202,7 +290,7 @@ fn what_does_not_take_free_joints_says_so() {
     let robot = drone();
     let (q, p, y) = (ConfigurationSpace::new(&robot).neutral(), [0.1; 6], [0.2; 12]);
     let tree = || Tree::from(&robot);
-    let mut outcomes = vec![
+    let outcomes = [
         Lagrangian::<f64>::new(&robot).gravity(&q).map(drop),
         Kinematics::<f64>::new(&robot).set_position(&p).map(drop),
         DualPass::<f64>::new(&robot).contract(&q, &p, &p, &y).map(drop),
@@ -214,7 +302,12 @@ fn what_does_not_take_free_joints_says_so() {
         robot.joint_positions(&q).map(drop),
     ];
     let pulled = robot.with_wrench("root", Default::default()).unwrap();
-    outcomes.push(Hamiltonian::<f64>::new(&pulled).evaluate(&q, &p, &p).map(drop));
+    for error in [
+        Hamiltonian::<f64>::new(&pulled).evaluate(&q, &p, &p).map(drop).unwrap_err(),
+        Lagrangian::<f64>::new(&pulled).inverse_dynamics(&q, &p, &p).map(drop).unwrap_err(),
+    ] {
+        assert!(matches!(&error, EvalError::FreeJointAndWrench { joint, .. } if joint == "root"), "{error}");
+    }
     for (k, outcome) in outcomes.into_iter().enumerate() {
         let error = outcome.unwrap_err();
         assert!(matches!(&error, EvalError::FreeJoint { joint, .. } if joint == "root"), "{k}: {error}");

@@ -6,6 +6,7 @@
 mod action;
 mod clock;
 mod fit;
+mod forms;
 mod measure;
 mod numerics;
 mod plot;
@@ -21,20 +22,21 @@ use problems::{Failure, ROOT};
 use std::path::{Path, PathBuf};
 
 const HELP: &str = "\
-costate-motions [--action] [--write] [--short]
+costate-motions [--action | --forms] [--write] [--short]
 
   --action  the table of the action form alone
+  --forms   the table of forms of the direct method alone
   --write   puts the tables into BENCHMARKS.md and the plots into docs/
   --short   few chains, short meshes, few repeats
 ";
 
 fn main() -> Result<(), Failure> {
-    let (mut write, mut short, mut only_action) = (false, false, false);
+    let (mut write, mut short, mut only) = (false, false, None);
     for argument in std::env::args().skip(1) {
         match argument.as_str() {
             "--write" => write = true,
             "--short" => short = true,
-            "--action" => only_action = true,
+            "--action" | "--forms" => only = Some(argument),
             "--help" => {
                 print!("{HELP}");
                 return Ok(());
@@ -42,10 +44,13 @@ fn main() -> Result<(), Failure> {
             other => return Err(format!("unknown argument {other}; see --help").into()),
         }
     }
-    let of_action = ("motions action", action::table(short)?);
-    if only_action {
-        println!("{}", of_action.1);
-        return if write { Ok(tables::put(&benchmarks(), of_action.0, &of_action.1)?) } else { Ok(()) };
+    if let Some(only) = only {
+        let (name, text) = match only.as_str() {
+            "--forms" => ("motions forms", forms::table(short)?),
+            _ => ("motions action", action::table(short)?),
+        };
+        println!("{text}");
+        return if write { Ok(tables::put(&benchmarks(), name, &text)?) } else { Ok(()) };
     }
     let (joints, of_joints) = scaling::joints(short)?;
     let (nodes, of_nodes) = scaling::nodes(short)?;
@@ -53,7 +58,8 @@ fn main() -> Result<(), Failure> {
         ("motions stages", stages::table(short)?),
         ("motions joints", joints),
         ("motions nodes", nodes),
-        of_action,
+        ("motions action", action::table(short)?),
+        ("motions forms", forms::table(short)?),
     ];
     for (name, text) in &texts {
         println!("\n{name}\n\n{text}");

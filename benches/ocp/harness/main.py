@@ -12,6 +12,7 @@ from pathlib import Path
 
 import agreement
 import derivatives
+import freely
 import gait_times
 import in_phases
 import in_space
@@ -37,7 +38,8 @@ from shell import compilers, first_line, say, stop
 
 ROOT = Path(__file__).resolve().parents[3]
 # Of --values.
-PARTS = {part.__name__: part for part in (derivatives, judged, same_mesh, values, sensitivities, in_space, in_phases, walking)}
+PARTS = {part.__name__: part for part in (derivatives, judged, same_mesh, values, sensitivities, in_space, in_phases, walking,
+                                          freely)}
 
 
 def arguments():

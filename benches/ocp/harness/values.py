@@ -1,7 +1,8 @@
-"""Values of problems with limits that were found by two other methods, and the peer's on fine meshes.
+"""Values of problems with limits, and the peer's on fine meshes.
 
-`python benches/ocp/harness/main.py --values` (by `benches/ocp/run --values`) solves them again by the peer and compares.
-`source`: "barrier" is an interior point on the extremals, "collocation" direct collocation on a mesh graded by hand."""
+`python benches/ocp/harness/main.py --values` (by `benches/ocp/run --values`) solves them by the peer and compares: it has them
+to `within`. The further digits are of programs that are not kept here. `source` names their methods: "barrier" is an interior
+point on the extremals, "collocation" direct collocation on a mesh graded by hand."""
 
 import math
 from dataclasses import dataclass

@@ -27,9 +27,13 @@ def newest(name):
     return numbered[-1] if numbered else shutil.which(name)
 
 
+COMPILERS = {"gcc": ("gcc", "g++"), "clang": ("clang", "clang++")}
+chosen = list(COMPILERS)
+
+
 def compilers():
-    """(name, C compiler, C++ compiler) of what is installed."""
-    found = [(name, newest(c), newest(cpp)) for name, c, cpp in (("gcc", "gcc", "g++"), ("clang", "clang", "clang++"))]
+    """(name, C compiler, C++ compiler) of what is installed and chosen."""
+    found = [(name, *map(newest, COMPILERS[name])) for name in chosen]
     found = [row for row in found if row[1] and row[2]]
     if not found:
         stop("no C++ compiler: install gcc and g++, or clang (Debian: apt-get install g++ clang)")

@@ -30,7 +30,7 @@ def play(options, robot, peers, number, batches, values):
     first = number * len(arguments) // options.rounds
     order = arguments[first:] + arguments[:first]
     done = subprocess.run(
-        [peers.driver, robot.states, str(robot.n), str(options.batches), str(1e6 * options.milliseconds),
+        [peers.driver, robot.states, str(robot.nq), str(robot.n), str(options.batches), str(1e6 * options.milliseconds),
          ",".join(options.quantities) or "-", *order],
         capture_output=True, text=True, check=False)
     if done.returncode:

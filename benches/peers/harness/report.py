@@ -8,6 +8,7 @@ TITLES = {
     "a": "forward dynamics a(q, v, u)", "a_z": "a and a_z, z = (q, v, u)", "y_a_zz": "a, a_z and y'a_zz",
     "tau": "inverse dynamics tau(q, v, a)", "tau_z": "tau and its Jacobian in (q, v, a)",
     "w_tau_zz": "second derivatives of tau in (q, v, a)", "M": "M(q)", "Minv": "inverse of M(q)",
+    "contact": "on two feet: a, forces and the linearised state equation", "contact_xx": "on two feet: F, F_x and y'F_xx",
 }
 
 
@@ -37,22 +38,23 @@ def print_robot(robot, figures):
             print(f"    {who(row):52} {row['ns']:10.0f}  [{row['q25']:.0f}, {row['q75']:.0f}] {ratio}")
 
 
-def print_verdicts(figures):
+def print_verdicts(figures, of):
     print("\nclaim: peer's time / costate's: verdict")
-    for claim, ratios, verdict in claims.verdicts(figures):
+    for claim, ratios, verdict in claims.verdicts(figures, of):
         print(f"  {claim}: {ratios}: {verdict}")
     differences = [row["difference"] for row in figures if "difference" in row]
     if differences:
         print(f"\nlargest relative difference of values: {max(differences):.1e} ({len(differences)} comparisons)")
 
 
-def write(page, figures):
+def write(page, figures, of, floating):
     """Fills the marked parts of BENCHMARKS.md."""
     text = page.read_text()
-    parts = {"verdicts": verdict_table(figures), "machine": machine_text(figures), "tables": tables(figures),
+    parts = {"verdicts": verdict_table(figures, of), "machine": machine_text(figures), "tables": tables(figures),
              "agreement": agreement_text(figures)}
     for name, part in parts.items():
-        begin, end = f"<!-- {name}: begin (written by benches/peers/run --write) -->\n", f"<!-- {name}: end -->"
+        name, command = (f"floating {name}", "--floating --write") if floating else (name, "--write")
+        begin, end = f"<!-- {name}: begin (written by benches/peers/run {command}) -->\n", f"<!-- {name}: end -->"
         before, found, rest = text.partition(begin)
         _, closed, after = rest.partition(end)
         if not (found and closed):
@@ -61,9 +63,9 @@ def write(page, figures):
     page.write_text(text)
 
 
-def verdict_table(figures):
+def verdict_table(figures, of):
     lines = ["| claim | measured: peer's time / costate's | verdict |", "|---|---|---|"]
-    return "\n".join(lines + [f"| {' | '.join(row)} |" for row in claims.verdicts(figures)]) + "\n"
+    return "\n".join(lines + [f"| {' | '.join(row)} |" for row in claims.verdicts(figures, of)]) + "\n"
 
 
 def machine_text(figures):

@@ -1,8 +1,8 @@
 /* Times the quantities of several competitors on the same states, batch by batch in turn, in one process.
  *
- *     driver STATES N BATCHES NANOSECONDS LABEL=LIBRARY:FILE...
+ *     driver STATES NQ N BATCHES NANOSECONDS QUANTITIES LABEL=LIBRARY:FILE...
  *
- * STATES holds 7 N numbers a line (peer.h). A batch is as many whole sweeps over the states as take NANOSECONDS. One
+ * STATES holds NQ + 6 N numbers a line (peer.h). A batch is as many whole sweeps over the states as take NANOSECONDS. One
  * sweep that is not timed goes before each batch. Lines out: "values LABEL QUANTITY STATE numbers" and
  * "time LABEL QUANTITY BATCH nanoseconds-a-call". */
 #define _POSIX_C_SOURCE 200809L
@@ -86,12 +86,12 @@ static int is_wanted(const char *name, const char *wanted) {
 }
 
 int main(int argc, char **argv) {
-    if (argc < 7) fail("usage", "driver STATES N BATCHES NANOSECONDS QUANTITIES LABEL=LIBRARY:FILE...");
-    int n = atoi(argv[2]), batches = atoi(argv[3]), count, used = 0;
-    double span = atof(argv[4]);
-    double *states = read_states(argv[1], 7 * n, &count);
+    if (argc < 8) fail("usage", "driver STATES NQ N BATCHES NANOSECONDS QUANTITIES LABEL=LIBRARY:FILE...");
+    int n = atoi(argv[3]), width = atoi(argv[2]) + 6 * n, batches = atoi(argv[4]), count, used = 0;
+    double span = atof(argv[5]);
+    double *states = read_states(argv[1], width, &count);
     struct entry entries[512];
-    for (int i = 6; i < argc; i++) {
+    for (int i = 7; i < argc; i++) {
         char *library = strchr(argv[i], '='), *file = strrchr(argv[i], ':');
         if (!library || !file) fail("not LABEL=LIBRARY:FILE", argv[i]);
         *library++ = *file++ = '\0';
@@ -103,17 +103,17 @@ int main(int argc, char **argv) {
         const struct peer *peer = open(file, n);
         if (!peer) fail("cannot open the robot", argv[i]);
         for (int j = 0; j < peer->count && used < 512; j++)
-            if (is_wanted(peer->quantities[j].name, argv[5]))
+            if (is_wanted(peer->quantities[j].name, argv[6]))
                 entries[used++] = (struct entry){argv[i], peer->context, &peer->quantities[j], 1};
     }
     for (int i = 0; i < used; i++) {
-        print_values(&entries[i], states, count, 7 * n);
-        double once = batch(&entries[i], states, count, 7 * n) * count;
+        print_values(&entries[i], states, count, width);
+        double once = batch(&entries[i], states, count, width) * count;
         entries[i].sweeps = once < span ? (long)(span / once) + 1 : 1;
     }
     for (int b = 0; b < batches; b++)
         for (int i = 0; i < used; i++)
             printf("time %s %s %d %.3f\n", entries[i].label, entries[i].quantity->name, b,
-                   batch(&entries[i], states, count, 7 * n));
+                   batch(&entries[i], states, count, width));
     return 0;
 }

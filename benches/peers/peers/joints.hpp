@@ -20,12 +20,13 @@ template <typename S, int O> struct FewJointsTpl {
     using JointModelPY = JointModelPrismaticTpl<S, O, 1>;
     using JointModelPZ = JointModelPrismaticTpl<S, O, 2>;
     using JointModelPrismaticUnaligned = JointModelPrismaticUnalignedTpl<S, O>;
+    using JointModelFreeFlyer = JointModelFreeFlyerTpl<S, O>;
     using JointModelComposite = JointModelCompositeTpl<S, O, ::pinocchio::FewJointsTpl>;
     using JointModelMimic = JointModelMimicTpl<S, O, ::pinocchio::FewJointsTpl>;
     using JointModelVariant =
         boost::variant<JointModelRX, JointModelRY, JointModelRZ, JointModelRevoluteUnaligned, JointModelPX, JointModelPY,
-                       JointModelPZ, JointModelPrismaticUnaligned, boost::recursive_wrapper<JointModelComposite>,
-                       boost::recursive_wrapper<JointModelMimic>>;
+                       JointModelPZ, JointModelPrismaticUnaligned, JointModelFreeFlyer,
+                       boost::recursive_wrapper<JointModelComposite>, boost::recursive_wrapper<JointModelMimic>>;
 
     using JointDataRX = JointDataRevoluteTpl<S, O, 0>;
     using JointDataRY = JointDataRevoluteTpl<S, O, 1>;
@@ -35,12 +36,13 @@ template <typename S, int O> struct FewJointsTpl {
     using JointDataPY = JointDataPrismaticTpl<S, O, 1>;
     using JointDataPZ = JointDataPrismaticTpl<S, O, 2>;
     using JointDataPrismaticUnaligned = JointDataPrismaticUnalignedTpl<S, O>;
+    using JointDataFreeFlyer = JointDataFreeFlyerTpl<S, O>;
     using JointDataComposite = JointDataCompositeTpl<S, O, ::pinocchio::FewJointsTpl>;
     using JointDataMimic = JointDataMimicTpl<S, O, ::pinocchio::FewJointsTpl>;
     using JointDataVariant =
         boost::variant<JointDataRX, JointDataRY, JointDataRZ, JointDataRevoluteUnaligned, JointDataPX, JointDataPY,
-                       JointDataPZ, JointDataPrismaticUnaligned, boost::recursive_wrapper<JointDataComposite>,
-                       boost::recursive_wrapper<JointDataMimic>>;
+                       JointDataPZ, JointDataPrismaticUnaligned, JointDataFreeFlyer,
+                       boost::recursive_wrapper<JointDataComposite>, boost::recursive_wrapper<JointDataMimic>>;
 };
 
 } // namespace pinocchio

@@ -1,6 +1,7 @@
 /* What every competitor offers: a shared library that opens a robot and runs its quantities on packed states.
  *
- * A state is q, v, p, u, a (n numbers each), y (2n numbers): 7n doubles. */
+ * A state is q (nq numbers), v, p, u, a (n numbers each), y (2n numbers): nq + 6n doubles. nq is n, and one more for
+ * each joint with a quaternion. */
 #ifndef PEER_H
 #define PEER_H
 

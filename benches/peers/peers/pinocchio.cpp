@@ -1,7 +1,5 @@
 // Pinocchio, from its headers alone: model, data and algorithms are compiled here, with the flags of this machine.
-//
-// The model comes from a text file that harness/describe.py writes of what Pinocchio's own URDF reader has made.
-#include "joints.hpp"
+#include "model.hpp"
 #include "peer.h"
 
 #include <pinocchio/algorithm/aba.hpp>
@@ -11,90 +9,7 @@
 #include <pinocchio/algorithm/rnea-derivatives.hpp>
 #include <pinocchio/algorithm/rnea-second-order-derivatives.hpp>
 
-#include <fstream>
-#include <iostream>
-#include <string>
-#include <vector>
-
-namespace pin = pinocchio;
-using Vector = Eigen::VectorXd;
-
-#ifdef ALL_JOINTS
-using Joint = pin::JointModel;
-using Model = pin::Model;
-using Data = pin::Data;
-#else
-using Joint = pin::JointModelTpl<double, 0, pin::FewJointsTpl>;
-using Model = pin::ModelTpl<double, 0, pin::FewJointsTpl>;
-using Data = pin::DataTpl<double, 0, pin::FewJointsTpl>;
-#endif
-
 namespace {
-
-struct Context {
-    Model model;
-    Data data;
-    int n;
-    Vector q, v, u, a, y;
-
-    explicit Context(const Model &m)
-        : model(m), data(m), n(m.nv), q(n), v(n), u(n), a(n), y(2 * n) {}
-
-    void load(const double *state) {
-        q = Eigen::Map<const Vector>(state, n);
-        v = Eigen::Map<const Vector>(state + n, n);
-        u = Eigen::Map<const Vector>(state + 3 * n, n);
-        a = Eigen::Map<const Vector>(state + 4 * n, n);
-        y = Eigen::Map<const Vector>(state + 5 * n, 2 * n);
-    }
-};
-
-// RX, RY, RZ, PX, PY, PZ where the axis is one of the frame's, as Pinocchio's URDF reader chooses them.
-Joint joint(const std::string &kind, const Eigen::Vector3d &axis) {
-    if (kind == "JointModelRX") return Joint(pin::JointModelRX());
-    if (kind == "JointModelRY") return Joint(pin::JointModelRY());
-    if (kind == "JointModelRZ") return Joint(pin::JointModelRZ());
-    if (kind == "JointModelPX") return Joint(pin::JointModelPX());
-    if (kind == "JointModelPY") return Joint(pin::JointModelPY());
-    if (kind == "JointModelPZ") return Joint(pin::JointModelPZ());
-    if (kind == "JointModelRevoluteUnaligned") return Joint(pin::JointModelRevoluteUnaligned(axis));
-    if (kind == "JointModelPrismaticUnaligned") return Joint(pin::JointModelPrismaticUnaligned(axis));
-    throw std::runtime_error("no joint of the kind " + kind + " here");
-}
-
-template <typename Matrix> void read(std::istream &in, Matrix &m) {
-    for (int i = 0; i < m.rows(); i++)
-        for (int j = 0; j < m.cols(); j++) in >> m(i, j);
-}
-
-Model read_model(const char *path) {
-    std::ifstream in(path);
-    if (!in) throw std::runtime_error(std::string("cannot read ") + path);
-    int joints = 0;
-    Eigen::Vector3d gravity;
-    in >> joints;
-    read(in, gravity);
-    Model model;
-    model.gravity.linear() = gravity;
-    for (int i = 1; i <= joints; i++) {
-        std::string kind;
-        int parent = 0;
-        double mass = 0.0;
-        Eigen::Vector3d axis, translation, lever;
-        Eigen::Matrix3d rotation, inertia;
-        in >> kind >> parent;
-        read(in, axis);
-        read(in, rotation);
-        read(in, translation);
-        in >> mass;
-        read(in, lever);
-        read(in, inertia);
-        if (!in) throw std::runtime_error(std::string("too short: ") + path);
-        model.addJoint(parent, joint(kind, axis), pin::SE3(rotation, translation), "joint" + std::to_string(i));
-        model.inertias[i] = pin::Inertia(mass, lever, inertia);
-    }
-    return model;
-}
 
 Context &at(void *context, const double *state) {
     auto &c = *static_cast<Context *>(context);
@@ -103,13 +18,6 @@ Context &at(void *context, const double *state) {
 }
 
 Context &of(void *context) { return *static_cast<Context *>(context); }
-
-// Row by row.
-template <typename Matrix> double *put(double *out, const Matrix &m) {
-    for (Eigen::Index i = 0; i < m.rows(); i++)
-        for (Eigen::Index j = 0; j < m.cols(); j++) *out++ = m(i, j);
-    return out;
-}
 
 template <pin::Convention convention> void aba(void *context, const double *state) {
     auto &c = at(context, state);
@@ -193,7 +101,9 @@ void contracted_torque_hessian(void *context, double *out) {
     for (int k = 0; k < n; k++)
         for (int i = 0; i < n; i++)
             for (int j = 0; j < n; j++) {
-                h(i, j) += c.y[k] * c.data.d2tau_dqdq(k, i, j);
+                // Of a free flyer they are the derivatives one after the other, in the frame that has moved: symmetric up to
+                // the commutator of its axes. The Hessian along exp(xi) is the symmetric part.
+                h(i, j) += 0.5 * c.y[k] * (c.data.d2tau_dqdq(k, i, j) + c.data.d2tau_dqdq(k, j, i));
                 h(n + i, n + j) += c.y[k] * c.data.d2tau_dvdv(k, i, j);
                 const double mixed = c.y[k] * c.data.d2tau_dqdv(k, i, j);
                 h(i, n + j) += mixed;
@@ -208,8 +118,10 @@ void contracted_torque_hessian(void *context, double *out) {
 } // namespace
 
 extern "C" const peer *peer_open(const char *file, int n) try {
-    const Model model = read_model(file);
-    if (model.nv != n) throw std::runtime_error("another number of joints");
+    std::ifstream in(file);
+    if (!in) throw std::runtime_error(std::string("cannot read ") + file);
+    const Model model = read_model(in);
+    if (model.nv != n) throw std::runtime_error("another number of coordinates");
     static std::vector<quantity> quantities;
     quantities = {
         {"a:aba(world)", n, aba<pin::Convention::WORLD>, accelerations},

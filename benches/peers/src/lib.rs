@@ -4,12 +4,15 @@
 //! that is timed and one that copies its result out, which is not.
 
 mod quantities;
+mod standing;
+mod workspaces;
 
-use quantities::{Quantity, State, Workspaces};
+use quantities::{Quantity, State};
 use std::ffi::{CStr, c_char, c_int, c_void};
 use std::hint::black_box;
 use std::marker::PhantomData;
 use std::ptr::null;
+use workspaces::{Size, Workspaces};
 
 /// `struct quantity`.
 #[repr(C)]
@@ -39,7 +42,7 @@ struct Of<Q>(PhantomData<Q>);
 
 impl<Q: Quantity> Of<Q> {
     extern "C" fn run(context: *mut c_void, state: *const f64) {
-        // SAFETY: the driver passes the context that peer_open has made, and 7n numbers that live as long as
+        // SAFETY: the driver passes the context that peer_open has made, and a state that lives as long as
         // the driver.
         let (context, state) = unsafe { Self::arguments(context, state) };
         context.last = state.q.as_ptr();
@@ -53,7 +56,7 @@ impl<Q: Quantity> Of<Q> {
         let last = context.cast::<Context>();
         // SAFETY: as above; `last` is the state of the last run, and `out` has room for `length` numbers.
         let (context, state) = unsafe { Self::arguments(context, (*last).last) };
-        let n = context.workspaces.len();
+        let n = context.workspaces.size();
         let mut numbers = Vec::with_capacity(Q::length(n));
         match Q::evaluate(&mut context.workspaces, &state) {
             Ok(result) => Q::write(result, &mut numbers),
@@ -64,18 +67,18 @@ impl<Q: Quantity> Of<Q> {
     }
 
     /// # Safety
-    /// `context` is one of `peer_open`'s, used by nobody else; `state` points to 7n numbers.
+    /// `context` is one of `peer_open`'s, used by nobody else; `state` points to a whole state.
     #[inline(always)]
     unsafe fn arguments<'a>(context: *mut c_void, state: *const f64) -> (&'a mut Context, State<'a>) {
         // SAFETY: the caller's promise.
         let context = unsafe { &mut *context.cast::<Context>() };
-        let n = context.workspaces.len();
+        let Size { nq, n, .. } = context.workspaces.size();
         // SAFETY: the caller's promise.
-        let numbers = unsafe { std::slice::from_raw_parts(state, 7 * n) };
-        (context, State::new(numbers, n))
+        let numbers = unsafe { std::slice::from_raw_parts(state, nq + 6 * n) };
+        (context, State::new(numbers, nq, n))
     }
 
-    fn entry(n: usize) -> Entry {
+    fn entry(n: Size) -> Entry {
         Entry {
             name: Q::NAME.as_ptr(),
             length: c_int::try_from(Q::length(n)).unwrap_or(c_int::MAX),
@@ -94,9 +97,9 @@ unsafe extern "C" fn peer_open(file: *const c_char, n: c_int) -> *const c_void {
     // SAFETY: the caller's promise.
     let path = unsafe { CStr::from_ptr(file) }.to_string_lossy();
     let workspaces = match Workspaces::open(&path) {
-        Ok(workspaces) if c_int::try_from(workspaces.len()) == Ok(n) => workspaces,
+        Ok(workspaces) if c_int::try_from(workspaces.size().n) == Ok(n) => workspaces,
         Ok(workspaces) => {
-            eprintln!("costate: {path} has {} joints, not {n}", workspaces.len());
+            eprintln!("costate: {path} has {} coordinates, not {n}", workspaces.size().n);
             return null();
         }
         Err(error) => {
@@ -104,7 +107,7 @@ unsafe extern "C" fn peer_open(file: *const c_char, n: c_int) -> *const c_void {
             return null();
         }
     };
-    let entries = entries(workspaces.len()).leak();
+    let entries = entries(workspaces.size()).leak();
     let context = Box::leak(Box::new(Context { workspaces, last: null() }));
     let peer = Box::leak(Box::new(Peer {
         context: std::ptr::from_mut(context).cast(),
@@ -114,13 +117,16 @@ unsafe extern "C" fn peer_open(file: *const c_char, n: c_int) -> *const c_void {
     std::ptr::from_ref(peer).cast()
 }
 
-fn entries(n: usize) -> Vec<Entry> {
+fn entries(n: Size) -> Vec<Entry> {
     use quantities::*;
-    vec![
+    use standing::*;
+    if n.k > 0 {
+        return vec![Of::<Contact>::entry(n), Of::<ContactHessian>::entry(n)];
+    }
+    let mut all = vec![
         Of::<PhaseVelocity>::entry(n),
         Of::<Jacobian>::entry(n),
         Of::<RuleHessian>::entry(n),
-        Of::<DualPassHessian>::entry(n),
         Of::<ForwardDynamics>::entry(n),
         Of::<ForwardJacobian>::entry(n),
         Of::<ForwardHessian>::entry(n),
@@ -129,7 +135,12 @@ fn entries(n: usize) -> Vec<Entry> {
         Of::<InverseDynamics>::entry(n),
         Of::<InverseJacobian>::entry(n),
         Of::<InverseHessian>::entry(n),
-    ]
+    ];
+    // A dual pass takes no quaternions.
+    if n.nq == n.n {
+        all.push(Of::<DualPassHessian>::entry(n));
+    }
+    all
 }
 
 /// A value that cannot be computed ends the comparison.

@@ -1,66 +1,38 @@
 //! What is compared: each quantity as one call on a built workspace.
 
+use crate::workspaces::{Size, Workspaces};
 use costate::EvalError;
-use costate::hamiltonian::{
-    DualPass, Hamiltonian, HamiltonianContraction, HamiltonianLinearisation, HamiltonianSecondOrder,
-};
+use costate::hamiltonian::{HamiltonianContraction, HamiltonianLinearisation};
 use costate::lagrangian::{
-    ForwardDynamicsLinearisation, InverseDynamicsContraction, InverseDynamicsLinearisation, Lagrangian,
-    LagrangianContraction, LagrangianSecondOrder,
+    ForwardDynamicsLinearisation, InverseDynamicsContraction, InverseDynamicsLinearisation,
+    LagrangianContraction,
 };
 use costate::matrix::{Block, Matrix};
-use costate::robot::{Robot, RobotError, Tree};
 use std::ffi::CStr;
 
-/// Everything that is allocated.
-pub struct Workspaces {
-    hamiltonian: Hamiltonian<f64>,
-    second: HamiltonianSecondOrder<f64>,
-    dual_pass: DualPass<f64>,
-    lagrangian: Lagrangian<f64>,
-    lagrangian_second: LagrangianSecondOrder<f64>,
-}
-
-impl Workspaces {
-    /// Those of the robot in a file.
-    pub fn open(path: &str) -> Result<Self, RobotError> {
-        let tree = Tree::from(&Robot::from_file(path)?);
-        Ok(Self {
-            hamiltonian: Hamiltonian::from_tree(tree.clone()),
-            second: HamiltonianSecondOrder::from_tree(tree.clone()),
-            dual_pass: DualPass::from_tree(tree.clone()),
-            lagrangian: Lagrangian::from_tree(tree.clone()),
-            lagrangian_second: LagrangianSecondOrder::from_tree(tree),
-        })
-    }
-
-    /// Number of joints, n.
-    pub fn len(&self) -> usize {
-        self.hamiltonian.dof()
-    }
-}
-
-/// One state: n numbers each, y 2n.
+/// One state: n numbers each, q nq, y 2n.
 pub struct State<'a> {
     /// Positions.
     pub q: &'a [f64],
     v: &'a [f64],
-    p: &'a [f64],
-    u: &'a [f64],
+    /// Momenta, actuation and costate.
+    pub p: &'a [f64],
+    pub u: &'a [f64],
     a: &'a [f64],
-    y: &'a [f64],
+    pub y: &'a [f64],
 }
 
 impl<'a> State<'a> {
     /// From q, v, p, u, a, y in one piece.
-    pub fn new(numbers: &'a [f64], n: usize) -> Self {
-        let part = |k: usize| &numbers[k * n..(k + 1) * n];
-        Self { q: part(0), v: part(1), p: part(2), u: part(3), a: part(4), y: &numbers[5 * n..7 * n] }
+    pub fn new(numbers: &'a [f64], nq: usize, n: usize) -> Self {
+        let (q, rest) = numbers.split_at(nq);
+        let part = |k: usize| &rest[k * n..(k + 1) * n];
+        Self { q, v: part(0), p: part(1), u: part(2), a: part(3), y: &rest[4 * n..6 * n] }
     }
 
     /// Costate of velocities, accelerations or torques.
     fn weights(&self, first: bool) -> &'a [f64] {
-        let (head, tail) = self.y.split_at(self.q.len());
+        let (head, tail) = self.y.split_at(self.v.len());
         if first { head } else { tail }
     }
 }
@@ -72,7 +44,7 @@ pub trait Quantity {
     /// Name of the quantity and of the way to it.
     const NAME: &'static CStr;
     /// How many numbers [`write`](Self::write) gives.
-    fn length(n: usize) -> usize;
+    fn length(n: Size) -> usize;
     /// The call that is timed.
     fn evaluate<'a>(w: &'a mut Workspaces, x: &State<'_>) -> Result<Self::Result<'a>, EvalError>;
     /// The numbers to compare, row by row.
@@ -92,7 +64,8 @@ macro_rules! quantity {
         impl Quantity for $name {
             type Result<'a> = $result;
             const NAME: &'static CStr = $text;
-            fn length($n: usize) -> usize {
+            fn length(size: Size) -> usize {
+                let $n = size.n;
                 $length
             }
             #[inline(always)]
@@ -106,7 +79,8 @@ macro_rules! quantity {
     };
 }
 
-fn put(block: Block<'_, f64>, out: &mut Vec<f64>) {
+/// The entries row by row.
+pub fn put(block: Block<'_, f64>, out: &mut Vec<f64>) {
     block.iter_rows().for_each(|row| out.extend_from_slice(row));
 }
 

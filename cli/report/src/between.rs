@@ -1,7 +1,7 @@
 //! What a motion does between its points, in words.
 
 use crate::numbers::short;
-use crate::text::{is_polished, quantity, whose};
+use crate::text::{is_polished, of_ground, quantity, whose};
 use costate_control::{LimitViolation, Solution};
 
 /// Torques that are cut by less than this part of their limit are not worth a remark.
@@ -15,9 +15,13 @@ pub fn exceeded_between(solution: &Solution) -> Option<String> {
         .violations_between()
         .map(|(kind, worst)| {
             let (by, unit, time) = (short(worst.excess, 2), &worst.unit, short(worst.time, 4));
-            match kind {
-                "task" => format!("the {} is off by {by} {unit} at t = {time} s", worst.name),
-                kind => format!(
+            match (kind, of_ground(kind)) {
+                ("task", _) => format!("the {} is off by {by} {unit} at t = {time} s", worst.name),
+                (_, Some(what)) => {
+                    let name = &worst.name;
+                    format!("{what} is {by} {unit} beyond its friction cone, as '{name}', at t = {time} s")
+                }
+                (kind, None) => format!(
                     "the {} of {} is beyond its limit by {by} {unit} at t = {time} s",
                     quantity(kind),
                     whose(&worst.name)

@@ -43,6 +43,8 @@ pub(crate) fn limit_units(kind: &str) -> units::Units {
         "power" => units::POWER,
         "jerk" => units::JERK,
         "torque_rate" => units::EFFORT_RATE,
+        "ground_force" => units::FORCE,
+        "landing_impulse" => units::IMPULSE,
         _ => units::EFFORT,
     }
 }
@@ -217,6 +219,8 @@ fn limit_figures(problem: &Problem, solution: &Solution) -> Vec<(&'static str, S
             "torque_rate" => "beyond torque-rate limits",
             "power" => "beyond power limits",
             "torque_speed" => "beyond torque-speed limits",
+            "ground_force" => "beyond ground-force limits",
+            "landing_impulse" => "beyond landing-impulse limits",
             "task" => "beyond tools and clearances",
             _ => "beyond torque limits",
         };

@@ -19,9 +19,19 @@ pub(crate) fn is_trunk(robot: &Robot, joint: usize) -> bool {
     children().count() > 1 && children().all(|child| child.placement.translation.norm() <= SHORTEST)
 }
 
+/// The end of a link that carries no other one, or of a trunk, in the frame of its joint (m): the frame on it
+/// that is farthest away, as a foot or a flange; without one its centre of mass.
+pub(crate) fn end_of(robot: &Robot, joint: usize) -> [f64; 3] {
+    let frames = robot.frames().iter().filter(|frame| frame.joint == Some(joint));
+    let frames = frames.map(|frame| frame.placement.translation);
+    let farthest = frames.max_by(|a, b| a.norm().total_cmp(&b.norm()));
+    let com = robot.joints()[joint].inertia.com;
+    farthest.filter(|end| end.norm() > SHORTEST).unwrap_or(com).into()
+}
+
 #[cfg(test)]
 mod tests {
-    use super::{is_trunk, moves_freely};
+    use super::{end_of, is_trunk, moves_freely};
     use costate::robot::Robot;
 
     #[test]
@@ -33,6 +43,9 @@ mod tests {
         };
         assert_eq!(joints(moves_freely), ["base_x", "base_z"]);
         assert_eq!(joints(is_trunk), ["torso"]);
+        // A foot; the head has no frame.
+        assert_eq!(end_of(&rabbit, 4), [0.0, 0.0, -0.4]);
+        assert_eq!(end_of(&rabbit, 2), [0.0, 0.0, 0.2]);
         let cart = Robot::from_file("../../robots/cart_pole.toml").unwrap();
         assert!(!moves_freely(&cart, 0));
     }

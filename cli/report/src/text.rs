@@ -109,6 +109,15 @@ pub(crate) fn quantity(kind: &str) -> String {
     }
 }
 
+/// What the ground does to a foot, if that is what a kind of limits limits.
+pub(crate) fn of_ground(kind: &str) -> Option<&'static str> {
+    match kind {
+        "ground_force" => Some("the force of the ground"),
+        "landing_impulse" => Some("the impulse of the landing"),
+        _ => None,
+    }
+}
+
 /// Of a joint, or of all.
 pub(crate) fn whose(name: &str) -> String {
     if name == "all joints" { name.into() } else { format!("joint '{name}'") }
@@ -138,6 +147,12 @@ fn infeasible(solution: &Solution) -> String {
         let when = format!("at t = {} s", short(limit.time, 4));
         if limit.kind == "task" {
             return format!("the {} is relaxed by {amount} {unit} ({when})", limit.name);
+        }
+        if let Some(what) = of_ground(&limit.kind) {
+            return format!(
+                "{what} is {amount} {unit} beyond its friction cone, as '{}' ({when})",
+                limit.name
+            );
         }
         let whose = whose(&limit.name);
         if let (Some(rate), Some(most)) = (limit.rate, limit.no_load_speed)
@@ -195,6 +210,10 @@ fn exceeded(problem: &Problem, solution: &Solution) -> impl Iterator<Item = Stri
         let (name, unit, time) = (&worst.name, &worst.unit, short(worst.time, 4));
         if kind == "task" {
             return format!("the {name} is off by {} {unit} at t = {time} s", short(worst.excess, 4));
+        }
+        if let Some(what) = of_ground(kind) {
+            let by = short(worst.excess, 4);
+            return format!("{what} is {by} {unit} beyond its friction cone, as '{name}', at t = {time} s");
         }
         let ((value, limit), whose) = (apart(worst.value, worst.limit), whose(name));
         let at = worst.rate.map_or_else(String::new, |rate| {

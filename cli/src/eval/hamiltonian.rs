@@ -5,6 +5,7 @@ use super::line::{Answer, Motion, State};
 use super::machine::Machine;
 use super::route::{Evaluator, Route};
 #[cfg(feature = "jit")]
+use costate::EvalError;
 use costate::codegen;
 use costate::derivative::{Hessian, Jacobian, NestedHessian, PhaseVelocity};
 use costate::hamiltonian::{
@@ -101,7 +102,7 @@ impl Evaluator for Hamiltonian {
             Workspace::Dual(jacobian, nested) => {
                 for function in [jacobian.function_mut(), nested.function_mut()] {
                     function.u.copy_from_slice(u);
-                    function.set_centre(q);
+                    function.set_centre(q).map_err(EvalError::from)?;
                 }
                 let first = jacobian.linearise(&x)?;
                 answer.derivatives(first.value, first.jacobian.view());
@@ -111,7 +112,7 @@ impl Evaluator for Hamiltonian {
             }
             Workspace::Hyperdual(hessian) => {
                 hessian.function_mut().u.copy_from_slice(u);
-                hessian.function_mut().set_centre(q);
+                hessian.function_mut().set_centre(q).map_err(EvalError::from)?;
                 hessian.contract(&x, y.unwrap_or(&vec![0.0; x.len()]))?;
                 answer.derivatives(hessian.last().value(), hessian.last().jacobian().view());
                 if y.is_some() {

@@ -4,6 +4,7 @@ use super::line::{Answer, Motion, State};
 #[cfg(feature = "jit")]
 use super::machine::Machine;
 use super::route::{Evaluator, Route};
+use costate::EvalError;
 use costate::derivative::{ByCalls, ForwardDynamics, Hessian, Jacobian, NestedHessian};
 use costate::hamiltonian::Hamiltonian;
 use costate::lagrangian::{self, LagrangianSecondOrder};
@@ -82,14 +83,14 @@ impl Evaluator for Lagrangian {
                 derivatives(linear.acceleration(), linear.matrix(), Some(second.to_matrix().view()));
             }
             (Workspace::Dual(jacobian, nested), y) => {
-                jacobian.function_mut().0.set_centre(q);
-                nested.function_mut().0.set_centre(q);
+                jacobian.function_mut().0.set_centre(q).map_err(EvalError::from)?;
+                nested.function_mut().0.set_centre(q).map_err(EvalError::from)?;
                 let first = jacobian.linearise(&z)?;
                 let second = y.map(|y| nested.contract(&z, y)).transpose()?;
                 derivatives(first.value, first.jacobian.view(), second.map(Matrix::view));
             }
             (Workspace::Hyperdual(hessian), y) => {
-                hessian.function_mut().0.set_centre(q);
+                hessian.function_mut().0.set_centre(q).map_err(EvalError::from)?;
                 hessian.contract(&z, y.unwrap_or(&vec![0.0; u.len()]))?;
                 let (last, second) = (hessian.last(), hessian.last_contraction().view());
                 derivatives(last.value(), last.jacobian().view(), y.map(|_| second));

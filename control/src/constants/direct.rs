@@ -223,6 +223,14 @@ pub const PRECISION: f64 = 1e-2;
 pub const LEFT: f64 = 0.002;
 /// .. or this part of the tolerance.
 pub const ENOUGH: [f64; 2] = [0.1, 0.5];
+/// Where the peak beyond a limit that is touched makes this part of the error of an interval, the interval is
+/// divided there, ..
+pub const OF_PEAK: f64 = 0.5;
+/// .. unless the peak is as close to a node as this part of it: where limits are kept at nodes, and where
+/// they are kept at points alone.
+pub const BESIDE_NODE: [f64; 2] = [0.02, 0.1];
+/// Parts of it that are larger than this are halved then.
+pub const NEARLY_WHOLE: f64 = 0.7;
 /// Most parts into which an interval is divided at once.
 pub const MOST_PARTS: f64 = 4.0;
 /// Intervals below this part of the whole are not divided: rounding of positions would be large in their

@@ -1,6 +1,7 @@
 //! Floating and spherical joints in the rows of a trajectory.
 
 use crate::problem::free_joints::each_plain;
+use crate::result::trajectory_error::TrajectoryError;
 use costate::robot::{FreeJoint, FreeKind, Robot};
 use serde::{Deserialize, Serialize};
 
@@ -36,6 +37,17 @@ impl FreeEntries {
     /// Those of a robot.
     pub(crate) fn of(robot: &Robot) -> Vec<Self> {
         robot.free_joints().iter().map(Self::from).collect()
+    }
+
+    /// The list is that of a robot: [`TrajectoryError::OtherFreeJoints`] with the name of its own otherwise.
+    pub(crate) fn check_robot(all: &[Self], of: &str, robot: &Robot) -> Result<(), TrajectoryError> {
+        let expected = Self::of(robot);
+        if all == expected {
+            return Ok(());
+        }
+        let names = |all: &[Self]| all.iter().map(|free| free.name.clone()).collect();
+        let (found_joints, joints) = (names(all), names(&expected));
+        Err(TrajectoryError::OtherFreeJoints { found: of.to_owned(), found_joints, joints })
     }
 
     /// Whether lists fit rows of q and v where v has n entries.

@@ -30,8 +30,8 @@ pub struct Infeasibility {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct RelaxedLimit {
-    /// "position", "rate", "acceleration", "torque", "jerk", "torque_rate", "power", "torque_speed" or
-    /// "task".
+    /// "position", "rate", "acceleration", "torque", "jerk", "torque_rate", "power", "torque_speed",
+    /// "ground_force", "landing_impulse" or "task".
     pub kind: String,
     /// Name of the joint, "all joints", or the name of what a tool or a body shall keep.
     /// In JSON its key is `joint`.

@@ -35,6 +35,13 @@ pub struct LimitReport {
     /// tau where a motor drives fast (N m, N): its limit depends on v.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub torque_speed: Option<LimitUse>,
+    /// Forces of the ground on the feet of a gait along the edges of their friction cones (N): none is
+    /// negative.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ground_force: Option<LimitUse>,
+    /// The same of the impulses of the landing (N s).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub landing_impulse: Option<LimitUse>,
     /// Tools (m, rad, m/s) and clearances (m), at the ends too.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub task: Option<LimitUse>,
@@ -163,6 +170,8 @@ impl LimitReport {
             ("torque_rate", &self.torque_rate),
             ("power", &self.power),
             ("torque_speed", &self.torque_speed),
+            ("ground_force", &self.ground_force),
+            ("landing_impulse", &self.landing_impulse),
             ("task", &self.task),
         ];
         kinds.into_iter().map(|(name, usage)| (name, usage.as_ref()))

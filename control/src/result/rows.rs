@@ -66,6 +66,7 @@ struct StartDocument {
     status: Option<Status>,
     #[serde(default)]
     via_times: Vec<f64>,
+    free_joints: Option<Vec<FreeEntries>>,
     trajectory: Rows,
 }
 
@@ -76,6 +77,7 @@ struct WrittenStart<'a> {
     robot: &'a str,
     joints: &'a [String],
     via_times: &'a [f64],
+    free_joints: &'a [FreeEntries],
     trajectory: Rows,
 }
 
@@ -164,6 +166,9 @@ impl Trajectory {
             return Err(TrajectoryError::NoMotion { status });
         }
         let n = names.joints.len();
+        if let Some(found) = &read.free_joints {
+            FreeEntries::check_robot(found, read.robot.as_deref().unwrap_or_default(), robot)?;
+        }
         read.trajectory.check(n, robot.nq())?;
         read.trajectory.check_vias(&read.via_times)?;
         let trajectory = read.trajectory.into_trajectory(n).with_via_times(read.via_times);
@@ -180,6 +185,7 @@ impl Trajectory {
             robot: &names.robot,
             joints: &names.joints,
             via_times: &self.via_times,
+            free_joints: &self.free_joints,
             trajectory: Rows::from(self),
         })
     }

@@ -38,6 +38,51 @@ fn what_is_written_is_what_is_read() {
     assert!(error.contains("'x'") && error.contains("'y'"), "{error}");
 }
 
+/// Two descriptions of one body, whose coordinates have the same names.
+#[test]
+fn a_motion_of_a_satellite_is_none_of_its_chain() {
+    let body = LinkInertia::about_com(1.0, [0.0; 3], nalgebra::Matrix3::identity());
+    let ball = Robot::builder("body").joint(JointSpec::spherical("ball").carrying(body)).build().unwrap();
+    let chain = Robot::builder("body")
+        .joint(JointSpec::revolute("ball_rx"))
+        .joint(JointSpec::revolute("ball_ry").on("ball_rx").axis([0.0, 1.0, 0.0]))
+        .joint(JointSpec::revolute("ball").on("ball_ry").axis([1.0, 0.0, 0.0]).carrying(body))
+        .build()
+        .unwrap();
+    let motion = |robot: &Robot, q: Vec<f64>| {
+        let mut solution = Solution::missing(robot, Status::MeshLimit, 1.0);
+        let three = vec![vec![0.0; 3]; 2];
+        let rows = [vec![q; 2], three.clone(), three.clone(), three.clone(), three.clone(), three];
+        let trajectory = Trajectory::from_rows(vec![0.0, 1.0], rows);
+        solution.trajectory = trajectory.with_free_joints(FreeEntries::of(robot));
+        Solution::from_json(&solution.to_json().unwrap()).unwrap()
+    };
+    let (of_ball, of_chain) = (motion(&ball, vec![0.0, 0.0, 0.0, 1.0]), motion(&chain, vec![0.0; 3]));
+    of_ball.check_robot(&ball).unwrap();
+    of_chain.check_robot(&chain).unwrap();
+    let text = |solution: &Solution| solution.to_json().unwrap();
+    Trajectory::from_json(&text(&of_ball), &ball).unwrap();
+    let alone = of_ball.trajectory.to_json(&of_ball.robot).unwrap();
+    for error in [
+        of_ball.check_robot(&chain).unwrap_err(),
+        of_chain.check_robot(&ball).unwrap_err(),
+        Trajectory::from_json(&text(&of_ball), &chain).unwrap_err(),
+        Trajectory::from_json(&alone, &chain).unwrap_err(),
+    ] {
+        assert!(matches!(error, TrajectoryError::OtherFreeJoints { .. }), "{error}");
+        assert!(error.to_string().contains("'ball' are quaternions"), "{error}");
+    }
+    assert!(matches!(
+        Trajectory::from_json(&text(&of_chain), &ball).unwrap_err(),
+        TrajectoryError::WrongLength { key: "q", found: 3, expected: 4, .. }
+    ));
+    let other = of_chain.check_robot(&sledge("x")).unwrap_err();
+    assert!(
+        matches!(other, TrajectoryError::OtherRobot { .. }) && other.to_string().contains("'x'"),
+        "{other}"
+    );
+}
+
 #[test]
 fn what_is_no_motion_of_the_robot_is_refused_with_the_reason() {
     let (t, q, y) = ("[0,1]", "[[0],[1]]", "[[1,2],[3,4]]");

@@ -3,6 +3,7 @@
 use crate::options::{Method, SolverOptions};
 use crate::problem::Problem;
 use crate::result::constraint_forces::ConstraintForces;
+use crate::result::free_entries::FreeEntries;
 use crate::result::gait::GaitReport;
 use crate::result::limit_use::LimitReport;
 use crate::result::motion::Motion;
@@ -10,6 +11,7 @@ use crate::result::polish_report::PolishReport;
 use crate::result::stage_times::StageTimes;
 use crate::result::start::StartResult;
 use crate::result::trajectory::Trajectory;
+use crate::result::trajectory_error::TrajectoryError;
 use crate::status::Status;
 use costate::robot::Robot;
 
@@ -120,6 +122,26 @@ impl Solution {
             y_q: self.trajectory.y_q.first().map_or(&[], Vec::as_slice),
             y_p: self.trajectory.y_p.first().map_or(&[], Vec::as_slice),
         }
+    }
+
+    /// Whether this is a solution of a problem of this robot: its joints have these names and, if there is a
+    /// motion, as many entries of q, with quaternions of the same joints.
+    ///
+    /// # Errors
+    /// [`TrajectoryError::OtherRobot`], [`TrajectoryError::OtherFreeJoints`], or the errors of
+    /// [`Trajectory::check`].
+    pub fn check_robot(&self, robot: &Robot) -> Result<(), TrajectoryError> {
+        let RobotNames { robot: found, joints: found_joints } = &self.robot;
+        let RobotNames { joints, .. } = RobotNames::of(robot);
+        if *found_joints != joints {
+            let (found, found_joints) = (found.clone(), found_joints.clone());
+            return Err(TrajectoryError::OtherRobot { found, found_joints, joints });
+        }
+        if self.trajectory.t.is_empty() {
+            return Ok(());
+        }
+        FreeEntries::check_robot(&self.trajectory.free_joints, found, robot)?;
+        self.trajectory.check(robot)
     }
 
     /// Whether there is a motion near which an extremal may be.

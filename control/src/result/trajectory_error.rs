@@ -56,6 +56,22 @@ pub enum TrajectoryError {
         /// The joints of the robot that it should be.
         joints: Vec<String>,
     },
+    /// A motion of another robot, whose joints have the same names and turn in another way.
+    #[error(
+        "a motion of robot '{}', in which {}; of this robot, {}; give a motion of a robot that was read in the \
+         same way",
+        printable(found),
+        quaternions(found_joints),
+        quaternions(joints)
+    )]
+    OtherFreeJoints {
+        /// Name of the robot in the file.
+        found: String,
+        /// Its floating and spherical joints.
+        found_joints: Vec<String>,
+        /// Those of the robot that it should be.
+        joints: Vec<String>,
+    },
     /// A bound of a joint that the solution does not have.
     #[error("`bounds` names joint '{}'; the joints of the solution are {}", printable(joint), list(joints))]
     UnknownJoint {
@@ -155,6 +171,14 @@ fn key_before(text: &str, line: usize, column: usize) -> Option<String> {
 /// Refuses a version that this library does not read.
 pub(crate) fn check_version(found: u32) -> Result<(), TrajectoryError> {
     if found > VERSION { Err(TrajectoryError::Version { found }) } else { Ok(()) }
+}
+
+/// Which joints have quaternions.
+fn quaternions(joints: &[String]) -> String {
+    match joints {
+        [] => "no joint has a quaternion".into(),
+        joints => format!("the orientations of {} are quaternions", list(joints)),
+    }
 }
 
 fn list(names: &[String]) -> String {

@@ -75,12 +75,13 @@ fn lay_along(robot: &Robot, joint: usize, radius: f64, links: &mut Vec<Link>) {
             laid.push(to);
         }
     }
+    // A part inside of a floating or spherical joint has no frame, and no link along it.
+    let Some(frame) = robot.frame_of_joint(joint) else { return };
     let name = &robot.joints()[joint].link;
     links.extend(laid.into_iter().enumerate().map(|(k, to)| Link {
         name: if k == 0 { name.clone() } else { format!("{name} {}", k + 1) },
         joint: Some(joint),
-        // After the frame of the world come those of the joints.
-        body: Body { carried: Some(Carried::new(robot, 1 + joint)), from: Vector3::zeros(), to, radius },
+        body: Body { carried: Some(Carried::new(robot, frame)), from: Vector3::zeros(), to, radius },
     }));
 }
 

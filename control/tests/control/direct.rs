@@ -92,6 +92,14 @@ pub fn limited(name: &str, v_max: &[f64]) -> Problem {
     problem(name).with_limits(MotionLimits::none().with_v_max(v_max.to_vec()))
 }
 
+/// With limits of positions, rates and torques that are all active; it costs 22.5760933.
+pub fn arm_at_its_limits() -> Problem {
+    let mut arm = Problem::rest_to_rest(robot("two_link"), &[0.0; 2], &[FRAC_PI_2; 2], 2.0);
+    arm.bounds = Some(Bounds::symmetric(vec![12.0, 5.0]));
+    arm.limits = MotionLimits::none().with_v_max(vec![INF, 3.0]).with_q_min(vec![-0.5, -INF]);
+    arm
+}
+
 #[test]
 fn limits_of_rates() {
     let problem = limited("two_link", &[INF, 7.0]);
@@ -132,9 +140,7 @@ fn limits_of_positions_and_torques() {
         .with_limits(MotionLimits::none().with_q_min(vec![-0.7]));
     problem.cost = Objective::new(0.0, vec![1.0]);
     let solution = solve_with(&problem, SolverOptions::default().with_starts(4));
-    let mut arm = Problem::rest_to_rest(robot("two_link"), &[0.0; 2], &[FRAC_PI_2; 2], 2.0);
-    arm.bounds = Some(Bounds::symmetric(vec![12.0, 5.0]));
-    arm.limits = MotionLimits::none().with_v_max(vec![INF, 3.0]).with_q_min(vec![-0.5, -INF]);
+    let arm = arm_at_its_limits();
     let arm_solution = solve(&arm);
     check(&problem, &solution, 19.4870292, 1e-6);
     assert!(violation(&solution, [0.7, INF, INF, INF]) <= 1e-8, "{:?}", solution.limits);

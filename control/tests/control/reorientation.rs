@@ -1,6 +1,6 @@
-//! A floating body with a hinge turns by 150 degrees and moves, every coordinate driven: two extremals, which
-//! an independent program finds too (collocation of the extremals with CasADi; IPOPT on the problem in
-//! states), and a minimum between them.
+//! A floating body with a hinge turns by 150 degrees and moves, every coordinate driven: two extremals, and a
+//! minimum between them. CasADi and IPOPT find both by equations of their own, one as the least cost of the
+//! problem in states, one by collocation of the extremals: `bash benches/ocp/run --values freely`.
 
 use costate::dynamics::QuaternionDynamics;
 use costate::hamiltonian::Hamiltonian;

@@ -24,7 +24,8 @@ fn stays(problem: &Problem) -> bool {
     let options = SolverOptions::of(Method::Direct).with_polish(Polish::Never);
     let motion = Solver::new(problem, options).unwrap().solve().motion;
     assert_eq!(motion.status, Status::Converged);
-    assert!(motion.cost.abs() < 1e-9 || motion.cost < -1e-3, "{}", motion.cost);
+    // With a free end it gains as little as 0.02 k 0.1^2 / 8 = 3.1e-4 where its end is at the limit.
+    assert!(motion.cost.abs() < 1e-9 || motion.cost < -3e-4, "{}", motion.cost);
     motion.certificate == Certificate::LocalMinimumOnMesh && motion.cost > -1e-9
 }
 

@@ -7,7 +7,9 @@ use costate::contacts::{Contact, Stance};
 use costate::hamiltonian::Hamiltonian;
 use costate::kinematics::Kinematics;
 use costate::robot::{LoadOptions, Robot};
-use costate_control::{FinalTime, Objective, Problem, ProblemFile, Solution, Solver, SolverOptions, Status};
+use costate_control::{
+    FinalTime, LimitUse, Objective, Problem, ProblemFile, Solution, Solver, SolverOptions, Status,
+};
 use std::sync::OnceLock;
 
 pub(crate) const N: usize = 7;
@@ -108,6 +110,13 @@ fn the_ground_bears_what_the_feet_press() {
         if k > 0 {
             impulse += 0.5 * (motion.t[k] - motion.t[k - 1]) * (z + foot.force[k - 1][2]);
         }
+    }
+    // They are limits of their own, none of a joint's accelerations or rates, which have none.
+    let limits = &solution.limits;
+    assert!(limits.acceleration.is_none() && limits.rate.is_none());
+    for kind in [&limits.ground_force, &limits.landing_impulse] {
+        let LimitUse { at_points, worst, .. } = kind.as_ref().unwrap();
+        assert!(*at_points < 1e-4 && worst.is_none(), "{kind:?}");
     }
     let [x, _, z] = solution.gait.as_ref().unwrap().impulses[0];
     assert!(z > 0.0 && x.abs() <= FRICTION * z * (1.0 + 1e-6), "{x} {z}");

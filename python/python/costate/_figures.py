@@ -168,7 +168,7 @@ class Figures:
     @property
     def limits(self) -> dict[str, Any]:
         """How the motion uses its limits, by "position", "rate", "acceleration", "torque", "jerk", "torque_rate", "power",
-        "torque_speed" and "task", where they are limited.
+        "torque_speed", "ground_force", "landing_impulse" and "task", where they are limited.
 
         Each holds the largest violation ``at_points`` and ``between`` them, the ``worst`` one at the points, and one
         ``worst_between`` them that is more than 1e-4 of the range (``joint``, ``time``, ``excess``, ``unit``,

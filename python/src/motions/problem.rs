@@ -6,7 +6,8 @@ use super::run::{Range, Run, Work};
 use super::solution::SolutionCore;
 use crate::errors;
 use crate::recipe::{Recipe, is_rebuilding, named};
-use crate::robot::{Robot, refuse_free_joints};
+use crate::refusals::refuse_free_joints;
+use crate::robot::Robot;
 use costate::robot::LoadOptions;
 use costate_control::{
     Parameter, Problem, ProblemFile, Resolve, RobotNames, SavedStart, Solution, Solver, SolverOptions,
@@ -251,10 +252,12 @@ impl ProblemCore {
             false => Solution::from_json(text),
         };
         let solution: Solution = read.map_err(raise::motion)?;
-        if solution.robot != RobotNames::of(&self.problem.robot) {
-            let name = costate::robot::printable(&solution.robot.robot).to_string();
+        solution.check_robot(&self.problem.robot).map_err(raise::motion)?;
+        let names = [&solution.robot.robot[..], self.problem.robot.name()];
+        if names[0] != names[1] {
+            let [of, this] = names.map(|name| costate::robot::printable(name).to_string());
             return Err(raise::motion(format!(
-                "the solution is one of robot '{name}', whose joints are others"
+                "the solution is one of robot '{of}'; the robot of the problem is '{this}'"
             )));
         }
         Ok(SolutionCore::new(self.problem.clone(), Arc::new(solution), seconds))

@@ -1,12 +1,13 @@
 //! Every quantity of a robot for any scalar, with arguments and results as in its program.
 
+use super::passed::{Arguments, Results};
 use super::quantity::{Coordinates, Quantity, Variable};
 use super::shape::Shape;
 use crate::codegen::error::CodegenError;
 use crate::error::{EvalError, check_length};
 use crate::hamiltonian::{Hamiltonian, HamiltonianSecondOrder};
-use crate::lagrangian::{InverseDynamicsLinearisation, Lagrangian, LagrangianSecondOrder};
-use crate::matrix::{Block, add_scaled};
+use crate::lagrangian::{Lagrangian, LagrangianSecondOrder};
+use crate::matrix::add_scaled;
 use crate::robot::{Robot, Tree};
 use crate::scalar::Scalar;
 
@@ -128,69 +129,6 @@ impl<S: Scalar> RobotQuantity<S> {
                 lagrangian_second(second, self.quantity, &arguments, results)
             }
         }
-    }
-}
-
-/// The arguments of a quantity; those that it does not have are empty.
-#[derive(Clone, Copy)]
-struct Arguments<'a, S> {
-    q: &'a [S],
-    /// p or v.
-    rate: &'a [S],
-    u: &'a [S],
-    a: &'a [S],
-    y: &'a [S],
-    d: &'a [S],
-}
-
-impl<'a, S> Arguments<'a, S> {
-    fn split(variables: &[Variable], shapes: &[Shape], inputs: &'a [S]) -> Self {
-        let mut all = Self { q: &[], rate: &[], u: &[], a: &[], y: &[], d: &[] };
-        let mut rest = inputs;
-        for (variable, shape) in variables.iter().zip(shapes) {
-            let (part, more) = rest.split_at(shape.entries());
-            rest = more;
-            match variable {
-                Variable::Q => all.q = part,
-                Variable::P | Variable::V => all.rate = part,
-                Variable::U => all.u = part,
-                Variable::A => all.a = part,
-                Variable::Y => all.y = part,
-                Variable::D => all.d = part,
-            }
-        }
-        all
-    }
-}
-
-/// Results, written one after the other.
-struct Results<'a, S> {
-    rest: &'a mut [S],
-}
-
-impl<S: Scalar> Results<'_, S> {
-    /// Appends numbers.
-    fn push(&mut self, values: &[S]) -> &mut Self {
-        let (here, rest) = std::mem::take(&mut self.rest).split_at_mut(values.len());
-        here.copy_from_slice(values);
-        self.rest = rest;
-        self
-    }
-
-    /// Appends tau and the rows of `[tau_q, tau_v, tau_a]`.
-    fn push_torques(&mut self, linear: InverseDynamicsLinearisation<'_, S>) -> &mut Self {
-        self.push(linear.tau);
-        for i in 0..linear.tau.len() {
-            self.push(linear.tau_q.row(i)).push(linear.tau_v.row(i)).push(linear.tau_a.row(i));
-        }
-        self
-    }
-
-    fn push_rows(&mut self, block: Block<'_, S>) -> &mut Self {
-        block.iter_rows().for_each(|row| {
-            self.push(row);
-        });
-        self
     }
 }
 

@@ -10,6 +10,7 @@ mod guarded;
 mod labels;
 mod options;
 mod parameters;
+mod passed;
 mod program;
 mod quantity;
 mod shape;

@@ -25,8 +25,9 @@ use crate::scalar::Scalar;
 /// [`CodegenError::Quantity`] where the quantity is not defined in these coordinates;
 /// [`CodegenError::LargeRobot`], [`CodegenError::LongRecording`] and [`CodegenError::TooLarge`] where the
 /// program has more steps than [`ProgramOptions::limit`];
-/// [`EvalError::FreeJoint`](crate::EvalError::FreeJoint) for [`ProgramOptions::parameters`] of a robot with
-/// floating or spherical joints.
+/// of a robot with floating or spherical joints
+/// [`EvalError::FreeJointAndWrench`](crate::EvalError::FreeJointAndWrench) where a wrench acts on it, and
+/// [`EvalError::FreeJoint`](crate::EvalError::FreeJoint) for [`ProgramOptions::parameters`].
 pub fn robot_program(
     robot: &Robot,
     quantity: Quantity,
@@ -45,7 +46,9 @@ pub(super) fn program_with(
     further: impl FnOnce(&Tree, &[Expr]) -> Result<Vec<RecordedResult>, CodegenError>,
 ) -> Result<Program, CodegenError> {
     // A tree with labelled constants has no constraints.
-    Tree::from(robot).refuse_constraints()?;
+    let tree = Tree::from(robot);
+    tree.refuse_constraints()?;
+    tree.refuse_free_and_wrench()?;
     if options.parameters {
         // The axes in which a quaternion turns are no parameters.
         robot.refuse_free_joints()?;
@@ -74,7 +77,7 @@ pub(super) fn program_with(
             .collect();
         let tree = match arguments.next() {
             Some(parameters) => labelled(robot, parameters)?,
-            None => Tree::from(robot),
+            None => tree.clone(),
         };
         let mut further = further(&tree, inputs.first().map_or(&[], Vec::as_slice))?;
         let mut evaluator = RobotQuantity::<Expr>::from_tree(tree, quantity, coordinates)?;

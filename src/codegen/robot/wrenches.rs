@@ -12,7 +12,8 @@ const OF_WRENCH: [&str; 6] = ["moment_x", "moment_y", "moment_z", "force_x", "fo
 /// The frames with wrenches whose translation is a parameter: neither those of joints, where it is zero, nor
 /// those of the world, which do not move.
 fn placed_frames(robot: &Robot) -> impl Iterator<Item = usize> {
-    let is_placed = |&frame: &usize| frame > robot.joints().len() && robot.frames()[frame].joint.is_some();
+    let of_joints = robot.joints().iter().filter(|joint| !joint.is_inner()).count();
+    let is_placed = move |&frame: &usize| frame > of_joints && robot.frames()[frame].joint.is_some();
     let has_wrench = |&frame: &usize| robot.wrenches().iter().any(|applied| applied.frame == frame);
     (0..robot.frames().len()).filter(is_placed).filter(has_wrench)
 }

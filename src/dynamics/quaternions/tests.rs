@@ -37,7 +37,10 @@ fn derivatives_are_those_of_dual_and_hyper_dual_numbers() {
         let all = model.contract(&x, &u, &y).unwrap();
         let (f, f_x, xx) = (all.first.f.to_vec(), all.first.f_x.to_nalgebra(), all.xx.to_nalgebra());
         let linear = model.linearise(&x, &u).unwrap();
-        assert_eq!((linear.f, linear.f_x.to_nalgebra()), (&f[..], f_x.clone()), "{}", robot.name());
+        // Beyond 12 joints by another kernel.
+        let of_f = f.iter().fold(1.0, |most: f64, f| most.max(f.abs()));
+        assert!(linear.f.iter().zip(&f).all(|(a, b)| (a - b).abs() < 1e-12 * of_f), "{}", robot.name());
+        assert!((linear.f_x.to_nalgebra() - &f_x).amax() < 1e-12 * f_x.amax(), "{}", robot.name());
         let size = x.len();
         let (mut jacobian, mut hessian) = (DMatrix::zeros(size, size), DMatrix::zeros(size, size));
         for i in 0..size {
@@ -88,7 +91,8 @@ fn rates_are_those_of_the_tangent_space() {
             let turned = (a..a + 4).map(|i| (longer[i] - length * expected[i]).abs()).fold(0.0, f64::max);
             // |a| does not change.
             let grows: f64 = (a..a + 4).map(|i| longer[i] * x[i]).sum();
-            assert!(turned < 1e-12 && grows.abs() < 1e-12, "{}: {turned:.1e} {grows:.1e}", robot.name());
+            let most = 1e-12 * expected.amax().max(1.0);
+            assert!(turned < most && grows.abs() < most, "{}: {turned:.1e} {grows:.1e}", robot.name());
         }
     }
 }
@@ -111,4 +115,30 @@ fn controls_act_by_their_columns() {
     assert!(QuaternionDynamics::<f64>::new(&robot).with_actuation(&b.rows(0, 2).into_owned()).is_err());
     let nothing = vec![0.0; x.len()];
     assert!(matches!(whole.evaluate(&nothing, &u), Err(EvalError::NonFinite { .. })));
+}
+
+/// f does not depend on the length of a quaternion but for a', which is proportional to it.
+#[test]
+fn quaternions_of_any_size_are_taken() {
+    let robot = robots().remove(1);
+    let [q, p, u, _] = state(&ConfigurationSpace::new(&robot));
+    let expected = at(&robot, &[&q[..], &p].concat(), &u);
+    for size in [1e-160, 1e160] {
+        let mut x = [&q[..], &p].concat();
+        let mut scaled = expected.clone();
+        for free in robot.free_joints() {
+            let a = free.quaternion();
+            x[a..a + 4].iter_mut().chain(&mut scaled[a..a + 4]).for_each(|entry| *entry *= size);
+        }
+        let found = at(&robot, &x, &u);
+        for (k, (found, expected)) in found.iter().zip(&scaled).enumerate() {
+            let error = (found - expected).abs() / expected.abs().max(size.min(1.0));
+            assert!(error < 1e-12, "{size:e}: {k}: {found} {expected}");
+        }
+        // The slopes by a are those at length 1 over its length.
+        let f_x = QuaternionDynamics::<f64>::new(&robot).linearise(&x, &u).unwrap().f_x.to_nalgebra();
+        assert!(f_x.iter().all(|slope| slope.is_finite()), "{size:e}");
+        let a = robot.free_joints()[0].quaternion();
+        assert!(f_x[(robot.nq(), a)].abs() > 0.0, "{size:e}");
+    }
 }

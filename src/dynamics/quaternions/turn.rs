@@ -56,16 +56,15 @@ impl<S: Scalar> Turn<S> {
     pub fn set(&mut self, x: &[S], q: &mut [S]) {
         let at = self.quaternion();
         let a = [x[at], x[at + 1], x[at + 2], x[at + 3]];
-        let square = Quaternion::new(a).square();
-        let (by_square, by_length) = (square.recip(), square.sqrt().recip());
-        let unit = a.map(|entry| entry * by_length);
-        q[at..at + 4].copy_from_slice(&unit);
-        self.rotation = Quaternion::new(unit).rotation();
-        let [x, y, z, w] = a;
-        self.rate = [[w, z, -y, -x], [-z, w, x, -y], [y, -x, w, -z]];
-        self.s = a.map(|entry| entry * by_square);
+        let by_length = Quaternion::new(a).length().recip();
+        let unit = Quaternion::new(a).unit();
+        q[at..at + 4].copy_from_slice(&unit.to_array());
+        self.rotation = unit.rotation();
+        self.rate = rates(a);
+        self.s = unit.to_array().map(|entry| entry * by_length);
+        let by_square = rates(self.s);
         for (i, column) in self.w.iter_mut().enumerate() {
-            *column = Vec3::from([0, 1, 2].map(|k| self.rate[k][i] * by_square));
+            *column = Vec3::from([0, 1, 2].map(|k| by_square[k][i]));
         }
     }
 
@@ -99,6 +98,11 @@ impl<S: Scalar> Turn<S> {
             *to = angular.dot(*w).times(2.0);
         }
     }
+}
+
+/// `a o (omega, 0)`, column by column of omega.
+fn rates<S: Scalar>([x, y, z, w]: [S; 4]) -> [[S; 4]; 3] {
+    [[w, z, -y, -x], [-z, w, x, -y], [y, -x, w, -z]]
 }
 
 /// Three entries.

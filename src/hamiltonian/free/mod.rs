@@ -11,7 +11,7 @@ mod part;
 #[cfg(test)]
 mod tests;
 
-use crate::matrix::{Matrix, filled};
+use crate::matrix::{Entry, Matrix, filled};
 use crate::robot::Tree;
 use crate::scalar::Scalar;
 use part::Part;
@@ -27,6 +27,8 @@ pub(crate) struct Free<S: Scalar> {
     pub(crate) y: Vec<S>,
     pub(crate) y_chart: Vec<S>,
     pub(crate) mass_matrix: Matrix<S>,
+    /// See [`momentum_slope`](Self::momentum_slope).
+    less: Vec<Entry<S>>,
 }
 
 impl<S: Scalar> Free<S> {
@@ -42,6 +44,7 @@ impl<S: Scalar> Free<S> {
                 y: filled(S::zero(), 2 * n),
                 y_chart: filled(S::zero(), 2 * n),
                 mass_matrix: Matrix::zeros(n, n),
+                less: Vec::with_capacity(3 * n),
             })
         })
     }
@@ -57,6 +60,13 @@ impl<S: Scalar> Free<S> {
             part.set_momentum(p);
             part.frame.outward(&mut self.p);
         }
+    }
+
+    /// q, p and u in the axes of the chart.
+    pub(crate) fn set_state(&mut self, [q, p, u]: [&[S]; 3]) {
+        self.set_configuration(q);
+        self.set_momentum(p);
+        self.set_actuation(u);
     }
 
     pub(crate) fn set_actuation(&mut self, u: &[S]) {
@@ -76,13 +86,16 @@ impl<S: Scalar> Free<S> {
         }
     }
 
-    /// F_x of the chart by (xi, pi), in the axes of the frames.
+    /// F_x of the chart by (xi, pi), without friction, in the axes of the frames.
+    ///
+    /// The momentum of the chart is `p_c = A'pi`, `dp_c = dpi + K dxi`. Where P has lost K, its formula gives
+    /// the columns by (xi, pi) and a symmetric matrix J F_x, so that its rows are those of `F^p - K'F^q`.
     pub(crate) fn prepare_jacobian(&self, f_x: &mut Matrix<S>) {
-        self.turn_blocks(f_x);
-        self.parts.iter().for_each(|part| part.spread_columns(f_x));
+        self.parts.iter().for_each(|part| part.frame.turn_symplectic(f_x));
+        self.parts.iter().for_each(|part| part.part_rows(f_x));
     }
 
-    /// The same for rows of other functions of (q, p_c), k x 2n.
+    /// The same for rows of other functions of (q, p_c) by (xi, pi), k x 2n.
     pub(crate) fn prepare_rows(&self, matrix: &mut Matrix<S>) {
         let n = matrix.columns() / 2;
         for part in &self.parts {
@@ -91,24 +104,35 @@ impl<S: Scalar> Free<S> {
                 part.frame.inward(in_q);
                 part.frame.inward(in_p);
             }
-            part.spread_columns(matrix);
         }
     }
 
-    pub(crate) fn turn_blocks(&self, matrix: &mut Matrix<S>) {
+    /// K in the axes of the chart, at the momentum set last: the entries that P loses.
+    pub(crate) fn momentum_slope(&mut self) -> &[Entry<S>] {
+        self.less.clear();
+        self.parts.iter().for_each(|part| part.add_momentum_slope(&mut self.less));
+        &self.less
+    }
+
+    /// y'F_xx of the chart in the axes of the frames.
+    pub(crate) fn turn_hessian(&self, matrix: &mut Matrix<S>) {
         let n = matrix.rows() / 2;
         for part in &self.parts {
-            for block in [[0, 0], [0, n], [n, 0], [n, n]] {
-                part.frame.turn_block(matrix, block, n);
-            }
+            let (at, _) = part.place();
+            part.frame.turn_symmetric(matrix, &[at, n + at]);
         }
     }
 
-    pub(crate) fn set_mass_matrix(&mut self, mass_matrix: &Matrix<S>) -> &Matrix<S> {
+    /// M, or its inverse, in the axes of the frames.
+    pub(crate) fn turn_symmetric(&self, matrix: &mut Matrix<S>) {
+        self.parts.iter().for_each(|part| part.frame.turn_symmetric(matrix, &[part.place().0]));
+    }
+
+    pub(crate) fn set_mass_matrix(&mut self, mass_matrix: &Matrix<S>) {
         self.mass_matrix.copy_from(mass_matrix);
-        let n = mass_matrix.rows();
-        self.parts.iter().for_each(|part| part.frame.turn_block(&mut self.mass_matrix, [0, 0], n));
-        &self.mass_matrix
+        self.parts.iter().for_each(|part| {
+            part.frame.turn_symmetric(&mut self.mass_matrix, &[part.place().0]);
+        });
     }
 
     /// The costate of the chart.

@@ -10,7 +10,7 @@
 //! and columns of this joint only.
 
 use crate::configuration::{ChartFrame, MOST};
-use crate::matrix::{Matrix, dot};
+use crate::matrix::{Entry, Matrix, add_scaled, dot};
 use crate::robot::FreeFrame;
 use crate::scalar::Scalar;
 
@@ -55,27 +55,27 @@ impl<S: Scalar> Part<S> {
         f_p[at..at + m].copy_from_slice(&self.rate[..m]);
     }
 
-    /// `dp_c = dpi + K dxi`: adds the columns of p, times K, to those of q.
-    pub fn spread_columns(&self, matrix: &mut Matrix<S>) {
-        let (at, n) = (self.place().0, matrix.columns() / 2);
+    /// Adds K of `dp_c = dpi + K dxi`, in the axes of the chart, to the entries that P loses.
+    pub fn add_momentum_slope(&self, less: &mut Vec<Entry<S>>) {
+        let (at, m) = self.place();
+        let mut slope = [[S::zero(); MOST]; MOST];
         for e in &self.frame.chart.twist.first {
-            let factor = self.momentum[e.row].times(e.value);
-            let (to, from) = (at + e.by[0], n + at + e.column);
-            for i in 0..matrix.rows() {
-                let row = matrix.row_mut(i);
-                row[to] += factor * row[from];
-            }
+            slope[e.by[0]][e.column] += self.momentum[e.row].times(e.value);
+        }
+        for (angle, slope) in slope.iter_mut().enumerate().take(m).skip(m - 3) {
+            self.frame.outward_own(slope);
+            less.extend((0..m).map(|row| Entry { row: at + row, column: at + angle, value: slope[row] }));
         }
     }
 
-    /// The same for rows.
-    pub fn spread_rows(&self, matrix: &mut Matrix<S>) {
-        let (at, n) = (self.place().0, matrix.columns() / 2);
+    /// The derivative of F in the chart by (xi, pi) from one whose rows of p are those of
+    /// `F^p - K'F^q`.
+    pub fn part_rows(&self, f_x: &mut Matrix<S>) {
+        let (at, n) = (self.place().0, f_x.columns() / 2);
         for e in &self.frame.chart.twist.first {
             let factor = self.momentum[e.row].times(e.value);
-            let (to, from) = (at + e.by[0], n + at + e.column);
-            let (row, source) = matrix.row_mut_and_below(to, from);
-            row.iter_mut().zip(source).for_each(|(entry, &source)| *entry += factor * source);
+            let (row, source) = f_x.row_mut_and_above(n + at + e.by[0], at + e.column);
+            add_scaled(row, factor, source);
         }
     }
 
@@ -87,7 +87,7 @@ impl<S: Scalar> Part<S> {
             let [i] = e.by;
             let factor = momentum[e.row].times(-e.value);
             let (row, source) = f_x.row_mut_and_above(n + at + e.column, at + i);
-            row.iter_mut().zip(source).for_each(|(entry, &source)| *entry += factor * source);
+            add_scaled(row, factor, source);
             row[n + at + e.row] -= velocity[i].times(e.value);
             row[at + i] -= rate[e.row].times(e.value);
         }

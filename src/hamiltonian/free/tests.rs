@@ -54,7 +54,9 @@ fn derivatives_are_those_of_hyper_dual_numbers_through_the_retraction() {
         }
         let first = second.first().linearise(&q, &p, &u).unwrap();
         assert!((first.matrix().to_nalgebra() - &f_x).amax() < 1e-13 * f_x.amax());
-        assert_eq!(first.f(), f);
+        // Beyond 12 joints by another kernel.
+        let size = f.iter().fold(1.0, |most: f64, f| most.max(f.abs()));
+        assert!(first.f().iter().zip(&f).all(|(a, b)| (a - b).abs() < 1e-13 * size), "{}", robot.name());
         let by_y = DVector::from_column_slice(second.first().adjoint(&q, &p, &u, &y).unwrap().y_f_x);
         let y = DVector::from_vec(y);
         assert!((by_y - f_x.transpose() * &y).amax() < 1e-12 * f_x.amax());

@@ -9,6 +9,7 @@ mod articulated;
 mod articulated_inertia;
 mod composite;
 mod group;
+mod hessian;
 mod motion;
 mod places;
 mod torque;
@@ -16,7 +17,7 @@ mod torque;
 use crate::matrix::{Matrix, Panel, filled};
 use crate::robot::Tree;
 use crate::scalar::{Pack, Scalar};
-use crate::spatial::{JointPosition, Motion, Vec3};
+use crate::spatial::{Force, JointPosition, Motion, Vec3};
 pub(crate) use articulated::ArticulatedBodies;
 use group::{Carried, Group, Links, motion_along, set_motion};
 use places::Places;
@@ -29,10 +30,14 @@ use places::Places;
 pub(crate) struct WorldKernel<S: Scalar> {
     places: Places,
     turns: Vec<JointPosition<S>>,
+    /// Coordinates of the chains of floating and spherical joints; empty where there are none.
+    chart: Vec<S>,
     links: Vec<Links<S::Pack>>,
     groups: Vec<Group<S::Pack>>,
     joints: Vec<Joint<S>>,
     carried: Vec<Carried<S::Pack>>,
+    /// G, likewise.
+    rates: Vec<Force<S::Pack>>,
     /// Rows i of entries (i, j), and of (j, i), j beyond i: those of tau_q, then those of tau_v.
     upper: [Panel<S>; 2],
     lower: [Panel<S>; 2],
@@ -71,9 +76,11 @@ impl<S: Scalar> WorldKernel<S> {
         let panel = Panel::zeros(n, n);
         Self {
             turns: tree.joints().iter().map(|joint| joint.position(S::zero())).collect(),
+            chart: filled(S::zero(), if tree.free().is_empty() { 0 } else { n }),
             links: links.collect(),
             groups: filled(Group::zero(), groups),
             carried: filled(Carried::zero(), groups),
+            rates: filled(Force::zero(), groups),
             joints: filled(at_rest, n),
             upper: [panel.clone(), panel.clone()],
             lower: [panel.clone(), panel],
@@ -82,10 +89,24 @@ impl<S: Scalar> WorldKernel<S> {
         }
     }
 
-    /// Axes and origins at q (rad, m; length n), and the links there.
+    /// The coordinates of all joints (n) at the configuration set last, which is q (nq).
+    pub fn coordinates<'a>(&'a self, tree: &Tree, q: &'a [S]) -> &'a [S] {
+        if tree.free().is_empty() { q } else { &self.chart }
+    }
+
+    /// Axes and origins at q (rad, m; length nq), and the links there.
     #[inline(never)]
     pub fn set_position(&mut self, tree: &Tree, q: &[S]) {
-        super::joint_positions::joint_positions(tree, q, |i, position| self.turns[i] = position);
+        let coordinates = if tree.free().is_empty() {
+            q
+        } else {
+            tree.chart_coordinates(q, &mut self.chart);
+            &self.chart
+        };
+        super::joint_positions::joint_positions(tree, coordinates, |i, position| self.turns[i] = position);
+        for free in tree.free() {
+            self.turns[free.joint.turned] = JointPosition::Oriented(free.orientation(q));
+        }
         for (k, place) in self.places.iter().enumerate() {
             let fixed = &tree.joints()[place.joint].screw;
             let [mut x, mut y, mut z] = match place.parent {

@@ -14,7 +14,7 @@ mod part;
 #[cfg(test)]
 mod tests;
 
-use crate::matrix::{Matrix, filled};
+use crate::matrix::{Entry, Matrix, filled};
 use crate::robot::Tree;
 use crate::scalar::Scalar;
 use part::Part;
@@ -30,6 +30,9 @@ pub(super) struct Free<S: Scalar> {
     pub w: Vec<S>,
     pub mass_matrix: Matrix<S>,
     pub inverse: Matrix<S>,
+    /// Coordinates of the chains of joints.
+    pub chart: Vec<S>,
+    less: Vec<Entry<S>>,
 }
 
 impl<S: Scalar> Free<S> {
@@ -45,6 +48,8 @@ impl<S: Scalar> Free<S> {
                 w: filled(zero, n),
                 mass_matrix: Matrix::zeros(n, n),
                 inverse: Matrix::zeros(n, n),
+                chart: filled(zero, n),
+                less: Vec::with_capacity(3 * n),
             })
         })
     }
@@ -53,7 +58,8 @@ impl<S: Scalar> Free<S> {
         self.parts.iter_mut().for_each(|part| part.frame.set_configuration(q));
     }
 
-    pub fn set_state(&mut self, q: &[S], v: &[S]) {
+    pub fn set_state(&mut self, tree: &Tree, q: &[S], v: &[S]) {
+        tree.chart_coordinates(q, &mut self.chart);
         self.v_chain.copy_from_slice(v);
         for part in &mut self.parts {
             part.frame.set_configuration(q);
@@ -89,13 +95,27 @@ impl<S: Scalar> Free<S> {
         self.parts.iter().for_each(|part| part.frame.inward(vector));
     }
 
-    /// M in the axes of the frames.
-    pub fn set_mass_matrix(&mut self, entry: impl Fn(usize, usize) -> S) {
-        let n = self.mass_matrix.rows();
-        for i in 0..n {
-            self.mass_matrix.row_mut(i).iter_mut().enumerate().for_each(|(j, m)| *m = entry(i, j));
+    /// M in the axes of the frames, from one of numbers with this value.
+    pub fn set_mass_matrix<T: Scalar>(&mut self, from: &Matrix<T>, value: impl Fn(T) -> S) {
+        for i in 0..from.rows() {
+            let entries = self.mass_matrix.row_mut(i).iter_mut().zip(from.row(i));
+            entries.for_each(|(to, &entry)| *to = value(entry));
         }
-        self.parts.iter().for_each(|part| part.frame.turn_block(&mut self.mass_matrix, [0, 0], n));
+        for part in &self.parts {
+            part.frame.turn_symmetric(&mut self.mass_matrix, &[part.frame.place().0]);
+        }
+    }
+
+    /// What tau_q loses, in the axes of the chain, so that it is that of `B'tau_c`, at this torque.
+    pub fn force_slope(&mut self, tau: &[S]) -> &[Entry<S>] {
+        self.less.clear();
+        self.parts.iter().for_each(|part| part.add_force_slope(tau, &mut self.less));
+        &self.less
+    }
+
+    /// a_z in the tangent space from that of the chain, with tau_q as above.
+    pub fn finish_responses(&self, a_z: &mut Matrix<S>) {
+        self.parts.iter().for_each(|part| part.finish_responses(a_z));
     }
 
     /// Derivatives of tau in the tangent space from those in the chain; tau is in the axes of the frames.

@@ -1,7 +1,7 @@
 //! Derivatives of inverse dynamics by the motion of one floating or spherical joint.
 
 use crate::configuration::{ChartFrame, MOST};
-use crate::matrix::{Matrix, add_scaled};
+use crate::matrix::{Entry, Matrix, add_scaled};
 use crate::robot::FreeFrame;
 use crate::scalar::Scalar;
 
@@ -91,6 +91,39 @@ impl<S: Scalar> Part<S> {
         }
         for k in 0..m {
             add_scaled(&mut in_v[at..at + m], in_a[at + k], &self.a_v[k]);
+        }
+    }
+
+    /// `B'tau_c` has the derivative `(B_q)'tau_c` besides those of tau_c: minus that, in the axes of the
+    /// chain, for the torque of a motion.
+    pub fn add_force_slope(&self, tau: &[S], less: &mut Vec<Entry<S>>) {
+        let (at, m) = self.frame.place();
+        let mut slope = [[S::zero(); MOST]; MOST];
+        for e in &self.frame.chart.rates.first {
+            slope[e.by[0]][e.column] -= tau[at + e.row].times(e.value);
+        }
+        for (angle, slope) in slope.iter_mut().enumerate().take(m).skip(m - 3) {
+            self.frame.outward_own(slope);
+            less.extend((0..m).map(|row| Entry { row: at + row, column: at + angle, value: slope[row] }));
+        }
+    }
+
+    /// `[a_q, a_v, a_u]` of the tangent space from that of the chain: with `tau_q + tau_v v_q + M a_q` and
+    /// `tau_v + M a_v` in the places of tau_q and tau_v.
+    pub fn finish_responses(&self, a_z: &mut Matrix<S>) {
+        self.frame.turn_responses(a_z);
+        let ((at, m), n) = (self.frame.place(), a_z.rows());
+        for i in 0..n {
+            let (in_q, rest) = a_z.row_mut(i).split_at_mut(n);
+            let (in_q, in_v) = (&mut in_q[at + m - 3..at + m], &rest[at..at + m]);
+            for (&by_v, v_q) in in_v.iter().zip(&self.v_q) {
+                add_scaled(in_q, by_v, &v_q[m - 3..m]);
+            }
+        }
+        for (k, (a_q, a_v)) in self.a_q.iter().zip(&self.a_v).take(m).enumerate() {
+            let (in_q, in_v) = a_z.row_mut(at + k).split_at_mut(n);
+            add_scaled(&mut in_q[at..at + m], -S::one(), a_q);
+            add_scaled(&mut in_v[at..at + m], -S::one(), a_v);
         }
     }
 

@@ -3,6 +3,7 @@
 use crate::robot::constraint::{Constraint, ConstraintKind};
 use crate::robot::error::RobotError;
 use crate::robot::frame::Frame;
+use crate::robot::free::of_position;
 use crate::robot::free_parts::free_joints;
 use crate::robot::joint::{Joint, Mimic};
 use crate::robot::link::Placement;
@@ -70,24 +71,39 @@ impl Robot {
     }
 
     /// The robot of these independent joints, and of those that mimic them; all others are held at the
-    /// positions q (rad, m; n).
+    /// positions q (rad, m; [`nq`](Self::nq)). Floating and spherical joints must be among those that remain;
+    /// their entries of q do not count.
     ///
     /// # Errors
-    /// [`RobotError::WrongPositions`] unless q has n entries, [`RobotError::RepeatedJoint`], and those of
-    /// [`lock`](Self::lock).
+    /// [`RobotError::WrongPositions`] unless q has nq entries, [`RobotError::RepeatedJoint`], and those of
+    /// [`lock`](Self::lock), [`RobotError::FreeJoint`] for a floating or spherical joint that is not named
+    /// among them.
     pub fn reduced_to(&self, joints: &[&str], q: &[f64]) -> Result<Self, RobotError> {
-        if q.len() != self.dof() {
-            return Err(RobotError::WrongPositions { expected: self.dof(), found: q.len() });
+        if q.len() != self.nq() {
+            return Err(RobotError::WrongPositions { expected: self.nq(), found: q.len() });
         }
         let mut stays = vec![false; self.joints.len()];
         for name in joints {
-            if std::mem::replace(&mut stays[self.independent_index(name)?], true) {
+            let is_whole = self.free.iter().any(|free| free.name == *name);
+            let index = if is_whole { self.joint_index(name)? } else { self.independent_index(name)? };
+            if std::mem::replace(&mut stays[index], true) {
                 return Err(RobotError::RepeatedJoint { joint: (*name).to_owned() });
             }
         }
-        let others = self.independent.iter().zip(q).filter(|(joint, _)| !stays[**joint]);
-        let others: Vec<(&str, f64)> =
-            others.map(|(&joint, &position)| (self.joints[joint].name.as_str(), position)).collect();
+        for free in &self.free {
+            if !stays[self.joint_index(&free.name)?] {
+                let (joint, kind) = (free.name.clone(), free.kind.name());
+                let what = "be held: name it among the joints that remain";
+                return Err(RobotError::FreeJoint { joint, kind, what });
+            }
+        }
+        let mut others: Vec<(&str, f64)> = Vec::new();
+        for (entry, &position) in q.iter().enumerate() {
+            if let Err(coordinate) = of_position(&self.free, entry) {
+                let joint = self.independent[coordinate];
+                others.extend((!stays[joint]).then(|| (self.joints[joint].name.as_str(), position)));
+            }
+        }
         self.lock(&others)
     }
 
@@ -152,8 +168,10 @@ impl Robot {
         frames: Vec<Frame>,
         held: &[Option<f64>],
     ) -> (Vec<Frame>, Vec<AppliedWrench>, Vec<Constraint>) {
-        // After the frame of the world comes that of each joint.
-        let is_locked = |frame: &usize| held.get(frame.wrapping_sub(1)).is_some_and(Option::is_some);
+        // After the frame of the world comes that of each joint, but for parts inside of a free one.
+        let joints = self.joints.iter().zip(held).filter(|(joint, _)| !joint.is_inner());
+        let held: Vec<bool> = joints.map(|(_, position)| position.is_some()).collect();
+        let is_locked = |frame: &usize| held.get(frame.wrapping_sub(1)).is_some_and(|&locked| locked);
         let (locked, stays): (Vec<usize>, Vec<usize>) = (0..frames.len()).partition(is_locked);
         let joints_end = 1 + held.len() - locked.len();
         let order = [&stays[..joints_end], &locked, &stays[joints_end..]].concat();

@@ -101,7 +101,7 @@ impl Robot {
             }
             RobotEdit::ReducedTo(joints) => {
                 let joints: Vec<&str> = joints.iter().map(String::as_str).collect();
-                self.reduced_to(&joints, &vec![0.0; self.dof()])
+                self.reduced_to(&joints, &vec![0.0; self.nq()])
             }
         }
     }

@@ -2,6 +2,7 @@
 
 use super::Tree;
 use crate::error::{EvalError, PowerOfTen};
+use crate::robot::free::{FreeJoint, of_position};
 use crate::robot::free_frame::FreeFrame;
 use crate::scalar::Scalar;
 
@@ -23,7 +24,25 @@ impl Tree {
     pub(crate) fn refuse_free(&self) -> Result<(), EvalError> {
         match self.free.first() {
             None => Ok(()),
-            Some(free) => Err(EvalError::free_joint(&free.name, free.kind.name())),
+            Some(free) => Err(EvalError::free_joint(&free.joint.name, free.joint.kind.name())),
+        }
+    }
+
+    /// [`EvalError::FreeJointAndWrench`] if there are any, and wrenches from outside.
+    pub(crate) fn refuse_free_and_wrench(&self) -> Result<(), EvalError> {
+        match self.free.first() {
+            Some(FreeFrame { joint: FreeJoint { name, kind, .. }, .. }) if !self.wrenches.is_empty() => {
+                Err(EvalError::FreeJointAndWrench { joint: name.clone(), kind: kind.name() })
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// The name of the joint that an entry of q belongs to.
+    pub(crate) fn joint_of_position(&self, index: usize) -> &str {
+        match of_position(self.free.iter().map(|free| &free.joint), index) {
+            Ok(free) => &free.name,
+            Err(coordinate) => self.name(coordinate),
         }
     }
 
@@ -37,7 +56,7 @@ impl Tree {
             let exceeds = |by: PowerOfTen| !S::all(error.less(S::from_f64(by.value())));
             if exceeds(UNIT) {
                 let by = (UNIT.0..).map(PowerOfTen).take_while(|&by| by.0 < 16 && exceeds(by)).last();
-                return Err(EvalError::NotUnit { joint: free.name.clone(), by: by.unwrap_or(UNIT) });
+                return Err(EvalError::NotUnit { joint: free.joint.name.clone(), by: by.unwrap_or(UNIT) });
             }
         }
         Ok(())
@@ -47,7 +66,7 @@ impl Tree {
     pub(crate) fn chart_coordinates<S: Scalar>(&self, q: &[S], chart: &mut [S]) {
         let (mut from, mut to) = (0, 0);
         for free in &self.free {
-            let before = free.coordinate + free.kind.slides() - to;
+            let before = free.joint.coordinate + free.joint.kind.slides() - to;
             chart[to..to + before].copy_from_slice(&q[from..from + before]);
             chart[to + before..to + before + 3].fill(S::zero());
             (from, to) = (from + before + 4, to + before + 3);

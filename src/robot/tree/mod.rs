@@ -76,8 +76,6 @@ impl Tree {
     }
 
     /// The frames of [`Robot::frames`](super::Robot::frames), in its order, placed in the aligned frames.
-    /// After that of the world come those of the joints, so that number `1 + i` is the frame of joint `i` as
-    /// in [`Robot::joints`](super::Robot::joints).
     pub fn frames(&self) -> &[TreeFrame] {
         &self.frames
     }

@@ -83,7 +83,8 @@ impl fmt::Display for Warning {
             Self::FixedBase { link, mass, line } => write!(
                 f,
                 "the root link '{}' (line {line}) has a mass of {} kg, which is not used: the base is held fixed; \
-                 for a free base, attach it to a massless root link by a floating joint",
+                 for a free base request it by --floating-base (LoadOptions::floating_base), or attach it to a \
+                 massless root link by a floating joint",
                 printable(link),
                 printable_number(*mass)
             ),
@@ -126,7 +127,8 @@ impl fmt::Display for Warning {
             Self::Expanded { joint, kind: "floating" } => write!(
                 f,
                 "floating joint '{}' became three prismatic (x, y, z) and three revolute joints (z, y, x), \
-                 singular where the second angle is +-pi/2",
+                 singular where the second angle is +-pi/2; for its quaternion, which is nowhere singular, request it \
+                 by --quaternions (LoadOptions::quaternions)",
                 printable(joint)
             ),
             Self::Expanded { joint, kind } => {

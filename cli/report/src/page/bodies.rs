@@ -3,7 +3,7 @@
 use super::values::{number, placement, shown, vector};
 use crate::models::{LinkModel, Mesh, ModelShape};
 use crate::motion::Motion;
-use crate::shape::{SHORTEST, is_trunk, moves_freely};
+use crate::shape::{SHORTEST, end_of, is_trunk, moves_freely};
 use crate::tools::ToolFrame;
 use costate::robot::{JointKind, Placement, Robot};
 use costate_control::{Problem, Shape};
@@ -157,11 +157,7 @@ impl<'a> Capsules<'a> {
         if ends.is_empty() || is_trunk(self.robot, joint) {
             let tools = self.tools.iter().filter(|tool| tool.joint == Some(joint));
             ends.extend(tools.map(|tool| tool.placement.translation));
-            let frames = self.robot.frames().iter().filter(|frame| frame.joint == Some(joint));
-            let frames = frames.map(|frame| frame.placement.translation);
-            let farthest = frames.max_by(|a, b| a.norm().total_cmp(&b.norm()));
-            let com = self.robot.joints()[joint].inertia.com;
-            ends.extend(farthest.filter(|end| end.norm() > SHORTEST).or(Some(com)));
+            ends.push(end_of(self.robot, joint).into());
         }
         let mut drawn: Vec<[f64; 3]> = Vec::new();
         for end in ends.into_iter().map(<[f64; 3]>::from) {

@@ -1,7 +1,7 @@
 //! The robot as a stick figure: points in the world frame and lines between them.
 
-use crate::shape::{SHORTEST, is_trunk, moves_freely};
-use costate::robot::{JointKind, Robot};
+use crate::shape::{SHORTEST, end_of, is_trunk, moves_freely};
+use costate::robot::{JointKind, Placement, Robot};
 use costate_control::Trajectory;
 
 /// x, y, z in the world frame (m).
@@ -12,7 +12,7 @@ pub type Point = [f64; 3];
 pub enum Part {
     /// From the origin of the world frame to a joint on the base.
     Base,
-    /// Between two joints, or from the last joint to the centre of mass of its link.
+    /// Between two joints, or from the last joint to the end of its link.
     Link,
     /// The displacement of a prismatic joint, but for those of a base that moves freely.
     Slide,
@@ -30,7 +30,7 @@ impl Part {
 
 /// Point 0 is the origin of the world frame. Point 1 + 2 i is the origin of the frame of joint i at q = 0 of
 /// this joint, point 2 + 2 i its origin at the actual position; for a revolute joint both are the same. The
-/// centres of mass of the links without a child follow, and of trunks.
+/// ends of the links without a child follow, and of trunks.
 pub struct Skeleton<'a> {
     robot: &'a Robot,
     leaves: Vec<usize>,
@@ -69,7 +69,7 @@ impl<'a> Skeleton<'a> {
         let mut tips = Vec::new();
         for (k, &leaf) in leaves.iter().enumerate() {
             let tip = 1 + 2 * n + k;
-            let has_length = robot.joints()[leaf].inertia.com.norm() > SHORTEST;
+            let has_length = end_of(robot, leaf).iter().any(|part| part.abs() > SHORTEST);
             tips.push(if has_length { tip } else { moved(leaf) });
             if has_length {
                 lines.push((moved(leaf), tip, Part::Link));
@@ -89,9 +89,8 @@ impl<'a> Skeleton<'a> {
             points[moved(i)] = pose.translation.into();
         }
         for (k, &leaf) in self.leaves.iter().enumerate() {
-            let pose = &poses[leaf];
-            points[1 + 2 * joints.len() + k] =
-                (pose.rotation * joints[leaf].inertia.com + pose.translation).into();
+            let end = Placement::from_xyz_rpy(end_of(self.robot, leaf), [0.0; 3]);
+            points[1 + 2 * joints.len() + k] = poses[leaf].then(&end).translation.into();
         }
         points
     }
@@ -111,7 +110,7 @@ pub fn film(skeleton: &Skeleton<'_>, motion: &Trajectory, count: usize) -> Vec<V
 #[cfg(test)]
 mod tests {
     use super::*;
-    use costate::robot::{JointSpec, LinkInertia, Placement};
+    use costate::robot::{JointSpec, LinkInertia};
 
     #[test]
     fn a_cart_with_a_pole_has_a_slide_and_a_link() {

@@ -4,6 +4,7 @@ use super::markup::{axis_names, cut, escaped, level, upright};
 use super::skeleton::{Part, Point, Skeleton, moved};
 use super::views::{View, dot};
 use crate::numbers::{short, ticks};
+use crate::shape::moves_freely;
 use costate::robot::{JointKind, Robot};
 
 /// Width of a drawing, its smallest and largest height, and the margins for axes.
@@ -133,7 +134,9 @@ impl<'a> Stage<'a> {
                 part.name()
             ));
         }
-        for (i, joint) in robot.joints().iter().enumerate() {
+        // A base that moves freely slides on nothing.
+        let is_free = |i: usize| robot.joints()[i].kind == JointKind::Prismatic && moves_freely(robot, i);
+        for (i, joint) in robot.joints().iter().enumerate().filter(|(i, _)| !is_free(*i)) {
             let [x, y] = self.place(points[moved(i)]);
             svg.push_str(&match joint.kind {
                 JointKind::Revolute => {

@@ -236,7 +236,8 @@ impl<D: PointDynamics> Interior<D> {
             Some(last) if tolerance > last => self.least_violation.max(constants::VIOLATION_ACCEPTED),
             _ => self.least_violation,
         };
-        self.is_stationary(tolerance) && self.figures.violation <= exceeded
+        let is_kept = self.figures.violation <= exceeded;
+        is_kept && self.is_stationary(tolerance) && self.gain_of_equations() <= tolerance * self.figures.size
     }
 
     /// The same, but for a violation that is accepted.

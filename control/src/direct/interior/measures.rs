@@ -56,6 +56,17 @@ impl<D: PointDynamics> Interior<D> {
         [of_equations, of_equations.max(violation(barrier))]
     }
 
+    /// By how much the cost is off because equations are missed, to first order: multipliers times distances,
+    /// without a sign. Ranges say nothing about that: where limits of torques are far away, a small part of
+    /// them may be worth more than the tolerance. In the elastic phase it does not count.
+    pub(super) fn gain_of_equations(&self) -> f64 {
+        if self.relaxation.is_on() {
+            return 0.0;
+        }
+        let barrier = &self.barrier;
+        barrier.equations().map(|at| barrier.multiplier[at] * barrier.distance[at]).sum::<f64>().abs()
+    }
+
     /// Makes equations stiffer if a whole step left much of them: their multipliers settle too slowly.
     pub(super) fn stiffen(&mut self, before: f64, part: f64) {
         let left = self.figures.equations;

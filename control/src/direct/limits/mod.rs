@@ -17,6 +17,7 @@ pub(super) mod model;
 mod moved;
 pub(super) mod multipliers;
 pub(super) mod power;
+mod prices;
 mod quartic;
 pub(super) mod settled;
 pub(super) mod side;

@@ -1,6 +1,6 @@
 //! What limits give, in the words of the user.
 
-use super::report::{excess, joint, name, rate, torque_limit, unit};
+use super::report::{Coordinates, excess, joint, name, rate, torque_limit, unit};
 use crate::constants::direct as constants;
 use crate::direct::interior::elastic::Given;
 use crate::direct::interior::iterate::Interior;
@@ -50,8 +50,8 @@ pub(crate) fn relaxed<D: PointDynamics>(problem: &Problem, interior: &Interior<D
     given.sort_by(|a, b| b.part.total_cmp(&a.part));
     let least = given.first().map_or(0.0, |first| constants::NOTICED_RELIEF * first.part.max(0.0));
     given.retain(|given| given.part > least);
-    let (names, kinds) = problem.named_coordinates();
-    let limits = given.iter().map(|given| limit(problem, interior, given, &names, &kinds)).collect();
+    let coordinates = Coordinates::of(problem);
+    let limits = given.iter().map(|given| limit(problem, interior, given, &coordinates)).collect();
     // No proof, linear limits or not: between the points of a mesh other motions keep more.
     Infeasibility { limits, ..Infeasibility::default() }
 }
@@ -60,14 +60,13 @@ fn limit<D: PointDynamics>(
     problem: &Problem,
     interior: &Interior<D>,
     given: &Given,
-    names: &[String],
-    kinds: &[JointKind],
+    coordinates: &Coordinates,
 ) -> RelaxedLimit {
     let side = interior.barrier.numbered(given.side);
     let rate = interior.barrier.point_of(given.at).and_then(|p| rate(interior, side, interior.points.z(p)));
     RelaxedLimit {
-        kind: side.limited.name().into(),
-        name: name(interior, side, None, names).into(),
+        kind: coordinates.kind(side).into(),
+        name: name(interior, side, None, coordinates).into(),
         side: match (side.is_half, side.sign > 0.0) {
             (true, _) => "equal",
             (_, true) => "min",
@@ -77,7 +76,7 @@ fn limit<D: PointDynamics>(
         time: interior.spline.time_at(interior.barrier.place(given.at, &interior.spline)),
         amount: excess(interior, side, None, -given.amount),
         part: given.part,
-        unit: unit(interior, side, None, kinds).into(),
+        unit: unit(interior, side, None, coordinates).into(),
         limit: (!side.limited.is_task()).then_some(torque_limit(side, rate).unwrap_or(side.bound)),
         rate: rate.map(|(rate, _)| rate),
         no_load_speed: rate.and(joint(interior, side)).map(|joint| problem.joint_limits()[joint].speeds[1]),

@@ -19,8 +19,10 @@ pub(crate) fn report<D>(
     ends: &AtEnds,
     infeasible: Option<Infeasibility>,
 ) -> LimitReport {
-    let (names, kinds) = problem.named_coordinates();
-    let usage = |limited: Limited| usage(limited, &names, &kinds, interior, (resolution, ends));
+    let coordinates = Coordinates::of(problem);
+    let of = |what: What| usage(what, &coordinates, interior, (resolution, ends));
+    let usage = |limited: Limited| of(What { limited, is_of_ground: false });
+    let of_ground = |limited: Limited| of(What { limited, is_of_ground: true });
     LimitReport {
         position: usage(Limited::Position),
         rate: usage(Limited::Rate),
@@ -30,19 +32,63 @@ pub(crate) fn report<D>(
         torque_rate: usage(Limited::TorqueRate),
         power: usage(Limited::Power),
         torque_speed: usage(Limited::TorqueSpeed),
+        ground_force: of_ground(Limited::Acceleration),
+        landing_impulse: of_ground(Limited::Rate),
         task: usage(Limited::Task),
         infeasible,
     }
 }
 
-fn usage<D>(
+/// A kind of limits.
+#[derive(Clone, Copy)]
+struct What {
     limited: Limited,
-    names: &[String],
-    kinds: &[JointKind],
+    is_of_ground: bool,
+}
+
+/// Names and kinds of all coordinates, of which the first ones are joints.
+pub(super) struct Coordinates {
+    names: Vec<String>,
+    kinds: Vec<JointKind>,
+    joints: usize,
+}
+
+impl Coordinates {
+    pub fn of(problem: &Problem) -> Self {
+        let (names, kinds) = problem.named_coordinates();
+        Self { names, kinds, joints: problem.robot.dof() }
+    }
+
+    /// Whether a side limits a force of the ground or its impulse, which are the acceleration and the rate of
+    /// a coordinate that is no joint.
+    pub fn is_of_ground(&self, side: &Side) -> bool {
+        matches!(side.limited, Limited::Acceleration | Limited::Rate) && side.joint >= self.joints
+    }
+
+    fn includes(&self, what: What, side: &Side) -> bool {
+        match what.limited {
+            Limited::Task => side.limited.is_task(),
+            limited => side.limited == limited && self.is_of_ground(side) == what.is_of_ground,
+        }
+    }
+
+    /// What a side limits, as in reports.
+    pub fn kind(&self, side: &Side) -> &'static str {
+        match side.limited {
+            Limited::Acceleration if self.is_of_ground(side) => "ground_force",
+            Limited::Rate if self.is_of_ground(side) => "landing_impulse",
+            limited => limited.name(),
+        }
+    }
+}
+
+fn usage<D>(
+    what: What,
+    coordinates: &Coordinates,
     interior: &Interior<D>,
     (resolution, ends): (&Resolution, &AtEnds),
 ) -> Option<LimitUse> {
-    let (spline, barrier) = (&interior.spline, &interior.barrier);
+    let (spline, barrier, limited) = (&interior.spline, &interior.barrier, what.limited);
     let is_rate = limited >= Limited::Jerk;
     let (sides, distances) = match is_rate {
         true => (barrier.rate_sides(), [resolution.rate_distances(), ends.rate_distance()]),
@@ -50,10 +96,7 @@ fn usage<D>(
     };
     let mut found: Option<LimitUse> = None;
     let (mut worst_between, mut z) = (VIOLATION_BETWEEN, vec![0.0; 3 * spline.dof]);
-    let is_this = |side: &Side| match limited {
-        Limited::Task => side.limited.is_task(),
-        _ => side.limited == limited,
-    };
+    let is_this = |side: &Side| coordinates.includes(what, side);
     for (i, side) in sides.iter().enumerate().filter(|(_, side)| is_this(side)) {
         let usage = found.get_or_insert_default();
         for k in 0..spline.mesh.intervals() {
@@ -67,7 +110,8 @@ fn usage<D>(
                 spline.in_interval(k, place, &mut z);
                 let s = spline.mesh.nodes[k] + place * spline.mesh.width(k);
                 let rate = rate(interior, side, &z);
-                let named = (name(interior, side, None, names), unit(interior, side, None, kinds));
+                let named =
+                    (name(interior, side, None, coordinates), unit(interior, side, None, coordinates));
                 let excess = excess(interior, side, None, distance);
                 usage.worst_between =
                     Some(violation(side, distance, named, (spline.time_at(s), excess), rate));
@@ -77,7 +121,7 @@ fn usage<D>(
             usage.between = usage.between.max(resolution.exceeded_by(i) * side.range);
         }
         if !side.is_equation {
-            usage.active.extend(spans(interior, i, side, name(interior, side, None, names)));
+            usage.active.extend(spans(interior, i, side, name(interior, side, None, coordinates)));
         }
     }
     let mut worst = VIOLATION_ACCEPTED;
@@ -98,7 +142,7 @@ fn usage<D>(
         if part > worst {
             worst = part;
             let rate = barrier.point_of(at).and_then(|p| rate(interior, side, interior.points.z(p)));
-            let named = (name(interior, side, end, names), unit(interior, side, end, kinds));
+            let named = (name(interior, side, end, coordinates), unit(interior, side, end, coordinates));
             let time = spline.time_at(barrier.place(at, spline));
             let excess = excess(interior, side, end, distance);
             usage.worst = Some(violation(side, distance, named, (time, excess), rate));
@@ -154,12 +198,12 @@ pub(super) fn name<'a, D>(
     interior: &'a Interior<D>,
     side: &Side,
     end: Option<usize>,
-    names: &'a [String],
+    coordinates: &'a Coordinates,
 ) -> &'a str {
     if side.limited.is_task() {
         return &interior.model.tasks.row(end, side).name;
     }
-    joint(interior, side).map_or(ALL_JOINTS, |joint| &names[joint])
+    joint(interior, side).map_or(ALL_JOINTS, |joint| &coordinates.names[joint])
 }
 
 /// The joint of a side that is not a row of a task; `None` for all.
@@ -189,13 +233,16 @@ pub(super) fn unit<D>(
     interior: &Interior<D>,
     side: &Side,
     end: Option<usize>,
-    kinds: &[JointKind],
+    coordinates: &Coordinates,
 ) -> &'static str {
-    let of = |[rotation, translation]: [&'static str; 2]| match joint(interior, side).map(|i| kinds[i]) {
+    let kind = joint(interior, side).map(|i| coordinates.kinds[i]);
+    let of = |[rotation, translation]: [&'static str; 2]| match kind {
         Some(JointKind::Prismatic) => translation,
         _ => rotation,
     };
     match side.limited {
+        Limited::Rate if coordinates.is_of_ground(side) => "N s",
+        Limited::Acceleration if coordinates.is_of_ground(side) => "N",
         Limited::Position => of(["rad", "m"]),
         Limited::Rate => of(["rad/s", "m/s"]),
         Limited::Acceleration => of(["rad/s^2", "m/s^2"]),

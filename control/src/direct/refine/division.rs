@@ -1,5 +1,6 @@
 //! The nodes of a finer mesh.
 
+use super::peaks::Parts;
 use super::resolution::{Move, Resolution};
 use crate::constants::direct as constants;
 use crate::direct::motion::spline::Spline;
@@ -59,7 +60,13 @@ impl Resolution {
                     moves.push(Move { place, distance: (place - from).abs() });
                 }
             }
-            if cuts.is_empty() && !is_narrow {
+            // What is far beyond a limit is divided evenly, until that limit is nearly kept.
+            let is_near = self.violations[k] <= constants::VIOLATION_BETWEEN;
+            let peak = self.peaks.get(k).filter(|_| cuts.is_empty() && !is_narrow && is_near);
+            let peak = peak.and_then(|peak| peak.parts(self.errors[k]));
+            if let Some(parts) = peak.and_then(|parts| self.places_of_peak(spline, k, parts, &mut moved)) {
+                added.extend(parts);
+            } else if cuts.is_empty() && !is_narrow {
                 // The error of a motion that is smooth in an interval falls with the seventh power of
                 // its width.
                 let by_error = (self.errors[k] / share).powf(1.0 / 7.0);
@@ -72,6 +79,37 @@ impl Resolution {
         let kept = spline.mesh.nodes.iter().zip(&moved).filter(|(_, moved)| !**moved).map(|(node, _)| *node);
         self.moves = moves;
         with_added(kept.collect(), added, self.closest)
+    }
+
+    /// Where an interval is divided at a peak, if it can be: nodes at which torques jump stay.
+    fn places_of_peak(
+        &self,
+        spline: &Spline,
+        k: usize,
+        parts: Parts,
+        moved: &mut [bool],
+    ) -> Option<Vec<f64>> {
+        let mesh = &spline.mesh;
+        let (left, width) = (mesh.nodes[k], mesh.width(k));
+        match parts {
+            Parts::At(places) => {
+                let ends = std::iter::once(0.0).chain(places.iter().copied()).chain([1.0]);
+                let ends: Vec<f64> = ends.collect();
+                // The peak may lie in a part that is nearly all of the interval.
+                let halves = ends.windows(2).filter(|ends| ends[1] - ends[0] > constants::NEARLY_WHOLE);
+                let middles = halves.map(|ends| 0.5 * (ends[0] + ends[1]));
+                Some(places.iter().copied().chain(middles).map(|place| left + width * place).collect())
+            }
+            Parts::Instead(place) => {
+                let node = if place < 0.5 { k } else { k + 1 };
+                if mesh.is_end(node) || self.jumps.jumps_at(node) {
+                    return None;
+                }
+                moved[node] = true;
+                let half = 0.5 * mesh.width(node - 1).min(mesh.width(node));
+                Some([-half, half].map(|part| left + width * place + part).to_vec())
+            }
+        }
     }
 
     /// Whether a node may move: if it moved before, that was farther. One that moves to and fro is not
@@ -113,7 +151,35 @@ fn choose(chosen: &mut [bool], errors: &[f64], enough: f64) {
 
 #[cfg(test)]
 mod tests {
-    use super::with_added;
+    use super::super::peaks::Peak;
+    use super::{Resolution, with_added};
+    use crate::direct::interior::iterate::tests::started;
+    use crate::direct::motion::shape::Shape;
+
+    /// Nodes of thirds with this peak in the middle one, which makes all of the error.
+    fn divided(peak: Peak) -> Vec<f64> {
+        let (interior, mut resolution) = (started(Shape::Quartic), Resolution::default());
+        resolution.errors = vec![0.0, peak.error, 0.0];
+        resolution.violations = vec![0.0; 3];
+        resolution.peaks = vec![Peak::default(), peak, Peak::default()];
+        resolution.divided(&interior.spline, &[false, true, false], 1e-6)
+    }
+
+    /// Positions and rates are limited at nodes, tasks at points in the middle of intervals too.
+    #[test]
+    fn intervals_are_divided_at_peaks() {
+        let peak = Peak { error: 1.0, place: 0.4, is_at_node: true };
+        let close = |found: Vec<f64>, expected: &[f64]| {
+            assert_eq!(found.len(), expected.len(), "{found:?}");
+            assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12), "{found:?} {expected:?}");
+        };
+        let third = 1.0 / 3.0;
+        close(divided(peak), &[0.0, third, 1.4 * third, 2.0 * third, 1.0]);
+        let around = Peak { is_at_node: false, ..peak };
+        close(divided(around), &[0.0, third, 1.2 * third, 1.6 * third, 2.0 * third, 1.0]);
+        let beside = Peak { place: 0.1, ..peak };
+        close(divided(beside), &[0.0, third, 1.1 * third, 1.55 * third, 2.0 * third, 1.0]);
+    }
 
     #[test]
     fn nodes_that_are_kept_stay() {

@@ -188,6 +188,12 @@ impl Jumps {
         (constants::NEAREST_JUMP..=1.0 - constants::NEAREST_JUMP).contains(&place).then_some(place)
     }
 
+    /// Whether any value jumps at a node.
+    pub fn jumps_at(&self, node: usize) -> bool {
+        let jumps = |l: usize| self.at_node(node, l).map_or(0.0, f64::abs);
+        (0..self.count).any(|l| jumps(l) > constants::NEEDED * self.range[l])
+    }
+
     /// Whether the torque of another joint than that of value `i` jumps at a node; where accelerations are
     /// continuous, the rate of its torque or its jerk, whatever the value is.
     fn is_needed(&self, node: usize, i: usize) -> bool {

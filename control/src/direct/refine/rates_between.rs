@@ -72,7 +72,7 @@ impl RatesBetween {
         for k in 0..spline.mesh.intervals() {
             for (i, side) in sides.iter().enumerate() {
                 let values = std::array::from_fn(|at| self.distance(BETWEEN.len() * k + at)[i]);
-                let over = side.violation(least_between(values)).max(0.0);
+                let over = side.violation(least_between(values).1).max(0.0);
                 self.over.push(over);
                 self.violations[k] = self.violations[k].max(over);
             }

@@ -4,16 +4,14 @@ use super::between::{BETWEEN, evaluate_places, weight};
 use super::excess::Excess;
 use super::jumps::Jumps;
 use super::overshoots::Overshoots;
+use super::peaks::Peak;
 use super::rates_between::RatesBetween;
 use crate::constants::direct as constants;
 use crate::direct::interior::iterate::Interior;
 use crate::direct::limits::distances::measure;
-use crate::direct::limits::multipliers::Multipliers;
 use crate::direct::limits::side::{Limited, Side};
-use crate::direct::motion::shape::{PLACES, POINTS, WEIGHTS};
 use crate::direct::points::rates::RateCosts;
 use crate::direct::points::values::{PointDynamics, Points};
-use crate::numerics::lagrange::values;
 use costate::EvalError;
 
 /// What a mesh does not resolve.
@@ -24,6 +22,8 @@ pub(crate) struct Resolution {
     /// Largest violation of a limit inside of each interval, in parts of its range; of those whose values do
     /// not jump at nodes.
     pub violations: Vec<f64>,
+    /// By how much bodies pass through each other in each interval, in parts of the range.
+    pub(super) swept: Vec<f64>,
     /// Violations of those whose values may jump there.
     pub overshoots: Overshoots,
     /// Time integral of what limits cut off torques in each interval, in parts of their ranges (s).
@@ -34,8 +34,10 @@ pub(crate) struct Resolution {
     /// Nodes of this mesh that were moved.
     pub(super) moves: Vec<Move>,
     points: Points,
-    distance: Vec<f64>,
+    pub(super) distance: Vec<f64>,
     pub(super) excess: Excess,
+    /// What limits make most of the error of each interval.
+    pub(super) peaks: Vec<Peak>,
     pub(super) rates: RatesBetween,
     /// Intervals that are narrower are not divided.
     pub narrowest: f64,
@@ -94,10 +96,12 @@ impl Resolution {
         }
         self.estimate(interior);
         self.compare_costs(interior);
-        self.look_between(interior);
-        for (k, most) in self.violations.iter_mut().enumerate() {
-            *most = most.max(interior.model.tasks.sweep(&interior.spline, k)?);
+        self.swept.clear();
+        for k in 0..intervals {
+            self.swept.push(interior.model.tasks.sweep(&interior.spline, k)?);
         }
+        self.look_between(interior);
+        self.violations.iter_mut().zip(&self.swept).for_each(|(most, swept)| *most = most.max(*swept));
         Ok(())
     }
 
@@ -220,51 +224,5 @@ impl Resolution {
             }
         }
         self.add_errors_of_limits(interior);
-    }
-
-    /// Adds to the error of each interval what multiplier times distance make in the mean between
-    /// points. On smooth arcs at a limit the distance of a torque or acceleration changes its sign at
-    /// each point, and next to nothing is left. What it would cost to move these limits inside, so that
-    /// they are kept between points too, is told apart from that.
-    fn add_errors_of_limits<D>(&mut self, interior: &Interior<D>) {
-        let multipliers = Multipliers::at_points(&interior.spline, &interior.barrier);
-        let (sides, shape) = (interior.barrier.sides(), interior.spline.mesh.shape);
-        let parts = BETWEEN.map(|x| shape.parts(x));
-        let count = shape.places().len();
-        for (k, error) in self.errors.iter_mut().enumerate() {
-            let first = interior.spline.mesh.first_point(k);
-            let distances = &self.distance[sides.len() * BETWEEN.len() * k..];
-            for (i, side) in sides.iter().enumerate() {
-                let (mut signed, mut unsigned, mut densities) = (0.0, 0.0, 0.0);
-                for (at, parts) in parts.iter().enumerate() {
-                    let parts = parts[..count].iter().enumerate();
-                    let density: f64 = parts.map(|(j, part)| part * multipliers.at_point(first + j, i)).sum();
-                    let density = if side.is_equation { density } else { density.max(0.0) };
-                    let product = weight(at) * density * distances[sides.len() * at + i];
-                    signed += product;
-                    unsigned += product.abs();
-                    densities += weight(at) * density;
-                }
-                let smooth = side.limited.jumps(shape) || side.is_equation;
-                *error += interior.spline.mesh.width(k) * if smooth { signed.abs() } else { unsigned };
-                if side.limited.jumps(shape) && !side.is_equation {
-                    let price = interior.spline.mesh.width(k) * densities * side.range;
-                    self.overshoots.add_loss(k, side, self.excess.of(k, i), price);
-                }
-            }
-            for i in 0..interior.barrier.rate_sides().len() {
-                let densities = [0, 1, 2].map(|j| multipliers.at_gauss_point(POINTS * k + j, i));
-                let mean: f64 = WEIGHTS.iter().zip(densities).map(|(weight, d)| weight * d).sum();
-                let side = &interior.barrier.rate_sides()[i];
-                let price = interior.spline.mesh.width(k) * mean * side.range;
-                self.overshoots.add_loss(k, side, self.rates.of(k, i), price);
-                let signed = BETWEEN.iter().enumerate().map(|(at, &x)| {
-                    let density: f64 =
-                        values(&PLACES, x).iter().zip(densities).map(|(part, d)| part * d).sum();
-                    weight(at) * density.max(0.0) * self.rates.distance(BETWEEN.len() * k + at)[i]
-                });
-                *error += interior.spline.mesh.width(k) * signed.sum::<f64>().abs();
-            }
-        }
     }
 }

@@ -10,7 +10,7 @@ use super::refinement::Start;
 use super::saddle::leave_saddles;
 use super::with_effort::{Smoothing, WithEffort, with_effort};
 use crate::constants::direct as constants;
-use crate::constants::guesses;
+use crate::constants::{guesses, saddle};
 use crate::direct::interior::inertia::Inertia;
 use crate::direct::interior::iterate::Interior;
 use crate::direct::interior::looseness::Looseness;
@@ -153,8 +153,20 @@ impl Direct<'_> {
         }
         let model = (problem, self.rows);
         leave_saddles(model, self.options, &mut interior, &mut resolution, &mut refined, recorder)?;
-        let iterate = (&mut interior, &mut resolution, &mut refined);
-        compare_with_finer_mesh(problem, self.options, iterate, recorder)?;
+        for _ in 0..saddle::MOST {
+            let intervals = interior.spline.mesh.intervals();
+            let iterate = (&mut interior, &mut resolution, &mut refined);
+            compare_with_finer_mesh(problem, self.options, iterate, recorder)?;
+            if interior.spline.mesh.intervals() == intervals {
+                break;
+            }
+            // What is a minimum on a mesh may be a saddle on a finer one.
+            let cost = resolution.cost;
+            leave_saddles(model, self.options, &mut interior, &mut resolution, &mut refined, recorder)?;
+            if resolution.cost == cost {
+                break;
+            }
+        }
         self.finish(&mut interior, &resolution, refined, Smoothing::default(), recorder)
     }
 

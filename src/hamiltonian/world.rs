@@ -1,0 +1,154 @@
+//! Kernel one in the axes of the world, where nothing but F and F_x is asked for.
+
+use crate::error::EvalError;
+use crate::kernels::{Factor, WorldKernel, size_of_joint};
+use crate::matrix::{Matrix, Panel, filled};
+use crate::robot::Tree;
+use crate::scalar::Scalar;
+
+/// M, L_q, P and L_qq in the axes of the world, for packs of several lanes and more than 12 independent
+/// joints, where that takes less time than in body frames. Kernel two needs the latter.
+#[derive(Clone, Debug)]
+pub(crate) struct World<S: Scalar> {
+    kernel: WorldKernel<S>,
+    l_q: Vec<S>,
+    /// What no pair of joints on one branch sets stays zero.
+    l_vq: Panel<S>,
+    l_qq: Panel<S>,
+}
+
+impl<S: Scalar> World<S> {
+    /// `None` where body frames are used.
+    pub fn where_fast(tree: &Tree) -> Option<Box<Self>> {
+        let n = tree.dof();
+        if tree.joint_map().is_some() {
+            return None;
+        }
+        Panel::<S>::for_blocks(n, || Self {
+            kernel: WorldKernel::new(tree),
+            l_q: filled(S::zero(), n),
+            l_vq: Panel::zeros(n, n),
+            l_qq: Panel::zeros(n, n),
+        })
+    }
+
+    /// M at q (nq) and its factors.
+    pub fn factor(&mut self, tree: &Tree, q: &[S], factor: &mut Factor<S>) -> Result<(), EvalError> {
+        self.kernel.set_position(tree, q);
+        self.kernel.compose(tree);
+        let (mass_matrix, coordinates) = (self.kernel.mass_matrix(), self.kernel.coordinates(tree, q));
+        let size_of = |k| size_of_joint(tree, k, coordinates, mass_matrix[(k, k)]);
+        let singular = |k: usize| EvalError::SingularMassMatrix { joint: tree.name(k).into() };
+        factor.factor(mass_matrix, size_of).map_err(singular)
+    }
+
+    /// L_q at v, after [`factor`](Self::factor) at the same q.
+    pub fn first_order(&mut self, tree: &Tree, q: &[S], v: &[S]) {
+        self.kernel.set_velocity(v);
+        self.kernel.gradient(tree, &mut self.l_q);
+        let coordinates = self.kernel.coordinates(tree, q);
+        for &i in tree.with_spring() {
+            let spring = tree.joints()[i].spring;
+            self.l_q[i] -= coordinates[i].plus(-spring.rest).times(spring.stiffness);
+        }
+    }
+
+    /// P and L_qq there.
+    pub fn second_order(&mut self, tree: &Tree) {
+        self.kernel.hessian(tree, [&mut self.l_vq, &mut self.l_qq]);
+        for &i in tree.with_spring() {
+            self.l_qq.set(i, i, self.l_qq.get(i, i).plus(-tree.joints()[i].spring.stiffness));
+        }
+    }
+
+    /// M.
+    pub fn mass_matrix(&self) -> &Matrix<S> {
+        self.kernel.mass_matrix()
+    }
+
+    /// L_q.
+    pub fn l_q(&self) -> &[S] {
+        &self.l_q
+    }
+
+    /// The same, to be changed until the next call.
+    pub fn mass_matrix_mut(&mut self) -> &mut Matrix<S> {
+        self.kernel.mass_matrix_mut()
+    }
+
+    /// P, which may be changed on pairs of joints on one branch.
+    pub fn l_vq_mut(&mut self) -> &mut Panel<S> {
+        &mut self.l_vq
+    }
+
+    /// The same.
+    pub fn l_vq(&self) -> &Panel<S> {
+        &self.l_vq
+    }
+
+    /// L_qq.
+    pub fn l_qq(&self) -> &Panel<S> {
+        &self.l_qq
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::configuration::ConfigurationSpace;
+    use crate::configuration::samples::{link, placed, robots, state};
+    use crate::hamiltonian::HamiltonianSecondOrder;
+    use crate::matrix::Panel;
+    use crate::robot::test_robot::robot;
+    use crate::robot::{JointSpec, Robot, Spring};
+
+    /// F, F_x and M of the kernel in the axes of the world, and of that in body frames, which kernel two
+    /// needs; at two states one after the other.
+    fn compare(robot: &Robot) {
+        let mut both = HamiltonianSecondOrder::<f64>::new(robot);
+        let n = both.dof();
+        for turn in [1.0, -0.6] {
+            let [q, p, u, y] = state(&ConfigurationSpace::new(robot));
+            let p: Vec<f64> = p.iter().map(|p| turn * p).collect();
+            let all = both.contract(&q, &p, &u, &y).unwrap();
+            let body = all.linearisation();
+            let (f, f_x) = (body.f().to_vec(), body.matrix().to_nalgebra());
+            let mass_matrix = body.mass_matrix().clone();
+            let of_f = f.iter().fold(1.0, |most: f64, f| most.max(f.abs()));
+            let close = |found: &[f64]| found.iter().zip(&f).all(|(a, b)| (a - b).abs() < 1e-12 * of_f);
+            assert!(close(both.first().evaluate(&q, &p, &u).unwrap()), "{}, n = {n}", robot.name());
+            assert_eq!(both.first.flow.is_in_world(), Panel::<f64>::in_blocks(n) && is_independent(robot));
+            let world = both.first().linearise(&q, &p, &u).unwrap();
+            assert!(close(world.f()));
+            let error = (world.matrix().to_nalgebra() - &f_x).amax();
+            assert!(error < 1e-11 * f_x.amax(), "{}, n = {n}: {error}", robot.name());
+            let masses = world.mass_matrix().as_slice().iter().zip(mass_matrix.as_slice());
+            assert!(masses.fold(0.0, |most: f64, (a, b)| most.max((a - b).abs())) < 1e-12 * 50.0);
+            // Of the kernel in body frames again.
+            assert_eq!(both.first().mass_matrix(&q).unwrap().rows(), n);
+        }
+    }
+
+    fn is_independent(robot: &Robot) -> bool {
+        robot.joints().iter().all(|joint| joint.mimic.is_none())
+    }
+
+    #[test]
+    fn both_kernels_give_the_same_state_equation() {
+        robots().iter().for_each(compare);
+        for n in [13, 18, 23] {
+            compare(&robot(n, |k| k.wrapping_sub(1), false));
+            // Not in the order of the branches.
+            compare(&robot(n, |k| k.wrapping_sub(3), true));
+            compare(&robot(n, |k| (k * k + 1) % (k + 2), false));
+        }
+        let mut builder = Robot::builder("springs").gravity([0.7, -1.0, -9.81]);
+        for k in 0..14 {
+            let (name, x) = (format!("j{k}"), 0.1 * f64::from(k));
+            let spec = if k % 4 == 1 { JointSpec::prismatic(&name) } else { JointSpec::revolute(&name) };
+            let spec = spec.axis([0.3, 1.0 - x, x]).placed(placed(x)).carrying(link(x));
+            let spec = spec.spring(Spring { stiffness: 20.0 * x, rest: 0.3 });
+            builder = builder.joint(if k > 0 { spec.on(format!("j{}", (k - 1) / 2)) } else { spec });
+        }
+        compare(&builder.build().unwrap());
+    }
+}
