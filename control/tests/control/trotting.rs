@@ -277,13 +277,13 @@ fn other_steps_converge() {
         assert_eq!(solution.motion.status, Status::Converged);
         solution.total()
     };
-    let slippery = with(|gait| gait.with_friction(0.2));
-    assert!(slippery > 1.1 * best.total(), "{slippery}");
+    let slippery = with(|gait| gait.with_friction(0.3));
+    assert!(slippery > 1.005 * best.total(), "{slippery}");
     let short = with(|mut gait| {
-        gait.length = 0.1;
+        gait.length = 0.05;
         gait
     });
-    assert!(short < 0.2 * best.total(), "{short}");
+    assert!(short < 0.1 * best.total(), "{short}");
     let flat = with(|gait| gait.with_clearance(0.0));
     assert!(flat < best.total(), "{flat}");
 }
