@@ -80,7 +80,9 @@ fn check(problem: &Problem, solution: &Solution) {
         // Shares of heel and toe, from the torque about the origin of the foot.
         let about_foot = torque + q[1] * f_x - q[0] * f_z;
         let on_heel = (toe * f_z + about_foot) / (toe - heel);
-        assert!(on_heel > -small && f_z - on_heel > -small, "{on_heel} of {f_z}");
+        // A small torque is a large share of a short sole.
+        let share = small * (0.2 / (toe - heel)).max(1.0);
+        assert!(on_heel > -share && f_z - on_heel > -share, "{on_heel} of {f_z}");
         kinematics.set_position(q).unwrap();
         let flat = kinematics.pose(stance).unwrap();
         assert!(flat.position.iter().all(|x| x.abs() < 1e-5), "{:?}", flat.position);
@@ -124,13 +126,18 @@ fn a_biped_with_feet_walks() {
         (&*foot.name, &*foot.frame, foot.moment.len()),
         ("right_foot", "right_foot", foot.force.len())
     );
-    // At the points of the mesh the centre of pressure is between heel and toe.
     let [heel, toe] = problem.gait.as_ref().unwrap().sole.unwrap();
+    let [least, most] = centres_of_pressure(solution);
+    assert!(least > heel && most < toe && most - least > 0.02, "{least} {most}");
+}
+
+/// Least and largest x of the centre of pressure at the nodes, which are those of the foot's frame.
+fn centres_of_pressure(solution: &Solution) -> [f64; 2] {
+    let foot = &solution.constraints[0];
     let rows = foot.force.iter().zip(&foot.moment).filter(|([.., z], _)| *z > 1.0);
     let places: Vec<f64> = rows.map(|([.., z], [_, moment, _])| -moment / z).collect();
     let least = places.iter().fold(f64::INFINITY, |least, &x| least.min(x));
-    let most = places.iter().fold(f64::NEG_INFINITY, |most, &x| most.max(x));
-    assert!(least > heel - 1e-3 && most < toe + 1e-3 && most - least > 0.1, "{least} {most}");
+    [least, places.iter().fold(f64::NEG_INFINITY, |most, &x| most.max(x))]
 }
 
 /// From first meshes that are coarse and fine the motion is the same.
@@ -143,13 +150,13 @@ fn first_meshes_lead_to_the_same_step() {
     }
 }
 
-/// Longer soles cost less: a foot from heel to toe can do all that a shorter one can.
+/// The centre of pressure goes from the heel of a short sole to its toe, and no farther.
 #[test]
-fn a_shorter_sole_costs_more() {
-    let (problem, best) = walk();
-    let short = problem.clone().with_gait(gait().with_sole(-0.04, 0.1));
-    let other = solve(&short, file().options);
-    assert!(other.total() > best.total() * (1.0 + 1e-5), "{} {}", other.total(), best.total());
+fn a_short_sole_is_used_from_heel_to_toe() {
+    let (heel, toe) = (-0.01, 0.005);
+    let short = walk().0.clone().with_gait(gait().with_sole(heel, toe));
+    let [least, most] = centres_of_pressure(&solve(&short, file().options));
+    assert!((least - heel).abs() < 1e-5 && (most - toe).abs() < 1e-5, "{least} {most}");
 }
 
 #[test]
