@@ -235,8 +235,9 @@ pub(super) fn unit<D>(
     end: Option<usize>,
     coordinates: &Coordinates,
 ) -> &'static str {
-    let kind = joint(interior, side).map(|i| coordinates.kinds[i]);
-    let of = |[rotation, translation]: [&'static str; 2]| match kind {
+    // Rows of tasks are no coordinates.
+    let kind = || joint(interior, side).map(|i| coordinates.kinds[i]);
+    let of = |[rotation, translation]: [&'static str; 2]| match kind() {
         Some(JointKind::Prismatic) => translation,
         _ => rotation,
     };
