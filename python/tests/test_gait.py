@@ -69,11 +69,11 @@ def test_soles_are_those_of_the_file():
         "time": 0.6,
         "cost": [0] * 3 + [1] * 6,
         "limits": {
-            "q_min": [-FREE, -FREE, -0.3, -1.5, 0, -1, -1.5, 0, -1],
+            "q_min": [-FREE, -FREE, -0.3, -1.5, 0.2, -1, -1.5, 0.2, -1],
             "q_max": [FREE, FREE, 0.3, 1, 2, 1, 1, 2, 1],
             "torque_max": [0] * 3 + [200] * 6,
         },
-        "solver": {"tolerance": 1e-6},
+        "solver": {"tolerance": 1e-6, "nodes": 97},
     }
     assert costate.Problem(load("seven_link.toml"), gait=gait, **given) == file
     with pytest.raises(costate.ProblemError, match="heel") as raised:

@@ -78,7 +78,7 @@ def test_what_the_handler_of_a_user_raises_is_raised():
         class Stop(Exception): pass
         def handler(number, frame): raise Stop
         signal.signal(signal.SIGINT, handler)
-        q, y, d = np.zeros((100_000, humanoid.n)), np.ones(2 * humanoid.n), np.ones(3 * humanoid.n)
+        q, y, d = np.zeros((500_000, humanoid.n)), np.ones(2 * humanoid.n), np.ones(3 * humanoid.n)
         dynamics = costate.Dynamics(humanoid, threads=1)
         dynamics.hvp(q[:20], q[0], q[0], y, d)
         print("ready", flush=True)
