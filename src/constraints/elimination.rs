@@ -137,6 +137,8 @@ impl<S: Scalar> Elimination<S> {
         take_p(p);
         y.set_tiles(&products.upper, Left::Rows(factor.upper()), p);
         factor.divide(y, z);
+        // The rows of the last call have entries outside of these tiles.
+        b.clear();
         b.set_tiles(&products.cross, Left::Columns(reach), z);
         for i in 0..k {
             b.subtract_row(i, slope.row(i));

@@ -64,6 +64,11 @@ impl Problem {
                 let remedy = "heel and toe (m) must be finite numbers, the heel the smaller one";
                 return Err(GaitError::OutOfRange { value, remedy }.at(Key::GAIT_SOLE));
             }
+            let value = self.robot.gravity().norm();
+            if value == 0.0 {
+                let remedy = "feet with soles stand by gravity (m/s^2), which must not be zero";
+                return Err(GaitError::OutOfRange { value, remedy }.at(Key::GAIT_SOLE));
+            }
         }
         self.check_names(gait)?;
         let exchange = self.exchange(gait)?;

@@ -35,11 +35,12 @@ pub struct LimitReport {
     /// tau where a motor drives fast (N m, N): its limit depends on v.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub torque_speed: Option<LimitUse>,
-    /// Forces of the ground on the feet of a gait along the edges of their friction cones (N): none is
-    /// negative.
+    /// Forces of the ground on the feet of a gait along the edges of their friction cones (N), and torques
+    /// about the toes of soles (N m): none is negative. The load of a toe is among the rows of
+    /// [`task`](Self::task).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ground_force: Option<LimitUse>,
-    /// The same of the impulses of the landing (N s).
+    /// The same of the impulses of the landing (N s, N m s).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub landing_impulse: Option<LimitUse>,
     /// Tools (m, rad, m/s) and clearances (m), at the ends too.

@@ -74,7 +74,7 @@ fn limit<D: PointDynamics>(
         }
         .into(),
         time: interior.spline.time_at(interior.barrier.place(given.at, &interior.spline)),
-        amount: excess(interior, side, None, -given.amount),
+        amount: excess(interior, side, None, -given.amount, coordinates),
         part: given.part,
         unit: unit(interior, side, None, coordinates).into(),
         limit: (!side.limited.is_task()).then_some(torque_limit(side, rate).unwrap_or(side.bound)),

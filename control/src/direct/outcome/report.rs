@@ -46,17 +46,41 @@ struct What {
     is_of_ground: bool,
 }
 
-/// Names and kinds of all coordinates, of which the first ones are joints.
+/// Names and kinds of all coordinates, of which the first ones are joints, and the others multipliers.
 pub(super) struct Coordinates {
     names: Vec<String>,
     kinds: Vec<JointKind>,
     joints: usize,
+    /// Forces are the accelerations of multipliers times these.
+    masses: Vec<f64>,
+    /// Rows of a foot, of which the third one is an angle.
+    of_foot: usize,
 }
 
 impl Coordinates {
     pub fn of(problem: &Problem) -> Self {
         let (names, kinds) = problem.named_coordinates();
-        Self { names, kinds, joints: problem.robot.dof() }
+        let rows = problem.loops.iter().flat_map(|loops| &loops.rows);
+        let walk = problem.loops.iter().find_map(|loops| loops.walk.as_ref());
+        let of_foot = walk.map_or(2, |walk| walk.gait.rows_of_foot());
+        Self {
+            names,
+            kinds,
+            joints: problem.robot.dof(),
+            masses: rows.map(|row| row.mass).collect(),
+            of_foot,
+        }
+    }
+
+    /// What the value of a side is multiplied with: the mass of a multiplier gives a force in N.
+    fn factor(&self, side: &Side) -> f64 {
+        let own = side.joint.checked_sub(self.joints).filter(|_| self.is_of_ground(side));
+        own.and_then(|row| self.masses.get(row)).copied().unwrap_or(1.0)
+    }
+
+    /// Whether a multiplier is a torque about a foot.
+    fn is_torque(&self, side: &Side) -> bool {
+        side.joint.checked_sub(self.joints).is_some_and(|row| row % self.of_foot == 2)
     }
 
     /// Whether a side limits a force of the ground or its impulse, which are the acceleration and the rate of
@@ -101,7 +125,7 @@ fn usage<D>(
         let usage = found.get_or_insert_default();
         for k in 0..spline.mesh.intervals() {
             let (place, distance) = least(side, sides.len(), i, k, distances);
-            usage.between = usage.between.max(excess(interior, side, None, distance));
+            usage.between = usage.between.max(excess(interior, side, None, distance, coordinates));
             let part = side.violation(distance);
             // Equations that may jump cannot be kept around a jump.
             let counts = !(side.is_equation && side.limited.jumps(spline.mesh.shape));
@@ -112,13 +136,15 @@ fn usage<D>(
                 let rate = rate(interior, side, &z);
                 let named =
                     (name(interior, side, None, coordinates), unit(interior, side, None, coordinates));
-                let excess = excess(interior, side, None, distance);
+                let excess = excess(interior, side, None, distance, coordinates);
+                let factor = coordinates.factor(side);
                 usage.worst_between =
-                    Some(violation(side, distance, named, (spline.time_at(s), excess), rate));
+                    Some(violation(side, (distance, factor), named, (spline.time_at(s), excess), rate));
             }
         }
         if matches!(limited, Limited::Position | Limited::Rate) {
-            usage.between = usage.between.max(resolution.exceeded_by(i) * side.range);
+            usage.between =
+                usage.between.max(resolution.exceeded_by(i) * side.range * coordinates.factor(side));
         }
         if !side.is_equation {
             usage.active.extend(spans(interior, i, side, name(interior, side, None, coordinates)));
@@ -137,15 +163,16 @@ fn usage<D>(
         let (side, distance) = (barrier.side(at), barrier.true_distance(at));
         let end = barrier.side_index(at).is_none().then(|| barrier.end_of(at));
         let usage = found.get_or_insert_default();
-        usage.at_points = usage.at_points.max(excess(interior, side, end, distance));
+        usage.at_points = usage.at_points.max(excess(interior, side, end, distance, coordinates));
         let part = side.violation(distance);
         if part > worst {
             worst = part;
             let rate = barrier.point_of(at).and_then(|p| rate(interior, side, interior.points.z(p)));
             let named = (name(interior, side, end, coordinates), unit(interior, side, end, coordinates));
             let time = spline.time_at(barrier.place(at, spline));
-            let excess = excess(interior, side, end, distance);
-            usage.worst = Some(violation(side, distance, named, (time, excess), rate));
+            let (excess, factor) =
+                (excess(interior, side, end, distance, coordinates), coordinates.factor(side));
+            usage.worst = Some(violation(side, (distance, factor), named, (time, excess), rate));
         }
     }
     found
@@ -177,7 +204,7 @@ fn least(side: &Side, count: usize, i: usize, k: usize, [between, ends]: [&[f64]
 /// Where a limit is exceeded: name and unit, time and excess, and the rate of a motor.
 fn violation(
     side: &Side,
-    distance: f64,
+    (distance, factor): (f64, f64),
     (name, unit): (&str, &str),
     (time, excess): (f64, f64),
     rate: Option<(f64, f64)>,
@@ -187,7 +214,7 @@ fn violation(
         time,
         excess,
         unit: unit.into(),
-        value: side.bound + side.sign * distance - rate.map_or(0.0, |(_, line)| line),
+        value: (side.bound + side.sign * distance) * factor - rate.map_or(0.0, |(_, line)| line),
         limit: torque_limit(side, rate).unwrap_or(side.bound),
         rate: rate.map(|(rate, _)| rate),
     }
@@ -235,6 +262,7 @@ pub(super) fn unit<D>(
     end: Option<usize>,
     coordinates: &Coordinates,
 ) -> &'static str {
+    let turns = usize::from(coordinates.is_torque(side));
     // Rows of tasks are no coordinates.
     let kind = || joint(interior, side).map(|i| coordinates.kinds[i]);
     let of = |[rotation, translation]: [&'static str; 2]| match kind() {
@@ -242,8 +270,8 @@ pub(super) fn unit<D>(
         _ => rotation,
     };
     match side.limited {
-        Limited::Rate if coordinates.is_of_ground(side) => "N s",
-        Limited::Acceleration if coordinates.is_of_ground(side) => "N",
+        Limited::Rate if coordinates.is_of_ground(side) => ["N s", "N m s"][turns],
+        Limited::Acceleration if coordinates.is_of_ground(side) => ["N", "N m"][turns],
         Limited::Position => of(["rad", "m"]),
         Limited::Rate => of(["rad/s", "m/s"]),
         Limited::Acceleration => of(["rad/s^2", "m/s^2"]),
@@ -256,11 +284,17 @@ pub(super) fn unit<D>(
 }
 
 /// By how much a limit is exceeded at a distance, in its unit.
-pub(super) fn excess<D>(interior: &Interior<D>, side: &Side, end: Option<usize>, distance: f64) -> f64 {
+pub(super) fn excess<D>(
+    interior: &Interior<D>,
+    side: &Side,
+    end: Option<usize>,
+    distance: f64,
+    coordinates: &Coordinates,
+) -> f64 {
     if side.limited.is_task() {
         interior.model.tasks.row(end, side).excess(side.bound + side.sign * distance)
     } else {
-        (-distance).max(0.0)
+        (-distance).max(0.0) * coordinates.factor(side)
     }
 }
 
