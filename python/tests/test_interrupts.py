@@ -38,8 +38,8 @@ def interrupted(code: str, after: float = 0.7) -> str:
 @pytest.mark.parametrize(
     ("owner", "verb", "states", "threads"),
     [
-        ("dynamics", "hvp", 100_000, 1),
-        ("dynamics", "hvp", 100_000, 2),
+        ("dynamics", "hvp", 400_000, 1),
+        ("dynamics", "hvp", 400_000, 2),
         ("costate.Step(costate.Dynamics(ur5, threads=1), 'rk4', 1e-2)", "hvp", 1_000_000, 1),
         ("dynamics.frame(humanoid.frame_names[-1])", "acceleration", 4_000_000, 1),
     ],
