@@ -2,7 +2,7 @@
 
 use crate::clock::cpu_time;
 use crate::measure::median;
-use crate::problems::{Failure, between, of_file};
+use crate::problems::{Failure, of_file, panda_with_rotors};
 use crate::tables::{duration, markdown};
 use costate::dynamics::Dynamics;
 use costate::hamiltonian::HamiltonianSecondOrder;
@@ -49,14 +49,7 @@ pub fn table(short: bool) -> Result<String, Failure> {
     let free: [(&str, Problem); 3] = [
         ("two-link arm", of_file("two_link.toml")?),
         ("PUMA 560", of_file("puma560_pick_and_place.toml")?),
-        (
-            "Panda with rotors",
-            between(
-                "panda.urdf",
-                [0.0, -0.5, 0.0, -2.2, 0.0, 1.7, 0.8],
-                [0.9, 0.1, 0.3, -1.6, -0.4, 2.0, 0.2],
-            )?,
-        ),
+        ("Panda with rotors", panda_with_rotors()?),
     ];
     let mut rows = Vec::new();
     for (name, problem) in &free {

@@ -20,6 +20,8 @@ const DURATION: f64 = 1.0;
 /// Limits in parts of the peaks of the cubic motion: rates are below them, torques above.
 const RATE: f64 = 0.85;
 const TORQUE: f64 = 1.2;
+/// Where a Panda turns from, and to.
+const PANDA: [[f64; 7]; 2] = [[0.0, -0.5, 0.0, -2.2, 0.0, 1.7, 0.8], [0.9, 0.1, 0.3, -1.6, -0.4, 2.0, 0.2]];
 /// Places at which its torques are looked at.
 const PLACES: usize = 50;
 
@@ -68,13 +70,18 @@ pub fn of_file(file: &str) -> Result<Problem, Failure> {
 /// A Panda turns to its side in 1 s and keeps the limits of its file: position, rate and torque.
 pub fn panda() -> Result<Problem, Failure> {
     let robot = Robot::from_file(format!("{ROOT}/robots/panda.urdf"))?;
-    let from = [0.0, -0.5, 0.0, -2.2, 0.0, 1.7, 0.8];
-    let to = [0.9, 0.1, 0.3, -1.6, -0.4, 2.0, 0.2];
+    let [from, to] = PANDA;
     let effort = [87.0, 87.0, 87.0, 87.0, 12.0, 12.0, 12.0].map(|most: f64| 1.0 / (most * most));
     let problem = Problem::rest_to_rest(robot, &from, &to, DURATION);
     Ok(problem
         .with_cost(Objective::new(0.0, effort.to_vec()))
         .with_limits(MotionLimits::none().with_from_robot(true)))
+}
+
+/// The same turn [`between`] rests, with the inertias of rotors.
+pub fn panda_with_rotors() -> Result<Problem, Failure> {
+    let [from, to] = PANDA;
+    between("panda.urdf", from, to)
 }
 
 /// A robot with the inertias of rotors turns from rest to rest in 1 s, at the price of its torques in parts

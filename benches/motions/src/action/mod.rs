@@ -7,7 +7,7 @@ mod points;
 
 use crate::clock::cpu_time;
 use crate::measure::{measure, median};
-use crate::problems::{Failure, between, of_file};
+use crate::problems::{Failure, between, of_file, panda_with_rotors};
 use crate::tables::{duration, markdown};
 use costate_control::{
     Method, Polish, Problem, Solution, Solver, SolverOptions, Strategy, Trajectory, Verify,
@@ -44,14 +44,7 @@ pub fn table(short: bool) -> Result<String, Failure> {
             "UR5 with rotors",
             between("ur5.urdf", [0.0, -1.6, 1.8, -1.8, -1.57, 0.0], [0.8, -1.2, 1.4, -1.6, -1.2, 0.4])?,
         ),
-        (
-            "Panda with rotors",
-            between(
-                "panda.urdf",
-                [0.0, -0.5, 0.0, -2.2, 0.0, 1.7, 0.8],
-                [0.9, 0.1, 0.3, -1.6, -0.4, 2.0, 0.2],
-            )?,
-        ),
+        ("Panda with rotors", panda_with_rotors()?),
     ];
     let mut columns = Vec::new();
     for (_, problem) in &problems {
