@@ -14,5 +14,7 @@ pub const OFF: f64 = 1e-2;
 pub const INVERSE_ITERATIONS: usize = 8;
 /// .. with a damping that is bisected so many times.
 pub const BISECTIONS: usize = 5;
-/// Most saddles that are left.
+/// Most saddles that are left one after the other.
 pub const MOST: usize = 2;
+/// Most times that saddles which show on a finer mesh alone are left, to compare with a finer one again.
+pub const FROM_FINER_MESHES: usize = 2;

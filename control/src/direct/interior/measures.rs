@@ -56,9 +56,10 @@ impl<D: PointDynamics> Interior<D> {
         [of_equations, of_equations.max(violation(barrier))]
     }
 
-    /// By how much the cost is off because equations are missed, to first order: multipliers times distances,
-    /// without a sign. Ranges say nothing about that: where limits of torques are far away, a small part of
-    /// them may be worth more than the tolerance. In the elastic phase it does not count.
+    /// By how much the cost is off because equations are missed, to first order: the size of the sum of
+    /// multipliers times distances, whose parts cancel as they do in the cost. Ranges, which bound each
+    /// distance, say nothing about that: where limits of torques are far away, a small part of them may be
+    /// worth more than the tolerance. In the elastic phase it does not count.
     pub(super) fn gain_of_equations(&self) -> f64 {
         if self.relaxation.is_on() {
             return 0.0;

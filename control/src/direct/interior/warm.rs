@@ -61,26 +61,29 @@ impl<D: PointDynamics> Interior<D> {
         self.measure_figures();
     }
 
-    /// Puts limits at the ends near the central path, from their multipliers, as [`warm_start`] does along
-    /// the motion.
-    ///
-    /// [`warm_start`]: Self::warm_start
+    /// Puts limits at the ends near the central path, from their multipliers.
     fn centre_ends(&mut self) {
         for at in self.barrier.at_ends() {
             if !self.barrier.is_limit(at) {
                 continue;
             }
             let (range, weight) = (1.0 / self.barrier.unit[at], self.barrier.weight[at]);
-            let slack_at = [constants::LEAST_SLACK, constants::FIRST_SLACK].map(|part| part * range);
-            let (distance, multiplier) = (self.barrier.distance[at], self.barrier.multiplier[at]);
-            let most = distance.max(slack_at[1]);
-            let of_multiplier = self.mu * weight / multiplier.max(f64::MIN_POSITIVE);
-            let slack = distance.max(slack_at[0]).max(of_multiplier).min(most);
-            let central = self.mu * weight / slack;
-            let [low, high] = [central / constants::OFF_CENTRE, constants::OFF_CENTRE * central];
-            self.barrier.slack[at] = slack;
-            self.barrier.multiplier[at] = multiplier.clamp(low, high);
+            let density = self.barrier.multiplier[at] / weight;
+            self.move_to_path(at, range, constants::LEAST_SLACK, density);
         }
+    }
+
+    /// Puts a limit near the central path: a slack of at least the part `least` of its range, a multiplier
+    /// near this density times its weight.
+    fn move_to_path(&mut self, at: usize, range: f64, least: f64, density: f64) {
+        let distance = self.barrier.distance[at];
+        let most = distance.max(constants::FIRST_SLACK * range);
+        let of_multiplier = self.mu / density.max(f64::MIN_POSITIVE);
+        let slack = distance.max(least * range).max(of_multiplier).min(most);
+        let central = self.mu / slack;
+        let density = density.clamp(central / constants::OFF_CENTRE, constants::OFF_CENTRE * central);
+        self.barrier.slack[at] = slack;
+        self.barrier.multiplier[at] = self.barrier.weight[at] * density;
     }
 
     /// Slacks and multipliers near the central path, for a gap of at least what it costs to move all limits
@@ -88,25 +91,19 @@ impl<D: PointDynamics> Interior<D> {
     fn warm_start(&mut self, old: &Multipliers, gap: f64, rough: f64) {
         let total = self.barrier.total_weight().max(f64::MIN_POSITIVE);
         let least = constants::LEAST_SLACK.max(rough.min(1.0));
-        let mu = gap.max(least * self.cost_of_ranges(old)) / total;
-        self.mu = mu;
+        self.mu = gap.max(least * self.cost_of_ranges(old)) / total;
         let mut lookup = old.lookup();
         for at in 0..self.barrier.count() {
             let weight = self.barrier.weight[at];
             let Some(index) = self.barrier.side_index(at).filter(|_| weight > 0.0) else { continue };
             let side = self.barrier.side(at);
+            let (range, is_equation) = (side.range, side.is_equation);
             let density = lookup.density(self.barrier.place(at, &self.spline), index);
-            if side.is_equation {
+            if is_equation {
                 self.barrier.multiplier[at] = weight * density;
-                continue;
+            } else {
+                self.move_to_path(at, range, least, density);
             }
-            let distance = self.barrier.distance[at];
-            let most = distance.max(constants::FIRST_SLACK * side.range);
-            let slack = distance.max(least * side.range).max(mu / density.max(f64::MIN_POSITIVE)).min(most);
-            let central = mu / slack;
-            self.barrier.slack[at] = slack;
-            self.barrier.multiplier[at] =
-                weight * density.clamp(central / constants::OFF_CENTRE, constants::OFF_CENTRE * central);
         }
     }
 

@@ -90,8 +90,8 @@ mod tests {
         barrier.move_inside(1, side, 0.25, f64::INFINITY);
         let mesh = &interior.spline.mesh;
         let costs = [0, 1, 2].map(|k| barrier.price_of_moves(mesh, k, side));
-        // Three points and two halves of nodes; the nodes count in the intervals beside it too.
-        assert_eq!(costs, [0.25, 2.0, 0.25].map(|part| part * 1.0));
+        // Multiplier 2 and way 0.25 at three points and two halves of nodes, which are of its neighbours too.
+        assert_eq!(costs, [0.5, 4.0, 0.5].map(|count| count * 2.0 * 0.25));
         assert_eq!(barrier.price_of_moves(mesh, 1, side + 1), 0.0);
     }
 

@@ -152,8 +152,12 @@ impl Direct<'_> {
             }
         }
         let model = (problem, self.rows);
-        leave_saddles(model, self.options, &mut interior, &mut resolution, &mut refined, recorder)?;
-        for _ in 0..saddle::MOST {
+        for round in 0..=saddle::FROM_FINER_MESHES {
+            let (own, other) = (&mut interior, &mut resolution);
+            let was_left = leave_saddles(model, self.options, own, other, &mut refined, recorder)?;
+            if round > 0 && !was_left {
+                break;
+            }
             let intervals = interior.spline.mesh.intervals();
             let iterate = (&mut interior, &mut resolution, &mut refined);
             compare_with_finer_mesh(problem, self.options, iterate, recorder)?;
@@ -161,11 +165,6 @@ impl Direct<'_> {
                 break;
             }
             // What is a minimum on a mesh may be a saddle on a finer one.
-            let cost = resolution.cost;
-            leave_saddles(model, self.options, &mut interior, &mut resolution, &mut refined, recorder)?;
-            if resolution.cost == cost {
-                break;
-            }
         }
         self.finish(&mut interior, &resolution, refined, Smoothing::default(), recorder)
     }

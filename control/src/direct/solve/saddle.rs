@@ -16,7 +16,8 @@ use crate::task::build::TaskRows;
 use costate::EvalError;
 
 /// Goes on from a solved motion that is a saddle, along a direction of negative curvature, at most
-/// [`MOST`](saddle::MOST) times. The motion is replaced by what is solved there if that costs less.
+/// [`MOST`](saddle::MOST) times. The motion is replaced by what is solved there if that costs less. Whether
+/// it was.
 ///
 /// # Errors
 /// A motion that cannot be evaluated.
@@ -27,7 +28,8 @@ pub(super) fn leave_saddles(
     resolution: &mut Resolution,
     refined: &mut Refined,
     recorder: &mut Recorder<'_>,
-) -> Result<(), EvalError> {
+) -> Result<bool, EvalError> {
+    let mut was_left = false;
     for _ in 0..saddle::MOST {
         let goes_on = refined.status.is_converged() && recorder.interruption().is_none();
         if !goes_on || interior.inertia()? != Inertia::Negative {
@@ -58,6 +60,7 @@ pub(super) fn leave_saddles(
         }
         std::mem::swap(&mut interior.clock, &mut other.clock);
         (*interior, *resolution, *refined) = (other, of_other, found);
+        was_left = true;
     }
-    Ok(())
+    Ok(was_left)
 }
