@@ -53,6 +53,30 @@ pub(super) fn looped() -> Vec<Robot> {
     vec![with(&[pin]), with(&[row]), with(&[rod, gear]), with(&[line, gear, rod]), with(&[&weld]), tree()]
 }
 
+/// Four chains of eight joints, each tied to the next one by four rows or three: blocks of the derivatives are
+/// limited to what tree and rows leave, and the last rows know of the first chain only through rows before
+/// them.
+pub(super) fn tied_chains() -> Robot {
+    let mut builder = Robot::builder("tied_chains").gravity([0.7, -1.0, -9.81]);
+    for chain in ["a", "b", "c", "d"] {
+        for j in 0..8 {
+            let k = 0.1 * f64::from(j);
+            let axis = [1.0 - k, 0.3 * f64::from(j % 3), 0.5 + k];
+            let joint =
+                JointSpec::revolute(format!("{chain}{j}")).placed(placed(k)).carrying(link(k)).axis(axis);
+            builder = builder.joint(if j == 0 { joint } else { joint.on(format!("{chain}{}", j - 1)) });
+        }
+    }
+    let ties = [
+        ConstraintSpec::pinned("pin_ab", "a7", "b5").placed(placed(0.1)),
+        ConstraintSpec::distance("rod_ab", "a4", "b7", 0.8).placed(placed(0.2)),
+        ConstraintSpec::pinned("pin_bc", "b6", "c7").placed(placed(-0.2)),
+        ConstraintSpec::distance("rod_bc", "b4", "c5", 0.7).placed(placed(0.3)),
+        ConstraintSpec::pinned("pin_cd", "c6", "d7").placed(placed(0.4)),
+    ];
+    ties.into_iter().fold(builder.build().unwrap(), |robot, tie| robot.with_constraint(tie).unwrap())
+}
+
 /// Four vectors of n, n, n and 2n entries.
 pub(super) fn state(n: usize) -> [Vec<f64>; 4] {
     let wave = |scale: f64, from: f64, count: usize| -> Vec<f64> {
