@@ -112,7 +112,8 @@ impl Resolve {
         if status == ResolveStatus::Solved {
             // The last step is known, and the next solve begins after it. It is shown if limits are kept
             // there.
-            let _ = self.interior.search();
+            let longest = self.interior.steps_of(self.interior.mu);
+            let _ = self.interior.search(longest);
             if self.interior.figures.violation <= constants::VIOLATION_ACCEPTED {
                 self.shown.take(&self.interior);
             } else {

@@ -23,17 +23,18 @@ use crate::numerics::widest::widest_fused;
 use crate::result::stage_times::Stage;
 
 impl<D: PointDynamics> Interior<D> {
-    /// Corrects the step for the barrier that was chosen, as long as that makes it longer.
-    pub(super) fn correct(&mut self) {
-        if self.barrier.total_weight() == 0.0 || self.relaxation.is_on() {
-            return;
-        }
+    /// Corrects the step for the barrier that was chosen, as long as that makes it longer. How far slacks and
+    /// multipliers may go along their [steps](Self::steps_of).
+    pub(super) fn correct(&mut self) -> (f64, f64) {
         let mut reached = self.steps_of(self.mu);
+        if self.barrier.total_weight() == 0.0 || self.relaxation.is_on() {
+            return reached;
+        }
         for _ in 0..constants::CORRECTIONS {
-            let aims = [reached.0, reached.1].map(|part| (part + constants::LONGER).min(1.0));
             if reached.0.min(reached.1) > constants::LONG_ENOUGH {
-                return;
+                break;
             }
+            let aims = [reached.0, reached.1].map(|part| (part + constants::LONGER).min(1.0));
             self.aim(aims);
             self.solve_correction();
             self.swap_corrections();
@@ -42,10 +43,11 @@ impl<D: PointDynamics> Interior<D> {
             let worse = corrected.0 < reached.0 || corrected.1 < reached.1;
             if worse || gain < constants::LEAST_GAIN {
                 self.swap_corrections();
-                return;
+                return self.steps_of(self.mu);
             }
             reached = corrected;
         }
+        reached
     }
 
     /// Puts what is kept aside in the place of the corrections, and those aside.

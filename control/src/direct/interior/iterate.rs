@@ -194,9 +194,9 @@ impl<D: PointDynamics> Interior<D> {
                         self.damping = 0.0;
                         return Ok(End::Solved);
                     }
-                    self.correct();
+                    let longest = self.correct();
                     self.clock.lap(Stage::Limits);
-                    taken = self.search();
+                    taken = self.search(longest);
                     self.clock.lap(Stage::Search);
                     if taken.is_some() {
                         break;

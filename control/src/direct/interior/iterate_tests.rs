@@ -202,8 +202,8 @@ fn corrections_reach_their_aims(shape: Shape) {
 
     // A step that is kept is no shorter; products after a corrected step are those that are aimed at.
     let before = interior.steps_of(interior.mu);
-    interior.correct();
-    let after = interior.steps_of(interior.mu);
+    let after = interior.correct();
+    assert_eq!(after, interior.steps_of(interior.mu));
     assert!(after.0 >= before.0 && after.1 >= before.1, "{before:?} {after:?}");
     interior.aim([0.5, 0.5]);
     interior.solve_correction();

@@ -7,10 +7,10 @@ use crate::direct::limits::entries::{self, infeasibility, logarithms};
 use crate::direct::points::values::PointDynamics;
 
 impl<D: PointDynamics> Interior<D> {
-    /// Tries shorter and shorter steps. The part that was taken.
-    pub(crate) fn search(&mut self) -> Option<f64> {
+    /// Tries shorter and shorter steps, from how far slacks and multipliers may go along
+    /// [theirs](Self::steps_of). The part that was taken.
+    pub(crate) fn search(&mut self, (primal, dual): (f64, f64)) -> Option<f64> {
         let mu = self.mu;
-        let (primal, dual) = self.steps_of(mu);
         // Slope of cost and barrier.
         let mut slope = 0.0;
         for i in 0..self.steps[0].len() {

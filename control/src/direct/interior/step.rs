@@ -215,7 +215,7 @@ impl<D: PointDynamics> Interior<D> {
     }
 
     /// Steps of slacks and multipliers for a barrier, and how far they may go.
-    pub(super) fn steps_of(&mut self, mu: f64) -> (f64, f64) {
+    pub(crate) fn steps_of(&mut self, mu: f64) -> (f64, f64) {
         let Self { barrier, changes: [zero, of_mu, more, _], corrections, trial, .. } = self;
         trial.slack_step.resize(barrier.count(), 0.0);
         trial.multiplier_step.resize(barrier.count(), 0.0);

@@ -223,6 +223,17 @@ impl Barrier {
         }
     }
 
+    /// The entries of a side along the motion, by its number.
+    pub fn entries_of(&self, index: usize) -> impl Iterator<Item = usize> {
+        let (sides, states, rates) = (self.sides.len(), self.states, self.rates.len());
+        let (first_node, first_rate) = (sides * self.points, self.first_of_rates());
+        let some = |count: usize, has: bool| if has { 0..count } else { 0..0 };
+        let points = some(self.points, index < sides).map(move |p| sides * p + index);
+        let nodes = some(self.nodes, index < states).map(move |k| first_node + states * k + index);
+        let of_rates = some(self.gauss_points, index >= sides);
+        points.chain(nodes).chain(of_rates.map(move |p| first_rate + rates * p + index - sides))
+    }
+
     /// A side by its number.
     #[inline(always)]
     pub fn numbered(&self, index: usize) -> &Side {

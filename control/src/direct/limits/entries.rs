@@ -4,77 +4,10 @@
 //! are masked here, without a branch for each entry, and equations are few and come afterwards.
 
 use super::barrier::Barrier;
+use super::vectors::{Lanes, for_vectors, is_limit, part};
 use crate::constants::direct::{FAR, LEAST_PRODUCT, MOST_PRODUCT};
 use crate::numerics::padded::LANES;
 use crate::numerics::widest::widest_fused;
-
-/// Whether an entry is a limit that counts, by its slack.
-#[inline(always)]
-fn is_limit(slack: f64) -> bool {
-    (slack > 0.0) & (slack < f64::INFINITY)
-}
-
-/// Runs `$body` with vectors of the arrays, then with one entry at a time for the rest: `$n` is their length.
-macro_rules! for_vectors {
-    ($at:ident in $count:expr, $n:ident => $body:expr) => {
-        widest_fused(
-            #[inline(always)]
-            |_| {
-                let (mut $at, count) = (0, $count);
-                while $at + LANES <= count {
-                    const $n: usize = LANES;
-                    $body;
-                    $at += LANES;
-                }
-                while $at < count {
-                    const $n: usize = 1;
-                    $body;
-                    $at += 1;
-                }
-            },
-        )
-    };
-}
-
-/// `N` entries of an array.
-#[inline(always)]
-fn part<const N: usize>(array: &[f64], at: usize) -> [f64; N] {
-    let mut part = [0.0; N];
-    part.copy_from_slice(&array[at..at + N]);
-    part
-}
-
-/// Sums or largest values of lanes.
-#[derive(Clone, Copy)]
-struct Lanes([f64; LANES]);
-
-impl Lanes {
-    #[inline(always)]
-    fn zeros() -> Self {
-        Self([0.0; LANES])
-    }
-
-    #[inline(always)]
-    fn add<const N: usize>(&mut self, values: [f64; N]) {
-        self.0.iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
-    }
-
-    #[inline(always)]
-    fn keep_largest<const N: usize>(&mut self, values: [f64; N]) {
-        self.0
-            .iter_mut()
-            .zip(values)
-            .for_each(|(most, value)| *most = if value > *most { value } else { *most });
-    }
-
-    fn sum(self) -> f64 {
-        self.0.iter().sum()
-    }
-
-    fn largest(self) -> f64 {
-        self.0.into_iter().fold(0.0, f64::max)
-    }
-}
 
 /// The changes of distances by all parts of a step: at mu = 0, the factor of mu, corrections.
 pub(super) type Changes<'a> = [&'a [f64]; 3];
@@ -282,15 +215,57 @@ pub(crate) fn violation(barrier: &Barrier) -> f64 {
 
 /// The sum of w log s. Slacks of one weight are multiplied before their logarithm is taken.
 pub(crate) fn logarithms(slack: &[f64], weight: &[f64]) -> f64 {
-    let (mut sum, mut product, mut last) = (0.0, 1.0_f64, 0.0);
-    for (&s, &w) in slack.iter().zip(weight).filter(|(s, _)| is_limit(**s)) {
-        if w != last || !(SMALLEST..LARGEST).contains(&product) {
-            sum += last * product.ln();
-            (product, last) = (1.0, w);
+    let mut sum = Logarithms { sum: 0.0, product: 1.0, weight: 0.0 };
+    for_vectors!(at in slack.len(), N => {
+        let (s, w) = (part::<N>(slack, at), part::<N>(weight, at));
+        let (mut factors, mut others) = ([1.0; LANES], false);
+        for c in 0..N {
+            let on = is_limit(s[c]);
+            factors[c] = if on { s[c] } else { 1.0 };
+            others |= on & (w[c] != w[0]);
         }
-        product *= s;
+        let product = product(factors);
+        if !others && (SMALLEST..LARGEST).contains(&product) {
+            sum.add(product, w[0]);
+        } else {
+            factors.into_iter().zip(w).for_each(|(factor, weight)| sum.add(factor, weight));
+        }
+    });
+    sum.with_product()
+}
+
+/// The product of all lanes, by halves.
+#[inline(always)]
+fn product(mut lanes: [f64; LANES]) -> f64 {
+    let mut half = LANES / 2;
+    while half > 0 {
+        for c in 0..half {
+            lanes[c] *= lanes[c + half];
+        }
+        half /= 2;
     }
-    sum + last * product.ln()
+    lanes[0]
+}
+
+/// A sum of weights times logarithms, with a product whose logarithm is still to be taken.
+struct Logarithms {
+    sum: f64,
+    product: f64,
+    weight: f64,
+}
+
+impl Logarithms {
+    #[inline(always)]
+    fn add(&mut self, slack: f64, weight: f64) {
+        if weight != self.weight || !(SMALLEST..LARGEST).contains(&self.product) {
+            (self.sum, self.product, self.weight) = (self.with_product(), 1.0, weight);
+        }
+        self.product *= slack;
+    }
+
+    fn with_product(&self) -> f64 {
+        self.sum + self.weight * self.product.ln()
+    }
 }
 
 /// Between these a product may be multiplied once more, with slacks from 1e-150 to 1e150.

@@ -1,4 +1,4 @@
-use super::{Entry, step_of_limit};
+use super::{Entry, logarithms, step_of_limit};
 
 #[test]
 fn steps_lead_to_the_distance_and_to_the_product_that_is_aimed_at() {
@@ -26,5 +26,22 @@ fn a_multiplier_of_zero_falls_by_all_of_it_or_not_at_all() {
 fn what_is_no_limit_stays() {
     for slack in [0.0, f64::INFINITY] {
         assert_eq!(step_of_limit(Entry { slack, multiplier: 0.0, distance: 0.1 }, 0.3), [0.0; 4]);
+    }
+}
+
+/// Weights change within vectors and between them, some entries are off or equations, and products of slacks
+/// leave the range of numbers.
+#[test]
+fn logarithms_are_summed_entry_by_entry() {
+    let mut random = fastrand::Rng::with_seed(3);
+    for of_one in [1, 5, 8, 40] {
+        let weight: Vec<f64> = (0..203).map(|at| 0.1 + f64::from(at / of_one % 3)).collect();
+        let mut slack: Vec<f64> = weight.iter().map(|_| 10f64.powf(200.0 * random.f64() - 150.0)).collect();
+        (slack[17], slack[18], slack[90]) = (f64::INFINITY, 0.0, f64::INFINITY);
+        let on = slack.iter().zip(&weight).filter(|(s, _)| **s > 0.0 && s.is_finite());
+        let terms: Vec<f64> = on.map(|(s, w)| w * s.ln()).collect();
+        let [sum, size] = [terms.iter().sum(), terms.iter().map(|term| term.abs()).sum::<f64>()];
+        let found = logarithms(&slack, &weight);
+        assert!((found - sum).abs() < 1e-13 * size, "{of_one}: {found} {sum}");
     }
 }

@@ -23,3 +23,4 @@ pub(super) mod settled;
 pub(super) mod side;
 mod soften;
 pub(super) mod tasks;
+mod vectors;

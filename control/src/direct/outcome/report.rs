@@ -153,7 +153,10 @@ fn usage<D>(
     let mut worst = VIOLATION_ACCEPTED;
     let on = |is_law: bool| {
         let of_it = move |side: &Side| is_this(side) && side.is_law() == is_law;
-        (0..barrier.count()).filter(move |&at| barrier.is_on(at) && of_it(barrier.side(at)))
+        let along = barrier.all_sides().enumerate().filter(move |(_, side)| of_it(side));
+        let along = along.flat_map(|(i, _)| barrier.entries_of(i));
+        let at_ends = barrier.at_ends().filter(move |&at| of_it(barrier.side(at)));
+        along.chain(at_ends).filter(|&at| barrier.is_on(at))
     };
     let part = |at: usize| barrier.side(at).violation(barrier.true_distance(at));
     // What a law of physics is off by is told where no limit is exceeded.
