@@ -15,7 +15,7 @@ use crate::direct::limits::ends::Ends;
 use crate::direct::limits::entries::add_corrections;
 use crate::direct::motion::spline::Spline;
 use crate::direct::newton::interval::{add_gradient, add_local};
-use crate::direct::newton::point_terms::add_row;
+use crate::direct::newton::side_terms::add_row;
 use crate::direct::newton::system::System;
 use crate::direct::points::values::{PointDynamics, Points};
 use crate::numerics::chain::dot;

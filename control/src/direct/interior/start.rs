@@ -2,7 +2,7 @@
 
 use super::iterate::Interior;
 use crate::constants::direct as constants;
-use crate::direct::newton::point_terms::weigh;
+use crate::direct::newton::side_terms::weigh;
 use crate::direct::points::values::PointDynamics;
 use costate::EvalError;
 

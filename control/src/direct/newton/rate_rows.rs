@@ -1,7 +1,8 @@
 //! Derivatives of jerks and rates of torques, and of coefficients of what is limited, by the unknowns of an
 //! interval and by T.
 
-use super::point_terms::{Work, add_row};
+use super::point_terms::Work;
+use super::side_terms::add_row;
 use crate::direct::limits::barrier::Barrier;
 use crate::direct::limits::hull::COEFFICIENTS;
 use crate::direct::limits::side::{Limited, Side};

@@ -1,6 +1,6 @@
 //! What the Lagrange function makes of jerks and rates of torques.
 
-use super::point_terms::entry_terms;
+use super::side_terms::entry_terms;
 use crate::direct::limits::barrier::Barrier;
 use crate::direct::limits::side::Limited;
 use crate::direct::motion::shape::POINTS;

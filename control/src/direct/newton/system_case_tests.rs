@@ -10,7 +10,7 @@ use crate::direct::limits::tasks::Tasks;
 use crate::direct::motion::mesh::Mesh;
 use crate::direct::motion::shape::Shape;
 use crate::direct::motion::spline::Spline;
-use crate::direct::newton::point_terms::weigh;
+use crate::direct::newton::side_terms::weigh;
 use crate::direct::points::generic_points::RobotPoints;
 use crate::direct::points::phases::PhaseDynamics;
 use crate::direct::points::running::Running;

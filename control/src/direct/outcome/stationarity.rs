@@ -5,7 +5,7 @@ use crate::constants::direct::LEAST_SCALE;
 use crate::direct::interior::iterate::Interior;
 use crate::direct::limits::at_node::AtNode;
 use crate::direct::motion::spline::Spline;
-use crate::direct::newton::point_terms::side_terms;
+use crate::direct::newton::side_terms::side_terms;
 
 /// The gradient of the Lagrange function by all unknowns of a motion, with its multipliers; and for each
 /// unknown the sum of the magnitudes that the points add to it, which cancel.
