@@ -162,7 +162,8 @@
 //!
 //! with i over equations and limits of what may jump at nodes, the integral by the finer rule, and j over
 //! limits of what does not jump: positions, rates and tasks. These are kept at points and nodes, and exceeded
-//! between them by $e_{jl}$ where a limit is touched or left, mostly by nothing. To keep them everywhere
+//! between them by $e_{jl}$ where a limit is touched or left, mostly by nothing; at most 3e-3 of the range
+//! counts, as a mesh is not accurate beyond that anyway. To keep them everywhere
 //! costs this times the sum $P_{jk}$ of their multipliers $\eta$ there, to first order. A limit that was
 //! moved inside by m costs $M_{jk} = \sum \eta m$. Densities times distances would be far too much where a
 //! limit is touched: a multiplier stands at one point there, and its density between the points is that of
