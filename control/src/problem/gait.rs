@@ -54,6 +54,27 @@ pub struct Gait {
     /// foot that stands is flat on the ground: x of its frame is ahead and z up. The ground pushes heel and
     /// toe with forces in their friction cones, so that the centre of pressure is between them.
     pub sole: Option<[f64; 2]>,
+    /// How long the feet that swing stay on the ground after those that stand have landed; `None`: they leave
+    /// it at once. See [`DoubleSupport`].
+    pub double_support: Option<DoubleSupport>,
+}
+
+/// The phase in which all feet stand, with which a step begins.
+///
+/// The feet that have landed come to rest on the ground before they bear, so that there is no impulse:
+///
+/// $$ q(0) = S q(T) - L e_x, \qquad v(0) = S v(T), \qquad J v(0) = 0 $$
+///
+/// With an impulse the ground would have to pull the feet behind, or these would leave it at once, as they do
+/// without this phase. The feet behind stand on points, their toes where they have soles. At the end of the
+/// phase they leave the ground without an impulse: positions and rates do not jump.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum DoubleSupport {
+    /// As long as it costs least.
+    Free,
+    /// For this part of the duration of the step, more than 0 and less than 1.
+    Share(f64),
 }
 
 impl Gait {
@@ -74,6 +95,7 @@ impl Gait {
             clearance: 0.0,
             mirror: Vec::new(),
             sole: None,
+            double_support: None,
         }
     }
 
@@ -93,6 +115,12 @@ impl Gait {
     #[must_use]
     pub fn with_sole(self, heel: f64, toe: f64) -> Self {
         Self { sole: Some([heel, toe]), ..self }
+    }
+
+    /// With a phase of double support.
+    #[must_use]
+    pub fn with_double_support(self, double_support: DoubleSupport) -> Self {
+        Self { double_support: Some(double_support), ..self }
     }
 
     /// With these pairs of joints that change places.

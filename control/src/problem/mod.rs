@@ -31,6 +31,7 @@ pub(crate) mod rounded;
 pub(crate) mod running_cost;
 mod soles;
 pub(crate) mod source_error;
+mod standing;
 pub(crate) mod task;
 pub(crate) mod task_error;
 pub(crate) mod tools;
@@ -43,7 +44,7 @@ pub(crate) mod warning;
 
 pub use end_error::{EndError, Leads};
 pub use free_error::FreeMotionError;
-pub use gait::Gait;
+pub use gait::{DoubleSupport, Gait};
 pub use gait_error::GaitError;
 pub use limits::MotionLimits;
 pub use loop_error::LoopError;

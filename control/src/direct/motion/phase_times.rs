@@ -1,5 +1,6 @@
 //! First guesses of what is free at vias.
 
+use crate::constants::checks::gait::GUESSED_SHARE;
 use crate::constants::checks::phase_times::LEAST_SHARE;
 use crate::problem::{BoundaryState, Problem};
 
@@ -21,8 +22,20 @@ pub(super) fn phase_times(problem: &Problem, lengths: &[f64], duration: f64) -> 
     times
 }
 
+/// Lengths that phases have in proportion, or in a first guess: given ones, or those of the `ways`.
+pub(super) fn lengths(problem: &Problem, saved: Option<Vec<f64>>, ends: &[BoundaryState]) -> Vec<f64> {
+    let walks = problem.loops.as_ref().is_some_and(|loops| loops.walk.is_some());
+    match problem.given_shares() {
+        Some(shares) => shares.to_vec(),
+        None => saved.unwrap_or_else(|| match ends.len() {
+            3 if walks => vec![GUESSED_SHARE, 1.0 - GUESSED_SHARE],
+            _ => ways(ends),
+        }),
+    }
+}
+
 /// How long the ways between the ends of phases are, each at least a small part of all.
-pub(super) fn ways(ends: &[BoundaryState]) -> Vec<f64> {
+fn ways(ends: &[BoundaryState]) -> Vec<f64> {
     let way = |pair: &[BoundaryState]| {
         let squares = pair[0].q.iter().zip(&pair[1].q).map(|(from, to)| (to - from).powi(2));
         squares.sum::<f64>().sqrt()
