@@ -84,9 +84,9 @@ pub use problem::running_cost::{RunningCost, UserTerm};
 pub use problem::source_error::SourceError;
 pub use problem::warning::ProblemWarning;
 pub use problem::{
-    BodyPairs, BoundaryState, Bounds, Collision, DoubleSupport, EndError, FinalTime, FreeMotionError, Gait,
-    GaitError, JointReference, Keep, Kept, Leads, LinkCapsule, LoopError, MotionLimits, Objective, Obstacle,
-    Payload, Penalty, Problem, Reference, Shape, Task, TaskError, Tool, ToolCost, ToolOrientation, ToolPose,
+    BodyPairs, BoundaryState, Bounds, Collision, EndError, FinalTime, FreeMotionError, Gait, GaitError,
+    JointReference, Keep, Kept, Leads, LinkCapsule, LoopError, MotionLimits, Objective, Obstacle, Payload,
+    Penalty, Problem, Reference, Shape, Task, TaskError, Tool, ToolCost, ToolOrientation, ToolPose,
     ToolReference, TorqueSpeedError, UrdfBodyError, Via, ViaError,
 };
 pub use progress::{Cancel, Iteration, Phase};

@@ -146,8 +146,6 @@ pub(crate) mod gait {
     pub const SYMMETRIC: f64 = 1e-8;
     /// The impulse of a landing in a guess, in parts of that of the weight during the step.
     pub const GUESSED_IMPULSE: f64 = 0.2;
-    /// The part of a step that all feet stand in a guess.
-    pub const GUESSED_SHARE: f64 = 0.2;
     /// How high the foot that swings is halfway in a guess, in parts of its clearance and of the step.
     pub const GUESSED_HEIGHT: [f64; 2] = [1.5, 0.05];
     /// Step in s of rates of guesses.

@@ -1,6 +1,6 @@
 //! The rows of constraints whose multipliers are coordinates.
 
-use super::gait::{DoubleSupport, Gait};
+use super::gait::Gait;
 use costate::robot::Robot;
 use std::ops::Range;
 
@@ -113,12 +113,9 @@ impl Walk {
         self.gait.double_support.is_some()
     }
 
-    /// The parts of the step that its phases take, where these are given.
-    pub fn given_shares(&self) -> Option<[f64; 2]> {
-        match self.gait.double_support? {
-            DoubleSupport::Share(share) => Some([share, 1.0 - share]),
-            DoubleSupport::Free => None,
-        }
+    /// The parts of the step that its phases take, where there are two.
+    pub fn shares(&self) -> Option<[f64; 2]> {
+        self.gait.double_support.map(|share| [share, 1.0 - share])
     }
 
     /// Weight of the robot (N).

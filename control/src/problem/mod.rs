@@ -44,7 +44,7 @@ pub(crate) mod warning;
 
 pub use end_error::{EndError, Leads};
 pub use free_error::FreeMotionError;
-pub use gait::{DoubleSupport, Gait};
+pub use gait::Gait;
 pub use gait_error::GaitError;
 pub use limits::MotionLimits;
 pub use loop_error::LoopError;

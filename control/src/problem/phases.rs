@@ -65,7 +65,7 @@ impl Problem {
 
     /// The parts of the motion that its phases take, where these are given: in a step with double support.
     pub(crate) fn given_shares(&self) -> Option<[f64; 2]> {
-        self.loops.as_ref()?.walk.as_ref()?.given_shares()
+        self.loops.as_ref()?.walk.as_ref()?.shares()
     }
 
     /// Whether a via has a given time.

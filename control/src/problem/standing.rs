@@ -7,7 +7,7 @@
 
 use super::Problem;
 use super::error::ProblemError;
-use super::gait::{DoubleSupport, Gait};
+use super::gait::Gait;
 use super::gait_error::GaitError;
 use super::key::Key;
 use super::loop_rows::{Foot, LoopPhase};
@@ -44,9 +44,8 @@ impl Gait {
     /// [`GaitError::OutOfRange`].
     pub(super) fn check_double_support(&self) -> Result<(), ProblemError> {
         match self.double_support {
-            Some(DoubleSupport::Share(value)) if !(value > 0.0 && value < 1.0) => {
-                let remedy = "the part of the step that all feet stand must be more than 0 and less than 1 (\"free\" for \
-                              the one that costs least)";
+            Some(value) if !(value > 0.0 && value < 1.0) => {
+                let remedy = "the part of the step that all feet stand must be more than 0 and less than 1";
                 Err(GaitError::OutOfRange { value, remedy }.at(Key::GAIT_DOUBLE_SUPPORT))
             }
             _ => Ok(()),

@@ -1,6 +1,5 @@
 //! First guesses of what is free at vias.
 
-use crate::constants::checks::gait::GUESSED_SHARE;
 use crate::constants::checks::phase_times::LEAST_SHARE;
 use crate::problem::{BoundaryState, Problem};
 
@@ -22,16 +21,11 @@ pub(super) fn phase_times(problem: &Problem, lengths: &[f64], duration: f64) -> 
     times
 }
 
-/// Lengths that phases have in proportion, or in a first guess: given ones, or those of the `ways`.
+/// What the times of phases are in proportion to in a first guess: their given parts, those of a saved motion,
+/// or the ways.
 pub(super) fn lengths(problem: &Problem, saved: Option<Vec<f64>>, ends: &[BoundaryState]) -> Vec<f64> {
-    let walks = problem.loops.as_ref().is_some_and(|loops| loops.walk.is_some());
-    match problem.given_shares() {
-        Some(shares) => shares.to_vec(),
-        None => saved.unwrap_or_else(|| match ends.len() {
-            3 if walks => vec![GUESSED_SHARE, 1.0 - GUESSED_SHARE],
-            _ => ways(ends),
-        }),
-    }
+    let given = problem.given_shares().map(|shares| shares.to_vec());
+    given.or(saved).unwrap_or_else(|| ways(ends))
 }
 
 /// How long the ways between the ends of phases are, each at least a small part of all.

@@ -1,7 +1,7 @@
 use super::ClosedPoints;
 use crate::direct::limits::gait_rows::tests::rabbit_on_both_feet;
 use crate::direct::points::values::{PointDynamics, Points};
-use crate::problem::{DoubleSupport, Problem};
+use crate::problem::Problem;
 use costate::constraints::ConstrainedHamiltonian;
 use costate::robot::{ConstraintRow, ConstraintSpec, Robot};
 use costate_test_support::robots::file;
@@ -47,7 +47,7 @@ fn derivatives_are_those_of_differences() {
 /// In both phases of a step that begins on two feet; the multipliers of the one that swings have no force.
 #[test]
 fn derivatives_of_both_phases_are_those_of_differences() {
-    let problem = rabbit_on_both_feet(DoubleSupport::Free);
+    let problem = rabbit_on_both_feet();
     let (loops, n, all) = (problem.loops.as_ref().unwrap(), problem.robot.dof(), problem.coordinates());
     for phase in 0..2 {
         let mut points = Points::default();

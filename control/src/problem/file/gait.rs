@@ -2,8 +2,8 @@
 
 use super::fault::Fault;
 use super::table::{Table, number, string};
+use crate::problem::Gait;
 use crate::problem::file::error::ProblemFileCause;
-use crate::problem::{DoubleSupport, Gait};
 use toml::de::DeValue;
 
 const KEYS: &[&str] =
@@ -37,16 +37,8 @@ pub(super) fn gait(root: &Table<'_>) -> Result<Option<Gait>, Fault> {
     };
     gait.mirror = table.list("mirror", "a list of pairs of joint names", pair)?.unwrap_or_default();
     gait.sole = table.value("sole", "a list of two numbers, x of heel and toe", two)?;
-    let part = "\"free\", or the part of the step that it takes, a number";
-    gait.double_support = table.value("double_support", part, double_support)?;
+    gait.double_support = table.number("double_support")?;
     Ok(Some(gait))
-}
-
-fn double_support(value: &DeValue<'_>) -> Option<DoubleSupport> {
-    match value {
-        DeValue::String(word) => (word == "free").then_some(DoubleSupport::Free),
-        value => number(value).map(DoubleSupport::Share),
-    }
 }
 
 /// Two numbers.
