@@ -64,7 +64,7 @@ fn exchanged(list: &[f64]) -> Vec<f64> {
 
 fn on(robot: &Robot, feet: &[&str]) -> Stance {
     let contacts: Vec<Contact> =
-        feet.iter().map(|foot| Contact::point(*foot, *foot).planar().friction(FRICTION)).collect();
+        feet.iter().map(|foot| Contact::point(*foot, foot).planar().friction(FRICTION)).collect();
     Stance::new(robot, &contacts).unwrap()
 }
 
@@ -293,9 +293,9 @@ fn a_step_integrated_comes_back_to_its_start() {
     assert!(miss < 1e-3, "{miss}");
 }
 
-/// Costs of shares by the program of its own: benches/ocp/harness/walking.py, by CasADi and IPOPT, in the angles
-/// of the five links of a robot that is pinned at its foot, with a force on the other foot and without
-/// multipliers of the first one. The first ones are of 6 and 20 intervals.
+/// The program of its own is that of benches/ocp/harness/walking.py, by CasADi and IPOPT, in the angles of
+/// the five links of a robot that is pinned at its foot, with a force on the other foot alone; here with 6
+/// and 20 intervals in the phases.
 #[test]
 fn other_shares_cost_what_another_program_finds() {
     let share = 0.1;

@@ -23,8 +23,8 @@ const HEIGHT: f64 = 0.1;
 /// ```
 ///
 /// then those of [`GaitSoles`]. In a step with double support dnu/dt(0) = 0 is given; the feet that stand
-/// behind are at rest by the first rows, since they were on the ground before the landing. Along the motion `z - h (1 - x^2 / L^2) >= 0` of each point of a foot that
-/// swings, x from the one whose place it takes.
+/// behind are at rest by the first rows, since they were on the ground before the landing. Along the motion
+/// `z - h (1 - x^2 / L^2) >= 0` of each point of a foot that swings, x from the one whose place it takes.
 ///
 /// `M v` is what inverse dynamics needs for the acceleration v at rest, more than for none; its derivatives
 /// are those of inverse dynamics.

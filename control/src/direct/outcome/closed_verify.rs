@@ -7,8 +7,8 @@ use crate::problem::loop_rows::{LoopPhase, Loops};
 use costate::EvalError;
 use costate::constraints::{ConstrainedHamiltonian, Constraints};
 
-/// How far the constraints that hold are missed along a motion, each row from its value at the start: at the ends of
-/// all intervals and between them (m, rad).
+/// How far the constraints that hold are missed along a motion, each row from its value at the start: at the
+/// ends of all intervals and between them (m, rad).
 pub(super) fn drift(loops: &Loops, spline: &Spline) -> Result<f64, EvalError> {
     let mut rows = Constraints::<f64>::new(&loops.robot);
     let n = rows.dof();
