@@ -50,9 +50,10 @@ fn of_joints(problem: &Problem, loops: &Loops, found: Solution) -> Solution {
     let lambda = |accelerations: &Vec<f64>| match &loops.walk {
         // In the axes of the world, of forces along the edges of the friction cone and torques about toes.
         Some(walk) => {
-            let (mut lambda, of_foot) = (vec![0.0; loops.rows.len()], walk.gait.rows_of_foot());
+            let mut lambda = vec![0.0; loops.rows.len()];
             for ((column, row), a) in walk.columns.iter().zip(&loops.rows).zip(&accelerations[n..]) {
-                let foot = &mut lambda[of_foot * (row.row / of_foot)..][..of_foot];
+                let Some(foot) = walk.foot_of(row.row) else { continue };
+                let foot = &mut lambda[foot.rows.clone()];
                 foot.iter_mut().zip(column).for_each(|(to, part)| *to += part * row.mass * a);
             }
             lambda
@@ -70,7 +71,11 @@ fn of_joints(problem: &Problem, loops: &Loops, found: Solution) -> Solution {
     let lambda: Vec<Vec<f64>> = rows.iter().map(lambda).collect();
     let trajectory = found.trajectory.of_joints(n);
     let robot = loops.walk.as_ref().map_or(&loops.robot, |walk| &walk.foot);
-    let constraints = ConstraintForces::along(robot, &trajectory, &lambda).unwrap_or_default();
+    let holds = |constraint: usize, phase: usize| match &loops.walk {
+        Some(walk) => walk.feet[constraint].rows.end <= loops.phases[phase].rows,
+        None => true,
+    };
+    let constraints = ConstraintForces::along(robot, &trajectory, &lambda, holds).unwrap_or_default();
     let end_state = found.motion.end_state.as_ref().map(|state| {
         let all = state.len() / 2;
         [&state[..n], &state[all..all + n]].concat()

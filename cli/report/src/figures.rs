@@ -85,7 +85,7 @@ pub fn figures(problem: &Problem, solution: &Solution) -> Vec<(&'static str, Str
         figures.push(("guess", format!("{}, the best of {}", start.guess, start.looks)));
     }
     let vias: Vec<String> = solution.trajectory.via_times.iter().map(|&time| short(time, 6)).collect();
-    if !vias.is_empty() {
+    if !vias.is_empty() && solution.gait.is_none() {
         figures.push(("vias at", format!("{} s", vias.join(", "))));
     }
     let polished = solution.polish.as_ref();
@@ -179,7 +179,7 @@ fn direct_figures(problem: &Problem, solution: &Solution) -> Vec<(&'static str, 
         let drift = solution.constraints.iter().map(|one| one.drift).fold(0.0, f64::max);
         figures.push(("drift of the loops", format!("{} m, rad", scientific(drift))));
     }
-    figures.extend(solution.gait.as_ref().map(gait_figures).into_iter().flatten());
+    figures.extend(solution.gait.iter().flat_map(|gait| gait_figures(gait, motion.final_time)));
     figures.extend(limit_figures(problem, solution));
     if motion.certificate == Certificate::LocalMinimumOnMesh {
         figures.push(("local minimum", ON_MESH.into()));
@@ -191,15 +191,20 @@ fn direct_figures(problem: &Problem, solution: &Solution) -> Vec<(&'static str, 
 }
 
 /// Figures of a step of a gait.
-fn gait_figures(gait: &GaitReport) -> [(&'static str, String); 5] {
+fn gait_figures(gait: &GaitReport, duration: f64) -> Vec<(&'static str, String)> {
+    let double = gait.double_support.map(|time| {
+        let part = 100.0 * time / duration;
+        ("double support", format!("{} s, {part:.2} % of the step", short(time, 6)))
+    });
     let [x, z] = [0, 2].map(|axis| gait.impulses.iter().map(|impulse| impulse[axis]).sum::<f64>());
-    [
-        ("speed", format!("{:.4} m/s", gait.speed)),
+    let speed = [("speed", format!("{:.4} m/s", gait.speed))];
+    let others = [
         ("cost of transport", format!("{:.4}", gait.cost_of_transport)),
         ("work", format!("{:.3} J, {:.3} J of braking", gait.work, gait.braking)),
         ("landing", format!("{z:.3} N s up, {x:.3} N s ahead, {:.3} J lost", gait.loss)),
         ("gait", format!("closes to {} rad, m, rad/s, m/s", scientific(gait.miss))),
-    ]
+    ];
+    speed.into_iter().chain(double).chain(others).collect()
 }
 
 /// What the second derivatives of the direct method show.

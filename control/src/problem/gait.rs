@@ -54,6 +54,18 @@ pub struct Gait {
     /// foot that stands is flat on the ground: x of its frame is ahead and z up. The ground pushes heel and
     /// toe with forces in their friction cones, so that the centre of pressure is between them.
     pub sole: Option<[f64; 2]>,
+    /// The part of the step, more than 0 and less than 1, that all feet stand on the ground, from its start
+    /// on; `None`: the feet behind leave it when those in front land.
+    ///
+    /// With such a phase of double support the feet that land come to rest on the ground before they bear,
+    /// without an impulse:
+    ///
+    /// $$ q(0) = S q(T) - L e_x, \qquad v(0) = S v(T), \qquad J v(0) = 0 $$
+    ///
+    /// With one the ground would have to pull the feet behind, or these would leave it at once. The feet
+    /// behind stand on points, their toes where they have soles. At the end of the phase they leave the
+    /// ground without an impulse: positions and rates do not jump.
+    pub double_support: Option<f64>,
 }
 
 impl Gait {
@@ -74,6 +86,7 @@ impl Gait {
             clearance: 0.0,
             mirror: Vec::new(),
             sole: None,
+            double_support: None,
         }
     }
 
@@ -93,6 +106,12 @@ impl Gait {
     #[must_use]
     pub fn with_sole(self, heel: f64, toe: f64) -> Self {
         Self { sole: Some([heel, toe]), ..self }
+    }
+
+    /// With all feet on the ground for this part of the step, from its start on.
+    #[must_use]
+    pub fn with_double_support(self, share: f64) -> Self {
+        Self { double_support: Some(share), ..self }
     }
 
     /// With these pairs of joints that change places.

@@ -36,6 +36,8 @@ pub enum GaitError {
     },
     /// Feet of which one follows the others: their forces are not determined.
     Redundant,
+    /// The same of all feet together, in the phase of double support.
+    RedundantTogether,
     /// A number out of its range.
     OutOfRange {
         /// Its value.
@@ -120,6 +122,10 @@ impl fmt::Display for GaitError {
             Self::Redundant => f.write_str(
                 "one of these feet cannot move where the others stand, so that their forces are not determined; \
                  name fewer feet",
+            ),
+            Self::RedundantTogether => f.write_str(
+                "with all feet on the ground one of them cannot move where the others stand, so that their forces \
+                 are not determined; remove double_support, or name fewer feet",
             ),
             Self::OutOfRange { value, remedy } => write!(f, "{remedy}, but is {}", number(*value)),
             Self::NotAlong { joint } => write!(

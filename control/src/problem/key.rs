@@ -65,6 +65,7 @@ impl Key {
     pub(crate) const GAIT_CLEARANCE: Self = Self::new("gait", "clearance", "gait");
     pub(crate) const GAIT_MIRROR: Self = Self::new("gait", "mirror", "gait");
     pub(crate) const GAIT_SOLE: Self = Self::new("gait", "sole", "gait");
+    pub(crate) const GAIT_DOUBLE_SUPPORT: Self = Self::new("gait", "double_support", "gait");
     /// The file of a saved motion.
     pub const START_FROM: Self = Self::new("start_from", "file", "start");
 

@@ -2,15 +2,36 @@
 
 use super::gait::Gait;
 use costate::robot::Robot;
+use std::ops::Range;
 
 /// The rows that hold along a motion.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Loops {
-    /// With its constraints.
+    /// With its constraints, those of all phases.
     pub robot: Robot,
     pub rows: Vec<LoopRow>,
+    /// What holds in each phase.
+    pub phases: Vec<LoopPhase>,
     /// Of a gait.
     pub walk: Option<Walk>,
+}
+
+/// The constraints that hold in a phase.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct LoopPhase {
+    /// With these constraints, the first ones of all.
+    pub robot: Robot,
+    /// Number of their rows, which are the first ones among the [rows](Loops::rows) too. The multipliers of
+    /// the others have no force.
+    pub rows: usize,
+}
+
+impl Loops {
+    /// These rows in one phase.
+    pub fn new(robot: Robot, rows: Vec<LoopRow>) -> Self {
+        let phases = vec![LoopPhase { robot: robot.clone(), rows: rows.len() }];
+        Self { robot, rows, phases, walk: None }
+    }
 }
 
 /// A row of g that does not depend on those before it at the start.
@@ -29,11 +50,13 @@ pub(crate) struct LoopRow {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Walk {
     pub gait: Gait,
-    /// The robot with a constraint for each foot that stands, whose rows are x and z of it, and its angle if
-    /// it is a sole.
+    /// The robot with a constraint for each of the [feet](Self::feet), whose rows are x and z of it, and its
+    /// angle if it is a sole.
     pub foot: Robot,
-    /// The same of the feet that swing.
-    pub swing: Robot,
+    /// The same of the feet that land, then of those that stay on the ground meanwhile.
+    pub landing: Robot,
+    /// The feet that stand during the step, then those that stand in the phase of double support alone.
+    pub feet: Vec<Foot>,
     /// With x and z of the points that touch the ground: of the feet that swing, and that stand.
     pub corners: [Robot; 2],
     /// x of the feet that stand, in a guess.
@@ -44,10 +67,24 @@ pub(crate) struct Walk {
     pub shift: Vec<f64>,
     /// Units of momenta, the diagonal of M at the start (kg m^2/s, kg m/s).
     pub scales: Vec<f64>,
-    /// Force (x, z) and torque about the origin of the foot of each row, the same number for each foot.
+    /// Force (x, z) and torque about the origin of the foot of each row.
     pub columns: Vec<[f64; 3]>,
     /// Accelerations of multipliers that carry the weight, for guesses.
     pub lift: Vec<f64>,
+}
+
+/// A foot on the ground, and the rows that hold it.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Foot {
+    pub name: String,
+    pub rows: Range<usize>,
+}
+
+impl Foot {
+    /// Whether this one of all rows holds the angle of the foot.
+    pub fn is_turned_by(&self, row: usize) -> bool {
+        row == self.rows.start + 2 && self.rows.contains(&row)
+    }
 }
 
 /// A list with an entry for each joint, with the legs exchanged.
@@ -56,6 +93,31 @@ pub(crate) fn exchanged(exchange: &[usize], list: &[f64]) -> Vec<f64> {
 }
 
 impl Walk {
+    /// The foot that is held by a row.
+    pub fn foot_of(&self, row: usize) -> Option<&Foot> {
+        self.feet.iter().find(|foot| foot.rows.contains(&row))
+    }
+
+    /// The feet that stand during the whole step.
+    pub fn stance(&self) -> &[Foot] {
+        &self.feet[..self.gait.stance.len()]
+    }
+
+    /// Number of the rows that hold them, the first ones.
+    pub fn stance_rows(&self) -> usize {
+        self.stance().last().map_or(0, |foot| foot.rows.end)
+    }
+
+    /// Whether there is a phase of double support.
+    pub fn has_double_support(&self) -> bool {
+        self.gait.double_support.is_some()
+    }
+
+    /// The parts of the step that its phases take, where there are two.
+    pub fn shares(&self) -> Option<[f64; 2]> {
+        self.gait.double_support.map(|share| [share, 1.0 - share])
+    }
+
     /// Weight of the robot (N).
     pub fn weight(&self) -> f64 {
         let along = self.shift.iter().position(|&shift| shift != 0.0);

@@ -77,7 +77,7 @@ impl Problem {
         let end = self.closed_end(&mut rows, kept.len())?;
         let zeros = |list: &[f64]| padded(list, kept.len(), 0.0);
         let start = BoundaryState::fixed(&zeros(&start.q), &zeros(&start.v));
-        let loops = Loops { robot: self.robot.clone(), rows: kept, walk: None };
+        let loops = Loops::new(self.robot.clone(), kept);
         Ok(self.with_coordinates_of(loops, start, end))
     }
 

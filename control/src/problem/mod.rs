@@ -31,6 +31,7 @@ pub(crate) mod rounded;
 pub(crate) mod running_cost;
 mod soles;
 pub(crate) mod source_error;
+mod standing;
 pub(crate) mod task;
 pub(crate) mod task_error;
 pub(crate) mod tools;

@@ -39,7 +39,7 @@ impl Problem {
             end = self.start.clone();
             end.q.iter_mut().zip(shift).for_each(|(q, shift)| *q += shift);
         }
-        let vias = self.vias.iter().map(|via| via.state(self.robot.dof()));
+        let vias = self.vias.iter().map(|via| via.state(self.coordinates()));
         std::iter::once(self.start.clone()).chain(vias).chain([end]).collect()
     }
 
@@ -61,6 +61,11 @@ impl Problem {
             FinalTime::Free { .. } => None,
         };
         [Some(0.0)].into_iter().chain(self.vias.iter().map(|via| via.time)).chain([end]).collect()
+    }
+
+    /// The parts of the motion that its phases take, where these are given: in a step with double support.
+    pub(crate) fn given_shares(&self) -> Option<[f64; 2]> {
+        self.loops.as_ref()?.walk.as_ref()?.shares()
     }
 
     /// Whether a via has a given time.

@@ -51,7 +51,13 @@ impl Gait {
         EDGES.into_iter().map(edge).chain(self.sole.map(|_| turn)).collect()
     }
 
-    /// Force (f_x, f_z) and torque about the origin of the foot of each of these rows.
+    /// The rows of a foot that stands at x on a point, its toe if it has a sole: the first ones of
+    /// [`held`](Self::held).
+    pub(super) fn held_at_toe(&self, foot: &str, x: f64) -> Vec<ConstraintSpec> {
+        self.held(foot, x).into_iter().take(EDGES.len()).collect()
+    }
+
+    /// Force (f_x, f_z) and torque about the origin of the foot of each of the rows of [`held`](Self::held).
     pub(super) fn columns(&self) -> Vec<[f64; 3]> {
         let (angle, toe) = (self.friction.atan(), self.sole.map_or(0.0, |[_, toe]| toe));
         let edge = |(_, sign): (&str, f64)| [sign * angle.sin(), angle.cos(), -toe * angle.cos()];
@@ -69,6 +75,14 @@ impl Gait {
         let rows = [ConstraintRow::X, ConstraintRow::Z, ConstraintRow::TurnY];
         ConstraintSpec::rows(name, foot, "world", &rows[..self.rows_of_foot()])
             .to_placed(Placement::from_xyz_rpy([x, 0.0, z], [0.0; 3]))
+    }
+
+    /// A foot on the ground at x by its toe, or by its origin if it is a point: x and z of it.
+    pub(super) fn placed_at_toe(&self, foot: &str, x: f64) -> ConstraintSpec {
+        let (toe, rows) = (self.sole.map_or(0.0, |[_, toe]| toe), [ConstraintRow::X, ConstraintRow::Z]);
+        let toes = ConstraintSpec::rows(foot, foot, "world", &rows)
+            .to_placed(Placement::from_xyz_rpy([x + toe, 0.0, 0.0], [0.0; 3]));
+        self.at_corner(toes, toe)
     }
 
     /// x and z of a point of a foot.

@@ -11,20 +11,21 @@
 //! M v(0) - J'dnu/dt(0) = S M v(T),    J v(0) = 0,    g(q(0)) = 0,    q(0) = S q(T) + shift
 //! ```
 //!
-//! Impulses are in the cone where these rates are positive.
+//! Impulses are in the cone where these rates are positive. In a step that begins on all feet
+//! ([`super::standing`]) they are zero.
 
 use super::error::ProblemError;
 use super::gait::Gait;
 use super::gait_error::GaitError;
 use super::key::Key;
-use super::loop_rows::{LoopRow, Loops, Walk, exchanged};
-use super::{BoundaryState, Problem};
+use super::loop_rows::{LoopPhase, LoopRow, Loops, Walk, exchanged};
+use super::standing::{Standing, no_foot};
+use super::{BoundaryState, Problem, Via};
 use crate::constants::checks::gait::{PLANAR, SYMMETRIC};
 use costate::EvalError;
 use costate::constraints::{ConstrainedHamiltonian, Constraints};
 use costate::lagrangian::Lagrangian;
 use costate::robot::{ConstraintSpec, JointKind, RobotError};
-use std::sync::Arc;
 
 impl Problem {
     /// With a step of this gait as the motion: its start and its end are free, and [`start`](Self::start) is
@@ -70,6 +71,7 @@ impl Problem {
                 return Err(GaitError::OutOfRange { value, remedy }.at(Key::GAIT_SOLE));
             }
         }
+        gait.check_double_support()?;
         self.check_names(gait)?;
         let exchange = self.exchange(gait)?;
         let along = self.joint(Key::GAIT_ALONG, &gait.along)?;
@@ -81,15 +83,9 @@ impl Problem {
         // What cannot be evaluated is told at the start.
         let failed = |error: EvalError| GaitError::CannotStand { cause: error.into() }.at(Key::START_Q);
         let angle = friction.atan();
-        let (mut standing, mut foot, mut swing) =
-            (self.robot.clone(), self.robot.clone(), self.robot.clone());
+        let Standing { robot, phases, foot, landing, feet } = self.standing(gait, &places)?;
         let mut corners = [self.robot.clone(), self.robot.clone()];
-        for ((stands, swings), x) in gait.stance.iter().zip(&gait.swing).zip(&places) {
-            for row in gait.held(stands, *x) {
-                standing = standing.with_constraint(row).map_err(no_foot)?;
-            }
-            foot = foot.with_constraint(gait.placed(stands, stands, [0.0; 2])).map_err(no_foot)?;
-            swing = swing.with_constraint(gait.placed(swings, swings, [0.0; 2])).map_err(no_foot)?;
+        for (stands, swings) in gait.stance.iter().zip(&gait.swing) {
             for (of, foot) in corners.iter_mut().zip([swings, stands]) {
                 for (number, x) in gait.corners().into_iter().enumerate() {
                     *of = of.with_constraint(gait.corner(foot, number, x)).map_err(no_foot)?;
@@ -97,50 +93,62 @@ impl Problem {
             }
         }
         let still = vec![0.0; q.len()];
-        let held =
-            Self { robot: standing, gait: None, start: BoundaryState::fixed(&q, &still), ..self.clone() };
+        let held = Self { robot, gait: None, start: BoundaryState::fixed(&q, &still), ..self.clone() };
         let mut rows = Constraints::new(&held.robot);
         rows.set_position(&q).map_err(failed)?;
         let mut kept = held.independent_rows(&mut rows).map_err(failed)?;
         if kept.len() < rows.count() {
-            return Err(GaitError::Redundant.at(Key::GAIT_STANCE));
+            // Those of feet that stand during the whole step come first.
+            let lacking = (0..).zip(&kept).take_while(|(number, one)| one.row == *number).count();
+            return Err(match lacking < phases[phases.len() - 1].rows {
+                true => GaitError::Redundant.at(Key::GAIT_STANCE),
+                false => GaitError::RedundantTogether.at(Key::GAIT_DOUBLE_SUPPORT),
+            });
         }
         let mut model = Lagrangian::<f64>::new(&self.robot);
         let mass = model.linearise_inverse_dynamics(&q, &still, &still).map_err(failed)?.tau_a;
         let scales: Vec<f64> = (0..q.len()).map(|i| mass[(i, i)]).collect();
-        let columns = gait.columns().repeat(gait.stance.len());
+        let of_foot = |list: &dyn Fn(usize) -> f64| -> Vec<f64> {
+            feet.iter().flat_map(|foot| (0..foot.rows.len()).map(list)).collect()
+        };
         let (share, gravity) = (scales[along] / (2.0 * places.len() as f64), self.robot.gravity().norm());
         // The weight is on both edges alike, and a sole is pressed in its middle.
-        let masses = (0..gait.rows_of_foot()).map(|row| match gait.sole {
+        let masses = of_foot(&|row| match gait.sole {
             Some([heel, toe]) if row == 2 => share * (toe - heel),
             _ => share / angle.cos(),
         });
-        let masses = masses.collect::<Vec<f64>>().repeat(places.len());
+        let columns = gait.columns();
+        let columns = feet.iter().flat_map(|foot| columns[..foot.rows.len()].iter().copied()).collect();
         if gait.sole.is_some() {
             // A foot alone is light and easily turned: in its own masses the weight is an acceleration of
             // thousands of units, and limits would be kept to parts of one.
             kept.iter_mut().zip(&masses).for_each(|(row, mass)| row.mass = *mass);
         }
         let lift = kept.iter().zip(masses).map(|(row, mass)| mass * gravity / row.mass).collect();
+        let gait = gait.clone();
         let walk =
-            Walk { foot, swing, corners, columns, gait: gait.clone(), places, exchange, shift, scales, lift };
-        Ok(held.with_walk(walk, kept))
+            Walk { foot, landing, feet, corners, columns, gait, places, exchange, shift, scales, lift };
+        Ok(held.with_walk(walk, kept, phases))
     }
 
     /// The step from a prepared gait.
-    fn with_walk(&self, walk: Walk, rows: Vec<LoopRow>) -> Self {
+    fn with_walk(&self, walk: Walk, rows: Vec<LoopRow>, phases: Vec<LoopPhase>) -> Self {
         let (q, time) = (&self.start.q, self.time.value());
         let end = walk.mirrored_back(q);
         let rates: Vec<f64> = q.iter().zip(&end).map(|(from, to)| (to - from) / time).collect();
         let (n, k) = (q.len(), rows.len());
-        let state = |q: &[f64], q_free: usize| {
+        let state = |q: &[f64], [q_free, v_free]: [usize; 2]| {
             let more = |list: &[f64]| [list, &vec![0.0; k]].concat();
             let free = |count: usize| (0..count).collect::<Vec<usize>>();
-            BoundaryState::fixed(&more(q), &more(&rates)).with_q_free(&free(q_free)).with_v_free(&free(n + k))
+            let state = BoundaryState::fixed(&more(q), &more(&rates));
+            state.with_q_free(&free(q_free)).with_v_free(&free(v_free))
         };
-        let (first, last) = (state(q, n), state(&end, n + k));
-        let loops = Loops { robot: self.robot.clone(), rows, walk: Some(walk) };
-        self.with_coordinates_of(loops, first, last)
+        // Without an impulse the rates of the multipliers are zero at the start.
+        let impulses = if walk.has_double_support() { 0 } else { k };
+        let (first, last) = (state(q, [n, n + impulses]), state(&end, [n + k; 2]));
+        let vias = vec![Via::default(); phases.len() - 1];
+        let loops = Loops { phases, walk: Some(walk), ..Loops::new(self.robot.clone(), rows) };
+        Self { vias, ..self.with_coordinates_of(loops, first, last) }
     }
 
     /// Whether the feet are frames, each named once, and paired.
@@ -302,17 +310,6 @@ impl Problem {
         }
         Ok(())
     }
-}
-
-impl GaitError {
-    /// As an error of a key.
-    fn at(self, key: Key) -> ProblemError {
-        ProblemError::Gait { key, cause: Box::new(self) }
-    }
-}
-
-fn no_foot(error: RobotError) -> ProblemError {
-    GaitError::NoFoot { cause: Arc::new(error) }.at(Key::GAIT_STANCE)
 }
 
 fn positive(key: Key, value: f64) -> Result<(), ProblemError> {

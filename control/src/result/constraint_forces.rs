@@ -18,8 +18,8 @@ pub struct ConstraintForces {
     /// The frame that holds it, in whose axes forces and moments are. Empty for a coupling.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub to: String,
-    /// Largest `|g(q(t)) - g(q(0))|` of its rows at the nodes (m, rad): what the motion drifts from the
-    /// constraint.
+    /// Largest `|g(q(t)) - g(q(0))|` of its rows at the nodes (m, rad), in the phases in which it holds: what
+    /// the motion drifts from the constraint.
     pub drift: f64,
     /// The rows of lambda at each node of the trajectory: forces (N) of rows in m, moments (N m) of rows in
     /// rad. Rows that depend on those before them have none.
@@ -34,7 +34,8 @@ pub struct ConstraintForces {
 }
 
 impl ConstraintForces {
-    /// Those of all constraints of a robot, from lambda of all rows at the nodes of a motion.
+    /// Those of all constraints of a robot, from lambda of all rows at the nodes of a motion; `holds` says
+    /// which of them hold in a phase, from 0.
     ///
     /// # Errors
     /// A position that cannot be evaluated.
@@ -42,6 +43,7 @@ impl ConstraintForces {
         robot: &Robot,
         motion: &Trajectory,
         lambda: &[Vec<f64>],
+        holds: impl Fn(usize, usize) -> bool,
     ) -> Result<Vec<Self>, EvalError> {
         let mut rows = Constraints::<f64>::new(robot);
         let name = |at: &ConstraintFrame| robot.frames()[at.frame].name.clone();
@@ -57,7 +59,8 @@ impl ConstraintForces {
             all.push(Self { name: constraint.name.clone(), frame, to, ..Self::default() });
         }
         let mut start = Vec::new();
-        for (q, lambda) in motion.q.iter().zip(lambda) {
+        let phases = motion.phases().enumerate().flat_map(|(phase, nodes)| nodes.map(move |_| phase));
+        for ((q, lambda), phase) in motion.q.iter().zip(lambda).zip(phases) {
             rows.set_position(q)?;
             if start.is_empty() {
                 start = rows.values().to_vec();
@@ -66,8 +69,12 @@ impl ConstraintForces {
             for (number, (forces, constraint)) in all.iter_mut().zip(constraints).enumerate() {
                 let own = first..first + constraint.kind.rows();
                 first = own.end;
-                let pairs = rows.values()[own.clone()].iter().zip(&start[own.clone()]);
-                forces.drift = pairs.fold(forces.drift, |most, (g, start)| most.max((g - start).abs()));
+                let pairs =
+                    holds(number, phase).then(|| rows.values()[own.clone()].iter().zip(&start[own.clone()]));
+                forces.drift = pairs
+                    .into_iter()
+                    .flatten()
+                    .fold(forces.drift, |most, (g, start)| most.max((g - start).abs()));
                 forces.multipliers.push(lambda[own].to_vec());
                 if let Some((force, moment)) = rows.wrench(number, lambda) {
                     forces.force.push(force);

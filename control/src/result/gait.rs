@@ -1,6 +1,6 @@
 //! What is told of a gait: its speed, what it costs, the impact at its end.
 
-use crate::problem::loop_rows::{Walk, exchanged};
+use crate::problem::loop_rows::{Foot, Walk, exchanged};
 use crate::result::trajectory::Trajectory;
 use costate::EvalError;
 use costate::constraints::Impact;
@@ -32,6 +32,12 @@ pub struct GaitReport {
     pub weight_times_length: f64,
     /// Impulses of the ground on the feet that land, in the axes of the world (N s).
     pub impulses: Vec<[f64; 3]>,
+    /// How long the phase of double support is (s); `None` in a gait without one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub double_support: Option<f64>,
+    /// With double support: those on the feet that stay on the ground when the others land (N s).
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub standing_impulses: Vec<[f64; 3]>,
     /// Energy that the impact takes (J).
     pub loss: f64,
     /// Largest difference (rad, m, rad/s, m/s) of the state after the impact at the end, legs exchanged, from
@@ -57,10 +63,23 @@ impl GaitReport {
         let [work, braking] = works(motion, gain, weights);
         let landing = Landing::of(walk, q, v)?;
         let miss = landing.miss(&motion.q[0], &motion.v[0]);
-        let Landing { impulses, loss, .. } = landing;
+        let Landing { impulses, standing_impulses, loss, .. } = landing;
+        let double_support = walk.gait.double_support.and(motion.via_times.first());
+        let double_support = double_support.map(|lift_off| lift_off - first);
         let weight_times_length = walk.weight() * walk.gait.length;
         let (speed, cost_of_transport) = (walk.gait.length / (last - first), work / weight_times_length);
-        Ok(Some(Self { speed, cost_of_transport, work, braking, weight_times_length, impulses, loss, miss }))
+        Ok(Some(Self {
+            speed,
+            cost_of_transport,
+            work,
+            braking,
+            weight_times_length,
+            impulses,
+            double_support,
+            standing_impulses,
+            loss,
+            miss,
+        }))
     }
 }
 
@@ -87,6 +106,7 @@ pub(crate) struct Landing {
     q: Vec<f64>,
     v: Vec<f64>,
     impulses: Vec<[f64; 3]>,
+    standing_impulses: Vec<[f64; 3]>,
     loss: f64,
 }
 
@@ -96,15 +116,17 @@ impl Landing {
     /// # Errors
     /// States that cannot be evaluated.
     pub fn of(walk: &Walk, q: &[f64], v: &[f64]) -> Result<Self, EvalError> {
-        let mut open = costate::hamiltonian::Hamiltonian::<f64>::new(&walk.swing.without_constraints());
+        let mut open = costate::hamiltonian::Hamiltonian::<f64>::new(&walk.landing.without_constraints());
         let p = open.momentum(q, v)?.to_vec();
-        let mut impact = Impact::<f64>::new(&walk.swing);
+        let mut impact = Impact::<f64>::new(&walk.landing);
         let after = impact.evaluate(q, &p)?;
         let exchanged = |list: &[f64]| exchanged(&walk.exchange, list);
         let places = exchanged(q).iter().zip(&walk.shift).map(|(q, shift)| q + shift).collect();
-        let feet = after.impulse.chunks_exact(walk.gait.rows_of_foot());
-        let impulses = feet.map(|foot| [foot[0], 0.0, foot[1]]).collect();
-        Ok(Self { q: places, v: exchanged(after.velocity), impulses, loss: after.loss })
+        // Those that stay have as many rows as where they stand.
+        let impulse = |foot: &Foot| [after.impulse[foot.rows.start], 0.0, after.impulse[foot.rows.start + 1]];
+        let mut impulses: Vec<[f64; 3]> = walk.feet.iter().map(impulse).collect();
+        let standing_impulses = impulses.split_off(walk.stance().len());
+        Ok(Self { q: places, v: exchanged(after.velocity), impulses, standing_impulses, loss: after.loss })
     }
 
     /// The largest difference from a state (rad, m, rad/s, m/s).

@@ -241,7 +241,7 @@ impl<'a> Actuation<'a> {
         // The foot of a step is held by constraints that its robot does not have.
         let made = problem.gait.as_ref().and_then(|_| problem.with_multipliers().ok());
         let robots = match made.and_then(|made| made.loops) {
-            Some(loops) => vec![loops.robot.clone()],
+            Some(loops) => loops.phases.iter().map(|phase| phase.robot.clone()).collect(),
             None => problem.robots(),
         };
         Self { problem, models: robots.iter().map(Forward::new).collect(), limits }

@@ -13,6 +13,7 @@ mod direct;
 mod direct_refused;
 mod documents;
 mod dormand_prince;
+mod double_support;
 mod dynamics;
 mod equations;
 mod extremals;

@@ -157,7 +157,8 @@ class Figures:
     @property
     def gait(self) -> dict[str, Any] | None:
         """Of a problem with a gait: ``speed`` (m/s), ``cost_of_transport``, ``work`` and ``braking`` of the motors (J),
-        ``weight_times_length`` (J), ``impulses`` of the landing (N s), its ``loss`` (J), ``miss``; None of others.
+        ``weight_times_length`` (J), ``impulses`` of the landing (N s), its ``loss`` (J), ``miss``; with double support
+        its duration ``double_support`` (s) and ``standing_impulses`` (N s) on the feet that stay; None of others.
 
         The cost of transport is ``work / weight_times_length``: only where motors drive, after Collins et al., Science 307
         (2005) 1082. See ``docs/walking.md``.

@@ -52,6 +52,7 @@ fn meaning(name: &str) -> &'static str {
         "speed" => "length of a step over its duration",
         "cost of transport" => "work of the motors where they drive, over weight times length of the step",
         "work" => "of the motors where they drive, and where they brake, which gives nothing back",
+        "double support" => "how long all feet stand on the ground, from the landing on",
         "landing" => "impulse of the ground on the foot that lands, and the energy that this takes",
         "gait" => "how far the state after the landing, legs exchanged, is from that at the start",
         "drift of H*" => "H* is constant on an exact solution; how far this one is from that",

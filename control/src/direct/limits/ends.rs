@@ -4,6 +4,7 @@ use super::side::{Limited, Side};
 use crate::direct::motion::mesh::Mesh;
 use crate::direct::motion::shape::Shape;
 use crate::direct::motion::times::FreeTimes;
+use crate::problem::loop_rows::{LoopPhase, Loops};
 use crate::problem::{BoundaryState, Problem};
 
 /// The rows along a motion, in their order, that are implied at an end.
@@ -41,6 +42,23 @@ pub(crate) struct Ends {
     pub settled: Vec<Settled>,
     /// The first coordinate whose rate at the start is an impulse: those after the joints of a step.
     impulses: Option<usize>,
+    /// For each phase the sides that do not count in it, by what they limit and its number: forces on feet
+    /// that swing, heights of feet that stand. Empty where all count everywhere.
+    absent: Vec<Vec<(Limited, usize)>>,
+}
+
+/// The sides that do not count in each phase of a step.
+fn absent(loops: &Loops) -> Vec<Vec<(Limited, usize)>> {
+    let Some(walk) = &loops.walk else { return Vec::new() };
+    let (n, corners) = (walk.exchange.len(), walk.gait.corners().len());
+    let of_phase = |phase: &LoopPhase| {
+        let idle = (phase.rows..loops.rows.len()).map(|row| (Limited::Acceleration, n + row));
+        // Where all feet stand, the last corner of each, its toe, is on the ground.
+        let stands = walk.has_double_support() && phase.rows == loops.rows.len();
+        let toes = (0..if stands { walk.gait.swing.len() } else { 0 }).map(|foot| corners * (foot + 1) - 1);
+        idle.chain(toes.map(|row| (Limited::Task, row))).collect()
+    };
+    loops.phases.iter().map(of_phase).collect()
 }
 
 impl Ends {
@@ -74,7 +92,13 @@ impl Ends {
             given,
             settled: vec![Settled::default(); states.len()],
             impulses: walk.map(|walk| walk.exchange.len()),
+            absent: problem.loops.as_ref().map_or(Vec::new(), |loops| absent(loops)),
         }
+    }
+
+    /// Whether a side does not count in a phase.
+    pub fn is_absent(&self, phase: usize, side: &Side) -> bool {
+        self.absent.get(phase).is_some_and(|sides| sides.contains(&(side.limited, side.joint)))
     }
 
     /// Whether a row along the motion holds at an end with its rate, whatever the motion is.
@@ -121,6 +145,9 @@ impl Ends {
         }
         let (k, j) = mesh.interval_of(p);
         let phase = mesh.phase(k);
+        if self.is_absent(phase, side) {
+            return true;
+        }
         let points = mesh.points_of_phase(phase);
         // The end of the phase that is so many points away, on either side.
         let near = |distance: usize| {

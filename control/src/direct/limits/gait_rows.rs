@@ -3,7 +3,7 @@
 mod heights;
 
 use super::gait_soles::{Derivatives, GaitSoles};
-use crate::problem::loop_rows::{LoopRow, Loops, Walk};
+use crate::problem::loop_rows::{Foot, LoopRow, Loops, Walk};
 use crate::task::row::{Measure, Row};
 use costate::EvalError;
 use costate::constraints::Constraints;
@@ -18,12 +18,13 @@ const HEIGHT: f64 = 0.1;
 ///
 /// ```text
 /// M v(0) - J'dnu/dt(0) - S M v(T)     n, momenta after the impact
-/// J v(0)                              k, rates of the rows of the feet that stand
+/// J v(0)                              rates of the rows of the feet that stand during the whole step
 /// g(q(0))                             x and z of the first of these feet, z of the others, angles of soles
 /// ```
 ///
-/// then those of [`GaitSoles`]; along the motion `z - h (1 - x^2 / L^2) >= 0` of each point of a foot that
-/// swings, x from the one whose place it takes.
+/// then those of [`GaitSoles`]. In a step with double support dnu/dt(0) = 0 is given; the feet that stand
+/// behind are at rest by the first rows, since they were on the ground before the landing. Along the motion
+/// `z - h (1 - x^2 / L^2) >= 0` of each point of a foot that swings, x from the one whose place it takes.
 ///
 /// `M v` is what inverse dynamics needs for the acceleration v at rest, more than for none; its derivatives
 /// are those of inverse dynamics.
@@ -36,6 +37,8 @@ pub(crate) struct GaitRows {
     stance: Constraints<Tangent<f64>>,
     line: Vec<Tangent<f64>>,
     forces: Vec<Tangent<f64>>,
+    /// Number of rows whose rates are zero at the start, the first ones.
+    speeds: usize,
     /// The rows whose sum is a place.
     places: Vec<Range<usize>>,
     /// x and z of the points of feet that swing, and of those that stand.
@@ -65,32 +68,34 @@ impl GaitRows {
     pub fn new(loops: &Loops, walk: &Walk) -> Self {
         let stance = Constraints::<Tangent<f64>>::new(&loops.robot);
         let (n, k) = (stance.dof(), loops.rows.len());
-        let (of_foot, sole) = (walk.gait.rows_of_foot(), walk.gait.sole.is_some());
-        let places = |foot: usize| {
-            let first = of_foot * foot;
-            let angle = sole.then(|| first + 2..first + 3);
-            let others = match foot {
+        let places = |(number, foot): (usize, &Foot)| {
+            let first = foot.rows.start;
+            let angle = foot.rows.clone().find(|&row| foot.is_turned_by(row)).map(|row| row..row + 1);
+            let others = match number {
                 0 => [Some(0..1), Some(1..2)],
                 _ => [Some(first..first + 2), None],
             };
             others.into_iter().flatten().chain(angle)
         };
-        let places: Vec<Range<usize>> = (0..k / of_foot).flat_map(places).collect();
+        let places: Vec<Range<usize>> = walk.stance().iter().enumerate().flat_map(places).collect();
         let momenta = walk.scales.iter().enumerate();
         let momenta = momenta.map(|(i, &scale)| {
             Row::equal(0.0, scale, "kg m/s, kg m^2/s", format!("momentum {i} through the impact"))
         });
         let of = |[what, turned]: [&str; 2], [unit, of_angles]: [&'static str; 2], first: usize| {
-            let is_angle = first % of_foot == 2;
+            let foot = walk.foot_of(first);
+            let is_angle = foot.is_some_and(|foot| foot.is_turned_by(first));
             let (what, unit) = if is_angle { (turned, of_angles) } else { (what, unit) };
-            let name = format!("{what} of '{}' at the start of the step", walk.gait.stance[first / of_foot]);
+            let foot = foot.map_or("", |foot| &foot.name);
+            let name = format!("{what} of '{foot}' at the start of the step");
             Row::equal(0.0, 1.0, unit, name)
         };
-        let speeds = (0..k).map(|c| of(["velocity", "rate of the angle"], ["m/s", "rad/s"], c));
+        let speeds = walk.stance_rows();
+        let of_speeds = (0..speeds).map(|c| of(["velocity", "rate of the angle"], ["m/s", "rad/s"], c));
         let starts = places.iter().map(|rows| of(["place", "angle"], ["m", "rad"], rows.start));
         let soles = GaitSoles::new(loops, walk);
         let of_soles = soles.iter().flat_map(|soles| soles.bounds().iter().cloned());
-        let bounds = momenta.chain(speeds).chain(starts).chain(of_soles);
+        let bounds = momenta.chain(of_speeds).chain(starts).chain(of_soles);
         let height = |(swings, corner): (&String, usize)| Row {
             lower: 0.0,
             upper: f64::INFINITY,
@@ -116,6 +121,7 @@ impl GaitRows {
             of_foot: vec![0.0; 2 * heights.len()],
             arch: [walk.gait.clearance, walk.gait.length],
             bounds: bounds.collect(),
+            speeds,
             places,
             heights,
             soles,
@@ -161,14 +167,16 @@ impl GaitRows {
         momenta.iter_mut().zip(&self.momentum).for_each(|(to, p)| *to += p);
         let (q, v, rates) = (&start[..n], &start[n + k..2 * n + k], &start[2 * n + k..]);
         self.place(q, v)?;
-        let (speeds, others) = others.split_at_mut(k);
+        let (speeds, others) = others.split_at_mut(self.speeds);
         let (places, of_soles) = others.split_at_mut(self.places.len());
         let values = self.stance.values();
         for (place, rows) in places.iter_mut().zip(&self.places) {
             *place = self.rows[rows.clone()].iter().map(|one| values[one.row].re).sum();
         }
-        for (speed, (LoopRow { row, mass, .. }, rate)) in speeds.iter_mut().zip(self.rows.iter().zip(rates)) {
+        for (speed, LoopRow { row, .. }) in speeds.iter_mut().zip(&self.rows) {
             *speed = values[*row].eps;
+        }
+        for (LoopRow { row, mass, .. }, rate) in self.rows.iter().zip(rates) {
             let slopes = self.stance.jacobian().row(*row);
             momenta.iter_mut().zip(slopes).for_each(|(to, j)| *to -= mass * rate * j.re);
         }
@@ -224,7 +232,8 @@ impl GaitRows {
         }
         // J v and g, along v.
         self.place(q, v)?;
-        for (c, LoopRow { row, .. }) in self.rows.iter().enumerate() {
+        self.forces.fill(Tangent::new(0.0, 0.0));
+        for (c, LoopRow { row, .. }) in self.rows[..self.speeds].iter().enumerate() {
             self.forces[*row] = Tangent::new(weights[n + c], 0.0);
             let to = &mut near[width * (n + c)..][..width];
             for (i, j) in self.stance.jacobian().row(*row).iter().enumerate() {
@@ -238,10 +247,11 @@ impl GaitRows {
             at_start[width * i + all + j] += entry.re;
             at_start[width * (all + i) + j] += entry.re;
         }
+        let first = n + self.speeds;
         for (number, rows) in self.places.iter().enumerate() {
-            let to = &mut near[width * (all + number)..][..width];
+            let to = &mut near[width * (first + number)..][..width];
             for LoopRow { row, .. } in &self.rows[rows.clone()] {
-                self.forces[*row] = Tangent::new(weights[all + number], 0.0);
+                self.forces[*row] = Tangent::new(weights[first + number], 0.0);
                 let slopes = self.stance.jacobian().row(*row);
                 to.iter_mut().zip(slopes).for_each(|(to, j)| *to += j.re);
             }
@@ -250,7 +260,7 @@ impl GaitRows {
         for (i, j) in pairs(n) {
             at_start[width * i + j] += bent[(i, j)].re;
         }
-        let first = all + self.places.len();
+        let first = first + self.places.len();
         let (near, far) = (&mut near[width * first..], &mut far[width * first..]);
         match &mut self.soles {
             Some(soles) => {

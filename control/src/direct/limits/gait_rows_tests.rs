@@ -1,25 +1,48 @@
 use super::{Derivatives, GaitRows};
 use crate::direct::points::values::Points;
-use crate::problem::{Gait, MotionLimits, Objective, Problem};
+use crate::problem::{FinalTime, Gait, MotionLimits, Objective, Problem};
 use costate_test_support::robots::file;
 
 /// A step of RABBIT with its multipliers.
 pub(in crate::direct) fn rabbit() -> Problem {
+    rabbit_step().with_multipliers().unwrap()
+}
+
+/// One that begins on both feet, for a part of its time; with a free time.
+pub(in crate::direct) fn rabbit_on_both_feet() -> Problem {
+    on_both_feet(rabbit_step())
+}
+
+/// The same of the biped with feet.
+pub(in crate::direct) fn seven_link_on_both_feet() -> Problem {
+    on_both_feet(seven_link_step())
+}
+
+fn on_both_feet(problem: Problem) -> Problem {
+    let gait = problem.gait.clone().unwrap().with_double_support(0.2);
+    let free = problem.with_gait(gait).with_time(FinalTime::Free { guess: 0.7 });
+    free.with_multipliers().unwrap()
+}
+
+fn rabbit_step() -> Problem {
     let q = [-0.25, 0.72, 0.1, 0.1, 0.3, -0.6, 0.3];
     let gait = Gait::new(&["right_foot"], &["left_foot"], "base_x", 0.5)
         .with_clearance(0.05)
         .with_mirror(&[["left_hip", "right_hip"], ["left_knee", "right_knee"]]);
     let most = [[0.0; 3].as_slice(), &[150.0; 4]].concat();
     let effort = [[0.0; 3].as_slice(), &[1.0; 4]].concat();
-    let problem = Problem::rest_to_rest(file("rabbit.toml"), &q, &q, 0.7)
+    Problem::rest_to_rest(file("rabbit.toml"), &q, &q, 0.7)
         .with_cost(Objective::new(0.0, effort))
         .with_limits(MotionLimits::none().with_torque_max(most))
-        .with_gait(gait);
-    problem.with_multipliers().unwrap()
+        .with_gait(gait)
 }
 
 /// A step of the biped with feet, with its multipliers.
 pub(in crate::direct) fn seven_link() -> Problem {
+    seven_link_step().with_multipliers().unwrap()
+}
+
+fn seven_link_step() -> Problem {
     let q = [-0.25, 0.9, 0.05, 0.2, 0.15, -0.35, -0.4, 0.2, 0.2];
     let gait = Gait::new(&["right_foot"], &["left_foot"], "base_x", 0.5)
         .with_clearance(0.05)
@@ -31,11 +54,10 @@ pub(in crate::direct) fn seven_link() -> Problem {
         ]);
     let most = [[0.0; 3].as_slice(), &[200.0; 6]].concat();
     let effort = [[0.0; 3].as_slice(), &[1.0; 6]].concat();
-    let problem = Problem::rest_to_rest(file("seven_link.toml"), &q, &q, 0.6)
+    Problem::rest_to_rest(file("seven_link.toml"), &q, &q, 0.6)
         .with_cost(Objective::new(0.0, effort))
         .with_limits(MotionLimits::none().with_torque_max(most))
-        .with_gait(gait);
-    problem.with_multipliers().unwrap()
+        .with_gait(gait)
 }
 
 fn rows(problem: &Problem) -> GaitRows {
@@ -61,7 +83,8 @@ fn derivatives(rows: &mut GaitRows, states: [&[f64]; 2], weights: &[f64]) -> [Ve
 
 #[test]
 fn derivatives_at_the_ends_are_those_of_differences() {
-    [rabbit(), seven_link()].iter().for_each(compare_ends);
+    let both = [rabbit_on_both_feet(), seven_link_on_both_feet()];
+    [rabbit(), seven_link()].iter().chain(&both).for_each(compare_ends);
 }
 
 fn compare_ends(problem: &Problem) {
@@ -181,7 +204,8 @@ fn derivatives_of_soles_are_those_of_differences() {
 /// The guess that a step begins with stands on both feet, and the foot that swings ends a step ahead.
 #[test]
 fn a_step_begins_on_both_feet() {
-    for (problem, n, k) in [(rabbit(), 7, 2), (seven_link(), 9, 3)] {
+    let both = [(rabbit_on_both_feet(), 7, 4), (seven_link_on_both_feet(), 9, 5)];
+    for (problem, n, k) in [(rabbit(), 7, 2), (seven_link(), 9, 3)].into_iter().chain(both) {
         let mut rows = rows(&problem);
         assert_eq!(problem.coordinates(), n + k);
         for q in [&problem.start.q, &problem.end.q] {

@@ -22,8 +22,8 @@ pub(crate) struct Derivatives<'a> {
 /// dH/dt >= 0 at the start, <= 0 at the end  of each corner that swings
 /// ```
 ///
-/// and along the motion the same `force on the toe >= 0` in the accelerations of nu: see
-/// [`problem::soles`](crate::problem).
+/// without double support, where all of these are zero, and along the motion the same `force on the toe >= 0`
+/// in the accelerations of nu: see [`problem::soles`](crate::problem).
 #[derive(Clone, Debug)]
 pub(crate) struct GaitSoles {
     lifts: GaitLifts,
@@ -40,11 +40,10 @@ impl GaitSoles {
     pub fn new(loops: &Loops, walk: &Walk) -> Option<Self> {
         let by_multipliers = walk.gait.load_of_toe()?;
         let (n, rows) = (walk.shift.len(), &loops.rows);
-        let of_foot = walk.gait.rows_of_foot();
-        let loads = rows.chunks_exact(of_foot).enumerate().map(|(foot, rows)| {
+        let loads = walk.stance().iter().map(|foot| {
             let mut load = by_multipliers;
-            load.iter_mut().zip(rows).for_each(|(load, row)| *load *= row.mass);
-            (of_foot * foot, load)
+            load.iter_mut().zip(&rows[foot.rows.clone()]).for_each(|(load, row)| *load *= row.mass);
+            (foot.rows.start, load)
         });
         let weight = walk.weight();
         let row = |foot: &String, what: &str, unit, range| Row {
@@ -63,7 +62,11 @@ impl GaitSoles {
         });
         let arch = [walk.gait.clearance, walk.gait.length];
         let lifts = GaitLifts::new(&walk.corners, arch, &corners.collect::<Vec<_>>());
-        let bounds = impulses.chain(lifts.bounds().iter().cloned()).collect();
+        // With double support all impulses and rates are zero there.
+        let bounds = match walk.has_double_support() {
+            true => Vec::new(),
+            false => impulses.chain(lifts.bounds().iter().cloned()).collect(),
+        };
         Some(Self { sizes: [n, rows.len()], loads: loads.collect(), lifts, bounds, forces })
     }
 
@@ -93,6 +96,9 @@ impl GaitSoles {
     /// # Errors
     /// States that cannot be evaluated.
     pub fn values(&mut self, [start, end]: [&[f64]; 2], g: &mut [f64]) -> Result<(), EvalError> {
+        if self.bounds.is_empty() {
+            return Ok(());
+        }
         let (impulses, rates) = g.split_at_mut(self.loads.len());
         self.load(&start[start.len() / 2 + self.sizes[0]..], impulses);
         self.lifts.values([self.of_joints(start), self.of_joints(end)], rates)
@@ -108,6 +114,9 @@ impl GaitSoles {
         weights: &[f64],
         Derivatives { near, far, at_start, at_end }: Derivatives<'_>,
     ) -> Result<(), EvalError> {
+        if self.bounds.is_empty() {
+            return Ok(());
+        }
         let ([n, k], width, feet) = (self.sizes, start.len(), self.loads.len());
         for ((first, load), row) in self.loads.iter().zip(near.chunks_exact_mut(width)) {
             let to = &mut row[2 * n + k + first..];

@@ -39,18 +39,36 @@ impl Closing {
 pub(super) struct Stepping<'a> {
     loops: &'a Loops,
     walk: &'a Walk,
-    /// The time of the step (s).
-    time: f64,
+    /// Those of its phases (s).
+    times: Vec<f64>,
 }
 
 impl<'a> Stepping<'a> {
-    pub fn new(loops: &'a Loops, time: f64) -> Option<Self> {
-        Some(Self { loops, walk: loops.walk.as_ref()?, time })
+    pub fn new(loops: &'a Loops, times: Vec<f64>) -> Option<Self> {
+        Some(Self { loops, walk: loops.walk.as_ref()?, times })
     }
 
-    /// The state at the part s of a step, from positions of the joints that say what it is near: one foot
-    /// stands, the other one swings in an arch. The multipliers carry the weight.
-    pub fn guess(&self, s: f64, near: impl Fn(f64, &mut [f64]), q: &mut [f64], rate: &mut [f64]) {
+    /// The duration of the step (s).
+    fn time(&self) -> f64 {
+        self.times.iter().sum()
+    }
+
+    /// The part of the step that all feet stand.
+    fn double(&self) -> f64 {
+        if self.walk.has_double_support() { self.times[0] / self.time() } else { 0.0 }
+    }
+
+    /// The state at a part of a phase, from positions of the joints at the parts of the step that say what it
+    /// is near: first all feet stand, if they do, then those behind swing in an arch. The multipliers carry
+    /// the weight.
+    pub fn guess(
+        &self,
+        phase: usize,
+        part: f64,
+        near: impl Fn(f64, &mut [f64]),
+        q: &mut [f64],
+        rate: &mut [f64],
+    ) {
         let n = self.walk.shift.len();
         let at = |s: f64| {
             let mut q = vec![0.0; n];
@@ -58,25 +76,39 @@ impl<'a> Stepping<'a> {
             self.place(s, &mut q);
             q
         };
-        let (before, after) = ((s - NEAR).max(0.0), (s + NEAR).min(1.0));
+        let (time, double) = (self.time(), self.double());
+        let first = self.times[..phase].iter().sum::<f64>() / time;
+        let length = self.times[phase] / time;
+        let s = first + length * part;
+        let (before, after) = ((s - NEAR).max(first), (s + NEAR).min(first + length));
         q[..n].copy_from_slice(&at(s));
         for ((rate, from), to) in rate.iter_mut().zip(at(before)).zip(at(after)) {
-            *rate = (to - from) / (after - before);
+            *rate = length * (to - from) / (after - before);
         }
-        let (time, first) = (self.time, GUESSED_IMPULSE);
+        let (both, one) = (s.min(double), (s - double).max(0.0));
         for (k, lift) in self.walk.lift.iter().enumerate() {
-            q[n + k] = lift * time * time * s * (first + 0.5 * s);
-            rate[n + k] = lift * time * time * (first + s);
+            let stands = f64::from(k < self.walk.stance_rows());
+            let lift = lift * time * time;
+            // Two feet bear half each.
+            let (begins, ends) = if double > 0.0 { (0.0, 0.5 * both) } else { (GUESSED_IMPULSE, 0.0) };
+            let (at_lift_off, bears) = (begins + ends, stands);
+            q[n + k] =
+                lift * (begins * both + 0.25 * both * both + at_lift_off * one + 0.5 * bears * one * one);
+            rate[n + k] = lift * length * (at_lift_off + bears * one);
         }
     }
 
-    /// Moves the joints to the nearest position with both feet where they shall be, if there is one.
+    /// Moves the joints to the nearest position with all feet where they shall be, if there is one.
     fn place(&self, s: f64, q: &mut [f64]) {
-        let gait = &self.walk.gait;
-        let part = 2.0 * s - 1.0;
+        let (gait, double) = (&self.walk.gait, self.double());
+        let swings = ((s - double) / (1.0 - double)).clamp(0.0, 1.0);
+        // From rest to rest, where feet land without an impulse.
+        let way = if double > 0.0 { swings * swings * (3.0 - 2.0 * swings) } else { swings };
+        let part = 2.0 * way - 1.0;
         let [of_clearance, of_length] = GUESSED_HEIGHT;
         let height = of_clearance * gait.clearance + of_length * gait.length;
-        let mut robot = self.loops.robot.clone();
+        let Some(standing) = self.loops.phases.last() else { return };
+        let mut robot = standing.robot.clone();
         for (swings, x) in gait.swing.iter().zip(&self.walk.places) {
             let at = [x + part * gait.length, height * (1.0 - part * part)];
             let Ok(with) = robot.with_constraint(gait.placed(swings, swings, at)) else { return };

@@ -2,7 +2,7 @@
 
 use super::closing::{Closing, Stepping};
 use super::mesh::Mesh;
-use super::phase_times::{fill_rates, phase_times, ways, with_guesses};
+use super::phase_times::{fill_rates, lengths, phase_times, with_guesses};
 use super::shape::Shape;
 use super::spline::Spline;
 use crate::constants::direct::NEIGHBOUR;
@@ -21,16 +21,13 @@ pub(crate) fn guess(
     let duration = saved.and_then(|saved| Some(saved.t.last()? - saved.t.first()?)).filter(|&t| t > 0.0);
     let saved = saved.zip(duration);
     let mut ends = with_guesses(problem);
-    let lengths =
+    let of_saved =
         saved.and_then(|(saved, _)| saved.phase_times()).filter(|all| all.len() == problem.phases());
-    let times = match (lengths, problem.time) {
-        (lengths, FinalTime::Free { guess }) => {
-            phase_times(problem, &lengths.unwrap_or_else(|| ways(&ends)), duration.unwrap_or(guess))
-        }
-        (lengths, FinalTime::Fixed(time)) => {
-            phase_times(problem, &lengths.unwrap_or_else(|| ways(&ends)), time)
-        }
+    let all = match problem.time {
+        FinalTime::Free { guess } => duration.unwrap_or(guess),
+        FinalTime::Fixed(time) => time,
     };
+    let times = phase_times(problem, &lengths(problem, of_saved, &ends), all);
     fill_rates(problem, &mut ends, &times);
     let phases: Vec<Problem> = ends
         .windows(2)
@@ -50,7 +47,14 @@ pub(crate) fn guess(
         Some((saved.t[0] + since).min(*saved.t.last()?))
     };
     let mut closing = problem.loops.as_ref().map(|loops| Closing::new(loops));
-    let stepping = problem.loops.as_ref().and_then(|loops| Stepping::new(loops, times[0]));
+    let stepping = problem.loops.as_ref().and_then(|loops| Stepping::new(loops, times.clone()));
+    // From the start to the end of a step.
+    let step = Problem {
+        start: ends[0].clone(),
+        end: ends[ends.len() - 1].clone(),
+        time: FinalTime::Fixed(sum),
+        ..problem.clone()
+    };
     let mut at = |phase: usize, s: f64, q: &mut [f64], rate: &mut [f64]| {
         let (part, time) = (s - phase as f64, times[phase]);
         let found = saved.and_then(|(saved, duration)| {
@@ -62,14 +66,15 @@ pub(crate) fn guess(
                 rate.iter_mut().zip(&point.v).for_each(|(rate, v)| *rate = stretch * time * v);
             }
             None => {
-                let cubics = Cubics { problem: &phases[phase], disturbance, goal: 1.0 };
                 if let Some(stepping) = &stepping {
+                    let cubics = Cubics { problem: &step, disturbance, goal: 1.0 };
                     let near = |part: f64, q: &mut [f64]| {
                         q.iter_mut().enumerate().for_each(|(i, q)| *q = cubics.at(i, part).q);
                     };
-                    stepping.guess(part, near, q, rate);
+                    stepping.guess(phase, part, near, q, rate);
                     return;
                 }
+                let cubics = Cubics { problem: &phases[phase], disturbance, goal: 1.0 };
                 for (i, (q, rate)) in q.iter_mut().zip(&mut *rate).enumerate() {
                     let at = cubics.at(i, part);
                     (*q, *rate) = (at.q, time * at.v);

@@ -1,7 +1,7 @@
 //! Momenta and costates of robots whose loops are closed.
 
 use crate::numerics::lu;
-use crate::problem::loop_rows::{LoopRow, Loops};
+use crate::problem::loop_rows::{LoopPhase, LoopRow, Loops};
 use costate::EvalError;
 use costate::constraints::Constraints;
 use costate::hamiltonian::Hamiltonian;
@@ -12,16 +12,21 @@ use costate::scalar::Tangent;
 #[derive(Debug)]
 pub(super) struct ClosedMap {
     open: Hamiltonian<f64>,
+    /// Those that hold, and the masses of the others, whose momenta are these times their rates.
     rows: Vec<LoopRow>,
+    idle: Vec<f64>,
     constraints: Constraints<Tangent<f64>>,
 }
 
 impl ClosedMap {
-    pub fn new(loops: &Loops) -> Self {
+    /// That of a phase.
+    pub fn new(loops: &Loops, phase: usize) -> Self {
+        let LoopPhase { robot, rows } = &loops.phases[phase];
         Self {
-            open: Hamiltonian::new(&loops.robot.without_constraints()),
-            rows: loops.rows.clone(),
-            constraints: Constraints::new(&loops.robot),
+            open: Hamiltonian::new(&robot.without_constraints()),
+            rows: loops.rows[..*rows].to_vec(),
+            idle: loops.rows[*rows..].iter().map(|row| row.mass).collect(),
+            constraints: Constraints::new(robot),
         }
     }
 
@@ -37,7 +42,7 @@ impl ClosedMap {
     /// # Errors
     /// States that cannot be evaluated.
     pub fn apply(&mut self, q: &[f64], v: &[f64], costate: &mut [f64]) -> Result<Vec<f64>, EvalError> {
-        let (all, k) = (q.len(), self.rows.len());
+        let (all, k) = (q.len(), self.rows.len() + self.idle.len());
         let n = all - k;
         let path: Vec<_> = q[..n].iter().zip(v).map(|(&q, &v)| Tangent::new(q, v)).collect();
         self.constraints.set_position(&path)?;
@@ -61,6 +66,10 @@ impl ClosedMap {
                 matrix[all * j + n + k] = -mass * entry.re;
                 cross[n * (n + k) + j] = -mass * entry.eps;
             }
+        }
+        let held = n + self.rows.len();
+        for (i, mass) in (held..).zip(&self.idle) {
+            matrix[all * i + i] = *mass;
         }
         let rows = matrix.chunks_exact(all);
         let momenta = rows.map(|row| row.iter().zip(v).map(|(m, v)| m * v).sum()).collect();

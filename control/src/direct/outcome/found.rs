@@ -154,7 +154,7 @@ impl<'a> Rows<'a> {
             problem,
             limits: problem.joint_limits(),
             momentum: Hamiltonian::new(&problem.robot),
-            closed: problem.loops.as_ref().map(|loops| ClosedMap::new(loops)),
+            closed: problem.loops.as_ref().map(|loops| ClosedMap::new(loops, 0)),
             transform: None,
             mass: Vec::new(),
             times: Vec::new(),
@@ -175,6 +175,7 @@ impl<'a> Rows<'a> {
     fn enter(&mut self, phase: usize) {
         if self.phase != phase {
             self.momentum = Hamiltonian::new(&self.robots[phase]);
+            self.closed = self.problem.loops.as_ref().map(|loops| ClosedMap::new(loops, phase));
             self.transform = None;
             self.phase = phase;
         }

@@ -12,14 +12,16 @@ use costate::robot::Robot;
 ///
 /// A motion is given by z = (q, v, a) of its coordinates, `phase` counts the phase.
 pub(super) trait Driven {
-    /// x of a motion.
-    fn begin(&mut self, z: &[f64]) -> Result<Vec<f64>, EvalError>;
+    /// x of a motion in a phase.
+    fn begin(&mut self, phase: usize, z: &[f64]) -> Result<Vec<f64>, EvalError>;
+    /// x at the end of a phase becomes that at the start of the next one; positions and rates stay.
+    fn pass(&mut self, phase: usize, x: &mut [f64]) -> Result<(), EvalError>;
     /// The torques of a motion.
     fn torques(&mut self, phase: usize, z: &[f64], tau: &mut [f64]) -> Result<(), EvalError>;
     /// dx/dt under these torques.
     fn rate(&mut self, phase: usize, x: &[f64], tau: &[f64], rate: &mut [f64]) -> Result<(), EvalError>;
-    /// (q, v) of x, at a time at which the motion has this z.
-    fn read(&mut self, x: &[f64], z: &[f64]) -> Result<Vec<f64>, EvalError>;
+    /// (q, v) of x in a phase, at a time at which the motion has this z.
+    fn read(&mut self, phase: usize, x: &[f64], z: &[f64]) -> Result<Vec<f64>, EvalError>;
 }
 
 /// The state (q, v) at the end when the torques of a motion, cut to their limits, move a robot from the start
@@ -36,7 +38,7 @@ pub(super) fn integrate(
     let n = spline.dof;
     let (mut z, mut tau) = (vec![0.0; 3 * n], vec![0.0; n]);
     spline.in_interval(0, 0.0, &mut z);
-    let mut x = driven.begin(&z)?;
+    let mut x = driven.begin(0, &z)?;
     let mut integrator = DormandPrince::new(x.len(), constants::INTEGRATION);
     let mut since = 0.0;
     for k in 0..spline.mesh.intervals() {
@@ -54,13 +56,19 @@ pub(super) fn integrate(
         })?;
         since += length;
         spline.in_interval(k, 1.0, &mut z);
-        if since >= part && k + 1 < spline.mesh.intervals() {
-            at_part(&driven.read(&x, &z)?, &z[..2 * n]);
-            x = driven.begin(&z)?;
+        if k + 1 == spline.mesh.intervals() {
+            break;
+        }
+        let next = spline.mesh.phase(k + 1);
+        if since >= part {
+            at_part(&driven.read(phase, &x, &z)?, &z[..2 * n]);
+            x = driven.begin(next, &z)?;
             since = 0.0;
+        } else if next != phase {
+            driven.pass(phase, &mut x)?;
         }
     }
-    Ok(driven.read(&x, &z)?)
+    Ok(driven.read(spline.mesh.phases() - 1, &x, &z)?)
 }
 
 /// A tree without constraints: x = (q, v).
@@ -77,8 +85,12 @@ impl OpenTree {
 }
 
 impl Driven for OpenTree {
-    fn begin(&mut self, z: &[f64]) -> Result<Vec<f64>, EvalError> {
+    fn begin(&mut self, _: usize, z: &[f64]) -> Result<Vec<f64>, EvalError> {
         Ok(z[..2 * z.len() / 3].to_vec())
+    }
+
+    fn pass(&mut self, _: usize, _: &mut [f64]) -> Result<(), EvalError> {
+        Ok(())
     }
 
     fn torques(&mut self, phase: usize, z: &[f64], tau: &mut [f64]) -> Result<(), EvalError> {
@@ -95,7 +107,7 @@ impl Driven for OpenTree {
         Ok(())
     }
 
-    fn read(&mut self, x: &[f64], _: &[f64]) -> Result<Vec<f64>, EvalError> {
+    fn read(&mut self, _: usize, x: &[f64], _: &[f64]) -> Result<Vec<f64>, EvalError> {
         Ok(x.to_vec())
     }
 }

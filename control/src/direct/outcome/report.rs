@@ -53,8 +53,8 @@ pub(super) struct Coordinates {
     joints: usize,
     /// Forces are the accelerations of multipliers times these.
     masses: Vec<f64>,
-    /// Rows of a foot, of which the third one is an angle.
-    of_foot: usize,
+    /// Which of them are torques.
+    turns: Vec<bool>,
 }
 
 impl Coordinates {
@@ -62,14 +62,9 @@ impl Coordinates {
         let (names, kinds) = problem.named_coordinates();
         let rows = problem.loops.iter().flat_map(|loops| &loops.rows);
         let walk = problem.loops.iter().find_map(|loops| loops.walk.as_ref());
-        let of_foot = walk.map_or(2, |walk| walk.gait.rows_of_foot());
-        Self {
-            names,
-            kinds,
-            joints: problem.robot.dof(),
-            masses: rows.map(|row| row.mass).collect(),
-            of_foot,
-        }
+        let feet = walk.into_iter().flat_map(|walk| &walk.feet);
+        let turns = feet.flat_map(|foot| foot.rows.clone().map(|row| foot.is_turned_by(row))).collect();
+        Self { names, kinds, joints: problem.robot.dof(), masses: rows.map(|row| row.mass).collect(), turns }
     }
 
     /// What the value of a side is multiplied with: the mass of a multiplier gives a force in N.
@@ -80,7 +75,7 @@ impl Coordinates {
 
     /// Whether a multiplier is a torque about a foot.
     fn is_torque(&self, side: &Side) -> bool {
-        side.joint.checked_sub(self.joints).is_some_and(|row| row % self.of_foot == 2)
+        side.joint.checked_sub(self.joints).is_some_and(|row| self.turns.get(row) == Some(&true))
     }
 
     /// Whether a side limits a force of the ground or its impulse, which are the acceleration and the rate of
@@ -305,13 +300,15 @@ pub(super) fn excess<D>(
 fn spans<D>(interior: &Interior<D>, i: usize, side: &Side, name: &str) -> Vec<ActiveLimit> {
     let (spline, barrier) = (&interior.spline, &interior.barrier);
     let is_rate = side.limited >= Limited::Jerk;
+    // Not where feet do not do what this limits.
+    let counts = |s: f64| !interior.ends.is_absent((s.ceil() as usize).saturating_sub(1), side);
     let places = if is_rate { spline.mesh.gauss_points() } else { spline.mesh.points() };
     let times = (0..places).map(|p| {
         let (entries, s) = match is_rate {
             true => (barrier.at_gauss_point(p), spline.mesh.gauss_point(p).0),
             false => (barrier.at_point(p), spline.mesh.point(p).0),
         };
-        (spline.time_at(s), barrier.distance[entries][i] <= ACTIVE * side.range)
+        (spline.time_at(s), counts(s) && barrier.distance[entries][i] <= ACTIVE * side.range)
     });
     ActiveLimit::spans(name, if side.sign > 0.0 { "min" } else { "max" }, times)
 }

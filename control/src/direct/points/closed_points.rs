@@ -1,7 +1,7 @@
 //! Inverse dynamics of robots whose loops are closed, with the constraints as equations.
 
 use super::values::{PointDynamics, Points};
-use crate::problem::loop_rows::{LoopRow, Loops};
+use crate::problem::loop_rows::{LoopPhase, LoopRow, Loops};
 use costate::EvalError;
 use costate::constraints::Constraints;
 use costate::lagrangian::LagrangianSecondOrder;
@@ -19,6 +19,8 @@ type Second = Tangent<First>;
 ///     = -d2 g/dt2 = -(J a + (J v)_q v)     k entries, zero along the motion
 /// ```
 ///
+/// Rows that do not hold in the phase have no force, and their entry is lambda: it is zero along the motion.
+///
 /// d2 g/dt2 is the coefficient of s t in g(q + (s + t) v + s t a), and its derivatives by q are those of J
 /// and of the contracted Hessian of g there: tangents of tangents of the code of the constraints. That of s
 /// alone gives the derivatives by v, the value those by a.
@@ -26,6 +28,8 @@ type Second = Tangent<First>;
 pub(crate) struct ClosedPoints {
     open: LagrangianSecondOrder<f64>,
     rows: Vec<LoopRow>,
+    /// The masses of the rows that do not hold.
+    idle: Vec<f64>,
     /// Along the motion.
     moving: Constraints<Second>,
     path: Vec<Second>,
@@ -37,13 +41,16 @@ pub(crate) struct ClosedPoints {
 }
 
 impl ClosedPoints {
-    pub fn new(loops: &Loops) -> Self {
-        let (moving, along) = (Constraints::new(&loops.robot), Constraints::new(&loops.robot));
+    /// Those of a phase.
+    pub fn new(loops: &Loops, phase: usize) -> Self {
+        let LoopPhase { robot, rows } = &loops.phases[phase];
+        let (moving, along) = (Constraints::new(robot), Constraints::new(robot));
         let (n, all) = (moving.dof(), moving.count());
         let zero = Tangent::new(0.0, 0.0);
         Self {
-            open: LagrangianSecondOrder::new(&loops.robot.without_constraints()),
-            rows: loops.rows.clone(),
+            open: LagrangianSecondOrder::new(&robot.without_constraints()),
+            rows: loops.rows[..*rows].to_vec(),
+            idle: loops.rows[*rows..].iter().map(|row| row.mass).collect(),
             moving,
             path: vec![Tangent::new(zero, zero); n],
             moving_weights: vec![Tangent::new(zero, zero); all],
@@ -68,6 +75,10 @@ impl ClosedPoints {
                 *tau -= force * j.re.re;
             }
             tau[n + k] = -mass * self.moving.values()[*row].eps.eps;
+        }
+        let held = n + self.rows.len();
+        for (i, mass) in (held..).zip(&self.idle) {
+            tau[i] = mass * z[2 * width + i];
         }
         Ok(())
     }
@@ -143,6 +154,11 @@ impl ClosedPoints {
                 second[width * i + force] = mixed;
                 second[width * force + i] = mixed;
             }
+        }
+        let held = n + self.rows.len();
+        for (i, mass) in (held..).zip(&self.idle) {
+            tau[i] = mass * z[2 * all + i];
+            tau_z[width * i + 2 * all + i] = *mass;
         }
         Ok(())
     }

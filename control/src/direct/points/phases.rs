@@ -1,4 +1,4 @@
-//! Robots that carry something else in each phase.
+//! Robots that carry something else in each phase, or stand on other feet.
 
 use super::values::{PointDynamics, Points};
 use costate::EvalError;
@@ -27,6 +27,12 @@ impl<D: PointDynamics> PhaseDynamics<D> {
         };
         let of_phase = robots.iter().map(&mut number).collect();
         Self { models: different.into_iter().map(model).collect(), of_phase }
+    }
+
+    /// With these models, one for each phase.
+    pub fn of_each(models: Vec<D>) -> Self {
+        let of_phase = (0..models.len()).collect();
+        Self { models, of_phase }
     }
 
     /// Does `work` with the model of each phase and those of the points that are in it.

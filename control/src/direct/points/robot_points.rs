@@ -3,11 +3,13 @@
 use super::closed_points::ClosedPoints;
 #[cfg(not(feature = "jit"))]
 use super::generic_points::LanePoints as OpenPoints;
+use super::phases::PhaseDynamics;
 #[cfg(feature = "jit")]
 use super::program_points::ProgramPoints as OpenPoints;
 use super::values::{PointDynamics, Points};
 use crate::options::SolverOptions;
 use crate::problem::Problem;
+use crate::problem::loop_rows::Loops;
 use costate::EvalError;
 use costate::robot::Robot;
 use std::ops::Range;
@@ -20,11 +22,18 @@ pub(crate) enum AnyPoints {
 }
 
 impl AnyPoints {
-    /// For the robot of a phase of a problem; `options` say whether machine code is used.
-    pub fn new(problem: &Problem, robot: &Robot, options: &SolverOptions) -> Self {
-        if let Some(loops) = &problem.loops {
-            return Self::Closed(Box::new(ClosedPoints::new(loops)));
+    /// Those of all phases of a problem; `options` say whether machine code is used.
+    pub fn of_phases(problem: &Problem, options: &SolverOptions) -> PhaseDynamics<Self> {
+        let closed = |loops: &Loops, phase| Self::Closed(Box::new(ClosedPoints::new(loops, phase)));
+        match &problem.loops {
+            Some(loops) => {
+                PhaseDynamics::of_each((0..loops.phases.len()).map(|phase| closed(loops, phase)).collect())
+            }
+            None => PhaseDynamics::new(&problem.robots(), |robot| Self::open(robot, options)),
         }
+    }
+
+    fn open(robot: &Robot, options: &SolverOptions) -> Self {
         #[cfg(feature = "jit")]
         let points = OpenPoints::new(robot, options.machine_code);
         #[cfg(not(feature = "jit"))]

@@ -18,7 +18,6 @@ use crate::problem::limits::JointLimits;
 use crate::problem::{FinalTime, Problem};
 use crate::result::trajectory::Trajectory;
 use crate::task::build::TaskRows;
-use costate::robot::Robot;
 
 /// Inverse dynamics of the robots of all phases.
 pub(crate) type Dynamics = PhaseDynamics<AnyPoints>;
@@ -65,8 +64,7 @@ pub(crate) fn interior_on(
     nodes: &[f64],
 ) -> Interior<Dynamics> {
     let spline = first.spline(nodes.to_vec(), None);
-    let points = |robot: &Robot| AnyPoints::new(problem, robot, options);
-    let dynamics = PhaseDynamics::new(&problem.robots(), points);
+    let dynamics = AnyPoints::of_phases(problem, options);
     let powers = Powers::new(problem);
     let tasks = Tasks::new(rows, problem.coordinates(), powers.rows()).with_gait(problem.loops.as_deref());
     let model = Model { dynamics, tasks, powers };
@@ -106,13 +104,15 @@ fn sides(problem: &Problem) -> Vec<Side> {
         // Those of soles are measured in what carries the weight.
         let sole = walk.gait.sole.is_some();
         let range = move |lift: &f64| if sole && *lift > 1.0 { *lift } else { 1.0 };
-        walk.lift.iter().enumerate().map(move |(k, lift)| (first + k, range(lift)))
+        let has_impulses = !walk.has_double_support();
+        walk.lift.iter().enumerate().map(move |(k, lift)| (first + k, range(lift), has_impulses))
     });
-    let cone = edges.flat_map(|(i, range)| {
+    let cone = edges.flat_map(|(i, range, has_impulses)| {
         let positive = move |limited, range| {
             Side::pair(limited, i, 0.0, f64::INFINITY).map(move |side| Side { range, ..side })
         };
-        positive(Limited::Rate, 1.0).chain(positive(Limited::Acceleration, range))
+        let impulses = has_impulses.then(|| positive(Limited::Rate, 1.0));
+        impulses.into_iter().flatten().chain(positive(Limited::Acceleration, range))
     });
     of(Limited::Position, |limits| limits.q)
         .chain(of(Limited::Rate, |limits| [-limits.v, limits.v]))

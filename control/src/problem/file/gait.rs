@@ -6,7 +6,8 @@ use crate::problem::Gait;
 use crate::problem::file::error::ProblemFileCause;
 use toml::de::DeValue;
 
-const KEYS: &[&str] = &["stance", "swing", "along", "length", "friction", "clearance", "mirror", "sole"];
+const KEYS: &[&str] =
+    &["stance", "swing", "along", "length", "friction", "clearance", "mirror", "sole", "double_support"];
 
 /// Reads `[gait]`.
 pub(super) fn gait(root: &Table<'_>) -> Result<Option<Gait>, Fault> {
@@ -36,6 +37,7 @@ pub(super) fn gait(root: &Table<'_>) -> Result<Option<Gait>, Fault> {
     };
     gait.mirror = table.list("mirror", "a list of pairs of joint names", pair)?.unwrap_or_default();
     gait.sole = table.value("sole", "a list of two numbers, x of heel and toe", two)?;
+    gait.double_support = table.number("double_support")?;
     Ok(Some(gait))
 }
 

@@ -1,0 +1,90 @@
+//! The feet that stand in the phases of a step.
+//!
+//! A step with a phase of double support has two phases: at first all feet stand, then those behind are
+//! released and swing. Multipliers of all rows are coordinates in both; where a row does not hold, its
+//! multiplier has no force. The robot comes to the start without an impulse, `v(0) = S v(T)`: the rates of
+//! the feet behind are zero then whatever the motion is, and those in front have to be.
+
+use super::Problem;
+use super::error::ProblemError;
+use super::gait::Gait;
+use super::gait_error::GaitError;
+use super::key::Key;
+use super::loop_rows::{Foot, LoopPhase};
+use costate::robot::{ConstraintSpec, Robot, RobotError};
+use std::sync::Arc;
+
+/// Robots whose feet stand.
+pub(super) struct Standing {
+    /// With the rows of all phases.
+    pub robot: Robot,
+    pub phases: Vec<LoopPhase>,
+    /// As in [`Walk`](super::loop_rows::Walk).
+    pub foot: Robot,
+    pub landing: Robot,
+    pub feet: Vec<Foot>,
+}
+
+impl GaitError {
+    /// As an error of a key.
+    pub(super) fn at(self, key: Key) -> ProblemError {
+        ProblemError::Gait { key, cause: Box::new(self) }
+    }
+}
+
+/// A frame that cannot stand.
+pub(super) fn no_foot(error: RobotError) -> ProblemError {
+    GaitError::NoFoot { cause: Arc::new(error) }.at(Key::GAIT_STANCE)
+}
+
+impl Gait {
+    /// Whether the part of the step that double support takes is one.
+    ///
+    /// # Errors
+    /// [`GaitError::OutOfRange`].
+    pub(super) fn check_double_support(&self) -> Result<(), ProblemError> {
+        match self.double_support {
+            Some(value) if !(value > 0.0 && value < 1.0) => {
+                let remedy = "the part of the step that all feet stand must be more than 0 and less than 1";
+                Err(GaitError::OutOfRange { value, remedy }.at(Key::GAIT_DOUBLE_SUPPORT))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+impl Problem {
+    /// The feet of a gait on the ground, x of those that stand in `places`.
+    ///
+    /// # Errors
+    /// [`GaitError::NoFoot`].
+    pub(super) fn standing(&self, gait: &Gait, places: &[f64]) -> Result<Standing, ProblemError> {
+        let with = |robot: Robot, row: ConstraintSpec| robot.with_constraint(row).map_err(no_foot);
+        let (mut robot, mut foot, mut landing) = (self.robot.clone(), self.robot.clone(), self.robot.clone());
+        let mut feet: Vec<Foot> = Vec::new();
+        let mut add = |name: &String, rows: Vec<ConstraintSpec>, robot: Robot| {
+            let first = feet.last().map_or(0, |foot| foot.rows.end);
+            feet.push(Foot { name: name.clone(), rows: first..first + rows.len() });
+            rows.into_iter().try_fold(robot, with)
+        };
+        for ((stands, swings), x) in gait.stance.iter().zip(&gait.swing).zip(places) {
+            robot = add(stands, gait.held(stands, *x), robot)?;
+            foot = with(foot, gait.placed(stands, stands, [0.0; 2]))?;
+            landing = with(landing, gait.placed(swings, swings, [0.0; 2]))?;
+        }
+        let single = robot.clone();
+        if gait.double_support.is_some() {
+            for ((stands, swings), x) in gait.stance.iter().zip(&gait.swing).zip(places) {
+                robot = add(swings, gait.held_at_toe(swings, x - gait.length), robot)?;
+                foot = with(foot, gait.placed_at_toe(swings, 0.0))?;
+                landing = with(landing, gait.placed_at_toe(stands, 0.0))?;
+            }
+        }
+        let phase = |robot: &Robot| LoopPhase { robot: robot.clone(), rows: robot.constraints().len() };
+        let phases = match gait.double_support {
+            Some(_) => vec![phase(&robot), phase(&single)],
+            None => vec![phase(&single)],
+        };
+        Ok(Standing { robot, phases, foot, landing, feet })
+    }
+}
