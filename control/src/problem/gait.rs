@@ -1,6 +1,6 @@
 //! The gait of a walking robot, as the user gives it.
 
-/// A gait of a planar robot that repeats itself mirrored after each step: a walk on two legs,
+/// A gait of a robot that repeats itself mirrored after each step: a walk on two legs,
 /// a trot on four. The motion is one step of it, from one landing to the next.
 ///
 /// During the step some feet stand on the ground, pinned by forces within their friction cones, and as many
@@ -14,6 +14,9 @@
 /// ground is the plane z = 0 of the world, gravity along -z, and the robot moves in the plane of x and z: its
 /// first joints are those of a body in that plane, without motors. The first foot that stands is at the
 /// origin.
+///
+/// A robot [in space](Self::in_space) has six such joints, and S is its reflection in the plane of x and z:
+/// it exchanges the legs and changes the signs of the joints that are [flipped](Self::flipped).
 ///
 /// ```
 /// use costate_control::{MotionLimits, Objective, Problem, Gait};
@@ -54,6 +57,14 @@ pub struct Gait {
     /// foot that stands is flat on the ground: x of its frame is ahead and z up. The ground pushes heel and
     /// toe with forces in their friction cones, so that the centre of pressure is between them.
     pub sole: Option<[f64; 2]>,
+    /// Joints that change their signs in the mirror, those of pairs too: of a robot in space those whose
+    /// motion is along y or turns about x and z. A robot in the plane has none.
+    pub flipped: Vec<String>,
+    /// In space, the distance of the lines along x on which left and right feet stand (m), both at half of it
+    /// from the plane y = 0 of the mirror: the first foot that stands is not at the origin but beside it.
+    pub width: f64,
+    /// In space, how wide soles are (m), half of it to either side of x of the frames of the feet.
+    pub sole_width: f64,
 }
 
 impl Gait {
@@ -74,7 +85,28 @@ impl Gait {
             clearance: 0.0,
             mirror: Vec::new(),
             sole: None,
+            flipped: Vec::new(),
+            width: 0.0,
+            sole_width: 0.0,
         }
+    }
+
+    /// In space, with these joints that change their signs in the mirror, and with left and right feet on
+    /// lines at this distance (m).
+    #[must_use]
+    pub fn in_space(self, flipped: &[&str], width: f64) -> Self {
+        Self { flipped: flipped.iter().map(|&joint| joint.to_owned()).collect(), width, ..self }
+    }
+
+    /// With soles as wide as this (m), in space.
+    #[must_use]
+    pub fn with_sole_width(self, sole_width: f64) -> Self {
+        Self { sole_width, ..self }
+    }
+
+    /// Whether it is one of a robot in space.
+    pub(crate) fn is_in_space(&self) -> bool {
+        !self.flipped.is_empty()
     }
 
     /// With this coefficient of friction.

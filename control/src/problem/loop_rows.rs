@@ -36,23 +36,25 @@ pub(crate) struct Walk {
     pub swing: Robot,
     /// With x and z of the points that touch the ground: of the feet that swing, and that stand.
     pub corners: [Robot; 2],
-    /// x of the feet that stand, in a guess.
-    pub places: Vec<f64>,
-    /// For each joint the one whose place it takes when the legs change their roles.
-    pub exchange: Vec<usize>,
+    /// x and y of the feet that stand, in a guess.
+    pub places: Vec<[f64; 2]>,
+    /// For each joint the one whose place it takes when the legs change their roles, and 1, or -1 if it
+    /// changes its sign too.
+    pub exchange: Vec<(usize, f64)>,
     /// q(0) less the exchanged q(T) (rad, m).
     pub shift: Vec<f64>,
     /// Units of momenta, the diagonal of M at the start (kg m^2/s, kg m/s).
     pub scales: Vec<f64>,
-    /// Force (x, z) and torque about the origin of the foot of each row, the same number for each foot.
-    pub columns: Vec<[f64; 3]>,
+    /// The force of each row in the rows of a foot in the axes of the world, the same number for each foot:
+    /// (x, z) and torque about y, or in space all six.
+    pub columns: Vec<Vec<f64>>,
     /// Accelerations of multipliers that carry the weight, for guesses.
     pub lift: Vec<f64>,
 }
 
 /// A list with an entry for each joint, with the legs exchanged.
-pub(crate) fn exchanged(exchange: &[usize], list: &[f64]) -> Vec<f64> {
-    exchange.iter().map(|&from| list[from]).collect()
+pub(crate) fn exchanged(exchange: &[(usize, f64)], list: &[f64]) -> Vec<f64> {
+    exchange.iter().map(|&(from, sign)| sign * list[from]).collect()
 }
 
 impl Walk {
@@ -65,8 +67,8 @@ impl Walk {
     /// The position at the end that the exchange makes the start.
     pub fn mirrored_back(&self, start: &[f64]) -> Vec<f64> {
         let mut end = vec![0.0; start.len()];
-        for (i, &from) in self.exchange.iter().enumerate() {
-            end[from] = start[i] - self.shift[i];
+        for (i, &(from, sign)) in self.exchange.iter().enumerate() {
+            end[from] = sign * (start[i] - self.shift[i]);
         }
         end
     }

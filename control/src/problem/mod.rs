@@ -40,6 +40,7 @@ mod via;
 mod via_error;
 mod walking;
 pub(crate) mod warning;
+mod wrench_cone;
 
 pub use end_error::{EndError, Leads};
 pub use free_error::FreeMotionError;

@@ -103,7 +103,7 @@ impl Landing {
         let exchanged = |list: &[f64]| exchanged(&walk.exchange, list);
         let places = exchanged(q).iter().zip(&walk.shift).map(|(q, shift)| q + shift).collect();
         let feet = after.impulse.chunks_exact(walk.gait.rows_of_foot());
-        let impulses = feet.map(|foot| [foot[0], 0.0, foot[1]]).collect();
+        let impulses = feet.map(|foot| walk.gait.force_of(foot)).collect();
         Ok(Self { q: places, v: exchanged(after.velocity), impulses, loss: after.loss })
     }
 

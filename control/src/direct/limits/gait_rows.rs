@@ -19,7 +19,7 @@ const HEIGHT: f64 = 0.1;
 /// ```text
 /// M v(0) - J'dnu/dt(0) - S M v(T)     n, momenta after the impact
 /// J v(0)                              k, rates of the rows of the feet that stand
-/// g(q(0))                             x and z of the first of these feet, z of the others, angles of soles
+/// g(q(0))                             place of the first of these feet, z of the others, angles of soles
 /// ```
 ///
 /// then those of [`GaitSoles`]; along the motion `z - h (1 - x^2 / L^2) >= 0` of each point of a foot that
@@ -31,7 +31,7 @@ const HEIGHT: f64 = 0.1;
 pub(crate) struct GaitRows {
     open: LagrangianSecondOrder<f64>,
     rows: Vec<LoopRow>,
-    exchange: Vec<usize>,
+    exchange: Vec<(usize, f64)>,
     /// Along a direction.
     stance: Constraints<Tangent<f64>>,
     line: Vec<Tangent<f64>>,
@@ -65,15 +65,10 @@ impl GaitRows {
     pub fn new(loops: &Loops, walk: &Walk) -> Self {
         let stance = Constraints::<Tangent<f64>>::new(&loops.robot);
         let (n, k) = (stance.dof(), loops.rows.len());
-        let (of_foot, sole) = (walk.gait.rows_of_foot(), walk.gait.sole.is_some());
+        let of_foot = walk.gait.rows_of_foot();
         let places = |foot: usize| {
             let first = of_foot * foot;
-            let angle = sole.then(|| first + 2..first + 3);
-            let others = match foot {
-                0 => [Some(0..1), Some(1..2)],
-                _ => [Some(first..first + 2), None],
-            };
-            others.into_iter().flatten().chain(angle)
+            walk.gait.places_of_foot(foot).into_iter().map(move |rows| first + rows.start..first + rows.end)
         };
         let places: Vec<Range<usize>> = (0..k / of_foot).flat_map(places).collect();
         let momenta = walk.scales.iter().enumerate();
@@ -81,7 +76,7 @@ impl GaitRows {
             Row::equal(0.0, scale, "kg m/s, kg m^2/s", format!("momentum {i} through the impact"))
         });
         let of = |[what, turned]: [&str; 2], [unit, of_angles]: [&'static str; 2], first: usize| {
-            let is_angle = first % of_foot == 2;
+            let is_angle = walk.gait.is_angle(first % of_foot);
             let (what, unit) = if is_angle { (turned, of_angles) } else { (what, unit) };
             let name = format!("{what} of '{}' at the start of the step", walk.gait.stance[first / of_foot]);
             Row::equal(0.0, 1.0, unit, name)
@@ -136,7 +131,7 @@ impl GaitRows {
         &self.heights
     }
 
-    /// Forces on toes, in the accelerations of multipliers, and what holds for them.
+    /// Forces in their cones, in the accelerations of multipliers, and what holds for them.
     pub fn soles(&self) -> Option<&GaitSoles> {
         self.soles.as_ref()
     }
@@ -154,8 +149,8 @@ impl GaitRows {
         let (n, k) = (self.rest.len(), self.rows.len());
         let (momenta, others) = g.split_at_mut(n);
         self.momenta(end)?;
-        for (to, &from) in momenta.iter_mut().zip(&self.exchange) {
-            *to = -self.momentum[from];
+        for (to, &(from, sign)) in momenta.iter_mut().zip(&self.exchange) {
+            *to = -sign * self.momentum[from];
         }
         self.momenta(start)?;
         momenta.iter_mut().zip(&self.momentum).for_each(|(to, p)| *to += p);
@@ -192,13 +187,13 @@ impl GaitRows {
         self.values([start, end], g)?;
         let (n, k) = (self.rest.len(), self.rows.len());
         let (all, width) = (n + k, 2 * (n + k));
-        for (&from, weight) in self.exchange.iter().zip(weights) {
-            self.weights[from] = -weight;
+        for (&(from, sign), weight) in self.exchange.iter().zip(weights) {
+            self.weights[from] = -sign * weight;
         }
         self.add_momenta(end, at_end)?;
-        for (to, &from) in far.chunks_exact_mut(width).zip(&self.exchange) {
+        for (to, &(from, sign)) in far.chunks_exact_mut(width).zip(&self.exchange) {
             let row = &self.slope[width * from..width * (from + 1)];
-            to.iter_mut().zip(row).for_each(|(to, slope)| *to -= slope);
+            to.iter_mut().zip(row).for_each(|(to, slope)| *to -= sign * slope);
         }
         self.weights.copy_from_slice(&weights[..n]);
         self.add_momenta(start, at_start)?;

@@ -77,8 +77,8 @@ impl<'a> Stepping<'a> {
         let [of_clearance, of_length] = GUESSED_HEIGHT;
         let height = of_clearance * gait.clearance + of_length * gait.length;
         let mut robot = self.loops.robot.clone();
-        for (swings, x) in gait.swing.iter().zip(&self.walk.places) {
-            let at = [x + part * gait.length, height * (1.0 - part * part)];
+        for (swings, [x, y]) in gait.swing.iter().zip(&self.walk.places) {
+            let at = [x + part * gait.length, -y, height * (1.0 - part * part)];
             let Ok(with) = robot.with_constraint(gait.placed(swings, swings, at)) else { return };
             robot = with;
         }
