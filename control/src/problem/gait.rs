@@ -104,11 +104,6 @@ impl Gait {
         Self { sole_width, ..self }
     }
 
-    /// Whether it is one of a robot in space.
-    pub(crate) fn is_in_space(&self) -> bool {
-        !self.flipped.is_empty()
-    }
-
     /// With this coefficient of friction.
     #[must_use]
     pub fn with_friction(self, friction: f64) -> Self {

@@ -14,6 +14,7 @@ mod free_fall;
 pub(crate) mod free_joints;
 pub(crate) mod gait;
 mod gait_error;
+mod gait_in_space;
 mod given_ends;
 mod joint_limits;
 pub(crate) mod key;

@@ -70,7 +70,7 @@ impl Problem {
                 return Err(GaitError::OutOfRange { value, remedy }.at(Key::GAIT_SOLE));
             }
         }
-        self.check_space(gait)?;
+        gait.check_widths()?;
         self.check_names(gait)?;
         let exchange = self.exchange(gait)?;
         let along = self.joint(Key::GAIT_ALONG, &gait.along)?;
@@ -123,13 +123,9 @@ impl Problem {
             // thousands of units, and limits would be kept to parts of one.
             kept.iter_mut().zip(&masses).for_each(|(row, mass)| row.mass = *mass);
         }
-        let lift = if gait.is_in_space() {
-            let weight = 2.0 * share * gravity;
-            let pressed = gait.sole.map_or(0.0, |[heel, toe]| -0.5 * (heel + toe) * weight);
-            let wrench = [0.0, 0.0, weight, 0.0, pressed, 0.0];
-            kept.iter().enumerate().map(|(i, row)| wrench[i % gait.rows_of_foot()] / row.mass).collect()
-        } else {
-            kept.iter().zip(masses).map(|(row, mass)| mass * gravity / row.mass).collect()
+        let lift = match gait.is_in_space() {
+            true => gait.lift_in_space(2.0 * share * gravity, &kept),
+            false => kept.iter().zip(masses).map(|(row, mass)| mass * gravity / row.mass).collect(),
         };
         let walk =
             Walk { foot, swing, corners, columns, gait: gait.clone(), places, exchange, shift, scales, lift };
@@ -150,26 +146,6 @@ impl Problem {
         let (first, last) = (state(q, n), state(&end, n + k));
         let loops = Loops { robot: self.robot.clone(), rows, walk: Some(walk) };
         self.with_coordinates_of(loops, first, last)
-    }
-
-    /// Whether the widths of a gait in space are numbers that make sense, and those of one in the plane none.
-    fn check_space(&self, gait: &Gait) -> Result<(), ProblemError> {
-        let out = |value: f64, remedy| GaitError::OutOfRange { value, remedy };
-        if gait.is_in_space() {
-            if !(gait.width >= 0.0 && gait.width.is_finite()) {
-                return Err(out(gait.width, "must be neither negative nor infinite (m)").at(Key::GAIT_WIDTH));
-            }
-            if gait.sole.is_some() {
-                return positive(Key::GAIT_SOLE_WIDTH, gait.sole_width);
-            }
-        }
-        let needless = [(Key::GAIT_SOLE_WIDTH, gait.sole_width), (Key::GAIT_WIDTH, gait.width)];
-        let [soles, _] = needless;
-        let needless = if gait.is_in_space() { vec![soles] } else { needless.to_vec() };
-        match needless.into_iter().find(|(_, value)| *value != 0.0) {
-            Some((key, value)) => Err(out(value, "is one of soles of robots in space, whose gait.flipped names the joints that change their signs in the mirror").at(key)),
-            None => Ok(()),
-        }
     }
 
     /// Whether the feet are frames, each named once, and paired.
@@ -351,7 +327,7 @@ impl Problem {
 
 impl GaitError {
     /// As an error of a key.
-    fn at(self, key: Key) -> ProblemError {
+    pub(super) fn at(self, key: Key) -> ProblemError {
         ProblemError::Gait { key, cause: Box::new(self) }
     }
 }
@@ -360,7 +336,7 @@ fn no_foot(error: RobotError) -> ProblemError {
     GaitError::NoFoot { cause: Arc::new(error) }.at(Key::GAIT_STANCE)
 }
 
-fn positive(key: Key, value: f64) -> Result<(), ProblemError> {
+pub(super) fn positive(key: Key, value: f64) -> Result<(), ProblemError> {
     match value > 0.0 && value.is_finite() {
         true => Ok(()),
         false => Err(GaitError::OutOfRange { value, remedy: "must be positive and finite" }.at(key)),

@@ -2,7 +2,7 @@
 
 use super::System;
 use crate::direct::interior::iterate::Interior;
-use crate::direct::limits::gait_rows::tests::{rabbit, seven_link};
+use crate::direct::limits::gait_rows::tests::{rabbit, seven_link, walker};
 use crate::direct::solve::prepare::{Dynamics, interior};
 use crate::options::SolverOptions;
 use crate::problem::Problem;
@@ -67,6 +67,12 @@ fn the_matrix_is_the_derivative_of_the_gradient() {
 #[test]
 fn the_matrix_of_soles_is_the_derivative_of_the_gradient() {
     compare(&seven_link(), 9 + 9 + 3);
+}
+
+/// In space, where joints change their signs in the mirror.
+#[test]
+fn the_matrix_in_space_is_the_derivative_of_the_gradient() {
+    compare(&walker(), 18 + 18 + 6);
 }
 
 fn compare(problem: &Problem, shared: usize) {
