@@ -144,7 +144,7 @@ mod tests {
     fn distance(wrench: &[f64; 6]) -> f64 {
         let all = generators();
         let (mut forces, mut left) = ([0.0_f64; 16], -SMatrix::<f64, 6, 1>::from_row_slice(wrench));
-        for _ in 0..20_000 {
+        for _ in 0..3000 {
             for (i, force) in forces.iter_mut().enumerate() {
                 let column = all.column(i);
                 let to = (*force - column.dot(&left) / column.norm_squared()).max(0.0);
@@ -178,17 +178,19 @@ mod tests {
         let mut both = [0, 0];
         for number in 0..60 {
             let some = |i: usize| (1.0 + f64::from(number) * 1.7 + 2.3 * i as f64).sin();
-            let wrench = [some(0), some(1), 1.0, 0.05 * some(2), 0.2 * some(3) - 0.05, 0.1 * some(4)];
+            let [f_x, f_y, m_x, m_y, m_z] =
+                [0.6 * some(0), 0.6 * some(1), 0.04 * some(2), 0.12 * some(3), some(4)];
+            let wrench = [f_x, f_y, 1.0, m_x, m_y - 0.075, 0.06 * m_z];
             let (inside, off) = (least(&wrench), distance(&wrench));
             if inside > 1e-3 {
-                assert!(off < 1e-6, "{wrench:?}: {off}");
+                assert!(off < 2e-4, "{wrench:?}: {off}");
                 both[0] += 1;
-            } else if inside < -1e-3 {
-                assert!(off > 1e-5, "{wrench:?}: {off}");
+            } else if inside < -5e-3 {
+                assert!(off > 5e-4, "{wrench:?}: {off}");
                 both[1] += 1;
             }
         }
-        assert!(both[0] > 3 && both[1] > 3, "{both:?}");
+        assert!(both[0] > 10 && both[1] > 10, "{both:?}");
     }
 
     #[test]

@@ -40,6 +40,15 @@ pub(in crate::direct) fn seven_link() -> Problem {
 
 /// A step of the biped in space, with its multipliers.
 pub(in crate::direct) fn walker() -> Problem {
+    walker_on(|gait| gait.with_sole(-0.0488, 0.1371).with_sole_width(0.0958))
+}
+
+/// The same on points below its ankles.
+fn walker_on_points() -> Problem {
+    walker_on(|gait| gait)
+}
+
+fn walker_on(feet: impl Fn(Gait) -> Gait) -> Problem {
     let q = [
         [-0.2, 0.02, 0.83, 0.02, -0.03, 0.05].as_slice(),
         &[0.1, 0.03, 0.02, 0.6, -0.7, 0.04],
@@ -53,8 +62,6 @@ pub(in crate::direct) fn walker() -> Problem {
     let flipped: Vec<&str> = ["base_y", "base_yaw", "base_roll"].into_iter().chain(of_legs).collect();
     let gait = Gait::new(&["right_foot"], &["left_foot"], "base_x", 0.4)
         .with_clearance(0.05)
-        .with_sole(-0.0488, 0.1371)
-        .with_sole_width(0.0958)
         .in_space(&flipped, 0.15)
         .with_mirror(&pairs);
     let most = [[0.0; 6].as_slice(), &[200.0; 12]].concat();
@@ -63,7 +70,7 @@ pub(in crate::direct) fn walker() -> Problem {
     let problem = Problem::rest_to_rest(file("biped_walker.toml"), &q, &q, 0.6)
         .with_cost(Objective::new(0.0, effort))
         .with_limits(MotionLimits::none().with_torque_max(most))
-        .with_gait(gait);
+        .with_gait(feet(gait));
     problem.with_multipliers().unwrap()
 }
 
@@ -90,7 +97,7 @@ fn derivatives(rows: &mut GaitRows, states: [&[f64]; 2], weights: &[f64]) -> [Ve
 
 #[test]
 fn derivatives_at_the_ends_are_those_of_differences() {
-    [rabbit(), seven_link(), walker()].iter().for_each(compare_ends);
+    [rabbit(), seven_link(), walker(), walker_on_points()].iter().for_each(compare_ends);
 }
 
 fn compare_ends(problem: &Problem) {
@@ -221,7 +228,8 @@ fn compare_soles(problem: &Problem, [heights, forces, all]: [usize; 3]) {
 /// The guess that a step begins with stands on both feet, and the foot that swings ends a step ahead.
 #[test]
 fn a_step_begins_on_both_feet() {
-    for (problem, n, k) in [(rabbit(), 7, 2), (seven_link(), 9, 3), (walker(), 18, 6)] {
+    let cases = [(rabbit(), 7, 2), (seven_link(), 9, 3), (walker(), 18, 6), (walker_on_points(), 18, 3)];
+    for (problem, n, k) in cases {
         let mut rows = rows(&problem);
         assert_eq!(problem.coordinates(), n + k);
         for q in [&problem.start.q, &problem.end.q] {
