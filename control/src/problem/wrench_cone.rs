@@ -12,8 +12,8 @@
 //!
 //! and to no others: S. Caron, Q.-C. Pham, Y. Nakamura, "Stability of surface contacts for humanoid robots:
 //! closed-form formulae of the contact wrench cone for rectangular support areas", IEEE International
-//! Conference on Robotics and Automation (2015) 5107-5112. The second row is that the centre of pressure is in
-//! the rectangle, the last ones that the foot does not turn.
+//! Conference on Robotics and Automation (2015) 5107-5112. The second pair of the first line is that the
+//! centre of pressure is in the rectangle, the last ones are that the foot does not turn.
 
 use super::gait::Gait;
 

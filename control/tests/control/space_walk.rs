@@ -172,8 +172,8 @@ fn a_biped_in_space_walks() {
     }
 }
 
-/// With left and right exchanged in all that is given the motion is the mirror image, unlike weights and limits
-/// too.
+/// With left and right exchanged in all that is given, weights that differ too, the motion is the mirror
+/// image.
 #[test]
 fn the_other_foot_stands_in_the_mirror() {
     let (problem, best) = walk();

@@ -1,5 +1,5 @@
-//! What feet need beside the limits of single multipliers: linear rows of the cone of their forces, and corners
-//! of soles that do not sink into the ground at the ends of a step.
+//! What feet need beside the limits of single multipliers: linear rows of the cone of their forces, and
+//! corners of soles that do not sink into the ground at the ends of a step.
 
 use super::gait_lifts::GaitLifts;
 use crate::problem::loop_rows::{Loops, Walk};
