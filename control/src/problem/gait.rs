@@ -1,6 +1,6 @@
 //! The gait of a walking robot, as the user gives it.
 
-/// A gait of a planar robot that repeats itself mirrored after each step: a walk on two legs,
+/// A gait of a robot that repeats itself mirrored after each step: a walk on two legs,
 /// a trot on four. The motion is one step of it, from one landing to the next.
 ///
 /// During the step some feet stand on the ground, pinned by forces within their friction cones, and as many
@@ -14,6 +14,9 @@
 /// ground is the plane z = 0 of the world, gravity along -z, and the robot moves in the plane of x and z: its
 /// first joints are those of a body in that plane, without motors. The first foot that stands is at the
 /// origin.
+///
+/// A robot [in space](Self::in_space) has six such joints, and S is its reflection in the plane of x and z:
+/// it exchanges the legs and changes the signs of the joints that are [flipped](Self::flipped).
 ///
 /// ```
 /// use costate_control::{MotionLimits, Objective, Problem, Gait};
@@ -66,6 +69,14 @@ pub struct Gait {
     /// behind stand on points, their toes where they have soles. At the end of the phase they leave the
     /// ground without an impulse: positions and rates do not jump.
     pub double_support: Option<f64>,
+    /// Joints that change their signs in the mirror, those of pairs too: of a robot in space those whose
+    /// motion is along y or turns about x and z. A robot in the plane has none.
+    pub flipped: Vec<String>,
+    /// In space, the distance of the lines along x on which left and right feet stand (m), both at half of it
+    /// from the plane y = 0 of the mirror: the first foot that stands is not at the origin but beside it.
+    pub width: f64,
+    /// In space, how wide soles are (m), half of it to either side of x of the frames of the feet.
+    pub sole_width: f64,
 }
 
 impl Gait {
@@ -87,7 +98,23 @@ impl Gait {
             mirror: Vec::new(),
             sole: None,
             double_support: None,
+            flipped: Vec::new(),
+            width: 0.0,
+            sole_width: 0.0,
         }
+    }
+
+    /// In space, with these joints that change their signs in the mirror, and with left and right feet on
+    /// lines at this distance (m).
+    #[must_use]
+    pub fn in_space(self, flipped: &[&str], width: f64) -> Self {
+        Self { flipped: flipped.iter().map(|&joint| joint.to_owned()).collect(), width, ..self }
+    }
+
+    /// With soles as wide as this (m), in space.
+    #[must_use]
+    pub fn with_sole_width(self, sole_width: f64) -> Self {
+        Self { sole_width, ..self }
     }
 
     /// With this coefficient of friction.

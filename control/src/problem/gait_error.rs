@@ -50,7 +50,7 @@ pub enum GaitError {
         /// The joint.
         joint: String,
     },
-    /// A foot that leaves the plane of x and z of the world.
+    /// A foot that leaves the plane of x and z of the world, where no joint is flipped.
     NotPlanar {
         /// The frame.
         frame: String,
@@ -136,8 +136,8 @@ impl fmt::Display for GaitError {
             ),
             Self::NotPlanar { frame } => write!(
                 f,
-                "a joint moves the frame '{}' along y of the world; gaits are those of robots in the plane of \
-                 x and z",
+                "a joint moves the frame '{}' along y of the world: gaits are those of robots in the plane of x \
+                 and z, or in space if gait.flipped names the joints that change their signs in the mirror",
                 printable(frame)
             ),
             Self::Tilted { frame } => write!(
@@ -149,14 +149,15 @@ impl fmt::Display for GaitError {
             Self::NotSymmetric { joint, by } => write!(
                 f,
                 "with these pairs exchanged the robot is another one: the torque at joint '{}' differs by {} \
-                 (N m, N) in a mirrored motion; pair each joint of one leg with its counterpart",
+                 (N m, N) in a mirrored motion; pair each joint of one leg with its counterpart, and in space \
+                 name in gait.flipped all that move along y or turn about x or z",
                 printable(joint),
                 number(*by)
             ),
             Self::FeetStay { miss } => write!(
                 f,
                 "with these pairs exchanged one foot is {} m away from where the other one was; pair each \
-                 joint of one leg with its counterpart",
+                 joint of one leg with its counterpart, and flip in space what moves along y",
                 number(*miss)
             ),
             Self::CannotStand { cause } => {

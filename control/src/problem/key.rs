@@ -66,6 +66,9 @@ impl Key {
     pub(crate) const GAIT_MIRROR: Self = Self::new("gait", "mirror", "gait");
     pub(crate) const GAIT_SOLE: Self = Self::new("gait", "sole", "gait");
     pub(crate) const GAIT_DOUBLE_SUPPORT: Self = Self::new("gait", "double_support", "gait");
+    pub(crate) const GAIT_SOLE_WIDTH: Self = Self::new("gait", "sole_width", "gait");
+    pub(crate) const GAIT_FLIPPED: Self = Self::new("gait", "flipped", "gait");
+    pub(crate) const GAIT_WIDTH: Self = Self::new("gait", "width", "gait");
     /// The file of a saved motion.
     pub const START_FROM: Self = Self::new("start_from", "file", "start");
 

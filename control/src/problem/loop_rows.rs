@@ -59,16 +59,18 @@ pub(crate) struct Walk {
     pub feet: Vec<Foot>,
     /// With x and z of the points that touch the ground: of the feet that swing, and that stand.
     pub corners: [Robot; 2],
-    /// x of the feet that stand, in a guess.
-    pub places: Vec<f64>,
-    /// For each joint the one whose place it takes when the legs change their roles.
-    pub exchange: Vec<usize>,
+    /// x and y of the feet that stand, in a guess.
+    pub places: Vec<[f64; 2]>,
+    /// For each joint the one whose place it takes when the legs change their roles, and 1, or -1 if it
+    /// changes its sign too.
+    pub exchange: Vec<(usize, f64)>,
     /// q(0) less the exchanged q(T) (rad, m).
     pub shift: Vec<f64>,
     /// Units of momenta, the diagonal of M at the start (kg m^2/s, kg m/s).
     pub scales: Vec<f64>,
-    /// Force (x, z) and torque about the origin of the foot of each row.
-    pub columns: Vec<[f64; 3]>,
+    /// The force of each row in the rows of a foot in the axes of the world: (x, z) and torque about y, or in
+    /// space all six.
+    pub columns: Vec<Vec<f64>>,
     /// Accelerations of multipliers that carry the weight, for guesses.
     pub lift: Vec<f64>,
 }
@@ -80,22 +82,20 @@ pub(crate) struct Foot {
     pub rows: Range<usize>,
 }
 
-impl Foot {
-    /// Whether this one of all rows holds the angle of the foot.
-    pub fn is_turned_by(&self, row: usize) -> bool {
-        row == self.rows.start + 2 && self.rows.contains(&row)
-    }
-}
-
 /// A list with an entry for each joint, with the legs exchanged.
-pub(crate) fn exchanged(exchange: &[usize], list: &[f64]) -> Vec<f64> {
-    exchange.iter().map(|&from| list[from]).collect()
+pub(crate) fn exchanged(exchange: &[(usize, f64)], list: &[f64]) -> Vec<f64> {
+    exchange.iter().map(|&(from, sign)| sign * list[from]).collect()
 }
 
 impl Walk {
     /// The foot that is held by a row.
     pub fn foot_of(&self, row: usize) -> Option<&Foot> {
         self.feet.iter().find(|foot| foot.rows.contains(&row))
+    }
+
+    /// Whether a row holds an angle of its foot.
+    pub fn is_angle(&self, row: usize) -> bool {
+        self.foot_of(row).is_some_and(|foot| self.gait.is_angle(row - foot.rows.start))
     }
 
     /// The feet that stand during the whole step.
@@ -127,8 +127,8 @@ impl Walk {
     /// The position at the end that the exchange makes the start.
     pub fn mirrored_back(&self, start: &[f64]) -> Vec<f64> {
         let mut end = vec![0.0; start.len()];
-        for (i, &from) in self.exchange.iter().enumerate() {
-            end[from] = start[i] - self.shift[i];
+        for (i, &(from, sign)) in self.exchange.iter().enumerate() {
+            end[from] = sign * (start[i] - self.shift[i]);
         }
         end
     }

@@ -14,6 +14,7 @@ mod free_fall;
 pub(crate) mod free_joints;
 pub(crate) mod gait;
 mod gait_error;
+mod gait_in_space;
 mod given_ends;
 mod joint_limits;
 pub(crate) mod key;
@@ -41,6 +42,7 @@ mod via;
 mod via_error;
 mod walking;
 pub(crate) mod warning;
+mod wrench_cone;
 
 pub use end_error::{EndError, Leads};
 pub use free_error::FreeMotionError;

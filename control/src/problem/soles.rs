@@ -11,9 +11,13 @@
 //! angle. With the multipliers a_1, a_2, a_3 the force is `a_1 d_1 + a_2 d_2` and a_3 the torque about the
 //! toe, which is the heel's share times the length of the sole. So three sides of the cone are limits of
 //! single multipliers, and the fourth is linear: the toe's share is f_z less that of the heel.
+//!
+//! In space the rows of a foot are those of its pose in the axes of the world, three of a point and six of a
+//! sole, and all sides of the cone are linear ([`super::wrench_cone`]).
 
 use super::gait::Gait;
 use costate::robot::{ConstraintRow, ConstraintSpec, Placement};
+use std::ops::Range;
 
 /// Part of a name: constraints of a foot that stands.
 const EDGES: [(&str, f64); 2] = [("ahead", 1.0), ("back", -1.0)];
@@ -21,60 +25,105 @@ const EDGES: [(&str, f64); 2] = [("ahead", 1.0), ("back", -1.0)];
 impl Gait {
     /// Number of rows that hold a foot.
     pub(crate) fn rows_of_foot(&self) -> usize {
-        if self.sole.is_some() { 3 } else { 2 }
+        self.rows_in_space().len()
     }
 
-    /// x of the points of a foot that touch the ground, in its frame: heel and toe, or its origin.
-    pub(crate) fn corners(&self) -> Vec<f64> {
-        self.sole.map_or(vec![0.0], |sole| sole.to_vec())
+    /// Those of the pose of a foot that are held.
+    fn rows_in_space(&self) -> &'static [ConstraintRow] {
+        use ConstraintRow::{TurnY, X, Y, Z};
+        match (self.is_in_space(), self.sole.is_some()) {
+            (false, false) => &[X, Z],
+            (false, true) => &[X, Z, TurnY],
+            (true, false) => &[X, Y, Z],
+            (true, true) => &ConstraintRow::ALL,
+        }
+    }
+
+    /// Whether a row of a foot is an angle.
+    pub(crate) fn is_angle(&self, row: usize) -> bool {
+        row >= if self.is_in_space() { 3 } else { 2 }
+    }
+
+    /// The rows of a foot whose sum is zero at the start: of the first foot its place, of others their
+    /// heights, and angles of both.
+    pub(crate) fn places_of_foot(&self, foot: usize) -> Vec<Range<usize>> {
+        let height = if self.is_in_space() { 2..3 } else { 0..2 };
+        let angles = (0..self.rows_of_foot()).filter(|row| self.is_angle(*row)).map(|row| row..row + 1);
+        match foot {
+            0 => (0..self.rows_of_foot()).map(|row| row..row + 1).collect(),
+            _ => std::iter::once(height).chain(angles).collect(),
+        }
+    }
+
+    /// Force of the ground (N, N s) by the [rows](Self::placed) of a foot.
+    pub(crate) fn force_of(&self, foot: &[f64]) -> [f64; 3] {
+        if self.is_in_space() { [foot[0], foot[1], foot[2]] } else { [foot[0], 0.0, foot[1]] }
+    }
+
+    /// x and y of the points of a foot that touch the ground, in its frame: heel and toe, or its origin; in
+    /// space the corners of the sole.
+    pub(crate) fn corners(&self) -> Vec<[f64; 2]> {
+        let sides = if self.is_in_space() { vec![0.5, -0.5] } else { vec![0.0] };
+        let at = |x: f64| sides.iter().map(move |side| [x, side * self.sole_width]);
+        self.sole.map_or(vec![[0.0; 2]], |sole| sole.into_iter().flat_map(at).collect())
     }
 
     /// What a point of a foot is called.
     pub(crate) fn name_of_corner(&self, foot: &str, corner: usize) -> String {
-        match self.sole {
-            Some(_) => format!("the {} of '{foot}'", if corner == 0 { "heel" } else { "toe" }),
-            None => format!("'{foot}'"),
-        }
+        let names: &[&str] = match (self.sole.is_some(), self.is_in_space()) {
+            (true, true) => &["left of the heel", "right of the heel", "left of the toe", "right of the toe"],
+            (true, false) => &["heel", "toe"],
+            (false, _) => &[],
+        };
+        names.get(corner).map_or_else(|| format!("'{foot}'"), |name| format!("the {name} of '{foot}'"))
     }
 
     /// The rows of a foot that stands at x: multipliers are in the cone where they are positive, and the
     /// [load of the toe](Self::load_of_toe) too.
-    pub(super) fn held(&self, foot: &str, x: f64) -> Vec<ConstraintSpec> {
+    pub(super) fn held(&self, foot: &str, [x, y]: [f64; 2]) -> Vec<ConstraintSpec> {
+        if self.is_in_space() {
+            return vec![self.placed(foot, foot, [x, y, 0.0])];
+        }
         let (angle, toe) = (self.friction.atan(), self.sole.map_or(0.0, |[_, toe]| toe));
         let edge = |(name, sign): (&str, f64)| {
             let name = format!("{foot} pushed {name}");
             let edge = ConstraintSpec::rows(name, foot, "world", &[ConstraintRow::Z])
                 .to_placed(Placement::from_xyz_rpy([x + toe, 0.0, 0.0], [0.0, sign * angle, 0.0]));
-            self.at_corner(edge, toe)
+            self.at_corner(edge, [toe, 0.0])
         };
         let turn = ConstraintSpec::rows(format!("{foot} turned"), foot, "world", &[ConstraintRow::TurnY]);
         EDGES.into_iter().map(edge).chain(self.sole.map(|_| turn)).collect()
     }
 
     /// The rows of a foot that stands at x on a point, its toe if it has a sole: the first ones of
-    /// [`held`](Self::held).
+    /// [`held`](Self::held) in the plane.
     pub(super) fn held_at_toe(&self, foot: &str, x: f64) -> Vec<ConstraintSpec> {
-        self.held(foot, x).into_iter().take(EDGES.len()).collect()
+        self.held(foot, [x, 0.0]).into_iter().take(EDGES.len()).collect()
     }
 
-    /// Force (f_x, f_z) and torque about the origin of the foot of each of the rows of [`held`](Self::held).
-    pub(super) fn columns(&self) -> Vec<[f64; 3]> {
+    /// Force (f_x, f_z) and torque about the origin of the foot of each of the rows of [`held`](Self::held);
+    /// in space all six.
+    pub(super) fn columns(&self) -> Vec<Vec<f64>> {
+        if self.is_in_space() {
+            let rows = self.rows_of_foot();
+            return (0..rows).map(|i| (0..rows).map(|j| f64::from(u8::from(i == j))).collect()).collect();
+        }
         let (angle, toe) = (self.friction.atan(), self.sole.map_or(0.0, |[_, toe]| toe));
-        let edge = |(_, sign): (&str, f64)| [sign * angle.sin(), angle.cos(), -toe * angle.cos()];
-        EDGES.into_iter().map(edge).chain(self.sole.map(|_| [0.0, 0.0, 1.0])).collect()
+        let edge = |(_, sign): (&str, f64)| vec![sign * angle.sin(), angle.cos(), -toe * angle.cos()];
+        EDGES.into_iter().map(edge).chain(self.sole.map(|_| vec![0.0, 0.0, 1.0])).collect()
     }
 
-    /// The vertical force on the toe, by the multipliers of these rows; none of a point.
+    /// The vertical force on the toe in the plane, by the multipliers of these rows; none of a point.
     pub(crate) fn load_of_toe(&self) -> Option<[f64; 3]> {
         let ([heel, toe], cos) = (self.sole?, self.friction.atan().cos());
         Some([cos, cos, -1.0 / (toe - heel)])
     }
 
-    /// A foot on the ground at x, or in the air above it: x and z of its frame, and flat if it is a sole.
-    pub(crate) fn placed(&self, name: &str, foot: &str, [x, z]: [f64; 2]) -> ConstraintSpec {
-        let rows = [ConstraintRow::X, ConstraintRow::Z, ConstraintRow::TurnY];
-        ConstraintSpec::rows(name, foot, "world", &rows[..self.rows_of_foot()])
-            .to_placed(Placement::from_xyz_rpy([x, 0.0, z], [0.0; 3]))
+    /// A foot on the ground at x and y, or in the air above it: x and z of its frame, y in space, and flat if
+    /// it is a sole.
+    pub(crate) fn placed(&self, name: &str, foot: &str, place: [f64; 3]) -> ConstraintSpec {
+        ConstraintSpec::rows(name, foot, "world", self.rows_in_space())
+            .to_placed(Placement::from_xyz_rpy(place, [0.0; 3]))
     }
 
     /// A foot on the ground at x by its toe, or by its origin if it is a point: x and z of it.
@@ -82,20 +131,20 @@ impl Gait {
         let (toe, rows) = (self.sole.map_or(0.0, |[_, toe]| toe), [ConstraintRow::X, ConstraintRow::Z]);
         let toes = ConstraintSpec::rows(foot, foot, "world", &rows)
             .to_placed(Placement::from_xyz_rpy([x + toe, 0.0, 0.0], [0.0; 3]));
-        self.at_corner(toes, toe)
+        self.at_corner(toes, [toe, 0.0])
     }
 
     /// x and z of a point of a foot.
-    pub(super) fn corner(&self, foot: &str, number: usize, x: f64) -> ConstraintSpec {
+    pub(super) fn corner(&self, foot: &str, number: usize, at: [f64; 2]) -> ConstraintSpec {
         let name = format!("{foot} {number}");
         let rows = [ConstraintRow::X, ConstraintRow::Z];
-        self.at_corner(ConstraintSpec::rows(name, foot, "world", &rows), x)
+        self.at_corner(ConstraintSpec::rows(name, foot, "world", &rows), at)
     }
 
     /// A constraint at a point of a foot.
-    fn at_corner(&self, constraint: ConstraintSpec, x: f64) -> ConstraintSpec {
+    fn at_corner(&self, constraint: ConstraintSpec, [x, y]: [f64; 2]) -> ConstraintSpec {
         match self.sole {
-            Some(_) => constraint.placed(Placement::from_xyz_rpy([x, 0.0, 0.0], [0.0; 3])),
+            Some(_) => constraint.placed(Placement::from_xyz_rpy([x, y, 0.0], [0.0; 3])),
             None => constraint,
         }
     }

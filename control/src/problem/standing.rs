@@ -44,6 +44,10 @@ impl Gait {
     /// [`GaitError::OutOfRange`].
     pub(super) fn check_double_support(&self) -> Result<(), ProblemError> {
         match self.double_support {
+            Some(value) if self.is_in_space() => {
+                let remedy = "is for robots in the plane, and must not be given with gait.flipped";
+                Err(GaitError::OutOfRange { value, remedy }.at(Key::GAIT_DOUBLE_SUPPORT))
+            }
             Some(value) if !(value > 0.0 && value < 1.0) => {
                 let remedy = "the part of the step that all feet stand must be more than 0 and less than 1";
                 Err(GaitError::OutOfRange { value, remedy }.at(Key::GAIT_DOUBLE_SUPPORT))
@@ -54,33 +58,35 @@ impl Gait {
 }
 
 impl Problem {
-    /// The feet of a gait on the ground, x of those that stand in `places`.
+    /// The feet of a gait on the ground, x and y of those that stand in `places`.
     ///
     /// # Errors
     /// [`GaitError::NoFoot`].
-    pub(super) fn standing(&self, gait: &Gait, places: &[f64]) -> Result<Standing, ProblemError> {
+    pub(super) fn standing(&self, gait: &Gait, places: &[[f64; 2]]) -> Result<Standing, ProblemError> {
         let with = |robot: Robot, row: ConstraintSpec| robot.with_constraint(row).map_err(no_foot);
         let (mut robot, mut foot, mut landing) = (self.robot.clone(), self.robot.clone(), self.robot.clone());
         let mut feet: Vec<Foot> = Vec::new();
+        let count = |robot: &Robot| -> usize { robot.constraints().iter().map(|one| one.kind.rows()).sum() };
         let mut add = |name: &String, rows: Vec<ConstraintSpec>, robot: Robot| {
-            let first = feet.last().map_or(0, |foot| foot.rows.end);
-            feet.push(Foot { name: name.clone(), rows: first..first + rows.len() });
-            rows.into_iter().try_fold(robot, with)
+            let first = count(&robot);
+            let robot = rows.into_iter().try_fold(robot, with)?;
+            feet.push(Foot { name: name.clone(), rows: first..count(&robot) });
+            Ok::<_, ProblemError>(robot)
         };
-        for ((stands, swings), x) in gait.stance.iter().zip(&gait.swing).zip(places) {
-            robot = add(stands, gait.held(stands, *x), robot)?;
-            foot = with(foot, gait.placed(stands, stands, [0.0; 2]))?;
-            landing = with(landing, gait.placed(swings, swings, [0.0; 2]))?;
+        for ((stands, swings), place) in gait.stance.iter().zip(&gait.swing).zip(places) {
+            robot = add(stands, gait.held(stands, *place), robot)?;
+            foot = with(foot, gait.placed(stands, stands, [0.0; 3]))?;
+            landing = with(landing, gait.placed(swings, swings, [0.0; 3]))?;
         }
         let single = robot.clone();
         if gait.double_support.is_some() {
-            for ((stands, swings), x) in gait.stance.iter().zip(&gait.swing).zip(places) {
+            for ((stands, swings), [x, _]) in gait.stance.iter().zip(&gait.swing).zip(places) {
                 robot = add(swings, gait.held_at_toe(swings, x - gait.length), robot)?;
                 foot = with(foot, gait.placed_at_toe(swings, 0.0))?;
                 landing = with(landing, gait.placed_at_toe(stands, 0.0))?;
             }
         }
-        let phase = |robot: &Robot| LoopPhase { robot: robot.clone(), rows: robot.constraints().len() };
+        let phase = |robot: &Robot| LoopPhase { robot: robot.clone(), rows: count(robot) };
         let phases = match gait.double_support {
             Some(_) => vec![phase(&robot), phase(&single)],
             None => vec![phase(&single)],

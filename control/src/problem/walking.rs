@@ -71,6 +71,7 @@ impl Problem {
                 return Err(GaitError::OutOfRange { value, remedy }.at(Key::GAIT_SOLE));
             }
         }
+        gait.check_widths()?;
         gait.check_double_support()?;
         self.check_names(gait)?;
         let exchange = self.exchange(gait)?;
@@ -87,8 +88,8 @@ impl Problem {
         let mut corners = [self.robot.clone(), self.robot.clone()];
         for (stands, swings) in gait.stance.iter().zip(&gait.swing) {
             for (of, foot) in corners.iter_mut().zip([swings, stands]) {
-                for (number, x) in gait.corners().into_iter().enumerate() {
-                    *of = of.with_constraint(gait.corner(foot, number, x)).map_err(no_foot)?;
+                for (number, at) in gait.corners().into_iter().enumerate() {
+                    *of = of.with_constraint(gait.corner(foot, number, at)).map_err(no_foot)?;
                 }
             }
         }
@@ -114,17 +115,21 @@ impl Problem {
         let (share, gravity) = (scales[along] / (2.0 * places.len() as f64), self.robot.gravity().norm());
         // The weight is on both edges alike, and a sole is pressed in its middle.
         let masses = of_foot(&|row| match gait.sole {
-            Some([heel, toe]) if row == 2 => share * (toe - heel),
+            Some([heel, toe]) if gait.is_angle(row) => share * (toe - heel),
+            _ if gait.is_in_space() => 2.0 * share,
             _ => share / angle.cos(),
         });
         let columns = gait.columns();
-        let columns = feet.iter().flat_map(|foot| columns[..foot.rows.len()].iter().copied()).collect();
-        if gait.sole.is_some() {
+        let columns = feet.iter().flat_map(|foot| columns[..foot.rows.len()].iter().cloned()).collect();
+        if gait.sole.is_some() || gait.is_in_space() {
             // A foot alone is light and easily turned: in its own masses the weight is an acceleration of
             // thousands of units, and limits would be kept to parts of one.
             kept.iter_mut().zip(&masses).for_each(|(row, mass)| row.mass = *mass);
         }
-        let lift = kept.iter().zip(masses).map(|(row, mass)| mass * gravity / row.mass).collect();
+        let lift = match gait.is_in_space() {
+            true => gait.lift_in_space(2.0 * share * gravity, &kept),
+            false => kept.iter().zip(masses).map(|(row, mass)| mass * gravity / row.mass).collect(),
+        };
         let gait = gait.clone();
         let walk =
             Walk { foot, landing, feet, corners, columns, gait, places, exchange, shift, scales, lift };
@@ -203,11 +208,18 @@ impl Problem {
     }
 
     /// For each joint the one whose place it takes when the legs change their roles.
-    fn exchange(&self, gait: &Gait) -> Result<Vec<usize>, ProblemError> {
-        let mut exchange: Vec<usize> = (0..self.robot.dof()).collect();
+    fn exchange(&self, gait: &Gait) -> Result<Vec<(usize, f64)>, ProblemError> {
+        let mut exchange: Vec<(usize, f64)> = (0..self.robot.dof()).map(|joint| (joint, 1.0)).collect();
+        for name in &gait.flipped {
+            let joint = self.joint(Key::GAIT_FLIPPED, name)?;
+            if exchange[joint].1 < 0.0 {
+                return Err(ProblemError::GivenTwice { key: Key::GAIT_FLIPPED, joint: self.name(joint) });
+            }
+            exchange[joint].1 = -1.0;
+        }
         for pair in &gait.mirror {
             let [a, b] = [self.joint(Key::GAIT_MIRROR, &pair[0])?, self.joint(Key::GAIT_MIRROR, &pair[1])?];
-            let twice = [a, b].into_iter().find(|&i| exchange[i] != i).or((a == b).then_some(a));
+            let twice = [a, b].into_iter().find(|&i| exchange[i].0 != i).or((a == b).then_some(a));
             if let Some(joint) = twice {
                 return Err(ProblemError::GivenTwice { key: Key::GAIT_MIRROR, joint: self.name(joint) });
             }
@@ -230,6 +242,10 @@ impl Problem {
             }
             let [x, y, z] = [0, 1, 2].map(|row| foot.jacobian().row(row));
             let tilts = [3, 5].map(|row| foot.values()[row].abs());
+            if gait.is_in_space() {
+                carries &= (x[along] - 1.0).abs() < PLANAR && y[along].abs().max(z[along].abs()) < PLANAR;
+                continue;
+            }
             if gait.sole.is_some() && tilts.iter().any(|tilt| *tilt > PLANAR) {
                 return Err(GaitError::Tilted { frame: frame.clone() }.at(key));
             }
@@ -245,23 +261,27 @@ impl Problem {
     }
 
     /// The position near the guess with the first foot that stands at the origin, and all that swing one step
-    /// behind those that stand; x of these.
-    fn standing_guess(&self, gait: &Gait) -> Result<(Vec<f64>, Vec<f64>), ProblemError> {
+    /// behind those that stand; x and y of these. In space feet stay on their side.
+    fn standing_guess(&self, gait: &Gait) -> Result<(Vec<f64>, Vec<[f64; 2]>), ProblemError> {
         let failed = |cause| GaitError::CannotStand { cause }.at(Key::START_Q);
         let mut q = self.start.q.clone();
         let mut places = Vec::with_capacity(gait.stance.len());
-        for foot in &gait.stance {
-            let robot = self.robot.with_constraint(gait.placed(foot, foot, [0.0; 2])).map_err(no_foot)?;
-            let mut found = Constraints::<f64>::new(&robot);
+        let place = |foot: &str| -> Result<[f64; 2], ProblemError> {
+            let pinned = ConstraintSpec::pinned(foot, foot, "world");
+            let mut found = Constraints::<f64>::new(&self.robot.with_constraint(pinned).map_err(no_foot)?);
             found.set_position(&q).map_err(|error| failed(error.into()))?;
-            places.push(found.values()[0]);
+            Ok([found.values()[0], found.values()[1]])
+        };
+        for (stands, swings) in gait.stance.iter().zip(&gait.swing) {
+            let ([x, y], [_, other]) = (place(stands)?, place(swings)?);
+            places.push([x, if gait.is_in_space() { (0.5 * gait.width).copysign(y - other) } else { 0.0 }]);
         }
-        let first = places[0];
-        places.iter_mut().for_each(|x| *x -= first);
+        let first = places[0][0];
+        places.iter_mut().for_each(|[x, _]| *x -= first);
         let mut robot = self.robot.clone();
-        for ((stands, swings), x) in gait.stance.iter().zip(&gait.swing).zip(&places) {
-            robot = robot.with_constraint(gait.placed(stands, stands, [*x, 0.0])).map_err(no_foot)?;
-            let behind = [x - gait.length, 0.0];
+        for ((stands, swings), [x, y]) in gait.stance.iter().zip(&gait.swing).zip(&places) {
+            robot = robot.with_constraint(gait.placed(stands, stands, [*x, *y, 0.0])).map_err(no_foot)?;
+            let behind = [x - gait.length, -y, 0.0];
             robot = robot.with_constraint(gait.placed(swings, swings, behind)).map_err(no_foot)?;
         }
         let held = vec![false; q.len()];
@@ -273,7 +293,7 @@ impl Problem {
     fn check_mirror(
         &self,
         gait: &Gait,
-        exchange: &[usize],
+        exchange: &[(usize, f64)],
         q: &[f64],
         shift: &[f64],
     ) -> Result<(), ProblemError> {
@@ -303,7 +323,8 @@ impl Problem {
         };
         for (swings, stands) in gait.swing.iter().zip(&gait.stance) {
             let (here, there) = (place(swings, q)?, place(stands, &moved(q))?);
-            let miss = (here[0] - gait.length - there[0]).hypot(here[2] - there[2]);
+            let across = if gait.is_in_space() { here[1] + there[1] } else { 0.0 };
+            let miss = (here[0] - gait.length - there[0]).hypot(here[2] - there[2]).hypot(across);
             if miss > SYMMETRIC * gait.length.max(1.0) {
                 return Err(GaitError::FeetStay { miss }.at(Key::GAIT_MIRROR));
             }
@@ -312,7 +333,7 @@ impl Problem {
     }
 }
 
-fn positive(key: Key, value: f64) -> Result<(), ProblemError> {
+pub(super) fn positive(key: Key, value: f64) -> Result<(), ProblemError> {
     match value > 0.0 && value.is_finite() {
         true => Ok(()),
         false => Err(GaitError::OutOfRange { value, remedy: "must be positive and finite" }.at(key)),

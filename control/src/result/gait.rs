@@ -123,7 +123,7 @@ impl Landing {
         let exchanged = |list: &[f64]| exchanged(&walk.exchange, list);
         let places = exchanged(q).iter().zip(&walk.shift).map(|(q, shift)| q + shift).collect();
         // Those that stay have as many rows as where they stand.
-        let impulse = |foot: &Foot| [after.impulse[foot.rows.start], 0.0, after.impulse[foot.rows.start + 1]];
+        let impulse = |foot: &Foot| walk.gait.force_of(&after.impulse[foot.rows.clone()]);
         let mut impulses: Vec<[f64; 3]> = walk.feet.iter().map(impulse).collect();
         let standing_impulses = impulses.split_off(walk.stance().len());
         Ok(Self { q: places, v: exchanged(after.velocity), impulses, standing_impulses, loss: after.loss })

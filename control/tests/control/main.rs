@@ -53,6 +53,7 @@ mod second_variation;
 mod shooting;
 mod soles;
 mod source;
+mod space_walk;
 mod states;
 mod stopping;
 mod task_file;

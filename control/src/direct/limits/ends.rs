@@ -17,12 +17,14 @@ pub(crate) struct Settled {
 }
 
 /// An unknown of the start that is shared.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Tie {
     /// Its place in the state of the start.
     pub start: usize,
     /// The place in the state of the end that follows it at a constant distance, if there is one.
     pub end: Option<usize>,
+    /// By how much that one moves for one: 1, or -1 if it goes the other way in a mirror.
+    pub sign: f64,
 }
 
 /// What is given at the ends of the phases, K + 1 of them: 0 is the start of the motion, K its end.
@@ -75,13 +77,13 @@ impl Ends {
         let given: Vec<Vec<bool>> = states.iter().map(given).collect();
         let walk = problem.loops.as_ref().and_then(|loops| loops.walk.as_ref());
         let is_tied = |i: &usize| (problem.periodic.is_some() || walk.is_some()) && !given[0][*i];
-        let tie = |i: usize| Tie {
-            start: i,
-            end: match walk {
+        let tie = |i: usize| {
+            let (end, sign) = match walk {
                 // Positions change places; rows relate the rates of both ends.
-                Some(walk) => walk.exchange.get(i).copied(),
-                None => Some(i),
-            },
+                Some(walk) => walk.exchange.get(i).map_or((None, 1.0), |&(from, sign)| (Some(from), sign)),
+                None => (Some(i), 1.0),
+            };
+            Tie { start: i, end, sign }
         };
         let tied = (0..given[0].len()).filter(is_tied).map(tie).collect();
         Self {
@@ -210,7 +212,7 @@ impl Ends {
         self.times.reduce(by_times, times);
         let last = node * mesh.intervals();
         for (to, tie) in tied.iter_mut().zip(&self.tied) {
-            *to = by_unknowns[tie.start] + tie.end.map_or(0.0, |i| by_unknowns[last + i]);
+            *to = by_unknowns[tie.start] + tie.end.map_or(0.0, |i| tie.sign * by_unknowns[last + i]);
         }
         self.removed(mesh).for_each(|(k, i)| by_unknowns[node * k + i] = 0.0);
     }
@@ -223,7 +225,7 @@ impl Ends {
         for (&step, tie) in tied.iter().zip(&self.tied) {
             unknowns[tie.start] = step;
             if let Some(i) = tie.end {
-                unknowns[node * mesh.intervals() + i] = step;
+                unknowns[node * mesh.intervals() + i] = tie.sign * step;
             }
         }
     }

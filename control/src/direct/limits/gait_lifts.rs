@@ -71,6 +71,9 @@ impl GaitLifts {
     /// States that cannot be evaluated.
     pub fn values(&mut self, ends: [(&[f64], &[f64]); 2], g: &mut [f64]) -> Result<(), EvalError> {
         let count = g.len() / 2;
+        if count == 0 {
+            return Ok(());
+        }
         for ((q, v), g) in ends.into_iter().zip(g.chunks_exact_mut(count)) {
             self.place(q, v)?;
             for (i, g) in g.iter_mut().enumerate() {
@@ -92,6 +95,9 @@ impl GaitLifts {
         rows: &mut [f64],
         hessian: &mut [f64],
     ) -> Result<(), EvalError> {
+        if weights.is_empty() {
+            return Ok(());
+        }
         self.place(q, v)?;
         let (n, width) = (q.len(), rows.len() / weights.len());
         let [h, length] = self.arch;

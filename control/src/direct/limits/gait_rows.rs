@@ -19,7 +19,7 @@ const HEIGHT: f64 = 0.1;
 /// ```text
 /// M v(0) - J'dnu/dt(0) - S M v(T)     n, momenta after the impact
 /// J v(0)                              rates of the rows of the feet that stand during the whole step
-/// g(q(0))                             x and z of the first of these feet, z of the others, angles of soles
+/// g(q(0))                             place of the first of these feet, z of the others, angles of soles
 /// ```
 ///
 /// then those of [`GaitSoles`]. In a step with double support dnu/dt(0) = 0 is given; the feet that stand
@@ -32,7 +32,7 @@ const HEIGHT: f64 = 0.1;
 pub(crate) struct GaitRows {
     open: LagrangianSecondOrder<f64>,
     rows: Vec<LoopRow>,
-    exchange: Vec<usize>,
+    exchange: Vec<(usize, f64)>,
     /// Along a direction.
     stance: Constraints<Tangent<f64>>,
     line: Vec<Tangent<f64>>,
@@ -69,13 +69,8 @@ impl GaitRows {
         let stance = Constraints::<Tangent<f64>>::new(&loops.robot);
         let (n, k) = (stance.dof(), loops.rows.len());
         let places = |(number, foot): (usize, &Foot)| {
-            let first = foot.rows.start;
-            let angle = foot.rows.clone().find(|&row| foot.is_turned_by(row)).map(|row| row..row + 1);
-            let others = match number {
-                0 => [Some(0..1), Some(1..2)],
-                _ => [Some(first..first + 2), None],
-            };
-            others.into_iter().flatten().chain(angle)
+            let (first, places) = (foot.rows.start, walk.gait.places_of_foot(number));
+            places.into_iter().map(move |rows| first + rows.start..first + rows.end)
         };
         let places: Vec<Range<usize>> = walk.stance().iter().enumerate().flat_map(places).collect();
         let momenta = walk.scales.iter().enumerate();
@@ -83,8 +78,7 @@ impl GaitRows {
             Row::equal(0.0, scale, "kg m/s, kg m^2/s", format!("momentum {i} through the impact"))
         });
         let of = |[what, turned]: [&str; 2], [unit, of_angles]: [&'static str; 2], first: usize| {
-            let foot = walk.foot_of(first);
-            let is_angle = foot.is_some_and(|foot| foot.is_turned_by(first));
+            let (foot, is_angle) = (walk.foot_of(first), walk.is_angle(first));
             let (what, unit) = if is_angle { (turned, of_angles) } else { (what, unit) };
             let foot = foot.map_or("", |foot| &foot.name);
             let name = format!("{what} of '{foot}' at the start of the step");
@@ -142,7 +136,7 @@ impl GaitRows {
         &self.heights
     }
 
-    /// Forces on toes, in the accelerations of multipliers, and what holds for them.
+    /// Forces in their cones, in the accelerations of multipliers, and what holds for them.
     pub fn soles(&self) -> Option<&GaitSoles> {
         self.soles.as_ref()
     }
@@ -160,8 +154,8 @@ impl GaitRows {
         let (n, k) = (self.rest.len(), self.rows.len());
         let (momenta, others) = g.split_at_mut(n);
         self.momenta(end)?;
-        for (to, &from) in momenta.iter_mut().zip(&self.exchange) {
-            *to = -self.momentum[from];
+        for (to, &(from, sign)) in momenta.iter_mut().zip(&self.exchange) {
+            *to = -sign * self.momentum[from];
         }
         self.momenta(start)?;
         momenta.iter_mut().zip(&self.momentum).for_each(|(to, p)| *to += p);
@@ -200,13 +194,13 @@ impl GaitRows {
         self.values([start, end], g)?;
         let (n, k) = (self.rest.len(), self.rows.len());
         let (all, width) = (n + k, 2 * (n + k));
-        for (&from, weight) in self.exchange.iter().zip(weights) {
-            self.weights[from] = -weight;
+        for (&(from, sign), weight) in self.exchange.iter().zip(weights) {
+            self.weights[from] = -sign * weight;
         }
         self.add_momenta(end, at_end)?;
-        for (to, &from) in far.chunks_exact_mut(width).zip(&self.exchange) {
+        for (to, &(from, sign)) in far.chunks_exact_mut(width).zip(&self.exchange) {
             let row = &self.slope[width * from..width * (from + 1)];
-            to.iter_mut().zip(row).for_each(|(to, slope)| *to -= slope);
+            to.iter_mut().zip(row).for_each(|(to, slope)| *to -= sign * slope);
         }
         self.weights.copy_from_slice(&weights[..n]);
         self.add_momenta(start, at_start)?;

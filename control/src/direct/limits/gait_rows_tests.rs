@@ -60,6 +60,42 @@ fn seven_link_step() -> Problem {
         .with_gait(gait)
 }
 
+/// A step of the biped in space, with its multipliers.
+pub(in crate::direct) fn walker() -> Problem {
+    walker_on(|gait| gait.with_sole(-0.0488, 0.1371).with_sole_width(0.0958))
+}
+
+/// The same on points below its ankles.
+fn walker_on_points() -> Problem {
+    walker_on(|gait| gait)
+}
+
+fn walker_on(feet: impl Fn(Gait) -> Gait) -> Problem {
+    let q = [
+        [-0.2, 0.02, 0.83, 0.02, -0.03, 0.05].as_slice(),
+        &[0.1, 0.03, 0.02, 0.6, -0.7, 0.04],
+        &[-0.6, 0.02, -0.03, 0.6, 0.0, -0.02],
+    ];
+    let parts = ["hip_pitch", "hip_roll", "hip_yaw", "knee", "ankle_pitch", "ankle_roll"];
+    let [left, right] = ["left", "right"].map(|side| parts.map(|part| format!("{side}_{part}")));
+    let pairs: Vec<[&str; 2]> = left.iter().zip(&right).map(|(a, b)| [&**a, &**b]).collect();
+    let flips = |name: &&String| name.ends_with("roll") || name.ends_with("yaw");
+    let of_legs = left.iter().chain(&right).filter(flips).map(String::as_str);
+    let flipped: Vec<&str> = ["base_y", "base_yaw", "base_roll"].into_iter().chain(of_legs).collect();
+    let gait = Gait::new(&["right_foot"], &["left_foot"], "base_x", 0.4)
+        .with_clearance(0.05)
+        .in_space(&flipped, 0.15)
+        .with_mirror(&pairs);
+    let most = [[0.0; 6].as_slice(), &[200.0; 12]].concat();
+    let effort = [[0.0; 6].as_slice(), &[1.0; 12]].concat();
+    let q = q.concat();
+    let problem = Problem::rest_to_rest(file("biped_walker.toml"), &q, &q, 0.6)
+        .with_cost(Objective::new(0.0, effort))
+        .with_limits(MotionLimits::none().with_torque_max(most))
+        .with_gait(feet(gait));
+    problem.with_multipliers().unwrap()
+}
+
 fn rows(problem: &Problem) -> GaitRows {
     let loops = problem.loops.as_ref().unwrap();
     GaitRows::new(loops, loops.walk.as_ref().unwrap())
@@ -83,8 +119,9 @@ fn derivatives(rows: &mut GaitRows, states: [&[f64]; 2], weights: &[f64]) -> [Ve
 
 #[test]
 fn derivatives_at_the_ends_are_those_of_differences() {
+    let one = [rabbit(), seven_link(), walker(), walker_on_points()];
     let both = [rabbit_on_both_feet(), seven_link_on_both_feet()];
-    [rabbit(), seven_link()].iter().chain(&both).for_each(compare_ends);
+    one.iter().chain(&both).for_each(compare_ends);
 }
 
 fn compare_ends(problem: &Problem) {
@@ -162,12 +199,18 @@ fn derivatives_of_the_height_are_those_of_differences() {
 /// The heights of heel and toe, and the load of the toe, which is linear.
 #[test]
 fn derivatives_of_soles_are_those_of_differences() {
-    let problem = seven_link();
-    let (mut rows, all) = (rows(&problem), problem.coordinates());
-    assert_eq!((rows.along().len(), rows.forces().len(), all), (2, 1, 12));
+    compare_soles(&seven_link(), [2, 1, 12]);
+    compare_soles(&walker(), [4, 16, 24]);
+}
+
+fn compare_soles(problem: &Problem, [heights, forces, all]: [usize; 3]) {
+    let mut rows = rows(problem);
+    assert_eq!((rows.along().len(), rows.forces().len(), problem.coordinates()), (heights, forces, all));
+    let joints = problem.robot.dof();
     let mut points = Points::default();
-    points.resize(all, [2, 1], std::iter::once(1));
-    points.g_weights.copy_from_slice(&[0.7, -1.1]);
+    points.resize(all, [heights, forces], std::iter::once(1));
+    let weights: Vec<f64> = (0..heights).map(|i| 0.7 - 0.6 * i as f64).collect();
+    points.g_weights.copy_from_slice(&weights);
     let some = |i: usize| (0.4 + 1.7 * i as f64).sin();
     let at = |rows: &mut GaitRows, points: &mut Points, j: usize, h: f64| {
         points.z.iter_mut().enumerate().for_each(|(i, z)| *z = some(i));
@@ -179,21 +222,26 @@ fn derivatives_of_soles_are_those_of_differences() {
         (values, points.g_x.clone(), points.h_z.clone(), points.hessian.clone())
     };
     let (values, g_x, h_z, hessian) = at(&mut rows, &mut points, 0, 0.0);
-    let mut load = [0.0];
-    rows.soles().unwrap().load(&points.z[2 * all + 9..], &mut load);
-    assert_eq!(values[2], load[0]);
+    let mut load = vec![0.0; forces];
+    rows.soles().unwrap().load(&points.z[2 * all + joints..], &mut load);
+    assert_eq!(values[heights..], load);
     let h = 1e-5;
     for j in 0..3 * all {
         let plus = at(&mut rows, &mut points, j, h);
         let minus = at(&mut rows, &mut points, j, -h);
         let slope = |row: usize| (plus.0[row] - minus.0[row]) / (2.0 * h);
-        for row in 0..2 {
+        for row in 0..heights {
             let found = if j < 2 * all { g_x[2 * all * row + j] } else { 0.0 };
             assert!((found - slope(row)).abs() < 1e-8, "{row} {j}: {found} {}", slope(row));
         }
-        assert!((h_z[j] - slope(2)).abs() < 1e-6 * (1.0 + h_z[j].abs()), "{j}: {} {}", h_z[j], slope(2));
+        for row in 0..forces {
+            let (found, slope) = (h_z[3 * all * row + j], slope(heights + row));
+            assert!((found - slope).abs() < 1e-6 * (1.0 + found.abs()), "{row} {j}: {found} {slope}");
+        }
         for i in 0..2 * all {
-            let by = |of: &[f64]| 0.7 * of[i] - 1.1 * of[2 * all + i];
+            let by = |of: &[f64]| {
+                weights.iter().enumerate().map(|(row, weight)| weight * of[2 * all * row + i]).sum::<f64>()
+            };
             let expected = (by(&plus.1) - by(&minus.1)) / (2.0 * h);
             let found = hessian[3 * all * i + j];
             assert!((found - expected).abs() < 1e-8, "{i} {j}: {found} {expected}");
@@ -205,7 +253,8 @@ fn derivatives_of_soles_are_those_of_differences() {
 #[test]
 fn a_step_begins_on_both_feet() {
     let both = [(rabbit_on_both_feet(), 7, 4), (seven_link_on_both_feet(), 9, 5)];
-    for (problem, n, k) in [(rabbit(), 7, 2), (seven_link(), 9, 3)].into_iter().chain(both) {
+    let one = [(rabbit(), 7, 2), (seven_link(), 9, 3), (walker(), 18, 6), (walker_on_points(), 18, 3)];
+    for (problem, n, k) in one.into_iter().chain(both) {
         let mut rows = rows(&problem);
         assert_eq!(problem.coordinates(), n + k);
         for q in [&problem.start.q, &problem.end.q] {

@@ -1,5 +1,5 @@
-//! What soles need beside the limits of single multipliers: the load of the toe, and corners that do not
-//! sink into the ground at the ends of a step.
+//! What feet need beside the limits of single multipliers: linear rows of the cone of their forces, and
+//! corners of soles that do not sink into the ground at the ends of a step.
 
 use super::gait_lifts::GaitLifts;
 use crate::problem::loop_rows::{Loops, Walk};
@@ -14,51 +14,64 @@ pub(crate) struct Derivatives<'a> {
     pub at_end: &'a mut [f64],
 }
 
-/// Rows of soles in the states x = (q, nu, v, dnu/dt) of both ends, of n joints and k multipliers, after
+/// Rows of feet in the states x = (q, nu, v, dnu/dt) of both ends, of n joints and k multipliers, after
 /// those of all feet:
 ///
 /// ```text
-/// impulse on the toe >= 0                   of each foot that lands, in dnu/dt at the start
+/// impulse in its cone                       of each foot that lands, in dnu/dt at the start
 /// dH/dt >= 0 at the start, <= 0 at the end  of each corner that swings
 /// ```
 ///
-/// without double support, where all of these are zero, and along the motion the same `force on the toe >= 0`
-/// in the accelerations of nu: see [`problem::soles`](crate::problem).
+/// without double support, where all of these are zero, and along the motion the same rows of forces in the
+/// accelerations of nu: see [`Gait::cone`]. The rates are those of soles.
+///
+/// [`Gait::cone`]: crate::Gait::cone
 #[derive(Clone, Debug)]
 pub(crate) struct GaitSoles {
     lifts: GaitLifts,
     /// n and k.
     sizes: [usize; 2],
-    /// For each foot its first multiplier, and the forces on the toe by its three.
-    loads: Vec<(usize, [f64; 3])>,
+    /// For each row the first multiplier of its foot, and the row by those of the foot.
+    loads: Vec<(usize, Vec<f64>)>,
     bounds: Vec<Row>,
     forces: Vec<Row>,
 }
 
 impl GaitSoles {
-    /// `None` for points.
+    /// `None` for points in the plane, whose cones are limits of single multipliers.
     pub fn new(loops: &Loops, walk: &Walk) -> Option<Self> {
-        let by_multipliers = walk.gait.load_of_toe()?;
+        let cone = walk.gait.cone();
+        if cone.is_empty() {
+            return None;
+        }
         let (n, rows) = (walk.shift.len(), &loops.rows);
-        let loads = walk.stance().iter().map(|foot| {
-            let mut load = by_multipliers;
-            load.iter_mut().zip(&rows[foot.rows.clone()]).for_each(|(load, row)| *load *= row.mass);
-            (foot.rows.start, load)
+        let loads = walk.stance().iter().flat_map(|foot| {
+            let (first, rows) = (foot.rows.start, &rows[foot.rows.clone()]);
+            cone.iter().map(move |side| {
+                let load = side.by.iter().zip(rows).map(|(by, row)| by * row.mass).collect();
+                (first, load)
+            })
         });
         let weight = walk.weight();
-        let row = |foot: &String, what: &str, unit, range| Row {
-            lower: 0.0,
-            upper: f64::INFINITY,
-            range,
-            name: format!("{what} of the ground on {}", walk.gait.name_of_corner(foot, 1)),
-            unit,
-            measure: Measure::Plain,
+        let of_feet = |what: &'static str, units: [&'static str; 2], weight: f64| {
+            let cone = &cone;
+            walk.gait.stance.iter().flat_map(move |foot| {
+                cone.iter().map(move |side| Row {
+                    lower: 0.0,
+                    upper: f64::INFINITY,
+                    range: weight * side.length.unwrap_or(1.0),
+                    name: format!("{what} of the ground on {}", side.name_on(foot)),
+                    unit: units[usize::from(side.length.is_some())],
+                    measure: Measure::Plain,
+                })
+            })
         };
-        let forces = walk.gait.stance.iter().map(|foot| row(foot, "force", "N", weight)).collect();
+        let forces = of_feet("force", ["N", "N m"], weight).collect();
         let gravity = walk.foot.gravity().norm();
-        let impulses = walk.gait.stance.iter().map(|foot| row(foot, "impulse", "N s", weight / gravity));
+        let impulses = of_feet("impulse", ["N s", "N m s"], weight / gravity);
         let corners = walk.gait.swing.iter().flat_map(|foot| {
-            (0..walk.gait.corners().len()).map(|corner| walk.gait.name_of_corner(foot, corner))
+            let corners = if walk.gait.sole.is_some() { walk.gait.corners().len() } else { 0 };
+            (0..corners).map(|corner| walk.gait.name_of_corner(foot, corner))
         });
         let arch = [walk.gait.clearance, walk.gait.length];
         let lifts = GaitLifts::new(&walk.corners, arch, &corners.collect::<Vec<_>>());
@@ -117,20 +130,20 @@ impl GaitSoles {
         if self.bounds.is_empty() {
             return Ok(());
         }
-        let ([n, k], width, feet) = (self.sizes, start.len(), self.loads.len());
+        let ([n, k], width, loads) = (self.sizes, start.len(), self.loads.len());
         for ((first, load), row) in self.loads.iter().zip(near.chunks_exact_mut(width)) {
             let to = &mut row[2 * n + k + first..];
             to.iter_mut().zip(load).for_each(|(to, load)| *to += load);
         }
-        let corners = (weights.len() - feet) / 2;
-        let (at, middle) = (width * feet, width * (feet + corners));
+        let corners = (weights.len() - loads) / 2;
+        let (at, middle) = (width * loads, width * (loads + corners));
         let [(q, v), (last_q, last_v)] = [self.of_joints(start), self.of_joints(end)];
-        let (lifts, lands) = weights[feet..].split_at(corners);
+        let (lifts, lands) = weights[loads..].split_at(corners);
         self.lifts.contract((q, v, n + k), lifts, &mut near[at..middle], at_start)?;
         self.lifts.contract((last_q, last_v, n + k), lands, &mut far[middle..], at_end)
     }
 
-    /// The loads of all toes, of these rates or accelerations of multipliers.
+    /// All rows of cones, of these rates or accelerations of multipliers.
     pub fn load(&self, multipliers: &[f64], loads: &mut [f64]) {
         for (to, (first, load)) in loads.iter_mut().zip(&self.loads) {
             *to = multipliers[*first..].iter().zip(load).map(|(a, load)| a * load).sum();

@@ -109,8 +109,8 @@ impl<'a> Stepping<'a> {
         let height = of_clearance * gait.clearance + of_length * gait.length;
         let Some(standing) = self.loops.phases.last() else { return };
         let mut robot = standing.robot.clone();
-        for (swings, x) in gait.swing.iter().zip(&self.walk.places) {
-            let at = [x + part * gait.length, height * (1.0 - part * part)];
+        for (swings, [x, y]) in gait.swing.iter().zip(&self.walk.places) {
+            let at = [x + part * gait.length, -y, height * (1.0 - part * part)];
             let Ok(with) = robot.with_constraint(gait.placed(swings, swings, at)) else { return };
             robot = with;
         }

@@ -36,7 +36,7 @@ fn add_across(across: Across<'_>, tie: &Tie, node: usize, last: usize, column: &
         column[..node]
             .iter_mut()
             .zip(across[end..].iter().step_by(node))
-            .for_each(|(to, entry)| *to += entry);
+            .for_each(|(to, entry)| *to += tie.sign * entry);
     }
 }
 
@@ -71,7 +71,7 @@ fn collect(
             let tie = &tied[j - free];
             matrix.add_column(0, tie.start, 1.0, column);
             if let Some(end) = tie.end {
-                matrix.add_column(mesh.intervals(), end, 1.0, column);
+                matrix.add_column(mesh.intervals(), end, tie.sign, column);
             }
             add_across(across, tie, node, last, column);
         }
@@ -85,8 +85,8 @@ fn collect(
                 let of = |a: usize, b: usize| ends.times.factor(a, i) * ends.times.factor(b, j);
                 of_times.iter().enumerate().map(|(at, second)| of(at / phases, at % phases) * second).sum()
             } else {
-                let Tie { start, end } = tied[i - free];
-                columns[j][start] + end.map_or(0.0, |end| columns[j][last + end])
+                let Tie { start, end, sign } = tied[i - free];
+                columns[j][start] + end.map_or(0.0, |end| sign * columns[j][last + end])
             };
             (corner[count * i + j], corner[count * j + i]) = (entry, entry);
         }

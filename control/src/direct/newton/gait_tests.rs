@@ -3,7 +3,7 @@
 use super::System;
 use crate::direct::interior::iterate::Interior;
 use crate::direct::limits::gait_rows::tests::{
-    rabbit, rabbit_on_both_feet, seven_link, seven_link_on_both_feet,
+    rabbit, rabbit_on_both_feet, seven_link, seven_link_on_both_feet, walker,
 };
 use crate::direct::solve::prepare::{Dynamics, interior};
 use crate::options::SolverOptions;
@@ -77,6 +77,12 @@ fn the_matrix_of_soles_is_the_derivative_of_the_gradient() {
 fn the_matrix_of_double_support_is_the_derivative_of_the_gradient() {
     compare(&rabbit_on_both_feet(), 1 + 7 + 7);
     compare(&seven_link_on_both_feet(), 1 + 9 + 9);
+}
+
+/// In space, where joints change their signs in the mirror.
+#[test]
+fn the_matrix_in_space_is_the_derivative_of_the_gradient() {
+    compare(&walker(), 18 + 18 + 6);
 }
 
 fn compare(problem: &Problem, shared: usize) {

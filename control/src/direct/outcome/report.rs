@@ -62,8 +62,8 @@ impl Coordinates {
         let (names, kinds) = problem.named_coordinates();
         let rows = problem.loops.iter().flat_map(|loops| &loops.rows);
         let walk = problem.loops.iter().find_map(|loops| loops.walk.as_ref());
-        let feet = walk.into_iter().flat_map(|walk| &walk.feet);
-        let turns = feet.flat_map(|foot| foot.rows.clone().map(|row| foot.is_turned_by(row))).collect();
+        let turns =
+            walk.map_or(Vec::new(), |walk| (0..rows.clone().count()).map(|row| walk.is_angle(row)).collect());
         Self { names, kinds, joints: problem.robot.dof(), masses: rows.map(|row| row.mass).collect(), turns }
     }
 

@@ -99,6 +99,8 @@ fn sides(problem: &Problem) -> Vec<Side> {
     let without = (0..limits.len()).filter(|&j| !has_motor(&limits[j])).map(|j| Side::no_torque(j, unit));
     // Forces and impulses of a foot are between the edges of the friction cone.
     let walking = problem.loops.iter().filter_map(|loops| Some((loops, loops.walk.as_ref()?)));
+    // In space they are rows.
+    let walking = walking.filter(|(_, walk)| !walk.gait.is_in_space());
     let edges = walking.flat_map(|(loops, walk)| {
         let first = loops.robot.dof();
         // Those of soles are measured in what carries the weight.

@@ -6,8 +6,20 @@ use crate::problem::Gait;
 use crate::problem::file::error::ProblemFileCause;
 use toml::de::DeValue;
 
-const KEYS: &[&str] =
-    &["stance", "swing", "along", "length", "friction", "clearance", "mirror", "sole", "double_support"];
+const KEYS: &[&str] = &[
+    "stance",
+    "swing",
+    "along",
+    "length",
+    "friction",
+    "clearance",
+    "mirror",
+    "sole",
+    "double_support",
+    "sole_width",
+    "flipped",
+    "width",
+];
 
 /// Reads `[gait]`.
 pub(super) fn gait(root: &Table<'_>) -> Result<Option<Gait>, Fault> {
@@ -38,6 +50,9 @@ pub(super) fn gait(root: &Table<'_>) -> Result<Option<Gait>, Fault> {
     gait.mirror = table.list("mirror", "a list of pairs of joint names", pair)?.unwrap_or_default();
     gait.sole = table.value("sole", "a list of two numbers, x of heel and toe", two)?;
     gait.double_support = table.number("double_support")?;
+    gait.sole_width = table.number("sole_width")?.unwrap_or(gait.sole_width);
+    gait.width = table.number("width")?.unwrap_or(gait.width);
+    gait.flipped = table.list("flipped", "a list of joint names", string)?.unwrap_or_default();
     Ok(Some(gait))
 }
 

@@ -1,0 +1,47 @@
+//! What gaits of robots in space have beside those in the plane.
+
+use super::error::ProblemError;
+use super::gait::Gait;
+use super::gait_error::GaitError;
+use super::key::Key;
+use super::loop_rows::LoopRow;
+use super::walking::positive;
+
+impl Gait {
+    /// Whether it is one of a robot in space.
+    pub(crate) fn is_in_space(&self) -> bool {
+        !self.flipped.is_empty()
+    }
+
+    /// Whether the widths of a gait in space make sense, and one in the plane has none.
+    ///
+    /// # Errors
+    /// [`ProblemError::Gait`] with the key and the value.
+    pub(super) fn check_widths(&self) -> Result<(), ProblemError> {
+        let out = |key: Key, value: f64, remedy| Err(GaitError::OutOfRange { value, remedy }.at(key));
+        let (space, has_sole) = (self.is_in_space(), self.sole.is_some());
+        if space && !(self.width >= 0.0 && self.width.is_finite()) {
+            return out(Key::GAIT_WIDTH, self.width, "must be neither negative nor infinite (m)");
+        }
+        if space && has_sole {
+            return positive(Key::GAIT_SOLE_WIDTH, self.sole_width);
+        }
+        let remedy = "must not be given of a robot in the plane; gait.flipped names the joints that change their \
+                      signs in the mirror of one in space";
+        if !space && self.width != 0.0 {
+            return out(Key::GAIT_WIDTH, self.width, remedy);
+        }
+        match self.sole_width {
+            0.0 => Ok(()),
+            width if space => out(Key::GAIT_SOLE_WIDTH, width, "must not be given without gait.sole"),
+            width => out(Key::GAIT_SOLE_WIDTH, width, remedy),
+        }
+    }
+
+    /// Accelerations of the multipliers of feet in space that bear so much each (N), soles in their middle.
+    pub(super) fn lift_in_space(&self, weight: f64, rows: &[LoopRow]) -> Vec<f64> {
+        let pressed = self.sole.map_or(0.0, |[heel, toe]| -0.5 * (heel + toe) * weight);
+        let wrench = [0.0, 0.0, weight, 0.0, pressed, 0.0];
+        rows.iter().enumerate().map(|(i, row)| wrench[i % self.rows_of_foot()] / row.mass).collect()
+    }
+}
