@@ -11,20 +11,20 @@ pub(crate) const MOST: usize = 6;
 
 /// The chart of one joint at a configuration.
 ///
-/// Displacements of the chain of joints are along the axes of the parent, those of the chart along those of
-/// the moved frame.
+/// Displacements of the chart are along the axes of the moved frame, those of the chain of joints along the
+/// axes of the parent, or [along the same](Self::set_own_axes).
 #[derive(Clone, Debug)]
 pub(crate) struct ChartFrame<S> {
     free: FreeFrame,
     pub chart: Chart,
-    /// From the axes of the moved frame to those of the parent.
-    rotation: Rotation<S>,
+    /// From the axes of the moved frame to those of the parent, where displacements of the chain are along
+    /// these.
+    rotation: Option<Rotation<S>>,
 }
 
 impl<S: Scalar> ChartFrame<S> {
     pub fn new(free: &FreeFrame) -> Self {
-        let rotation = Rotation { rows: [Vec3::zero(); 3] };
-        Self { free: free.clone(), chart: Chart::new(free.joint.kind), rotation }
+        Self { free: free.clone(), chart: Chart::new(free.joint.kind), rotation: None }
     }
 
     /// Its first coordinate and how many there are.
@@ -40,13 +40,15 @@ impl<S: Scalar> ChartFrame<S> {
         own
     }
 
-    fn slides(&self) -> bool {
-        self.free.joint.kind == FreeKind::Floating
-    }
-
     /// Takes the orientation from q.
     pub fn set_configuration(&mut self, q: &[S]) {
-        self.rotation = self.free.quaternion(q).rotation();
+        let slides = self.free.joint.kind == FreeKind::Floating;
+        self.rotation = slides.then(|| self.free.quaternion(q).rotation());
+    }
+
+    /// The chain is displaced along the axes of the moved frame, whatever its orientation: nothing is turned.
+    pub fn set_own_axes(&mut self) {
+        self.rotation = None;
     }
 
     /// The linear components of a vector of n entries from the axes of the frame to those of the parent.
@@ -61,25 +63,22 @@ impl<S: Scalar> ChartFrame<S> {
 
     /// The same for the entries of the joint alone.
     pub fn outward_own(&self, own: &mut [S; MOST]) {
-        if let (true, [x, y, z, ..]) = (self.slides(), own) {
-            [*x, *y, *z] = self.rotation.apply(Vec3::new(*x, *y, *z)).to_array();
+        if let (Some(rotation), [x, y, z, ..]) = (&self.rotation, own) {
+            [*x, *y, *z] = rotation.apply(Vec3::new(*x, *y, *z)).to_array();
         }
     }
 
     fn turned(&self, vector: &mut [S], turn: impl Fn(&Rotation<S>, Vec3<S>) -> Vec3<S>) {
         let (at, _) = self.place();
-        if let (true, [x, y, z]) = (self.slides(), &mut vector[at..at + 3]) {
-            [*x, *y, *z] = turn(&self.rotation, Vec3::new(*x, *y, *z)).to_array();
+        if let (Some(rotation), [x, y, z]) = (&self.rotation, &mut vector[at..at + 3]) {
+            [*x, *y, *z] = turn(rotation, Vec3::new(*x, *y, *z)).to_array();
         }
     }
 
     /// Rows `top` to `top + 2` of a matrix, the linear components, from the axes of the parent to those of
     /// the frame.
     fn turn_rows(&self, matrix: &mut Matrix<S>, top: usize) {
-        if !self.slides() {
-            return;
-        }
-        let [a, b, c] = self.rotation.rows;
+        let Some(Rotation { rows: [a, b, c] }) = self.rotation else { return };
         let undo = |i: fn(Vec3<S>) -> S| [i(a), i(b), i(c)];
         let [to_x, to_y, to_z] = [undo(|row| row.x), undo(|row| row.y), undo(|row| row.z)];
         let [first, second, third] = matrix.three_rows_mut(top);
@@ -92,7 +91,7 @@ impl<S: Scalar> ChartFrame<S> {
     /// The linear components of rows and columns of a symmetric matrix, which begin at these places, from the
     /// axes of the parent to those of the frame. The matrix stays symmetric to the last digit.
     pub fn turn_symmetric(&self, matrix: &mut Matrix<S>, places: &[usize]) {
-        if !self.slides() {
+        if self.rotation.is_none() {
             return;
         }
         places.iter().for_each(|&top| self.turn_rows(matrix, top));
@@ -106,7 +105,7 @@ impl<S: Scalar> ChartFrame<S> {
 
     /// The linear components of the rows and columns of `[a_q, a_v, a_u]`, n x 3n, a_u symmetric.
     pub fn turn_responses(&self, a_z: &mut Matrix<S>) {
-        if !self.slides() {
+        if self.rotation.is_none() {
             return;
         }
         let (n, at) = (a_z.rows(), self.free.joint.coordinate);
@@ -129,7 +128,7 @@ impl<S: Scalar> ChartFrame<S> {
 
     /// The same for an F_x without friction: with J = (0, 1; -1, 0), J F_x is symmetric.
     pub fn turn_symplectic(&self, f_x: &mut Matrix<S>) {
-        if !self.slides() {
+        if self.rotation.is_none() {
             return;
         }
         let (n, at) = (f_x.rows() / 2, self.free.joint.coordinate);
@@ -148,10 +147,11 @@ impl<S: Scalar> ChartFrame<S> {
 
     /// The entries of both rows and columns that begin at these places, where the rows are turned already.
     fn turn_corners(&self, matrix: &mut Matrix<S>, places: &[usize]) {
+        let Some(rotation) = &self.rotation else { return };
         for row in places.iter().flat_map(|&top| top..top + 3) {
             for &left in places {
                 if let [x, y, z] = &mut matrix.row_mut(row)[left..left + 3] {
-                    [*x, *y, *z] = self.rotation.undo(Vec3::new(*x, *y, *z)).to_array();
+                    [*x, *y, *z] = rotation.undo(Vec3::new(*x, *y, *z)).to_array();
                 }
             }
         }
@@ -159,16 +159,14 @@ impl<S: Scalar> ChartFrame<S> {
 
     /// Rows and columns of an n x n block of a matrix, from the axes of the parent to those of the frame.
     pub fn turn_block(&self, matrix: &mut Matrix<S>, [top, left]: [usize; 2], n: usize) {
-        if !self.slides() {
-            return;
-        }
+        let Some(rotation) = &self.rotation else { return };
         let (at, _) = self.place();
         for i in top..top + n {
             self.inward(&mut matrix.row_mut(i)[left..left + n]);
         }
         for j in left..left + n {
             let column = [0, 1, 2].map(|k| matrix[(top + at + k, j)]);
-            let turned = self.rotation.undo(Vec3::from(column)).to_array();
+            let turned = rotation.undo(Vec3::from(column)).to_array();
             turned.into_iter().enumerate().for_each(|(k, entry)| matrix[(top + at + k, j)] = entry);
         }
     }

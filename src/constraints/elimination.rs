@@ -36,9 +36,11 @@ pub(super) struct Elimination<S: Scalar> {
     p: Panel<S>,
     y: Panel<S>,
     z: Panel<S>,
-    /// `-v_q` and v_p.
+    /// `U Z`.
     w: Panel<S>,
-    inverse: Panel<S>,
+    /// `-v_q`, and v_p. What is inside of the tiles of the tree has a panel of its own, which stays zero
+    /// outside.
+    velocity: Panel<S>,
 }
 
 /// The products of [`Elimination`].
@@ -102,7 +104,7 @@ impl<S: Scalar> Elimination<S> {
             y: square(),
             z: square(),
             w: square(),
-            inverse: square(),
+            velocity: square(),
         }
     }
 
@@ -131,14 +133,14 @@ impl<S: Scalar> Elimination<S> {
         [f_x, mu_x]: [&mut Matrix<S>; 2],
     ) {
         let Self {
-            products, reach, response, g: [g, g_scaled], b: [b, b_scaled], p, y, z, w, inverse, ..
+            products, reach, response, g: [g, g_scaled], b: [b, b_scaled], p, y, z, w, velocity, ..
         } = self;
         let (n, k) = (y.rows(), mu_x.rows());
         take_p(p);
         y.set_tiles(&products.upper, Left::Rows(factor.upper()), p);
         factor.divide(y, z);
         // The rows of the last call have entries outside of these tiles.
-        b.clear();
+        (0..k).for_each(|i| b.row_mut(i).fill(S::Pack::zero()));
         b.set_tiles(&products.cross, Left::Columns(reach), z);
         for i in 0..k {
             b.subtract_row(i, slope.row(i));
@@ -149,16 +151,14 @@ impl<S: Scalar> Elimination<S> {
             kkt.divide_by_pivots(rows, scaled);
         }
 
-        // Each has entries outside of the tiles of the tree.
-        inverse.copy_from::<0, 0>(factor.inverse_by_blocks());
-        let velocity = (Left::Columns(&*g), &*g_scaled);
         let by_momentum = Place::symmetric((0, n), false);
-        f_x.place_tiles(by_momentum, &products.rank_lower, velocity, (inverse, Update::Subtract));
-        w.clear();
+        let terms = (Left::Columns(&*g), &*g_scaled);
+        let update = Update::SubtractFrom(factor.inverse_by_blocks());
+        f_x.place_tiles(by_momentum, &products.rank_lower, terms, (velocity, update));
         w.set_tiles(&products.lower, Left::Columns(factor.upper()), z);
         let by_position = Place { at: (0, 0), across: (n, n), minus: [true, false] };
         let terms = (Left::Columns(&*g), &*b_scaled);
-        f_x.place_tiles(by_position, &products.rank, terms, (w, Update::Subtract));
+        f_x.place_tiles(by_position, &products.rank, terms, (velocity, Update::SubtractFrom(w)));
         take_l_qq(p);
         p.subtract_tiles(&products.square, Left::Columns(y), z);
         let force = (Left::Columns(&*b), &*b_scaled);

@@ -47,7 +47,7 @@ impl<S: Scalar, K: LagrangianHessian<S>> Conservative<S, K> {
             p: square.clone(),
             y: square.clone(),
             z: square,
-            world: if K::WORLD_AXES { World::where_fast(tree) } else { None },
+            world: if K::WORLD_AXES { World::where_fast(tree).map(World::with_own_axes) } else { None },
             in_world: false,
         }
     }
@@ -90,14 +90,23 @@ impl<S: Scalar, K: LagrangianHessian<S>> Conservative<S, K> {
     }
 
     /// v and L_q, where neither kernel two nor products with P or L_qq are asked for: what follows is
-    /// [`second_order`](Self::second_order) or nothing.
+    /// [`second_order`](Self::second_order) or, if that is false, nothing.
     #[inline(never)]
-    pub fn first_order_alone(&mut self, tree: &Tree, q: &[S], p: &[S]) -> Result<(), EvalError> {
+    pub fn first_order_alone(
+        &mut self,
+        tree: &Tree,
+        [q, p]: [&[S]; 2],
+        second_order: bool,
+    ) -> Result<(), EvalError> {
         let Some(world) = self.world.as_mut().filter(|_| !Panel::<S>::ONE_LANE) else {
             return self.first_order(tree, q, p);
         };
         self.in_world = true;
         world.factor(tree, q, &mut self.factor)?;
+        if second_order {
+            // It needs U', which gives v in less time than a substitution.
+            self.factor.invert();
+        }
         self.v.copy_from_slice(p);
         self.factor.solve(&mut self.v);
         world.first_order(tree, q, &self.v);
@@ -109,7 +118,12 @@ impl<S: Scalar, K: LagrangianHessian<S>> Conservative<S, K> {
         self.world.as_deref().filter(|_| !Panel::<S>::ONE_LANE && self.in_world)
     }
 
-    /// Whether that is so.
+    /// Whether [`first_order_alone`](Self::first_order_alone) uses it.
+    pub fn has_world(&self) -> bool {
+        !Panel::<S>::ONE_LANE && self.world.is_some()
+    }
+
+    /// Whether it was used last.
     pub fn is_in_world(&self) -> bool {
         self.world().is_some()
     }
@@ -117,11 +131,6 @@ impl<S: Scalar, K: LagrangianHessian<S>> Conservative<S, K> {
     /// L_q, of either.
     pub fn l_q(&self) -> &[S] {
         self.world().map_or(self.kernel.l_q(), World::l_q)
-    }
-
-    /// M in the axes of the world if it was computed there last, to be changed until the next call.
-    pub fn mass_matrix_mut(&mut self) -> Option<&mut Matrix<S>> {
-        self.world.as_mut().filter(|_| self.in_world).map(|world| world.mass_matrix_mut())
     }
 
     /// M, of either.

@@ -33,12 +33,26 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
         outcome
     }
 
+    /// F of the chart, for displacements along the axes of the moved frames in the kernel of the world.
+    fn first_order_of_chart(
+        &mut self,
+        free: &mut Free<S>,
+        [q, p, u]: [&[S]; 3],
+        second_order: bool,
+    ) -> Result<(), EvalError> {
+        if self.flow.has_world() {
+            free.set_state_in_own_axes([p, u]);
+        } else {
+            free.set_state([q, p, u]);
+        }
+        self.flow.first_order_alone(&self.tree, [q, &free.p], second_order)
+    }
+
     #[inline(never)]
     pub(super) fn evaluate_free(&mut self, [q, p, u]: [&[S]; 3]) -> Result<&[S], EvalError> {
         self.check_free(q, &[("p", p), ("u", u)])?;
         self.with_free(|this, free| {
-            free.set_state([q, p, u]);
-            this.flow.first_order_alone(&this.tree, q, &free.p)?;
+            this.first_order_of_chart(free, [q, p, u], false)?;
             this.state.rate_of_change(&this.tree, &this.flow.v, this.flow.l_q(), &free.u);
             free.finish_rate(&mut this.state.f, u);
             Ok(())
@@ -62,14 +76,12 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
     ) -> Result<HamiltonianLinearisation<'_, S>, EvalError> {
         self.check_free(q, &[("p", p), ("u", u)])?;
         self.with_free(|this, free| {
-            free.set_state([q, p, u]);
-            this.flow.first_order_alone(&this.tree, q, &free.p)?;
+            this.first_order_of_chart(free, [q, p, u], true)?;
             this.linearise_chart(free);
             free.finish_rate(&mut this.state.f, u);
             free.parts.iter().for_each(|part| part.finish_jacobian(&mut this.state.f_x));
-            match this.flow.mass_matrix_mut() {
-                Some(mass_matrix) => free.turn_symmetric(mass_matrix),
-                None => free.set_mass_matrix(this.flow.kernel.mass_matrix()),
+            if !this.flow.is_in_world() {
+                free.set_mass_matrix(this.flow.kernel.mass_matrix());
             }
             Ok(())
         })?;

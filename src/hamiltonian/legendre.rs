@@ -78,7 +78,7 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
         p: &[S],
     ) -> Result<VelocityLinearisation<'_, S>, EvalError> {
         self.check(&[("q", q), ("p", p)])?;
-        self.flow.first_order_alone(&self.tree, q, p)?;
+        self.flow.first_order_alone(&self.tree, [q, p], true)?;
         self.flow.second_order(&self.tree, &[]);
         let linear = self.assembled();
         Ok(VelocityLinearisation { dv_dq: linear.qq(), dv_dp: linear.qp() })

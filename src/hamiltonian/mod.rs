@@ -149,7 +149,7 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
             return self.evaluate_free([q, p, u]);
         }
         self.check(&[("q", q), ("p", p), ("u", u)])?;
-        self.flow.first_order_alone(&self.tree, q, p)?;
+        self.flow.first_order_alone(&self.tree, [q, p], false)?;
         self.state.rate_of_change(&self.tree, &self.flow.v, self.flow.l_q(), u);
         self.state.add_wrenches(q);
         Ok(&self.state.f)
@@ -169,7 +169,7 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
             return self.linearise_free([q, p, u]);
         }
         self.check(&[("q", q), ("p", p), ("u", u)])?;
-        self.flow.first_order_alone(&self.tree, q, p)?;
+        self.flow.first_order_alone(&self.tree, [q, p], true)?;
         self.prepare_second_order(q, u);
         self.assembled();
         self.state.add_wrench_slopes(q);

@@ -15,6 +15,8 @@ pub(crate) struct World<S: Scalar> {
     /// What no pair of joints on one branch sets stays zero.
     l_vq: Panel<S>,
     l_qq: Panel<S>,
+    /// Whether floating joints are displaced along the axes of the moved frames.
+    own_axes: bool,
 }
 
 impl<S: Scalar> World<S> {
@@ -29,12 +31,23 @@ impl<S: Scalar> World<S> {
             l_q: filled(S::zero(), n),
             l_vq: Panel::zeros(n, n),
             l_qq: Panel::zeros(n, n),
+            own_axes: false,
         })
+    }
+
+    /// With floating joints that are displaced along the axes of the frames that they move, as v and p are
+    /// given, instead of those of the parent: results are those of the chart, and need not be turned.
+    pub fn with_own_axes(mut self: Box<Self>) -> Box<Self> {
+        self.own_axes = true;
+        self
     }
 
     /// M at q (nq) and its factors.
     pub fn factor(&mut self, tree: &Tree, q: &[S], factor: &mut Factor<S>) -> Result<(), EvalError> {
         self.kernel.set_position(tree, q);
+        if self.own_axes {
+            self.kernel.turn_displacements();
+        }
         self.kernel.compose(tree);
         let (mass_matrix, coordinates) = (self.kernel.mass_matrix(), self.kernel.coordinates(tree, q));
         let size_of = |k| size_of_joint(tree, k, coordinates, mass_matrix[(k, k)]);
@@ -69,11 +82,6 @@ impl<S: Scalar> World<S> {
     /// L_q.
     pub fn l_q(&self) -> &[S] {
         &self.l_q
-    }
-
-    /// The same, to be changed until the next call.
-    pub fn mass_matrix_mut(&mut self) -> &mut Matrix<S> {
-        self.kernel.mass_matrix_mut()
     }
 
     /// P, which may be changed on pairs of joints on one branch.

@@ -38,25 +38,21 @@ impl<S: Scalar> Factor<S> {
         self.inverted = false;
         for block in (0..self.blocks()).rev() {
             self.work.subtract_own_rows(&tiles.eliminate, block, self.l.entries());
-            let l = self.eliminate_corner(block);
-            let mut scales = [S::Pack::zero(); MOST_LANES];
-            let rows = self.rows(block);
-            for (scale, &inverse) in scales.iter_mut().zip(&self.inverse_pivots[rows]) {
-                *scale = S::Pack::splat(inverse);
-            }
+            let (l, inverses) = self.eliminate_corner(block);
             for &pack in tiles.lower.of(block) {
                 let mut x = self.work.block::<0>(block, pack);
                 solve_corner(&l, &mut x);
                 self.work.set_block::<0>(block, pack, &x);
-                x.iter_mut().zip(&scales).for_each(|(x, &scale)| *x *= scale);
+                x.iter_mut().zip(&inverses).for_each(|(x, &inverse)| *x *= S::Pack::splat(inverse));
                 self.l.entries_mut().set_block::<0>(block, pack, &x);
             }
         }
     }
 
-    /// The pivots of a block of rows and the entries of L below the diagonal of its diagonal block.
+    /// Sets the pivots of a block of rows: the entries of L below the diagonal of its diagonal block, and the
+    /// inverses of the pivots.
     #[inline(always)]
-    fn eliminate_corner(&mut self, block: usize) -> Corner<S> {
+    fn eliminate_corner(&mut self, block: usize) -> (Corner<S>, [S; MOST_LANES]) {
         // Loops of a length that is known; rows that are cut off are those of the unit matrix.
         let (lanes, rows) = (Panel::<S>::LANES, self.rows(block));
         let mut l = [[S::zero(); MOST_LANES]; MOST_LANES];
@@ -76,14 +72,13 @@ impl<S: Scalar> Factor<S> {
                 l[i][r] = d[i][r] * inverse;
             }
             for r in 0..i {
-                let from = d[i];
-                for (d, from) in d[r].iter_mut().zip(from).take(r + 1) {
-                    *d = (-l[i][r]).mul_add(from, *d);
+                for c in 0..=r {
+                    d[r][c] = (-l[i][r]).mul_add(d[i][c], d[r][c]);
                 }
             }
         }
-        self.inverse_pivots[rows.clone()].copy_from_slice(&inverses[..rows.len()]);
-        l
+        S::Pack::read(&inverses[..lanes]).write(&mut self.inverse_pivots[rows]);
+        (l, inverses)
     }
 
     /// Entries of L below the diagonal of this diagonal block.
@@ -171,14 +166,15 @@ impl<S: Scalar> Factor<S> {
                     own[r] = (-corner[i][r]).mul_add(own[i], own[r]);
                 }
             }
-            let mut from = [S::Pack::zero(); MOST_LANES];
-            own.iter().zip(&mut from).for_each(|(&x, from)| *from = S::Pack::splat(-x));
+            // Numbers, not packs of them: those would be stored lane by lane.
+            let mut from = [S::zero(); MOST_LANES];
+            own.iter().zip(&mut from).for_each(|(&x, from)| *from = -x);
             let (_, others) = tiles.lower.of(block).split_last().unwrap_or((&0, &[]));
             for &pack in others {
                 let target = &mut x[pack * lanes..][..lanes];
                 let mut sum = S::Pack::read(target);
                 for (row, &from) in rows.clone().zip(&from) {
-                    sum = from.mul_add(l.row(row)[pack], sum);
+                    sum = S::Pack::splat(from).mul_add(l.row(row)[pack], sum);
                 }
                 sum.write(target);
             }
@@ -207,6 +203,49 @@ impl<S: Scalar> Factor<S> {
             S::Pack::read(&solved[..lanes]).write(&mut x[rows]);
         }
     }
+
+    /// `x <- U D^-1 U' x`, length n, with U' at hand: no row waits for another one, as in a substitution.
+    #[inline(never)]
+    pub(super) fn multiply_by_blocks(&self, tiles: &FactorTiles, x: &mut [S]) {
+        let (lanes, u) = (Panel::<S>::LANES, &self.upper);
+        for block in 0..self.blocks() {
+            let (rows, along) = (self.rows(block), u.rows_of(block));
+            let mut sums = [S::Pack::zero(); MOST_LANES];
+            for &pack in tiles.upper.of(block) {
+                let from = S::Pack::read(lanes_of(x, pack * lanes, lanes));
+                for (r, sum) in sums.iter_mut().enumerate().take(lanes) {
+                    *sum = along[r][pack].mul_add(from, *sum);
+                }
+            }
+            S::Pack::transpose(&mut sums[..lanes]);
+            let sum = sums[..lanes].iter().fold(S::Pack::zero(), |sum, &part| sum + part);
+            (sum * S::Pack::read(&self.inverse_pivots[rows.clone()])).write(&mut x[rows]);
+        }
+        for block in (0..self.blocks()).rev() {
+            let (rows, along) = (self.rows(block), u.rows_of(block));
+            let mut from = [S::zero(); MOST_LANES];
+            for (x, from) in x[rows].iter_mut().zip(&mut from) {
+                *from = std::mem::replace(x, S::zero());
+            }
+            for &pack in tiles.upper.of(block) {
+                let mut sum = S::Pack::read(lanes_of(x, pack * lanes, lanes));
+                for (r, &from) in from.iter().enumerate().take(lanes) {
+                    sum = S::Pack::splat(from).mul_add(along[r][pack], sum);
+                }
+                // Not whole is the last one alone.
+                match x.get_mut(pack * lanes..(pack + 1) * lanes) {
+                    Some(target) => sum.write(target),
+                    None => sum.write(&mut x[pack * lanes..]),
+                }
+            }
+        }
+    }
+}
+
+/// So many numbers from one on, or as many as there are.
+#[inline(always)]
+fn lanes_of<S>(x: &[S], at: usize, lanes: usize) -> &[S] {
+    x.get(at..at + lanes).unwrap_or_else(|| &x[at..])
 }
 
 #[cfg(test)]
@@ -238,6 +277,11 @@ mod tests {
             assert!((&inverse - &expected).amax() < 1e-11 * expected.amax(), "n = {n}");
             let mut x = numbers(0.7);
             let solved = &expected * DVector::from_column_slice(&x);
+            factor.solve(&mut x);
+            assert!((DVector::from_column_slice(&x) - &solved).amax() < 1e-11 * solved.amax(), "n = {n}");
+            // The inverse has U' computed; without it by substitution.
+            let mut x = numbers(0.7);
+            factor.factor(kernel.mass_matrix(), |k| kernel.size_of_entry(tree, k)).unwrap();
             factor.solve(&mut x);
             assert!((DVector::from_column_slice(&x) - &solved).amax() < 1e-11 * solved.amax(), "n = {n}");
             let mut large = Matrix::zeros(2 * n, 2 * n);

@@ -144,7 +144,7 @@ impl<S: Scalar> Factor<S> {
         if Panel::<S>::ONE_LANE {
             self.solve_vector::<0, 0>(x);
         } else if let Some(tiles) = &self.tiles {
-            self.solve_by_blocks(tiles, x);
+            if self.inverted { self.multiply_by_blocks(tiles, x) } else { self.solve_by_blocks(tiles, x) }
         } else {
             sized!(S, x.len(), self.solve_vector(x));
         }

@@ -70,11 +70,6 @@ impl<S: Scalar> Panel<S> {
         Self { rows, columns, width, data: vec![S::Pack::zero(); padded * width] }
     }
 
-    /// Makes all entries zero.
-    pub fn clear(&mut self) {
-        self.data.fill(S::Pack::zero());
-    }
-
     /// Number of rows.
     pub fn rows(&self) -> usize {
         self.rows
@@ -179,9 +174,8 @@ impl<S: Scalar> Panel<S> {
     #[inline(always)]
     pub fn read_row<const N: usize>(&mut self, i: usize, from: &[S]) {
         let from = if N > 0 { &from[..N] } else { from };
-        for (to, from) in self.row_mut(i).iter_mut().zip(from.chunks(Self::LANES)) {
-            *to = S::Pack::read(from);
-        }
+        let row = self.row_mut(i);
+        read_packs(from, |k, pack| row[k] = pack);
     }
 
     /// Takes the entries of a panel of the same size.
@@ -198,17 +192,15 @@ impl<S: Scalar> Panel<S> {
 
     /// Subtracts numbers, as many as there are columns, from row `i`.
     pub fn subtract_row(&mut self, i: usize, numbers: &[S]) {
-        for (pack, numbers) in self.row_mut(i).iter_mut().zip(numbers.chunks(Self::LANES)) {
-            *pack -= S::Pack::read(numbers);
-        }
+        let row = self.row_mut(i);
+        read_packs(numbers, |k, pack| row[k] -= pack);
     }
 
     /// `A - B`, of a panel and a matrix of the same size.
     pub fn set_difference(&mut self, a: &Self, b: &Matrix<S>) {
         for i in 0..self.rows {
-            let packs = a.row(i).iter().zip(b.row(i).chunks(Self::LANES));
-            let to = self.row_mut(i).iter_mut();
-            to.zip(packs).for_each(|(to, (&a, b))| *to = a - S::Pack::read(b));
+            let (row, a) = (self.row_mut(i), a.row(i));
+            read_packs(b.row(i), |k, pack| row[k] = a[k] - pack);
         }
     }
 
@@ -251,5 +243,19 @@ impl<S: Scalar> Panel<S> {
     /// Writes all entries to a matrix of the same size.
     pub fn write(&self, to: &mut Matrix<S>) {
         (0..self.rows).for_each(|i| self.write_row::<0>(i, to.row_mut(i), |pack| pack));
+    }
+}
+
+/// Reads numbers as packs: calls for each with its place.
+#[inline(always)]
+fn read_packs<S: Scalar>(from: &[S], mut take: impl FnMut(usize, S::Pack)) {
+    let packs = from.chunks_exact(Panel::<S>::LANES);
+    let rest = packs.remainder();
+    // Whole packs apart: each is one load.
+    for (k, pack) in packs.enumerate() {
+        take(k, S::Pack::read(pack));
+    }
+    if !rest.is_empty() {
+        take(from.len() / Panel::<S>::LANES, S::Pack::read(rest));
     }
 }

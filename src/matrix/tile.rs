@@ -50,44 +50,46 @@ fn sums<S: Scalar, const C: usize, const ACROSS: bool>(
     let (lanes, width) = (Panel::<S>::LANES, <S::Pack as Pack<S>>::WIDTH);
     let (stride, from, left) = (a.width::<0>(), b.width::<0>(), left * width);
     let mut sums = [[Wide::<S>::zero(); C]; MOST_LANES];
-    let mut along = [&a.packs()[..0]; MOST_LANES];
-    if !ACROSS {
-        for (r, along) in along.iter_mut().enumerate().take(lanes) {
-            *along = a.row(block * lanes + r);
-        }
-    }
+    let along = if ACROSS { [&a.packs()[..0]; MOST_LANES] } else { a.rows_of(block) };
     let (a, b) = (a.packs(), b.packs());
     for run in runs {
-        let terms = run.terms();
-        // Whole rows: the checks of indices in them do not depend on the term, and leave the loop.
-        let rows = b[terms.start * from..terms.end * from].chunks_exact(from);
-        if ACROSS {
-            let across = a[terms.start * stride..terms.end * stride].chunks_exact(stride);
-            for (row, across) in rows.zip(across) {
-                let entries = &across[block];
-                add_term::<S, C>(&mut sums, &row[left..], |r| entries.lane(r));
-            }
-        } else {
-            for (k, row) in terms.zip(rows) {
+        for k in run.terms() {
+            let row = &b[k * from + left..][..C * width];
+            if ACROSS {
+                let entries = &a[k * stride + block];
+                add_term::<S, C>(&mut sums, row, |r| entries.lane(r));
+            } else {
                 let (pack, lane) = (k / lanes, k % lanes);
-                add_term::<S, C>(&mut sums, &row[left..], |r| along[r][pack].lane(lane));
+                add_term::<S, C>(&mut sums, row, |r| along[r][pack].lane(lane));
             }
         }
     }
     sums
 }
 
-/// Adds a column of the left factor, entry by entry, times the first registers of a row of the right one.
+/// Adds a column of the left factor, entry by entry, times some registers of a row of the right one.
 #[inline(always)]
 fn add_term<S: Scalar, const C: usize>(sums: &mut Sums<S, C>, row: &[S::Pack], entry: impl Fn(usize) -> S) {
     let width = <S::Pack as Pack<S>>::WIDTH;
-    let row = &row[..C * width];
-    for (r, sums) in sums.iter_mut().enumerate().take(Panel::<S>::LANES) {
-        let entry = S::Pack::splat_wide(entry(r));
-        for (c, sum) in sums.iter_mut().enumerate() {
-            *sum = entry.mul_add(S::Pack::join(&row[c * width..][..width]), *sum);
-        }
+    let mut registers = [Wide::<S>::zero(); C];
+    for (register, packs) in registers.iter_mut().zip(row.chunks_exact(width)) {
+        *register = S::Pack::join(packs);
     }
+    // Row by row: in a loop with checks of indices in it, the sums would be in memory.
+    let [first, second, third, fourth] = sums;
+    add_row::<S, C>(first, &registers, entry(0));
+    if Panel::<S>::LANES > 1 {
+        add_row::<S, C>(second, &registers, entry(1));
+        add_row::<S, C>(third, &registers, entry(2));
+        add_row::<S, C>(fourth, &registers, entry(3));
+    }
+}
+
+/// Adds an entry times these registers.
+#[inline(always)]
+fn add_row<S: Scalar, const C: usize>(sums: &mut [Wide<S>; C], registers: &[Wide<S>; C], entry: S) {
+    let entry = S::Pack::splat_wide(entry);
+    sums.iter_mut().zip(registers).for_each(|(sum, &register)| *sum = entry.mul_add(register, *sum));
 }
 
 impl<S: Scalar> Panel<S> {

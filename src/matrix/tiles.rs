@@ -15,7 +15,7 @@ const SIZES: &[usize] = if cfg!(target_feature = "avx") { &[3, 2, 1] } else { &[
 pub(super) const MOST_REGISTERS: usize = SIZES[0];
 
 /// A tile may compute zeros up to this part of what it computes for nothing but its registers one by one.
-const SPARE: f64 = 0.35;
+const SPARE: f64 = 0.2;
 
 /// What is computed of a product T = A B of n x n matrices: tiles of T, and for each the rows of B that
 /// enter.

@@ -15,6 +15,16 @@ impl<S: Scalar> Panel<S> {
         block
     }
 
+    /// The rows of a block.
+    #[inline(always)]
+    pub fn rows_of(&self, block: usize) -> [&[S::Pack]; MOST_LANES] {
+        let mut rows = [&self.packs()[..0]; MOST_LANES];
+        for (r, row) in rows.iter_mut().enumerate().take(Self::LANES) {
+            *row = self.row(block * Self::LANES + r);
+        }
+        rows
+    }
+
     /// Sets the same packs.
     #[inline(always)]
     pub fn set_block<const W: usize>(&mut self, top: usize, left: usize, block: &[S::Pack]) {

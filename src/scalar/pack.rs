@@ -90,7 +90,7 @@ impl Pack<f64> for super::F64x4 {
     fn write(&self, to: &mut [f64]) {
         match to.first_chunk_mut::<4>() {
             Some(to) => to.copy_from_slice(self.as_slice()),
-            None => to.iter_mut().zip(self.as_slice()).for_each(|(to, &lane)| *to = lane),
+            None => write_part(self, to),
         }
     }
     #[inline(always)]
@@ -138,6 +138,18 @@ impl Pack<f64> for super::F64x4 {
         let [a, b, c, d, e, f, g, h] = wide.vector().to_array();
         packs[0] = Self::new(wide::f64x4::new([a, b, c, d]));
         packs[1] = Self::new(wide::f64x4::new([e, f, g, h]));
+    }
+}
+
+/// Writes fewer lanes than all. Apart: beside it the compiler would write whole packs lane by lane.
+#[cfg(feature = "wide")]
+#[inline(never)]
+fn write_part(pack: &super::F64x4, to: &mut [f64]) {
+    match to {
+        [x] => *x = pack.lane(0),
+        [x, y] => [*x, *y] = [pack.lane(0), pack.lane(1)],
+        [x, y, z] => [*x, *y, *z] = [pack.lane(0), pack.lane(1), pack.lane(2)],
+        _ => {}
     }
 }
 

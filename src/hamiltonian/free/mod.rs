@@ -62,6 +62,14 @@ impl<S: Scalar> Free<S> {
         }
     }
 
+    /// p and u, of chains that are displaced along the axes of the moved frames
+    /// ([`World`](super::World::with_own_axes)).
+    pub(crate) fn set_state_in_own_axes(&mut self, [p, u]: [&[S]; 2]) {
+        self.parts.iter_mut().for_each(|part| part.frame.set_own_axes());
+        self.set_momentum(p);
+        self.set_actuation(u);
+    }
+
     /// q, p and u in the axes of the chart.
     pub(crate) fn set_state(&mut self, [q, p, u]: [&[S]; 3]) {
         self.set_configuration(q);

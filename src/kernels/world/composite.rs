@@ -62,11 +62,6 @@ impl<S: Scalar> WorldKernel<S> {
         &self.mass_matrix
     }
 
-    /// The same, to be changed on pairs of joints on one branch: [`compose`](Self::compose) sets these anew.
-    pub fn mass_matrix_mut(&mut self) -> &mut Matrix<S> {
-        &mut self.mass_matrix
-    }
-
     /// Exchanges the matrix of M for another of the same size, which [`compose`](Self::compose) fills next.
     ///
     /// Entries of joints on different branches are never set: they must be zero there too.

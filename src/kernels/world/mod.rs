@@ -15,7 +15,7 @@ mod places;
 mod torque;
 
 use crate::matrix::{Matrix, Panel, filled};
-use crate::robot::Tree;
+use crate::robot::{FreeKind, JointKind, Tree};
 use crate::scalar::{Pack, Scalar};
 use crate::spatial::{Force, JointPosition, Motion, Vec3};
 pub(crate) use articulated::ArticulatedBodies;
@@ -32,6 +32,8 @@ pub(crate) struct WorldKernel<S: Scalar> {
     turns: Vec<JointPosition<S>>,
     /// Coordinates of the chains of floating and spherical joints; empty where there are none.
     chart: Vec<S>,
+    /// Places of the first joints of the chains of floating ones.
+    floating: Vec<usize>,
     links: Vec<Links<S::Pack>>,
     groups: Vec<Group<S::Pack>>,
     joints: Vec<Joint<S>>,
@@ -74,7 +76,12 @@ impl<S: Scalar> WorldKernel<S> {
             Joint { axes: [none; 3], arm: none, origin: none, velocity: still, acceleration: still };
         let groups = n.div_ceil(Self::LANES);
         let panel = Panel::zeros(n, n);
+        let floats = |joint: usize| {
+            let mut free = tree.free().iter().map(|free| &free.joint);
+            free.any(|free| free.kind == FreeKind::Floating && joint + free.kind.slides() == free.turned)
+        };
         Self {
+            floating: (0..n).filter(|&k| floats(places[k].joint)).collect(),
             turns: tree.joints().iter().map(|joint| joint.position(S::zero())).collect(),
             chart: filled(S::zero(), if tree.free().is_empty() { 0 } else { n }),
             links: links.collect(),
@@ -152,6 +159,23 @@ impl<S: Scalar> WorldKernel<S> {
         }
         for (group, links) in self.groups.iter_mut().zip(&self.links) {
             group.turn_links(links);
+        }
+    }
+
+    /// Turns the displacements of floating joints, at the position set last, from the axes of the parent to
+    /// those of the moved frame: the axes of their angles.
+    pub fn turn_displacements(&mut self) {
+        for &first in &self.floating {
+            for k in first..first + 3 {
+                let axis = self.joints[k + 3].axes[2];
+                self.joints[k].axes[2] = axis;
+                let lane = k % Self::LANES;
+                set_motion(
+                    &mut self.groups[k / Self::LANES].axis,
+                    lane,
+                    motion_along(JointKind::Prismatic, axis),
+                );
+            }
         }
     }
 }
