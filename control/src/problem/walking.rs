@@ -62,7 +62,7 @@ impl Problem {
         if let Some([heel, toe]) = gait.sole {
             let value = toe - heel;
             if !(value > 0.0 && value.is_finite()) {
-                let remedy = "heel and toe (m) must be finite numbers, the heel the smaller one";
+                let remedy = "the length from heel to toe (m) must be positive and finite";
                 return Err(GaitError::OutOfRange { value, remedy }.at(Key::GAIT_SOLE));
             }
             let value = self.robot.gravity().norm();
