@@ -83,8 +83,8 @@ fn rabbit_walks_on_both_feet() {
     let (problem, solution) = walk();
     assert_eq!(solution.motion.status, Status::Converged);
     // benches/ocp/harness/walking.py, by CasADi and IPOPT: collocation at three Gauss points of 12 and 40
-    // intervals in the two phases, in the angles of the five links of a robot that is pinned at its foot, with
-    // a force on the other foot: 1757.187868318.
+    // intervals in the two phases, in the angles of the five links of a robot that is pinned at its foot,
+    // with a force on the other foot: 1757.187868318.
     assert!((solution.total() / 1757.187868318 - 1.0).abs() < 1e-6, "{}", solution.total());
     let gait = solution.gait.as_ref().unwrap();
     assert!((gait.double_support.unwrap() - 0.2 * TIME).abs() < 1e-12, "{gait:?}");
