@@ -65,9 +65,9 @@ pub struct Gait {
     ///
     /// $$ q(0) = S q(T) - L e_x, \qquad v(0) = S v(T), \qquad J v(0) = 0 $$
     ///
-    /// With one the ground would have to pull the feet behind, or these would leave it at once. The feet
-    /// behind stand on points, their toes where they have soles. At the end of the phase they leave the
-    /// ground without an impulse: positions and rates do not jump.
+    /// With one the ground would have to pull the feet behind, or these would leave it at once. At the end of
+    /// the phase they leave the ground without an impulse either: positions and rates do not jump. Feet are
+    /// points, and the duration of the step is given.
     pub double_support: Option<f64>,
     /// Joints that change their signs in the mirror, those of pairs too: of a robot in space those whose
     /// motion is along y or turns about x and z. A robot in the plane has none.

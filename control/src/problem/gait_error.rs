@@ -38,6 +38,10 @@ pub enum GaitError {
     Redundant,
     /// The same of all feet together, in the phase of double support.
     RedundantTogether,
+    /// A step with double support of feet with soles.
+    DoubleSupportOnSoles,
+    /// A step with double support whose duration is free.
+    FreeDuration,
     /// A number out of its range.
     OutOfRange {
         /// Its value.
@@ -126,6 +130,12 @@ impl fmt::Display for GaitError {
             Self::RedundantTogether => f.write_str(
                 "with all feet on the ground one of them cannot move where the others stand, so that their forces \
                  are not determined; remove double_support, or name fewer feet",
+            ),
+            Self::DoubleSupportOnSoles => {
+                f.write_str("double support is that of feet that are points; remove sole, or double_support")
+            }
+            Self::FreeDuration => f.write_str(
+                "double support takes a part of a given time; give time.final, or remove double_support",
             ),
             Self::OutOfRange { value, remedy } => write!(f, "{remedy}, but is {}", number(*value)),
             Self::NotAlong { joint } => write!(

@@ -113,11 +113,6 @@ impl Walk {
         self.gait.double_support.is_some()
     }
 
-    /// The parts of the step that its phases take, where there are two.
-    pub fn shares(&self) -> Option<[f64; 2]> {
-        self.gait.double_support.map(|share| [share, 1.0 - share])
-    }
-
     /// Weight of the robot (N).
     pub fn weight(&self) -> f64 {
         let along = self.shift.iter().position(|&shift| shift != 0.0);

@@ -63,11 +63,6 @@ impl Problem {
         [Some(0.0)].into_iter().chain(self.vias.iter().map(|via| via.time)).chain([end]).collect()
     }
 
-    /// The parts of the motion that its phases take, where these are given: in a step with double support.
-    pub(crate) fn given_shares(&self) -> Option<[f64; 2]> {
-        self.loops.as_ref()?.walk.as_ref()?.shares()
-    }
-
     /// Whether a via has a given time.
     pub(crate) fn has_via_times(&self) -> bool {
         self.vias.iter().any(|via| via.time.is_some())

@@ -95,12 +95,6 @@ impl Gait {
         EDGES.into_iter().map(edge).chain(self.sole.map(|_| turn)).collect()
     }
 
-    /// The rows of a foot that stands at x on a point, its toe if it has a sole: the first ones of
-    /// [`held`](Self::held) in the plane.
-    pub(super) fn held_at_toe(&self, foot: &str, x: f64) -> Vec<ConstraintSpec> {
-        self.held(foot, [x, 0.0]).into_iter().take(EDGES.len()).collect()
-    }
-
     /// Force (f_x, f_z) and torque about the origin of the foot of each of the rows of [`held`](Self::held);
     /// in space all six.
     pub(super) fn columns(&self) -> Vec<Vec<f64>> {
@@ -124,14 +118,6 @@ impl Gait {
     pub(crate) fn placed(&self, name: &str, foot: &str, place: [f64; 3]) -> ConstraintSpec {
         ConstraintSpec::rows(name, foot, "world", self.rows_in_space())
             .to_placed(Placement::from_xyz_rpy(place, [0.0; 3]))
-    }
-
-    /// A foot on the ground at x by its toe, or by its origin if it is a point: x and z of it.
-    pub(super) fn placed_at_toe(&self, foot: &str, x: f64) -> ConstraintSpec {
-        let (toe, rows) = (self.sole.map_or(0.0, |[_, toe]| toe), [ConstraintRow::X, ConstraintRow::Z]);
-        let toes = ConstraintSpec::rows(foot, foot, "world", &rows)
-            .to_placed(Placement::from_xyz_rpy([x + toe, 0.0, 0.0], [0.0; 3]));
-        self.at_corner(toes, [toe, 0.0])
     }
 
     /// x and z of a point of a foot.

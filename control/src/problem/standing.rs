@@ -5,12 +5,12 @@
 //! multiplier has no force. The robot comes to the start without an impulse, `v(0) = S v(T)`: the rates of
 //! the feet behind are zero then whatever the motion is, and those in front have to be.
 
-use super::Problem;
 use super::error::ProblemError;
 use super::gait::Gait;
 use super::gait_error::GaitError;
 use super::key::Key;
 use super::loop_rows::{Foot, LoopPhase};
+use super::{FinalTime, Problem};
 use costate::robot::{ConstraintSpec, Robot, RobotError};
 use std::sync::Arc;
 
@@ -37,27 +37,27 @@ pub(super) fn no_foot(error: RobotError) -> ProblemError {
     GaitError::NoFoot { cause: Arc::new(error) }.at(Key::GAIT_STANCE)
 }
 
-impl Gait {
-    /// Whether the part of the step that double support takes is one.
+impl Problem {
+    /// Whether double support takes a part of the step, on points, and the step a given time.
     ///
     /// # Errors
-    /// [`GaitError::OutOfRange`].
-    pub(super) fn check_double_support(&self) -> Result<(), ProblemError> {
-        match self.double_support {
-            Some(value) if self.is_in_space() => {
+    /// [`GaitError::OutOfRange`], [`GaitError::DoubleSupportOnSoles`], [`GaitError::FreeDuration`].
+    pub(super) fn check_double_support(&self, gait: &Gait) -> Result<(), ProblemError> {
+        let Some(value) = gait.double_support else { return Ok(()) };
+        let remedy = "the part of the step that all feet stand must be more than 0 and less than 1";
+        let fault = match self.time {
+            _ if !(value > 0.0 && value < 1.0) => GaitError::OutOfRange { value, remedy },
+            _ if gait.is_in_space() => {
                 let remedy = "is for robots in the plane, and must not be given with gait.flipped";
-                Err(GaitError::OutOfRange { value, remedy }.at(Key::GAIT_DOUBLE_SUPPORT))
+                GaitError::OutOfRange { value, remedy }
             }
-            Some(value) if !(value > 0.0 && value < 1.0) => {
-                let remedy = "the part of the step that all feet stand must be more than 0 and less than 1";
-                Err(GaitError::OutOfRange { value, remedy }.at(Key::GAIT_DOUBLE_SUPPORT))
-            }
-            _ => Ok(()),
-        }
+            _ if gait.sole.is_some() => GaitError::DoubleSupportOnSoles,
+            FinalTime::Free { .. } => GaitError::FreeDuration,
+            FinalTime::Fixed(_) => return Ok(()),
+        };
+        Err(fault.at(Key::GAIT_DOUBLE_SUPPORT))
     }
-}
 
-impl Problem {
     /// The feet of a gait on the ground, x and y of those that stand in `places`.
     ///
     /// # Errors
@@ -81,9 +81,9 @@ impl Problem {
         let single = robot.clone();
         if gait.double_support.is_some() {
             for ((stands, swings), [x, _]) in gait.stance.iter().zip(&gait.swing).zip(places) {
-                robot = add(swings, gait.held_at_toe(swings, x - gait.length), robot)?;
-                foot = with(foot, gait.placed_at_toe(swings, 0.0))?;
-                landing = with(landing, gait.placed_at_toe(stands, 0.0))?;
+                robot = add(swings, gait.held(swings, [x - gait.length, 0.0]), robot)?;
+                foot = with(foot, gait.placed(swings, swings, [0.0; 3]))?;
+                landing = with(landing, gait.placed(stands, stands, [0.0; 3]))?;
             }
         }
         let phase = |robot: &Robot| LoopPhase { robot: robot.clone(), rows: count(robot) };

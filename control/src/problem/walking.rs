@@ -72,7 +72,7 @@ impl Problem {
             }
         }
         gait.check_widths()?;
-        gait.check_double_support()?;
+        self.check_double_support(gait)?;
         self.check_names(gait)?;
         let exchange = self.exchange(gait)?;
         let along = self.joint(Key::GAIT_ALONG, &gait.along)?;
@@ -151,7 +151,8 @@ impl Problem {
         // Without an impulse the rates of the multipliers are zero at the start.
         let impulses = if walk.has_double_support() { 0 } else { k };
         let (first, last) = (state(q, [n, n + impulses]), state(&end, [n + k; 2]));
-        let vias = vec![Via::default(); phases.len() - 1];
+        let vias = walk.gait.double_support.map(|share| Via::default().with_time(share * time));
+        let vias = vias.into_iter().collect();
         let loops = Loops { phases, walk: Some(walk), ..Loops::new(self.robot.clone(), rows) };
         Self { vias, ..self.with_coordinates_of(loops, first, last) }
     }

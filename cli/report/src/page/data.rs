@@ -26,11 +26,21 @@ pub fn data(motion: &Motion<'_>) -> Value {
         "t": list(motion.samples.t.iter().copied()),
         "joints": joints.collect::<Vec<_>>(),
         "vias": motion.solution.trajectory.via_times,
+        "via_names": via_names(motion),
         "switches": motion.solution.motion.switches,
         "table": table(motion),
         "plots": plots.map(|panel| plot(motion, panel)).collect::<Vec<_>>(),
         "stage": stage(motion),
     })
+}
+
+/// What the ends of phases are called.
+fn via_names(motion: &Motion<'_>) -> Vec<String> {
+    let name = |number: usize| match motion.solution.gait {
+        Some(_) => "lift-off".to_owned(),
+        None => format!("via {number}"),
+    };
+    (1..=motion.solution.trajectory.via_times.len()).map(name).collect()
 }
 
 /// Torques after the gain, where they differ from the controls: the table has them beside what is drawn.

@@ -1,6 +1,6 @@
 use super::{Derivatives, GaitRows};
 use crate::direct::points::values::Points;
-use crate::problem::{FinalTime, Gait, MotionLimits, Objective, Problem};
+use crate::problem::{Gait, MotionLimits, Objective, Problem};
 use costate_test_support::robots::file;
 
 /// A step of RABBIT with its multipliers.
@@ -8,20 +8,14 @@ pub(in crate::direct) fn rabbit() -> Problem {
     rabbit_step().with_multipliers().unwrap()
 }
 
-/// One that begins on both feet, for a part of its time; with a free time.
+/// One that begins on both feet, for a part of its time.
 pub(in crate::direct) fn rabbit_on_both_feet() -> Problem {
     on_both_feet(rabbit_step())
 }
 
-/// The same of the biped with feet.
-pub(in crate::direct) fn seven_link_on_both_feet() -> Problem {
-    on_both_feet(seven_link_step())
-}
-
 fn on_both_feet(problem: Problem) -> Problem {
     let gait = problem.gait.clone().unwrap().with_double_support(0.2);
-    let free = problem.with_gait(gait).with_time(FinalTime::Free { guess: 0.7 });
-    free.with_multipliers().unwrap()
+    problem.with_gait(gait).with_multipliers().unwrap()
 }
 
 fn rabbit_step() -> Problem {
@@ -119,9 +113,8 @@ fn derivatives(rows: &mut GaitRows, states: [&[f64]; 2], weights: &[f64]) -> [Ve
 
 #[test]
 fn derivatives_at_the_ends_are_those_of_differences() {
-    let one = [rabbit(), seven_link(), walker(), walker_on_points()];
-    let both = [rabbit_on_both_feet(), seven_link_on_both_feet()];
-    one.iter().chain(&both).for_each(compare_ends);
+    let all = [rabbit(), seven_link(), rabbit_on_both_feet(), walker(), walker_on_points()];
+    all.iter().for_each(compare_ends);
 }
 
 fn compare_ends(problem: &Problem) {
@@ -252,9 +245,9 @@ fn compare_soles(problem: &Problem, [heights, forces, all]: [usize; 3]) {
 /// The guess that a step begins with stands on both feet, and the foot that swings ends a step ahead.
 #[test]
 fn a_step_begins_on_both_feet() {
-    let both = [(rabbit_on_both_feet(), 7, 4), (seven_link_on_both_feet(), 9, 5)];
-    let one = [(rabbit(), 7, 2), (seven_link(), 9, 3), (walker(), 18, 6), (walker_on_points(), 18, 3)];
-    for (problem, n, k) in one.into_iter().chain(both) {
+    let planar = [(rabbit(), 7, 2), (seven_link(), 9, 3), (rabbit_on_both_feet(), 7, 4)];
+    let in_space = [(walker(), 18, 6), (walker_on_points(), 18, 3)];
+    for (problem, n, k) in planar.into_iter().chain(in_space) {
         let mut rows = rows(&problem);
         assert_eq!(problem.coordinates(), n + k);
         for q in [&problem.start.q, &problem.end.q] {

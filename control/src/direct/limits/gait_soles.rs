@@ -22,8 +22,8 @@ pub(crate) struct Derivatives<'a> {
 /// dH/dt >= 0 at the start, <= 0 at the end  of each corner that swings
 /// ```
 ///
-/// without double support, where all of these are zero, and along the motion the same rows of forces in the
-/// accelerations of nu: see [`Gait::cone`]. The rates are those of soles.
+/// and along the motion the same rows of forces in the accelerations of nu: see [`Gait::cone`]. The rates are
+/// those of soles.
 ///
 /// [`Gait::cone`]: crate::Gait::cone
 #[derive(Clone, Debug)]
@@ -75,11 +75,7 @@ impl GaitSoles {
         });
         let arch = [walk.gait.clearance, walk.gait.length];
         let lifts = GaitLifts::new(&walk.corners, arch, &corners.collect::<Vec<_>>());
-        // With double support all impulses and rates are zero there.
-        let bounds = match walk.has_double_support() {
-            true => Vec::new(),
-            false => impulses.chain(lifts.bounds().iter().cloned()).collect(),
-        };
+        let bounds = impulses.chain(lifts.bounds().iter().cloned()).collect();
         Some(Self { sizes: [n, rows.len()], loads: loads.collect(), lifts, bounds, forces })
     }
 
@@ -109,9 +105,6 @@ impl GaitSoles {
     /// # Errors
     /// States that cannot be evaluated.
     pub fn values(&mut self, [start, end]: [&[f64]; 2], g: &mut [f64]) -> Result<(), EvalError> {
-        if self.bounds.is_empty() {
-            return Ok(());
-        }
         let (impulses, rates) = g.split_at_mut(self.loads.len());
         self.load(&start[start.len() / 2 + self.sizes[0]..], impulses);
         self.lifts.values([self.of_joints(start), self.of_joints(end)], rates)
@@ -127,9 +120,6 @@ impl GaitSoles {
         weights: &[f64],
         Derivatives { near, far, at_start, at_end }: Derivatives<'_>,
     ) -> Result<(), EvalError> {
-        if self.bounds.is_empty() {
-            return Ok(());
-        }
         let ([n, k], width, loads) = (self.sizes, start.len(), self.loads.len());
         for ((first, load), row) in self.loads.iter().zip(near.chunks_exact_mut(width)) {
             let to = &mut row[2 * n + k + first..];

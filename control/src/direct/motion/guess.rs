@@ -2,7 +2,7 @@
 
 use super::closing::{Closing, Stepping};
 use super::mesh::Mesh;
-use super::phase_times::{fill_rates, lengths, phase_times, with_guesses};
+use super::phase_times::{fill_rates, phase_times, ways, with_guesses};
 use super::shape::Shape;
 use super::spline::Spline;
 use crate::constants::direct::NEIGHBOUR;
@@ -21,13 +21,16 @@ pub(crate) fn guess(
     let duration = saved.and_then(|saved| Some(saved.t.last()? - saved.t.first()?)).filter(|&t| t > 0.0);
     let saved = saved.zip(duration);
     let mut ends = with_guesses(problem);
-    let of_saved =
+    let lengths =
         saved.and_then(|(saved, _)| saved.phase_times()).filter(|all| all.len() == problem.phases());
-    let all = match problem.time {
-        FinalTime::Free { guess } => duration.unwrap_or(guess),
-        FinalTime::Fixed(time) => time,
+    let times = match (lengths, problem.time) {
+        (lengths, FinalTime::Free { guess }) => {
+            phase_times(problem, &lengths.unwrap_or_else(|| ways(&ends)), duration.unwrap_or(guess))
+        }
+        (lengths, FinalTime::Fixed(time)) => {
+            phase_times(problem, &lengths.unwrap_or_else(|| ways(&ends)), time)
+        }
     };
-    let times = phase_times(problem, &lengths(problem, of_saved, &ends), all);
     fill_rates(problem, &mut ends, &times);
     let phases: Vec<Problem> = ends
         .windows(2)

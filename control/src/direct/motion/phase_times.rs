@@ -21,15 +21,8 @@ pub(super) fn phase_times(problem: &Problem, lengths: &[f64], duration: f64) -> 
     times
 }
 
-/// What the times of phases are in proportion to in a first guess: their given parts, those of a saved
-/// motion, or the ways.
-pub(super) fn lengths(problem: &Problem, saved: Option<Vec<f64>>, ends: &[BoundaryState]) -> Vec<f64> {
-    let given = problem.given_shares().map(|shares| shares.to_vec());
-    given.or(saved).unwrap_or_else(|| ways(ends))
-}
-
 /// How long the ways between the ends of phases are, each at least a small part of all.
-fn ways(ends: &[BoundaryState]) -> Vec<f64> {
+pub(super) fn ways(ends: &[BoundaryState]) -> Vec<f64> {
     let way = |pair: &[BoundaryState]| {
         let squares = pair[0].q.iter().zip(&pair[1].q).map(|(from, to)| (to - from).powi(2));
         squares.sum::<f64>().sqrt()

@@ -1,6 +1,6 @@
 //! Which times of phases are unknowns.
 
-use crate::problem::{FinalTime, Problem};
+use crate::problem::Problem;
 
 /// The times T_p of K phases as functions of J parameters, `T = T_0 + A theta`.
 ///
@@ -60,20 +60,8 @@ impl FreeTimes {
         self.is_given[phase + 1..].iter().any(|given| *given)
     }
 
-    /// Those of phases that take given parts of a free time.
-    fn in_parts(parts: &[f64]) -> Self {
-        let is_given = (0..=parts.len()).map(|end| end == 0).collect();
-        Self { phases: parts.len(), is_given, factors: parts.to_vec(), count: 1 }
-    }
-
     /// Those of a problem.
     pub fn of(problem: &Problem) -> Self {
-        if let Some(parts) = problem.given_shares() {
-            return match problem.time {
-                FinalTime::Fixed(_) => Self::new(&[true; 3]),
-                FinalTime::Free { .. } => Self::in_parts(&parts),
-            };
-        }
         Self::new(&problem.times_at_ends().iter().map(Option::is_some).collect::<Vec<_>>())
     }
 
@@ -139,14 +127,6 @@ mod tests {
         assert_eq!(columns(&[true, false, false, true]), [[1.0, 0.0, -1.0], [0.0, 1.0, -1.0]]);
         assert_eq!(columns(&[true, false, true, false]), [[1.0, -1.0, 0.0], [0.0, 0.0, 1.0]]);
         assert!(columns(&[true, true, true]).is_empty());
-    }
-
-    #[test]
-    fn parts_stay_parts() {
-        let times = FreeTimes::in_parts(&[0.2, 0.8]);
-        let mut found = Vec::new();
-        times.expand(&[0.5], &mut found);
-        assert_eq!((times.count(), found), (1, vec![0.1, 0.4]));
     }
 
     #[test]

@@ -172,7 +172,7 @@ const makeScene = () => {
       const [first, last] = [paths[0][0], paths[0][paths[0].length - 1]];
       if (norm(minus(last, first)) < 0.01 * size) named.push(["start, end", first]);
       else named.push(["start", first], ["end", last]);
-      data.vias.forEach((via, k) => named.push([`via ${k + 1}`, toolPath(tools[0], [via])[0]]));
+      data.vias.forEach((via, k) => named.push([data.via_names[k], toolPath(tools[0], [via])[0]]));
     }
     if (shows("obstacles")) statics.forEach((obstacle) => named.push([obstacle.name, middle(obstacle)]));
     if (shows("payload")) stageData.payloads.forEach((payload) => named.push([`${short(payload.mass, 3)} kg`, payloadPose(payload, time).slice(9)]));
