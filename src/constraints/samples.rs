@@ -53,9 +53,9 @@ pub(super) fn looped() -> Vec<Robot> {
     vec![with(&[pin]), with(&[row]), with(&[rod, gear]), with(&[line, gear, rod]), with(&[&weld]), tree()]
 }
 
-/// Four chains of eight joints, each tied to the next one by four rows or three: blocks of the derivatives are
-/// limited to what tree and rows leave, and the last rows know of the first chain only through rows before
-/// them.
+/// Four chains of eight joints, each tied to the next one by four rows or three: blocks of the derivatives
+/// are limited to what tree and rows leave, and the last rows know of the first chain only through rows
+/// before them.
 pub(super) fn tied_chains() -> Robot {
     let mut builder = Robot::builder("tied_chains").gravity([0.7, -1.0, -9.81]);
     for chain in ["a", "b", "c", "d"] {

@@ -41,7 +41,7 @@ fn the_menu_of_speeds_is_kept() {
         page.value(&format!("costateReport.setTime(0); document.getElementById('speed').value = '{speed}'"));
         page.click("#play");
         page.wait("costateReport.time() > 0");
-        // By the stamps of frames, which the page goes by as well: however late a frame is, both see the same.
+        // By the stamps of frames, which the page goes by as well: however late one is, both see the same.
         let rate = page.value(
             "new Promise((done) => { let first = null; const look = (now) => { \
              first = first || [costateReport.time(), now]; \
