@@ -71,9 +71,10 @@ impl<S: Scalar> Factor<S> {
             for r in 0..i {
                 l[i][r] = d[i][r] * inverse;
             }
-            for r in 0..i {
-                for c in 0..=r {
-                    d[r][c] = (-l[i][r]).mul_add(d[i][c], d[r][c]);
+            let (above, own) = d.split_at_mut(i);
+            for (r, row) in above.iter_mut().enumerate() {
+                for (entry, own) in row[..=r].iter_mut().zip(own[0]) {
+                    *entry = (-l[i][r]).mul_add(own, *entry);
                 }
             }
         }
