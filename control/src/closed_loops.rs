@@ -48,7 +48,7 @@ pub(crate) fn solve(
 fn of_joints(problem: &Problem, loops: &Loops, found: Solution) -> Solution {
     let n = problem.robot.dof();
     let lambda = |accelerations: &Vec<f64>| match &loops.walk {
-        // In the axes of the world, of forces along the edges of the friction cone and torques about toes.
+        // In the axes of the world; rows of feet in the plane are edges of their friction cones.
         Some(walk) => {
             let mut lambda = vec![0.0; loops.rows.len()];
             for ((column, row), a) in walk.columns.iter().zip(&loops.rows).zip(&accelerations[n..]) {

@@ -1,5 +1,6 @@
-"""Steps of RABBIT as in examples/problems/rabbit_walk.toml by CasADi and IPOPT, in other coordinates: absolute angles of the
-five links of a robot whose foot is pinned, without constraints; the impact in seven coordinates."""
+"""Steps of RABBIT as in examples/problems (rabbit_walk.toml, rabbit_double_support.toml) by CasADi and IPOPT, in other
+coordinates: absolute angles of the five links of a robot whose foot is pinned, without constraints; the impact in seven
+coordinates."""
 
 import json
 import subprocess

@@ -226,10 +226,15 @@ fn limit_figures(problem: &Problem, solution: &Solution) -> Vec<(&'static str, S
             "torque_speed" => "beyond torque-speed limits",
             "ground_force" => "beyond ground-force limits",
             "landing_impulse" => "beyond landing-impulse limits",
+            "task" if solution.gait.is_some() => "beyond clearances and forces on feet",
             "task" => "beyond tools and clearances",
             _ => "beyond torque limits",
         };
-        let unit = if kind == "task" { "m, rad or m/s".to_owned() } else { unit(limit_units(kind)) };
+        let unit = match kind {
+            "task" if solution.gait.is_some() => "m, m/s, N, N m, N s or N m s".to_owned(),
+            "task" => "m, rad or m/s".to_owned(),
+            _ => unit(limit_units(kind)),
+        };
         let (at_points, between) = (scientific(usage.at_points), scientific(usage.between));
         let cut = if kind == "torque" && usage.between > 0.0 { ", cut off in what is written" } else { "" };
         figures.push((name, format!("{at_points} {unit}, {between} between points{cut}")));

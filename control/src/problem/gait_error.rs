@@ -38,10 +38,17 @@ pub enum GaitError {
     Redundant,
     /// The same of all feet together, in the phase of double support.
     RedundantTogether,
+    /// A step with double support of a robot in space.
+    DoubleSupportInSpace,
     /// A step with double support of feet with soles.
     DoubleSupportOnSoles,
     /// A step with double support whose duration is free.
     FreeDuration,
+    /// Soles that stand flat, but not with the legs exchanged.
+    SolesDiffer {
+        /// The frame of the foot that stands.
+        frame: String,
+    },
     /// A number out of its range.
     OutOfRange {
         /// Its value.
@@ -130,6 +137,15 @@ impl fmt::Display for GaitError {
             Self::RedundantTogether => f.write_str(
                 "with all feet on the ground one of them cannot move where the others stand, so that their forces \
                  are not determined; remove double_support, or name fewer feet",
+            ),
+            Self::DoubleSupportInSpace => {
+                f.write_str("double support is that of robots in the plane; remove double_support")
+            }
+            Self::SolesDiffer { frame } => write!(
+                f,
+                "in the mirror the sole of '{}' is turned: give the frames of both feet axes that are mirror \
+                 images, x ahead and z up where they stand",
+                printable(frame)
             ),
             Self::DoubleSupportOnSoles => {
                 f.write_str("double support is that of feet that are points; remove sole, or double_support")

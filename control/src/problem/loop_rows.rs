@@ -51,7 +51,7 @@ pub(crate) struct LoopRow {
 pub(crate) struct Walk {
     pub gait: Gait,
     /// The robot with a constraint for each of the [feet](Self::feet), whose rows are x and z of it, and its
-    /// angle if it is a sole.
+    /// angle if it is a sole; in space three of a point and six of a sole.
     pub foot: Robot,
     /// The same of the feet that land, then of those that stay on the ground meanwhile.
     pub landing: Robot,

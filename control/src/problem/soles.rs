@@ -45,13 +45,13 @@ impl Gait {
     }
 
     /// The rows of a foot whose sum is zero at the start: of the first foot its place, of others their
-    /// heights, and angles of both.
+    /// heights, in space y too, and angles of both.
     pub(crate) fn places_of_foot(&self, foot: usize) -> Vec<Range<usize>> {
-        let height = if self.is_in_space() { 2..3 } else { 0..2 };
+        let heights = if self.is_in_space() { vec![1..2, 2..3] } else { vec![0..2] };
         let angles = (0..self.rows_of_foot()).filter(|row| self.is_angle(*row)).map(|row| row..row + 1);
         match foot {
             0 => (0..self.rows_of_foot()).map(|row| row..row + 1).collect(),
-            _ => std::iter::once(height).chain(angles).collect(),
+            _ => heights.into_iter().chain(angles).collect(),
         }
     }
 
@@ -78,8 +78,8 @@ impl Gait {
         names.get(corner).map_or_else(|| format!("'{foot}'"), |name| format!("the {name} of '{foot}'"))
     }
 
-    /// The rows of a foot that stands at x: multipliers are in the cone where they are positive, and the
-    /// [load of the toe](Self::load_of_toe) too.
+    /// The rows of a foot that stands at x and y. In the plane forces are in their cone where multipliers are
+    /// positive, and the [load of the toe](Self::load_of_toe) too; [`cone`](Self::cone) has all sides in space.
     pub(super) fn held(&self, foot: &str, [x, y]: [f64; 2]) -> Vec<ConstraintSpec> {
         if self.is_in_space() {
             return vec![self.placed(foot, foot, [x, y, 0.0])];

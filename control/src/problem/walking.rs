@@ -1,9 +1,10 @@
 //! A step of a gait as a motion of a robot with its foot in constraints.
 //!
-//! Each foot that stands is held along two directions d_1, d_2 of the plane, the edges of the friction cone
+//! In the plane each foot that stands is held along two directions d_1, d_2, the edges of the friction cone
 //! of the ground: its force is `a_1 d_1 + a_2 d_2` with the multipliers a of these rows, and it is in the
-//! cone where both are positive; soles have one more ([`super::soles`]). As in [`super::loops`] they are
-//! accelerations of further coordinates nu, and nothing depends on their rates. So the rates with which a
+//! cone where both are positive; soles have one more, and feet in space other rows ([`super::soles`]). As in
+//! [`super::loops`] the multipliers are accelerations of further coordinates nu, and nothing depends on their
+//! rates. So the rates with which a
 //! step begins are the impulses Lambda of the impact before it: what `p = M v - J'dnu/dt` says about them is
 //! that p is continuous there, but for the exchange of the legs,
 //!
@@ -59,18 +60,7 @@ impl Problem {
             let remedy = "must be neither negative nor infinite (m)";
             return Err(GaitError::OutOfRange { value: clearance, remedy }.at(Key::GAIT_CLEARANCE));
         }
-        if let Some([heel, toe]) = gait.sole {
-            let value = toe - heel;
-            if !(value > 0.0 && value.is_finite()) {
-                let remedy = "the length from heel to toe (m) must be positive and finite";
-                return Err(GaitError::OutOfRange { value, remedy }.at(Key::GAIT_SOLE));
-            }
-            let value = self.robot.gravity().norm();
-            if value == 0.0 {
-                let remedy = "feet with soles stand by gravity (m/s^2), which must not be zero";
-                return Err(GaitError::OutOfRange { value, remedy }.at(Key::GAIT_SOLE));
-            }
-        }
+        self.check_soles(gait)?;
         gait.check_widths()?;
         self.check_double_support(gait)?;
         self.check_names(gait)?;
@@ -317,7 +307,7 @@ impl Problem {
             return Err(GaitError::NotSymmetric { joint: self.name(joint), by }.at(Key::GAIT_MIRROR));
         }
         let place = |frame: &str, q: &[f64]| -> Result<Vec<f64>, ProblemError> {
-            let robot = self.robot.with_constraint(ConstraintSpec::pinned(frame, frame, "world"));
+            let robot = self.robot.with_constraint(ConstraintSpec::rigid(frame, frame, "world"));
             let mut foot = Constraints::<f64>::new(&robot.map_err(no_foot)?);
             foot.set_position(q).map_err(failed)?;
             Ok(foot.values().to_vec())
@@ -328,6 +318,10 @@ impl Problem {
             let miss = (here[0] - gait.length - there[0]).hypot(here[2] - there[2]).hypot(across);
             if miss > SYMMETRIC * gait.length.max(1.0) {
                 return Err(GaitError::FeetStay { miss }.at(Key::GAIT_MIRROR));
+            }
+            // The sole that swings is flat here.
+            if gait.sole.is_some() && there[3..].iter().any(|angle| angle.abs() > SYMMETRIC) {
+                return Err(GaitError::SolesDiffer { frame: stands.clone() }.at(Key::GAIT_MIRROR));
             }
         }
         Ok(())

@@ -53,15 +53,11 @@ impl Gait {
     /// The sides of the cone of a foot that are not limits of single multipliers: the load of the toe of a
     /// sole in the plane, and in space all of them.
     pub(crate) fn cone(&self) -> Vec<ConeSide> {
-        match (self.is_in_space(), self.sole) {
-            (false, None) => Vec::new(),
-            (false, Some(_)) => {
-                let by = self.load_of_toe().map_or_else(Vec::new, |load| load.to_vec());
-                vec![ConeSide { by, length: None, what: What::Corner("toe") }]
-            }
-            (true, None) => self.friction_pyramid(3),
-            (true, Some(sole)) => self.wrench_cone(sole),
+        if self.is_in_space() {
+            return self.sole.map_or_else(|| self.friction_pyramid(3), |sole| self.wrench_cone(sole));
         }
+        let of_toe = |load: [f64; 3]| ConeSide { by: load.to_vec(), length: None, what: What::Corner("toe") };
+        self.load_of_toe().map(of_toe).into_iter().collect()
     }
 
     /// `mu f_z - |f_x|` and `mu f_z - |f_y|` of so many multipliers, of which the first three are the force.

@@ -33,7 +33,8 @@ pub struct Trajectory {
     pub y_tau: Vec<Vec<f64>>,
     /// H*; empty for a trajectory that was read from a file.
     pub hamiltonian: Vec<f64>,
-    /// The times of the vias (s): where one phase ends and the next one begins. Each is that of two nodes.
+    /// The times of the vias, or of lift-off after double support (s): where one phase ends and the next one
+    /// begins. Each is that of two nodes.
     pub via_times: Vec<f64>,
     /// The floating and spherical joints: q has one entry more for each of them than v.
     pub free_joints: Vec<FreeEntries>,

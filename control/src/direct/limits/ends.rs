@@ -52,13 +52,13 @@ pub(crate) struct Ends {
 /// The sides that do not count in each phase of a step.
 fn absent(loops: &Loops) -> Vec<Vec<(Limited, usize)>> {
     let Some(walk) = &loops.walk else { return Vec::new() };
-    let (n, corners) = (walk.exchange.len(), walk.gait.corners().len());
+    let n = walk.exchange.len();
     let of_phase = |phase: &LoopPhase| {
         let idle = (phase.rows..loops.rows.len()).map(|row| (Limited::Acceleration, n + row));
-        // Where all feet stand, the last corner of each, its toe, is on the ground.
+        // Where all feet stand, none is above the ground.
         let stands = walk.has_double_support() && phase.rows == loops.rows.len();
-        let toes = (0..if stands { walk.gait.swing.len() } else { 0 }).map(|foot| corners * (foot + 1) - 1);
-        idle.chain(toes.map(|row| (Limited::Task, row))).collect()
+        let heights = 0..if stands { walk.gait.swing.len() } else { 0 };
+        idle.chain(heights.map(|foot| (Limited::Task, foot))).collect()
     };
     loops.phases.iter().map(of_phase).collect()
 }

@@ -19,7 +19,7 @@ const HEIGHT: f64 = 0.1;
 /// ```text
 /// M v(0) - J'dnu/dt(0) - S M v(T)     n, momenta after the impact
 /// J v(0)                              rates of the rows of the feet that stand during the whole step
-/// g(q(0))                             place of the first of these feet, z of the others, angles of soles
+/// g(q(0))                             place of the first of these feet, z of the others (y in space), angles
 /// ```
 ///
 /// then those of [`GaitSoles`]. In a step with double support dnu/dt(0) = 0 is given; the feet that stand

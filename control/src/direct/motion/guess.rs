@@ -52,12 +52,12 @@ pub(crate) fn guess(
     let mut closing = problem.loops.as_ref().map(|loops| Closing::new(loops));
     let stepping = problem.loops.as_ref().and_then(|loops| Stepping::new(loops, times.clone()));
     // From the start to the end of a step.
-    let step = Problem {
+    let step = stepping.as_ref().map(|_| Problem {
         start: ends[0].clone(),
         end: ends[ends.len() - 1].clone(),
         time: FinalTime::Fixed(sum),
         ..problem.clone()
-    };
+    });
     let mut at = |phase: usize, s: f64, q: &mut [f64], rate: &mut [f64]| {
         let (part, time) = (s - phase as f64, times[phase]);
         let found = saved.and_then(|(saved, duration)| {
@@ -69,8 +69,8 @@ pub(crate) fn guess(
                 rate.iter_mut().zip(&point.v).for_each(|(rate, v)| *rate = stretch * time * v);
             }
             None => {
-                if let Some(stepping) = &stepping {
-                    let cubics = Cubics { problem: &step, disturbance, goal: 1.0 };
+                if let (Some(stepping), Some(step)) = (&stepping, &step) {
+                    let cubics = Cubics { problem: step, disturbance, goal: 1.0 };
                     let near = |part: f64, q: &mut [f64]| {
                         q.iter_mut().enumerate().for_each(|(i, q)| *q = cubics.at(i, part).q);
                     };

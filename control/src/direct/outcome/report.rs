@@ -3,6 +3,7 @@
 use crate::constants::direct::{ACTIVE, VIOLATION_ACCEPTED, VIOLATION_BETWEEN};
 use crate::direct::interior::iterate::Interior;
 use crate::direct::limits::side::{Limited, Side};
+use crate::direct::motion::shape::POINTS;
 use crate::direct::refine::at_ends::AtEnds;
 use crate::direct::refine::peak::{self, WITH_ENDS};
 use crate::direct::refine::resolution::Resolution;
@@ -301,14 +302,14 @@ fn spans<D>(interior: &Interior<D>, i: usize, side: &Side, name: &str) -> Vec<Ac
     let (spline, barrier) = (&interior.spline, &interior.barrier);
     let is_rate = side.limited >= Limited::Jerk;
     // Not where feet do not do what this limits.
-    let counts = |s: f64| !interior.ends.is_absent((s.ceil() as usize).saturating_sub(1), side);
+    let counts = |interval: usize| !interior.ends.is_absent(spline.mesh.phase(interval), side);
     let places = if is_rate { spline.mesh.gauss_points() } else { spline.mesh.points() };
     let times = (0..places).map(|p| {
-        let (entries, s) = match is_rate {
-            true => (barrier.at_gauss_point(p), spline.mesh.gauss_point(p).0),
-            false => (barrier.at_point(p), spline.mesh.point(p).0),
+        let (entries, s, interval) = match is_rate {
+            true => (barrier.at_gauss_point(p), spline.mesh.gauss_point(p).0, p / POINTS),
+            false => (barrier.at_point(p), spline.mesh.point(p).0, spline.mesh.interval_of(p).0),
         };
-        (spline.time_at(s), counts(s) && barrier.distance[entries][i] <= ACTIVE * side.range)
+        (spline.time_at(s), counts(interval) && barrier.distance[entries][i] <= ACTIVE * side.range)
     });
     ActiveLimit::spans(name, if side.sign > 0.0 { "min" } else { "max" }, times)
 }

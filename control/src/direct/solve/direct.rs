@@ -153,6 +153,7 @@ impl Direct<'_> {
         }
         let model = (problem, self.rows);
         for round in 0..=saddle::FROM_FINER_MESHES {
+            // What is a minimum on a mesh may be a saddle on a finer one.
             let (own, other) = (&mut interior, &mut resolution);
             let was_left = leave_saddles(model, self.options, own, other, &mut refined, recorder)?;
             if round > 0 && !was_left {
@@ -164,7 +165,6 @@ impl Direct<'_> {
             if interior.spline.mesh.intervals() == intervals {
                 break;
             }
-            // What is a minimum on a mesh may be a saddle on a finer one.
         }
         self.finish(&mut interior, &resolution, refined, Smoothing::default(), recorder)
     }
