@@ -79,7 +79,8 @@ impl Gait {
     }
 
     /// The rows of a foot that stands at x and y. In the plane forces are in their cone where multipliers are
-    /// positive, and the [load of the toe](Self::load_of_toe) too; [`cone`](Self::cone) has all sides in space.
+    /// positive, and the [load of the toe](Self::load_of_toe) too; in space all sides are in
+    /// [`cone`](Self::cone).
     pub(super) fn held(&self, foot: &str, [x, y]: [f64; 2]) -> Vec<ConstraintSpec> {
         if self.is_in_space() {
             return vec![self.placed(foot, foot, [x, y, 0.0])];
