@@ -118,6 +118,9 @@ fn needs_multipliers(problem: &Problem, parameters: &ParameterSet) -> bool {
 
 fn check(problem: &Problem, solution: &Solution, parameters: &ParameterSet) -> Result<(), SensitivityError> {
     problem.refuse_free_joints().map_err(|error| SensitivityError::Problem(Box::new(error)))?;
+    if problem.gait.is_some() {
+        return Err(SensitivityError::Gait);
+    }
     let status = &solution.motion.status;
     let optimal = status.is_solved() || matches!(status, Status::NotVerified | Status::MeshLimit);
     let motion = &solution.trajectory;

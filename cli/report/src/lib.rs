@@ -23,6 +23,7 @@ mod advice;
 pub mod between;
 mod criterion;
 pub mod figures;
+mod forces;
 mod laws;
 mod light_joints;
 mod limits;

@@ -1,5 +1,6 @@
 //! The plots of a report.
 
+use crate::forces::{FORCES, forces};
 use crate::limits::{self, Quantity};
 use crate::motion::Motion;
 use crate::numbers::short;
@@ -12,7 +13,7 @@ use costate_control::{Iteration, TrajectoryPoint};
 pub type Panel = (String, Plot);
 
 /// Names of the plots over time.
-pub const NAMES: [&str; 16] = [
+pub const NAMES: [&str; 17] = [
     "positions",
     "rates",
     "accelerations",
@@ -22,6 +23,7 @@ pub const NAMES: [&str; 16] = [
     "powers",
     "total_power",
     "energy",
+    FORCES,
     "tool_speed",
     "momenta",
     "costates_q",
@@ -91,15 +93,14 @@ pub fn along_the_motion(motion: &Motion<'_>) -> Vec<Panel> {
     let of_each = of_joints("powers", "Powers of the joints", "\u{3c4} v", units::POWER, Actuation, &powers);
     panels.push(limited(of_each, Quantity::Power));
     panels.extend(sums(motion, &powers));
+    panels.push(forces(motion));
     panels.push(tool_speed(motion));
-    panels.push(of_joints(
-        "momenta",
-        "Momenta p = M v",
-        "p",
-        units::MOMENTUM,
-        Solver,
-        &points(|point| &point.p),
-    ));
+    let momenta = if motion.problem.gait.is_some() || !robot.constraints().is_empty() {
+        "Momenta p = M v - J'd\u{3bd}/dt"
+    } else {
+        "Momenta p = M v"
+    };
+    panels.push(of_joints("momenta", momenta, "p", units::MOMENTUM, Solver, &points(|point| &point.p)));
     let y_q = points(|point| &point.y_q);
     panels.push(of_joints(
         "costates_q",

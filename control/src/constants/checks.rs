@@ -148,6 +148,8 @@ pub(crate) mod gait {
     pub const GUESSED_IMPULSE: f64 = 0.2;
     /// How high the foot that swings is halfway in a guess, in parts of its clearance and of the step.
     pub const GUESSED_HEIGHT: [f64; 2] = [1.5, 0.05];
+    /// Positions of a guess that are not found before no more are looked for.
+    pub const MOST_NOT_FOUND: usize = 5;
     /// Step in s of rates of guesses.
     pub const NEAR: f64 = 1e-4;
 }

@@ -24,6 +24,13 @@ impl Gait {
             return out(Key::GAIT_WIDTH, self.width, "must be neither negative nor infinite (m)");
         }
         if space && has_sole {
+            if self.sole_width == 0.0 {
+                return out(
+                    Key::GAIT_SOLE_WIDTH,
+                    0.0,
+                    "soles in space need their width (m), which must be positive",
+                );
+            }
             return positive(Key::GAIT_SOLE_WIDTH, self.sole_width);
         }
         let remedy = "must not be given of a robot in the plane; gait.flipped names the joints that change their \

@@ -2,6 +2,7 @@
 
 use crate::between;
 use crate::figures::time_is_free;
+use crate::forces::FORCES;
 use crate::light_joints;
 use crate::motion::Motion;
 use crate::numbers::short;
@@ -96,7 +97,13 @@ fn cards(motion: &Motion<'_>) -> Vec<Card> {
         let note = format!("at {} s", short(largest.0, 3));
         Some((format!("{} {}", short(largest.1.abs(), 4), plot.unit), note))
     };
-    for (name, id) in [("largest power of all joints", "total_power"), ("fastest tool", "tool_speed")] {
+    let of_forces = match solution.gait {
+        Some(_) => "largest force of the ground",
+        None => "largest force of a constraint",
+    };
+    let peaks =
+        [("largest power of all joints", "total_power"), (of_forces, FORCES), ("fastest tool", "tool_speed")];
+    for (name, id) in peaks {
         cards.extend(peak(id).map(|(value, note)| plain(name, value, &note)));
     }
     let phases = solution.trajectory.via_times.len();

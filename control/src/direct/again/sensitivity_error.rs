@@ -39,6 +39,12 @@ pub enum SensitivityError {
         /// What does not go.
         cause: String,
     },
+    /// The motion is a step of a gait.
+    #[error(
+        "the cost of a step of a gait has no derivative by the robot here, as feet and landing depend on it too; \
+         solve again with another robot"
+    )]
+    Gait,
     /// The motion was not found again on its mesh, where its multipliers are looked for.
     #[error("the motion is not solved on its mesh once more; try another tolerance or more nodes")]
     NotSolved,

@@ -73,9 +73,9 @@ impl GaitRows {
             places.into_iter().map(move |rows| first + rows.start..first + rows.end)
         };
         let places: Vec<Range<usize>> = walk.stance().iter().enumerate().flat_map(places).collect();
-        let momenta = walk.scales.iter().enumerate();
-        let momenta = momenta.map(|(i, &scale)| {
-            Row::equal(0.0, scale, "kg m/s, kg m^2/s", format!("momentum {i} through the impact"))
+        let momenta = walk.scales.iter().zip(loops.robot.independent_joints()).map(|(&scale, joint)| {
+            let name = format!("momentum of joint '{}' from one step to the next", joint.name);
+            Row::equal(0.0, scale, "kg m/s, kg m^2/s", name)
         });
         let of = |[what, turned]: [&str; 2], [unit, of_angles]: [&'static str; 2], first: usize| {
             let (foot, is_angle) = (walk.foot_of(first), walk.is_angle(first));

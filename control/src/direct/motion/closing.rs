@@ -1,8 +1,9 @@
 //! First guesses of robots whose loops are closed.
 
-use crate::constants::checks::gait::{GUESSED_HEIGHT, GUESSED_IMPULSE, NEAR};
+use crate::constants::checks::gait::{GUESSED_HEIGHT, GUESSED_IMPULSE, MOST_NOT_FOUND, NEAR};
 use crate::problem::loop_rows::{Loops, Walk};
 use costate::constraints::ConstrainedHamiltonian;
+use std::cell::Cell;
 
 /// Brings states to where the loops are closed.
 pub(super) struct Closing {
@@ -41,11 +42,13 @@ pub(super) struct Stepping<'a> {
     walk: &'a Walk,
     /// Those of its phases (s).
     times: Vec<f64>,
+    /// Positions that were not found, of which no more are looked for after a few.
+    not_found: Cell<usize>,
 }
 
 impl<'a> Stepping<'a> {
     pub fn new(loops: &'a Loops, times: Vec<f64>) -> Option<Self> {
-        Some(Self { loops, walk: loops.walk.as_ref()?, times })
+        Some(Self { loops, walk: loops.walk.as_ref()?, times, not_found: Cell::new(0) })
     }
 
     /// The duration of the step (s).
@@ -115,8 +118,12 @@ impl<'a> Stepping<'a> {
             robot = with;
         }
         let (mut closed, held) = (q.to_vec(), vec![false; q.len()]);
-        if ConstrainedHamiltonian::<f64>::new(&robot).close(&mut closed, &held).is_ok() {
-            q.copy_from_slice(&closed);
+        if self.not_found.get() >= MOST_NOT_FOUND {
+            return;
+        }
+        match ConstrainedHamiltonian::<f64>::new(&robot).close(&mut closed, &held) {
+            Ok(_) => q.copy_from_slice(&closed),
+            Err(_) => self.not_found.set(self.not_found.get() + 1),
         }
     }
 }
