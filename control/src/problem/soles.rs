@@ -47,11 +47,11 @@ impl Gait {
     /// The rows of a foot whose sum is zero at the start: of the first foot its place, of others their
     /// heights, in space y too, and angles of both.
     pub(crate) fn places_of_foot(&self, foot: usize) -> Vec<Range<usize>> {
-        let heights = if self.is_in_space() { vec![1..2, 2..3] } else { vec![0..2] };
+        let heights: &[[usize; 2]] = if self.is_in_space() { &[[1, 2], [2, 3]] } else { &[[0, 2]] };
         let angles = (0..self.rows_of_foot()).filter(|row| self.is_angle(*row)).map(|row| row..row + 1);
         match foot {
             0 => (0..self.rows_of_foot()).map(|row| row..row + 1).collect(),
-            _ => heights.into_iter().chain(angles).collect(),
+            _ => heights.iter().map(|&[from, to]| from..to).chain(angles).collect(),
         }
     }
 
