@@ -193,20 +193,28 @@ def table(costate, folder):
     return f"{equal} of {len(files)} files are equal.\n\n" + "\n".join(lines) + "\n"
 
 
-def main():
-    arguments = argparse.ArgumentParser(description=__doc__)
+def options(description):
+    """The program, the folder of the files, and whether the document is written."""
+    arguments = argparse.ArgumentParser(description=description)
     arguments.add_argument("--costate", required=True, help="the program")
     arguments.add_argument("--folder", type=Path, help="of URDF files; that of the package if absent")
     arguments.add_argument("--write", action="store_true", help="replace the table of docs/urdfs.md")
     arguments = arguments.parse_args()
     installed = Path(sysconfig.get_path("purelib")) / "cmeel.prefix/share/example-robot-data/robots"
-    text = table(Costate(arguments.costate), arguments.folder or installed)
-    if arguments.write:
-        document = DOCUMENT.read_text()
-        before, after = document.split(BEGIN)[0], document.split(END)[1]
-        DOCUMENT.write_text(before + BEGIN + text + END + after)
-    else:
-        print(text, end="")
+    return Costate(arguments.costate), arguments.folder or installed, arguments.write
+
+
+def replace(text, begin, end):
+    """Puts a table between these lines of the document."""
+    document = DOCUMENT.read_text()
+    before, after = document.split(begin)[0], document.split(end)[1]
+    DOCUMENT.write_text(before + begin + text + end + after)
+
+
+def main():
+    costate, folder, write = options(__doc__)
+    text = table(costate, folder)
+    replace(text, BEGIN, END) if write else print(text, end="")
 
 
 if __name__ == "__main__":
