@@ -191,8 +191,10 @@ pub(crate) fn size_of_joint<S: Scalar>(tree: &Tree, k: usize, q: &[S], entry: S)
     }
     let joints = tree.joints();
     let mut reach = S::from_f64(joints[k].reach);
-    for &(slide, root) in &joints[k].slides {
-        reach += q[slide].plus(joints[slide].offset).abs().times(root);
+    if joints[k].carries_slides {
+        for &i in tree.subtree(k).iter().filter(|&&i| joints[i].kind == JointKind::Prismatic) {
+            reach += q[i].plus(joints[i].offset).abs().times(joints[i].subtree_mass.sqrt());
+        }
     }
     entry + (reach * reach).times(2.0)
 }

@@ -148,7 +148,7 @@ impl<'a> AlignedFrames<'a> {
             lumped: inertia,
             lumped_mass: 0.0,
             reach: 0.0,
-            slides: Vec::new(),
+            carries_slides: false,
             spring: joint.spring,
             friction: joint.friction,
         }

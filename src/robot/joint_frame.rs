@@ -28,8 +28,8 @@ pub struct JointFrame {
     /// Upper bound of the root of the integral of the squared distance from the origin over the mass of the
     /// link and all that it carries, prismatic joints at q + offset = 0 (kg^1/2 m).
     pub reach: f64,
-    /// The prismatic joints beyond this one, with the roots of the masses that they move (kg^1/2).
-    pub slides: Vec<(usize, f64)>,
+    /// Whether a joint beyond this one is prismatic.
+    pub carries_slides: bool,
     /// Joint spring.
     pub spring: Spring,
     /// Joint friction.
@@ -75,11 +75,10 @@ pub(super) fn set_reach(joints: &mut [JointFrame]) {
         joint.reach = (joint.reach + 0.5 * (xx + yy + zz).max(0.0)).sqrt();
         let distance = Vector3::from(joint.screw.translation).norm() + joint.screw.rise.abs();
         let reach = joint.reach + joint.subtree_mass.sqrt() * distance;
-        let own = (joint.kind == JointKind::Prismatic).then(|| (i, joint.subtree_mass.sqrt()));
+        let slides = joint.carries_slides || joint.kind == JointKind::Prismatic;
         if let Some(parent) = joint.parent {
-            let slides: Vec<_> = joint.slides.iter().copied().chain(own).collect();
             joints[parent].reach += reach * reach;
-            joints[parent].slides.extend(slides);
+            joints[parent].carries_slides |= slides;
         }
     }
 }
