@@ -5,7 +5,6 @@ use super::gait::Gait;
 use super::gait_error::GaitError;
 use super::key::Key;
 use super::loop_rows::LoopRow;
-use super::walking::positive;
 
 impl Gait {
     /// Whether it is one of a robot in space.
@@ -24,14 +23,13 @@ impl Gait {
             return out(Key::GAIT_WIDTH, self.width, "must be neither negative nor infinite (m)");
         }
         if space && has_sole {
-            if self.sole_width == 0.0 {
-                return out(
-                    Key::GAIT_SOLE_WIDTH,
-                    0.0,
-                    "soles in space need their width (m), which must be positive",
-                );
-            }
-            return positive(Key::GAIT_SOLE_WIDTH, self.sole_width);
+            return match self.sole_width > 0.0 && self.sole_width.is_finite() {
+                true => Ok(()),
+                false => {
+                    let remedy = "soles in space need their width (m), which must be positive and finite";
+                    out(Key::GAIT_SOLE_WIDTH, self.sole_width, remedy)
+                }
+            };
         }
         let remedy = "must not be given of a robot in the plane; gait.flipped names the joints that change their \
                       signs in the mirror of one in space";

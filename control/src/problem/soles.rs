@@ -25,11 +25,11 @@ const EDGES: [(&str, f64); 2] = [("ahead", 1.0), ("back", -1.0)];
 impl Gait {
     /// Number of rows that hold a foot.
     pub(crate) fn rows_of_foot(&self) -> usize {
-        self.rows_in_space().len()
+        self.rows_of_pose().len()
     }
 
     /// Those of the pose of a foot that are held.
-    fn rows_in_space(&self) -> &'static [ConstraintRow] {
+    fn rows_of_pose(&self) -> &'static [ConstraintRow] {
         use ConstraintRow::{TurnY, X, Y, Z};
         match (self.is_in_space(), self.sole.is_some()) {
             (false, false) => &[X, Z],
@@ -117,7 +117,7 @@ impl Gait {
     /// A foot on the ground at x and y, or in the air above it: x and z of its frame, y in space, and flat if
     /// it is a sole.
     pub(crate) fn placed(&self, name: &str, foot: &str, place: [f64; 3]) -> ConstraintSpec {
-        ConstraintSpec::rows(name, foot, "world", self.rows_in_space())
+        ConstraintSpec::rows(name, foot, "world", self.rows_of_pose())
             .to_placed(Placement::from_xyz_rpy(place, [0.0; 3]))
     }
 

@@ -328,7 +328,7 @@ impl Problem {
     }
 }
 
-pub(super) fn positive(key: Key, value: f64) -> Result<(), ProblemError> {
+fn positive(key: Key, value: f64) -> Result<(), ProblemError> {
     match value > 0.0 && value.is_finite() {
         true => Ok(()),
         false => Err(GaitError::OutOfRange { value, remedy: "must be positive and finite" }.at(key)),
