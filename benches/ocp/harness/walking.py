@@ -98,11 +98,9 @@ def solve(intervals=INTERVALS):
     return float(found["f"]), step.impulse(found)
 
 
-def transcribed(intervals):
-    """The program, its parameters, the impulse in it, the torques, and its unknowns with their guess for a size."""
-    # On the ground, by virtual work: five angles.
-    a, w, acc, tau, reach = (ca.SX.sym(name, count) for name, count in
-                            (("a", 5), ("w", 5), ("acc", 5), ("tau", 4), ("reach", 1)))
+def on_the_ground(a, w, acc, tau):
+    """The force on the robot at its foot, what the five equations of motion miss, by virtual work, and the angles of the
+    knees."""
     force, left = ca.vertcat(0, 0), ca.vertcat(*(part[1] for part in PARTS)) * acc
     for (m, *_), centre in zip(PARTS, CENTRES):
         push = m * (acceleration(HIP + centre, a, w, acc) + ca.vertcat(0, GRAVITY))
@@ -110,11 +108,19 @@ def transcribed(intervals):
         force += push
     # Hip and knee of the leg that swings, then of the other one; of relative angles.
     relative = ca.vertcat(a[1] - a[0], a[2] - a[1], a[3] - a[0], a[4] - a[3])
-    right = ca.jtimes(relative, a, tau, True)
+    return force, left - ca.jtimes(relative, a, tau, True), ca.vertcat(relative[1], relative[3])
+
+
+def transcribed(intervals):
+    """The program, its parameters, the impulse in it, the torques, and its unknowns with their guess for a size."""
+    # On the ground, by virtual work: five angles.
+    a, w, acc, tau, reach = (ca.SX.sym(name, count) for name, count in
+                            (("a", 5), ("w", 5), ("acc", 5), ("tau", 4), ("reach", 1)))
+    force, missing, knees = on_the_ground(a, w, acc, tau)
     swing = place(HIP + FOOT, a)
     height = swing[1] - CLEARANCE * (1 - (swing[0] / reach) ** 2)
-    limits = ca.vertcat(cone(force[0], force[1]), height, relative[1], relative[3])
-    point = ca.Function("point", [a, w, acc, tau, reach], [left - right, limits], {"cse": True})
+    limits = ca.vertcat(cone(force[0], force[1]), height, knees)
+    point = ca.Function("point", [a, w, acc, tau, reach], [missing, limits], {"cse": True})
 
     # In the air: the hip and five angles.
     v, before, impulse = ca.SX.sym("v", 7), ca.SX.sym("before", 7), ca.SX.sym("impulse", 2)
@@ -174,14 +180,8 @@ def on_both_feet(share, first=12, then=40):
     foot behind has a force of its own and accelerations that are zero; the other one lands at rest."""
     a, w, acc, tau, behind = (ca.SX.sym(name, count) for name, count in
                               (("a", 5), ("w", 5), ("acc", 5), ("tau", 4), ("behind", 2)))
-    force, left = ca.vertcat(0, 0), ca.vertcat(*(part[1] for part in PARTS)) * acc
-    for (m, *_), centre in zip(PARTS, CENTRES):
-        push = m * (acceleration(HIP + centre, a, w, acc) + ca.vertcat(0, GRAVITY))
-        left += (HIP + centre) * (ca.cos(a) * push[0] - ca.sin(a) * push[1])
-        force += push
-    relative = ca.vertcat(a[1] - a[0], a[2] - a[1], a[3] - a[0], a[4] - a[3])
-    left -= ca.jtimes(relative, a, tau, True)
-    foot, knees = place(HIP + FOOT, a), ca.vertcat(relative[1], relative[3])
+    force, left, knees = on_the_ground(a, w, acc, tau)
+    foot = place(HIP + FOOT, a)
     height, front = foot[1] - CLEARANCE * (1 - (foot[0] / LENGTH) ** 2), force - behind
     swings = ca.Function("swings", [a, w, acc, tau], [left, ca.vertcat(cone(force[0], force[1]), height, knees)])
     rests = ca.vertcat(left - ca.jtimes(foot, a, behind, True), acceleration(HIP + FOOT, a, w, acc))

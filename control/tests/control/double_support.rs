@@ -3,7 +3,8 @@
 //! The judges are a program of its own in other coordinates, and forward dynamics with constraints, contacts
 //! and impacts of the library, none of which the solver uses.
 
-use super::walking::{CLEARANCE, EXCHANGE, FRICTION, LENGTH, N, largest_difference};
+use super::gaits::{ROWS, example, integrated, keeps_its_limits, largest_difference, solved};
+use super::walking::{CLEARANCE, FRICTION, LENGTH, N, exchanged};
 use costate::constraints::{ConstrainedLagrangian, Impact};
 use costate::contacts::{Contact, Stance};
 use costate::hamiltonian::Hamiltonian;
@@ -17,29 +18,9 @@ use std::sync::OnceLock;
 const TIME: f64 = 0.7;
 /// The foot that stands during the whole step, and the other one.
 const FEET: [&str; 2] = ["right_foot", "left_foot"];
-/// Rows of a trajectory for each interval: its ends, and three points of Gauss.
-const ROWS: usize = 5;
-/// Steps of the integration for each interval.
-const PARTS: usize = 8;
 
 fn file() -> ProblemFile {
-    ProblemFile::read("../examples/problems/rabbit_double_support.toml", LoadOptions::default()).unwrap()
-}
-
-fn solve(problem: &Problem, options: SolverOptions) -> Solution {
-    let solution = Solver::new(problem, options).unwrap().solve();
-    println!(
-        "{} J {:.9} gait {:?} end {:.1e} nodes {} steps {} drift {:?} errors {:?}",
-        solution.motion.status,
-        solution.total(),
-        solution.gait,
-        solution.end_defect,
-        solution.nodes(),
-        solution.newton_iterations,
-        solution.constraints.iter().map(|one| one.drift).collect::<Vec<_>>(),
-        solution.motion.errors,
-    );
-    solution
+    example("rabbit_double_support")
 }
 
 /// The motion of the example, solved once for all tests.
@@ -47,7 +28,7 @@ fn walk() -> &'static (Problem, Solution) {
     static WALK: OnceLock<(Problem, Solution)> = OnceLock::new();
     WALK.get_or_init(|| {
         let file = file();
-        let solution = solve(&file.problem, file.options.clone());
+        let solution = solved(&file.problem, file.options.clone());
         (file.problem, solution)
     })
 }
@@ -56,10 +37,6 @@ fn with(share: f64) -> Problem {
     let problem = file().problem;
     let gait = problem.gait.clone().unwrap().with_double_support(share);
     problem.with_gait(gait)
-}
-
-fn exchanged(list: &[f64]) -> Vec<f64> {
-    EXCHANGE.iter().map(|&i| list[i]).collect()
 }
 
 fn on(robot: &Robot, feet: &[&str]) -> Stance {
@@ -97,12 +74,7 @@ fn rabbit_walks_on_both_feet() {
     assert!(limits.ground_force.as_ref().is_some_and(|limit| limit.worst.is_none()), "{limits:?}");
     assert!(limits.landing_impulse.is_none() && limits.acceleration.is_none(), "{limits:?}");
     let motion = &solution.trajectory;
-    let [least, most] = [problem.limits.q_min.as_ref().unwrap(), problem.limits.torque_max.as_ref().unwrap()];
-    for k in 0..motion.t.len() {
-        assert!(motion.u[k][..3].iter().all(|u| u.abs() < 1e-5), "{k}: {:?}", motion.u[k]);
-        assert!(motion.q[k].iter().zip(least).all(|(q, least)| *q > least - 1e-6), "{k}: {:?}", motion.q[k]);
-        assert!(motion.u[k].iter().zip(most).all(|(u, most)| u.abs() <= most * (1.0 + 1e-6) + 1e-5));
-    }
+    keeps_its_limits(problem, motion);
 }
 
 /// In double support no foot moves, then the one behind clears the ground and lands at rest.
@@ -253,39 +225,10 @@ fn a_step_integrated_comes_back_to_its_start() {
     let motion = &solution.trajectory;
     let stances = [on(&problem.robot, &FEET), on(&problem.robot, &FEET[..1])];
     let mut models = stances.each_ref().map(|stance| ConstrainedLagrangian::<f64>::new(stance.robot()));
-    let mut x = [&motion.q[0][..], &motion.v[0]].concat();
-    for (t, u) in motion.t.chunks_exact(ROWS).zip(motion.u.chunks_exact(ROWS)) {
-        let model = &mut models[usize::from(t[2] > lift_off(solution))];
-        // The polynomial through the torques of an interval.
-        let torques = |at: f64| {
-            let mut sum = vec![0.0; N];
-            for (row, u) in u.iter().enumerate() {
-                let others = (0..ROWS).filter(|other| *other != row);
-                let part: f64 = others.map(|other| (at - t[other]) / (t[row] - t[other])).product();
-                (3..N).for_each(|i| sum[i] += part * u[i]);
-            }
-            sum
-        };
-        let mut rate = |x: &[f64], at: f64| {
-            let (q, v) = x.split_at(N);
-            let (a, _) = model.evaluate(q, v, &torques(at)).unwrap();
-            [v, a].concat()
-        };
-        let h = (t[ROWS - 1] - t[0]) / PARTS as f64;
-        for part in 0..PARTS {
-            let at = t[0] + part as f64 * h;
-            let moved = |x: &[f64], by: &[f64], h: f64| -> Vec<f64> {
-                x.iter().zip(by).map(|(x, by)| x + h * by).collect()
-            };
-            let first = rate(&x, at);
-            let second = rate(&moved(&x, &first, 0.5 * h), at + 0.5 * h);
-            let third = rate(&moved(&x, &second, 0.5 * h), at + 0.5 * h);
-            let fourth = rate(&moved(&x, &third, h), at + h);
-            for i in 0..2 * N {
-                x[i] += h / 6.0 * (first[i] + 2.0 * (second[i] + third[i]) + fourth[i]);
-            }
-        }
-    }
+    let x = integrated(motion, |middle, q, v, tau| {
+        let model = &mut models[usize::from(middle > lift_off(solution))];
+        model.evaluate(q, v, tau).unwrap().0.to_vec()
+    });
     let mut back = exchanged(&x[..N]);
     back[0] -= LENGTH;
     let miss = largest_difference(&back, &motion.q[0]);
@@ -297,7 +240,7 @@ fn a_step_integrated_comes_back_to_its_start() {
 /// A shorter phase costs less: the cheapest one would be none.
 #[test]
 fn shorter_double_support_costs_less() {
-    let short = solve(&with(0.1), file().options);
+    let short = solved(&with(0.1), file().options);
     assert_eq!(short.motion.status, Status::Converged);
     assert!(short.total() < 0.7 * walk().1.total(), "{}", short.total());
     assert!((lift_off(&short) - 0.1 * TIME).abs() < 1e-12);

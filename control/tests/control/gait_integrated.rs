@@ -23,8 +23,9 @@
 //! this over all intervals, in each component.
 
 use super::dormand_prince::integrated;
+use super::gaits::{ROWS, largest_difference};
 use super::rabbit_on_one_foot::{EXCHANGED, LINKS, Links, OneFoot, Torques, joints, links, swing_foot};
-use super::walking::{CLEARANCE, FRICTION, LENGTH, largest_difference, slippery, walk};
+use super::walking::{CLEARANCE, FRICTION, LENGTH, slippery, walk};
 use costate::lagrangian::Lagrangian;
 use costate_control::Solution;
 use nalgebra::{SMatrix, SVector};
@@ -36,8 +37,6 @@ type Along = SVector<f64, { 2 * LINKS + 2 }>;
 
 /// Of a step of the integrator, relative.
 const TOLERANCE: f64 = 1e-12;
-/// Rows of a trajectory for each interval: its ends, and three points of Gauss.
-const ROWS: usize = 5;
 /// Parts of an interval in which the bound is summed.
 const PARTS: usize = 64;
 /// By how much sums and differences may be off that make the bound.

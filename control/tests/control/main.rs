@@ -22,6 +22,7 @@ mod finer_mesh;
 mod free_joints;
 mod free_start;
 mod gait_integrated;
+mod gaits;
 mod gripper;
 mod guessed_times;
 mod guesses;

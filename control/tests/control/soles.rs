@@ -3,7 +3,7 @@
 //! The judges use the frames, the inverse dynamics and the impact of the library, none of which the solver
 //! uses for this; forces are those that the base needs, which has no motors.
 
-use super::walking::largest_difference;
+use super::gaits::{example, largest_difference, solved};
 use costate::constraints::Impact;
 use costate::contacts::{Contact, Stance};
 use costate::hamiltonian::Hamiltonian;
@@ -20,7 +20,7 @@ const N: usize = 9;
 const EXCHANGE: [usize; N] = [0, 1, 2, 6, 7, 8, 3, 4, 5];
 
 fn file() -> ProblemFile {
-    ProblemFile::read("../examples/problems/seven_link_walk.toml", LoadOptions::default()).unwrap()
+    example("seven_link_walk")
 }
 
 fn gait() -> Gait {
@@ -28,17 +28,7 @@ fn gait() -> Gait {
 }
 
 fn solve(problem: &Problem, options: SolverOptions) -> Solution {
-    let solution = Solver::new(problem, options).unwrap().solve();
-    println!(
-        "{} J {:.9} gait {:?} end {:.1e} nodes {} steps {} errors {:?}",
-        solution.motion.status,
-        solution.total(),
-        solution.gait,
-        solution.end_defect,
-        solution.nodes(),
-        solution.newton_iterations,
-        solution.motion.errors,
-    );
+    let solution = solved(problem, options);
     assert_eq!(solution.motion.status, Status::Converged);
     check(problem, &solution);
     solution

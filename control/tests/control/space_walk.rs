@@ -3,7 +3,7 @@
 //! The judges use the frames, the inverse dynamics and the impact of the library, none of which the solver
 //! uses for this; the wrench of the ground is what the base needs, which has no motors.
 
-use super::walking::largest_difference;
+use super::gaits::{example, largest_difference, solved};
 use costate::constraints::Impact;
 use costate::contacts::{Contact, Stance};
 use costate::hamiltonian::Hamiltonian;
@@ -21,7 +21,7 @@ const N: usize = 18;
 const ROBOT: &str = "../robots/biped_walker.toml";
 
 fn file() -> ProblemFile {
-    ProblemFile::read("../examples/problems/biped_walk.toml", LoadOptions::default()).unwrap()
+    example("biped_walk")
 }
 
 fn gait() -> Gait {
@@ -29,17 +29,7 @@ fn gait() -> Gait {
 }
 
 fn solve(problem: &Problem, options: SolverOptions) -> Solution {
-    let solution = Solver::new(problem, options).unwrap().solve();
-    println!(
-        "{} J {:.9} gait {:?} end {:.1e} nodes {} steps {} errors {:?}",
-        solution.motion.status,
-        solution.total(),
-        solution.gait,
-        solution.end_defect,
-        solution.nodes(),
-        solution.newton_iterations,
-        solution.motion.errors,
-    );
+    let solution = solved(problem, options);
     assert_eq!(solution.motion.status, Status::Converged);
     solution
 }

@@ -3,13 +3,13 @@
 //! The judges are forward dynamics with constraints, contacts and impacts of the library, none of which the
 //! solver uses.
 
-use super::walking::largest_difference;
+use super::gaits::{ROWS, example, integrated, largest_difference, solved};
 use costate::constraints::{ConstrainedLagrangian, Impact};
 use costate::contacts::{Contact, Stance};
 use costate::hamiltonian::Hamiltonian;
 use costate::kinematics::Kinematics;
-use costate::robot::{LoadOptions, Robot};
-use costate_control::{Gait, Problem, ProblemFile, Solution, Solver, SolverOptions, Status};
+use costate::robot::Robot;
+use costate_control::{Gait, Problem, ProblemFile, Solution, Status};
 use std::sync::OnceLock;
 
 const N: usize = 11;
@@ -20,28 +20,9 @@ const STANCE: [&str; 2] = ["front_right_foot", "hind_left_foot"];
 const SWING: [&str; 2] = ["front_left_foot", "hind_right_foot"];
 /// Legs exchanged.
 const EXCHANGE: [usize; N] = [0, 1, 2, 5, 6, 3, 4, 9, 10, 7, 8];
-/// Rows of a trajectory for each interval: its ends, and three points of Gauss.
-const ROWS: usize = 5;
-/// Steps of the integration for each interval.
-const PARTS: usize = 8;
 
 fn file() -> ProblemFile {
-    ProblemFile::read("../examples/problems/quadruped_trot.toml", LoadOptions::default()).unwrap()
-}
-
-fn solve(problem: &Problem, options: SolverOptions) -> Solution {
-    let solution = Solver::new(problem, options).unwrap().solve();
-    println!(
-        "{} J {:.9} error {:.1e} end {:.1e} nodes {} steps {} gait {:?}",
-        solution.motion.status,
-        solution.total(),
-        solution.motion.errors[0],
-        solution.end_defect,
-        solution.nodes(),
-        solution.newton_iterations,
-        solution.gait,
-    );
-    solution
+    example("quadruped_trot")
 }
 
 /// The motion of the example, solved once for all tests.
@@ -49,7 +30,7 @@ fn trot() -> &'static (Problem, Solution) {
     static TROT: OnceLock<(Problem, Solution)> = OnceLock::new();
     TROT.get_or_init(|| {
         let file = file();
-        let solution = solve(&file.problem, file.options.clone());
+        let solution = solved(&file.problem, file.options.clone());
         (file.problem, solution)
     })
 }
@@ -185,38 +166,7 @@ fn a_step_integrated_comes_back_to_its_start() {
     let motion = &solution.trajectory;
     let stance = on(&problem.robot, STANCE);
     let mut model = ConstrainedLagrangian::<f64>::new(stance.robot());
-    let mut x = [&motion.q[0][..], &motion.v[0]].concat();
-    for (t, u) in motion.t.chunks_exact(ROWS).zip(motion.u.chunks_exact(ROWS)) {
-        // The polynomial through the torques of an interval.
-        let torques = |at: f64| {
-            let mut sum = vec![0.0; N];
-            for (row, u) in u.iter().enumerate() {
-                let others = (0..ROWS).filter(|other| *other != row);
-                let part: f64 = others.map(|other| (at - t[other]) / (t[row] - t[other])).product();
-                (3..N).for_each(|i| sum[i] += part * u[i]);
-            }
-            sum
-        };
-        let mut rate = |x: &[f64], at: f64| {
-            let (q, v) = x.split_at(N);
-            let (a, _) = model.evaluate(q, v, &torques(at)).unwrap();
-            [v, a].concat()
-        };
-        let h = (t[ROWS - 1] - t[0]) / PARTS as f64;
-        for part in 0..PARTS {
-            let at = t[0] + part as f64 * h;
-            let moved = |x: &[f64], by: &[f64], h: f64| -> Vec<f64> {
-                x.iter().zip(by).map(|(x, by)| x + h * by).collect()
-            };
-            let first = rate(&x, at);
-            let second = rate(&moved(&x, &first, 0.5 * h), at + 0.5 * h);
-            let third = rate(&moved(&x, &second, 0.5 * h), at + 0.5 * h);
-            let fourth = rate(&moved(&x, &third, h), at + h);
-            for i in 0..2 * N {
-                x[i] += h / 6.0 * (first[i] + 2.0 * (second[i] + third[i]) + fourth[i]);
-            }
-        }
-    }
+    let x = integrated(motion, |_, q, v, tau| model.evaluate(q, v, tau).unwrap().0.to_vec());
     let (q, v, _) = landed(&problem.robot, &x[..N], &x[N..]);
     let miss = largest_difference(&q, &motion.q[0]).max(largest_difference(&v, &motion.v[0]));
     println!("integrated: {miss:.1e}");
@@ -230,7 +180,7 @@ fn the_other_diagonal_stands() {
     let mut other = problem.clone();
     let gait = other.gait.as_mut().unwrap();
     std::mem::swap(&mut gait.stance, &mut gait.swing);
-    let left = solve(&other, file().options);
+    let left = solved(&other, file().options);
     assert_eq!(left.motion.status, Status::Converged);
     assert!((left.total() / right.total() - 1.0).abs() < 2e-6, "{} {}", left.total(), right.total());
     let times: Vec<f64> = (0..=50).map(|k| 0.3 * f64::from(k) / 50.0).collect();
@@ -255,7 +205,7 @@ fn meshes_and_guesses_lead_to_the_same_trot() {
     let coarse = (problem.clone(), file().options.with_nodes(9));
     let fine = (problem.clone(), file().options.with_nodes(61));
     for (problem, options) in [low, coarse, fine] {
-        let solution = solve(&problem, options);
+        let solution = solved(&problem, options);
         assert_eq!(solution.motion.status, Status::Converged);
         assert!(
             (solution.total() / best.total() - 1.0).abs() < 2e-6,
@@ -273,7 +223,7 @@ fn other_steps_converge() {
     let (problem, best) = trot();
     let with = |change: fn(Gait) -> Gait| {
         let gait = change(problem.gait.clone().unwrap());
-        let solution = solve(&problem.clone().with_gait(gait), file().options);
+        let solution = solved(&problem.clone().with_gait(gait), file().options);
         assert_eq!(solution.motion.status, Status::Converged);
         solution.total()
     };

@@ -2,13 +2,14 @@
 //!
 //! The judges are a program of its own in other coordinates, and the impact of the library on its contacts.
 
+use super::gaits::{example, keeps_its_limits, largest_difference, solved};
 use costate::constraints::Impact;
 use costate::contacts::{Contact, Stance};
 use costate::hamiltonian::Hamiltonian;
 use costate::kinematics::Kinematics;
-use costate::robot::{LoadOptions, Robot};
+use costate::robot::Robot;
 use costate_control::{
-    FinalTime, LimitUse, Objective, Problem, ProblemFile, Solution, Solver, SolverOptions, Status,
+    FinalTime, LimitUse, Objective, Problem, ProblemFile, Solution, SolverOptions, Status,
 };
 use std::sync::OnceLock;
 
@@ -21,24 +22,7 @@ pub(crate) const CLEARANCE: f64 = 0.02;
 pub(crate) const EXCHANGE: [usize; N] = [0, 1, 2, 5, 6, 3, 4];
 
 pub(crate) fn file() -> ProblemFile {
-    ProblemFile::read("../examples/problems/rabbit_walk.toml", LoadOptions::default()).unwrap()
-}
-
-fn solve(problem: &Problem, options: SolverOptions) -> Solution {
-    let solution = Solver::new(problem, options).unwrap().solve();
-    println!(
-        "{} J {:.9} T {:.4} gait {:?} end {:.1e} nodes {} steps {} drift {:?} errors {:?}",
-        solution.motion.status,
-        solution.total(),
-        solution.motion.final_time,
-        solution.gait,
-        solution.end_defect,
-        solution.nodes(),
-        solution.newton_iterations,
-        solution.constraints.iter().map(|one| one.drift).collect::<Vec<_>>(),
-        solution.motion.errors,
-    );
-    solution
+    example("rabbit_walk")
 }
 
 /// The motion of the example, solved once for all tests.
@@ -46,21 +30,17 @@ pub(crate) fn walk() -> &'static (Problem, Solution) {
     static WALK: OnceLock<(Problem, Solution)> = OnceLock::new();
     WALK.get_or_init(|| {
         let file = file();
-        let solution = solve(&file.problem, file.options.clone());
+        let solution = solved(&file.problem, file.options.clone());
         (file.problem, solution)
     })
 }
 
-fn exchanged(list: &[f64]) -> Vec<f64> {
+pub(crate) fn exchanged(list: &[f64]) -> Vec<f64> {
     EXCHANGE.iter().map(|&i| list[i]).collect()
 }
 
 fn on(robot: &Robot, foot: &str) -> Stance {
     Stance::new(robot, &[Contact::point("foot", foot).planar().friction(FRICTION)]).unwrap()
-}
-
-pub(crate) fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).fold(0.0, |most, (a, b)| most.max((a - b).abs()))
 }
 
 #[test]
@@ -88,13 +68,7 @@ fn rabbit_walks() {
     let mut back = exchanged(&motion.q[last]);
     back[0] -= LENGTH;
     assert!(largest_difference(&back, &motion.q[first]) < 1e-9, "{back:?} {:?}", motion.q[first]);
-    // Joints without a motor have no torque; knees do not bend forward.
-    let [least, most] = [problem.limits.q_min.as_ref().unwrap(), problem.limits.torque_max.as_ref().unwrap()];
-    for k in 0..motion.t.len() {
-        assert!(motion.u[k][..3].iter().all(|u| u.abs() < 1e-5), "{k}: {:?}", motion.u[k]);
-        assert!(motion.q[k].iter().zip(least).all(|(q, least)| *q > least - 1e-6), "{k}: {:?}", motion.q[k]);
-        assert!(motion.u[k].iter().zip(most).all(|(u, most)| u.abs() <= most * (1.0 + 1e-6) + 1e-5));
-    }
+    keeps_its_limits(problem, motion);
 }
 
 #[test]
@@ -184,7 +158,7 @@ fn the_other_foot_stands_with_limits_exchanged() {
     left.limits.q_min = left.limits.q_min.as_deref().map(exchanged);
     let gait = left.gait.as_mut().unwrap();
     std::mem::swap(&mut gait.stance, &mut gait.swing);
-    let motions = [&right, &left].map(|problem| solve(problem, file().options));
+    let motions = [&right, &left].map(|problem| solved(problem, file().options));
     for (motion, joint) in motions.iter().zip([weak, EXCHANGE[weak]]) {
         assert_eq!(motion.motion.status, Status::Converged);
         assert!((largest(motion, joint) / most[weak] - 1.0).abs() < 1e-4, "{}", largest(motion, joint));
@@ -212,7 +186,7 @@ pub(crate) fn slippery() -> &'static (f64, Solution) {
         let (problem, best) = walk();
         let friction = 0.8 * used(best);
         let gait = problem.gait.clone().unwrap().with_friction(friction);
-        (friction, solve(&problem.clone().with_gait(gait), file().options))
+        (friction, solved(&problem.clone().with_gait(gait), file().options))
     })
 }
 
@@ -230,13 +204,13 @@ fn slippery_ground_costs_more() {
 fn a_step_of_free_time_has_the_best_speed() {
     let (problem, _) = walk();
     let free = problem.clone().with_time(FinalTime::Free { guess: TIME });
-    let best = solve(&free, file().options);
+    let best = solved(&free, file().options);
     assert_eq!(best.motion.status, Status::Converged);
     let time = best.motion.final_time;
     assert!((best.gait.as_ref().unwrap().speed - LENGTH / time).abs() < 1e-9);
     let costs = [0.97, 1.03].map(|factor| {
         let fixed = problem.clone().with_time(FinalTime::Fixed(factor * time));
-        let other = solve(&fixed, file().options);
+        let other = solved(&fixed, file().options);
         assert_eq!(other.motion.status, Status::Converged);
         other.total()
     });
@@ -252,7 +226,7 @@ fn the_best_speed_has_the_least_cost_of_transport() {
     let options = SolverOptions::default().with_tolerance(1e-4);
     let at = |time: FinalTime| {
         let problem = file().problem.with_cost(cost.clone()).with_time(time);
-        let solution = solve(&problem, options.clone());
+        let solution = solved(&problem, options.clone());
         assert_eq!(solution.motion.status, Status::Converged);
         let (gait, time) = (solution.gait.as_ref().unwrap(), solution.motion.final_time);
         // Work is a part of the cost, of which the smoothed power gives half of its smoothing back at most.
