@@ -36,6 +36,7 @@ mod panels;
 mod plot;
 pub mod remarks;
 mod shape;
+mod soles;
 mod svg;
 pub mod text;
 mod tools;

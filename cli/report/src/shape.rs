@@ -12,11 +12,12 @@ pub(crate) fn moves_freely(robot: &Robot, joint: usize) -> bool {
     inertia.mass == 0.0 && parent.is_none_or(|parent| moves_freely(robot, parent))
 }
 
-/// Whether the link of a joint carries several others at its own origin, as a torso whose hips are there:
-/// where it is, its centre of mass says.
+/// Whether the link of a joint carries several others that are nearer to its origin than its own centre of
+/// mass, as a torso that stands on its hips: where it is, its centre of mass says.
 pub(crate) fn is_trunk(robot: &Robot, joint: usize) -> bool {
     let children = || robot.joints().iter().filter(|child| child.parent == Some(joint));
-    children().count() > 1 && children().all(|child| child.placement.translation.norm() <= SHORTEST)
+    let com = robot.joints()[joint].inertia.com.norm();
+    children().count() > 1 && children().all(|child| child.placement.translation.norm() < com)
 }
 
 /// The end of a link that carries no other one, or of a trunk, in the frame of its joint (m): the frame on it
@@ -48,5 +49,11 @@ mod tests {
         assert_eq!(end_of(&rabbit, 2), [0.0, 0.0, 0.2]);
         let cart = Robot::from_file("../../robots/cart_pole.toml").unwrap();
         assert!(!moves_freely(&cart, 0));
+        // Its hips are beside the origin of the pelvis, which carries trunk and head.
+        let biped = Robot::from_file("../../robots/biped_walker.toml").unwrap();
+        assert!(is_trunk(&biped, 5) && !(6..18).any(|joint| is_trunk(&biped, joint)));
+        // Its hips are at both ends of the trunk.
+        let quadruped = Robot::from_file("../../robots/quadruped.toml").unwrap();
+        assert!(!(0..quadruped.dof()).any(|joint| is_trunk(&quadruped, joint)));
     }
 }

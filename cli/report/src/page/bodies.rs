@@ -4,6 +4,7 @@ use super::values::{number, placement, shown, vector};
 use crate::models::{LinkModel, Mesh, ModelShape};
 use crate::motion::Motion;
 use crate::shape::{SHORTEST, end_of, is_trunk, moves_freely};
+use crate::soles::{Sole, soles};
 use crate::tools::ToolFrame;
 use costate::robot::{JointKind, Placement, Robot};
 use costate_control::{Problem, Shape};
@@ -60,6 +61,8 @@ pub fn bodies(motion: &Motion<'_>, tools: &[ToolFrame], meshes: &mut Meshes) -> 
             capsules.link(joint, &mut bodies);
         }
     }
+    let soles = soles(motion.problem);
+    bodies.extend(soles.iter().filter(|sole| !has_model[sole.joint + 1]).map(|sole| capsules.sole(sole)));
     bodies
 }
 
@@ -169,6 +172,28 @@ impl<'a> Capsules<'a> {
         }
     }
 
+    /// A sole stands on the ground: a plate in space, a capsule in the plane.
+    fn sole(&self, sole: &Sole) -> Value {
+        let [heel, toe] = sole.ends;
+        let radius = self.radius(sole.joint).min(0.5 * (toe - heel));
+        let place = |x: f64| {
+            let place = Placement::from_xyz_rpy([x, 0.0, radius], [0.0; 3]);
+            sole.placement.then(&place)
+        };
+        if sole.width > 0.0 {
+            let size = json!([number(toe - heel), number(sole.width), number(2.0 * radius)]);
+            return json!({
+                "joint": sole.joint,
+                "at": placement(&place(0.5 * (heel + toe))),
+                "shape": { "kind": "box", "size": size },
+                "colour": Value::Null,
+                "link": "sole",
+            });
+        }
+        let [from, to] = [heel + radius, toe - radius].map(|x| place(x).translation.into());
+        Self::capsule(Some(sole.joint), from, to, radius, "sole")
+    }
+
     /// What a prismatic joint slides on, as long as its way. A base that moves freely slides on nothing.
     fn rail(&self, joint: usize, bodies: &mut Vec<Value>) {
         let slide = &self.robot.joints()[joint];
@@ -230,7 +255,43 @@ fn base64(bytes: &[u8]) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::base64;
+    use super::{Capsules, base64};
+    use crate::ReportOptions;
+    use crate::motion::Motion;
+    use crate::soles::soles;
+    use costate::robot::LoadOptions;
+    use costate_control::{ProblemFile, Solver, Verify};
+    use std::time::Duration;
+
+    /// The lower sides of plates are where the feet touch the ground.
+    #[test]
+    fn soles_are_plates() {
+        let path = "../../examples/problems/biped_walk.toml";
+        let file = ProblemFile::read(path, LoadOptions::default()).unwrap();
+        let problem = file.problem;
+        // What the search begins with is enough.
+        let options = file.options.with_time_limit(Duration::from_nanos(1)).with_verify(Verify::None);
+        let solution = Solver::new(&problem, options).unwrap().solve();
+        let options = ReportOptions::default();
+        let motion = Motion::new(&problem, &solution, &options);
+        let capsules = Capsules::new(&motion, &[]);
+        let [left, right] = ["left_ankle_roll", "right_ankle_roll"]
+            .map(|name| problem.robot.joints().iter().position(|joint| joint.name == name).unwrap());
+        let all = soles(&problem);
+        assert_eq!(all.iter().map(|sole| sole.joint).collect::<Vec<_>>(), [right, left]);
+        for sole in &all {
+            let plate = capsules.sole(sole);
+            let height = 2.0 * capsules.radius(sole.joint);
+            assert_eq!(plate["shape"]["kind"], "box");
+            let sizes = plate["shape"]["size"].as_array().unwrap();
+            let sizes: Vec<f64> = sizes.iter().filter_map(|size| size.as_f64()).collect();
+            let expected = [0.1371 + 0.0488, 0.0958, height];
+            // Numbers of the page have seven digits.
+            assert!(sizes.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-9), "{sizes:?}");
+            let z = plate["at"][11].as_f64().unwrap();
+            assert!((z - 0.5 * height + 0.067899).abs() < 1e-9, "{plate}");
+        }
+    }
 
     /// The examples of RFC 4648.
     #[test]

@@ -10,7 +10,9 @@ mod views;
 
 use crate::motion::Motion;
 use crate::panels::{self, Panel};
-use skeleton::{Skeleton, film};
+use crate::soles::soles;
+pub(crate) use skeleton::Skeleton;
+use skeleton::film;
 use strobe::Stage;
 
 /// Number of poses that are computed along a motion.
@@ -23,7 +25,8 @@ pub fn files(motion: &Motion<'_>) -> Vec<(String, String)> {
         return plots(residuals).collect();
     }
     let robot = motion.robot();
-    let skeleton = Skeleton::new(robot);
+    let soles = soles(motion.problem);
+    let skeleton = Skeleton::new(robot, &soles);
     let film = film(&skeleton, &motion.solution.trajectory, FRAMES);
     let panels = [panels::along_the_motion(motion), panels::control_by_control(motion), residuals];
     let views = views::views(&film.concat());

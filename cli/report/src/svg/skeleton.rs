@@ -1,6 +1,7 @@
 //! The robot as a stick figure: points in the world frame and lines between them.
 
 use crate::shape::{SHORTEST, end_of, is_trunk, moves_freely};
+use crate::soles::Sole;
 use costate::robot::{JointKind, Placement, Robot};
 use costate_control::Trajectory;
 
@@ -12,7 +13,7 @@ pub type Point = [f64; 3];
 pub enum Part {
     /// From the origin of the world frame to a joint on the base.
     Base,
-    /// Between two joints, or from the last joint to the end of its link.
+    /// Between two joints, or from the last joint to the end of its link, or along the edge of a sole.
     Link,
     /// The displacement of a prismatic joint, but for those of a base that moves freely.
     Slide,
@@ -30,10 +31,11 @@ impl Part {
 
 /// Point 0 is the origin of the world frame. Point 1 + 2 i is the origin of the frame of joint i at q = 0 of
 /// this joint, point 2 + 2 i its origin at the actual position; for a revolute joint both are the same. The
-/// ends of the links without a child follow, and of trunks.
+/// ends of the links without a child follow, and of trunks; then the corners of soles.
 pub struct Skeleton<'a> {
     robot: &'a Robot,
     leaves: Vec<usize>,
+    soles: &'a [Sole],
     /// Two points and the meaning of the line between them.
     pub lines: Vec<(usize, usize, Part)>,
     /// The points whose path is drawn: one for each link without a child, and for each trunk.
@@ -51,7 +53,7 @@ pub fn moved(i: usize) -> usize {
 }
 
 impl<'a> Skeleton<'a> {
-    pub fn new(robot: &'a Robot) -> Self {
+    pub fn new(robot: &'a Robot, soles: &'a [Sole]) -> Self {
         let n = robot.joints().len();
         let carries = |i: usize| robot.joints().iter().any(|joint| joint.parent == Some(i));
         let leaves: Vec<usize> = (0..n).filter(|&i| !carries(i) || is_trunk(robot, i)).collect();
@@ -75,14 +77,30 @@ impl<'a> Skeleton<'a> {
                 lines.push((moved(leaf), tip, Part::Link));
             }
         }
-        Self { robot, leaves, lines, tips }
+        let mut first = 1 + 2 * n + leaves.len();
+        for sole in soles {
+            let corners = sole.outline().len();
+            // Around; heel and toe have one line.
+            let edges = if corners > 2 { corners } else { 1 };
+            lines.extend((0..edges).map(|k| (first + k, first + (k + 1) % corners, Part::Link)));
+            first += corners;
+        }
+        Self { robot, leaves, soles, lines, tips }
     }
 
     /// All points at q (rad, m); all zero if q has the wrong length.
     pub fn points(&self, q: &[f64]) -> Vec<Point> {
         let joints = self.robot.joints();
         let mut points = vec![[0.0; 3]; 1 + 2 * joints.len() + self.leaves.len()];
-        let Ok(poses) = self.robot.poses(q) else { return points };
+        let corners: Vec<(usize, Point)> = self
+            .soles
+            .iter()
+            .flat_map(|sole| sole.outline().into_iter().map(|corner| (sole.joint, corner)))
+            .collect();
+        let Ok(poses) = self.robot.poses(q) else {
+            points.resize(points.len() + corners.len(), [0.0; 3]);
+            return points;
+        };
         for (i, (joint, pose)) in joints.iter().zip(&poses).enumerate() {
             let frame = joint.parent.map_or(joint.placement, |p| poses[p].then(&joint.placement));
             points[placed(i)] = frame.translation.into();
@@ -92,6 +110,10 @@ impl<'a> Skeleton<'a> {
             let end = Placement::from_xyz_rpy(end_of(self.robot, leaf), [0.0; 3]);
             points[1 + 2 * joints.len() + k] = poses[leaf].then(&end).translation.into();
         }
+        points.extend(corners.into_iter().map(|(joint, corner)| {
+            let corner = Placement::from_xyz_rpy(corner, [0.0; 3]);
+            Point::from(poses[joint].then(&corner).translation)
+        }));
         points
     }
 }
@@ -120,7 +142,7 @@ mod tests {
         let pole = pole.carrying(LinkInertia::point(1.0, [0.0, 0.0, 0.5]));
         let lift = Placement::from_xyz_rpy([0.0, 0.0, 0.2], [0.0; 3]);
         let robot = Robot::builder("cart pole").joint(cart).joint(pole.placed(lift)).build().unwrap();
-        let skeleton = Skeleton::new(&robot);
+        let skeleton = Skeleton::new(&robot, &[]);
         let parts: Vec<_> = skeleton.lines.iter().map(|line| line.2).collect();
         assert_eq!(parts, [Part::Slide, Part::Link, Part::Link]);
         let points = skeleton.points(&[0.7, std::f64::consts::FRAC_PI_2]);

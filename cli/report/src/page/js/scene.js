@@ -71,8 +71,9 @@ const makeScene = () => {
   const ofShape = (shape) => geometry(JSON.stringify(shape), () => shapeFor(shape));
   const reset = (renderer) => { upload = renderer.upload; uploads.clear(); };
 
-  const capsuleOf = joints.map((_, j) => stageData.bodies.find((body) => body.joint === j && isCapsule(body) && body.link !== "rail"));
-  const hasModel = joints.map((_, j) => stageData.bodies.some((body) => body.joint === j && !isCapsule(body)));
+  const isLink = (body) => body.link !== "rail" && body.link !== "sole";
+  const capsuleOf = joints.map((_, j) => stageData.bodies.find((body) => body.joint === j && isCapsule(body) && isLink(body)));
+  const hasModel = joints.map((_, j) => stageData.bodies.some((body) => body.joint === j && !isCapsule(body) && isLink(body)));
   const robotItems = (poses, paint, more = {}) => {
     const items = stageData.bodies.map((body) => ({
       geometry: ofShape(body.shape),
