@@ -105,6 +105,19 @@ pub(crate) fn polish_saved(
     })
 }
 
+/// Tells why a motion is not polished, where that is asked for, of a robot whose motions never are.
+pub(crate) fn unpolished(found: Solution, options: &SolverOptions, problem: &Problem) -> Solution {
+    if options.polish != Polish::Always || found.motion.status.is_interruption() {
+        return found;
+    }
+    let cause = match (&problem.gait, problem.robot.free_joints().first()) {
+        (Some(_), _) => "gait is given".into(),
+        (None, Some(free)) => format!("joint '{}' is {}", printable(&free.name), free.kind.name()),
+        (None, None) => "the robot has constraints".into(),
+    };
+    with_report(found, PolishOutcome::Limited, Some(cause), None)
+}
+
 /// Whether a problem has nothing but controls to limit, unless an optimal motion does not reach the rest.
 pub(crate) fn may_polish(problem: &Problem) -> bool {
     no_extremal(problem).is_none()

@@ -4,7 +4,7 @@ use crate::closed_loops;
 use crate::direct::{Direct, Looseness};
 use crate::free_motions;
 use crate::options::{Method, Polish, SolverOptions, Verify};
-use crate::polish::{may_polish, polish, polish_saved};
+use crate::polish::{may_polish, polish, polish_saved, unpolished};
 use crate::problem::Problem;
 use crate::problem::check::CheckedProblem;
 use crate::problem::error::ProblemError;
@@ -114,10 +114,12 @@ impl<'a> Solver<'a> {
         let mut recorder = Recorder::new(listener, Stop::new(cancel, options.time_limit));
         recorder.takes_times = takes_times;
         if problem.problem().is_closed() {
-            return closed_loops::solve(problem.problem(), &options, start.as_ref(), &mut recorder);
+            let found = closed_loops::solve(problem.problem(), &options, start.as_ref(), &mut recorder);
+            return unpolished(found, &options, &problem);
         }
         if !problem.robot.free_joints().is_empty() {
-            return free_motions::solve(problem.problem(), &options, start.as_ref(), &mut recorder);
+            let found = free_motions::solve(problem.problem(), &options, start.as_ref(), &mut recorder);
+            return unpolished(found, &options, &problem);
         }
         if let Some(rows) = rows {
             return directly(problem, &rows, options, start, &mut recorder);

@@ -177,7 +177,8 @@ fn direct_figures(problem: &Problem, solution: &Solution) -> Vec<(&'static str, 
     }
     if !solution.constraints.is_empty() {
         let drift = solution.constraints.iter().map(|one| one.drift).fold(0.0, f64::max);
-        figures.push(("drift of the loops", format!("{} m, rad", scientific(drift))));
+        let name = if solution.gait.is_some() { "drift of the feet" } else { "drift of the loops" };
+        figures.push((name, format!("{} m, rad", scientific(drift))));
     }
     figures.extend(solution.gait.iter().flat_map(|gait| gait_figures(gait, motion.final_time)));
     figures.extend(limit_figures(problem, solution));

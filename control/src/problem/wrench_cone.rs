@@ -40,11 +40,11 @@ enum What {
 }
 
 impl ConeSide {
-    /// The end of "force of the ground on": the foot, and what about it.
+    /// The foot, and what about it, as a force or an impulse of the ground.
     pub fn name_on(&self, foot: &str) -> String {
         match self.what {
-            What::Corner(corner) => format!("the {corner} of '{foot}'"),
-            What::Foot(what) => format!("'{foot}' ({what})"),
+            What::Corner(corner) => format!("{foot} on its {corner}"),
+            What::Foot(what) => format!("{foot} ({what})"),
         }
     }
 }
@@ -192,8 +192,8 @@ mod tests {
     #[test]
     fn sides_are_named() {
         let names: Vec<String> = gait().cone().iter().map(|side| side.name_on("foot")).collect();
-        assert_eq!((&*names[0], &*names[5]), ("'foot' (friction ahead)", "'foot' (pressure behind)"));
+        assert_eq!((&*names[0], &*names[5]), ("foot (friction ahead)", "foot (pressure behind)"));
         let planar = Gait::new(&["a"], &["b"], "x", 0.3).with_sole(-0.1, 0.2);
-        assert_eq!(planar.cone()[0].name_on("foot"), "the toe of 'foot'");
+        assert_eq!(planar.cone()[0].name_on("foot"), "foot on its toe");
     }
 }

@@ -35,9 +35,9 @@ pub struct LimitReport {
     /// tau where a motor drives fast (N m, N): its limit depends on v.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub torque_speed: Option<LimitUse>,
-    /// Forces of the ground on the feet of a gait along the edges of their friction cones (N), and torques
-    /// about the toes of soles (N m): none is negative. The load of a toe is among the rows of
-    /// [`task`](Self::task).
+    /// Forces of the ground on the feet of a gait along the edges of their friction cones (N), of soles
+    /// torques about the toe (N m) and the load of the toe (N); in space by how much the wrench on a foot is
+    /// within each side of its cone (N, N m). None is negative.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ground_force: Option<LimitUse>,
     /// The same of the impulses of the landing (N s, N m s).

@@ -2,7 +2,7 @@
 
 use super::given::{Given, direction, finite, length, positive_or_zero};
 use super::placed::Carried;
-use super::row::{Measure, Row};
+use super::row::{Measure, Row, Subject};
 use super::tool::{Quantity, ToolFunction};
 use super::tool_rows::{KeptRows, Tools, zero};
 use crate::problem::error::ProblemError;
@@ -34,6 +34,7 @@ impl Tools {
                     name: name("distance from the plane"),
                     unit: "m",
                     measure: Measure::Plain,
+                    subject: Subject::Task,
                 };
                 (ToolFunction { tool, quantity: Quantity::Position(vec![n]) }, vec![row])
             }
@@ -128,7 +129,8 @@ fn box_rows(
             let range = if room > 0.0 && room.is_finite() { room } else { 1.0 };
             directions.push(Vector3::ith(k, 1.0));
             let name = format!("{axis} of the tool '{name}'");
-            rows.push(Row { lower, upper, range, name, unit: "m", measure: Measure::Plain });
+            let (unit, measure, subject) = ("m", Measure::Plain, Subject::Task);
+            rows.push(Row { lower, upper, range, name, unit, measure, subject });
         }
     }
     if rows.is_empty() {

@@ -14,6 +14,18 @@ pub(crate) struct Row {
     /// Unit of what a user means by it.
     pub unit: &'static str,
     pub measure: Measure,
+    pub subject: Subject,
+}
+
+/// Under what reports tell a row.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Subject {
+    /// A tool, a clearance, a gait.
+    Task,
+    /// A force of the ground on a foot.
+    GroundForce,
+    /// The impulse of a landing on a foot.
+    LandingImpulse,
 }
 
 /// How g is made from what a user means, a length, an angle or a speed x; close to its bound both change
@@ -34,7 +46,8 @@ pub(crate) enum Measure {
 impl Row {
     /// The same number on both sides.
     pub fn equal(value: f64, range: f64, unit: &'static str, name: String) -> Self {
-        Self { lower: value, upper: value, range, name, unit, measure: Measure::Plain }
+        let (measure, subject) = (Measure::Plain, Subject::Task);
+        Self { lower: value, upper: value, range, name, unit, measure, subject }
     }
 
     /// A row of which x is at most s, for [`Measure::Square`] and [`Measure::Angle`].
@@ -44,14 +57,14 @@ impl Row {
             Measure::Angle(s) => ((0.5 * s).tan(), s),
             Measure::Plain | Measure::Clearance(_) => (0.0, 1.0),
         };
-        Self { lower: f64::NEG_INFINITY, upper, range, name, unit, measure }
+        Self { lower: f64::NEG_INFINITY, upper, range, name, unit, measure, subject: Subject::Task }
     }
 
     /// A clearance, which is not negative. R is the sum of the radii; 0 for a clearance that is a distance.
     pub fn clearance(radius: f64, is_distance: bool, name: String) -> Self {
         let range = if radius > 0.0 { radius } else { 1.0 };
         let measure = if is_distance { Measure::Plain } else { Measure::Clearance(radius) };
-        Self { lower: 0.0, upper: f64::INFINITY, range, name, unit: "m", measure }
+        Self { lower: 0.0, upper: f64::INFINITY, range, name, unit: "m", measure, subject: Subject::Task }
     }
 
     /// How far a value is outside, in units of g; 0 inside.

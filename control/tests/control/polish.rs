@@ -3,7 +3,7 @@
 use costate::robot::LoadOptions;
 use costate_control::{
     Certificate, Method, MotionLimits, Phase, Polish, PolishOutcome, Problem, ProblemFile, Solution, Solver,
-    SolverOptions, Status,
+    SolverOptions, Status, Verify,
 };
 
 const INF: f64 = f64::INFINITY;
@@ -111,4 +111,28 @@ fn only_limits_that_matter_prevent_it() {
     // A rate that no motion can keep.
     let solution = limited(1.0);
     assert_eq!((outcome(&solution), solution.motion.status), (PolishOutcome::NoMotion, Status::Infeasible));
+}
+
+/// Asked for, the motion of a robot that stands, is closed or flies says why it stays as it is.
+#[test]
+fn motions_that_are_never_extremals_say_so() {
+    let causes = [
+        ("rabbit_walk", "gait is given"),
+        ("four_bar", "the robot has constraints"),
+        ("satellite_arm", "joint 'base' is floating"),
+    ];
+    for (name, cause) in causes {
+        let path = format!("../examples/problems/{name}.toml");
+        let file = ProblemFile::read(path, LoadOptions::default()).unwrap();
+        let options = file.options.with_tolerance(1e-3).with_verify(Verify::None);
+        let solve =
+            |polish| Solver::new(&file.problem, options.clone().with_polish(polish)).unwrap().solve().polish;
+        let report = solve(Polish::Always).unwrap();
+        assert_eq!(
+            (report.outcome, report.cause.as_deref()),
+            (PolishOutcome::Limited, Some(cause)),
+            "{name}"
+        );
+        assert!(solve(Polish::Auto).is_none(), "{name}");
+    }
 }

@@ -160,6 +160,15 @@ fn a_biped_in_space_walks() {
     assert!((gait.work - gait.braking - gait.loss).abs() < 1e-3 * gait.work, "{gait:?}");
     let [foot] = &solution.constraints[..] else { panic!("{:?}", solution.constraints) };
     assert_eq!((&*foot.name, &*foot.frame), ("right_foot", "right_foot"));
+    // Every side of the cone has its name among the forces of the ground.
+    let limits = &solution.limits;
+    for usage in [&limits.ground_force, &limits.landing_impulse] {
+        let usage = usage.as_ref().unwrap();
+        assert!(usage.worst.is_none(), "{usage:?}");
+        assert!(usage.active.iter().all(|span| span.name.starts_with("right_foot (")), "{usage:?}");
+    }
+    let active = limits.task.iter().flat_map(|usage| &usage.active);
+    assert!(active.into_iter().all(|span| !span.name.contains("right_foot")), "{limits:?}");
     // The ground presses the sole from somewhere within it.
     let (sole, half) =
         (problem.gait.as_ref().unwrap().sole.unwrap(), 0.5 * file().problem.gait.unwrap().sole_width);

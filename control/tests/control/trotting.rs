@@ -39,8 +39,9 @@ fn exchanged(list: &[f64]) -> Vec<f64> {
     EXCHANGE.iter().map(|&i| list[i]).collect()
 }
 
-fn on(robot: &Robot, feet: [&str; 2]) -> Stance {
-    let contacts = feet.map(|foot| Contact::point(foot, foot).planar().friction(FRICTION));
+fn on(robot: &Robot, feet: &[&str]) -> Stance {
+    let contacts: Vec<Contact> =
+        feet.iter().map(|foot| Contact::point(*foot, foot).planar().friction(FRICTION)).collect();
     Stance::new(robot, &contacts).unwrap()
 }
 
@@ -54,7 +55,7 @@ fn is_in_cone([x, _, z]: [f64; 3], off: f64) -> bool {
 fn landed(robot: &Robot, q: &[f64], v: &[f64]) -> (Vec<f64>, Vec<f64>, [[f64; 3]; 2]) {
     // The feet that stand let go before the others land.
     let before = Hamiltonian::<f64>::new(robot).momentum(q, v).unwrap().to_vec();
-    let landing = on(robot, SWING);
+    let landing = on(robot, &SWING);
     let mut impact = Impact::<f64>::new(landing.robot());
     let after = impact.evaluate(q, &before).unwrap();
     let impulses = [0, 1].map(|foot| landing.wrench(foot, after.impulse).0);
@@ -107,7 +108,7 @@ fn the_state_after_the_landing_is_that_of_the_start() {
 #[test]
 fn the_ground_bears_both_feet() {
     let (problem, solution) = trot();
-    let stance = on(&problem.robot, STANCE);
+    let stance = on(&problem.robot, &STANCE);
     let mut model = ConstrainedLagrangian::<f64>::new(stance.robot());
     let motion = &solution.trajectory;
     let force = |model: &mut ConstrainedLagrangian<f64>, q: &[f64], v: &[f64], u: &[f64]| {
@@ -164,7 +165,7 @@ fn both_feet_that_swing_clear_the_ground() {
 fn a_step_integrated_comes_back_to_its_start() {
     let (problem, solution) = trot();
     let motion = &solution.trajectory;
-    let stance = on(&problem.robot, STANCE);
+    let stance = on(&problem.robot, &STANCE);
     let mut model = ConstrainedLagrangian::<f64>::new(stance.robot());
     let x = integrated(motion, |_, q, v, tau| model.evaluate(q, v, tau).unwrap().0.to_vec());
     let (q, v, _) = landed(&problem.robot, &x[..N], &x[N..]);
@@ -236,4 +237,36 @@ fn other_steps_converge() {
     assert!(short < 0.1 * best.total(), "{short}");
     let flat = with(|gait| gait.with_clearance(0.0));
     assert!(flat < best.total(), "{flat}");
+}
+
+/// With a fifth of the step on all four feet: forward dynamics on them has the forces of the motion, nothing
+/// is lost at the landing, and the state comes back.
+#[test]
+fn all_four_feet_stand_in_double_support() {
+    let file = file();
+    let gait = file.problem.gait.clone().unwrap().with_double_support(0.2);
+    let problem = file.problem.clone().with_gait(gait);
+    let solution = solved(&problem, file.options.clone().with_tolerance(1e-5));
+    assert_eq!(solution.motion.status, Status::Converged);
+    let gait = solution.gait.as_ref().unwrap();
+    assert!(gait.miss < 1e-5 && (gait.work - gait.braking).abs() < 1e-4 * gait.work, "{gait:?}");
+    let feet = [STANCE, SWING].concat();
+    let told: Vec<&str> = solution.constraints.iter().map(|one| &*one.name).collect();
+    assert_eq!(told, feet);
+    let stances = [on(&problem.robot, &feet), on(&problem.robot, &STANCE)];
+    let mut models = stances.each_ref().map(|stance| ConstrainedLagrangian::<f64>::new(stance.robot()));
+    let motion = &solution.trajectory;
+    let [lift_off] = motion.via_times[..] else { panic!("{:?}", motion.via_times) };
+    assert!((lift_off - 0.06).abs() < 1e-12, "{lift_off}");
+    for k in (0..motion.t.len()).filter(|k| (1..ROWS - 1).contains(&(k % ROWS))) {
+        let phase = usize::from(motion.t[k] > lift_off);
+        let u = [&[0.0; 3], &motion.u[k][3..]].concat();
+        let (_, lambda) = models[phase].evaluate(&motion.q[k], &motion.v[k], &u).unwrap();
+        for (foot, one) in solution.constraints.iter().enumerate() {
+            let stands = phase == 0 || foot < STANCE.len();
+            let found = if stands { stances[phase].wrench(foot, lambda).0 } else { [0.0; 3] };
+            assert!(largest_difference(&one.force[k], &found) < 1e-3, "{k}: {:?} {found:?}", one.force[k]);
+            assert!(is_in_cone(found, 1e-2), "{k}: {found:?}");
+        }
+    }
 }

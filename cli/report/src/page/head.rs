@@ -97,12 +97,12 @@ fn cards(motion: &Motion<'_>) -> Vec<Card> {
         let note = format!("at {} s", short(largest.0, 3));
         Some((format!("{} {}", short(largest.1.abs(), 4), plot.unit), note))
     };
-    let of_forces = match solution.gait {
-        Some(_) => "largest force of the ground",
-        None => "largest force of a constraint",
+    let [of_forces, of_speeds] = match solution.gait {
+        Some(_) => ["largest force of the ground", "fastest foot"],
+        None => ["largest force of a constraint", "fastest tool"],
     };
     let peaks =
-        [("largest power of all joints", "total_power"), (of_forces, FORCES), ("fastest tool", "tool_speed")];
+        [("largest power of all joints", "total_power"), (of_forces, FORCES), (of_speeds, "tool_speed")];
     for (name, id) in peaks {
         cards.extend(peak(id).map(|(value, note)| plain(name, value, &note)));
     }

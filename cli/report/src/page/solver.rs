@@ -49,6 +49,7 @@ fn meaning(name: &str) -> &'static str {
         }
         "H*" => "the maximised Hamiltonian: the cost that one more second would save",
         "drift of the loops" => "how far the motion leaves the constraints of the robot",
+        "drift of the feet" => "how far feet that stand leave their places",
         "speed" => "length of a step over its duration",
         "cost of transport" => "work of the motors where they drive, over weight times length of the step",
         "work" => "of the motors where they drive, and where they brake, which gives nothing back",

@@ -1,6 +1,6 @@
 //! The rates at which the corners of feet leave the ground after a landing, and come to it before the next.
 
-use crate::task::row::{Measure, Row};
+use crate::task::row::{Measure, Row, Subject};
 use costate::EvalError;
 use costate::constraints::Constraints;
 use costate::robot::Robot;
@@ -44,6 +44,7 @@ impl GaitLifts {
             name: format!("rate at which {name} {end}"),
             unit: "m/s",
             measure: Measure::Plain,
+            subject: Subject::Task,
         };
         let lifts = names.iter().map(|name| row(name, "leaves the ground", [0.0, f64::INFINITY]));
         let lands = names.iter().map(|name| row(name, "comes to the ground", [f64::NEG_INFINITY, 0.0]));

@@ -4,7 +4,7 @@ mod heights;
 
 use super::gait_soles::{Derivatives, GaitSoles};
 use crate::problem::loop_rows::{Foot, LoopRow, Loops, Walk};
-use crate::task::row::{Measure, Row};
+use crate::task::row::{Measure, Row, Subject};
 use costate::EvalError;
 use costate::constraints::Constraints;
 use costate::lagrangian::LagrangianSecondOrder;
@@ -97,6 +97,7 @@ impl GaitRows {
             name: format!("clearance of {} from the ground", walk.gait.name_of_corner(swings, corner)),
             unit: "m",
             measure: Measure::Plain,
+            subject: Subject::Task,
         };
         let points = walk.gait.corners().len();
         let corners = walk.gait.swing.iter().flat_map(|foot| (0..points).map(move |corner| (foot, corner)));

@@ -3,7 +3,7 @@
 
 use super::gait_lifts::GaitLifts;
 use crate::problem::loop_rows::{Loops, Walk};
-use crate::task::row::{Measure, Row};
+use crate::task::row::{Measure, Row, Subject};
 use costate::EvalError;
 
 /// Derivatives of the rows: by the state at the start and at the end, and second ones of the weighted sum.
@@ -53,22 +53,23 @@ impl GaitSoles {
             })
         });
         let weight = walk.weight();
-        let of_feet = |what: &'static str, units: [&'static str; 2], weight: f64| {
+        let of_feet = |subject: Subject, units: [&'static str; 2], weight: f64| {
             let cone = &cone;
             walk.gait.stance.iter().flat_map(move |foot| {
                 cone.iter().map(move |side| Row {
                     lower: 0.0,
                     upper: f64::INFINITY,
                     range: weight * side.length.unwrap_or(1.0),
-                    name: format!("{what} of the ground on {}", side.name_on(foot)),
+                    name: side.name_on(foot),
                     unit: units[usize::from(side.length.is_some())],
                     measure: Measure::Plain,
+                    subject,
                 })
             })
         };
-        let forces = of_feet("force", ["N", "N m"], weight).collect();
+        let forces = of_feet(Subject::GroundForce, ["N", "N m"], weight).collect();
         let gravity = walk.foot.gravity().norm();
-        let impulses = of_feet("impulse", ["N s", "N m s"], weight / gravity);
+        let impulses = of_feet(Subject::LandingImpulse, ["N s", "N m s"], weight / gravity);
         let corners = walk.gait.swing.iter().flat_map(|foot| {
             let corners = if walk.gait.sole.is_some() { walk.gait.corners().len() } else { 0 };
             (0..corners).map(|corner| walk.gait.name_of_corner(foot, corner))

@@ -1,6 +1,6 @@
 //! What limits give, in the words of the user.
 
-use super::report::{Coordinates, excess, joint, name, rate, torque_limit, unit};
+use super::named::{Coordinates, excess, joint, kind, name, rate, torque_limit, unit};
 use crate::constants::direct as constants;
 use crate::direct::interior::elastic::Given;
 use crate::direct::interior::iterate::Interior;
@@ -65,7 +65,7 @@ fn limit<D: PointDynamics>(
     let side = interior.barrier.numbered(given.side);
     let rate = interior.barrier.point_of(given.at).and_then(|p| rate(interior, side, interior.points.z(p)));
     RelaxedLimit {
-        kind: coordinates.kind(side).into(),
+        kind: kind(interior, side, coordinates).into(),
         name: name(interior, side, None, coordinates).into(),
         side: match (side.is_half, side.sign > 0.0) {
             (true, _) => "equal",

@@ -10,6 +10,7 @@ pub(super) mod hamiltonians;
 pub(super) mod infeasible;
 mod integrate;
 pub(super) mod interval_part;
+mod named;
 pub(super) mod report;
 pub(super) mod smooth_costates;
 mod stationarity;
