@@ -115,7 +115,6 @@ def test_what_takes_no_quaternions_says_so(tree, drone, state):
     dynamics = costate.Dynamics(tree)
     refused = [
         lambda: costate.Step(dynamics, "rk4", 0.01),
-        lambda: costate.Problem(tree, start=q, end=q, time=1.0),
         lambda: tree.lock({"root": 0.0}),
         lambda: tree.with_armature("hip", 1.0),
     ]
