@@ -31,6 +31,7 @@ const WORDS: [(&str, &str); 23] = [
         "`Hamiltonian`, `ConstrainedHamiltonian` and `Lagrangian` take them, to second order",
         "Dynamics, Frame, ConstrainedDynamics.f and its derivatives take them",
     ),
+    ("with the Jacobians J of `FreeKinematics`", "with J = Frame.jacobian(q)"),
     ("in --sample too;", "in sample() too;"),
     ("and so does --polish, where", "and so does solver={'polish': True}, where"),
     ("raise solver.time_limit or --time-limit", "raise solver.time_limit"),
