@@ -38,8 +38,8 @@ use std::sync::{Arc, OnceLock};
 /// Raises
 /// ------
 /// ArgumentError
-///     For another scheme, or one that needs other coordinates or takes no floating and spherical joints; for a
-///     duration that is not finite.
+///     For another scheme, or one that needs other coordinates or takes no floating and spherical joints; for
+///     a duration that is not finite.
 ///
 /// References
 /// ----------

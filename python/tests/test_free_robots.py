@@ -145,7 +145,7 @@ def test_crocoddyl_and_casadi_refuse_quaternions(drone):
     for module, call in (
         ("crocoddyl", lambda found: found.ActionModel(step, np.zeros(12))),
         ("casadi", lambda found: found.dynamics(drone)),
-        ("casadi", lambda found: found.step(step)),
+        ("casadi", lambda found: found.step(drone, "rk4", 0.01)),
     ):
         pytest.importorskip(module)
         found = pytest.importorskip(f"costate.{module}")

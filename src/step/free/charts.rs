@@ -172,8 +172,8 @@ impl<S: Scalar> Charts<S> {
             }
             let angular = turn.angular();
             let turned = vector(y, angular).to_array();
-            for k in 0..3 {
-                add_products(y_phi_zz, -turned[k], [&row[..inputs], &phi_z.row(angular + k)[..inputs]]);
+            for (k, &turned) in turned.iter().enumerate() {
+                add_products(y_phi_zz, -turned, [&row[..inputs], &phi_z.row(angular + k)[..inputs]]);
             }
             if turn.slides {
                 for (i, j, entry) in crossed(vector(y, turn.coordinate)) {
