@@ -18,7 +18,8 @@ import numpy as np
 
 from .._costate import Dynamics, Step
 from .._wanted import dynamics_of
-from ._rules import Checked, Methods, StepFunction
+from ._functions import Checked, StepFunction
+from ._rules import Methods
 
 if TYPE_CHECKING:
     from .._costate import Robot, _Scheme
