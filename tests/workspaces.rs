@@ -19,8 +19,8 @@ use costate::matrix::Matrix;
 use costate::parameters::{HamiltonianParameters, LagrangianParameters, ParameterSet, Regressor};
 use costate::robot::{Robot, Tree};
 use costate::step::{
-    AutomaticStep, HamiltonianRobot, ImplicitMidpoint, LagrangianRobot, OneStep, RungeKutta4, SemiImplicit,
-    SemiImplicitEuler, StepRoutes, StoermerVerlet, Verlet,
+    AutomaticStep, FreeStep, HamiltonianRobot, ImplicitMidpoint, LagrangianRobot, OneStep, RungeKutta4,
+    SemiImplicit, SemiImplicitEuler, StepRoutes, StoermerVerlet, Verlet,
 };
 use costate::tensors::{Christoffel, ChristoffelKernel, IndexSets, MassMatrixDerivatives};
 use std::fmt::Debug;
@@ -50,7 +50,7 @@ fn workspaces_are_sent_shared_cloned_and_printed() {
         Contact, Stance, Margin, ForceMap<f64>, ContactForces<f64>,
         Velocities, LegendreTransform<f64>,
         MassMatrixDerivatives<f64>, ChristoffelKernel<f64>, IndexSets, QuadraticCost,
-        QuaternionDynamics<f64>,
+        QuaternionDynamics<f64>, QuaternionDynamics<f64, Velocities>, FreeStep<f64, RungeKutta4<f64, QuaternionDynamics<f64>>>,
         PhaseVelocity, ForwardDynamics, OneStep<HamiltonianRobot, Verlet>, OneStep<LagrangianRobot, SemiImplicit>,
         RungeKutta4<f64, Momenta>, StoermerVerlet<f64, Momenta>, ImplicitMidpoint<f64, Velocities>,
         SemiImplicitEuler<f64, Velocities>, Model<Momenta>, StepMap<RungeKutta4<f64, Momenta>>,

@@ -2,15 +2,15 @@
 
 use crate::engine::Engine;
 use crate::engines::engine_of;
-use crate::errors::{CodegenError, argument};
+use crate::errors::{CodegenError, argument, unusable};
 use crate::function::{Function, Settings};
 use crate::kinematics::{BODY_VERBS, BodyVerb, of_robot};
 use crate::quantities::Verb;
 use crate::robot::Robot;
 use crate::words::in_python;
-use costate::Coordinates;
 use costate::codegen::{CodegenError as NoQuantity, Quantity};
 use costate::robot;
+use costate::{Coordinates, EvalError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
@@ -103,14 +103,6 @@ impl Dynamics {
         self.robot.model()
     }
 
-    /// As [`Robot::refuse_free_joints`].
-    ///
-    /// # Errors
-    /// `RobotError` with the first such joint.
-    pub fn refuse_free_joints(&self, py: Python<'_>, what: &'static str) -> PyResult<()> {
-        self.robot.refuse_free_joints(py, what)
-    }
-
     /// The same, to keep.
     pub fn shared(&self) -> Arc<robot::Robot> {
         self.robot.shared()
@@ -129,8 +121,10 @@ impl Dynamics {
     /// The engine of a quantity, which all methods that need it share. It is compiled without the
     /// interpreter's lock.
     fn engine(&self, py: Python<'_>, of: Computed) -> PyResult<Known> {
-        let engine = py.detach(|| self.compiled(of));
-        engine.map_err(|error| CodegenError::new_err(in_python(&error.to_string())))
+        py.detach(|| self.compiled(of)).map_err(|error| match error {
+            NoQuantity::Eval(refused @ EvalError::FreeJointAndWrench { .. }) => unusable(py, &refused),
+            error => CodegenError::new_err(in_python(&error.to_string())),
+        })
     }
 
     fn compiled(&self, of: Computed) -> Result<Known, NoQuantity> {

@@ -88,6 +88,15 @@ pub fn robot(py: Python<'_>, error: &RobotError) -> PyErr {
     with(py, raised, "culprit", error.culprit())
 }
 
+/// A robot that a computation does not take, whatever its state.
+#[cold]
+pub fn unusable(py: Python<'_>, error: &EvalError) -> PyErr {
+    let raised = classes::RobotError::new_err(in_python(&error.to_string()));
+    let joint =
+        if let EvalError::FreeJointAndWrench { joint, .. } = error { Some(joint.clone()) } else { None };
+    with(py, raised, "culprit", joint)
+}
+
 /// A state of a motion that could not be evaluated.
 #[cold]
 pub fn evaluation(py: Python<'_>, error: EvalError) -> PyErr {

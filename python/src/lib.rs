@@ -38,6 +38,7 @@ mod errors;
 mod failures;
 mod fours;
 mod frame;
+mod free_steps;
 mod function;
 mod kinematics;
 mod look;

@@ -5,7 +5,7 @@ use crate::descriptions::triple;
 use crate::errors::{self, RobotWarning, argument};
 use crate::look::Look;
 use crate::recipe::{Recipe, is_rebuilding, named};
-use crate::refusals::{refuse_floating_base, refuse_free_joints};
+use crate::refusals::refuse_floating_base;
 use crate::table;
 use crate::words::in_python;
 use costate::robot::{self, LoadOptions, RobotFormat, RobotText};
@@ -74,14 +74,6 @@ impl Robot {
             PyErr::warn(py, &py.get_type::<RobotWarning>(), &text, 1)?;
         }
         Ok(Self { inner: Arc::new(robot), recipe: Arc::new(recipe), look: None, functions: Arc::default() })
-    }
-
-    /// As [`refuse_free_joints`].
-    ///
-    /// # Errors
-    /// `RobotError` with the first such joint.
-    pub fn refuse_free_joints(&self, py: Python<'_>, what: &'static str) -> PyResult<()> {
-        refuse_free_joints(py, &self.inner, what)
     }
 
     /// Refuses a robot with constraints where they would be ignored, saying what it cannot.

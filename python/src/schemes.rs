@@ -7,15 +7,54 @@ use costate::codegen::CodegenError;
 use costate::robot::Robot;
 use costate::scalar::{F64x4, Scalar};
 use costate::step::{
-    ImplicitMidpoint, RungeKutta4, SemiImplicitEuler, Step as Scheme, StepError, StepLinearisation,
-    StoermerVerlet,
+    FreeStep, ImplicitMidpoint, RungeKutta4, SemiImplicitEuler, Step as Scheme, StepContraction, StepError,
+    StepLinearisation, StoermerVerlet,
 };
 use costate::{Coordinates, EvalError};
 use costate_jit::{JitLanesModel, JitModel, JitVelocityModel};
 use pyo3::prelude::*;
 
+/// A step of any scheme, whose states are plain numbers.
+pub type Plain<S> = Box<dyn Scheme<S, Error = StepError<EvalError>> + Send>;
+
 /// A step of any scheme, from one state or from four.
-pub type AnyStep<S = f64> = Box<dyn Scheme<S, Error = StepError<EvalError>> + Send>;
+pub enum AnyStep<S: Scalar = f64> {
+    Plain(Plain<S>),
+    /// Of a robot with floating or spherical joints.
+    Free(Box<FreeStep<S, Plain<S>>>),
+}
+
+type Outcome<T> = Result<T, StepError<EvalError>>;
+
+impl<S: Scalar> AnyStep<S> {
+    fn sizes(&self) -> [usize; 2] {
+        match self {
+            Self::Plain(step) => [step.states(), step.controls()],
+            Self::Free(step) => [step.nq() + step.dof(), step.dof()],
+        }
+    }
+
+    fn evaluate(&mut self, x: &[S], tau: &[S], dt: S) -> Outcome<&[S]> {
+        match self {
+            Self::Plain(step) => step.evaluate(x, tau, dt),
+            Self::Free(step) => step.evaluate(x, tau, dt),
+        }
+    }
+
+    fn linearise(&mut self, x: &[S], tau: &[S], dt: S) -> Outcome<StepLinearisation<'_, S>> {
+        match self {
+            Self::Plain(step) => step.linearise(x, tau, dt),
+            Self::Free(step) => step.linearise(x, tau, dt),
+        }
+    }
+
+    fn contract(&mut self, x: &[S], tau: &[S], dt: S, y: &[S]) -> Outcome<StepContraction<'_, S>> {
+        match self {
+            Self::Plain(step) => step.contract(x, tau, dt, y),
+            Self::Free(step) => step.contract(x, tau, dt, y),
+        }
+    }
+}
 
 /// How a scheme is built for one state and for four, by the coordinates that it needs.
 #[derive(Clone, Copy)]
@@ -31,7 +70,13 @@ pub type Known = (&'static str, Build);
 /// A scheme by its name, the kind of its model and its type.
 macro_rules! scheme {
     ($name:literal, $kind:ident, $scheme:ident) => {
-        ($name, Build::$kind(|model| Box::new($scheme::new(model)), |model| Box::new($scheme::new(model))))
+        (
+            $name,
+            Build::$kind(
+                |model| AnyStep::Plain(Box::new($scheme::new(model))),
+                |model| AnyStep::Plain(Box::new($scheme::new(model))),
+            ),
+        )
     };
 }
 
@@ -160,11 +205,11 @@ impl Verb {
         }
     }
 
-    /// Arguments and results for n joints; the results of the core are the next state, its derivative by dt,
-    /// J and H.
-    pub fn plan(self, n: usize, coordinates: Coordinates) -> Plan {
+    /// Arguments and results for nq positions and n coordinates; the results of the core are the next state,
+    /// its derivative by dt, J and H.
+    pub fn plan(self, [nq, n]: [usize; 2], coordinates: Coordinates) -> Plan {
         let mut plan = PlanBuilder::new(5 * n);
-        plan.core("q", n);
+        plan.positions([nq, n]);
         plan.core(if coordinates == Coordinates::Hamiltonian { "p" } else { "v" }, n);
         plan.core("tau", n);
         let (jacobian, hessian) = (6 * n * n, 9 * n * n);
@@ -177,13 +222,14 @@ impl Verb {
         }
         let d = if let Self::Hvp = self { plan.split("d", [(3 * n, false)])[0] } else { 0 };
         let plan = plan.results(match self.order() {
-            Order::Value => 2 * n,
-            Order::First => 4 * n + jacobian,
-            Order::Second => 4 * n + jacobian + hessian,
+            Order::Value => nq + n,
+            Order::First => nq + 3 * n + jacobian,
+            Order::Second => nq + 3 * n + jacobian + hessian,
         });
         let next = plan.core_outputs.start;
-        let (by_time, j, h) = (next + 2 * n, next + 4 * n, next + 4 * n + jacobian);
-        let value = |plan: Plan| plan.output(&[2 * n], vec![Piece::copy(0, next, 2 * n)]);
+        let by_time = next + nq + n;
+        let (j, h) = (by_time + 2 * n, by_time + 2 * n + jacobian);
+        let value = |plan: Plan| plan.output(&[nq + n], vec![Piece::copy(0, next, nq + n)]);
         let first = |plan: Plan| plan.output(&[2 * n, 3 * n], vec![Piece::copy(0, j, jacobian)]);
         let second = |plan: Plan| plan.output(&[3 * n, 3 * n], vec![Piece::copy(0, h, hessian)]);
         match self {
@@ -213,9 +259,9 @@ pub fn evaluate<S: Scalar>(
     inputs: &[S],
     outputs: &mut [S],
 ) -> Result<(), Failure> {
-    let states = step.states();
+    let [states, controls] = step.sizes();
     let (x, rest) = inputs.split_at(states);
-    let (tau, y) = rest.split_at(step.controls());
+    let (tau, y) = rest.split_at(controls);
     let (writer, dt) = (&mut Writer(outputs), S::from_f64(dt));
     match order {
         Order::Value => {
@@ -234,7 +280,7 @@ pub fn evaluate<S: Scalar>(
 fn put_first<S: Scalar>(writer: &mut Writer<'_, S>, first: StepLinearisation<'_, S>) {
     writer.put(first.next).put(first.phi_h);
     let (jacobian, rest) = std::mem::take(&mut writer.0)
-        .split_at_mut(first.next.len() * (first.phi_x.columns() + first.phi_u.columns()));
+        .split_at_mut(first.phi_x.rows() * (first.phi_x.columns() + first.phi_u.columns()));
     first.jacobian(jacobian);
     writer.0 = rest;
 }

@@ -4,6 +4,7 @@ use crate::cores::{core_of, lanes_of};
 use crate::dynamics::Dynamics;
 use crate::engine::Engine;
 use crate::errors::{CodegenError, argument};
+use crate::free_steps::FreeScheme;
 use crate::function::Function;
 use crate::methods::verbs;
 use crate::schemes::{Known, NewStep, SCHEMES, Verb, evaluate, scheme_of};
@@ -19,6 +20,11 @@ use std::sync::{Arc, OnceLock};
 /// The methods are those of `Dynamics`, with Phi (..., 2n), the next state, in the place of f; the costate y
 /// belongs to the next state.
 ///
+/// With floating and spherical joints Phi has nq + n entries, its quaternions of length 1. Derivatives are
+/// those in the tangent spaces at both ends: J, 2n rows, is that of the difference from Phi
+/// (``Robot.difference``) by (d, dv, dtau), q (+) d in the place of q, and y has 2n entries. The scheme steps
+/// the quaternions as plain numbers, and divides them by their lengths; it is "rk4" or "midpoint".
+///
 /// Parameters
 /// ----------
 /// dynamics : Dynamics
@@ -32,9 +38,8 @@ use std::sync::{Arc, OnceLock};
 /// Raises
 /// ------
 /// ArgumentError
-///     For another scheme, or one that needs other coordinates; for a duration that is not finite.
-/// RobotError
-///     For a robot with floating or spherical joints.
+///     For another scheme, or one that needs other coordinates or takes no floating and spherical joints; for
+///     a duration that is not finite.
 ///
 /// References
 /// ----------
@@ -51,6 +56,8 @@ use std::sync::{Arc, OnceLock};
 pub struct Step {
     dynamics: Py<Dynamics>,
     scheme: Known,
+    /// The same for a robot with floating or spherical joints.
+    free: Option<FreeScheme>,
     dt: f64,
     engines: [OnceLock<Arc<Engine>>; 3],
     /// Makes steps from four states, once a batch has asked for it.
@@ -77,20 +84,26 @@ impl Step {
     #[cold]
     fn prepare(&self, py: Python<'_>, verb: Verb) -> PyResult<&Arc<Function>> {
         let dynamics = self.dynamics.get();
-        let (n, space, order) = (dynamics.model().dof(), dynamics.space(), verb.order());
+        let (space, order) = (dynamics.space(), verb.order());
         let engine = match self.engines[order as usize].get() {
             Some(engine) => engine.clone(),
             None => {
-                let ((_, build), dt) = (self.scheme, self.dt);
-                let steps = py.detach(|| build.steps(dynamics.model(), space));
-                let steps = steps.map_err(|error| CodegenError::new_err(in_python(&error.to_string())))?;
+                let dt = self.dt;
+                let steps = py.detach(|| self.steps(dynamics))?;
                 let core = move || {
                     core_of(steps(), move |step, inputs, outputs| evaluate(step, dt, order, inputs, outputs))
                 };
                 let (robot, fours) = (dynamics.shared(), self.fours.clone());
+                let ((_, build), free) = (self.scheme, self.free);
                 let lanes = move || {
-                    let new = fours.get_or_init(|| build.lanes(&robot, space)).as_ref()?;
-                    Some(lanes_of(new(), move |step, inputs, outputs| {
+                    let new = fours.get_or_init(|| match free {
+                        Some(scheme) => {
+                            let robot = robot.clone();
+                            Some(Box::new(move || scheme.step(&robot, space)))
+                        }
+                        None => build.lanes(&robot, space),
+                    });
+                    Some(lanes_of(new.as_ref()?(), move |step, inputs, outputs| {
                         evaluate(step, dt, order, inputs, outputs)
                     }))
                 };
@@ -98,9 +111,20 @@ impl Step {
                 self.engines[order as usize].get_or_init(|| Arc::new(engine)).clone()
             }
         };
+        let sizes = [dynamics.model().nq(), dynamics.model().dof()];
         let robot = dynamics.shared();
         Ok(self.functions[verb as usize]
-            .get_or_init(|| Arc::new(Function::new(verb.plan(n, dynamics.space()), engine, robot))))
+            .get_or_init(|| Arc::new(Function::new(verb.plan(sizes, space), engine, robot))))
+    }
+
+    /// What makes workspaces for one state.
+    fn steps(&self, dynamics: &Dynamics) -> PyResult<NewStep> {
+        let (robot, space) = (dynamics.shared(), dynamics.space());
+        if let Some(scheme) = self.free {
+            return Ok(Box::new(move || scheme.step(&robot, space)));
+        }
+        let steps = self.scheme.1.steps(&robot, space);
+        steps.map_err(|error| CodegenError::new_err(in_python(&error.to_string())))
     }
 }
 
@@ -108,14 +132,14 @@ impl Step {
 impl Step {
     #[new]
     fn new(dynamics: &Bound<'_, Dynamics>, scheme: &str, dt: f64) -> PyResult<Self> {
-        dynamics.get().refuse_free_joints(
-            dynamics.py(),
-            "be moved by Step (by Dynamics.f and Robot.integrate it can)",
-        )?;
-        let known = SCHEMES[scheme_of(dynamics.py(), scheme, dt, dynamics.get().space())?];
+        let py = dynamics.py();
+        let known = SCHEMES[scheme_of(py, scheme, dt, dynamics.get().space())?];
+        let is_free = !dynamics.get().model().free_joints().is_empty();
+        let free = is_free.then(|| FreeScheme::of_name(py, scheme)).transpose()?;
         Ok(Self {
             dynamics: dynamics.clone().unbind(),
             scheme: known,
+            free,
             dt,
             engines: Default::default(),
             fours: Arc::default(),
@@ -178,7 +202,7 @@ verbs! {
 
     /// The next state Phi.
     f(q: q, v: state, tau: tau) -> one
-        "ndarray (..., 2n)\n    q and v after ``dt``; with ``\"qp\"`` q and p."
+        "ndarray (..., nq + n)\n    q and v after ``dt``; with ``\"qp\"`` q and p."
         = call Verb::F;
 
     /// The Jacobian of Phi by z = (q, v, tau).
@@ -193,12 +217,12 @@ verbs! {
 
     /// Phi and its Jacobian in one pass.
     linearise(q: q, v: state, tau: tau) -> several
-        "next : ndarray (..., 2n)\n    As `f`.\nJ : ndarray (..., 2n, 3n)\n    As `jacobian`."
+        "next : ndarray (..., nq + n)\n    As `f`.\nJ : ndarray (..., 2n, 3n)\n    As `jacobian`."
         = call Verb::Linearise;
 
     /// Phi, its Jacobian and the second derivatives of y'Phi in one pass.
     contract(q: q, v: state, tau: tau, y: next) -> several
-        "next : ndarray (..., 2n)\n    As `f`.\nJ : ndarray (..., 2n, 3n)\n    As `jacobian`.\n\
+        "next : ndarray (..., nq + n)\n    As `f`.\nJ : ndarray (..., 2n, 3n)\n    As `jacobian`.\n\
          H : ndarray (..., 3n, 3n)\n    As `hessian`."
         = call Verb::Contract;
 
@@ -212,7 +236,7 @@ verbs! {
         "ndarray (..., 3n)\n    ``hessian(q, v, tau, y) @ d``."
         = call Verb::Hvp;
 
-    /// The derivative of Phi by the duration.
+    /// The derivative of Phi by the duration, in the tangent space at Phi.
     dt_derivative(q: q, v: state, tau: tau) -> one
         "ndarray (..., 2n)\n    dPhi/d(dt)."
         = call Verb::ByTime;

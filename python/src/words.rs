@@ -1,7 +1,7 @@
 //! Messages of the library in the words of its Python interface.
 
 /// What messages advise on the command line and in Rust, and what does the same here.
-const WORDS: [(&str, &str); 23] = [
+const WORDS: [(&str, &str); 24] = [
     ("`costate info --frames` lists the names", "robot.frame_names lists the names"),
     ("request it by --friction (LoadOptions::friction)", "request it by friction=True"),
     ("request it by --floating-base (LoadOptions::floating_base)", "request it by floating_base=True"),
@@ -31,6 +31,7 @@ const WORDS: [(&str, &str); 23] = [
         "`Hamiltonian`, `ConstrainedHamiltonian` and `Lagrangian` take them, to second order",
         "Dynamics, Frame, ConstrainedDynamics.f and its derivatives take them",
     ),
+    ("with the Jacobians J of `FreeKinematics`", "with J = Frame.jacobian(q)"),
     ("in --sample too;", "in sample() too;"),
     ("and so does --polish, where", "and so does solver={'polish': True}, where"),
     ("raise solver.time_limit or --time-limit", "raise solver.time_limit"),

@@ -114,8 +114,6 @@ def test_what_takes_no_quaternions_says_so(tree, drone, state):
     q, v, tau, *_ = state
     dynamics = costate.Dynamics(tree)
     refused = [
-        lambda: costate.Step(dynamics, "rk4", 0.01),
-        lambda: costate.Problem(tree, start=q, end=q, time=1.0),
         lambda: tree.lock({"root": 0.0}),
         lambda: tree.with_armature("hip", 1.0),
     ]
@@ -126,9 +124,33 @@ def test_what_takes_no_quaternions_says_so(tree, drone, state):
         costate.codegen(tree, abi="casadi")
     with pytest.raises(costate.CodegenError, match="'root' is floating"):
         costate.codegen(tree, "f", parameters=True)
+    pushed = costate.Robot.from_text((FIXTURES / "free_tree.toml").read_text() + '[[wrench]]\nframe = "mast"\nforce = [1, 0, 0]\n')
+    with pytest.raises(costate.RobotError, match="take no wrenches.*J = Frame.jacobian") as raised:
+        costate.Dynamics(pushed).f(q, v, tau)
+    assert raised.value.culprit == "root"
+    step = costate.Step(costate.Dynamics(drone), "rk4", 0.01)
     scipy = pytest.importorskip("costate.scipy")
-    with pytest.raises(costate.RobotError, match="'body' is floating"):
-        scipy.Extremal(drone, np.zeros(12), np.zeros(12))
+    vectors = [
+        lambda: scipy.Extremal(drone, np.zeros(12), np.zeros(12)),
+        lambda: scipy.Transcription(step, 3, np.zeros(12), np.zeros(12)),
+    ]
+    for call in vectors:
+        with pytest.raises(costate.RobotError, match="'body' is floating.*costate.jax or costate.torch") as raised:
+            call()
+        assert raised.value.culprit == "body"
+
+
+def test_crocoddyl_and_casadi_refuse_quaternions(drone):
+    step = costate.Step(costate.Dynamics(drone), "rk4", 0.01)
+    for module, call in (
+        ("crocoddyl", lambda found: found.ActionModel(step, np.zeros(12))),
+        ("casadi", lambda found: found.dynamics(drone)),
+        ("casadi", lambda found: found.step(drone, "rk4", 0.01)),
+    ):
+        pytest.importorskip(module)
+        found = pytest.importorskip(f"costate.{module}")
+        with pytest.raises(costate.RobotError, match="'body' is floating"):
+            call(found)
 
 
 def test_a_model_of_pinocchio_is_mapped_with_its_free_joints(random):

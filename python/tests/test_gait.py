@@ -1,4 +1,4 @@
-"""Gaits of walking robots: the step of RABBIT."""
+"""Gaits of walking robots: the steps of RABBIT, of a robot with soles and of one in space."""
 
 import costate
 import numpy as np
@@ -79,6 +79,74 @@ def test_soles_are_those_of_the_file():
     with pytest.raises(costate.ProblemError, match="heel") as raised:
         costate.Problem(load("seven_link.toml"), gait=gait | {"sole": [0.1, 0.1]}, **given).solve()
     assert raised.value.key == "gait.sole"
+
+
+def test_both_feet_stand_for_a_part_of_the_step():
+    """The landing is without an impulse, and forces of both feet stay within their cones until one is released."""
+    given = tables() | {"gait": GAIT | {"double_support": 0.2}}
+    both = costate.Problem(load("rabbit.toml"), **given)
+    assert both == costate.Problem.from_file(PROBLEMS / "rabbit_double_support.toml")
+    solution = both.solve().check()
+    gait = solution.gait
+    assert gait["double_support"] == pytest.approx(0.2 * 0.7, rel=1e-9)
+    assert np.abs(gait["impulses"]).max() < 1e-6 and np.abs(gait["standing_impulses"]).max() < 1e-6
+    assert gait["loss"] == pytest.approx(0, abs=1e-6) and gait["work"] == pytest.approx(gait["braking"], rel=1e-4)
+    assert solution.via_times == [pytest.approx(gait["double_support"], rel=1e-9)]
+    assert "ground_force" in solution.limits and solution.keeps_limits
+    again = costate.Solution.from_json(solution.to_json(), both)
+    assert again.gait == gait
+    for part in (-0.1, 1.0, "long"):
+        with pytest.raises(costate.ProblemError) as raised:
+            costate.Problem(load("rabbit.toml"), **tables() | {"gait": GAIT | {"double_support": part}})
+        assert raised.value.key == "gait.double_support"
+
+
+def walker() -> tuple[costate.Robot, dict]:
+    """The robot and the tables of examples/problems/biped_walk.toml."""
+    names = ("hip_pitch", "hip_roll", "hip_yaw", "knee", "ankle_pitch", "ankle_roll")
+    robot = load("biped_walker.toml")
+    for side in ("left", "right"):
+        for name in names:
+            robot = robot.with_armature(f"{side}_{name}", 0.1)
+    signs = [f"{side}_{name}" for side in ("left", "right") for name in ("hip_roll", "hip_yaw", "ankle_roll")]
+    gait = {"stance": "right_foot", "swing": "left_foot", "along": "base_x", "length": 0.3, "width": 0.167}
+    gait |= {"friction": 0.6, "clearance": 0.02, "sole": [-0.0488, 0.1371], "sole_width": 0.0958}
+    gait |= {"mirror": [[f"left_{name}", f"right_{name}"] for name in names]}
+    gait |= {"flipped": ["base_y", "base_yaw", "base_roll", *signs]}
+    left, right = [0.1, 0.0, 0.0, 0.6, -0.7, 0.0], [-0.6, 0.0, 0.0, 0.6, 0.0, 0.0]
+    least, most = [-1.5, -0.7, -0.7, 0.2, -1.0, -0.6], [1.0, 0.7, 0.7, 2.0, 1.0, 0.6]
+    return robot, {
+        "start": [-0.2, 0.0, 0.83, 0.0, 0.0, 0.05, *left, *right],
+        "time": 0.7,
+        "cost": [0.0] * 6 + [1.0] * 12,
+        "limits": {
+            "q_min": [-FREE] * 3 + [-0.5, -0.5, -0.3, *least, *least],
+            "q_max": [FREE] * 3 + [0.5, 0.5, 0.3, *most, *most],
+            "torque_max": [0.0] * 6 + [200.0] * 12,
+        },
+        "gait": gait,
+        "solver": {"tolerance": 1e-6, "nodes": 145},
+    }
+
+
+@pytest.mark.filterwarnings("ignore::costate.RobotWarning")
+def test_a_robot_in_space_has_the_tables_of_its_file():
+    """`control/tests/control/space_walk.rs` walks with them."""
+    robot, given = walker()
+    problem, file = costate.Problem(robot, **given), costate.Problem.from_file(PROBLEMS / "biped_walk.toml")
+    assert problem == file and problem.robot == file.robot
+
+    def key_of(change: dict) -> str | None:
+        with pytest.raises(costate.ProblemError) as raised:
+            costate.Problem(robot, **given | {"gait": given["gait"] | change})
+        return raised.value.key
+
+    gait = given["gait"]
+    assert key_of({"flipped": [*gait["flipped"], "base_y"]}) == "gait.flipped"
+    assert key_of({"flipped": [*gait["flipped"], "base_w"]}) == "gait.flipped"
+    assert key_of({"width": -0.1}) == "gait.width"
+    assert key_of({"sole_width": None}) == "gait.sole_width"
+    assert key_of({"sole_width": 0.0}) == "gait.sole_width"
 
 
 def test_what_is_no_gait_is_refused_by_name():

@@ -46,6 +46,20 @@ def test_values_and_exact_hessians(dynamics, random):
     assert_close(torch.autograd.functional.hessian(cost, at).numpy(), dynamics.hessian(q, v, tau, y), 1e-11)
 
 
+@pytest.mark.parametrize("name", ["f", "aba", "rnea", "step"])
+def test_second_derivatives_of_compositions_in_all_modes(dynamics, random, name):
+    """Of arguments that are curved functions themselves: what forward mode hands on has derivatives too."""
+    function = functions(dynamics)[name]
+    z, mixed = torch.tensor(random.normal(size=6)), torch.tensor(random.normal(size=(6, 6)))
+    y = torch.tensor(random.normal(size=4 if name in ("f", "step") else 2))
+    cost = lambda z: y @ function(*(torch.sin(mixed @ z) * (1 + z[0])).split(2))
+    gradient, h = torch.func.grad(cost), 1e-5
+    expected = torch.stack([(gradient(z + h * unit) - gradient(z - h * unit)) / (2 * h) for unit in torch.eye(6).double()])
+    for outer in (torch.func.jacfwd, torch.func.jacrev):
+        for inner in (torch.func.jacfwd, torch.func.jacrev):
+            assert_close(outer(inner(cost))(z).numpy(), expected.numpy(), 1e-7)
+
+
 def test_maps_and_broadcasting(dynamics, random):
     model = costate.torch.Model(dynamics)
     q, v, tau = (torch.tensor(part) for part in random.normal(size=(3, 5, 2)))

@@ -170,3 +170,20 @@ def test_tools_are_the_ends_of_branches():
     assert sorted(poses.tools) == ["joint:left", "joint:right"]
     places = [position[0].round(9).tolist() for _, position in poses.joints.values()]
     assert places == [[0, 0, 0], [1, 1, 0], [1, -1, 0]]
+
+
+def test_a_robot_that_flies_is_shown(server):
+    """Joints between the ends of a floating one have no nodes; its own has its pose, and bodies lie below it."""
+    problem = costate.Problem.from_file(ROBOTS.parent / "examples" / "problems" / "satellite_arm.toml")
+    solution = problem.solve(verify="none")
+    solution.to_viser(server=server, name="satellite")
+    nodes, controls = handles(server)
+    slider = controls["satellite: t (s)"]
+    slider.value = solution.final_time
+    last = solution.q[-1]
+    base = nodes["/satellite/links/base"]
+    assert np.allclose(base.position, last[:3], atol=1e-9)
+    assert np.allclose(np.abs(base.wxyz @ last[[6, 3, 4, 5]]), 1.0, atol=1e-9)
+    assert not any("base_" in name for name in nodes)
+    of_base = [name for name in nodes if name.startswith("/satellite/links/") and "/body_" in name]
+    assert of_base and {name.split("/")[3] for name in of_base} <= {"base", "shoulder", "elbow"}

@@ -10,7 +10,7 @@
 //! | [`hamiltonian::HamiltonianSecondOrder`](crate::hamiltonian::HamiltonianSecondOrder) | [`Dynamics`], x = (q, p) | analytic |
 //! | [`hamiltonian::DualPass`](crate::hamiltonian::DualPass) | the same by any route | analytic, one dual pass |
 //! | [`lagrangian::LagrangianSecondOrder`](crate::lagrangian::LagrangianSecondOrder) | [`Dynamics`], x = (q, v) | analytic, one dual pass |
-//! | [`QuaternionDynamics`] | [`Dynamics`], x = (q, p) with quaternions as plain numbers | analytic |
+//! | [`QuaternionDynamics`] | [`Dynamics`], x = (q, p) or (q, v) with quaternions as plain numbers | analytic |
 //! | [`Automatic`] | [`Dynamics`] of any [`Function`](crate::derivative::Function) of (x, u) | automatic |
 //! | [`QuadraticCost`] | [`Cost`] | analytic |
 //! | [`AutomaticCost`] | [`Cost`] of any function of (x, u) with one output | automatic |
@@ -28,7 +28,8 @@ pub use automatic::Automatic;
 pub use automatic_cost::AutomaticCost;
 pub use cost::{Cost, CostGradient, CostHessian};
 pub use quadratic_cost::QuadraticCost;
-pub use quaternions::QuaternionDynamics;
+pub(crate) use quaternions::{Places, Turn, four, plain_entries, vector};
+pub use quaternions::{QuaternionDynamics, TangentModel};
 
 use crate::matrix::{Block, add_scaled, dot};
 use crate::scalar::Scalar;

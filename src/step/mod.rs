@@ -7,6 +7,7 @@
 //! | [`StoermerVerlet`] | 2 | two halves, meant for (q, p) | two of n numbers | yes | in (q, p) |
 //! | [`ImplicitMidpoint`] | 2 | any | one of 2n numbers | yes | in (q, p) |
 //! | [`RungeKutta`] of any [`Tableau`] | | any | one per nonzero diagonal entry | | |
+//! | [`FreeStep`] of those for any state | | q with quaternions | | | |
 //! | [`AutomaticStep`] of any function of (x, u, h) | | any | | | |
 //!
 //! The control is constant during a step. Second derivatives come from the adjoint equations of the stages,
@@ -15,6 +16,7 @@
 
 mod automatic;
 mod error;
+mod free;
 mod hessian;
 mod lu;
 mod newton;
@@ -29,6 +31,7 @@ mod tableau;
 
 pub use automatic::AutomaticStep;
 pub use error::StepError;
+pub use free::FreeStep;
 pub use one_step::{HamiltonianRobot, LagrangianRobot, ModelFamily, OneStep, Scheme, SemiImplicit};
 pub use routes::StepRoutes;
 pub use runge_kutta::RungeKutta;
@@ -76,6 +79,31 @@ pub trait Step<S: Scalar> {
 
 /// A borrowed step is a step.
 impl<S: Scalar, P: Step<S>> Step<S> for &mut P {
+    type Error = P::Error;
+
+    fn states(&self) -> usize {
+        P::states(self)
+    }
+
+    fn controls(&self) -> usize {
+        P::controls(self)
+    }
+
+    fn evaluate(&mut self, x: &[S], u: &[S], h: S) -> Result<&[S], Self::Error> {
+        P::evaluate(self, x, u, h)
+    }
+
+    fn linearise(&mut self, x: &[S], u: &[S], h: S) -> Result<StepLinearisation<'_, S>, Self::Error> {
+        P::linearise(self, x, u, h)
+    }
+
+    fn contract(&mut self, x: &[S], u: &[S], h: S, y: &[S]) -> Result<StepContraction<'_, S>, Self::Error> {
+        P::contract(self, x, u, h, y)
+    }
+}
+
+/// A step in a box is a step.
+impl<S: Scalar, P: Step<S> + ?Sized> Step<S> for Box<P> {
     type Error = P::Error;
 
     fn states(&self) -> usize {

@@ -4,6 +4,7 @@ use crate::robot;
 use costate::configuration::{ConfigurationSpace, FreeKinematics};
 use costate::dynamics::{Dynamics, QuaternionDynamics};
 use costate::kinematics::ReferenceFrame;
+use costate::step::{FreeStep, ImplicitMidpoint};
 use costate_test_support::allocations::allocations;
 
 #[test]
@@ -16,6 +17,21 @@ fn quaternions_as_states_do_not_allocate() {
         model.evaluate(&x, &u).unwrap();
         model.linearise(&x, &u).unwrap();
         model.contract(&x, &u, &y).unwrap();
+    });
+    assert_eq!(count, 0);
+}
+
+#[test]
+fn steps_of_free_joints_do_not_allocate() {
+    let robot = robot("../tests/fixtures/free_tree.toml");
+    let mut step = FreeStep::in_rates(&robot, ImplicitMidpoint::<f64, _>::new);
+    let n = step.dof();
+    let x = [&ConfigurationSpace::new(&robot).neutral()[..], &vec![0.1; n]].concat();
+    let (u, y) = (vec![0.1; n], vec![0.4; 2 * n]);
+    let count = allocations(|| {
+        step.evaluate(&x, &u, 0.01).unwrap();
+        step.linearise(&x, &u, 0.01).unwrap();
+        step.contract(&x, &u, 0.01, &y).unwrap();
     });
     assert_eq!(count, 0);
 }

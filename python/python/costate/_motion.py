@@ -27,12 +27,12 @@ class Motion(Figures):
 
     @cached_property
     def q(self) -> _Array:
-        """Positions (N, n), rad or m."""
+        """Positions (N, n), rad or m; with floating and spherical joints (N, nq), quaternions of length 1."""
         return fixed(self._core.array("q"))
 
     @cached_property
     def v(self) -> _Array:
-        """Rates (N, n)."""
+        """Rates (N, n); of floating and spherical joints in the axes of the moved frame."""
         return fixed(self._core.array("v"))
 
     @cached_property
@@ -57,7 +57,7 @@ class Motion(Figures):
 
     @cached_property
     def costates(self) -> _Array:
-        """Costates y = (y_q, y_p) of (q, p) (N, 2n); y(0) = -dJ/dx(0)."""
+        """Costates y = (y_q, y_p) of (q, p) (N, 2n); y(0) = -dJ/dx(0), by d in q (+) d with quaternions."""
         return fixed(np.hstack([self._core.array("y_q"), self._core.array("y_p")]))
 
     @cached_property

@@ -27,6 +27,10 @@ class Problem(Solves):
     ``cost=weights`` for the weights of the squared torques, ``limits=True`` for the limits of the robot. Lists have one
     entry for each of ``robot.joint_names`` and can be arrays. Units are rad, m, kg, s, N m, N and W.
 
+    Positions of robots with floating and spherical joints have ``robot.nq`` entries, with unit quaternions, all other
+    lists n. Such a joint has no actuator unless ``limits={"torque_max": ...}`` or ``bounds`` give it forces, and fewer
+    tables are taken: "Robots that fly or turn freely" in ``docs/optimize.md``.
+
     A problem never changes. Problems with equal robots, tables and options are equal; a pickle contains the robot.
 
     Parameters
@@ -35,7 +39,7 @@ class Problem(Solves):
         The robot. With ``robot={"payload": {...}}`` in ``tables`` it is changed first.
     tables : dict, optional
         All tables by their names; keywords add to them.
-    start, end : dict or array (n)
+    start, end : dict or array (nq)
         Where the motion begins and ends: ``q``, ``v`` (0), ``a``, ``q_free``, ``v_free``, ``tool``.
     time : dict or float
         ``{"final": T}``, or ``{"free": True, "guess": T}`` for a free final time (s).
@@ -122,15 +126,23 @@ class Problem(Solves):
         return problem
 
     @classmethod
-    def from_file(cls, path: _Path, *, friction: bool = False, strict: bool = False) -> Problem:
+    def from_file(
+        cls,
+        path: _Path,
+        *,
+        friction: bool = False,
+        strict: bool = False,
+        floating_base: bool = False,
+        quaternions: bool = False,
+    ) -> Problem:
         """Read a problem file with the robot that it names, as ``costate optimize`` does.
 
         Parameters
         ----------
         path : path
             The problem file (TOML). Paths in it are relative to its folder.
-        friction, strict : bool
-            As in `Robot.from_file`.
+        friction, strict, floating_base, quaternions : bool
+            As in `Robot.from_file`, unless ``[robot]`` of the file says otherwise.
 
         Returns
         -------
@@ -141,10 +153,12 @@ class Problem(Solves):
         ------
         ProblemError
             With ``path``, ``line`` and ``key``.
+        ArgumentError
+            For ``floating_base`` of a robot in TOML.
         OSError
             Where the file cannot be read.
         """
-        return cls._of(_Problem.from_file(fspath(path), friction, strict))
+        return cls._of(_Problem.from_file(fspath(path), [friction, strict, floating_base, quaternions]))
 
     @classmethod
     def from_text(
@@ -155,6 +169,8 @@ class Problem(Solves):
         folder: _Path = "",
         friction: bool = False,
         strict: bool = False,
+        floating_base: bool = False,
+        quaternions: bool = False,
     ) -> Problem:
         """Read the text of a problem file.
 
@@ -166,8 +182,8 @@ class Problem(Solves):
             The robot, in the place of one that the text names.
         folder : path
             Where relative paths in the text begin.
-        friction, strict : bool
-            As in `Robot.from_file`, for a robot that the text names.
+        friction, strict, floating_base, quaternions : bool
+            As in `Problem.from_file`, for a robot that the text names.
 
         Returns
         -------
@@ -181,7 +197,7 @@ class Problem(Solves):
         """
         if robot is not None:
             return cls._of(_Problem.of_robot(robot, text, fspath(folder)))
-        return cls._of(_Problem.from_text(text, fspath(folder), friction, strict))
+        return cls._of(_Problem.from_text(text, fspath(folder), [friction, strict, floating_base, quaternions]))
 
     @property
     def robot(self) -> Robot:

@@ -60,7 +60,7 @@ class Samples:
     t : array (N)
         Times (s).
     q, v, a : array (N, n)
-        Positions, rates and accelerations.
+        Positions, rates and accelerations; with floating and spherical joints q has ``robot.nq`` columns.
     tau : array (N, n)
         Torques and forces at the joints (N m, N), cut to their limits.
     u : array (N, n)
@@ -68,11 +68,14 @@ class Samples:
     phase : array of int (N)
         The phase of each time, from 1; empty without vias.
     joint_names : list of str
-        The joints.
+        The joints, the columns of all but q.
+    position_names : list of str
+        The columns of q: the joints, or of a floating joint ``NAME_x`` to ``NAME_qw``.
     """
 
     def __init__(self, core: _Samples, joint_names: list[str]) -> None:
         self.joint_names = joint_names
+        self.position_names = core.positions()
         self.t: _Array = core.array("t")
         self.q: _Array = core.array("q")
         self.v: _Array = core.array("v")
@@ -92,10 +95,12 @@ class Samples:
         Returns
         -------
         str
-            Columns are ``t``, then ``q_JOINT``, ``v_JOINT``, ``a_JOINT``, ``tau_JOINT``, ``u_JOINT`` for all joints.
+            Columns are ``t``, then ``q_JOINT``, ``v_JOINT``, ``a_JOINT``, ``tau_JOINT``, ``u_JOINT`` for all joints; those
+            of q have ``position_names``.
         """
         rows = [array.tolist() for array in (self.q, self.v, self.a, self.tau, self.u)]
-        text = _Samples.of(self.t.tolist(), rows, self.phase.tolist(), self.joint_names).csv()
+        names = self.position_names, self.joint_names
+        text = _Samples.of(self.t.tolist(), rows, self.phase.tolist(), *names).csv()
         if path is not None:
             _Path(path).write_text(text, encoding="utf-8")
         return text
@@ -113,7 +118,8 @@ class Samples:
         columns: dict[str, Any] = {"t": self.t}
         for name in ("q", "v", "a", "tau", "u"):
             rows = getattr(self, name)
-            columns.update({f"{name}_{joint}": rows[:, k] for k, joint in enumerate(self.joint_names)})
+            joints = self.position_names if name == "q" else self.joint_names
+            columns.update({f"{name}_{joint}": rows[:, k] for k, joint in enumerate(joints)})
         if len(self.phase):
             columns["phase"] = self.phase
         return pd.DataFrame(columns)

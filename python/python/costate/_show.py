@@ -10,6 +10,8 @@ import numpy as np
 from . import _svg
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from ._costate import Robot
     from ._samples import Samples
     from ._solution import Solution
@@ -63,8 +65,16 @@ def html(solution: Solution) -> str:
     picture = ""
     if len(solution.t) > 1:
         times = np.linspace(float(solution.t[0]), float(solution.t[-1]), 101)
-        picture = _svg.motion(solution.sample(times=times), solution.problem.robot)
+        samples = solution.sample(times=times)
+        picture = _svg.motion(samples, position_limits(samples, solution.problem.robot), solution.problem.robot)
     return f"<div><b>{escape(solution.problem.robot.name)}</b><table>{rows}</table>{note}{picture}</div>"
+
+
+def position_limits(samples: Samples, robot: Robot) -> NDArray[np.float64]:
+    """Those of the columns of q, two rows; floating and spherical joints have none."""
+    of_joint = dict(zip(robot.joint_names, robot.position_limits.T, strict=True))
+    columns = [of_joint.get(name, (-np.inf, np.inf)) for name in samples.position_names]
+    return np.array(columns, float).reshape(-1, 2).T
 
 
 def plot(samples: Samples, robot: Robot, axes: Any) -> Any:
@@ -75,21 +85,23 @@ def plot(samples: Samples, robot: Robot, axes: Any) -> Any:
         _, grid = plt.subplots(2, 2, sharex=True, figsize=(10, 6), layout="constrained")
         axes = grid.ravel()
     limits = {
-        "q": robot.position_limits,
+        "q": position_limits(samples, robot),
         "v": robot.velocity_limits * [[-1], [1]],
         "tau": robot.effort_limits * [[-1], [1]],
     }
     titles = {"q": "q (rad, m)", "v": "v (rad/s, m/s)", "a": "a (rad/s², m/s²)", "tau": "tau (N m, N)"}
     for ax, (name, title) in zip(axes, titles.items(), strict=True):
         rows = getattr(samples, name)
-        for k, joint in enumerate(samples.joint_names):
+        for k, joint in enumerate(samples.position_names if name == "q" else samples.joint_names):
             (line,) = ax.plot(samples.t, rows[:, k], label=joint)
             near = np.ptp(rows) if len(rows) else 0.0
-            for limit in limits.get(name, np.empty((0, robot.n)))[:, k]:
+            for limit in limits.get(name, np.empty((0, rows.shape[1])))[:, k]:
                 if np.isfinite(limit) and np.abs(rows[:, k] - limit).min() < 0.3 * near:
                     ax.axhline(limit, color=line.get_color(), linestyle=":", linewidth=1)
         ax.set_title(title, loc="left", fontsize="medium")
     axes[0].legend(fontsize="small")
+    if samples.position_names != samples.joint_names:
+        axes[1].legend(fontsize="small")
     for ax in axes[2:]:
         ax.set_xlabel("t (s)")
     return axes

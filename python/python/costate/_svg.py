@@ -25,18 +25,24 @@ _ROW = 15.0  # Height of a row of the legend.
 _LETTER = 6.3  # Width of a letter, about.
 
 
-def motion(samples: Samples, robot: Robot) -> str:
+def motion(samples: Samples, position_limits: _Array, robot: Robot) -> str:
     """Two plots with the limits of the robot as dotted lines, as far as the motion comes near them, and a legend."""
+    # Joints whose positions have other names, as those of a quaternion have, come after these.
+    names = list(dict.fromkeys([*samples.position_names, *samples.joint_names]))
+    efforts = robot.effort_limits * np.array([[-1.0], [1.0]])
     plots = [
-        ("q (rad, m)", samples.q, robot.position_limits),
-        ("tau (N m, N)", samples.tau, robot.effort_limits * np.array([[-1.0], [1.0]])),
+        ("q (rad, m)", samples.q, position_limits, samples.position_names),
+        ("tau (N m, N)", samples.tau, efforts, samples.joint_names),
     ]
-    parts = [_plot(k * _WIDTH, title, samples.t, rows, limits) for k, (title, rows, limits) in enumerate(plots)]
-    names, height = _legend(samples.joint_names)
+    parts = [
+        _plot(k * _WIDTH, title, samples.t, rows, limits, [names.index(name) for name in of])
+        for k, (title, rows, limits, of) in enumerate(plots)
+    ]
+    legend, height = _legend(names)
     width, height = 2 * _WIDTH, _HEIGHT + height
     head = f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width:g} {height:g}" width="{width:g}" height="{height:g}"'
     style = 'style="max-width:100%;height:auto" font-family="sans-serif" font-size="11" fill="currentColor"'
-    return f'{head} {style} role="img" aria-label="positions and torques over time">{"".join(parts)}{names}</svg>'
+    return f'{head} {style} role="img" aria-label="positions and torques over time">{"".join(parts)}{legend}</svg>'
 
 
 def _stroke(k: int) -> str:
@@ -59,7 +65,7 @@ def ticks(low: float, high: float, count: int) -> list[float]:
     return [k * step for k in range(math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9) + 1)]
 
 
-def _plot(left: float, title: str, t: _Array, rows: _Array, limits: _Array) -> str:
+def _plot(left: float, title: str, t: _Array, rows: _Array, limits: _Array, strokes: list[int]) -> str:
     drawn = _near(rows, limits)
     values = np.concatenate([rows.ravel(), [limit for _, limit in drawn]])
     low, high = float(values.min()), float(values.max())
@@ -84,12 +90,12 @@ def _plot(left: float, title: str, t: _Array, rows: _Array, limits: _Array) -> s
     parts.append(f'<text x="{x1:g}" y="{_TOP - 8:g}" text-anchor="end" opacity=".7">t (s)</text>')
     parts.append(f'<path d="M{x0:g} {y0:g}H{x1:g}" stroke="currentColor" stroke-opacity=".5"/>')
     for k, limit in drawn:
-        colour = _COLOURS[k % len(_COLOURS)]
+        colour = _COLOURS[strokes[k] % len(_COLOURS)]
         path = f'<path class="limit" d="M{x0:g} {y(limit):.1f}H{x1:g}" stroke="{colour}" stroke-dasharray="2 3"/>'
         parts.append(path)
     for k in range(rows.shape[1]):
         points = " ".join(f"{x(float(time)):.1f},{y(float(value)):.1f}" for time, value in zip(t, rows[:, k], strict=True))
-        parts.append(f'<polyline class="curve" points="{points}" fill="none" stroke-width="1.6" {_stroke(k)}/>')
+        parts.append(f'<polyline class="curve" points="{points}" fill="none" stroke-width="1.6" {_stroke(strokes[k])}/>')
     return "".join(parts)
 
 

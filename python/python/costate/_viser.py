@@ -27,7 +27,7 @@ class Poses:
 
     def __init__(self, robot: Robot, q: NDArray[np.float64]) -> None:
         dynamics = Dynamics(robot)
-        names = robot.all_joint_names
+        names = moved(robot)
         self.joints = {name: dynamics.frame(f"joint:{name}").pose(q) for name in names}
         # Tools: frames with such names, or else the ends of all branches.
         leaves = [name for name in names if name not in robot.parents]
@@ -42,6 +42,12 @@ def _added(robot: Robot) -> list[str]:
     words = ("tool", "tcp", "tip", "hand", "ee_", "gripper", "flange")
     names = [name for name in robot.frame_names if name.lower().startswith(words) and not name.endswith("_joint")]
     return list(dict.fromkeys(names))
+
+
+def moved(robot: Robot) -> list[str]:
+    """The joints that have frames: all but those between the two ends of a floating or spherical joint."""
+    between = {f"{name}_{part}" for name, *_ in robot.free_joints for part in ("x", "y", "z", "rx", "ry")}
+    return [name for name in robot.all_joint_names if name not in between]
 
 
 def quaternion(rotation: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -90,7 +96,7 @@ class _Figure:
         self.names = robot.all_joint_names
         self.scene, self.path, self.stage = scene, path, stage
         self.root = scene.add_frame(path, show_axes=False)
-        self.nodes = {name: scene.add_frame(f"{path}/{name}", show_axes=False) for name in self.names}
+        self.nodes = {name: scene.add_frame(f"{path}/{name}", show_axes=False) for name in moved(robot)}
 
     def draw(self, colour: tuple[int, int, int], opacity: float | None) -> None:
         for k, body in enumerate(self.stage.bodies):

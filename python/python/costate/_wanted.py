@@ -17,18 +17,26 @@ def robot_of(given: Any, name: str = "robot") -> Robot:
     raise _wrong(name, given, 'a costate.Robot, or costate.Dynamics in "qv"')
 
 
-def dynamics_of(given: Any, name: str = "dynamics") -> Dynamics:
-    """The dynamics; those of a robot in (q, v)."""
+def dynamics_of(given: Any, name: str = "dynamics", *, free: bool = False) -> Dynamics:
+    """The dynamics; those of a robot in (q, v). Floating and spherical joints are refused unless they are taken."""
     if isinstance(given, Robot):
         given = Dynamics(given)
     # Objects with the methods of dynamics, such as those that count calls, will do.
     if isinstance(given, Dynamics) or hasattr(given, "adjoint") and hasattr(given, "coordinates"):
         found = cast("Dynamics", given)
         robot = getattr(found, "robot", None)
-        if isinstance(robot, Robot) and robot.nq != robot.n:
-            raise free_joint_error(robot, "functions here have no derivatives by it; use Dynamics with Robot.integrate")
+        if not free and isinstance(robot, Robot):
+            refuse_free_joints(robot)
         return found
     raise _wrong(name, given, "costate.Dynamics, or a costate.Robot")
+
+
+def refuse_free_joints(robot: Robot) -> None:
+    """An error for a robot with floating or spherical joints, where states are vectors of as many positions as rates."""
+    if robot.free_joints:
+        raise free_joint_error(
+            robot, "positions here are as many as rates; use Dynamics, Step and Robot.integrate, costate.jax or costate.torch"
+        )
 
 
 def free_joint_error(robot: Robot, what: str) -> RobotError:
@@ -40,9 +48,13 @@ def free_joint_error(robot: Robot, what: str) -> RobotError:
 
 
 def step_of(given: Any, name: str = "step") -> Step:
-    """The time step."""
+    """The time step, of a robot without floating and spherical joints."""
     if isinstance(given, Step) or hasattr(given, "dynamics") and hasattr(given, "contract"):
-        return cast("Step", given)
+        found = cast("Step", given)
+        robot = getattr(found.dynamics, "robot", None)
+        if isinstance(robot, Robot):
+            refuse_free_joints(robot)
+        return found
     raise _wrong(name, given, 'a costate.Step, such as costate.Step(costate.Dynamics(robot), "rk4", 0.01)')
 
 

@@ -6,6 +6,7 @@ use super::models::{Kind, Spec};
 use super::slots::{self, SLOTS};
 use crate::dynamics::coordinates_of;
 use crate::errors::{CostateError, argument, robot as robot_error};
+use crate::refusals::refuse_free_joints;
 use crate::robot::Robot;
 use crate::schemes::scheme_of;
 use pyo3::prelude::*;
@@ -20,7 +21,7 @@ fn spec_of(py: Python<'_>, (kind, robot, letters, name, dt): Given<'_>) -> PyRes
     if matches!(kind.as_str(), "dynamics" | "inverse_dynamics" | "step") {
         robot.refuse_constraints(py, "be a function of CasADi")?;
     }
-    robot.refuse_free_joints(py, "be a function of CasADi")?;
+    refuse_free_joints(py, robot.model(), "be a function of CasADi")?;
     let kind = match kind.as_str() {
         "dynamics" => Kind::Dynamics,
         "inverse_dynamics" => Kind::InverseDynamics,

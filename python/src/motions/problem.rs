@@ -6,7 +6,6 @@ use super::run::{Range, Run, Work};
 use super::solution::SolutionCore;
 use crate::errors;
 use crate::recipe::{Recipe, is_rebuilding, named};
-use crate::refusals::refuse_free_joints;
 use crate::robot::Robot;
 use costate::robot::LoadOptions;
 use costate_control::{
@@ -20,9 +19,6 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// What a robot with floating or spherical joints cannot.
-const NO_PROBLEM: &str = "be moved by a Problem of Python (by the command `costate optimize` it can)";
-
 /// A problem with the options of its solver.
 #[pyclass(frozen, name = "_Problem", module = "costate._costate")]
 pub struct ProblemCore {
@@ -34,6 +30,14 @@ pub struct ProblemCore {
     text: String,
     /// What changed since it was read.
     changes: Vec<(Parameter, f64)>,
+}
+
+/// How a robot file is read: friction, strict, floating_base, quaternions.
+type Load = [bool; 4];
+
+fn options_of([friction, strict, floating_base, quaternions]: Load) -> LoadOptions {
+    let options = LoadOptions::default().friction(friction).strict(strict);
+    options.floating_base(floating_base).quaternions(quaternions)
 }
 
 /// Where a solve begins: a solution, or a file that holds one.
@@ -113,7 +117,6 @@ impl ProblemCore {
         folder: PathBuf,
         start: Option<&str>,
     ) -> PyResult<Self> {
-        robot.refuse_free_joints(py, NO_PROBLEM)?;
         let urdf = robot.look.as_ref().map(|look| look.urdf());
         let file = ProblemFile::for_robot_of_urdf(text, robot.model(), urdf, folder);
         let file = file.map_err(|error| raise::file(py, &error))?;
@@ -123,27 +126,18 @@ impl ProblemCore {
 
     /// Reads a problem file, its robot and its saved motion.
     #[classmethod]
-    fn from_file(class: &Bound<'_, PyType>, path: PathBuf, friction: bool, strict: bool) -> PyResult<Self> {
+    fn from_file(class: &Bound<'_, PyType>, path: PathBuf, load: Load) -> PyResult<Self> {
         let py = class.py();
-        let load = LoadOptions::default().strict(strict).friction(friction);
-        let file = py.detach(|| ProblemFile::read(&path, load)).map_err(|error| raise::file(py, &error))?;
-        Self::read_with(py, file, friction)
+        let file = py.detach(|| ProblemFile::read(&path, options_of(load)));
+        Self::with_its_robot(py, file.map_err(|error| raise::file(py, &error))?)
     }
 
     /// The same of a text, whose paths are relative to a folder.
     #[classmethod]
-    fn from_text(
-        class: &Bound<'_, PyType>,
-        text: &str,
-        folder: PathBuf,
-        friction: bool,
-        strict: bool,
-    ) -> PyResult<Self> {
+    fn from_text(class: &Bound<'_, PyType>, text: &str, folder: PathBuf, load: Load) -> PyResult<Self> {
         let py = class.py();
-        let load = LoadOptions::default().strict(strict).friction(friction);
-        let file = py.detach(|| ProblemFile::from_text(text, folder, load));
-        let file = file.map_err(|error| raise::file(py, &error))?;
-        Self::read_with(py, file, friction)
+        let file = py.detach(|| ProblemFile::from_text(text, folder, options_of(load)));
+        Self::with_its_robot(py, file.map_err(|error| raise::file(py, &error))?)
     }
 
     /// The text of the problem file.
@@ -296,10 +290,10 @@ impl ProblemCore {
 
 impl ProblemCore {
     /// With the robot of a file, whose text goes into pickles.
-    fn read_with(py: Python<'_>, file: ProblemFile, friction: bool) -> PyResult<Self> {
-        refuse_free_joints(py, &file.problem.robot, NO_PROBLEM)?;
+    fn with_its_robot(py: Python<'_>, file: ProblemFile) -> PyResult<Self> {
+        let LoadOptions { friction, floating_base, quaternions, .. } = file.load;
         let path = file.robot_path.clone().unwrap_or_default();
-        let robot = Robot::from_file(py, path, friction, false, false, false)?;
+        let robot = Robot::from_file(py, path, friction, false, floating_base, quaternions)?;
         Self::new(py, file, robot, None)
     }
 }

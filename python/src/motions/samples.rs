@@ -18,20 +18,35 @@ impl SamplesCore {
     pub fn new(samples: Samples, joints: Vec<String>) -> Self {
         Self { samples, joints }
     }
+
+    /// The names of the entries of q: those of the joints without quaternions.
+    fn names(&self) -> &[String] {
+        if self.samples.positions.is_empty() { &self.joints } else { &self.samples.positions }
+    }
 }
 
 #[pymethods]
 impl SamplesCore {
-    /// Of arrays: times, then rows of q, v, a, tau and u, the phases, and the names of the joints.
+    /// Of arrays: times, then rows of q, v, a, tau and u, the phases, and the names of the entries of q and
+    /// of the joints.
     #[staticmethod]
-    fn of(t: Vec<f64>, rows: [Vec<Vec<f64>>; 5], phase: Vec<usize>, joints: Vec<String>) -> PyResult<Self> {
+    fn of(
+        t: Vec<f64>,
+        rows: [Vec<Vec<f64>>; 5],
+        phase: Vec<usize>,
+        positions: Vec<String>,
+        joints: Vec<String>,
+    ) -> PyResult<Self> {
         let mut samples = Samples::default();
         (samples.rate, samples.t, samples.phase) = (f64::NAN, t, phase);
-        let fit = |rows: &Vec<Vec<f64>>| {
-            rows.len() == samples.t.len() && rows.iter().all(|row| row.len() == joints.len())
+        let fit = |rows: &[Vec<f64>], columns: usize| {
+            rows.len() == samples.t.len() && rows.iter().all(|row| row.len() == columns)
         };
-        if !rows.iter().all(fit) {
+        if !(fit(&rows[0], positions.len()) && rows[1..].iter().all(|rows| fit(rows, joints.len()))) {
             return Err(super::raise::motion("arrays of samples whose shapes do not fit each other"));
+        }
+        if positions != joints {
+            samples.positions = positions;
         }
         [samples.q, samples.v, samples.a, samples.tau, samples.u] = rows;
         Ok(Self { samples, joints })
@@ -53,7 +68,13 @@ impl SamplesCore {
             "u" => u,
             _ => return Err(argument(py, "name", format!("there is no array '{name}'"))),
         };
-        Ok(matrix(py, rows, self.joints.len())?.into_any())
+        let names = if name == "q" { self.names() } else { &self.joints };
+        Ok(matrix(py, rows, names.len())?.into_any())
+    }
+
+    /// The names of the entries of q.
+    fn positions(&self) -> Vec<String> {
+        self.names().to_vec()
     }
 
     /// The table in CSV.

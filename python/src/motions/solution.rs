@@ -166,7 +166,7 @@ impl SolutionCore {
 
     /// Numbers at the nodes: t, q, v, p, u, y_q, y_p, hamiltonian.
     fn array<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
-        let trajectory = &self.solution.trajectory;
+        let (trajectory, robot) = (&self.solution.trajectory, &self.problem.robot);
         let rows = match name {
             "t" => return Ok(PyArray1::from_slice(py, &trajectory.t).into_any()),
             "hamiltonian" => return Ok(PyArray1::from_slice(py, &trajectory.hamiltonian).into_any()),
@@ -178,7 +178,7 @@ impl SolutionCore {
             "y_p" => &trajectory.y_p,
             _ => return Err(argument(py, "name", format!("there is no array '{name}'"))),
         };
-        Ok(matrix(py, rows, self.problem.robot.dof())?.into_any())
+        Ok(matrix(py, rows, if name == "q" { robot.nq() } else { robot.dof() })?.into_any())
     }
 
     /// Accelerations at the nodes.

@@ -1,21 +1,25 @@
 //! Robots with floating and spherical joints as models whose states are plain numbers.
 
 mod bend;
+mod model;
 mod places;
 #[cfg(test)]
 mod tests;
 mod turn;
 
+pub use model::TangentModel;
+pub(crate) use places::{Places, plain_entries};
+pub(crate) use turn::{Turn, four, vector};
+
 use super::{Contraction, Dynamics, Linearisation, Structure};
 use crate::error::{EvalError, LengthError, check_length};
 use crate::hamiltonian::HamiltonianSecondOrder;
-use crate::matrix::{Matrix, add_scaled, filled};
+use crate::lagrangian::LagrangianSecondOrder;
+use crate::matrix::{Block, Matrix, add_scaled, filled};
 use crate::robot::Robot;
 use crate::scalar::Scalar;
 use bend::Bend;
 use nalgebra::DMatrix;
-use places::Places;
-use turn::Turn;
 
 /// The state equation of a robot with quaternions as plain states:
 ///
@@ -30,7 +34,9 @@ use turn::Turn;
 /// is a vector without constraints, and any optimiser or integrator of vectors takes it; where it fixes the
 /// end $a\_T$ of a quaternion it fixes three functions, `vec(conj(a_T) o a) = 0`.
 ///
-/// f_x and y'f_xx are exact: those of [`HamiltonianSecondOrder`] in the tangent space, by the chain rule.
+/// With [`in_rates`](Self::in_rates) x = (q, v), v the rates, and v' is the acceleration of forward dynamics.
+///
+/// f_x and y'f_xx are exact: those of [`TangentModel`] in the tangent space, by the chain rule.
 /// Without floating and spherical joints they are the same. Units are rad, m, kg, s. u has one entry for each
 /// column of B (N m, N if B is the unit matrix).
 ///
@@ -48,15 +54,17 @@ use turn::Turn;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug)]
-pub struct QuaternionDynamics<S: Scalar> {
-    model: HamiltonianSecondOrder<S>,
+pub struct QuaternionDynamics<S: Scalar, M = HamiltonianSecondOrder<S>> {
+    model: M,
     nq: usize,
     /// Entries of q of joints of one degree of freedom, with their coordinates.
     plain: Vec<(usize, usize)>,
     turns: Vec<Turn<S>>,
-    /// B; f_u has it below zeros.
+    /// B; f_u has it below zeros, or its accelerations.
     actuation: Matrix<S>,
     f_u: Matrix<S>,
+    /// Second derivatives of y'f by (u, q), where f_u depends on q.
+    y_f_uq: Matrix<S>,
     /// q with unit quaternions, and B u.
     q: Vec<S>,
     tau: Vec<S>,
@@ -72,25 +80,33 @@ pub struct QuaternionDynamics<S: Scalar> {
 }
 
 impl<S: Scalar> QuaternionDynamics<S> {
-    /// The model of a robot, every coordinate driven: B is the unit matrix. Later calls do not allocate.
+    /// The model of a robot in momenta, every coordinate driven: B is the unit matrix. Later calls do not
+    /// allocate.
     pub fn new(robot: &Robot) -> Self {
+        Self::of_robot(robot)
+    }
+}
+
+impl<S: Scalar> QuaternionDynamics<S, LagrangianSecondOrder<S>> {
+    /// The same in rates: x = (q, v).
+    pub fn in_rates(robot: &Robot) -> Self {
+        Self::of_robot(robot)
+    }
+}
+
+impl<S: Scalar, M: TangentModel<S>> QuaternionDynamics<S, M> {
+    /// The model of a robot, every coordinate driven.
+    pub(crate) fn of_robot(robot: &Robot) -> Self {
         let (n, nq) = (robot.dof(), robot.nq());
         let size = nq + n;
-        let turns: Vec<Turn<S>> = robot.free_joints().iter().map(Turn::new).collect();
-        let mut plain = Vec::new();
-        let (mut at, mut i) = (0, 0);
-        for free in robot.free_joints() {
-            plain.extend((i..free.coordinate).map(|k| (at + k - i, k)));
-            (at, i) = (free.position + free.kind.positions(), free.coordinate + free.kind.dof());
-        }
-        plain.extend((i..n).map(|k| (at + k - i, k)));
         let whole = Self {
-            model: HamiltonianSecondOrder::new(robot),
+            model: M::of(robot),
             nq,
-            plain,
-            turns,
+            plain: plain_entries(robot),
+            turns: robot.free_joints().iter().map(Turn::new).collect(),
             actuation: Matrix::zeros(0, 0),
             f_u: Matrix::zeros(0, 0),
+            y_f_uq: Matrix::zeros(0, 0),
             q: filled(S::zero(), nq),
             tau: filled(S::zero(), n),
             f: filled(S::zero(), size),
@@ -117,11 +133,12 @@ impl<S: Scalar> QuaternionDynamics<S> {
     fn driven_by(self, m: usize, entry: impl Fn(usize, usize) -> f64) -> Self {
         let n = self.model.dof();
         let (mut actuation, mut f_u) = (Matrix::zeros(n, m), Matrix::zeros(self.nq + n, m));
+        let y_f_uq = Matrix::zeros(m, M::structure(self.nq).f_u_depends_on);
         for (i, j) in (0..n).flat_map(|i| (0..m).map(move |j| (i, j))) {
             actuation[(i, j)] = S::from_f64(entry(i, j));
             f_u[(self.nq + i, j)] = actuation[(i, j)];
         }
-        Self { actuation, f_u, ..self }
+        Self { actuation, f_u, y_f_uq, ..self }
     }
 
     /// Number of entries of q: x has n more.
@@ -150,7 +167,19 @@ impl<S: Scalar> QuaternionDynamics<S> {
     }
 }
 
-impl<S: Scalar> Dynamics<S> for QuaternionDynamics<S> {
+/// f_u where it depends on q: what the columns of B do, by the last n rows of F_tau.
+fn drive<S: Scalar>(f_tau: Block<'_, S>, actuation: &Matrix<S>, f_u: &mut Matrix<S>) {
+    let (n, nq) = (f_tau.columns(), f_u.rows() - f_tau.columns());
+    for i in 0..n {
+        let row = f_u.row_mut(nq + i);
+        row.fill(S::zero());
+        for (k, &by_tau) in f_tau.row(n + i).iter().enumerate() {
+            add_scaled(row, by_tau, actuation.row(k));
+        }
+    }
+}
+
+impl<S: Scalar, M: TangentModel<S>> Dynamics<S> for QuaternionDynamics<S, M> {
     type Error = EvalError;
 
     fn states(&self) -> usize {
@@ -162,27 +191,30 @@ impl<S: Scalar> Dynamics<S> for QuaternionDynamics<S> {
     }
 
     fn structure(&self) -> Structure {
-        Structure { constant_f_u: true, affine_in_u: true, f_u_depends_on: 0 }
+        M::structure(self.nq)
     }
 
     fn evaluate(&mut self, x: &[S], u: &[S]) -> Result<&[S], EvalError> {
         self.set(x, u)?;
         let Self { model, nq, plain, turns, q, tau, f, .. } = self;
-        let rate = model.first().evaluate(q, &x[*nq..], tau)?;
+        let rate = model.rate(q, &x[*nq..], tau)?;
         Places { nq: *nq, plain, turns }.rate(rate, f);
         Ok(&self.f)
     }
 
     fn linearise(&mut self, x: &[S], u: &[S]) -> Result<Linearisation<'_, S>, EvalError> {
         self.set(x, u)?;
-        let Self { model, nq, plain, turns, q, tau, f, f_x, f_u, slopes, .. } = self;
-        let of_tangent = model.first().linearise(q, &x[*nq..], tau)?;
+        let Self { model, nq, plain, turns, q, tau, f, f_x, f_u, slopes, actuation, .. } = self;
+        let of_tangent = model.linear(q, &x[*nq..], tau)?;
         let places = Places { nq: *nq, plain, turns };
-        places.rate(of_tangent.f(), f);
-        for (i, row) in of_tangent.matrix().iter_rows().enumerate() {
+        places.rate(of_tangent.f, f);
+        for (i, row) in of_tangent.f_x.iter_rows().enumerate() {
             places.spread(row, slopes.row_mut(i));
         }
-        places.jacobian(of_tangent.f(), slopes, f_x);
+        places.jacobian(of_tangent.f, slopes, f_x);
+        if !M::structure(*nq).constant_f_u {
+            drive(of_tangent.f_u, actuation, f_u);
+        }
         Ok(Linearisation { f, f_x: f_x.view(), f_u: f_u.view() })
     }
 
@@ -190,21 +222,34 @@ impl<S: Scalar> Dynamics<S> for QuaternionDynamics<S> {
         self.set(x, u)?;
         check_length("y", y, x.len())?;
         let Self { model, nq, plain, turns, q, tau, f, f_x, f_u, slopes, half, y_f_xx, l, pull, .. } = self;
+        let (actuation, y_f_uq) = (&self.actuation, &mut self.y_f_uq);
         let places = Places { nq: *nq, plain, turns };
         places.costate(y, l);
-        let all = model.contract(q, &x[*nq..], tau, l)?;
-        let of_tangent = all.linearisation();
-        let rate = of_tangent.f();
+        let all = model.second(q, &x[*nq..], tau, l)?;
+        let of_tangent = all.first;
+        let rate = of_tangent.f;
         places.rate(rate, f);
+        // Rows of y_f_xx are space for one of the tangent space here.
+        if let Some(by_tau) = all.ux {
+            drive(of_tangent.f_u, actuation, f_u);
+            let n = by_tau.rows();
+            for j in 0..y_f_uq.rows() {
+                pull.fill(S::zero());
+                for (k, row) in by_tau.iter_rows().enumerate() {
+                    add_scaled(&mut pull[..n], actuation[(k, j)], row);
+                }
+                places.spread(pull, y_f_xx.row_mut(0));
+                y_f_uq.row_mut(j).copy_from_slice(&y_f_xx.row(0)[..*nq]);
+            }
+        }
         pull.fill(S::zero());
-        for (i, row) in of_tangent.matrix().iter_rows().enumerate() {
+        for (i, row) in of_tangent.f_x.iter_rows().enumerate() {
             places.spread(row, slopes.row_mut(i));
             add_scaled(pull, l[i], row);
         }
         places.jacobian(rate, slopes, f_x);
         // The Hessian of the tangent space from both sides.
-        for (i, row) in all.matrix().iter_rows().enumerate() {
-            // As a row of the result.
+        for (i, row) in all.xx.iter_rows().enumerate() {
             places.spread(row, y_f_xx.row_mut(0));
             for c in 0..half.rows() {
                 half[(c, i)] = y_f_xx[(0, c)];
@@ -216,6 +261,7 @@ impl<S: Scalar> Dynamics<S> for QuaternionDynamics<S> {
         let bend = Bend { y, l, pull, rate, slopes };
         turns.iter().for_each(|turn| bend.add(turn, y_f_xx));
         let first = Linearisation { f, f_x: f_x.view(), f_u: f_u.view() };
-        Ok(Contraction { first, xx: y_f_xx.view(), ux: None, uu: None })
+        let ux = (y_f_uq.columns() > 0).then(|| y_f_uq.view());
+        Ok(Contraction { first, xx: y_f_xx.view(), ux, uu: None })
     }
 }

@@ -2,11 +2,24 @@
 
 use super::turn::{Turn, by_quaternion, four, vector};
 use crate::matrix::Matrix;
+use crate::robot::Robot;
 use crate::scalar::Scalar;
 use crate::spatial::Vec3;
 
+/// Entries of q of joints of one degree of freedom, with their coordinates.
+pub(crate) fn plain_entries(robot: &Robot) -> Vec<(usize, usize)> {
+    let mut plain = Vec::new();
+    let (mut at, mut i) = (0, 0);
+    for free in robot.free_joints() {
+        plain.extend((i..free.coordinate).map(|k| (at + k - i, k)));
+        (at, i) = (free.position + free.kind.positions(), free.coordinate + free.kind.dof());
+    }
+    plain.extend((i..robot.dof()).map(|k| (at + k - i, k)));
+    plain
+}
+
 /// Where the entries of x are in the tangent space.
-pub(super) struct Places<'a, S> {
+pub(crate) struct Places<'a, S> {
     pub nq: usize,
     pub plain: &'a [(usize, usize)],
     pub turns: &'a [Turn<S>],

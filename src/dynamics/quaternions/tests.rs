@@ -24,6 +24,11 @@ fn at<S: Scalar>(robot: &Robot, x: &[S], u: &[f64]) -> Vec<S> {
     QuaternionDynamics::<S>::new(robot).evaluate(x, &u).unwrap().to_vec()
 }
 
+/// The same in rates.
+fn rates_at<S: Scalar>(robot: &Robot, x: &[S], u: &[S]) -> Vec<S> {
+    QuaternionDynamics::in_rates(robot).evaluate(x, u).unwrap().to_vec()
+}
+
 /// Trees with free joints anywhere, and random ones.
 fn trees() -> impl Iterator<Item = Robot> {
     robots().into_iter().chain((4..40).map(random))
@@ -64,6 +69,56 @@ fn derivatives_are_those_of_dual_and_hyper_dual_numbers() {
         close(&xx, &hessian);
         let expected = DMatrix::from_column_slice(size, 1, &at(&robot, &x, &u));
         close(&DMatrix::from_column_slice(size, 1, &f), &expected);
+    }
+}
+
+/// In rates, with controls that act on several coordinates: f_u and y'f_ux too.
+#[test]
+fn derivatives_in_rates_are_those_of_hyper_dual_numbers() {
+    for robot in robots() {
+        let [x, u, y] = sample(&robot);
+        let (n, size) = (robot.dof(), x.len());
+        let b = DMatrix::from_fn(n, n, |i, j| if i == j { 1.0 } else { 0.3 * ((i + 2 * j) as f64).sin() });
+        let mut model = QuaternionDynamics::<f64, _>::in_rates(&robot).with_actuation(&b).unwrap();
+        let all = model.contract(&x, &u, &y).unwrap();
+        let whole = size + n;
+        let (mut jacobian, mut hessian) = (vec![0.0; size * whole], vec![0.0; whole * whole]);
+        all.first.jacobian(&mut jacobian);
+        all.hessian(&mut hessian);
+        let f = all.first.f.to_vec();
+        let linear = model.linearise(&x, &u).unwrap();
+        let mut again = vec![0.0; size * whole];
+        linear.jacobian(&mut again);
+        let largest = jacobian.iter().fold(1.0, |most: f64, entry| most.max(entry.abs()));
+        assert!(
+            again.iter().zip(&jacobian).all(|(a, b)| (a - b).abs() < 1e-11 * largest),
+            "{}",
+            robot.name()
+        );
+        let found = [
+            DMatrix::from_row_slice(size, whole, &jacobian),
+            DMatrix::from_row_slice(whole, whole, &hessian),
+        ];
+        let mut expected = [DMatrix::zeros(size, whole), DMatrix::zeros(whole, whole)];
+        for (i, j) in (0..whole).flat_map(|i| (0..=i).map(move |j| (i, j))) {
+            let mut z: Vec<HyperDual64> = x.iter().chain(&u).map(|&z| HyperDual64::from_re(z)).collect();
+            z[i].eps1 = 1.0;
+            z[j].eps2 = 1.0;
+            let tau: Vec<HyperDual64> = (0..n)
+                .map(|i| (0..n).map(|k| z[size + k] * b[(i, k)]).fold(z[0] * 0.0, |a, b| a + b))
+                .collect();
+            let value = rates_at(&robot, &z[..size], &tau);
+            assert!(value.iter().zip(&f).all(|(a, b)| (a.re - b).abs() < 1e-10 * (1.0 + b.abs())));
+            for (k, value) in value.iter().enumerate() {
+                expected[0][(k, i)] = value.eps1;
+            }
+            expected[1][(i, j)] = value.iter().zip(&y).map(|(f, y)| y * f.eps1eps2).sum();
+            expected[1][(j, i)] = expected[1][(i, j)];
+        }
+        for (found, expected) in found.iter().zip(&expected) {
+            let error = (found - expected).amax() / expected.amax().max(1.0);
+            assert!(error < 1e-10, "{}: {error:.1e}", robot.name());
+        }
     }
 }
 

@@ -11,7 +11,7 @@ use crate::spatial::{Quaternion, Rotation, Vec3};
 ///
 /// $$ \theta = 2 w - 2 s w, \qquad \rho = d - w \times d $$
 #[derive(Clone, Debug)]
-pub(super) struct Turn<S> {
+pub(crate) struct Turn<S> {
     /// Its first entries of q and of v.
     pub position: usize,
     pub coordinate: usize,
@@ -106,12 +106,12 @@ fn rates<S: Scalar>([x, y, z, w]: [S; 4]) -> [[S; 4]; 3] {
 }
 
 /// Three entries.
-pub(super) fn vector<S: Scalar>(entries: &[S], at: usize) -> Vec3<S> {
+pub(crate) fn vector<S: Scalar>(entries: &[S], at: usize) -> Vec3<S> {
     Vec3::new(entries[at], entries[at + 1], entries[at + 2])
 }
 
 /// Four entries.
-pub(super) fn four<S: Scalar>(entries: &[S], at: usize) -> [S; 4] {
+pub(crate) fn four<S: Scalar>(entries: &[S], at: usize) -> [S; 4] {
     [entries[at], entries[at + 1], entries[at + 2], entries[at + 3]]
 }
 

@@ -52,6 +52,9 @@ pub struct ProblemFile {
     pub options: SolverOptions,
     /// The robot file, relative paths resolved; `None` for a robot of the caller.
     pub robot_path: Option<PathBuf>,
+    /// How the robot file was read: as the caller asks for, unless the keys `robot.friction`,
+    /// `robot.floating_base` and `robot.quaternions` say otherwise.
+    pub load: LoadOptions,
     /// The saved motion of `[start_from]`, relative paths resolved.
     pub start_from: Option<PathBuf>,
     /// What `[[robot.payload]]` adds to the robot, which is a part of [`Problem::robot`] already: bodies by
@@ -146,8 +149,12 @@ impl ProblemFile {
         let mut tables = tables::read(&root, source)?;
         let robot_path = tables.robot.file.as_ref().map(|file| folder.join(file));
         let path_of_robot = robot_path.as_deref().unwrap_or(Path::new(""));
+        let load = match given {
+            Given::Options(load) => tables.robot.options(load),
+            Given::Robot(..) => LoadOptions::default(),
+        };
         let robot = match given {
-            Given::Options(load) => tables.robot.load(&root, path_of_robot, load)?,
+            Given::Options(_) => tables.robot.load(&root, path_of_robot, load)?,
             Given::Robot(robot, _) => tables.robot.changed(&root, robot, LoadOptions::default())?,
         };
         if obstacles::asks_for_urdf(&root)? {
@@ -167,6 +174,7 @@ impl ProblemFile {
             problem,
             options: tables.options,
             robot_path,
+            load,
             payloads: tables.robot.payloads(),
             start_from: tables.start_from.map(|file| folder.join(file)),
             text: text.into(),

@@ -216,12 +216,17 @@ impl RobotTable {
         RobotText::from_file(path).map_err(|error| self.refused(root, error))
     }
 
+    /// The options with what the file says.
+    pub fn options(&self, options: LoadOptions) -> LoadOptions {
+        let options = self.friction.map_or(options, |friction| options.friction(friction));
+        let options = self.floating_base.map_or(options, |flies| options.floating_base(flies));
+        self.quaternions.map_or(options, |has_them| options.quaternions(has_them))
+    }
+
     /// Loads the robot file and changes the robot.
     pub fn load(&self, root: &Table<'_>, path: &Path, options: LoadOptions) -> Result<Robot, Fault> {
         let refused = |error| self.refused(root, error);
-        let options = self.friction.map_or(options, |friction| options.friction(friction));
-        let options = self.floating_base.map_or(options, |flies| options.floating_base(flies));
-        let options = self.quaternions.map_or(options, |has_them| options.quaternions(has_them));
+        let options = self.options(options);
         if self.changes.is_empty() && self.friction != Some(false) {
             return Robot::from_file_with(path, options).map_err(refused);
         }

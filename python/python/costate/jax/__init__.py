@@ -18,12 +18,13 @@ except ImportError as _error:  # pragma: no cover
 from .._costate import Dynamics, Step, _xla_calls
 from .._errors import argument_error
 from .._wanted import dynamics_of
+from ._free import of_step, of_tangent
 from ._rules import Checked, differentiable
 from ._targets import numbers_of, target
 
 if TYPE_CHECKING:
     from .._costate import Robot, _Scheme
-    from ._rules import _Order
+    from ._rules import _Names, _Order
 
 __all__ = ["Model", "calls"]
 
@@ -66,7 +67,8 @@ class Model:
     """The dynamics of a robot, and time steps of it, as functions of JAX.
 
     ``f``, ``aba``, ``rnea`` and what ``step`` returns take three arrays (..., n) with any leading batch axes, which are
-    broadcast. All first and second derivatives are exact: ``jax.grad``, ``jacfwd``, ``jacrev``, ``hessian``, and any of
+    broadcast. With floating and spherical joints q has ``robot.nq`` entries and is differentiated by all of them: the
+    functions do not change with the length of a quaternion, which must be 1 where they are evaluated. All first and second derivatives are exact: ``jax.grad``, ``jacfwd``, ``jacrev``, ``hessian``, and any of
     them over any other. A state that is not finite or has a singular mass matrix raises an error of XLA with costate's
     message, or gives not-a-number where the dynamics have ``on_error="nan"``.
 
@@ -85,9 +87,6 @@ class Model:
     ArgumentError
         For what is neither dynamics nor a robot; where an argument is not float64, or has another shape; where JAX computes
         in float32.
-    RobotError
-        For a robot with floating or spherical joints, whose functions have no derivatives by entries of q.
-
     Examples
     --------
     >>> import costate, costate.jax, jax, jax.numpy as jnp
@@ -100,15 +99,15 @@ class Model:
     """
 
     def __init__(self, dynamics: Dynamics | Robot, order: _Order = "any") -> None:
-        dynamics = dynamics_of(dynamics)
+        dynamics = dynamics_of(dynamics, free=True)
         if order not in ("any", "reverse"):
             raise argument_error("order", f"unknown order '{order}'; give 'any' or 'reverse'")
         n = dynamics.n
         self.dynamics = dynamics
         self.order = order
-        self._f = _function(dynamics, n, order, ("f", "jacobian", "hessian"), 2 * n)
+        self._f = _method(dynamics, ("f", "jacobian", "hessian"), 2 * n, order)
         verbs = "rnea", "rnea_jacobian", "rnea_hessian"
-        self._rnea = _function(dynamics, n, order, verbs, n, ("q", "v", "a"))
+        self._rnea = _method(dynamics, verbs, n, order, ("q", "v", "a"))
         # Forward dynamics are the second half of f in velocities.
         at = dynamics if dynamics.coordinates == "qv" else Dynamics(
             dynamics.robot, "qv", on_error=dynamics.on_error, threads=dynamics.threads
@@ -120,7 +119,7 @@ class Model:
 
         value = target(at, "aba", (n,))
         of = value, lambda *z: jacobian(*z)[..., n:, :], contracted
-        self._aba = differentiable(("q", "v", "tau"), n, of, n, order, numbers_of(value, jacobian, hessian))
+        self._aba = _function(dynamics.robot, of, n, order, numbers_of(value, jacobian, hessian))
 
     def __eq__(self, other: object) -> bool:
         if type(other) is not type(self):
@@ -138,7 +137,7 @@ class Model:
 
         Parameters
         ----------
-        q : array_like (..., n)
+        q : array_like (..., nq)
             Positions (rad, m).
         v : array_like (..., n)
             Velocities (rad/s, m/s); with the coordinates ``"qp"`` the momenta p.
@@ -162,7 +161,7 @@ class Model:
 
         Parameters
         ----------
-        q : array_like (..., n)
+        q : array_like (..., nq)
             Positions (rad, m).
         v : array_like (..., n)
             Velocities (rad/s, m/s), in either coordinates.
@@ -186,7 +185,7 @@ class Model:
 
         Parameters
         ----------
-        q : array_like (..., n)
+        q : array_like (..., nq)
             Positions (rad, m).
         v : array_like (..., n)
             Velocities (rad/s, m/s), in either coordinates.
@@ -218,7 +217,7 @@ class Model:
         Returns
         -------
         callable
-            A function of (q, v, tau) whose result is the next state (..., 2n). It can be pickled.
+            A function of (q, v, tau) whose result is the next state (..., nq + n). It can be pickled.
 
         Raises
         ------
@@ -228,21 +227,42 @@ class Model:
         return _step(Step(self.dynamics, scheme, dt), self.order)
 
 
-def _function(
-    owner: Dynamics | Step,
-    n: int,
-    order: _Order,
-    verbs: tuple[str, str, str],
-    m: int,
-    names: tuple[str, str, str] = ("q", "v", "tau"),
-) -> Checked:
-    shapes = ((m,), (m, 3 * n), (3 * n, 3 * n))
+def _targets(owner: Dynamics | Step, verbs: tuple[str, str, str], m: int, robot: Robot) -> tuple[Any, Any, Any]:
+    """Value (m), Jacobian and Hessian; derivatives of the next state of a step are those in its tangent space."""
+    n = robot.n
+    rows = 2 * n if isinstance(owner, Step) else m
+    shapes = ((m,), (rows, 3 * n), (3 * n, 3 * n))
     value, jacobian, hessian = (target(owner, verb, shape) for verb, shape in zip(verbs, shapes, strict=True))
-    return differentiable(names, n, (value, jacobian, hessian), m, order, numbers_of(value, jacobian, hessian))
+    return value, jacobian, hessian
+
+
+def _function(
+    robot: Robot,
+    of: tuple[Any, Any, Any],
+    m: int,
+    order: _Order,
+    numbers: dict[str, int],
+    names: _Names = ("q", "v", "tau"),
+) -> Checked:
+    is_free = bool(robot.free_joints)
+    function = of_tangent(robot, of, m, order) if is_free else differentiable(of, robot.n, m, order)
+    return Checked(function, names, (robot.nq, robot.n, robot.n), numbers)
+
+
+def _method(
+    dynamics: Dynamics, verbs: tuple[str, str, str], m: int, order: _Order, names: _Names = ("q", "v", "tau")
+) -> Checked:
+    of = _targets(dynamics, verbs, m, dynamics.robot)
+    return _function(dynamics.robot, of, m, order, numbers_of(*of), names)
 
 
 def _step(step: Step, order: _Order) -> Checked:
-    n = step.dynamics.n
-    function = _function(step, n, order, ("f", "jacobian", "hessian"), 2 * n)
+    robot = step.dynamics.robot
+    of = _targets(step, ("f", "jacobian", "hessian"), robot.nq + robot.n, robot)
+    if robot.free_joints:
+        lengths, names = (robot.nq, robot.n, robot.n), ("q", "v", "tau")
+        function = Checked(of_step(robot, of, order), names, lengths, numbers_of(*of))
+    else:
+        function = _function(robot, of, 2 * robot.n, order, numbers_of(*of))
     function.made = _step, (step, order)
     return function

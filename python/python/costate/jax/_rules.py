@@ -14,6 +14,8 @@ from .._errors import argument_error
 
 if TYPE_CHECKING:
     _Order = Literal["any", "reverse"]
+    _Names = tuple[str, str, str]
+
 
 def _checked(name: str, value: Any, length: int) -> Any:
     """An array of doubles (..., length)."""
@@ -69,21 +71,21 @@ def _times(matrix: Any, vector: Any) -> Any:
 
 
 class Checked:
-    """A function of three vectors (n) that looks at their types and shapes; ``numbers`` of what counts its calls."""
+    """A function of three vectors that looks at their types and shapes; ``numbers`` of what counts its calls."""
 
-    def __init__(self, function: Any, names: tuple[str, str, str], n: int, numbers: dict[str, int]) -> None:
-        self._function, self._names, self._n, self.numbers = function, names, n, numbers
+    def __init__(self, function: Any, names: _Names, lengths: tuple[int, int, int], numbers: dict[str, int]) -> None:
+        self._function, self._names, self._lengths, self.numbers = function, names, lengths, numbers
         # What a pickle calls, with its arguments.
         self.made: tuple[Callable[..., Any], tuple[Any, ...]] | None = None
 
     def __call__(self, *arguments: Any) -> Any:
-        names, n = self._names, self._n
-        given = [_checked(name, value, n) for name, value in zip(names, arguments, strict=True)]
+        names, lengths = self._names, self._lengths
+        given = [_checked(*part) for part in zip(names, arguments, lengths, strict=True)]
         try:
             leading = jnp.broadcast_shapes(*(part.shape[:-1] for part in given))
         except ValueError as error:
             raise argument_error(names[0], f"the leading axes of {', '.join(names)} cannot be broadcast: {error}") from None
-        return self._function(*(jnp.broadcast_to(part, leading + (n,)) for part in given))
+        return self._function(*(jnp.broadcast_to(part, leading + part.shape[-1:]) for part in given))
 
     def __reduce__(self) -> tuple[Any, ...]:
         if self.made is None:
@@ -91,43 +93,47 @@ class Checked:
         return self.made
 
 
-def differentiable(
-    names: tuple[str, str, str], n: int, of: tuple[Any, Any, Any], m: int, order: _Order, numbers: dict[str, int]
-) -> Checked:
-    """A function of three vectors (n) with m results, of its value, Jacobian (m, 3n) and contracted Hessian (3n, 3n)."""
+def differentiable(of: tuple[Any, Any, Any], n: int, m: int, order: _Order, *, base: bool = False) -> Any:
+    """A function of three vectors (n) with m results, of its value, Jacobian (m, 3n) and contracted Hessian (3n, 3n).
+
+    With a ``base`` one more vector comes first, by which there are no derivatives.
+    """
     value_of, jacobian_of, hessian_of = of
+    skipped = int(base)
 
     hessian = _primitive("hessian", hessian_of, _no_third)
 
     def jacobian_change(at: Any, along: Any) -> Any:
         # One contraction for each result: all of them in one call.
         leading = jnp.broadcast_shapes(*(part.shape[:-1] for part in at))
-        rows = [jnp.broadcast_to(part, leading + (n,))[..., None, :] for part in at]
+        rows = [jnp.broadcast_to(part, leading + part.shape[-1:])[..., None, :] for part in at]
         tensor = hessian(*rows, jnp.broadcast_to(jnp.eye(m), leading + (m, m)))
-        return jacobian(*at), jnp.einsum("...ijk,...k->...ij", tensor, jnp.concatenate(along, -1))
+        return jacobian(*at), jnp.einsum("...ijk,...k->...ij", tensor, jnp.concatenate(along[skipped:], -1))
 
     jacobian = _primitive("jacobian", jacobian_of, jacobian_change)
 
     def adjoint_change(at: Any, along: Any) -> Any:
         *z, y = at
         matrix, second = jacobian(*z), hessian(*z, y)
-        change = _times(second, jnp.concatenate(along[:3], -1)) + jnp.einsum("...i,...ij->...j", along[3], matrix)
+        change = _times(second, jnp.concatenate(along[skipped:-1], -1)) + jnp.einsum("...i,...ij->...j", along[-1], matrix)
         return jnp.einsum("...i,...ij->...j", y, matrix), change
 
-    def adjoint_of(a: Any, b: Any, c: Any, y: Any) -> Any:
-        return jnp.einsum("...i,...ij->...j", y, jacobian_of(a, b, c))
+    def adjoint_of(*at: Any) -> Any:
+        *z, y = at
+        return jnp.einsum("...i,...ij->...j", y, jacobian_of(*z))
 
     adjoint = _primitive("adjoint", adjoint_of, adjoint_change)
 
     def value_change(at: Any, along: Any) -> Any:
-        return value(*at), _times(jacobian(*at), jnp.concatenate(along, -1))
+        return value(*at), _times(jacobian(*at), jnp.concatenate(along[skipped:], -1))
 
     value = _primitive("value", value_of, value_change)
-    function: Any = value
-    if order == "reverse":
-        function = jax.custom_vjp(value)
-        function.defvjp(
-            lambda a, b, c: (value(a, b, c), (a, b, c)), lambda at, y: tuple(jnp.split(adjoint(*at, y), 3, -1))
-        )
+    if order == "any":
+        return value
+    function = jax.custom_vjp(value)
 
-    return Checked(function, names, n, numbers)
+    def backward(at: Any, y: Any) -> Any:
+        return *(jnp.zeros_like(part) for part in at[:skipped]), *jnp.split(adjoint(*at, y), 3, -1)
+
+    function.defvjp(lambda *at: (value(*at), at), backward)
+    return function

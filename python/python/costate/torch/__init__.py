@@ -18,7 +18,8 @@ import numpy as np
 
 from .._costate import Dynamics, Step
 from .._wanted import dynamics_of
-from ._rules import Checked, Methods, StepFunction
+from ._functions import Checked, StepFunction
+from ._rules import Methods
 
 if TYPE_CHECKING:
     from .._costate import Robot, _Scheme
@@ -34,6 +35,9 @@ class Model:
     the other; a third one is an error. Second derivatives need one contraction for each state, and forward over forward mode
     one for each result. Models and steps can be pickled; models of equal dynamics are equal.
 
+    With floating and spherical joints q has ``robot.nq`` entries and is differentiated by all of them: the functions do not
+    change with the length of a quaternion, which must be 1 where they are evaluated.
+
     Parameters
     ----------
     dynamics : Dynamics
@@ -45,8 +49,6 @@ class Model:
         Where an argument is no tensor of float64 on the CPU, or has another shape.
     StateError
         As the methods of `Dynamics`.
-    RobotError
-        For a robot with floating or spherical joints, whose functions have no derivatives by entries of q.
 
     Examples
     --------
@@ -60,12 +62,12 @@ class Model:
     """
 
     def __init__(self, dynamics: Dynamics | Robot) -> None:
-        dynamics = dynamics_of(dynamics)
+        dynamics = dynamics_of(dynamics, free=True)
         self.dynamics = dynamics
-        n = dynamics.n
-        self._f = Checked(Methods(n, dynamics.f, dynamics.jacobian, dynamics.hessian))
+        n, robot = dynamics.n, dynamics.robot
+        self._f = Checked(Methods(n, dynamics.f, dynamics.jacobian, dynamics.hessian), robot)
         rnea = Methods(n, dynamics.rnea, dynamics.rnea_jacobian, dynamics.rnea_hessian)
-        self._rnea = Checked(rnea, ("q", "v", "a"))
+        self._rnea = Checked(rnea, robot, ("q", "v", "a"))
         # Forward dynamics are the second half of f in velocities.
         at = dynamics if dynamics.coordinates == "qv" else Dynamics(
             dynamics.robot, "qv", on_error=dynamics.on_error, threads=dynamics.threads
@@ -77,7 +79,7 @@ class Model:
         def hessian(q: Any, v: Any, tau: Any, y: Any) -> Any:
             return at.hessian(q, v, tau, np.concatenate([np.zeros_like(y), y], axis=-1))
 
-        self._aba = Checked(Methods(n, at.aba, jacobian, hessian))
+        self._aba = Checked(Methods(n, at.aba, jacobian, hessian), robot)
 
     def __eq__(self, other: object) -> bool:
         return self.dynamics == other.dynamics if type(other) is type(self) else NotImplemented
@@ -93,7 +95,7 @@ class Model:
 
         Parameters
         ----------
-        q : torch.Tensor (..., n)
+        q : torch.Tensor (..., nq)
             Positions (rad, m).
         v : torch.Tensor (..., n)
             Velocities (rad/s, m/s); with the coordinates ``"qp"`` the momenta p.
@@ -119,7 +121,7 @@ class Model:
 
         Parameters
         ----------
-        q : torch.Tensor (..., n)
+        q : torch.Tensor (..., nq)
             Positions (rad, m).
         v : torch.Tensor (..., n)
             Velocities (rad/s, m/s), in either coordinates.
@@ -145,7 +147,7 @@ class Model:
 
         Parameters
         ----------
-        q : torch.Tensor (..., n)
+        q : torch.Tensor (..., nq)
             Positions (rad, m).
         v : torch.Tensor (..., n)
             Velocities (rad/s, m/s), in either coordinates.
@@ -179,7 +181,7 @@ class Model:
         Returns
         -------
         callable
-            A function of (q, v, tau) whose result is the next state (..., 2n).
+            A function of (q, v, tau) whose result is the next state (..., nq + n).
 
         Raises
         ------

@@ -1,0 +1,133 @@
+"""Time steps of robots with floating and spherical joints."""
+
+import pickle
+
+import costate
+import numpy as np
+import pytest
+from conftest import assert_close
+from free_joints import EPS, assert_within, curvature, drone, slope, solving, state, tree  # noqa: F401
+
+# Bases without mass, which move.
+pytestmark = pytest.mark.filterwarnings("ignore::costate.RobotWarning")
+KINDS = [(scheme, coordinates) for scheme in ("rk4", "midpoint") for coordinates in ("qv", "qp")]
+DT = 0.01
+
+
+@pytest.mark.parametrize(("scheme", "coordinates"), KINDS)
+def test_derivatives_are_those_in_the_tangent_spaces(tree, state, scheme, coordinates):
+    """By finite differences between q (+) d and the difference from the next state."""
+    q, v, tau, y, d = state
+    n, nq = tree.n, tree.nq
+    dynamics = costate.Dynamics(tree, coordinates)
+    v = v if coordinates == "qv" else dynamics.momentum(q, v)
+    step = costate.Step(dynamics, scheme, DT)
+    following, jacobian, hessian = step.contract(q, v, tau, y)
+    assert following.shape == (nq + n,) and jacobian.shape == (2 * n, 3 * n) and hessian.shape == (3 * n, 3 * n)
+    assert_close(step.f(q, v, tau), following, 1e-12)
+    assert_close(step.jacobian(q, v, tau), jacobian, 1e-10)
+    assert_close(step.hessian(q, v, tau, y), hessian, 1e-10)
+    for found, expected in zip(step.linearise(q, v, tau), (following, jacobian), strict=True):
+        assert_close(found, expected, 1e-10)
+    assert_close(step.adjoint(q, v, tau, y), y @ jacobian, 1e-10)
+    assert_close(step.hvp(q, v, tau, y, d), hessian @ d, 1e-10)
+    assert_close(hessian, hessian.T, 1e-12)
+    assert_close(tree.normalize(following[:nq].copy()), following[:nq], 1e-15)
+
+    d = d / np.linalg.norm(d)
+
+    def along(s, direction=d):
+        at = tree.integrate(q, s * direction[:n]), v + s * direction[n : 2 * n], tau + s * direction[2 * n :]
+        moved = step.f(*at)
+        return np.concatenate([tree.difference(following[:nq], moved[:nq]), moved[nq:] - following[nq:]])
+
+    noise = solving(dynamics, q) * np.abs(following).max()
+    first, bound = slope(along, 1e-3, noise)
+    assert bound < 1e-6 * np.abs(jacobian).max()
+    assert_within(jacobian @ d, first, bound)
+    second, bound = curvature(lambda s: y @ along(s), 2e-2, noise * np.abs(y).sum())
+    assert bound < 1e-3 * np.abs(hessian).max()
+    assert_within(d @ hessian @ d, second, bound)
+
+
+@pytest.mark.parametrize(("scheme", "coordinates"), KINDS)
+def test_batches_are_single_states(tree, random, scheme, coordinates):
+    n, dynamics = tree.n, costate.Dynamics(tree, coordinates)
+    step = costate.Step(dynamics, scheme, DT)
+    q = tree.integrate(tree.neutral(), random.normal(size=(3, 1, 7, n)))
+    v, tau, y = random.normal(size=(5, 1, n)), random.normal(size=n), random.normal(size=2 * n)
+    v = v if coordinates == "qv" else dynamics.momentum(q[0, 0, 0], v)
+    following, jacobian, hessian = step.contract(q, v, tau, y)
+    assert (following.shape, jacobian.shape) == ((3, 5, 7, tree.nq + n), (3, 5, 7, 2 * n, 3 * n))
+    room = np.empty_like(following)
+    assert step.f(q, v, tau, out=room) is room
+    for k in ((0, 0, 0), (2, 4, 6), (1, 3, 2)):
+        alone = q[k[0], 0, k[2]], v[k[1], 0], tau
+        assert_close(room[k], step.f(*alone), 1e-10)
+        for found, expected in zip((following, jacobian, hessian), step.contract(*alone, y), strict=True):
+            assert_close(found[k], expected, 1e-9)
+    wrong = q.copy()
+    wrong[1, 0, 3, 7:11] *= 1.2
+    with pytest.raises(costate.NonUnitQuaternion, match="'hip' in q has the length 1.2") as raised:
+        step.f(wrong, v, tau)
+    assert raised.value.index[::2] == (1, 3)
+
+
+@pytest.mark.parametrize(("scheme", "order"), [("rk4", 4), ("midpoint", 2)])
+def test_steps_have_their_order_and_keep_what_they_should(drone, random, scheme, order):
+    """A body that tumbles and falls: half of the step has 2^-order of the error; the spatial momentum by it."""
+    dynamics = costate.Dynamics(drone)
+    q, v = drone.integrate(drone.neutral(), random.normal(size=6)), random.normal(size=6)
+
+    def end(scheme, steps):
+        step, x = costate.Step(dynamics, scheme, 0.5 / steps), np.concatenate([q, v])
+        for _ in range(steps):
+            x = step.f(x[:7].copy(), x[7:].copy(), np.zeros(6))
+        return x
+
+    exact = end("rk4", 640)
+    errors = []
+    for steps in (10, 20):
+        found = end(scheme, steps)
+        off = np.concatenate([drone.difference(exact[:7], found[:7]), found[7:] - exact[7:]])
+        errors.append(np.abs(off).max())
+    assert abs(np.log2(errors[0] / errors[1]) - order) < 0.4
+    before, after = (dynamics.centroidal_momentum(x[:7], x[7:])[0] for x in (np.concatenate([q, v]), exact))
+    # Angular momentum stays, the linear one falls.
+    assert_close(after - before, np.concatenate([np.zeros(3), 0.5 * drone.mass * drone.gravity]), 1e-8)
+    energies = [sum(dynamics.energy(x[:7], x[7:])) for x in (np.concatenate([q, v]), exact)]
+    assert energies[1] == pytest.approx(energies[0], rel=1e-8)
+
+
+def test_the_derivative_by_the_duration_is_the_rate(drone, random):
+    dynamics = costate.Dynamics(drone)
+    q, v, tau = drone.integrate(drone.neutral(), random.normal(size=6)), random.normal(size=6), random.normal(size=6)
+    # At dt = 0 it is f, whatever the scheme.
+    for scheme in ("rk4", "midpoint"):
+        step = costate.Step(dynamics, scheme, 0.0)
+        assert_close(step.dt_derivative(q, v, tau), dynamics.f(q, v, tau), 1e-12)
+        assert_close(step.f(q, v, tau), np.concatenate([q, v]), 1e-15)
+
+    def after(dt):
+        return costate.Step(dynamics, "rk4", dt).f(q, v, tau)
+
+    middle = after(0.1)
+
+    def along(s):
+        moved = after(0.1 + s)
+        return np.concatenate([drone.difference(middle[:7], moved[:7]), moved[7:] - middle[7:]])
+
+    expected, bound = slope(along, 1e-3, 16 * EPS * np.abs(middle).max())
+    assert bound < 1e-8
+    assert_within(costate.Step(dynamics, "rk4", 0.1).dt_derivative(q, v, tau), expected, bound)
+
+
+def test_steps_are_compared_pickled_and_refused_by_name(drone):
+    step = costate.Step(costate.Dynamics(drone), "rk4", DT)
+    assert pickle.loads(pickle.dumps(step)) == step
+    for scheme, coordinates in (("semi_implicit_euler", "qv"), ("verlet", "qp")):
+        with pytest.raises(costate.ArgumentError, match="quaternions have more; give 'rk4' or 'midpoint'") as raised:
+            costate.Step(costate.Dynamics(drone, coordinates), scheme, DT)
+        assert raised.value.argument == "scheme"
+    with pytest.raises(costate.ArgumentError, match=r"not \(..., 7\).*quaternion"):
+        step.f(np.zeros(6), np.zeros(6), np.zeros(6))
