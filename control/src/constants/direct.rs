@@ -43,9 +43,9 @@ pub const LEAST_GAIN: f64 = 0.03;
 pub const DAMPING: f64 = 1e-6;
 /// With this damping, that of the effort itself, a step still tells whether there is anything to gain.
 pub const SOLVED_DAMPING: f64 = 1.0;
-/// How stiff squares of equations are made, in parts of what they are, to tell a saddle from a minimum. In the
-/// matrix of the last one a direction of negative curvature is looked for: softer ones leave the equations
-/// along it, stiffer ones are rounded by more.
+/// How stiff squares of equations are made, in parts of what they are, to tell a saddle from a minimum. In
+/// the matrix of the last one a direction of negative curvature is looked for: softer ones leave the
+/// equations along it, stiffer ones are rounded by more.
 pub const STIFFNESSES: [f64; 5] = [1.0, 1e-2, 1e-4, 1e4, 1e2];
 /// With this damping, in parts of the effort, the matrix of a saddle is still not positive definite.
 pub const ROUNDED_INERTIA: f64 = 1e-6;
