@@ -43,8 +43,10 @@ pub const LEAST_GAIN: f64 = 0.03;
 pub const DAMPING: f64 = 1e-6;
 /// With this damping, that of the effort itself, a step still tells whether there is anything to gain.
 pub const SOLVED_DAMPING: f64 = 1.0;
-/// How stiff squares of equations are made, in parts of what they are, to tell a saddle from a minimum.
-pub const STIFFNESSES: [f64; 3] = [1.0, 1e2, 1e4];
+/// How stiff squares of equations are made, in parts of what they are, to tell a saddle from a minimum. In
+/// the matrix of the last one a direction of negative curvature is looked for: softer ones leave the
+/// equations along it, stiffer ones are rounded by more.
+pub const STIFFNESSES: [f64; 5] = [1.0, 1e-2, 1e-4, 1e4, 1e2];
 /// With this damping, in parts of the effort, the matrix of a saddle is still not positive definite.
 pub const ROUNDED_INERTIA: f64 = 1e-6;
 /// Factor from one damping to the next larger one.
@@ -82,6 +84,19 @@ pub const MOST_STIFFNESS: f64 = 1e13;
 pub const LEFT_OF_EQUATIONS: f64 = 0.1;
 /// .. that were violated by less than this before.
 pub const CLOSE_TO_EQUATIONS: f64 = 1e-5;
+/// Equations become softer by this factor where rounding of their squares seems to be the reason for a
+/// damping ..
+pub const SOFTER: f64 = 1e-2;
+/// .. of this or more, ..
+pub const SOFTENS_FROM: f64 = 1e-3;
+/// .. if no more than this part of it is needed then. ..
+pub const LESS_DAMPING: f64 = 1e-2;
+/// .. They stay at least so stiff. ..
+pub const LEAST_STIFFNESS: f64 = 1e4;
+/// .. That is not tried in the first damped steps on a mesh, ..
+pub const FIRST_WAIT: usize = 4;
+/// .. and after trials that did not help again after at most so many powers of two of damped steps.
+pub const MOST_WAITS: u32 = 6;
 /// Cost of torques that have none, for the first motion: at their limits it is this part of the cost of
 /// time.
 pub const SMOOTHING: f64 = 1.0;

@@ -39,7 +39,8 @@ pub enum Certificate {
     NotMinimal,
     /// Not shown: of extremals free ends, controls that reach a bound, a smoothed control, rounding that
     /// hides the answer; of motions of the direct method second derivatives whose smallest eigenvalue is
-    /// about zero; motions that are not converged or not verified.
+    /// about zero, or seems to be negative while nothing that costs less is found along its direction;
+    /// motions that are not converged or not verified.
     NotChecked,
 }
 

@@ -20,10 +20,10 @@ pub(crate) enum Inertia {
 impl<D: PointDynamics> Interior<D> {
     /// Those at a motion that is solved. Squares of the equations are in the matrix, as stiff as it takes:
     /// the Hessian is positive along what keeps the equations where the matrix is so for some stiffness
-    /// (G. Debreu, Definite and semidefinite quadratic forms, Econometrica 20, 1952). Squares of active
-    /// limits are in it too, as stiff as the barrier makes them, and their rounding may be larger than all
-    /// else. With softer ones the matrix is smaller along all changes, so it is enough that this one is
-    /// positive.
+    /// (G. Debreu, Definite and semidefinite quadratic forms, Econometrica 20, 1952). Rounding grows with the
+    /// stiffness and may be larger than all else, so softer squares are tried too. Squares of active limits
+    /// are in it as stiff as the barrier makes them, and rounded likewise. With softer ones the matrix is
+    /// smaller along all changes, so it is enough that this one is positive.
     ///
     /// # Errors
     /// A motion that cannot be evaluated.

@@ -5,6 +5,7 @@ use super::filter::Filter;
 use super::looseness::Looseness;
 use super::relaxation::Relaxation;
 use super::small_cost::SmallCost;
+use super::softer::Softer;
 use super::squares::Squares;
 use crate::constants::direct as constants;
 use crate::direct::limits::barrier::Barrier;
@@ -54,6 +55,7 @@ pub(crate) struct Interior<D> {
     pub(crate) filter: Filter,
     pub(crate) damping: f64,
     squares: Squares,
+    pub(super) softer: Softer,
     /// Steps that were cut short, one after the other.
     pub(super) short_steps: usize,
     /// The part of the longest possible step that was taken last.
@@ -124,6 +126,7 @@ impl<D: PointDynamics> Interior<D> {
             filter: Filter::default(),
             damping: 0.0,
             squares: Squares::default(),
+            softer: Softer::default(),
             short_steps: 0,
             multipliers: Multipliers::default(),
             taken: 1.0,
@@ -167,6 +170,7 @@ impl<D: PointDynamics> Interior<D> {
         self.filter.clear();
         let squares = self.has_squares_alone() && !self.relaxation.is_on();
         self.squares = Squares { left: if squares { constants::SQUARES } else { 0 }, damping: 0.0 };
+        self.softer = Softer::default();
         self.short_steps = 0;
         self.figures.is_minimum = false;
         let mut at_rounding = 0;
@@ -179,10 +183,11 @@ impl<D: PointDynamics> Interior<D> {
             self.assemble();
             self.clock.lap(Stage::Assembly);
             let again = (self.damping * constants::DAMPING_DOWN).max(constants::DAMPING);
-            let (mut damping, mut taken) = (0.0, None);
+            let (mut damping, mut failed, mut taken) = (0.0, None, None);
             while damping < constants::MOST_DAMPING && taken.is_none() {
                 self.damping = damping;
                 if self.factorise(damping) {
+                    damping = self.soften_equations(damping, failed);
                     self.solve();
                     self.choose_barrier(tolerance);
                     self.figures.decrement = self.decrement();
@@ -208,6 +213,8 @@ impl<D: PointDynamics> Interior<D> {
                     self.clock.lap(Stage::Assembly);
                     damping = self.squares.damping;
                     continue;
+                } else {
+                    failed = Some(damping);
                 }
                 damping = (damping * constants::DAMPING_UP).max(again);
             }

@@ -18,6 +18,8 @@ pub(super) mod rounding;
 pub(super) mod search;
 mod small_cost;
 pub(super) mod snapshot;
+mod soften_equations;
+mod softer;
 pub(super) mod squares;
 mod start;
 pub(super) mod step;

@@ -195,8 +195,9 @@ impl Direct<'_> {
         let iterations = std::mem::take(&mut recorder.iterations);
         let certificate = match status.is_converged().then(|| interior.inertia()).transpose()? {
             Some(Inertia::Positive) => Certificate::LocalMinimumOnMesh,
-            Some(Inertia::Negative) => Certificate::SaddleOnMesh,
-            Some(Inertia::Unknown) | None => Certificate::NotChecked,
+            // What costs less was found along that direction.
+            Some(Inertia::Negative) if interior.below_saddle().is_some() => Certificate::SaddleOnMesh,
+            Some(Inertia::Negative | Inertia::Unknown) | None => Certificate::NotChecked,
         };
         let penalty_cost = interior.running.penalty_cost(&interior.spline, &interior.points);
         let motion = Motion {
