@@ -11,7 +11,7 @@ pub(super) struct FactorTiles {
     pub eliminate: Tiles,
     /// The same for the rows of U'.
     pub invert: Tiles,
-    /// `U D^-1 U'`.
+    /// `R R'`, `R = U D^-1/2`.
     pub inverse: Tiles,
     /// Packs of the rows of a block that hold entries of L, and of U'.
     pub lower: Packs,

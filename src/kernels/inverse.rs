@@ -5,7 +5,8 @@ use crate::matrix::{Matrix, Panel, add_scaled, sized, sum_rows};
 use crate::scalar::{Pack, Scalar};
 
 impl<S: Scalar> Factor<S> {
-    /// U', for the check of the pivots and for products with it.
+    /// U', for the check of the pivots and for products with it; `D^-1/2 U'`, if it is computed block by
+    /// block.
     pub(crate) fn invert(&mut self) {
         if self.inverted {
             return;
@@ -66,14 +67,9 @@ impl<S: Scalar> Factor<S> {
         &self.product
     }
 
-    /// U', after the inverse, if it is computed block by block.
-    pub(crate) fn upper(&self) -> &Panel<S> {
+    /// `R' = D^-1/2 U'`, after [`invert`](Self::invert), if it is computed block by block: `M^-1 = R R'`.
+    pub(crate) fn root(&self) -> &Panel<S> {
         &self.upper
-    }
-
-    /// `D^-1 U'`, after [`place_inverse`](Self::place_inverse).
-    pub(crate) fn scaled_upper(&self) -> &Panel<S> {
-        &self.scaled
     }
 
     /// `M^-1 = U D^-1 U'` with `U = L^-1`, n x n, exactly symmetric.

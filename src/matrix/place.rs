@@ -42,6 +42,7 @@ impl<S: Scalar> Matrix<S> {
         }
     }
 
+    #[inline(always)]
     fn place_all<const ACROSS: bool>(
         &mut self,
         place: Place,
@@ -49,94 +50,123 @@ impl<S: Scalar> Matrix<S> {
         (a, b): (&Panel<S>, &Panel<S>),
         (product, update): (&mut Panel<S>, Update<'_, S>),
     ) {
-        product.tiles::<ACROSS>(tiles, a, b, update, |product, block, packs| match place.minus {
-            [false, false] => self.place_packs::<false, false>(place, product, block, packs),
-            [true, false] => self.place_packs::<true, false>(place, product, block, packs),
-            [false, true] => self.place_packs::<false, true>(place, product, block, packs),
-            [true, true] => self.place_packs::<true, true>(place, product, block, packs),
+        product.tiles::<ACROSS>(tiles, a, b, update, |product, block, packs| {
+            self.place_packs(&place, product, block, packs);
         });
     }
 
     /// Some packs of a block of rows.
     #[inline(never)]
-    fn place_packs<const MINUS: bool, const ACROSS_MINUS: bool>(
+    fn place_packs(&mut self, place: &Place, product: &mut Panel<S>, block: usize, packs: Range<usize>) {
+        let (lanes, n) = (Panel::<S>::LANES, product.rows());
+        let symmetric = place.at == place.across;
+        let mut end = packs.end.min(if symmetric { block + 1 } else { n.div_ceil(lanes) });
+        if symmetric && end > block {
+            product.mirror_block(block);
+        }
+        let top = block * lanes;
+        let rows = top..n.min(top + lanes);
+        match (end * lanes).saturating_sub(n) {
+            0 => self.place_rows::<0>(place, product, rows.clone(), packs.start..end),
+            1 => self.place_rows::<3>(place, product, rows.clone(), packs.start..end - 1),
+            2 => self.place_rows::<2>(place, product, rows.clone(), packs.start..end - 1),
+            _ => self.place_rows::<1>(place, product, rows.clone(), packs.start..end - 1),
+        }
+        if symmetric {
+            // The diagonal is its own transpose.
+            end = end.min(block);
+        }
+        match rows.len() {
+            1 => self.place_columns::<1>(place, product, block, packs.start..end),
+            2 => self.place_columns::<2>(place, product, block, packs.start..end),
+            3 => self.place_columns::<3>(place, product, block, packs.start..end),
+            _ => self.place_columns::<MOST_LANES>(place, product, block, packs.start..end),
+        }
+    }
+
+    /// Whole packs of these rows, and R entries after them.
+    #[inline(always)]
+    fn place_rows<const R: usize>(
         &mut self,
-        place: Place,
+        place: &Place,
+        product: &Panel<S>,
+        rows: Range<usize>,
+        packs: Range<usize>,
+    ) {
+        let (lanes, stride, sign) = (Panel::<S>::LANES, self.columns, place.sign::<S>(0));
+        let length = packs.len() * lanes;
+        for i in rows {
+            let first = (place.at.0 + i) * stride + place.at.1 + packs.start * lanes;
+            let (whole, rest) = self.data[first..][..length + R].split_at_mut(length);
+            let row = &product.row(i)[packs.start..];
+            for (to, &pack) in whole.chunks_exact_mut(lanes).zip(row) {
+                (pack * sign).write(to);
+            }
+            if R > 0 {
+                write_first::<S, R>(row[packs.len()] * sign, rest);
+            }
+        }
+    }
+
+    /// The transpose of some packs of a block of C rows.
+    #[inline(always)]
+    fn place_columns<const C: usize>(
+        &mut self,
+        place: &Place,
         product: &Panel<S>,
         block: usize,
         packs: Range<usize>,
     ) {
-        let (lanes, n) = (Panel::<S>::LANES, product.rows());
-        let symmetric = place.at == place.across;
-        let (top, stride) = (block * lanes, self.columns);
-        let end = packs.end.min(if symmetric { block + 1 } else { n.div_ceil(lanes) });
-        // Those that are not cut off, and not on the diagonal of a symmetric matrix.
-        let whole = if top + lanes > n { 0 } else { end.min(if symmetric { block } else { n / lanes }) };
-        let mut to = (place.at.0 + top) * stride + place.at.1 + packs.start * lanes;
-        let mut across = (place.across.0 + packs.start * lanes) * stride + place.across.1 + top;
-        for pack in packs.start..whole {
-            let mut tile = product.block::<0>(block, pack);
-            write_block::<S, MINUS>(&mut self.data[to..], stride, &tile);
+        let (lanes, n, stride) = (Panel::<S>::LANES, product.rows(), self.columns);
+        let (sign, column) = (place.sign::<S>(1), place.across.1 + block * lanes);
+        let rows = product.rows_of(block);
+        let transposed = |pack: usize| {
+            let mut tile = [S::Pack::zero(); MOST_LANES];
+            tile.iter_mut().zip(&rows).take(lanes).for_each(|(tile, row)| *tile = row[pack] * sign);
             S::Pack::transpose(&mut tile[..lanes]);
-            write_block::<S, ACROSS_MINUS>(&mut self.data[across..], stride, &tile);
-            to += lanes;
-            across += lanes * stride;
-        }
-        for pack in whole.max(packs.start)..end {
-            self.place_at_edge(place, product, block, pack);
-        }
-    }
-
-    /// A pack of a block of rows that may be cut off, or on the diagonal.
-    #[inline(never)]
-    fn place_at_edge(&mut self, place: Place, product: &Panel<S>, block: usize, pack: usize) {
-        let (lanes, n) = (Panel::<S>::LANES, product.rows());
-        let (top, left) = (block * lanes, pack * lanes);
-        let (rows, columns) = (lanes.min(n - top), lanes.min(n - left));
-        let mut tile = product.block::<0>(block, pack);
-        let mut across = tile;
-        S::Pack::transpose(&mut across[..lanes]);
-        if place.at == place.across && pack == block {
-            // The lower triangle decides.
-            for r in 0..lanes {
-                tile[r] = tile[r].before(r + 1, across[r]);
+            tile
+        };
+        let whole = packs.end.min(n / lanes);
+        let mut to = &mut self.data[(place.across.0 + packs.start * lanes) * stride..];
+        for pack in packs.start..whole {
+            let tile = transposed(pack);
+            let (some, after) = to.split_at_mut(lanes * stride);
+            to = after;
+            let (first, some) = some.split_at_mut(stride);
+            write_first::<S, C>(tile[0], &mut first[column..]);
+            if lanes > 1 {
+                let (second, some) = some.split_at_mut(stride);
+                let (third, fourth) = some.split_at_mut(stride);
+                write_first::<S, C>(tile[1], &mut second[column..]);
+                write_first::<S, C>(tile[2], &mut third[column..]);
+                write_first::<S, C>(tile[3], &mut fourth[column..]);
             }
-        } else {
-            let (row, column) = place.across;
-            self.write_part((row + left, column + top), &across, (columns, rows), place.minus[1]);
         }
-        let (row, column) = place.at;
-        self.write_part((row + top, column + left), &tile, (rows, columns), place.minus[0]);
-    }
-
-    /// The first rows and columns of a block of packs, from this row and column on.
-    #[inline(always)]
-    fn write_part(
-        &mut self,
-        (row, column): (usize, usize),
-        packs: &[S::Pack; MOST_LANES],
-        (rows, columns): (usize, usize),
-        minus: bool,
-    ) {
-        let lanes = Panel::<S>::LANES;
-        for (r, &pack) in packs.iter().enumerate().take(lanes) {
-            if r < rows {
-                let pack = if minus { -pack } else { pack };
-                let to = &mut self.data[(row + r) * self.columns + column..];
-                // A whole pack is one store.
-                if columns == lanes { pack.write(&mut to[..lanes]) } else { pack.write(&mut to[..columns]) }
+        if whole < packs.end {
+            let tile = transposed(whole);
+            for (row, &pack) in to.chunks_mut(stride).zip(&tile[..n - whole * lanes]) {
+                write_first::<S, C>(pack, &mut row[column..]);
             }
         }
     }
 }
 
-/// Writes a square block of packs to the beginning of rows that are `stride` apart.
+impl Place {
+    /// What the product, or the transpose, is multiplied by.
+    #[inline(always)]
+    fn sign<S: Scalar>(&self, transpose: usize) -> S::Pack {
+        S::Pack::from_f64(if self.minus[transpose] { -1.0 } else { 1.0 })
+    }
+}
+
+/// Writes the first C lanes of a pack to the beginning of a row.
 #[inline(always)]
-fn write_block<S: Scalar, const MINUS: bool>(to: &mut [S], stride: usize, packs: &[S::Pack; MOST_LANES]) {
-    let lanes = Panel::<S>::LANES;
-    for (r, &pack) in packs.iter().enumerate().take(lanes) {
-        let pack = if MINUS { -pack } else { pack };
-        pack.write(&mut to[r * stride..][..lanes]);
+fn write_first<S: Scalar, const C: usize>(pack: S::Pack, to: &mut [S]) {
+    if C >= Panel::<S>::LANES {
+        return pack.write(&mut to[..Panel::<S>::LANES]);
+    }
+    for (lane, to) in to[..C].iter_mut().enumerate() {
+        *to = pack.lane(lane);
     }
 }
 

@@ -119,7 +119,7 @@ impl<S: Scalar> Panel<S> {
         a: &Self,
         b: &Self,
         update: Update<'_, S>,
-        mut then: impl FnMut(&Self, usize, Range<usize>),
+        mut then: impl FnMut(&mut Self, usize, Range<usize>),
     ) {
         let width = <S::Pack as Pack<S>>::WIDTH;
         for (corner, registers, runs) in tiles.all() {
