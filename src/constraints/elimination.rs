@@ -36,9 +36,10 @@ pub(super) struct Elimination<S: Scalar> {
     y: Panel<S>,
     /// `R Y`.
     w: Panel<S>,
-    /// `-v_q`, and v_p. What is inside of the tiles of the tree has a panel of its own, which stays zero
+    /// `-v_q` and v_p. What is inside of the tiles of the tree has a panel of its own, which stays zero
     /// outside.
     velocity: Panel<S>,
+    momentum: Panel<S>,
 }
 
 /// The products of [`Elimination`].
@@ -101,6 +102,7 @@ impl<S: Scalar> Elimination<S> {
             y: square(),
             w: square(),
             velocity: square(),
+            momentum: square(),
         }
     }
 
@@ -127,7 +129,7 @@ impl<S: Scalar> Elimination<S> {
         slope: &Matrix<S>,
         [f_x, mu_x]: [&mut Matrix<S>; 2],
     ) {
-        let Self { products, reach, response, g, b, p, y, w, velocity, .. } = self;
+        let Self { products, reach, response, g, b, p, y, w, velocity, momentum, .. } = self;
         let (n, k) = (y.rows(), mu_x.rows());
         take_p(p);
         y.set_tiles(&products.upper, Left::Rows(factor.root()), p);
@@ -140,17 +142,17 @@ impl<S: Scalar> Elimination<S> {
         }
         [&mut *g, &mut *b].into_iter().for_each(|rows| kkt.first_half(rows));
 
-        let by_momentum = Place::symmetric((0, n), false);
         let update = Update::SubtractFrom(factor.inverse_by_blocks());
-        f_x.place_tiles(by_momentum, &products.rank_lower, (Left::Columns(g), g), (velocity, update));
+        momentum.update_tiles(&products.rank_lower, Left::Columns(g), g, update);
         w.set_tiles(&products.lower, Left::Columns(factor.root()), y);
-        let by_position = Place { at: (0, 0), across: (n, n), minus: [true, false] };
-        let update = Update::SubtractFrom(w);
-        f_x.place_tiles(by_position, &products.rank, (Left::Columns(g), b), (velocity, update));
+        velocity.update_tiles(&products.rank, Left::Columns(g), b, Update::SubtractFrom(w));
         take_l_qq(p);
         p.subtract_tiles(&products.square, Left::Columns(y), y);
-        let force = Place::symmetric((n, 0), false);
-        f_x.place_tiles(force, &products.rank_lower, (Left::Columns(b), b), (p, Update::Add));
+        p.update_tiles(&products.rank_lower, Left::Columns(b), b, Update::Add);
+        f_x.place_panel(Place::symmetric((0, n), false), &products.rank_lower, momentum);
+        let by_position = Place { at: (0, 0), across: (n, n), minus: [true, false] };
+        f_x.place_panel(by_position, &products.rank, velocity);
+        f_x.place_panel(Place::symmetric((n, 0), false), &products.rank_lower, p);
 
         [&mut *g, &mut *b].into_iter().for_each(|rows| kkt.second_half(rows));
         for i in 0..k {

@@ -224,10 +224,8 @@ impl<S: Scalar, K: LagrangianHessian<S>> Conservative<S, K> {
         let Some(tiles) = self.tiles.take() else { return };
         let Self { kernel, factor, p, w, y, world, in_world, .. } = self;
         let n = y.rows();
-        factor.place_inverse(f_x, (0, n));
-        let velocity = Place { at: (0, 0), across: (n, n), minus: [true, false] };
-        let factors = (Left::Columns(factor.root()), &*y);
-        f_x.place_tiles(velocity, &tiles.lower, factors, (w, Update::Set));
+        factor.inverse_by_blocks();
+        w.set_tiles(&tiles.lower, Left::Columns(factor.root()), y);
         let update = match world {
             Some(world) if *in_world => Update::SubtractFrom(world.l_qq()),
             _ => {
@@ -235,8 +233,10 @@ impl<S: Scalar, K: LagrangianHessian<S>> Conservative<S, K> {
                 Update::Subtract
             }
         };
-        let force = Place::symmetric((n, 0), false);
-        f_x.place_tiles(force, &tiles.square, (Left::Columns(y), y), (p, update));
+        p.update_tiles(&tiles.square, Left::Columns(y), y, update);
+        factor.place_formed_inverse(f_x, (0, n));
+        f_x.place_panel(Place { at: (0, 0), across: (n, n), minus: [true, false] }, &tiles.lower, w);
+        f_x.place_panel(Place::symmetric((n, 0), false), &tiles.square, p);
         self.tiles = Some(tiles);
     }
 

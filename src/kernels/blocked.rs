@@ -2,7 +2,7 @@
 
 use super::Factor;
 use super::factor_tiles::FactorTiles;
-use crate::matrix::{Left, Matrix, Panel, Place, Update};
+use crate::matrix::{Left, Matrix, Panel};
 use crate::scalar::{MOST_LANES, Pack, Scalar};
 use std::ops::Range;
 
@@ -140,31 +140,13 @@ impl<S: Scalar> Factor<S> {
         self.inverted = true;
     }
 
-    /// `M^-1 = R R'`, to a matrix from this row and column on.
-    #[inline(never)]
-    pub(super) fn place_inverse_by_blocks(
-        &mut self,
-        tiles: &FactorTiles,
-        to: &mut Matrix<S>,
-        at: (usize, usize),
-    ) {
-        self.ensure_inverted(tiles);
-        let factors = (Left::Columns(&self.upper), &self.upper);
-        let product = (&mut self.product, Update::Set);
-        to.place_tiles(Place::symmetric(at, false), &tiles.inverse, factors, product);
-    }
-
     /// `M^-1 = R R'` on and below the diagonal.
     #[inline(never)]
     pub(super) fn form_inverse_by_blocks(&mut self, tiles: &FactorTiles) {
-        self.ensure_inverted(tiles);
-        self.product.set_tiles(&tiles.inverse, Left::Columns(&self.upper), &self.upper);
-    }
-
-    fn ensure_inverted(&mut self, tiles: &FactorTiles) {
         if !self.inverted {
             self.invert_blocks(tiles);
         }
+        self.product.set_tiles(&tiles.inverse, Left::Columns(&self.upper), &self.upper);
     }
 
     /// `x <- M^-1 x`, length n.
@@ -234,23 +216,16 @@ impl<S: Scalar> Factor<S> {
             let sum = sums[..lanes].iter().fold(S::Pack::zero(), |sum, &part| sum + part);
             sum.write(&mut x[rows]);
         }
-        for block in (0..self.blocks()).rev() {
-            let (rows, along) = (self.rows(block), u.rows_of(block));
-            let mut from = [S::zero(); MOST_LANES];
-            for (x, from) in x[rows].iter_mut().zip(&mut from) {
-                *from = std::mem::replace(x, S::zero());
-            }
-            for &pack in tiles.upper.of(block) {
-                let mut sum = S::Pack::read(lanes_of(x, pack * lanes, lanes));
-                for (r, &from) in from.iter().enumerate().take(lanes) {
-                    sum = S::Pack::splat(from).mul_add(along[r][pack], sum);
-                }
-                // Not whole is the last one alone.
-                match x.get_mut(pack * lanes..(pack + 1) * lanes) {
-                    Some(target) => sum.write(target),
-                    None => sum.write(&mut x[pack * lanes..]),
+        // From the last pack on: others need the entries before it alone.
+        for pack in (0..self.blocks()).rev() {
+            let mut sums = [S::Pack::zero(); 2];
+            for &block in tiles.upper_across.of(pack) {
+                let (from, along) = (S::Pack::read(lanes_of(x, block * lanes, lanes)), u.rows_of(block));
+                for r in 0..lanes {
+                    sums[r % 2] = S::Pack::splat(from.lane(r)).mul_add(along[r][pack], sums[r % 2]);
                 }
             }
+            (sums[0] + sums[1]).write(&mut x[self.rows(pack)]);
         }
     }
 }

@@ -1,7 +1,7 @@
 //! The inverses of the mass matrix and of its triangular factor.
 
 use super::Factor;
-use crate::matrix::{Matrix, Panel, add_scaled, sized, sum_rows};
+use crate::matrix::{Matrix, Panel, Place, add_scaled, sized, sum_rows};
 use crate::scalar::{Pack, Scalar};
 
 impl<S: Scalar> Factor<S> {
@@ -49,18 +49,20 @@ impl<S: Scalar> Factor<S> {
 
     /// Writes M^-1 to a matrix from this row and column on, where it is computed block by block.
     pub(crate) fn place_inverse(&mut self, to: &mut Matrix<S>, at: (usize, usize)) {
-        if Panel::<S>::ONE_LANE {
-            return;
-        }
-        if let Some(tiles) = self.tiles.take() {
-            self.place_inverse_by_blocks(&tiles, to, at);
-            self.tiles = Some(tiles);
+        self.inverse_by_blocks();
+        self.place_formed_inverse(to, at);
+    }
+
+    /// The same, after [`inverse_by_blocks`](Self::inverse_by_blocks).
+    pub(crate) fn place_formed_inverse(&mut self, to: &mut Matrix<S>, at: (usize, usize)) {
+        if let Some(tiles) = self.tiles.as_ref().filter(|_| !Panel::<S>::ONE_LANE) {
+            to.place_panel(Place::symmetric(at, false), &tiles.inverse, &mut self.product);
         }
     }
 
     /// M^-1 on and below the diagonal as a panel, if it is computed block by block.
     pub(crate) fn inverse_by_blocks(&mut self) -> &Panel<S> {
-        if let Some(tiles) = self.tiles.take() {
+        if let Some(tiles) = self.tiles.take().filter(|_| !Panel::<S>::ONE_LANE) {
             self.form_inverse_by_blocks(&tiles);
             self.tiles = Some(tiles);
         }

@@ -2,7 +2,7 @@
 
 use super::tile::Update;
 use super::{Left, Matrix, Panel, Tiles};
-use crate::scalar::{MOST_LANES, Pack, Scalar};
+use crate::scalar::{Pack, Scalar};
 use std::ops::Range;
 
 /// Where an n x n product goes in a matrix.
@@ -24,11 +24,7 @@ impl Place {
 }
 
 impl<S: Scalar> Matrix<S> {
-    /// Sets a panel T to `A B`, or adds to it or subtracts from it, and writes each tile to its place as soon
-    /// as it is there. Entries outside of the tiles are not touched.
-    ///
-    /// The matrix is larger than the nearest cache: its lines arrive while the next tile is computed.
-    #[inline(never)]
+    /// Sets a panel T to `A B`, or adds to it or subtracts from it, and writes its tiles to their places.
     pub(crate) fn place_tiles(
         &mut self,
         place: Place,
@@ -36,116 +32,121 @@ impl<S: Scalar> Matrix<S> {
         (a, b): (Left<'_, S>, &Panel<S>),
         (product, update): (&mut Panel<S>, Update<'_, S>),
     ) {
-        match a {
-            Left::Rows(a) => self.place_all::<false>(place, tiles, (a, b), (product, update)),
-            Left::Columns(a) => self.place_all::<true>(place, tiles, (a, b), (product, update)),
+        product.update_tiles(tiles, a, b, update);
+        self.place_panel(place, tiles, product);
+    }
+
+    /// Writes the tiles of a panel to their places. Entries outside of them are not touched. Of a symmetric
+    /// matrix, the lower triangle of the panel decides, and its diagonal blocks become symmetric.
+    ///
+    /// The matrix is larger than the nearest cache, and the factors of products fill most of that: several
+    /// products are computed before the first is written, and some rows are written after the other, as many
+    /// as a pack has lanes, so that few lines arrive twice.
+    #[inline(never)]
+    pub(crate) fn place_panel(&mut self, place: Place, tiles: &Tiles, product: &mut Panel<S>) {
+        match product.rows() % Panel::<S>::LANES {
+            0 => self.place_and::<0>(&place, tiles, product),
+            1 => self.place_and::<1>(&place, tiles, product),
+            2 => self.place_and::<2>(&place, tiles, product),
+            _ => self.place_and::<3>(&place, tiles, product),
         }
     }
 
-    #[inline(always)]
-    fn place_all<const ACROSS: bool>(
-        &mut self,
-        place: Place,
-        tiles: &Tiles,
-        (a, b): (&Panel<S>, &Panel<S>),
-        (product, update): (&mut Panel<S>, Update<'_, S>),
-    ) {
-        product.tiles::<ACROSS>(tiles, a, b, update, |product, block, packs| {
-            self.place_packs(&place, product, block, packs);
-        });
+    /// The same, the last rows and columns being R, if not as many as a pack has lanes.
+    fn place_and<const R: usize>(&mut self, place: &Place, tiles: &Tiles, product: &mut Panel<S>) {
+        let symmetric = place.at == place.across;
+        for block in 0..tiles.blocks() {
+            if symmetric {
+                product.mirror_block(block);
+            }
+            self.place_rows::<R>(place, product, block, tiles.packs_of(block));
+            if symmetric {
+                self.place_columns::<R>(place, product, block, tiles.blocks_of(block));
+            }
+        }
+        if !symmetric {
+            for pack in 0..tiles.blocks() {
+                self.place_columns::<R>(place, product, pack, tiles.blocks_of(pack));
+            }
+        }
     }
 
     /// Some packs of a block of rows.
-    #[inline(never)]
-    fn place_packs(&mut self, place: &Place, product: &mut Panel<S>, block: usize, packs: Range<usize>) {
-        let (lanes, n) = (Panel::<S>::LANES, product.rows());
-        let symmetric = place.at == place.across;
-        let mut end = packs.end.min(if symmetric { block + 1 } else { n.div_ceil(lanes) });
-        if symmetric && end > block {
-            product.mirror_block(block);
-        }
-        let top = block * lanes;
-        let rows = top..n.min(top + lanes);
-        match (end * lanes).saturating_sub(n) {
-            0 => self.place_rows::<0>(place, product, rows.clone(), packs.start..end),
-            1 => self.place_rows::<3>(place, product, rows.clone(), packs.start..end - 1),
-            2 => self.place_rows::<2>(place, product, rows.clone(), packs.start..end - 1),
-            _ => self.place_rows::<1>(place, product, rows.clone(), packs.start..end - 1),
-        }
-        if symmetric {
-            // The diagonal is its own transpose.
-            end = end.min(block);
-        }
-        match rows.len() {
-            1 => self.place_columns::<1>(place, product, block, packs.start..end),
-            2 => self.place_columns::<2>(place, product, block, packs.start..end),
-            3 => self.place_columns::<3>(place, product, block, packs.start..end),
-            _ => self.place_columns::<MOST_LANES>(place, product, block, packs.start..end),
-        }
-    }
-
-    /// Whole packs of these rows, and R entries after them.
     #[inline(always)]
     fn place_rows<const R: usize>(
         &mut self,
         place: &Place,
         product: &Panel<S>,
-        rows: Range<usize>,
-        packs: Range<usize>,
+        block: usize,
+        runs: &[Range<usize>],
     ) {
-        let (lanes, stride, sign) = (Panel::<S>::LANES, self.columns, place.sign::<S>(0));
-        let length = packs.len() * lanes;
-        for i in rows {
-            let first = (place.at.0 + i) * stride + place.at.1 + packs.start * lanes;
-            let (whole, rest) = self.data[first..][..length + R].split_at_mut(length);
-            let row = &product.row(i)[packs.start..];
-            for (to, &pack) in whole.chunks_exact_mut(lanes).zip(row) {
-                (pack * sign).write(to);
-            }
-            if R > 0 {
-                write_first::<S, R>(row[packs.len()] * sign, rest);
+        let (lanes, n, stride) = (Panel::<S>::LANES, product.rows(), self.columns);
+        let ((top, left), sign) = (place.at, place.sign::<S>(0));
+        for i in block * lanes..n.min((block + 1) * lanes) {
+            let (from, to) = (product.row(i), &mut self.data[(top + i) * stride + left..][..n]);
+            for run in runs {
+                let whole = run.end.min(n / lanes);
+                let packs = from[run.start..whole].iter();
+                for (to, &pack) in to[run.start * lanes..whole * lanes].chunks_exact_mut(lanes).zip(packs) {
+                    (pack * sign).write(to);
+                }
+                if R > 0 && whole < run.end {
+                    write_first::<S, R>(from[whole] * sign, &mut to[whole * lanes..]);
+                }
             }
         }
     }
 
-    /// The transpose of some packs of a block of C rows.
+    /// The transpose of a pack of some blocks of rows.
     #[inline(always)]
-    fn place_columns<const C: usize>(
+    fn place_columns<const R: usize>(
         &mut self,
         place: &Place,
         product: &Panel<S>,
-        block: usize,
-        packs: Range<usize>,
+        pack: usize,
+        runs: &[Range<usize>],
     ) {
         let (lanes, n, stride) = (Panel::<S>::LANES, product.rows(), self.columns);
-        let (sign, column) = (place.sign::<S>(1), place.across.1 + block * lanes);
-        let rows = product.rows_of(block);
-        let transposed = |pack: usize| {
-            let mut tile = [S::Pack::zero(); MOST_LANES];
-            tile.iter_mut().zip(&rows).take(lanes).for_each(|(tile, row)| *tile = row[pack] * sign);
+        let ((top, left), sign) = (place.across, place.sign::<S>(1));
+        let transposed = |block: usize| {
+            let mut tile = product.block::<0>(block, pack);
             S::Pack::transpose(&mut tile[..lanes]);
-            tile
+            tile.map(|row| row * sign)
         };
-        let whole = packs.end.min(n / lanes);
-        let mut to = &mut self.data[(place.across.0 + packs.start * lanes) * stride..];
-        for pack in packs.start..whole {
-            let tile = transposed(pack);
-            let (some, after) = to.split_at_mut(lanes * stride);
-            to = after;
-            let (first, some) = some.split_at_mut(stride);
-            write_first::<S, C>(tile[0], &mut first[column..]);
-            if lanes > 1 {
-                let (second, some) = some.split_at_mut(stride);
-                let (third, fourth) = some.split_at_mut(stride);
-                write_first::<S, C>(tile[1], &mut second[column..]);
-                write_first::<S, C>(tile[2], &mut third[column..]);
-                write_first::<S, C>(tile[3], &mut fourth[column..]);
+        let rows = &mut self.data[(top + pack * lanes) * stride..];
+        if R > 0 && pack == n / lanes {
+            for block in runs.iter().cloned().flatten() {
+                for (row, pack) in rows.chunks_mut(stride).zip(&transposed(block)[..R]) {
+                    let columns = left + block * lanes..left + n.min((block + 1) * lanes);
+                    pack.write(&mut row[columns]);
+                }
             }
+            return;
         }
-        if whole < packs.end {
-            let tile = transposed(whole);
-            for (row, &pack) in to.chunks_mut(stride).zip(&tile[..n - whole * lanes]) {
-                write_first::<S, C>(pack, &mut row[column..]);
+        let mut rows = rows.chunks_mut(stride);
+        let mut next = || rows.next().map_or(&mut [][..], |row| &mut row[left..left + n]);
+        let mut to = [next(), &mut [], &mut [], &mut []];
+        (1..lanes).for_each(|r| to[r] = next());
+        let [first, second, third, fourth] = to;
+        for run in runs {
+            let whole = run.end.min(n / lanes);
+            for block in run.start..whole {
+                let (tile, columns) = (transposed(block), block * lanes..(block + 1) * lanes);
+                tile[0].write(&mut first[columns.clone()]);
+                if lanes > 1 {
+                    tile[1].write(&mut second[columns.clone()]);
+                    tile[2].write(&mut third[columns.clone()]);
+                    tile[3].write(&mut fourth[columns]);
+                }
+            }
+            if R > 0 && whole < run.end {
+                let (tile, column) = (transposed(whole), whole * lanes);
+                write_first::<S, R>(tile[0], &mut first[column..]);
+                if lanes > 1 {
+                    write_first::<S, R>(tile[1], &mut second[column..]);
+                    write_first::<S, R>(tile[2], &mut third[column..]);
+                    write_first::<S, R>(tile[3], &mut fourth[column..]);
+                }
             }
         }
     }
@@ -159,13 +160,10 @@ impl Place {
     }
 }
 
-/// Writes the first C lanes of a pack to the beginning of a row.
+/// Writes the first R lanes of a pack to the beginning of a row.
 #[inline(always)]
-fn write_first<S: Scalar, const C: usize>(pack: S::Pack, to: &mut [S]) {
-    if C >= Panel::<S>::LANES {
-        return pack.write(&mut to[..Panel::<S>::LANES]);
-    }
-    for (lane, to) in to[..C].iter_mut().enumerate() {
+fn write_first<S: Scalar, const R: usize>(pack: S::Pack, to: &mut [S]) {
+    for (lane, to) in to[..R].iter_mut().enumerate() {
         *to = pack.lane(lane);
     }
 }
