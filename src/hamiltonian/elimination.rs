@@ -4,7 +4,8 @@ use crate::kernels::Factor;
 use crate::matrix::{Part, Pattern, Terms, Tiles};
 use crate::scalar::Scalar;
 
-/// Products with the triangular matrix `R = L^-1 D^-1/2`, `M^-1 = R R'`, that give the conservative part of F_x.
+/// Products with the triangular matrix `R = L^-1 D^-1/2`, `M^-1 = R R'`, that give the conservative part of
+/// F_x.
 #[derive(Clone, Debug)]
 pub(super) struct Elimination {
     /// `Y = R' P`.

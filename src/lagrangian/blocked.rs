@@ -4,8 +4,8 @@ use crate::kernels::Factor;
 use crate::matrix::{Left, Matrix, Panel, Part, Pattern, Terms, Tiles, write_packs};
 use crate::scalar::Scalar;
 
-/// Products with the triangular matrix `R = L^-1 D^-1/2` that give `a_z = [-M^-1 tau_q, -M^-1 tau_v, M^-1]`, for
-/// packs of several lanes.
+/// Products with the triangular matrix `R = L^-1 D^-1/2` that give
+/// `a_z = [-M^-1 tau_q, -M^-1 tau_v, M^-1]`, for packs of several lanes.
 ///
 /// With `M^-1 = R R'`, `Y = R' tau_q` and `a_q = -R Y`. Entries of tau_q belong to pairs of joints on one
 /// branch, those of R' to a joint and one beyond it. So an entry of Y is a sum over the joints that

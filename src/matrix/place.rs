@@ -55,7 +55,9 @@ impl<S: Scalar> Matrix<S> {
     /// The same, the last rows and columns being R, if not as many as a pack has lanes.
     fn place_and<const R: usize>(&mut self, place: &Place, tiles: &Tiles, product: &mut Panel<S>) {
         let symmetric = place.at == place.across;
-        for block in 0..tiles.blocks() {
+        // The tiles may be those of a larger matrix, empty beyond this one.
+        let blocks = product.rows().div_ceil(Panel::<S>::LANES);
+        for block in 0..blocks {
             if symmetric {
                 product.mirror_block(block);
             }
@@ -65,7 +67,7 @@ impl<S: Scalar> Matrix<S> {
             }
         }
         if !symmetric {
-            for pack in 0..tiles.blocks() {
+            for pack in 0..blocks {
                 self.place_columns::<R>(place, product, pack, tiles.blocks_of(pack));
             }
         }
