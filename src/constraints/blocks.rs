@@ -12,7 +12,7 @@ use crate::scalar::{Scalar, Tangent};
 /// What the constraints add to the blocks of the kernels, or its derivative along a direction.
 #[derive(Clone, Debug)]
 pub(super) struct Blocks<S> {
-    /// J, k x n.
+    /// J, k x n; of the derivatives alone, not of the blocks themselves.
     pub jacobian: Matrix<S>,
     /// `(J v)_q`, k x n.
     pub slope: Matrix<S>,
@@ -69,6 +69,7 @@ pub(super) struct Moving<S: Scalar> {
     rows: Constraints<Tangent<S>>,
     at: ChartPoint<S, Tangent<S>>,
     mu: Vec<Tangent<S>>,
+    v: Vec<S>,
     pub blocks: Blocks<S>,
 }
 
@@ -76,7 +77,24 @@ impl<S: Scalar> Moving<S> {
     pub fn new(tree: &Tree) -> Self {
         let rows = Constraints::from_tree(tree);
         let (n, k, zero) = (rows.dof(), rows.count(), Tangent::zero());
-        Self { rows, at: ChartPoint::new(tree), mu: filled(zero, k), blocks: Blocks::new(n, k) }
+        let (at, mu, v) = (ChartPoint::new(tree), filled(zero, k), filled(S::zero(), n));
+        Self { rows, at, mu, v, blocks: Blocks::new(n, k) }
+    }
+
+    /// The same with displacements of floating joints along the axes of the moved frames, where these rows
+    /// were placed last.
+    pub fn place_in_own_axes(&mut self, q: &[S], v: &[S], mu: &[S], rows: &Constraints<S>) {
+        self.v.copy_from_slice(v);
+        let mut outward = std::mem::take(&mut self.v);
+        rows.frames().iter().for_each(|frame| frame.outward(&mut outward));
+        self.place(q, &outward, mu);
+        self.v = outward;
+        let Blocks { slope, curvature, bend, .. } = &mut self.blocks;
+        for frame in rows.frames() {
+            let (at, _) = frame.place();
+            (0..slope.rows()).for_each(|i| frame.inward(slope.row_mut(i)));
+            [&mut *curvature, &mut *bend].into_iter().for_each(|matrix| frame.turn_symmetric(matrix, &[at]));
+        }
     }
 
     #[inline(never)]
@@ -90,15 +108,14 @@ impl<S: Scalar> Moving<S> {
         self.mu.iter_mut().zip(mu).for_each(|(to, &mu)| *to = Tangent::new(mu, S::zero()));
         self.rows.place_chart(&self.at.q, &self.at.chart);
         self.rows.contract(&self.mu);
-        let Blocks { jacobian, slope, curvature, bend } = &mut self.blocks;
-        take_rows(
-            0..self.rows.count(),
-            self.rows.chart_jacobian(),
-            |entry| [entry.re, entry.eps],
-            [jacobian, slope],
-        );
-        let some = self.rows.coordinates().iter().copied();
-        take_rows(some, self.rows.contracted(), |entry| [entry.re, entry.eps], [curvature, bend]);
+        let Blocks { slope, curvature, bend, .. } = &mut self.blocks;
+        let (of_rows, some) = (0..self.rows.count(), self.rows.coordinates());
+        for i in of_rows {
+            let (from, to) = (self.rows.chart_jacobian().row(i), slope.row_mut(i));
+            some.iter().for_each(|&j| to[j] = from[j].eps);
+        }
+        let both = [curvature, bend];
+        take_entries(some.iter().copied(), some, self.rows.contracted(), |entry| [entry.re, entry.eps], both);
     }
 }
 
@@ -130,29 +147,26 @@ impl<S: Scalar> Changing<S> {
         self.rows.place_chart(&self.at.q, &self.at.chart);
         self.rows.contract(&self.mu);
         let Blocks { jacobian, slope, curvature, bend } = &mut self.blocks;
-        take_rows(
-            0..self.rows.count(),
-            self.rows.chart_jacobian(),
-            |entry| [entry.eps.re, entry.eps.eps],
-            [jacobian, slope],
-        );
-        let some = self.rows.coordinates().iter().copied();
-        take_rows(some, self.rows.contracted(), |entry| [entry.eps.re, entry.eps.eps], [curvature, bend]);
+        let (of_rows, some) = (0..self.rows.count(), self.rows.coordinates());
+        let (of_j, of_hessian) = (self.rows.chart_jacobian(), self.rows.contracted());
+        let parts = |entry: Tangent<Tangent<S>>| [entry.eps.re, entry.eps.eps];
+        take_entries(of_rows, some, of_j, parts, [jacobian, slope]);
+        take_entries(some.iter().copied(), some, of_hessian, parts, [curvature, bend]);
     }
 }
 
-/// Copies two parts of every entry of some rows.
-fn take_rows<T: Scalar, S: Scalar>(
-    some: impl Iterator<Item = usize>,
+/// Copies two parts of the entries in some rows and columns.
+fn take_entries<T: Scalar, S: Scalar>(
+    rows: impl Iterator<Item = usize>,
+    columns: &[usize],
     from: &Matrix<T>,
     parts: impl Fn(T) -> [S; 2],
-    to: [&mut Matrix<S>; 2],
+    [first, second]: [&mut Matrix<S>; 2],
 ) {
-    let [first, second] = to;
-    for i in some {
-        let to = first.row_mut(i).iter_mut().zip(second.row_mut(i));
-        for (&entry, (first, second)) in from.row(i).iter().zip(to) {
-            [*first, *second] = parts(entry);
+    for i in rows {
+        let (from, first, second) = (from.row(i), first.row_mut(i), second.row_mut(i));
+        for &j in columns {
+            [first[j], second[j]] = parts(from[j]);
         }
     }
 }
@@ -224,7 +238,10 @@ mod tests {
                     assert!((found - expected.eps).abs() < 1e-11, "{}: {what}", robot.name());
                 }
             };
-            close(&changing.blocks.jacobian, &judge.blocks.jacobian, "J");
+            let jacobian = judge.rows.chart_jacobian().as_slice().iter();
+            for (found, expected) in changing.blocks.jacobian.as_slice().iter().zip(jacobian) {
+                assert!((found - expected.re.eps).abs() < 1e-11, "{}: J", robot.name());
+            }
             close(&changing.blocks.slope, &judge.blocks.slope, "(J v)_q");
             close(&changing.blocks.curvature, &judge.blocks.curvature, "(mu . J)_q");
             close(&changing.blocks.bend, &judge.blocks.bend, "(mu . J v)_qq");

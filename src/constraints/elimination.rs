@@ -5,14 +5,14 @@ use crate::kernels::Factor;
 use crate::matrix::{Left, Matrix, Panel, Part, Pattern, Place, Terms, Tiles, Update};
 use crate::scalar::Scalar;
 
-/// Products with `U = L^-1` of `M = L'DL`, and with the factors of C, for packs of several lanes.
+/// Products with R of `M^-1 = R R'`, and with the factors of C, for packs of several lanes.
 ///
 /// ```text
-/// X = U'J'    C = X'D^-1 X = L_c D_c L_c'    A = J M^-1 = (U D^-1 X)'    G = L_c^-1 A
-/// Y = U'P    Z = D^-1 Y    N = X'Z - (J v)_q    B = L_c^-1 N
+/// X = R'J'    C = X'X = L_c D_c L_c'    A = J M^-1 = (R X)'    G = D_c^-1/2 L_c^-1 A
+/// Y = R'P    N = X'Y - (J v)_q    B = D_c^-1/2 L_c^-1 N
 ///
-/// v_q = -(U Z - G' D_c^-1 B)              v_p = U D^-1 U' - G' D_c^-1 G
-/// F^p_q = L_qq - Y'Z + B' D_c^-1 B        mu_x = L_c'^-1 D_c^-1 (B, -G)
+/// v_q = -(R Y - G'B)              v_p = R R' - G'G
+/// F^p_q = L_qq - Y'Y + B'B        mu_x = L_c'^-1 D_c^-1/2 (B, -G)
 /// ```
 ///
 /// with `P - (mu . J)_q` and `L_qq - (mu . J v)_qq` in the places of P and L_qq.
@@ -21,26 +21,25 @@ pub(super) struct Elimination<S: Scalar> {
     products: Products,
     /// Coordinates with entries in each row of J.
     columns: Vec<Vec<usize>>,
-    /// J', X and D^-1 X, n x k.
+    /// J' and X, n x k.
     across: Panel<S>,
     reach: Panel<S>,
-    scaled: Panel<S>,
     /// C, k x k.
     schur: Panel<S>,
     /// A, k x n.
     response: Panel<S>,
-    /// G and `D_c^-1 G`, B and `D_c^-1 B`, k x n.
-    g: [Panel<S>; 2],
-    b: [Panel<S>; 2],
+    /// G and B, k x n.
+    g: Panel<S>,
+    b: Panel<S>,
     /// P, then L_qq, then F^p_q.
     p: Panel<S>,
     y: Panel<S>,
-    z: Panel<S>,
-    /// `U Z`.
+    /// `R Y`.
     w: Panel<S>,
-    /// `-v_q`, and v_p. What is inside of the tiles of the tree has a panel of its own, which stays zero
+    /// `-v_q` and v_p. What is inside of the tiles of the tree has a panel of its own, which stays zero
     /// outside.
     velocity: Panel<S>,
+    momentum: Panel<S>,
 }
 
 /// The products of [`Elimination`].
@@ -95,31 +94,29 @@ impl<S: Scalar> Elimination<S> {
             columns,
             across: other(),
             reach: other(),
-            scaled: other(),
             schur: other(),
             response: other(),
-            g: [other(), other()],
-            b: [other(), other()],
+            g: other(),
+            b: other(),
             p: square(),
             y: square(),
-            z: square(),
             w: square(),
             velocity: square(),
+            momentum: square(),
         }
     }
 
     /// A and C, where M is factored.
     #[inline(never)]
     pub fn respond(&mut self, factor: &mut Factor<S>, jacobian: &Matrix<S>, kkt: &mut Kkt<S>) {
-        let Self { products, columns, across, reach, scaled, schur, response, .. } = self;
+        let Self { products, columns, across, reach, schur, response, .. } = self;
         factor.invert();
         for (i, columns) in columns.iter().enumerate() {
             columns.iter().for_each(|&j| across.set(j, i, jacobian[(i, j)]));
         }
-        reach.set_tiles(&products.reach, Left::Rows(factor.upper()), across);
-        factor.divide(reach, scaled);
-        schur.set_tiles(&products.schur, Left::Columns(reach), scaled);
-        response.set_tiles(&products.response, Left::Columns(scaled), factor.upper());
+        reach.set_tiles(&products.reach, Left::Rows(factor.root()), across);
+        schur.set_tiles(&products.schur, Left::Columns(reach), reach);
+        response.set_tiles(&products.response, Left::Columns(reach), factor.root());
         kkt.take(schur, response);
     }
 
@@ -132,45 +129,36 @@ impl<S: Scalar> Elimination<S> {
         slope: &Matrix<S>,
         [f_x, mu_x]: [&mut Matrix<S>; 2],
     ) {
-        let Self {
-            products, reach, response, g: [g, g_scaled], b: [b, b_scaled], p, y, z, w, velocity, ..
-        } = self;
+        let Self { products, reach, response, g, b, p, y, w, velocity, momentum, .. } = self;
         let (n, k) = (y.rows(), mu_x.rows());
         take_p(p);
-        y.set_tiles(&products.upper, Left::Rows(factor.upper()), p);
-        factor.divide(y, z);
+        y.set_tiles(&products.upper, Left::Rows(factor.root()), p);
         // The rows of the last call have entries outside of these tiles.
         (0..k).for_each(|i| b.row_mut(i).fill(S::Pack::zero()));
-        b.set_tiles(&products.cross, Left::Columns(reach), z);
+        b.set_tiles(&products.cross, Left::Columns(reach), y);
         for i in 0..k {
             b.subtract_row(i, slope.row(i));
+            g.row_mut(i).copy_from_slice(response.row(i));
         }
-        g.copy_from::<0, 0>(response);
-        for (rows, scaled) in [(&mut *g, &mut *g_scaled), (&mut *b, &mut *b_scaled)] {
-            kkt.first_half(rows);
-            kkt.divide_by_pivots(rows, scaled);
-        }
+        [&mut *g, &mut *b].into_iter().for_each(|rows| kkt.first_half(rows));
 
-        let by_momentum = Place::symmetric((0, n), false);
-        let terms = (Left::Columns(&*g), &*g_scaled);
         let update = Update::SubtractFrom(factor.inverse_by_blocks());
-        f_x.place_tiles(by_momentum, &products.rank_lower, terms, (velocity, update));
-        w.set_tiles(&products.lower, Left::Columns(factor.upper()), z);
-        let by_position = Place { at: (0, 0), across: (n, n), minus: [true, false] };
-        let terms = (Left::Columns(&*g), &*b_scaled);
-        f_x.place_tiles(by_position, &products.rank, terms, (velocity, Update::SubtractFrom(w)));
+        momentum.update_tiles(&products.rank_lower, Left::Columns(g), g, update);
+        w.set_tiles(&products.lower, Left::Columns(factor.root()), y);
+        velocity.update_tiles(&products.rank, Left::Columns(g), b, Update::SubtractFrom(w));
         take_l_qq(p);
-        p.subtract_tiles(&products.square, Left::Columns(y), z);
-        let force = (Left::Columns(&*b), &*b_scaled);
-        f_x.place_tiles(Place::symmetric((n, 0), false), &products.rank_lower, force, (p, Update::Add));
+        p.subtract_tiles(&products.square, Left::Columns(y), y);
+        p.update_tiles(&products.rank_lower, Left::Columns(b), b, Update::Add);
+        f_x.place_panel(Place::symmetric((0, n), false), &products.rank_lower, momentum);
+        let by_position = Place { at: (0, 0), across: (n, n), minus: [true, false] };
+        f_x.place_panel(by_position, &products.rank, velocity);
+        f_x.place_panel(Place::symmetric((n, 0), false), &products.rank_lower, p);
 
-        for rows in [&mut *b_scaled, &mut *g_scaled] {
-            kkt.second_half(rows);
-        }
+        [&mut *g, &mut *b].into_iter().for_each(|rows| kkt.second_half(rows));
         for i in 0..k {
             let (in_q, in_p) = mu_x.row_mut(i).split_at_mut(n);
-            b_scaled.write_row::<0>(i, in_q, |pack| pack);
-            g_scaled.write_row::<0>(i, in_p, |pack| -pack);
+            b.write_row::<0>(i, in_q, |pack| pack);
+            g.write_row::<0>(i, in_p, |pack| -pack);
         }
     }
 }

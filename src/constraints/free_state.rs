@@ -84,7 +84,11 @@ impl<S: Scalar> ConstrainedHamiltonian<S> {
         [q, p, u]: [&[S]; 3],
     ) -> Result<ConstrainedLinearisation<'_, S>, EvalError> {
         self.with_free(|this, free| {
-            free.set_state([q, p, u]);
+            if this.has_own_axes() {
+                free.set_state_in_own_axes([p, u]);
+            } else {
+                free.set_state([q, p, u]);
+            }
             this.prepare_alone(q, &free.p)?;
             this.assemble_chart(free, [q, u]);
             this.turn_jacobian(free, q);

@@ -107,7 +107,7 @@ impl<S: Scalar> ConstrainedHamiltonian<S> {
             kernel: KernelOne::new(&tree),
             elimination: Panel::<S>::for_blocks(n, || Elimination::new(&factor, rows.pattern())),
             factor,
-            world: World::where_fast(&tree),
+            world: World::where_fast(&tree).map(World::with_own_axes),
             in_world: false,
             rows,
             moving: Moving::new(&tree),

@@ -135,7 +135,7 @@ impl<S: Scalar> Kkt<S> {
         }
     }
 
-    /// `R <- L^-1 R`, k rows, zero for redundant ones.
+    /// `R <- D^-1/2 L^-1 R`, k rows, zero for redundant ones.
     pub fn first_half(&self, rows: &mut Panel<S>) {
         let width = rows.width::<0>();
         for (i, &kept) in self.kept.iter().enumerate() {
@@ -144,18 +144,20 @@ impl<S: Scalar> Kkt<S> {
             add_rows(row, before, width, terms);
             row.iter_mut().for_each(|pack| *pack *= S::Pack::splat(kept));
         }
+        self.divide_by_roots(rows);
     }
 
-    /// `D^-1 R`, k rows.
-    pub fn divide_by_pivots(&self, rows: &Panel<S>, scaled: &mut Panel<S>) {
+    /// `R <- D^-1/2 R`, k rows.
+    fn divide_by_roots(&self, rows: &mut Panel<S>) {
         for (i, &inverse) in self.inverse_pivots.iter().enumerate() {
-            let entries = scaled.row_mut(i).iter_mut().zip(rows.row(i));
-            entries.for_each(|(to, &pack)| *to = pack * S::Pack::splat(inverse));
+            let root = S::Pack::splat(inverse.sqrt());
+            rows.row_mut(i).iter_mut().for_each(|pack| *pack *= root);
         }
     }
 
-    /// `R <- L'^-1 R`, k rows, zero for redundant ones.
+    /// `R <- L'^-1 D^-1/2 R`, k rows, zero for redundant ones.
     pub fn second_half(&self, rows: &mut Panel<S>) {
+        self.divide_by_roots(rows);
         let (k, width) = (self.kept.len(), rows.width::<0>());
         for (i, &kept) in self.kept.iter().enumerate().rev() {
             let (_, row, after) = rows.split_at_row::<0>(i);

@@ -22,14 +22,15 @@ impl<S: Scalar> ConstrainedHamiltonian<S> {
     fn factor_rows(&mut self, q: &[S]) {
         self.rows.place(q);
         let Self { kernel, factor, rows, kkt, elimination, world, in_world, .. } = self;
-        let mass_matrix = match world {
-            Some(world) if *in_world => world.mass_matrix(),
-            _ => kernel.mass_matrix(),
+        let (mass_matrix, in_own_axes) = match world {
+            Some(world) if *in_world => (world.mass_matrix(), true),
+            _ => (kernel.mass_matrix(), false),
         };
         kkt.set_sizes(rows.sizes(), mass_matrix);
+        let jacobian = if in_own_axes { rows.jacobian() } else { rows.chart_jacobian() };
         match elimination {
-            Some(blocks) if !Panel::<S>::ONE_LANE => blocks.respond(factor, rows.chart_jacobian(), kkt),
-            _ => kkt.factor(factor, rows.chart_jacobian()),
+            Some(blocks) if !Panel::<S>::ONE_LANE => blocks.respond(factor, jacobian, kkt),
+            _ => kkt.factor(factor, jacobian),
         }
     }
 
@@ -59,6 +60,12 @@ impl<S: Scalar> ConstrainedHamiltonian<S> {
         Ok(())
     }
 
+    /// Whether [`prepare_alone`](Self::prepare_alone) takes and gives displacements of floating joints along
+    /// the axes of the moved frames.
+    pub(super) fn has_own_axes(&self) -> bool {
+        !Panel::<S>::ONE_LANE && self.world.is_some()
+    }
+
     /// The same, where no kernel two and no product with P or L_qq is asked for.
     #[inline(never)]
     pub(super) fn prepare_alone(&mut self, q: &[S], p: &[S]) -> Result<(), EvalError> {
@@ -74,7 +81,7 @@ impl<S: Scalar> ConstrainedHamiltonian<S> {
             world.first_order(&self.tree, q, &self.v);
             world.second_order(&self.tree);
         }
-        self.moving.place(q, &self.v, &self.mu);
+        self.moving.place_in_own_axes(q, &self.v, &self.mu, &self.rows);
         Ok(())
     }
 

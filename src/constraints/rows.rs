@@ -195,6 +195,11 @@ impl<S: Scalar> Constraints<S> {
         self.seen.as_ref().map_or(&self.jacobian, |seen| &seen.jacobian)
     }
 
+    /// Where floating and spherical joints were at the last call of [`place`](Self::place).
+    pub(super) fn frames(&self) -> &[ChartFrame<S>] {
+        self.seen.as_ref().map_or(&[], |seen| &seen.frames)
+    }
+
     /// J by the coordinates of the chains of joints.
     pub(super) fn chart_jacobian(&self) -> &Matrix<S> {
         &self.jacobian

@@ -1,5 +1,5 @@
-//! The congruence of y'F_xx as products with the triangular matrix `U = L^-1`, limited to the entries that
-//! the tree leaves.
+//! The congruence of y'F_xx as products with the triangular matrix `R = L^-1 D^-1/2`, limited to the entries
+//! that the tree leaves.
 
 use super::elimination::Patterns;
 use crate::kernels::{Factor, KernelTwo};
@@ -9,34 +9,34 @@ use crate::scalar::Scalar;
 /// The products of [`Blocked::apply`].
 #[derive(Clone, Debug)]
 struct Products {
-    /// `B^ = U' B`.
+    /// `B^ = R' B`.
     upper: Tiles,
-    /// `H = G U` of two lower triangular matrices.
+    /// `H = G R` of two lower triangular matrices.
     half: Tiles,
-    /// `U' H`.
+    /// `R' H`.
     whole: Tiles,
-    /// `C^ Z`.
+    /// `C^ Y`.
     inner: Tiles,
-    /// `Z' T^`.
+    /// `Y' T^`.
     outer: Tiles,
-    /// `B^' Z`.
+    /// `B^' Y`.
     square: Tiles,
-    /// `U D^-1 T^`.
+    /// `R T^`.
     mixed: Tiles,
-    /// `H = G' U'` of two upper triangular matrices.
+    /// `H = G' R'` of two upper triangular matrices.
     back: Tiles,
-    /// `H' U'` and `U H`.
+    /// `H' R'` and `R H`.
     last: Tiles,
 }
 
-/// The congruence in coordinates in which M is diagonal, for packs of several lanes.
+/// The congruence in coordinates in which M is the unit matrix, for packs of several lanes.
 ///
 /// ```text
-/// C^ = U' C U      B^ = U' B      T^ = B^ - C^ Z
-/// qq = -A + Z' T^ + B^' Z      pq = -U D^-1 T^      pp = -U D^-1 C^ D^-1 U'
+/// C^ = R' C R      B^ = R' B      T^ = B^ - C^ Y      Y = R' P
+/// qq = -A + Y' T^ + B^' Y      pq = -R T^      pp = -R C^ R'
 /// ```
 ///
-/// A symmetric matrix is the sum of a lower triangular G and G'. So `U' C U` is `U' (G U)` plus its
+/// A symmetric matrix is the sum of a lower triangular G and G'. So `R' C R` is `R' (G R)` plus its
 /// transpose, which takes half of the products of a matrix that is not symmetric.
 #[derive(Clone, Debug)]
 pub(super) struct Blocked<S: Scalar> {
@@ -44,17 +44,17 @@ pub(super) struct Blocked<S: Scalar> {
     /// B, then T^.
     t: Panel<S>,
     b: Panel<S>,
-    /// U.
+    /// R.
     u: Panel<S>,
-    /// G, and H and `U' H` of C.
+    /// G, and H and `R' H` of C.
     g: Panel<S>,
     h: Panel<S>,
     r: Panel<S>,
     /// C^, then G of the result.
     c: Panel<S>,
-    /// `U D^-1 T^`.
+    /// `R T^`.
     mixed: Panel<S>,
-    /// H and `H' U'` of the result. Each matrix has its own buffer: what no tile sets stays zero.
+    /// H and `H' R'` of the result. Each matrix has its own buffer: what no tile sets stays zero.
     back: Panel<S>,
     last: Panel<S>,
 }
@@ -70,7 +70,7 @@ impl<S: Scalar> Blocked<S> {
         let c = r.or(&r.transposed());
         let t = c.times(&y).or(&y);
         let back = c.lower().transposed().times(&u_across);
-        // For `U H` and its transpose.
+        // For `R H` and its transpose.
         let both = u_across.or(&back);
         let n = factor.size();
         let square = || Panel::zeros(n, n);
@@ -100,9 +100,9 @@ impl<S: Scalar> Blocked<S> {
     }
 
     /// Fills both triangles of the 2n x 2n matrix.
-    pub fn apply(&mut self, along: &KernelTwo<S>, factor: &Factor<S>, z: &Panel<S>, result: &mut Matrix<S>) {
+    pub fn apply(&mut self, along: &KernelTwo<S>, factor: &Factor<S>, y: &Panel<S>, result: &mut Matrix<S>) {
         let Self { products, t, b, u, g, h, r, c, mixed, back, last } = self;
-        let (upper, n) = (factor.upper(), z.rows());
+        let (upper, n) = (factor.root(), y.rows());
         u.take_transpose::<0>(upper);
         t.read::<0>(along.l_vq());
         b.set_tiles(&products.upper, Left::Columns(u), t);
@@ -114,17 +114,15 @@ impl<S: Scalar> Blocked<S> {
         c.add_transpose(r);
 
         t.copy_from::<0, 0>(b);
-        t.subtract_tiles(&products.inner, Left::Columns(c), z);
+        t.subtract_tiles(&products.inner, Left::Columns(c), y);
         g.read::<0>(along.l_qq());
-        g.subtract_tiles(&products.square, Left::Columns(b), z);
+        g.subtract_tiles(&products.square, Left::Columns(b), y);
         let qq = Place::symmetric((0, 0), true);
-        result.place_tiles(qq, &products.outer, (Left::Columns(z), t), (g, Update::Subtract));
+        result.place_tiles(qq, &products.outer, (Left::Columns(y), t), (g, Update::Subtract));
 
-        factor.divide_by_pivots(t);
         let pq = Place { at: (n, 0), across: (0, n), minus: [true; 2] };
         result.place_tiles(pq, &products.mixed, (Left::Columns(upper), t), (mixed, Update::Set));
 
-        factor.divide_by_pivots_twice(c);
         c.keep_half();
         back.set_tiles(&products.back, Left::Columns(c), upper);
         last.set_tiles(&products.last, Left::Columns(back), upper);

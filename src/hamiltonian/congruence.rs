@@ -67,7 +67,7 @@ impl<S: Scalar> Congruence<S> {
             self.by_factors(along, &flow.factor, &flow.z);
             self.fill::<0, 0>(h);
         } else if let Some(blocked) = &mut self.blocked {
-            blocked.apply(along, &flow.factor, &flow.z, h);
+            blocked.apply(along, &flow.factor, &flow.y, h);
         } else {
             let given = (&flow.inverse, &flow.w);
             sized!(S, flow.w.columns(), self.by_products(along, given, h));

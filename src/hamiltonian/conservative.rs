@@ -22,8 +22,9 @@ pub(super) struct Conservative<S: Scalar, K> {
     /// `L_qq - P' M^-1 P = F^p,q`.
     pub reduced: Panel<S>,
     p: Panel<S>,
-    /// `Y = L'^-1 P` and `Z = D^-1 Y`, unless small matrices are multiplied by M^-1.
-    y: Panel<S>,
+    /// `Y = R' P`, `M^-1 = R R'`, of matrices that are computed block by block; `Z = D^-1 L'^-1 P` of those
+    /// of scalars.
+    pub y: Panel<S>,
     pub z: Panel<S>,
     tiles: Option<Box<Elimination>>,
     /// Kernel one in the axes of the world, and whether it was used last.
@@ -36,6 +37,7 @@ impl<S: Scalar, K: LagrangianHessian<S>> Conservative<S, K> {
     pub fn new(tree: &Tree) -> Self {
         let n = tree.dof();
         let (square, factor) = (Panel::zeros(n, n), Factor::new(tree));
+        let blocks = if Panel::<S>::in_blocks(n) { n } else { 0 };
         Self {
             kernel: K::new(tree),
             tiles: Panel::<S>::for_blocks(n, || Elimination::new(&factor)),
@@ -45,7 +47,7 @@ impl<S: Scalar, K: LagrangianHessian<S>> Conservative<S, K> {
             inverse: square.clone(),
             reduced: square.clone(),
             p: square.clone(),
-            y: square.clone(),
+            y: Panel::zeros(blocks, blocks),
             z: square,
             world: if K::WORLD_AXES { World::where_fast(tree).map(World::with_own_axes) } else { None },
             in_world: false,
@@ -150,7 +152,7 @@ impl<S: Scalar, K: LagrangianHessian<S>> Conservative<S, K> {
     /// M^-1, `W = M^-1 P` and `L_qq - P' W` (21), after [`first_order`](Self::first_order).
     ///
     /// Packs of several lanes multiply by M^-1, whose rows are independent, up to 12 joints, and beyond by
-    /// U' = L'^-1, block by block and without what branches leave empty: only Y and Z, with which
+    /// R', block by block and without what branches leave empty: only Y, with which
     /// [`place_blocks`](Self::place_blocks) gives the rest. Scalars use the factors of M.
     ///
     /// In place of P stands here P without the entries `less`.
@@ -200,9 +202,9 @@ impl<S: Scalar, K: LagrangianHessian<S>> Conservative<S, K> {
         reduced.mirror_lower::<W>();
     }
 
-    /// U', `Y = U' P` and `Z = D^-1 Y`.
+    /// R' and `Y = R' P`.
     fn eliminate_by_blocks(&mut self, tiles: &Elimination, less: &[Entry<S>]) {
-        let Self { kernel, factor, p, y, z, world, in_world, .. } = self;
+        let Self { kernel, factor, p, y, world, in_world, .. } = self;
         factor.invert();
         let p = match world {
             Some(world) if *in_world => world.l_vq_mut(),
@@ -212,21 +214,18 @@ impl<S: Scalar, K: LagrangianHessian<S>> Conservative<S, K> {
             }
         };
         p.subtract_entries(less);
-        y.set_tiles(&tiles.upper, Left::Rows(factor.upper()), p);
-        factor.divide(y, z);
+        y.set_tiles(&tiles.upper, Left::Rows(factor.root()), p);
     }
 
-    /// The conservative part of F_x: `M^-1`, `-W = -U Z`, the transpose of W, and
-    /// `L_qq - P' M^-1 P = L_qq - Y' Z`.
+    /// The conservative part of F_x: `M^-1`, `-W = -R Y`, the transpose of W, and
+    /// `L_qq - P' M^-1 P = L_qq - Y' Y`.
     #[inline(never)]
     pub fn place_blocks(&mut self, f_x: &mut Matrix<S>) {
         let Some(tiles) = self.tiles.take() else { return };
-        let Self { kernel, factor, p, w, y, z, world, in_world, .. } = self;
-        let n = z.rows();
-        factor.place_inverse(f_x, (0, n));
-        let velocity = Place { at: (0, 0), across: (n, n), minus: [true, false] };
-        let factors = (Left::Columns(factor.upper()), &*z);
-        f_x.place_tiles(velocity, &tiles.lower, factors, (w, Update::Set));
+        let Self { kernel, factor, p, w, y, world, in_world, .. } = self;
+        let n = y.rows();
+        factor.inverse_by_blocks();
+        w.set_tiles(&tiles.lower, Left::Columns(factor.root()), y);
         let update = match world {
             Some(world) if *in_world => Update::SubtractFrom(world.l_qq()),
             _ => {
@@ -234,8 +233,10 @@ impl<S: Scalar, K: LagrangianHessian<S>> Conservative<S, K> {
                 Update::Subtract
             }
         };
-        let force = Place::symmetric((n, 0), false);
-        f_x.place_tiles(force, &tiles.square, (Left::Columns(y), z), (p, update));
+        p.update_tiles(&tiles.square, Left::Columns(y), y, update);
+        factor.place_formed_inverse(f_x, (0, n));
+        f_x.place_panel(Place { at: (0, 0), across: (n, n), minus: [true, false] }, &tiles.lower, w);
+        f_x.place_panel(Place::symmetric((n, 0), false), &tiles.square, p);
         self.tiles = Some(tiles);
     }
 

@@ -4,25 +4,26 @@ use crate::kernels::Factor;
 use crate::matrix::{Part, Pattern, Terms, Tiles};
 use crate::scalar::Scalar;
 
-/// Products with the triangular matrix `U = L^-1` that give the conservative part of F_x.
+/// Products with the triangular matrix `R = L^-1 D^-1/2`, `M^-1 = R R'`, that give the conservative part of
+/// F_x.
 #[derive(Clone, Debug)]
 pub(super) struct Elimination {
-    /// `Y = U' P`.
+    /// `Y = R' P`.
     pub upper: Tiles,
-    /// `Y' Z`.
+    /// `Y' Y`.
     pub square: Tiles,
-    /// `W = U Z`.
+    /// `W = R Y`.
     pub lower: Tiles,
 }
 
 /// Where the entries of the matrices are.
 pub(super) struct Patterns {
-    /// U, with its diagonal, and U'.
+    /// R, with its diagonal, and R'.
     pub u: Pattern,
     pub u_across: Pattern,
     /// M, P and L_qq, their diagonals included.
     pub pair: Pattern,
-    /// `Y = U' P`.
+    /// `Y = R' P`.
     pub y: Pattern,
 }
 

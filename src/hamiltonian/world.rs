@@ -1,7 +1,7 @@
 //! Kernel one in the axes of the world, where nothing but F and F_x is asked for.
 
 use crate::error::EvalError;
-use crate::kernels::{Factor, WorldKernel, size_of_joint};
+use crate::kernels::{Factor, WorldKernel};
 use crate::matrix::{Matrix, Panel, filled};
 use crate::robot::Tree;
 use crate::scalar::Scalar;
@@ -49,10 +49,9 @@ impl<S: Scalar> World<S> {
             self.kernel.turn_displacements();
         }
         self.kernel.compose(tree);
-        let (mass_matrix, coordinates) = (self.kernel.mass_matrix(), self.kernel.coordinates(tree, q));
-        let size_of = |k| size_of_joint(tree, k, coordinates, mass_matrix[(k, k)]);
+        self.kernel.set_reach(tree, q);
         let singular = |k: usize| EvalError::SingularMassMatrix { joint: tree.name(k).into() };
-        factor.factor(mass_matrix, size_of).map_err(singular)
+        factor.factor(self.kernel.mass_matrix(), |k| self.kernel.size_of_entry(k)).map_err(singular)
     }
 
     /// L_q at v, after [`factor`](Self::factor) at the same q.

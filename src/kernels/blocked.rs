@@ -2,7 +2,7 @@
 
 use super::Factor;
 use super::factor_tiles::FactorTiles;
-use crate::matrix::{Left, Matrix, Panel, Place, Update};
+use crate::matrix::{Left, Matrix, Panel};
 use crate::scalar::{MOST_LANES, Pack, Scalar};
 use std::ops::Range;
 
@@ -34,7 +34,7 @@ impl<S: Scalar> Factor<S> {
     /// `row_i = M_i - sum_k L_ki row_k` over k > i and `L_i = row_i / D_i`, block by block from the last.
     #[inline(never)]
     pub(super) fn eliminate_blocks(&mut self, tiles: &FactorTiles, mass_matrix: &Matrix<S>) {
-        self.work.read::<0>(mass_matrix);
+        self.read_lower(mass_matrix);
         self.inverted = false;
         for block in (0..self.blocks()).rev() {
             self.work.subtract_own_rows(&tiles.eliminate, block, self.l.entries());
@@ -46,6 +46,16 @@ impl<S: Scalar> Factor<S> {
                 x.iter_mut().zip(&inverses).for_each(|(x, &inverse)| *x *= S::Pack::splat(inverse));
                 self.l.entries_mut().set_block::<0>(block, pack, &x);
             }
+        }
+    }
+
+    /// Takes the entries of the registers that hold some on or below the diagonal.
+    #[inline(always)]
+    fn read_lower(&mut self, mass_matrix: &Matrix<S>) {
+        let (n, register) = (mass_matrix.rows(), Panel::<S>::LANES * <S::Pack as Pack<S>>::WIDTH);
+        for i in 0..n {
+            let columns = (i + 1).next_multiple_of(register).min(n);
+            self.work.read_row::<0>(i, &mass_matrix.row(i)[..columns]);
         }
     }
 
@@ -95,7 +105,7 @@ impl<S: Scalar> Factor<S> {
         l
     }
 
-    /// `U' = L'^-1`, block by block from the last.
+    /// `R' = D^-1/2 U'` from `U' = L'^-1`, block by block from the last.
     #[inline(never)]
     pub(super) fn invert_blocks(&mut self, tiles: &FactorTiles) {
         for block in (0..self.blocks()).rev() {
@@ -116,43 +126,27 @@ impl<S: Scalar> Factor<S> {
                 self.upper.set_block::<0>(block, pack, &x);
             }
         }
+        // Rows above a block are made of its rows of U'.
+        for block in 0..self.blocks() {
+            let roots = S::Pack::read(&self.inverse_pivots[self.rows(block)]).sqrt();
+            for &pack in tiles.upper.of(block) {
+                let mut x = self.upper.block::<0>(block, pack);
+                for (r, x) in x.iter_mut().enumerate().take(Panel::<S>::LANES) {
+                    *x *= S::Pack::splat(roots.lane(r));
+                }
+                self.upper.set_block::<0>(block, pack, &x);
+            }
+        }
         self.inverted = true;
     }
 
-    /// `M^-1 = U D^-1 U'`, to a matrix from this row and column on.
-    #[inline(never)]
-    pub(super) fn place_inverse_by_blocks(
-        &mut self,
-        tiles: &FactorTiles,
-        to: &mut Matrix<S>,
-        at: (usize, usize),
-    ) {
-        self.scale(tiles);
-        let factors = (Left::Columns(&self.upper), &self.scaled);
-        let product = (&mut self.product, Update::Set);
-        to.place_tiles(Place::symmetric(at, false), &tiles.inverse, factors, product);
-    }
-
-    /// `M^-1 = U D^-1 U'` on and below the diagonal.
+    /// `M^-1 = R R'` on and below the diagonal.
     #[inline(never)]
     pub(super) fn form_inverse_by_blocks(&mut self, tiles: &FactorTiles) {
-        self.scale(tiles);
-        self.product.set_tiles(&tiles.inverse, Left::Columns(&self.upper), &self.scaled);
-    }
-
-    /// `D^-1 U'`.
-    fn scale(&mut self, tiles: &FactorTiles) {
         if !self.inverted {
             self.invert_blocks(tiles);
         }
-        for block in 0..self.blocks() {
-            for row in self.rows(block) {
-                let scale = S::Pack::splat(self.inverse_pivots[row]);
-                for &pack in tiles.upper.of(block) {
-                    self.scaled.row_mut(row)[pack] = self.upper.row(row)[pack] * scale;
-                }
-            }
-        }
+        self.product.set_tiles(&tiles.inverse, Left::Columns(&self.upper), &self.upper);
     }
 
     /// `x <- M^-1 x`, length n.
@@ -205,7 +199,7 @@ impl<S: Scalar> Factor<S> {
         }
     }
 
-    /// `x <- U D^-1 U' x`, length n, with U' at hand: no row waits for another one, as in a substitution.
+    /// `x <- R R' x`, length n, with R' at hand: no row waits for another one, as in a substitution.
     #[inline(never)]
     pub(super) fn multiply_by_blocks(&self, tiles: &FactorTiles, x: &mut [S]) {
         let (lanes, u) = (Panel::<S>::LANES, &self.upper);
@@ -220,25 +214,18 @@ impl<S: Scalar> Factor<S> {
             }
             S::Pack::transpose(&mut sums[..lanes]);
             let sum = sums[..lanes].iter().fold(S::Pack::zero(), |sum, &part| sum + part);
-            (sum * S::Pack::read(&self.inverse_pivots[rows.clone()])).write(&mut x[rows]);
+            sum.write(&mut x[rows]);
         }
-        for block in (0..self.blocks()).rev() {
-            let (rows, along) = (self.rows(block), u.rows_of(block));
-            let mut from = [S::zero(); MOST_LANES];
-            for (x, from) in x[rows].iter_mut().zip(&mut from) {
-                *from = std::mem::replace(x, S::zero());
-            }
-            for &pack in tiles.upper.of(block) {
-                let mut sum = S::Pack::read(lanes_of(x, pack * lanes, lanes));
-                for (r, &from) in from.iter().enumerate().take(lanes) {
-                    sum = S::Pack::splat(from).mul_add(along[r][pack], sum);
-                }
-                // Not whole is the last one alone.
-                match x.get_mut(pack * lanes..(pack + 1) * lanes) {
-                    Some(target) => sum.write(target),
-                    None => sum.write(&mut x[pack * lanes..]),
+        // From the last pack on: others need the entries before it alone.
+        for pack in (0..self.blocks()).rev() {
+            let mut sums = [S::Pack::zero(); 2];
+            for &block in tiles.upper_across.of(pack) {
+                let (from, along) = (S::Pack::read(lanes_of(x, block * lanes, lanes)), u.rows_of(block));
+                for r in 0..lanes {
+                    sums[r % 2] = S::Pack::splat(from.lane(r)).mul_add(along[r][pack], sums[r % 2]);
                 }
             }
+            (sums[0] + sums[1]).write(&mut x[self.rows(pack)]);
         }
     }
 }

@@ -19,10 +19,8 @@ pub struct Factor<S: Scalar> {
     /// Whether U' has been computed.
     pub(super) inverted: bool,
     pub(super) work: Panel<S>,
-    /// U', if it is computed block by block; else it takes the place of the work matrix.
+    /// `D^-1/2 U'`, if it is computed block by block; else U' takes the place of the work matrix.
     pub(super) upper: Panel<S>,
-    /// `D^-1 U'` likewise.
-    pub(super) scaled: Panel<S>,
     pub(super) tiles: Option<Box<FactorTiles>>,
     /// `M^-1`.
     pub(super) product: Panel<S>,
@@ -38,7 +36,6 @@ impl<S: Scalar> Factor<S> {
         Self {
             tiles: Panel::<S>::for_blocks(n, || FactorTiles::new(&l)),
             upper: Panel::zeros(upper, upper),
-            scaled: Panel::zeros(upper, upper),
             l,
             inverse_pivots: filled(S::one(), n),
             pivots: filled(S::zero(), n),
@@ -123,7 +120,8 @@ impl<S: Scalar> Factor<S> {
             return Err(i);
         }
         self.invert();
-        let u = if self.tiles.is_some() { &self.upper } else { &self.work };
+        let blocks = self.tiles.is_some();
+        let u = if blocks { &self.upper } else { &self.work };
         let unit = 128.0 * S::EPSILON;
         for i in (0..self.pivots.len()).rev() {
             let first = i / Panel::<S>::LANES;
@@ -131,7 +129,9 @@ impl<S: Scalar> Factor<S> {
             let moved = u.row(i)[first..].iter().zip(sizes);
             let moved = moved.fold(S::Pack::zero(), |sum, (&u, size)| (u * u).mul_add(size, sum));
             let moved = (0..Panel::<S>::LANES).fold(S::zero(), |sum, lane| sum + moved.lane(lane));
-            if !S::all(moved.times(unit).less(self.pivots[i])) {
+            // Squares of rows of `D^-1/2 U'` are divided by the pivot.
+            let most = if blocks { S::one() } else { self.pivots[i] };
+            if !S::all(moved.times(unit).less(most)) {
                 return Err(i);
             }
         }
@@ -197,23 +197,6 @@ impl<S: Scalar> Factor<S> {
     /// Positions of the entries of `U = L^-1`.
     pub(crate) fn inverse_pattern(&self) -> Pattern {
         self.l.inverse_pattern()
-    }
-
-    /// `Y <- D^-1 Y D^-1` for an n x n matrix.
-    pub(crate) fn divide_by_pivots_twice(&self, y: &mut Panel<S>) {
-        for (k, &inverse) in self.inverse_pivots.iter().enumerate() {
-            let inverse = S::Pack::splat(inverse);
-            let columns = self.inverse_pivots.chunks(Panel::<S>::LANES).map(S::Pack::read);
-            y.row_mut(k).iter_mut().zip(columns).for_each(|(y, column)| *y *= column * inverse);
-        }
-    }
-
-    /// `Z = D^-1 Y`.
-    pub(crate) fn divide(&self, y: &Panel<S>, z: &mut Panel<S>) {
-        for (k, &inverse) in self.inverse_pivots.iter().enumerate() {
-            let inverse = S::Pack::splat(inverse);
-            z.row_mut(k).iter_mut().zip(y.row(k)).for_each(|(z, &y)| *z = y * inverse);
-        }
     }
 
     /// `Y <- D^-1 Y`.

@@ -11,11 +11,13 @@ pub(super) struct FactorTiles {
     pub eliminate: Tiles,
     /// The same for the rows of U'.
     pub invert: Tiles,
-    /// `U D^-1 U'`.
+    /// `R R'`, `R = U D^-1/2`.
     pub inverse: Tiles,
     /// Packs of the rows of a block that hold entries of L, and of U'.
     pub lower: Packs,
     pub upper: Packs,
+    /// Blocks of rows of U' with entries in a pack.
+    pub upper_across: Packs,
 }
 
 /// Some packs of each block of rows.
@@ -59,6 +61,7 @@ impl FactorTiles {
             inverse: Tiles::new::<S>(&upper.transposed(), &upper, Part::Lower, Terms::All),
             lower: Packs::new(lanes, &lower),
             upper: Packs::new(lanes, &upper),
+            upper_across: Packs::new(lanes, &upper.transposed()),
         }
     }
 }

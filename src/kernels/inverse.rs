@@ -1,11 +1,12 @@
 //! The inverses of the mass matrix and of its triangular factor.
 
 use super::Factor;
-use crate::matrix::{Matrix, Panel, add_scaled, sized, sum_rows};
+use crate::matrix::{Matrix, Panel, Place, add_scaled, sized, sum_rows};
 use crate::scalar::{Pack, Scalar};
 
 impl<S: Scalar> Factor<S> {
-    /// U', for the check of the pivots and for products with it.
+    /// U', for the check of the pivots and for products with it; `D^-1/2 U'`, if it is computed block by
+    /// block.
     pub(crate) fn invert(&mut self) {
         if self.inverted {
             return;
@@ -48,32 +49,29 @@ impl<S: Scalar> Factor<S> {
 
     /// Writes M^-1 to a matrix from this row and column on, where it is computed block by block.
     pub(crate) fn place_inverse(&mut self, to: &mut Matrix<S>, at: (usize, usize)) {
-        if Panel::<S>::ONE_LANE {
-            return;
-        }
-        if let Some(tiles) = self.tiles.take() {
-            self.place_inverse_by_blocks(&tiles, to, at);
-            self.tiles = Some(tiles);
+        self.inverse_by_blocks();
+        self.place_formed_inverse(to, at);
+    }
+
+    /// The same, after [`inverse_by_blocks`](Self::inverse_by_blocks).
+    pub(crate) fn place_formed_inverse(&mut self, to: &mut Matrix<S>, at: (usize, usize)) {
+        if let Some(tiles) = self.tiles.as_ref().filter(|_| !Panel::<S>::ONE_LANE) {
+            to.place_panel(Place::symmetric(at, false), &tiles.inverse, &mut self.product);
         }
     }
 
     /// M^-1 on and below the diagonal as a panel, if it is computed block by block.
     pub(crate) fn inverse_by_blocks(&mut self) -> &Panel<S> {
-        if let Some(tiles) = self.tiles.take() {
+        if let Some(tiles) = self.tiles.take().filter(|_| !Panel::<S>::ONE_LANE) {
             self.form_inverse_by_blocks(&tiles);
             self.tiles = Some(tiles);
         }
         &self.product
     }
 
-    /// U', after the inverse, if it is computed block by block.
-    pub(crate) fn upper(&self) -> &Panel<S> {
+    /// `R' = D^-1/2 U'`, after [`invert`](Self::invert), if it is computed block by block: `M^-1 = R R'`.
+    pub(crate) fn root(&self) -> &Panel<S> {
         &self.upper
-    }
-
-    /// `D^-1 U'`, after [`place_inverse`](Self::place_inverse).
-    pub(crate) fn scaled_upper(&self) -> &Panel<S> {
-        &self.scaled
     }
 
     /// `M^-1 = U D^-1 U'` with `U = L^-1`, n x n, exactly symmetric.

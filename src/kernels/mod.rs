@@ -14,6 +14,7 @@ mod joint_positions;
 mod mass_matrix;
 mod pass;
 mod position;
+mod reach;
 mod route;
 mod triangle;
 mod two;
@@ -36,6 +37,7 @@ use crate::robot::{JointKind, Tree};
 use crate::scalar::{Pack, Scalar};
 use crate::spatial::{Force, Inertia, JointPosition, Motion, Symmetric3, Vec3};
 use blocks::Blocks;
+use reach::reach_of_joint;
 
 /// Kernel one: value, gradient and Hessian of the Lagrangian `L(q, v) = 1/2 v' M v - V`, contracted first.
 ///
@@ -185,16 +187,10 @@ impl<S: Scalar> KernelOne<S> {
 
 /// See [`KernelOne::size_of_entry`]: for the entry `M_kk` of joint k of all joints, at their positions.
 #[inline]
-pub(crate) fn size_of_joint<S: Scalar>(tree: &Tree, k: usize, q: &[S], entry: S) -> S {
+fn size_of_joint<S: Scalar>(tree: &Tree, k: usize, q: &[S], entry: S) -> S {
     if tree.joints()[k].kind == JointKind::Prismatic {
         return entry;
     }
-    let joints = tree.joints();
-    let mut reach = S::from_f64(joints[k].reach);
-    if joints[k].carries_slides {
-        for &i in tree.subtree(k).iter().filter(|&&i| joints[i].kind == JointKind::Prismatic) {
-            reach += q[i].plus(joints[i].offset).abs().times(joints[i].subtree_mass.sqrt());
-        }
-    }
+    let reach = reach_of_joint(tree, k, q);
     entry + (reach * reach).times(2.0)
 }

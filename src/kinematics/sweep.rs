@@ -7,6 +7,13 @@ use crate::robot::JointKind;
 use crate::scalar::Scalar;
 use crate::spatial::{JointPosition, Vec3};
 
+/// A link on another one: the joint, the rows of its rotation, and its origin seen from that of the other.
+struct Posed<S> {
+    joint: JointPosition<S>,
+    rows: [Vec3<S>; 3],
+    arm: Vec3<S>,
+}
+
 impl<S: Scalar> Kinematics<S> {
     /// All links at (q, v, a), n each:
     ///
@@ -27,7 +34,8 @@ impl<S: Scalar> Kinematics<S> {
         let world = Body { rows: self.world_axes(), ..Body::still() };
         for (i, joint) in self.tree.joints().iter().enumerate() {
             let parent = joint.parent.map_or(world, |p| self.bodies[p]);
-            let (mut body, arm) = self.posed(i, &parent);
+            let Posed { joint: at, rows, arm } = self.posed(i, &parent.rows);
+            let mut body = Body { joint: at, rows, position: parent.position + arm, ..parent };
             let axis = body.axis();
             let (rate, rate_of_rate) = (axis.scaled(self.all[1][i]), axis.scaled(self.all[2][i]));
             let turned = parent.angular.cross(rate) + rate_of_rate;
@@ -52,26 +60,30 @@ impl<S: Scalar> Kinematics<S> {
     /// Poses of these links alone, parents before children, at the coordinates q (n).
     pub(super) fn pose_links(&mut self, q: &[S], links: &[usize]) {
         positions(&self.tree, q, &mut self.all[0]);
-        let world = Body { rows: self.world_axes(), ..Body::still() };
+        let world = self.world_axes();
         for &i in links {
-            let parent = self.tree.joints()[i].parent.map_or(world, |p| self.bodies[p]);
-            (self.bodies[i], _) = self.posed(i, &parent);
+            // No copies of whole bodies.
+            let parent = self.tree.joints()[i].parent.map(|p| &self.bodies[p]);
+            let Posed { joint, rows, arm } = self.posed(i, parent.map_or(&world, |parent| &parent.rows));
+            let position = parent.map_or(arm, |parent| parent.position + arm);
+            let body = &mut self.bodies[i];
+            (body.joint, body.rows, body.position) = (joint, rows, position);
         }
     }
 
-    /// Link i with the motion of its parent, and its origin seen from that of the parent.
+    /// Link i on a link with these axes.
     #[inline(always)]
-    fn posed(&self, i: usize, parent: &Body<S>) -> (Body<S>, Vec3<S>) {
+    fn posed(&self, i: usize, [x, y, z]: &[Vec3<S>; 3]) -> Posed<S> {
         let joint = &self.tree.joints()[i];
         let oriented = self.orientations.iter().find(|(turned, _)| *turned == i);
         let transform = match oriented {
             None => joint.transform(self.all[0][i]),
             Some(&(_, orientation)) => joint.transform_at(JointPosition::Oriented(orientation)),
         };
-        let [(x, along_x), (y, along_y), (z, along_z)] =
-            parent.rows.map(|row| transform.vector_down_with_arm(row));
-        let (rows, arm) = ([x, y, z], Vec3::new(along_x, along_y, along_z));
-        (Body { joint: transform.joint, rows, position: parent.position + arm, ..*parent }, arm)
+        let (x, along_x) = transform.vector_down_with_arm(*x);
+        let (y, along_y) = transform.vector_down_with_arm(*y);
+        let (z, along_z) = transform.vector_down_with_arm(*z);
+        Posed { joint: transform.joint, rows: [x, y, z], arm: Vec3::new(along_x, along_y, along_z) }
     }
 
     /// The axes of the world of the robot, seen from the aligned world.

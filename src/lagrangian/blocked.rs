@@ -4,11 +4,11 @@ use crate::kernels::Factor;
 use crate::matrix::{Left, Matrix, Panel, Part, Pattern, Terms, Tiles, write_packs};
 use crate::scalar::Scalar;
 
-/// Products with the triangular matrix `U = L^-1` that give `a_z = [-M^-1 tau_q, -M^-1 tau_v, M^-1]`, for
-/// packs of several lanes.
+/// Products with the triangular matrix `R = L^-1 D^-1/2` that give
+/// `a_z = [-M^-1 tau_q, -M^-1 tau_v, M^-1]`, for packs of several lanes.
 ///
-/// With `M^-1 = U D^-1 U'`, `Y = D^-1 U' tau_q` and `a_q = -U Y`. Entries of tau_q belong to pairs of joints
-/// on one branch, those of U' to a joint and one beyond it. So an entry of Y is a sum over the joints that
+/// With `M^-1 = R R'`, `Y = R' tau_q` and `a_q = -R Y`. Entries of tau_q belong to pairs of joints on one
+/// branch, those of R' to a joint and one beyond it. So an entry of Y is a sum over the joints that
 /// are beyond one joint and on a branch with the other, an entry of a_q one over the joints on the way from
 /// the base. A product with M^-1, which has entries for all pairs of joints on one joint of the base, takes
 /// about twice as many products for a tree, and as many for a chain.
@@ -16,7 +16,7 @@ use crate::scalar::Scalar;
 pub(super) struct Blocked<S: Scalar> {
     /// Y.
     first: Tiles,
-    /// `U Y`.
+    /// `R Y`.
     second: Tiles,
     y: Panel<S>,
     /// `M^-1 tau_q` or `M^-1 tau_v`: what no tile sets stays zero.
@@ -46,8 +46,8 @@ impl<S: Scalar> Blocked<S> {
         let n = y.rows();
         factor.place_inverse(a_z, (0, 2 * n));
         for (k, torque) in torque.iter().enumerate() {
-            y.set_tiles(first, Left::Rows(factor.scaled_upper()), torque);
-            solved.set_tiles(second, Left::Columns(factor.upper()), y);
+            y.set_tiles(first, Left::Rows(factor.root()), torque);
+            solved.set_tiles(second, Left::Columns(factor.root()), y);
             for i in 0..n {
                 write_packs(solved.row(i), &mut a_z.row_mut(i)[k * n..(k + 1) * n], |pack| -pack);
             }

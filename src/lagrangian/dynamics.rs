@@ -4,7 +4,7 @@ use super::Lagrangian;
 use super::choice::current_mass_matrix;
 use crate::error::EvalError;
 use crate::hamiltonian::Energy;
-use crate::kernels::{friction_of, size_of_joint};
+use crate::kernels::friction_of;
 use crate::matrix::Matrix;
 use crate::scalar::Scalar;
 
@@ -117,10 +117,9 @@ impl<S: Scalar> Lagrangian<S> {
     /// The factors of M where it is computed in the axes of the world, at these coordinates (n).
     pub(super) fn factor_placed(&mut self, q: &[S]) -> Result<(), EvalError> {
         let Self { tree, world: Some(world), factor, .. } = self else { return Ok(()) };
-        let mass_matrix = world.mass_matrix();
-        let size_of = |k| size_of_joint(tree, k, q, mass_matrix[(k, k)]);
+        world.set_reach(tree, q);
         let singular = |k: usize| EvalError::SingularMassMatrix { joint: tree.name(k).into() };
-        factor.factor(mass_matrix, size_of).map_err(singular)
+        factor.factor(world.mass_matrix(), |k| world.size_of_entry(k)).map_err(singular)
     }
 
     /// The same by kernel one.

@@ -2,7 +2,7 @@
 
 use super::tile::Update;
 use super::{Left, Matrix, Panel, Tiles};
-use crate::scalar::{MOST_LANES, Pack, Scalar};
+use crate::scalar::{Pack, Scalar};
 use std::ops::Range;
 
 /// Where an n x n product goes in a matrix.
@@ -24,11 +24,7 @@ impl Place {
 }
 
 impl<S: Scalar> Matrix<S> {
-    /// Sets a panel T to `A B`, or adds to it or subtracts from it, and writes each tile to its place as soon
-    /// as it is there. Entries outside of the tiles are not touched.
-    ///
-    /// The matrix is larger than the nearest cache: its lines arrive while the next tile is computed.
-    #[inline(never)]
+    /// Sets a panel T to `A B`, or adds to it or subtracts from it, and writes its tiles to their places.
     pub(crate) fn place_tiles(
         &mut self,
         place: Place,
@@ -36,107 +32,141 @@ impl<S: Scalar> Matrix<S> {
         (a, b): (Left<'_, S>, &Panel<S>),
         (product, update): (&mut Panel<S>, Update<'_, S>),
     ) {
-        match a {
-            Left::Rows(a) => self.place_all::<false>(place, tiles, (a, b), (product, update)),
-            Left::Columns(a) => self.place_all::<true>(place, tiles, (a, b), (product, update)),
+        product.update_tiles(tiles, a, b, update);
+        self.place_panel(place, tiles, product);
+    }
+
+    /// Writes the tiles of a panel to their places. Entries outside of them are not touched. Of a symmetric
+    /// matrix, the lower triangle of the panel decides, and its diagonal blocks become symmetric.
+    ///
+    /// The matrix is larger than the nearest cache, and the factors of products fill most of that: several
+    /// products are computed before the first is written, and some rows are written after the other, as many
+    /// as a pack has lanes, so that few lines arrive twice.
+    #[inline(never)]
+    pub(crate) fn place_panel(&mut self, place: Place, tiles: &Tiles, product: &mut Panel<S>) {
+        match product.rows() % Panel::<S>::LANES {
+            0 => self.place_and::<0>(&place, tiles, product),
+            1 => self.place_and::<1>(&place, tiles, product),
+            2 => self.place_and::<2>(&place, tiles, product),
+            _ => self.place_and::<3>(&place, tiles, product),
         }
     }
 
-    fn place_all<const ACROSS: bool>(
-        &mut self,
-        place: Place,
-        tiles: &Tiles,
-        (a, b): (&Panel<S>, &Panel<S>),
-        (product, update): (&mut Panel<S>, Update<'_, S>),
-    ) {
-        product.tiles::<ACROSS>(tiles, a, b, update, |product, block, packs| match place.minus {
-            [false, false] => self.place_packs::<false, false>(place, product, block, packs),
-            [true, false] => self.place_packs::<true, false>(place, product, block, packs),
-            [false, true] => self.place_packs::<false, true>(place, product, block, packs),
-            [true, true] => self.place_packs::<true, true>(place, product, block, packs),
-        });
+    /// The same, the last rows and columns being R, if not as many as a pack has lanes.
+    fn place_and<const R: usize>(&mut self, place: &Place, tiles: &Tiles, product: &mut Panel<S>) {
+        let symmetric = place.at == place.across;
+        // The tiles may be those of a larger matrix, empty beyond this one.
+        let blocks = product.rows().div_ceil(Panel::<S>::LANES);
+        for block in 0..blocks {
+            if symmetric {
+                product.mirror_block(block);
+            }
+            self.place_rows::<R>(place, product, block, tiles.packs_of(block));
+            if symmetric {
+                self.place_columns::<R>(place, product, block, tiles.blocks_of(block));
+            }
+        }
+        if !symmetric {
+            for pack in 0..blocks {
+                self.place_columns::<R>(place, product, pack, tiles.blocks_of(pack));
+            }
+        }
     }
 
     /// Some packs of a block of rows.
-    #[inline(never)]
-    fn place_packs<const MINUS: bool, const ACROSS_MINUS: bool>(
+    #[inline(always)]
+    fn place_rows<const R: usize>(
         &mut self,
-        place: Place,
+        place: &Place,
         product: &Panel<S>,
         block: usize,
-        packs: Range<usize>,
+        runs: &[Range<usize>],
     ) {
-        let (lanes, n) = (Panel::<S>::LANES, product.rows());
-        let symmetric = place.at == place.across;
-        let (top, stride) = (block * lanes, self.columns);
-        let end = packs.end.min(if symmetric { block + 1 } else { n.div_ceil(lanes) });
-        // Those that are not cut off, and not on the diagonal of a symmetric matrix.
-        let whole = if top + lanes > n { 0 } else { end.min(if symmetric { block } else { n / lanes }) };
-        let mut to = (place.at.0 + top) * stride + place.at.1 + packs.start * lanes;
-        let mut across = (place.across.0 + packs.start * lanes) * stride + place.across.1 + top;
-        for pack in packs.start..whole {
-            let mut tile = product.block::<0>(block, pack);
-            write_block::<S, MINUS>(&mut self.data[to..], stride, &tile);
-            S::Pack::transpose(&mut tile[..lanes]);
-            write_block::<S, ACROSS_MINUS>(&mut self.data[across..], stride, &tile);
-            to += lanes;
-            across += lanes * stride;
-        }
-        for pack in whole.max(packs.start)..end {
-            self.place_at_edge(place, product, block, pack);
-        }
-    }
-
-    /// A pack of a block of rows that may be cut off, or on the diagonal.
-    #[inline(never)]
-    fn place_at_edge(&mut self, place: Place, product: &Panel<S>, block: usize, pack: usize) {
-        let (lanes, n) = (Panel::<S>::LANES, product.rows());
-        let (top, left) = (block * lanes, pack * lanes);
-        let (rows, columns) = (lanes.min(n - top), lanes.min(n - left));
-        let mut tile = product.block::<0>(block, pack);
-        let mut across = tile;
-        S::Pack::transpose(&mut across[..lanes]);
-        if place.at == place.across && pack == block {
-            // The lower triangle decides.
-            for r in 0..lanes {
-                tile[r] = tile[r].before(r + 1, across[r]);
+        let (lanes, n, stride) = (Panel::<S>::LANES, product.rows(), self.columns);
+        let ((top, left), sign) = (place.at, place.sign::<S>(0));
+        for i in block * lanes..n.min((block + 1) * lanes) {
+            let (from, to) = (product.row(i), &mut self.data[(top + i) * stride + left..][..n]);
+            for run in runs {
+                let whole = run.end.min(n / lanes);
+                let packs = from[run.start..whole].iter();
+                for (to, &pack) in to[run.start * lanes..whole * lanes].chunks_exact_mut(lanes).zip(packs) {
+                    (pack * sign).write(to);
+                }
+                if R > 0 && whole < run.end {
+                    write_first::<S, R>(from[whole] * sign, &mut to[whole * lanes..]);
+                }
             }
-        } else {
-            let (row, column) = place.across;
-            self.write_part((row + left, column + top), &across, (columns, rows), place.minus[1]);
         }
-        let (row, column) = place.at;
-        self.write_part((row + top, column + left), &tile, (rows, columns), place.minus[0]);
     }
 
-    /// The first rows and columns of a block of packs, from this row and column on.
+    /// The transpose of a pack of some blocks of rows.
     #[inline(always)]
-    fn write_part(
+    fn place_columns<const R: usize>(
         &mut self,
-        (row, column): (usize, usize),
-        packs: &[S::Pack; MOST_LANES],
-        (rows, columns): (usize, usize),
-        minus: bool,
+        place: &Place,
+        product: &Panel<S>,
+        pack: usize,
+        runs: &[Range<usize>],
     ) {
-        let lanes = Panel::<S>::LANES;
-        for (r, &pack) in packs.iter().enumerate().take(lanes) {
-            if r < rows {
-                let pack = if minus { -pack } else { pack };
-                let to = &mut self.data[(row + r) * self.columns + column..];
-                // A whole pack is one store.
-                if columns == lanes { pack.write(&mut to[..lanes]) } else { pack.write(&mut to[..columns]) }
+        let (lanes, n, stride) = (Panel::<S>::LANES, product.rows(), self.columns);
+        let ((top, left), sign) = (place.across, place.sign::<S>(1));
+        let transposed = |block: usize| {
+            let mut tile = product.block::<0>(block, pack);
+            S::Pack::transpose(&mut tile[..lanes]);
+            tile.map(|row| row * sign)
+        };
+        let rows = &mut self.data[(top + pack * lanes) * stride..];
+        if R > 0 && pack == n / lanes {
+            for block in runs.iter().cloned().flatten() {
+                for (row, pack) in rows.chunks_mut(stride).zip(&transposed(block)[..R]) {
+                    let columns = left + block * lanes..left + n.min((block + 1) * lanes);
+                    pack.write(&mut row[columns]);
+                }
+            }
+            return;
+        }
+        let mut rows = rows.chunks_mut(stride);
+        let mut next = || rows.next().map_or(&mut [][..], |row| &mut row[left..left + n]);
+        let mut to = [next(), &mut [], &mut [], &mut []];
+        (1..lanes).for_each(|r| to[r] = next());
+        let [first, second, third, fourth] = to;
+        for run in runs {
+            let whole = run.end.min(n / lanes);
+            for block in run.start..whole {
+                let (tile, columns) = (transposed(block), block * lanes..(block + 1) * lanes);
+                tile[0].write(&mut first[columns.clone()]);
+                if lanes > 1 {
+                    tile[1].write(&mut second[columns.clone()]);
+                    tile[2].write(&mut third[columns.clone()]);
+                    tile[3].write(&mut fourth[columns]);
+                }
+            }
+            if R > 0 && whole < run.end {
+                let (tile, column) = (transposed(whole), whole * lanes);
+                write_first::<S, R>(tile[0], &mut first[column..]);
+                if lanes > 1 {
+                    write_first::<S, R>(tile[1], &mut second[column..]);
+                    write_first::<S, R>(tile[2], &mut third[column..]);
+                    write_first::<S, R>(tile[3], &mut fourth[column..]);
+                }
             }
         }
     }
 }
 
-/// Writes a square block of packs to the beginning of rows that are `stride` apart.
+impl Place {
+    /// What the product, or the transpose, is multiplied by.
+    #[inline(always)]
+    fn sign<S: Scalar>(&self, transpose: usize) -> S::Pack {
+        S::Pack::from_f64(if self.minus[transpose] { -1.0 } else { 1.0 })
+    }
+}
+
+/// Writes the first R lanes of a pack to the beginning of a row.
 #[inline(always)]
-fn write_block<S: Scalar, const MINUS: bool>(to: &mut [S], stride: usize, packs: &[S::Pack; MOST_LANES]) {
-    let lanes = Panel::<S>::LANES;
-    for (r, &pack) in packs.iter().enumerate().take(lanes) {
-        let pack = if MINUS { -pack } else { pack };
-        pack.write(&mut to[r * stride..][..lanes]);
+fn write_first<S: Scalar, const R: usize>(pack: S::Pack, to: &mut [S]) {
+    for (lane, to) in to[..R].iter_mut().enumerate() {
+        *to = pack.lane(lane);
     }
 }
 

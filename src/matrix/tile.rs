@@ -3,7 +3,6 @@
 use super::tiles::{Corner, MOST_REGISTERS, Run, Tiles};
 use super::{Left, Panel};
 use crate::scalar::{MOST_LANES, Pack, Scalar};
-use std::ops::Range;
 
 /// As many packs as fit into a register.
 type Wide<S> = <<S as Scalar>::Pack as Pack<S>>::Wide;
@@ -97,8 +96,8 @@ impl<S: Scalar> Panel<S> {
     #[inline(never)]
     pub fn set_tiles(&mut self, tiles: &Tiles, a: Left<'_, S>, b: &Self) {
         match a {
-            Left::Rows(a) => self.tiles::<false>(tiles, a, b, Update::Set, |_, _, _| {}),
-            Left::Columns(a) => self.tiles::<true>(tiles, a, b, Update::Set, |_, _, _| {}),
+            Left::Rows(a) => self.tiles::<false>(tiles, a, b, Update::Set),
+            Left::Columns(a) => self.tiles::<true>(tiles, a, b, Update::Set),
         }
     }
 
@@ -106,25 +105,29 @@ impl<S: Scalar> Panel<S> {
     #[inline(never)]
     pub fn subtract_tiles(&mut self, tiles: &Tiles, a: Left<'_, S>, b: &Self) {
         match a {
-            Left::Rows(a) => self.tiles::<false>(tiles, a, b, Update::Subtract, |_, _, _| {}),
-            Left::Columns(a) => self.tiles::<true>(tiles, a, b, Update::Subtract, |_, _, _| {}),
+            Left::Rows(a) => self.tiles::<false>(tiles, a, b, Update::Subtract),
+            Left::Columns(a) => self.tiles::<true>(tiles, a, b, Update::Subtract),
         }
     }
 
-    /// Calls `then` after each tile, with its block of rows and its packs.
+    /// Sets or adds to a product, or subtracts it.
+    #[inline(never)]
+    pub fn update_tiles(&mut self, tiles: &Tiles, a: Left<'_, S>, b: &Self, update: Update<'_, S>) {
+        match a {
+            Left::Rows(a) => self.tiles::<false>(tiles, a, b, update),
+            Left::Columns(a) => self.tiles::<true>(tiles, a, b, update),
+        }
+    }
+
+    /// Computes the tiles, one after the other.
     #[inline(always)]
-    pub(super) fn tiles<const ACROSS: bool>(
-        &mut self,
-        tiles: &Tiles,
-        a: &Self,
-        b: &Self,
-        update: Update<'_, S>,
-        mut then: impl FnMut(&Self, usize, Range<usize>),
-    ) {
-        let width = <S::Pack as Pack<S>>::WIDTH;
-        for (corner, registers, runs) in tiles.all() {
-            with_sums!(S, ACROSS, (a, b, corner, registers, runs), |sums| self.store(corner, &sums, update));
-            then(self, corner.0, corner.1 * width..(corner.1 + registers) * width);
+    fn tiles<const ACROSS: bool>(&mut self, tiles: &Tiles, a: &Self, b: &Self, update: Update<'_, S>) {
+        for block in 0..tiles.blocks() {
+            for (corner, registers, runs) in tiles.of_block(block) {
+                with_sums!(S, ACROSS, (a, b, corner, registers, runs), |sums| {
+                    self.store(corner, &sums, update);
+                });
+            }
         }
     }
 

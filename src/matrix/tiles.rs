@@ -27,6 +27,10 @@ pub(crate) struct Tiles {
     runs: Vec<Run>,
     /// The first tile of each block of rows.
     starts: Vec<usize>,
+    /// What the tiles cover: packs of each block of rows, and blocks of rows of each pack. Of the lower part,
+    /// the first up to the diagonal, and the second below it.
+    packs: Vec<Vec<Range<usize>>>,
+    blocks: Vec<Vec<Range<usize>>>,
 }
 
 /// Terms that follow one another.
@@ -78,7 +82,8 @@ impl Tiles {
         let (blocks, registers) = (n.div_ceil(lanes), n.div_ceil(lanes * width));
         let columns: Vec<Vec<u64>> =
             (0..registers).map(|register| across.columns_of(some(register, lanes * width))).collect();
-        let mut tiles = Self { tiles: Vec::new(), runs: Vec::new(), starts: vec![0] };
+        let [packs, covered] = [vec![Vec::new(); blocks], vec![Vec::new(); blocks]];
+        let mut tiles = Self { tiles: Vec::new(), runs: Vec::new(), starts: vec![0], packs, blocks: covered };
         for block in 0..blocks {
             let mut rows = a.columns_of(some(block, lanes));
             if terms == Terms::OtherBlocks {
@@ -101,17 +106,44 @@ impl Tiles {
                 left += count;
             }
             tiles.starts.push(tiles.tiles.len());
+            tiles.cover(block, width, part);
         }
         tiles
     }
 
-    /// Corner, number of registers in a row and runs of terms of each tile.
-    #[inline(always)]
-    pub(super) fn all(&self) -> impl Iterator<Item = (Corner, usize, &[Run])> {
-        self.of(0..self.tiles.len())
+    /// Notes what the tiles of the last block of rows cover.
+    fn cover(&mut self, block: usize, width: usize, part: Part) {
+        let (lower, all) = (part == Part::Lower, self.packs.len());
+        for tile in &self.tiles[self.starts[block]..] {
+            let (first, count) = (tile.left as usize * width, tile.registers as usize * width);
+            for pack in first..(first + count).min(if lower { block + 1 } else { all }) {
+                extend(&mut self.packs[block], pack);
+                if !lower || pack < block {
+                    extend(&mut self.blocks[pack], block);
+                }
+            }
+        }
     }
 
-    /// The same for the tiles of a block of rows.
+    /// Packs that the tiles of a block of rows cover.
+    #[inline(always)]
+    pub(super) fn packs_of(&self, block: usize) -> &[Range<usize>] {
+        &self.packs[block]
+    }
+
+    /// Blocks of rows with a tile that covers a pack.
+    #[inline(always)]
+    pub(super) fn blocks_of(&self, pack: usize) -> &[Range<usize>] {
+        &self.blocks[pack]
+    }
+
+    /// Number of blocks of rows.
+    #[inline(always)]
+    pub(super) fn blocks(&self) -> usize {
+        self.packs.len()
+    }
+
+    /// Corner, number of registers in a row and runs of terms of each tile of a block of rows.
     #[inline(always)]
     pub(super) fn of_block(&self, block: usize) -> impl Iterator<Item = (Corner, usize, &[Run])> {
         self.of(self.starts[block]..self.starts[block + 1])
@@ -141,6 +173,14 @@ impl Tiles {
         let numbers = [block, left, registers, self.runs.len()];
         let [block, left, registers, end] = numbers.map(|number| number as u32);
         self.tiles.push(Tile { block, left, registers, end });
+    }
+}
+
+/// Appends a number to ascending ranges.
+fn extend(ranges: &mut Vec<Range<usize>>, next: usize) {
+    match ranges.last_mut() {
+        Some(last) if last.end == next => last.end += 1,
+        _ => ranges.push(next..next + 1),
     }
 }
 

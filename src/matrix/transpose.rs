@@ -76,6 +76,18 @@ impl<S: Scalar> Panel<S> {
         }
     }
 
+    /// Copies the lower triangle of a block on the diagonal to the upper one.
+    #[inline(always)]
+    pub fn mirror_block(&mut self, block: usize) {
+        let mut across = self.block::<0>(block, block);
+        let lower = across;
+        S::Pack::transpose(&mut across[..Self::LANES]);
+        for (r, (across, lower)) in across.iter_mut().zip(lower).enumerate().take(Self::LANES) {
+            *across = lower.before(r + 1, *across);
+        }
+        self.set_block::<0>(block, block, &across);
+    }
+
     /// Copies the lower triangle of a square matrix to the upper one.
     #[inline(always)]
     pub fn mirror_lower<const W: usize>(&mut self) {

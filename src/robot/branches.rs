@@ -15,6 +15,15 @@ pub(crate) struct Branches {
     places: Vec<usize>,
 }
 
+/// Some joints of a tree.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Marked {
+    /// Depth first.
+    joints: Vec<usize>,
+    /// How many of them come before each place of the joints depth first, and how many there are.
+    before: Vec<usize>,
+}
+
 impl Branches {
     /// From the parent of each joint; `None` is the base.
     pub fn new(parents: &[Option<usize>]) -> Self {
@@ -58,6 +67,22 @@ impl Branches {
         &self.depth_first[start..start + self.pairs_of(i).len()]
     }
 
+    /// Some of the joints.
+    pub fn marked(&self, is_marked: impl Fn(usize) -> bool) -> Marked {
+        let mut marked = Marked { joints: Vec::new(), before: vec![0] };
+        for &i in &self.depth_first {
+            marked.joints.extend(is_marked(i).then_some(i));
+            marked.before.push(marked.joints.len());
+        }
+        marked
+    }
+
+    /// The marked ones among joint `i` and all joints beyond it, depth first.
+    pub fn marked_in_subtree<'a>(&self, marked: &'a Marked, i: usize) -> &'a [usize] {
+        let start = self.places[i];
+        &marked.joints[marked.before[start]..marked.before[start + self.pairs_of(i).len()]]
+    }
+
     /// Positions of the pairs `(i, j)`, j in the subtree of i, among all pairs of tree order.
     pub fn pairs_of(&self, i: usize) -> Range<usize> {
         self.starts[i]..self.starts[i + 1]
@@ -72,6 +97,15 @@ impl Branches {
 #[cfg(test)]
 mod tests {
     use super::Branches;
+
+    #[test]
+    fn marked_joints_of_subtrees_are_parts_of_the_marked_ones() {
+        let branches = Branches::new(&[None, Some(0), None, Some(0), Some(1), Some(2)]);
+        let marked = branches.marked(|i| i >= 3);
+        let found: Vec<&[usize]> = (0..6).map(|i| branches.marked_in_subtree(&marked, i)).collect();
+        let expected: [&[usize]; 6] = [&[4, 3], &[4], &[5], &[3], &[4], &[5]];
+        assert_eq!(found, expected);
+    }
 
     #[test]
     fn subtrees_are_parts_of_the_joints_depth_first() {

@@ -62,6 +62,19 @@ impl<S: Scalar> WorldKernel<S> {
         &self.mass_matrix
     }
 
+    /// What [`size_of_entry`](Self::size_of_entry) needs of the configuration set last, which is q (nq).
+    pub fn set_reach(&mut self, tree: &Tree, q: &[S]) {
+        self.reach.set_position(tree, if tree.free().is_empty() { q } else { &self.chart });
+    }
+
+    /// The scale of the rounding error of `M_kk`, see
+    /// [`KernelOne::size_of_entry`](crate::kernels::KernelOne::size_of_entry).
+    ///
+    /// After [`set_reach`](Self::set_reach).
+    pub fn size_of_entry(&self, k: usize) -> S {
+        self.reach.size(k, self.mass_matrix[(k, k)])
+    }
+
     /// Exchanges the matrix of M for another of the same size, which [`compose`](Self::compose) fills next.
     ///
     /// Entries of joints on different branches are never set: they must be zero there too.

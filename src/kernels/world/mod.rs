@@ -14,6 +14,7 @@ mod motion;
 mod places;
 mod torque;
 
+use super::reach::Reach;
 use crate::matrix::{Matrix, Panel, filled};
 use crate::robot::{FreeKind, JointKind, Tree};
 use crate::scalar::{Pack, Scalar};
@@ -30,6 +31,7 @@ use places::Places;
 pub(crate) struct WorldKernel<S: Scalar> {
     places: Places,
     turns: Vec<JointPosition<S>>,
+    reach: Reach<S>,
     /// Coordinates of the chains of floating and spherical joints; empty where there are none.
     chart: Vec<S>,
     /// Places of the first joints of the chains of floating ones.
@@ -82,6 +84,7 @@ impl<S: Scalar> WorldKernel<S> {
         };
         Self {
             floating: (0..n).filter(|&k| floats(places[k].joint)).collect(),
+            reach: Reach::new(tree),
             turns: tree.joints().iter().map(|joint| joint.position(S::zero())).collect(),
             chart: filled(S::zero(), if tree.free().is_empty() { 0 } else { n }),
             links: links.collect(),

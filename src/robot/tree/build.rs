@@ -95,6 +95,7 @@ impl Tree {
         }
         let (revolute, prismatic) = (0..joints.len()).partition(|&i| joints[i].kind == JointKind::Revolute);
         Self {
+            slides: branches.marked(|i| joints[i].kind == JointKind::Prismatic),
             revolute,
             prismatic,
             with_spring,

@@ -14,7 +14,7 @@ mod free;
 pub(crate) use constraint::TreeConstraintKind;
 pub(crate) use free::UNIT;
 
-use super::branches::Branches;
+use super::branches::{Branches, Marked};
 use super::free_frame::FreeFrame;
 use super::joint::Friction;
 use super::joint_frame::JointFrame;
@@ -36,6 +36,7 @@ pub struct Tree {
     branches: Branches,
     revolute: Vec<usize>,
     prismatic: Vec<usize>,
+    slides: Marked,
     with_spring: Vec<usize>,
     with_friction: Vec<usize>,
     joint_map: Option<JointMap>,
@@ -132,6 +133,11 @@ impl Tree {
     /// Joint `i` and all joints beyond it: i, then the subtree of each child, one after the other.
     pub fn subtree(&self, i: usize) -> &[usize] {
         self.branches.subtree(i)
+    }
+
+    /// The prismatic joints of [`subtree`](Self::subtree).
+    pub(crate) fn slides_in_subtree(&self, i: usize) -> &[usize] {
+        self.branches.marked_in_subtree(&self.slides, i)
     }
 
     /// The revolute joints.
