@@ -53,7 +53,7 @@ mod tests {
     use costate_control::ProblemFile;
 
     fn problem(name: &str) -> costate_control::Problem {
-        ProblemFile::read(&format!("../../examples/problems/{name}.toml"), LoadOptions::default())
+        ProblemFile::read(format!("../../examples/problems/{name}.toml"), LoadOptions::default())
             .unwrap()
             .problem
     }
