@@ -66,9 +66,12 @@ pub struct Gait {
     /// $$ q(0) = S q(T) - L e_x, \qquad v(0) = S v(T), \qquad J v(0) = 0 $$
     ///
     /// With one the ground would have to pull the feet behind, or these would leave it at once. At the end of
-    /// the phase they leave the ground without an impulse either: positions and rates do not jump. Feet are
-    /// points, and the duration of the step is given.
+    /// the phase they leave the ground without an impulse either: positions and rates do not jump. Soles in
+    /// front stand flat, those behind as [`trailing`](Self::trailing) says. The duration of the step is
+    /// given.
     pub double_support: Option<f64>,
+    /// How soles behind stand in the phase of double support, their toes alone unless said otherwise.
+    pub trailing: SoleContact,
     /// Joints that change their signs in the mirror, those of pairs too: of a robot in space those whose
     /// motion is along y or turns about x and z. A robot in the plane has none.
     pub flipped: Vec<String>,
@@ -77,6 +80,16 @@ pub struct Gait {
     pub width: f64,
     /// In space, how wide soles are (m), half of it to either side of x of the frames of the feet.
     pub sole_width: f64,
+}
+
+/// How a sole stands on the ground.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum SoleContact {
+    /// On its toe alone, which is pinned: the foot rolls about it, and its heel may rise but not sink.
+    Toe,
+    /// As a whole.
+    Flat,
 }
 
 impl Gait {
@@ -98,6 +111,7 @@ impl Gait {
             mirror: Vec::new(),
             sole: None,
             double_support: None,
+            trailing: SoleContact::Toe,
             flipped: Vec::new(),
             width: 0.0,
             sole_width: 0.0,
@@ -139,6 +153,12 @@ impl Gait {
     #[must_use]
     pub fn with_double_support(self, share: f64) -> Self {
         Self { double_support: Some(share), ..self }
+    }
+
+    /// With soles behind that stand so in the phase of double support.
+    #[must_use]
+    pub fn with_trailing(self, trailing: SoleContact) -> Self {
+        Self { trailing, ..self }
     }
 
     /// With these pairs of joints that change places.

@@ -38,12 +38,12 @@ pub enum GaitError {
     Redundant,
     /// The same of all feet together, in the phase of double support.
     RedundantTogether,
-    /// A step with double support of a robot in space.
-    DoubleSupportInSpace,
-    /// A step with double support of feet with soles.
-    DoubleSupportOnSoles,
     /// A step with double support whose duration is free.
     FreeDuration,
+    /// A step with double support of a robot in space.
+    DoubleSupportInSpace,
+    /// Soles behind that shall stand flat, but there are none, or no double support.
+    NoSolesBehind,
     /// Soles that stand flat, but not with the legs exchanged.
     SolesDiffer {
         /// The frame of the foot that stands.
@@ -138,20 +138,20 @@ impl fmt::Display for GaitError {
                 "with all feet on the ground one of them cannot move where the others stand, so that their forces \
                  are not determined; remove double_support, or name fewer feet",
             ),
+            Self::FreeDuration => f.write_str(
+                "double support takes a part of a given time; give time.final, or remove double_support",
+            ),
             Self::DoubleSupportInSpace => {
                 f.write_str("double support is that of robots in the plane; remove double_support")
             }
+            Self::NoSolesBehind => f.write_str(
+                "says how soles behind stand in double support; give sole and double_support, or remove it",
+            ),
             Self::SolesDiffer { frame } => write!(
                 f,
                 "in the mirror the sole of '{}' is turned: give the frames of both feet axes that are mirror \
                  images, x ahead and z up where they stand",
                 printable(frame)
-            ),
-            Self::DoubleSupportOnSoles => {
-                f.write_str("double support is that of feet that are points; remove sole, or double_support")
-            }
-            Self::FreeDuration => f.write_str(
-                "double support takes a part of a given time; give time.final, or remove double_support",
             ),
             Self::OutOfRange { value, remedy } => write!(f, "{remedy}, but is {}", number(*value)),
             Self::NotAlong { joint } => write!(

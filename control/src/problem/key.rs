@@ -66,6 +66,7 @@ impl Key {
     pub(crate) const GAIT_MIRROR: Self = Self::new("gait", "mirror", "gait");
     pub(crate) const GAIT_SOLE: Self = Self::new("gait", "sole", "gait");
     pub(crate) const GAIT_DOUBLE_SUPPORT: Self = Self::new("gait", "double_support", "gait");
+    pub(crate) const GAIT_TRAILING: Self = Self::new("gait", "trailing", "gait");
     pub(crate) const GAIT_SOLE_WIDTH: Self = Self::new("gait", "sole_width", "gait");
     pub(crate) const GAIT_FLIPPED: Self = Self::new("gait", "flipped", "gait");
     pub(crate) const GAIT_WIDTH: Self = Self::new("gait", "width", "gait");

@@ -1,6 +1,6 @@
 //! The rows of constraints whose multipliers are coordinates.
 
-use super::gait::Gait;
+use super::gait::{Gait, SoleContact};
 use costate::robot::Robot;
 use std::ops::Range;
 
@@ -51,7 +51,7 @@ pub(crate) struct LoopRow {
 pub(crate) struct Walk {
     pub gait: Gait,
     /// The robot with a constraint for each of the [feet](Self::feet), whose rows are x and z of it, and its
-    /// angle if it is a sole; in space three of a point and six of a sole.
+    /// angle if it is a sole that is flat; in space three of a point and six of a sole.
     pub foot: Robot,
     /// The same of the feet that land, then of those that stay on the ground meanwhile.
     pub landing: Robot,
@@ -80,6 +80,8 @@ pub(crate) struct Walk {
 pub(crate) struct Foot {
     pub name: String,
     pub rows: Range<usize>,
+    /// Of its sole; points are none.
+    pub contact: SoleContact,
 }
 
 /// A list with an entry for each joint, with the legs exchanged.
@@ -91,6 +93,12 @@ impl Walk {
     /// The foot that is held by a row.
     pub fn foot_of(&self, row: usize) -> Option<&Foot> {
         self.feet.iter().find(|foot| foot.rows.contains(&row))
+    }
+
+    /// Whether the force on a foot has the linear rows of [`Gait::cone`]: in the plane that on a toe alone is
+    /// limited by single multipliers.
+    pub fn has_cone(&self, foot: &Foot) -> bool {
+        self.gait.is_in_space() || foot.contact == SoleContact::Flat
     }
 
     /// Whether a row holds an angle of its foot.

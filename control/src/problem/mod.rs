@@ -46,7 +46,7 @@ mod wrench_cone;
 
 pub use end_error::{EndError, Leads};
 pub use free_error::FreeMotionError;
-pub use gait::Gait;
+pub use gait::{Gait, SoleContact};
 pub use gait_error::GaitError;
 pub use limits::MotionLimits;
 pub use loop_error::LoopError;

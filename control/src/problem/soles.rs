@@ -12,10 +12,13 @@
 //! toe, which is the heel's share times the length of the sole. So three sides of the cone are limits of
 //! single multipliers, and the fourth is linear: the toe's share is f_z less that of the heel.
 //!
+//! A sole on its toe alone has the first two rows: the toe is pinned as a point foot, and the foot rolls
+//! about it.
+//!
 //! In space the rows of a foot are those of its pose in the axes of the world, three of a point and six of a
 //! sole, and all sides of the cone are linear ([`super::wrench_cone`]).
 
-use super::gait::Gait;
+use super::gait::{Gait, SoleContact};
 use costate::robot::{ConstraintRow, ConstraintSpec, Placement};
 use std::ops::Range;
 
@@ -78,10 +81,17 @@ impl Gait {
         names.get(corner).map_or_else(|| format!("'{foot}'"), |name| format!("the {name} of '{foot}'"))
     }
 
+    /// The points of a foot that do not move while it stands so.
+    pub(crate) fn resting_corners(&self, contact: SoleContact) -> Vec<bool> {
+        let corners = self.corners();
+        let toe = corners.iter().map(|[x, _]| *x).fold(f64::NEG_INFINITY, f64::max);
+        corners.iter().map(|[x, _]| contact == SoleContact::Flat || *x == toe).collect()
+    }
+
     /// The rows of a foot that stands at x and y. In the plane forces are in their cone where multipliers are
-    /// positive, and the [load of the toe](Self::load_of_toe) too; in space all sides are in
+    /// positive, and the [load of the toe](Self::load_of_toe) of a flat sole too; in space all sides are in
     /// [`cone`](Self::cone).
-    pub(super) fn held(&self, foot: &str, [x, y]: [f64; 2]) -> Vec<ConstraintSpec> {
+    pub(super) fn held(&self, foot: &str, [x, y]: [f64; 2], contact: SoleContact) -> Vec<ConstraintSpec> {
         if self.is_in_space() {
             return vec![self.placed(foot, foot, [x, y, 0.0])];
         }
@@ -93,7 +103,20 @@ impl Gait {
             self.at_corner(edge, [toe, 0.0])
         };
         let turn = ConstraintSpec::rows(format!("{foot} turned"), foot, "world", &[ConstraintRow::TurnY]);
-        EDGES.into_iter().map(edge).chain(self.sole.map(|_| turn)).collect()
+        let flat = self.sole.filter(|_| contact == SoleContact::Flat);
+        EDGES.into_iter().map(edge).chain(flat.map(|_| turn)).collect()
+    }
+
+    /// The rows of a foot in which its force is told: those of its pose, or x and z of its toe if it stands
+    /// on that alone.
+    pub(super) fn told(&self, foot: &str, contact: SoleContact) -> ConstraintSpec {
+        match (self.sole, contact) {
+            (Some([_, toe]), SoleContact::Toe) => {
+                let rows = [ConstraintRow::X, ConstraintRow::Z];
+                self.at_corner(ConstraintSpec::rows(foot, foot, "world", &rows), [toe, 0.0])
+            }
+            _ => self.placed(foot, foot, [0.0; 3]),
+        }
     }
 
     /// Force (f_x, f_z) and torque about the origin of the foot of each of the rows of [`held`](Self::held);

@@ -6,7 +6,7 @@
 //! the feet behind are zero then whatever the motion is, and those in front have to be.
 
 use super::error::ProblemError;
-use super::gait::Gait;
+use super::gait::{Gait, SoleContact};
 use super::gait_error::GaitError;
 use super::key::Key;
 use super::loop_rows::{Foot, LoopPhase};
@@ -60,18 +60,22 @@ impl Problem {
         Ok(())
     }
 
-    /// Whether double support takes a part of the step, on points, and the step a given time.
+    /// Whether double support takes a part of the step, which takes a given time, and soles behind stand as
+    /// they can.
     ///
     /// # Errors
-    /// [`GaitError::OutOfRange`], [`GaitError::DoubleSupportInSpace`],
-    /// [`GaitError::DoubleSupportOnSoles`], [`GaitError::FreeDuration`].
+    /// [`GaitError::OutOfRange`], [`GaitError::DoubleSupportInSpace`], [`GaitError::FreeDuration`],
+    /// [`GaitError::NoSolesBehind`].
     pub(super) fn check_double_support(&self, gait: &Gait) -> Result<(), ProblemError> {
+        let is_flat = gait.trailing == SoleContact::Flat;
+        if is_flat && (gait.sole.is_none() || gait.double_support.is_none()) {
+            return Err(GaitError::NoSolesBehind.at(Key::GAIT_TRAILING));
+        }
         let Some(value) = gait.double_support else { return Ok(()) };
         let remedy = "the part of the step that all feet stand must be more than 0 and less than 1";
         let fault = match self.time {
             _ if !(value > 0.0 && value < 1.0) => GaitError::OutOfRange { value, remedy },
             _ if gait.is_in_space() => GaitError::DoubleSupportInSpace,
-            _ if gait.sole.is_some() => GaitError::DoubleSupportOnSoles,
             FinalTime::Free { .. } => GaitError::FreeDuration,
             FinalTime::Fixed(_) => return Ok(()),
         };
@@ -87,23 +91,23 @@ impl Problem {
         let (mut robot, mut foot, mut landing) = (self.robot.clone(), self.robot.clone(), self.robot.clone());
         let mut feet: Vec<Foot> = Vec::new();
         let count = |robot: &Robot| -> usize { robot.constraints().iter().map(|one| one.kind.rows()).sum() };
-        let mut add = |name: &String, rows: Vec<ConstraintSpec>, robot: Robot| {
+        let mut add = |name: &String, place: [f64; 2], contact: SoleContact, robot: Robot| {
             let first = count(&robot);
-            let robot = rows.into_iter().try_fold(robot, with)?;
-            feet.push(Foot { name: name.clone(), rows: first..count(&robot) });
+            let robot = gait.held(name, place, contact).into_iter().try_fold(robot, with)?;
+            feet.push(Foot { name: name.clone(), rows: first..count(&robot), contact });
             Ok::<_, ProblemError>(robot)
         };
         for ((stands, swings), place) in gait.stance.iter().zip(&gait.swing).zip(places) {
-            robot = add(stands, gait.held(stands, *place), robot)?;
-            foot = with(foot, gait.placed(stands, stands, [0.0; 3]))?;
-            landing = with(landing, gait.placed(swings, swings, [0.0; 3]))?;
+            robot = add(stands, *place, SoleContact::Flat, robot)?;
+            foot = with(foot, gait.told(stands, SoleContact::Flat))?;
+            landing = with(landing, gait.told(swings, SoleContact::Flat))?;
         }
         let single = robot.clone();
         if gait.double_support.is_some() {
-            for ((stands, swings), [x, _]) in gait.stance.iter().zip(&gait.swing).zip(places) {
-                robot = add(swings, gait.held(swings, [x - gait.length, 0.0]), robot)?;
-                foot = with(foot, gait.placed(swings, swings, [0.0; 3]))?;
-                landing = with(landing, gait.placed(stands, stands, [0.0; 3]))?;
+            for ((stands, swings), [x, y]) in gait.stance.iter().zip(&gait.swing).zip(places) {
+                robot = add(swings, [x - gait.length, -y], gait.trailing, robot)?;
+                foot = with(foot, gait.told(swings, gait.trailing))?;
+                landing = with(landing, gait.told(stands, gait.trailing))?;
             }
         }
         let phase = |robot: &Robot| LoopPhase { robot: robot.clone(), rows: count(robot) };

@@ -1,10 +1,11 @@
 //! The ends of the phases of a motion among the unknowns: its start, its vias, its end.
 
+use super::power::Powers;
 use super::side::{Limited, Side};
 use crate::direct::motion::mesh::Mesh;
 use crate::direct::motion::shape::Shape;
 use crate::direct::motion::times::FreeTimes;
-use crate::problem::loop_rows::{LoopPhase, Loops};
+use crate::problem::loop_rows::{LoopPhase, Loops, Walk};
 use crate::problem::{BoundaryState, Problem};
 
 /// The rows along a motion, in their order, that are implied at an end.
@@ -47,20 +48,40 @@ pub(crate) struct Ends {
     /// For each phase the sides that do not count in it, by what they limit and its number: forces on feet
     /// that swing, heights of feet that stand. Empty where all count everywhere.
     absent: Vec<Vec<(Limited, usize)>>,
+    /// For each phase the heights that are zero with their rates at its start, and at its end.
+    resting: Vec<[Vec<usize>; 2]>,
 }
 
-/// The sides that do not count in each phase of a step.
-fn absent(loops: &Loops) -> Vec<Vec<(Limited, usize)>> {
+/// The sides that do not count in each phase of a step, whose points have so many rows of powers.
+fn absent(loops: &Loops, powers: usize) -> Vec<Vec<(Limited, usize)>> {
     let Some(walk) = &loops.walk else { return Vec::new() };
-    let n = walk.exchange.len();
+    let (n, sides) = (walk.exchange.len(), walk.gait.cone().len());
+    let resting = walk.gait.resting_corners(walk.gait.trailing);
     let of_phase = |phase: &LoopPhase| {
         let idle = (phase.rows..loops.rows.len()).map(|row| (Limited::Acceleration, n + row));
-        // Where all feet stand, none is above the ground.
+        // Rows of cones, in the order of their feet.
+        let feet = walk.feet.iter().filter(|foot| walk.has_cone(foot)).enumerate();
+        let released = feet.filter(|(_, foot)| foot.rows.end > phase.rows);
+        let cones = released.flat_map(|(number, _)| sides * number..sides * (number + 1));
+        // Where all feet stand, what rests on the ground has no height.
         let stands = walk.has_double_support() && phase.rows == loops.rows.len();
-        let heights = 0..if stands { walk.gait.swing.len() } else { 0 };
-        idle.chain(heights.map(|foot| (Limited::Task, foot))).collect()
+        let heights =
+            (0..walk.gait.swing.len() * resting.len()).filter(|i| stands && resting[i % resting.len()]);
+        let heights = heights.map(|corner| (Limited::Task, corner));
+        idle.chain(cones.map(|row| (Limited::ToolAcceleration, powers + row))).chain(heights).collect()
     };
     loops.phases.iter().map(of_phase).collect()
+}
+
+/// The heights that are zero with their rates at the start and at the end of each phase, whatever the motion
+/// is: of soles in a step with double support, which leave the ground and come to it at rest.
+fn resting(loops: &Loops) -> Vec<[Vec<usize>; 2]> {
+    let rest = |walk: &&Walk| walk.has_double_support() && walk.gait.sole.is_some();
+    let Some(walk) = loops.walk.as_ref().filter(rest) else { return Vec::new() };
+    let rests = walk.gait.resting_corners(walk.gait.trailing);
+    let all = 0..walk.gait.swing.len() * rests.len();
+    let of = |rest: bool| all.clone().filter(|i| rests[i % rests.len()] == rest).collect::<Vec<_>>();
+    vec![[of(false), Vec::new()], [of(true), all.clone().collect()]]
 }
 
 impl Ends {
@@ -94,7 +115,11 @@ impl Ends {
             given,
             settled: vec![Settled::default(); states.len()],
             impulses: walk.map(|walk| walk.exchange.len()),
-            absent: problem.loops.as_ref().map_or(Vec::new(), |loops| absent(loops)),
+            resting: problem.loops.as_ref().map_or(Vec::new(), |loops| resting(loops)),
+            absent: problem
+                .loops
+                .as_ref()
+                .map_or(Vec::new(), |loops| absent(loops, Powers::new(problem).rows())),
         }
     }
 
@@ -158,6 +183,11 @@ impl Ends {
             left.into_iter().chain(right)
         };
         let is_row = (side.is_equation || side.is_half) && side.limited == Limited::Task;
+        let rests =
+            |end: usize| self.resting.get(phase).is_some_and(|ends| ends[end - phase].contains(&side.joint));
+        if side.limited == Limited::Task && near(0).any(rests) {
+            return true;
+        }
         // The end holds equations already; with a point beside it there would be one too many.
         let is_via = |end: usize| end > 0 && end < mesh.phases();
         let holds = |end: usize| match is_via(end) {

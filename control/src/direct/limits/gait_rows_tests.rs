@@ -1,6 +1,6 @@
 use super::{Derivatives, GaitRows};
 use crate::direct::points::values::Points;
-use crate::problem::{Gait, MotionLimits, Objective, Problem};
+use crate::problem::{Gait, MotionLimits, Objective, Problem, SoleContact};
 use costate_test_support::robots::file;
 
 /// A step of RABBIT with its multipliers.
@@ -10,11 +10,16 @@ pub(in crate::direct) fn rabbit() -> Problem {
 
 /// One that begins on both feet, for a part of its time.
 pub(in crate::direct) fn rabbit_on_both_feet() -> Problem {
-    on_both_feet(rabbit_step())
+    on_both_feet(rabbit_step(), SoleContact::Toe)
 }
 
-fn on_both_feet(problem: Problem) -> Problem {
-    let gait = problem.gait.clone().unwrap().with_double_support(0.2);
+/// The same of the biped with feet, whose foot behind stands so.
+pub(in crate::direct) fn seven_link_on_both_feet(trailing: SoleContact) -> Problem {
+    on_both_feet(seven_link_step(), trailing)
+}
+
+fn on_both_feet(problem: Problem, trailing: SoleContact) -> Problem {
+    let gait = problem.gait.clone().unwrap().with_double_support(0.2).with_trailing(trailing);
     problem.with_gait(gait).with_multipliers().unwrap()
 }
 
@@ -114,7 +119,8 @@ fn derivatives(rows: &mut GaitRows, states: [&[f64]; 2], weights: &[f64]) -> [Ve
 #[test]
 fn derivatives_at_the_ends_are_those_of_differences() {
     let all = [rabbit(), seven_link(), rabbit_on_both_feet(), walker(), walker_on_points()];
-    all.iter().for_each(compare_ends);
+    let both = [SoleContact::Toe, SoleContact::Flat].map(seven_link_on_both_feet);
+    all.iter().chain(&both).for_each(compare_ends);
 }
 
 fn compare_ends(problem: &Problem) {
@@ -194,6 +200,8 @@ fn derivatives_of_the_height_are_those_of_differences() {
 fn derivatives_of_soles_are_those_of_differences() {
     compare_soles(&seven_link(), [2, 1, 12]);
     compare_soles(&walker(), [4, 16, 24]);
+    compare_soles(&seven_link_on_both_feet(SoleContact::Toe), [2, 1, 14]);
+    compare_soles(&seven_link_on_both_feet(SoleContact::Flat), [2, 2, 15]);
 }
 
 fn compare_soles(problem: &Problem, [heights, forces, all]: [usize; 3]) {
@@ -247,7 +255,8 @@ fn compare_soles(problem: &Problem, [heights, forces, all]: [usize; 3]) {
 fn a_step_begins_on_both_feet() {
     let planar = [(rabbit(), 7, 2), (seven_link(), 9, 3), (rabbit_on_both_feet(), 7, 4)];
     let in_space = [(walker(), 18, 6), (walker_on_points(), 18, 3)];
-    for (problem, n, k) in planar.into_iter().chain(in_space) {
+    let [toe, flat] = [SoleContact::Toe, SoleContact::Flat].map(seven_link_on_both_feet);
+    for (problem, n, k) in planar.into_iter().chain(in_space).chain([(toe, 9, 5), (flat, 9, 6)]) {
         let mut rows = rows(&problem);
         assert_eq!(problem.coordinates(), n + k);
         for q in [&problem.start.q, &problem.end.q] {

@@ -22,8 +22,9 @@ pub(crate) struct Derivatives<'a> {
 /// dH/dt >= 0 at the start, <= 0 at the end  of each corner that swings
 /// ```
 ///
-/// and along the motion the same rows of forces in the accelerations of nu: see [`Gait::cone`]. The rates are
-/// those of soles.
+/// and along the motion the same rows of forces in the accelerations of nu, of all feet that stand: see
+/// [`Gait::cone`]. The rates are those of soles. In a step with double support impulses and rates are zero at
+/// both ends whatever the motion is, and none of their rows are there.
 ///
 /// [`Gait::cone`]: crate::Gait::cone
 #[derive(Clone, Debug)]
@@ -45,7 +46,8 @@ impl GaitSoles {
             return None;
         }
         let (n, rows) = (walk.shift.len(), &loops.rows);
-        let loads = walk.stance().iter().flat_map(|foot| {
+        let feet = || walk.feet.iter().filter(|foot| walk.has_cone(foot));
+        let loads = feet().flat_map(|foot| {
             let (first, rows) = (foot.rows.start, &rows[foot.rows.clone()]);
             cone.iter().map(move |side| {
                 let load = side.by.iter().zip(rows).map(|(by, row)| by * row.mass).collect();
@@ -55,12 +57,12 @@ impl GaitSoles {
         let weight = walk.weight();
         let of_feet = |subject: Subject, units: [&'static str; 2], weight: f64| {
             let cone = &cone;
-            walk.gait.stance.iter().flat_map(move |foot| {
+            feet().flat_map(move |foot| {
                 cone.iter().map(move |side| Row {
                     lower: 0.0,
                     upper: f64::INFINITY,
                     range: weight * side.length.unwrap_or(1.0),
-                    name: side.name_on(foot),
+                    name: side.name_on(&foot.name),
                     unit: units[usize::from(side.length.is_some())],
                     measure: Measure::Plain,
                     subject,
@@ -76,7 +78,10 @@ impl GaitSoles {
         });
         let arch = [walk.gait.clearance, walk.gait.length];
         let lifts = GaitLifts::new(&walk.corners, arch, &corners.collect::<Vec<_>>());
-        let bounds = impulses.chain(lifts.bounds().iter().cloned()).collect();
+        let bounds = match walk.has_double_support() {
+            true => Vec::new(),
+            false => impulses.chain(lifts.bounds().iter().cloned()).collect(),
+        };
         Some(Self { sizes: [n, rows.len()], loads: loads.collect(), lifts, bounds, forces })
     }
 
@@ -106,6 +111,9 @@ impl GaitSoles {
     /// # Errors
     /// States that cannot be evaluated.
     pub fn values(&mut self, [start, end]: [&[f64]; 2], g: &mut [f64]) -> Result<(), EvalError> {
+        if self.bounds.is_empty() {
+            return Ok(());
+        }
         let (impulses, rates) = g.split_at_mut(self.loads.len());
         self.load(&start[start.len() / 2 + self.sizes[0]..], impulses);
         self.lifts.values([self.of_joints(start), self.of_joints(end)], rates)
@@ -121,6 +129,9 @@ impl GaitSoles {
         weights: &[f64],
         Derivatives { near, far, at_start, at_end }: Derivatives<'_>,
     ) -> Result<(), EvalError> {
+        if self.bounds.is_empty() {
+            return Ok(());
+        }
         let ([n, k], width, loads) = (self.sizes, start.len(), self.loads.len());
         for ((first, load), row) in self.loads.iter().zip(near.chunks_exact_mut(width)) {
             let to = &mut row[2 * n + k + first..];

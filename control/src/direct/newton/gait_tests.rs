@@ -2,10 +2,12 @@
 
 use super::System;
 use crate::direct::interior::iterate::Interior;
-use crate::direct::limits::gait_rows::tests::{rabbit, rabbit_on_both_feet, seven_link, walker};
+use crate::direct::limits::gait_rows::tests::{
+    rabbit, rabbit_on_both_feet, seven_link, seven_link_on_both_feet, walker,
+};
 use crate::direct::solve::prepare::{Dynamics, interior};
 use crate::options::SolverOptions;
-use crate::problem::Problem;
+use crate::problem::{Problem, SoleContact};
 use crate::task::build::TaskRows;
 
 /// A step on a coarse mesh, with its Lagrange function's gradient by all unknowns, shared ones last.
@@ -73,6 +75,9 @@ fn the_matrix_of_soles_is_the_derivative_of_the_gradient() {
 #[test]
 fn the_matrix_of_double_support_is_the_derivative_of_the_gradient() {
     compare(&rabbit_on_both_feet(), 7 + 7);
+    for trailing in [SoleContact::Toe, SoleContact::Flat] {
+        compare(&seven_link_on_both_feet(trailing), 9 + 9);
+    }
 }
 
 /// In space, where joints change their signs in the mirror.

@@ -2,8 +2,8 @@
 
 use super::fault::Fault;
 use super::table::{Table, number, string};
-use crate::problem::Gait;
 use crate::problem::file::error::ProblemFileCause;
+use crate::problem::{Gait, SoleContact};
 use toml::de::DeValue;
 
 const KEYS: &[&str] = &[
@@ -16,6 +16,7 @@ const KEYS: &[&str] = &[
     "mirror",
     "sole",
     "double_support",
+    "trailing",
     "sole_width",
     "flipped",
     "width",
@@ -50,10 +51,21 @@ pub(super) fn gait(root: &Table<'_>) -> Result<Option<Gait>, Fault> {
     gait.mirror = table.list("mirror", "a list of pairs of joint names", pair)?.unwrap_or_default();
     gait.sole = table.value("sole", "a list of two numbers, x of heel and toe", two)?;
     gait.double_support = table.number("double_support")?;
+    let contact = table.value("trailing", "\"toe\" or \"flat\"", contact)?;
+    gait.trailing = contact.unwrap_or(gait.trailing);
     gait.sole_width = table.number("sole_width")?.unwrap_or(gait.sole_width);
     gait.width = table.number("width")?.unwrap_or(gait.width);
     gait.flipped = table.list("flipped", "a list of joint names", string)?.unwrap_or_default();
     Ok(Some(gait))
+}
+
+fn contact(value: &DeValue<'_>) -> Option<SoleContact> {
+    let DeValue::String(word) = value else { return None };
+    match &**word {
+        "toe" => Some(SoleContact::Toe),
+        "flat" => Some(SoleContact::Flat),
+        _ => None,
+    }
 }
 
 /// Two numbers.
