@@ -22,6 +22,7 @@
 mod advice;
 pub mod between;
 mod criterion;
+mod entries;
 pub mod figures;
 mod forces;
 mod laws;
@@ -41,6 +42,7 @@ mod svg;
 pub mod text;
 mod tools;
 mod units;
+mod work;
 
 pub use options::ReportOptions;
 
@@ -51,14 +53,15 @@ use motion::Motion;
 ///
 /// Quantities over time are those of [`Solution::sample_at`] and [`Solution::rates_at`], at the nodes of the
 /// motion, at equal steps between them, and on both sides of each jump. Without a motion the page says why.
-/// Motions of robots with floating or spherical joints are not drawn: their page has figures alone.
 pub fn report(problem: &Problem, solution: &Solution, options: &ReportOptions) -> String {
     page::text(&Motion::new(problem, solution, options))
 }
 
 /// What the stage of the report shows, as JSON, for other viewers.
 ///
-/// `joints` is the tree with placements and axes. `bodies` have the `joint` that moves each, their placement
+/// `joints` is the tree with placements and axes. `q` is the entry of q of each: of joints of kind
+/// `quaternion` the first of four, and those of kind `fixed` have none. A floating or spherical joint is a
+/// chain of them, which are `free`. `bodies` have the `joint` that moves each, their placement
 /// `at` in its frame (rotation column by column, translation; m), `shape` and `colour`. `obstacles` and
 /// `regions` are those of the world, `meshes` the meshes of shapes by number, with bytes in base 64;
 /// `payloads` and `tools` follow.

@@ -28,9 +28,7 @@ pub struct Motion<'a> {
 
 impl<'a> Motion<'a> {
     pub fn new(problem: &'a Problem, solution: &'a Solution, options: &'a ReportOptions) -> Self {
-        // Frames and angles of joints that turn freely are not drawn.
-        let is_drawn = problem.robot.free_joints().is_empty();
-        let times = if is_drawn { times(solution) } else { Vec::new() };
+        let times = times(solution);
         let point = |&t: &f64| solution.trajectory.at(t);
         let points: Vec<TrajectoryPoint> = times.iter().filter_map(point).collect();
         let samples = solution.sample_at(problem, &times).unwrap_or_else(|_| without_dynamics(&points));

@@ -1,16 +1,15 @@
 //! The plots of a report.
 
+use crate::entries::entries;
 use crate::forces::{FORCES, forces};
 use crate::limits::{self, Quantity};
 use crate::motion::Motion;
 use crate::numbers::short;
-use crate::plot::{Curve, Group, Look, NEUTRAL, Plot};
+use crate::plot::{Curve, Group, Look, Panel, Plot};
 use crate::units::{self, Units};
-use costate::robot::{JointKind, Robot};
+use crate::work::{powers, sums};
+use costate::robot::{Joint, JointKind, Robot};
 use costate_control::{Iteration, TrajectoryPoint};
-
-/// A plot and the name of its file.
-pub type Panel = (String, Plot);
 
 /// Names of the plots over time.
 pub const NAMES: [&str; 17] = [
@@ -41,11 +40,6 @@ pub const CONTROL: &str = "control_";
 pub fn along_the_motion(motion: &Motion<'_>) -> Vec<Panel> {
     let (robot, samples) = (motion.robot(), &motion.samples);
     let t = &samples.t;
-    let angles = if robot.independent_joints().any(|joint| joint.kind == JointKind::Prismatic) {
-        "positions"
-    } else {
-        "angles"
-    };
     let of_joints = |file: &str, title: &str, symbol: &str, unit: Units, group: Group, rows: &[Vec<f64>]| {
         let mut plot = Plot::over_time(title, symbol, group);
         plot.units = unit;
@@ -61,10 +55,7 @@ pub fn along_the_motion(motion: &Motion<'_>) -> Vec<Panel> {
     };
     use Group::{Actuation, Joints, Solver};
     let mut panels = vec![
-        limited(
-            of_joints("positions", &format!("Joint {angles}"), "q", units::POSITION, Joints, &samples.q),
-            Quantity::Position,
-        ),
+        limited(positions(motion), Quantity::Position),
         limited(of_joints("rates", "Joint rates", "v", units::RATE, Joints, &samples.v), Quantity::Rate),
         limited(
             of_joints("accelerations", "Joint accelerations", "a", units::ACCELERATION, Joints, &samples.a),
@@ -128,15 +119,37 @@ pub fn along_the_motion(motion: &Motion<'_>) -> Vec<Panel> {
 /// One curve for each joint.
 fn curves(robot: &Robot, t: &[f64], rows: &[Vec<f64>]) -> Vec<Curve> {
     let joints = robot.independent_joints().enumerate();
-    let column = |i: usize| t.iter().zip(rows).filter_map(move |(&t, row)| Some((t, *row.get(i)?)));
     joints
         .map(|(i, joint)| Curve {
             name: joint.name.clone(),
             color: i,
-            points: column(i).collect(),
+            points: column(t, rows, i).collect(),
             look: Look::Line,
         })
         .collect()
+}
+
+/// q, one curve for each entry.
+fn positions(motion: &Motion<'_>) -> Panel {
+    let (robot, samples) = (motion.robot(), &motion.samples);
+    let is_no_angle = |joint: &Joint| joint.kind == JointKind::Prismatic || joint.free.is_some();
+    let angles = if robot.independent_joints().any(is_no_angle) { "positions" } else { "angles" };
+    let mut plot = Plot::over_time(format!("Joint {angles}"), "q", Group::Joints);
+    (plot.units, plot.unit) = (units::POSITION, units::of_positions(robot));
+    plot.marks.clone_from(&motion.solution.motion.switches);
+    for (i, entry) in entries(robot).into_iter().enumerate() {
+        if entry.is_quaternion {
+            plot.unitless.push(entry.number);
+        }
+        let points = column(&samples.t, &samples.q, i).collect();
+        plot.curves.push(Curve { name: entry.name, color: entry.number, points, look: Look::Line });
+    }
+    ("positions".into(), plot)
+}
+
+/// One entry of the rows over time.
+fn column<'a>(t: &'a [f64], rows: &'a [Vec<f64>], i: usize) -> impl Iterator<Item = (f64, f64)> + 'a {
+    t.iter().zip(rows).filter_map(move |(&t, row)| Some((t, *row.get(i)?)))
 }
 
 /// Title, symbol and unit of the controls: torques, unless some are forces or have a gain.
@@ -146,44 +159,6 @@ fn name_of_controls(motion: &Motion<'_>) -> (&'static str, &'static str, Units) 
     }
     let slides = motion.robot().independent_joints().any(|joint| joint.kind == JointKind::Prismatic);
     (if slides { "Control" } else { "Torque" }, "u", units::EFFORT)
-}
-
-/// tau v of each joint (W); rows are times.
-fn powers(motion: &Motion<'_>) -> Vec<Vec<f64>> {
-    let rows = motion.samples.tau.iter().zip(&motion.samples.v);
-    rows.map(|(tau, v)| tau.iter().zip(v).map(|(tau, v)| tau * v).collect()).collect()
-}
-
-/// The power of all joints together, and the work that they have done.
-fn sums(motion: &Motion<'_>, powers: &[Vec<f64>]) -> [Panel; 2] {
-    let t = &motion.samples.t;
-    let over_time = |values: Vec<f64>| t.iter().copied().zip(values).collect::<Vec<_>>();
-    let curve = |name: &str, color, points| Curve { name: name.into(), color, points, look: Look::Line };
-    let total: Vec<f64> = powers.iter().map(|row| row.iter().sum()).collect();
-    // What motors deliver that take nothing back, as in the cost of energy.
-    let delivered: Vec<f64> = powers.iter().map(|row| row.iter().map(|power| power.max(0.0)).sum()).collect();
-    let mut power = Plot::over_time("Power of all joints", "\u{3a3} \u{3c4} v", Group::Actuation);
-    power.limits = limits::of_total_power(motion);
-    let mut energy = Plot::over_time("Work", "W", Group::Actuation);
-    energy.curves = vec![
-        curve("work", NEUTRAL, over_time(integral(t, &total))),
-        curve("delivered, nothing taken back", 0, over_time(integral(t, &delivered))),
-    ];
-    power.curves = vec![curve("all joints", NEUTRAL, over_time(total))];
-    (power.unit, energy.unit) = ("W".into(), "J".into());
-    [("total_power".into(), power), ("energy".into(), energy)]
-}
-
-/// The integral from the start to each time, by trapezia.
-fn integral(t: &[f64], values: &[f64]) -> Vec<f64> {
-    let mut sum = 0.0;
-    let steps = t.windows(2).zip(values.windows(2));
-    let steps = steps.map(|(t, y)| 0.5 * (t[1] - t[0]) * (y[0] + y[1]));
-    let later = steps.map(|step| {
-        sum += step;
-        sum
-    });
-    std::iter::once(0.0).take(values.len()).chain(later).collect()
 }
 
 /// The speeds of the tools, with their limits.
@@ -290,15 +265,4 @@ pub fn residuals(iterations: &[Iteration]) -> Vec<Panel> {
         }
     }
     vec![("residuals".into(), plot)]
-}
-
-#[cfg(test)]
-mod tests {
-    use super::integral;
-
-    #[test]
-    fn work_is_the_integral_of_power() {
-        assert_eq!(integral(&[0.0, 1.0, 1.0, 3.0], &[0.0, 2.0, -1.0, -1.0]), [0.0, 1.0, 1.0, -1.0]);
-        assert!(integral(&[], &[]).is_empty());
-    }
 }

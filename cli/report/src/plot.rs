@@ -2,6 +2,9 @@
 
 use crate::units::Units;
 
+/// A plot and the name of its file.
+pub type Panel = (String, Plot);
+
 /// The colour of what belongs to several joints.
 pub const NEUTRAL: usize = usize::MAX;
 
@@ -69,6 +72,8 @@ pub struct Plot {
     pub symbol: String,
     /// Units of revolute and prismatic joints, or one unit for all.
     pub units: Units,
+    /// Colours of curves without a unit, those of quaternions.
+    pub unitless: Vec<usize>,
     /// The unit as it is written at the axis.
     pub unit: String,
     pub x_label: &'static str,
@@ -92,6 +97,7 @@ impl Plot {
             title: title.into(),
             symbol: symbol.into(),
             units: ["", ""],
+            unitless: Vec::new(),
             unit: String::new(),
             x_label: "t (s)",
             curves: Vec::new(),

@@ -2,8 +2,9 @@
 
 use crate::motion::Motion;
 use crate::shape::SHORTEST;
-use costate::kinematics::{Kinematics, ReferenceFrame};
-use costate::robot::{Frame, Placement, Robot};
+use costate::configuration::FreeKinematics;
+use costate::kinematics::ReferenceFrame;
+use costate::robot::{Frame, FrameKind, Placement, Robot};
 use costate_control::{Problem, Reference, Tool};
 
 /// A point that is fixed to a link, with axes.
@@ -80,25 +81,31 @@ fn ends(robot: &Robot) -> Vec<ToolFrame> {
 
 /// The speed of each tool (m/s) at the times of a motion; rows are tools.
 pub fn speeds(motion: &Motion<'_>, tools: &[ToolFrame]) -> Vec<Vec<(f64, f64)>> {
-    let mut kinematics = Kinematics::<f64>::new(motion.robot());
+    let mut kinematics = FreeKinematics::<f64>::new(motion.robot());
     let mut rows = vec![Vec::with_capacity(motion.points.len()); tools.len()];
+    let frames: Vec<Option<usize>> = tools.iter().map(|tool| frame_of(motion.robot(), tool.joint?)).collect();
     for point in &motion.points {
         if kinematics.set_state(&point.q, &point.v).is_err() {
             continue;
         }
-        for (tool, row) in tools.iter().zip(&mut rows) {
-            let speed = tool.joint.map_or(Some(0.0), |joint| speed(&kinematics, joint, &tool.placement));
+        for ((tool, frame), row) in tools.iter().zip(&frames).zip(&mut rows) {
+            let speed = frame.map_or(Some(0.0), |frame| speed(&kinematics, frame, &tool.placement));
             row.extend(speed.map(|speed| (point.t, speed)));
         }
     }
     rows
 }
 
-/// `|v + omega x R r|` of a point r of the frame of a joint (m/s).
-fn speed(kinematics: &Kinematics<f64>, joint: usize, placement: &Placement) -> Option<f64> {
-    // After the frame of the world come those of the joints.
-    let twist = kinematics.twist(1 + joint, ReferenceFrame::LocalWorldAligned).ok()?;
-    let pose = kinematics.pose(1 + joint).ok()?;
+/// The number of the frame of a joint: what follows inside a floating or spherical joint has none.
+fn frame_of(robot: &Robot, joint: usize) -> Option<usize> {
+    let name = &robot.joints()[joint].name;
+    robot.frames().iter().position(|frame| frame.kind == FrameKind::Joint && frame.name == *name)
+}
+
+/// `|v + omega x R r|` of a point r of a frame (m/s).
+fn speed(kinematics: &FreeKinematics<f64>, frame: usize, placement: &Placement) -> Option<f64> {
+    let twist = kinematics.twist(frame, ReferenceFrame::LocalWorldAligned).ok()?;
+    let pose = kinematics.pose(frame).ok()?;
     let r = placement.translation;
     let arm = pose.rotation.map(|[x, y, z]| x * r.x + y * r.y + z * r.z);
     let ([v, omega], [x, y, z]) = ([twist.linear, twist.angular].map(|vector| vector.to_array()), arm);

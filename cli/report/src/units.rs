@@ -1,6 +1,6 @@
 //! Units of quantities of joints.
 
-use costate::robot::{JointKind, Robot};
+use costate::robot::{Joint, JointKind, Robot};
 
 /// The unit of a quantity for a revolute and for a prismatic joint.
 pub type Units = [&'static str; 2];
@@ -26,6 +26,16 @@ pub fn of_robot(robot: &Robot, [revolute, prismatic]: Units) -> String {
         (false, _) => prismatic.into(),
         _ => revolute.into(),
     }
+}
+
+/// The unit of the positions: as [`of_robot`], but quaternions have none.
+pub fn of_positions(robot: &Robot) -> String {
+    let [revolute, prismatic] = POSITION;
+    let is_quaternion = |joint: &Joint| joint.free.is_some() && joint.kind == JointKind::Revolute;
+    let has = |kind| robot.independent_joints().any(|joint| joint.kind == kind && !is_quaternion(joint));
+    let found = [(JointKind::Revolute, revolute), (JointKind::Prismatic, prismatic)];
+    let found: Vec<&str> = found.into_iter().filter(|(kind, _)| has(*kind)).map(|(_, unit)| unit).collect();
+    found.join(", ")
 }
 
 /// The unit of one joint.

@@ -16,7 +16,7 @@ use crate::arguments::warn_of_urdf_flags;
 use crate::interrupt::{self, Interrupt};
 use crate::{Outcome, terminal};
 pub use arguments::Arguments;
-use costate::robot::{LoadOptions, Robot, RobotFormat, printable};
+use costate::robot::{LoadOptions, RobotFormat, printable};
 use costate_control::{BranchEnd, CostDerivative, FinalTime, Method, Samples, Solution, Solver, StageTimes};
 use costate_report::ReportOptions;
 use costate_report::remarks::remarks;
@@ -54,7 +54,6 @@ pub fn run(arguments: &Arguments) -> Outcome {
     if let Some(when) = arguments.polish {
         task.options = task.options.with_polish(when.into());
     }
-    refuse_pictures(arguments, &task.problem.robot)?;
     if let Some(folder) = arguments.package_path.iter().find(|folder| !folder.is_dir()) {
         return Err(format!("--package-path: there is no folder {}", folder.display()).into());
     }
@@ -181,23 +180,6 @@ pub fn run(arguments: &Arguments) -> Outcome {
         (false, true) => ExitCode::SUCCESS,
         (false, false) => ExitCode::from(NOT_SOLVED),
     })
-}
-
-/// Pictures of robots with joints that turn freely are not drawn.
-///
-/// # Errors
-/// A message that names the flag and the joint.
-fn refuse_pictures(arguments: &Arguments, robot: &Robot) -> Result<(), String> {
-    let flags = [("-o", arguments.output.is_some()), ("--svg", arguments.svg.is_some())];
-    match (flags.iter().find(|(_, is_given)| *is_given), robot.free_joints().first()) {
-        (Some((flag, _)), Some(free)) => Err(format!(
-            "{flag}: joint '{}' is {}, and reports do not draw robots with such joints; --save, --sample and --json \
-             have the motion",
-            printable(&free.name),
-            free.kind.name()
-        )),
-        _ => Ok(()),
-    }
 }
 
 /// What `--json` prints: the solution as it is saved, the time it took, the points of a continuation,

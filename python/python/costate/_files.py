@@ -13,7 +13,6 @@ import numpy as np
 from . import _show, _stage, _viser
 from ._errors import ArgumentError, MotionError
 from ._motion import Motion
-from ._wanted import free_joint_error
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -94,12 +93,7 @@ class Files(Motion):
             For a URDF that has no visual model of a link of the robot.
         OSError
             Where the URDF cannot be read.
-        RobotError
-            For a robot with floating or spherical joints, which reports do not draw.
         """
-        if self._problem.robot.free_joints:
-            what = "reports do not draw robots with such joints; to_viser and plot show the motion, save writes it"
-            raise free_joint_error(self._problem.robot, what)
         page, missing = self._core.html(self._problem.robot, urdf, _folders(package_path))
         for text in missing:
             warnings.warn(text, stacklevel=2)

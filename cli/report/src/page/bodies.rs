@@ -1,13 +1,13 @@
-//! Bodies on the stage: models of links, capsules in their place, obstacles.
+//! Bodies on the stage: models of links, capsules in their place.
 
 use super::values::{number, placement, shown, vector};
+use crate::entries::{Mover, is_floating, is_last, movers};
 use crate::models::{LinkModel, Mesh, ModelShape};
 use crate::motion::Motion;
-use crate::shape::{SHORTEST, end_of, is_trunk, moves_freely};
+use crate::shape::{SHORTEST, end_of, equal_box, is_trunk, moves_freely};
 use crate::soles::{Sole, soles};
 use crate::tools::ToolFrame;
-use costate::robot::{JointKind, Placement, Robot};
-use costate_control::{Problem, Shape};
+use costate::robot::{Joint, JointKind, Placement, Robot};
 use serde_json::{Value, json};
 use std::sync::Arc;
 
@@ -98,22 +98,24 @@ impl<'a> Capsules<'a> {
         let robot = motion.robot();
         let joints = robot.joints();
         let (mut ways, mut depths) = (vec![0.0; joints.len()], vec![0; joints.len()]);
+        // A floating or spherical joint counts as one.
+        let step = |joint: &Joint| usize::from(joint.free.as_ref().is_none_or(is_last));
         for (i, joint) in joints.iter().enumerate() {
-            let (way, depth) = joint.parent.map_or((0.0, 0), |parent| (ways[parent], depths[parent] + 1));
+            let (way, depth) =
+                joint.parent.map_or((0.0, 0), |parent| (ways[parent], depths[parent] + step(joint)));
             (ways[i], depths[i]) = (way + joint.placement.translation.norm(), depth);
         }
         let ends = tools
             .iter()
             .map(|tool| tool.joint.map_or(0.0, |joint| ways[joint]) + tool.placement.translation.norm());
         let reach = ends.chain(ways.iter().copied()).fold(0.0, f64::max);
-        let positions: Vec<Vec<f64>> =
-            motion.points.iter().filter_map(|point| robot.joint_positions(&point.q).ok()).collect();
-        let range = |i: usize| {
-            let values = positions.iter().map(|row| row[i]);
+        let range = |mover: &Mover| {
+            let Mover::Position { at, ratio, offset } = *mover else { return [0.0, 0.0] };
+            let values = motion.points.iter().filter_map(|point| Some(ratio * point.q.get(at)? + offset));
             values.fold([0.0, 0.0], |[low, high]: [f64; 2], x| [low.min(x), high.max(x)])
         };
         let radius = motion.problem.task.collision.as_ref().and_then(|collision| collision.along_links);
-        let ranges = (0..joints.len()).map(range).collect();
+        let ranges = movers(robot).iter().map(range).collect();
         Self { robot, tools, reach: if reach > 0.0 { reach } else { 1.0 }, radius, depths, ranges }
     }
 
@@ -138,7 +140,7 @@ impl<'a> Capsules<'a> {
     fn base(&self, bodies: &mut Vec<Value>, has_capsules: bool) {
         for (i, joint) in self.robot.joints().iter().enumerate().filter(|(_, joint)| joint.parent.is_none()) {
             let to = joint.placement.translation;
-            if has_capsules && to.norm() > SHORTEST {
+            if has_capsules && to.norm() > SHORTEST && !is_floating(joint) {
                 bodies.push(Self::capsule(None, [0.0; 3], to.into(), 1.15 * self.radius(i), "base"));
             }
             if has_capsules {
@@ -154,10 +156,13 @@ impl<'a> Capsules<'a> {
             self.robot.joints().iter().enumerate().filter(|(_, child)| child.parent == Some(joint));
         let mut ends = Vec::new();
         for (i, child) in children {
-            ends.push(child.placement.translation);
+            if !is_floating(child) {
+                ends.push(child.placement.translation);
+            }
             self.rail(i, bodies);
         }
-        if ends.is_empty() || is_trunk(self.robot, joint) {
+        let is_body = self.body(joint, bodies);
+        if (ends.is_empty() && !is_body) || is_trunk(self.robot, joint) {
             let tools = self.tools.iter().filter(|tool| tool.joint == Some(joint));
             ends.extend(tools.map(|tool| tool.placement.translation));
             ends.push(end_of(self.robot, joint).into());
@@ -170,6 +175,28 @@ impl<'a> Capsules<'a> {
                 drawn.push(end);
             }
         }
+    }
+
+    /// The box, or the ball, of a link that floats; whether it has one.
+    fn body(&self, joint: usize, bodies: &mut Vec<Value>) -> bool {
+        let moved = &self.robot.joints()[joint];
+        let is_own = is_floating(moved) && moved.free.as_ref().is_some_and(is_last);
+        if !is_own || moved.inertia.mass <= 0.0 {
+            return false;
+        }
+        let shape = match equal_box(&moved.inertia) {
+            Some(edges) => json!({ "kind": "box", "size": vector(edges) }),
+            None => json!({ "kind": "sphere", "radius": number(1.6 * self.radius(joint)) }),
+        };
+        let at = Placement { translation: moved.inertia.com, ..Placement::identity() };
+        bodies.push(json!({
+            "joint": joint,
+            "at": placement(&at),
+            "shape": shape,
+            "colour": Value::Null,
+            "link": shown(&moved.link),
+        }));
+        true
     }
 
     /// A sole stands on the ground: a plate in space, a capsule in the plane.
@@ -206,36 +233,6 @@ impl<'a> Capsules<'a> {
         let [from, to] = [low - margin, high + margin].map(|q| slide.placement.translation + axis * q);
         bodies.push(Self::capsule(slide.parent, from.into(), to.into(), 0.4 * self.radius(joint), "rail"));
     }
-}
-
-/// What the motion keeps away from.
-pub fn obstacles(problem: &Problem) -> Vec<Value> {
-    let obstacle = |name: &str, at: &Placement, shape: Value| json!({ "name": shown(name), "at": placement(at), "shape": shape });
-    let world = Placement::identity();
-    let all = problem.task.obstacles.iter().filter_map(|each| {
-        Some(match &each.shape {
-            Shape::Sphere { centre, radius } => {
-                let at = Placement::from_xyz_rpy(*centre, [0.0; 3]);
-                obstacle(&each.name, &at, json!({ "kind": "sphere", "radius": number(*radius) }))
-            }
-            Shape::Capsule { from, to, radius } => {
-                let shape = json!({
-                    "kind": "capsule", "from": vector(*from), "to": vector(*to), "radius": number(*radius),
-                });
-                obstacle(&each.name, &world, shape)
-            }
-            Shape::Box { placement, size } => {
-                obstacle(&each.name, placement, json!({ "kind": "box", "size": vector(*size) }))
-            }
-            Shape::HalfSpace { through, normal } => {
-                let shape =
-                    json!({ "kind": "plane", "through": vector(*through), "normal": vector(*normal) });
-                obstacle(&each.name, &world, shape)
-            }
-            _ => return None,
-        })
-    });
-    all.collect()
 }
 
 /// Bytes in base 64 (RFC 4648).

@@ -2,15 +2,20 @@
 
 use super::stage::stage;
 use super::values::{list, number, shown};
+use crate::entries::entries;
 use crate::motion::Motion;
-use crate::panels::{self, Panel};
-use crate::plot::{Curve, Group, Limit, Look, NEUTRAL};
+use crate::panels;
+use crate::plot::{Curve, Group, Limit, Look, NEUTRAL, Panel};
+use costate::robot::FreeJoint;
 use serde_json::{Value, json};
 
 /// All of it: stage, times, joints, plots. Angles in rad, lengths in m, times in s.
 pub fn data(motion: &Motion<'_>) -> Value {
     let joints = motion.robot().independent_joints();
     let joints = joints.map(|joint| json!({ "name": shown(&joint.name), "kind": joint.kind.name() }));
+    // Those that no coordinate has, the last entries of quaternions.
+    let further = entries(motion.robot()).into_iter().filter(|entry| entry.number >= motion.robot().dof());
+    let further = further.map(|entry| json!({ "name": shown(&entry.name), "kind": "quaternion" }));
     let residuals = panels::residuals(&motion.solution.motion.iterations);
     let plots = panels::along_the_motion(motion).into_iter().chain(residuals);
     let stem: String = motion
@@ -24,13 +29,23 @@ pub fn data(motion: &Motion<'_>) -> Value {
         "name": shown(motion.robot().name()),
         "stem": stem,
         "t": list(motion.samples.t.iter().copied()),
-        "joints": joints.collect::<Vec<_>>(),
+        "joints": joints.chain(further).collect::<Vec<_>>(),
+        "free": motion.robot().free_joints().iter().map(free).collect::<Vec<_>>(),
         "vias": motion.solution.trajectory.via_times,
         "via_names": via_names(motion),
         "switches": motion.solution.motion.switches,
         "table": table(motion),
         "plots": plots.map(|panel| plot(motion, panel)).collect::<Vec<_>>(),
         "stage": stage(motion),
+    })
+}
+
+/// Where the entries of a floating or spherical joint are in q and v.
+fn free(joint: &FreeJoint) -> Value {
+    json!({
+        "slides": joint.kind.slides(),
+        "position": joint.position,
+        "coordinate": joint.coordinate,
     })
 }
 
@@ -65,6 +80,7 @@ fn plot(motion: &Motion<'_>, (id, plot): Panel) -> Value {
         "symbol": plot.symbol,
         // Where joints differ in their units, and for angles that may be shown in degrees.
         "units": plot.units,
+        "unitless": plot.unitless,
         "unit": plot.unit,
         "group": group,
         "ofJoints": of_joints,

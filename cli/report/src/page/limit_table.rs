@@ -1,5 +1,6 @@
 //! The table of limits: which are kept, by how much each kind is exceeded, and when each is active.
 
+use crate::entries::of_coordinates;
 use crate::figures::limit_units;
 use crate::limits::{Quantity, Range, kept, only_compared};
 use crate::motion::Motion;
@@ -121,13 +122,18 @@ fn at_nodes<'a>(motion: &Motion<'a>, quantity: Quantity, ranges: &[Range], is_ha
         return None;
     }
     let (mut worst, mut active) = ((0.0, "-".to_owned()), Vec::new());
-    for (i, joint) in motion.problem.robot.independent_joints().enumerate() {
-        let [low, high] = ranges[i];
+    let robot = &motion.problem.robot;
+    let entries: Vec<usize> = match quantity {
+        Quantity::Position => of_coordinates(robot),
+        _ => (0..robot.dof()).collect(),
+    };
+    for ((joint, &[low, high]), at) in robot.independent_joints().zip(ranges).zip(entries) {
         let width = if (high - low).is_finite() { high - low } else { low.abs().min(high.abs()) };
-        for (side, sign, limit) in [("min", -1.0, low), ("max", 1.0, high)] {
+        let sides = [("min", -1.0, low), ("max", 1.0, high)];
+        for (side, sign, limit) in sides.into_iter().filter(|side| side.2.is_finite()) {
             let mut open = false;
             for (&t, row) in trajectory.t.iter().zip(rows) {
-                let excess = sign * (row[i] - limit);
+                let excess = sign * (row[at] - limit);
                 if excess > worst.0 {
                     worst = (excess, format!("{}, t = {} s", joint.name, short(t, 4)));
                 }
@@ -168,7 +174,33 @@ fn together(active: &[Span<'_>]) -> Vec<[String; 3]> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Span, together};
+    use super::{Span, at_nodes, together};
+    use crate::ReportOptions;
+    use crate::limits::Quantity;
+    use crate::motion::Motion;
+    use costate::robot::LoadOptions;
+    use costate_control::{ProblemFile, Solver};
+
+    /// What has no limit is at none, whatever it does.
+    #[test]
+    fn limits_that_are_infinite_are_not_active() {
+        let path = "../../examples/problems/two_link.toml";
+        let file = ProblemFile::read(path, LoadOptions::default()).unwrap();
+        let solution = Solver::new(&file.problem, file.options).unwrap().solve();
+        let options = ReportOptions::default();
+        let motion = Motion::new(&file.problem, &solution, &options);
+        let rates = &solution.trajectory.v;
+        let fastest = rates.iter().map(|row| row[1]).fold(f64::NEG_INFINITY, f64::max);
+        let infinite = [f64::NEG_INFINITY, f64::INFINITY];
+        let active = |ranges: [[f64; 2]; 2]| {
+            let row = at_nodes(&motion, Quantity::Rate, &ranges, true).unwrap();
+            row.active.iter().map(|span| (span.name.to_owned(), span.side)).collect::<Vec<_>>()
+        };
+        let name = file.problem.robot.independent_joints().nth(1).unwrap().name.clone();
+        assert_eq!(active([infinite, [f64::NEG_INFINITY, fastest]]), [(name, "max")]);
+        assert!(active([infinite, [-1e3, 1e3]]).is_empty());
+        assert!(at_nodes(&motion, Quantity::Rate, &[infinite; 2], true).is_none());
+    }
 
     #[test]
     fn spans_of_one_limit_stand_together() {

@@ -4,6 +4,7 @@ mod bodies;
 mod data;
 mod head;
 mod limit_table;
+mod obstacles;
 mod payloads;
 mod regions;
 mod script;

@@ -6,8 +6,8 @@ use crate::motion::Motion;
 /// The files of the script, in one scope; each uses those before it.
 const SCRIPT: &str = concat!(
     "\n(() => {\n\"use strict\";\n",
-    include_str!("js/data.js"),
     include_str!("js/linear.js"),
+    include_str!("js/data.js"),
     include_str!("js/robot.js"),
     include_str!("js/shapes.js"),
     include_str!("js/meshes.js"),

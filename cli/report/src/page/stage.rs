@@ -1,12 +1,14 @@
 //! The data of the stage: the tree of joints, bodies, tools, payloads.
 //!
-//! Poses are not written: the script computes them from q, as [`costate::robot::Robot::poses`] does, which is
-//! exact and short.
+//! Poses are not written: the script computes them from q, as [`costate::robot::Robot::poses`] does and
+//! `entries` for floating and spherical joints, which is exact and short.
 
-use super::bodies::{Meshes, bodies, obstacles};
+use super::bodies::{Meshes, bodies};
+use super::obstacles::obstacles;
 use super::payloads::payloads;
 use super::regions::regions;
 use super::values::{placement, shown};
+use crate::entries::{Mover, entries, movers};
 use crate::motion::Motion;
 use crate::tools::tools;
 use costate::robot::Robot;
@@ -35,22 +37,27 @@ pub fn stage(motion: &Motion<'_>) -> Value {
 
 /// All joints, mimics included: `q = ratio q_independent + offset`.
 fn joints(robot: &Robot) -> Vec<Value> {
-    let independent = robot.independent_indices();
-    let joints = robot.joints().iter().enumerate();
+    let numbers: Vec<usize> = entries(robot).into_iter().map(|entry| entry.number).collect();
+    let joints = robot.joints().iter().zip(movers(robot));
     joints
-        .map(|(i, joint)| {
-            let (of, ratio, offset) =
-                joint.mimic.map_or((i, 1.0, 0.0), |mimic| (mimic.joint, mimic.ratio, mimic.offset));
+        .map(|(joint, mover)| {
+            let (kind, at, ratio, offset) = match mover {
+                Mover::Position { at, ratio, offset } => (joint.kind.name(), Some(at), ratio, offset),
+                Mover::Quaternion { at } => ("quaternion", Some(at), 1.0, 0.0),
+                Mover::Nothing => ("fixed", None, 1.0, 0.0),
+            };
             json!({
                 "name": shown(&joint.name),
-                "kind": joint.kind.name(),
+                "kind": kind,
                 "parent": joint.parent,
                 "at": placement(&joint.placement),
                 "axis": joint.axis.as_slice(),
-                "q": independent.iter().position(|&index| index == of),
+                "q": at,
+                "number": at.and_then(|at| numbers.get(at)),
                 "ratio": ratio,
                 "offset": offset,
                 "massless": joint.inertia.mass == 0.0,
+                "free": joint.free.is_some(),
             })
         })
         .collect()

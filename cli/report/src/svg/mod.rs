@@ -9,7 +9,8 @@ mod strobe;
 mod views;
 
 use crate::motion::Motion;
-use crate::panels::{self, Panel};
+use crate::panels;
+use crate::plot::Panel;
 use crate::soles::soles;
 pub(crate) use skeleton::Skeleton;
 use skeleton::film;

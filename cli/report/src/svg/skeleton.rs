@@ -1,5 +1,6 @@
 //! The robot as a stick figure: points in the world frame and lines between them.
 
+use crate::entries::{Mover, is_floating, movers, poses};
 use crate::shape::{SHORTEST, end_of, is_trunk, moves_freely};
 use crate::soles::Sole;
 use costate::robot::{JointKind, Placement, Robot};
@@ -34,6 +35,7 @@ impl Part {
 /// ends of the links without a child follow, and of trunks; then the corners of soles.
 pub struct Skeleton<'a> {
     robot: &'a Robot,
+    movers: Vec<Mover>,
     leaves: Vec<usize>,
     soles: &'a [Sole],
     /// Two points and the meaning of the line between them.
@@ -61,7 +63,8 @@ impl<'a> Skeleton<'a> {
         for (i, joint) in robot.joints().iter().enumerate() {
             let length = joint.placement.translation.norm();
             let (from, part) = joint.parent.map_or((0, Part::Base), |parent| (moved(parent), Part::Link));
-            if length > SHORTEST {
+            // Nothing holds what floats.
+            if length > SHORTEST && !is_floating(joint) {
                 lines.push((from, placed(i), part));
             }
             if joint.kind == JointKind::Prismatic && !moves_freely(robot, i) {
@@ -85,10 +88,10 @@ impl<'a> Skeleton<'a> {
             lines.extend((0..edges).map(|k| (first + k, first + (k + 1) % corners, Part::Link)));
             first += corners;
         }
-        Self { robot, leaves, soles, lines, tips }
+        Self { robot, movers: movers(robot), leaves, soles, lines, tips }
     }
 
-    /// All points at q (rad, m); all zero if q has the wrong length.
+    /// All points at q (rad, m, unit quaternions); all zero if q has the wrong length.
     pub fn points(&self, q: &[f64]) -> Vec<Point> {
         let joints = self.robot.joints();
         let mut points = vec![[0.0; 3]; 1 + 2 * joints.len() + self.leaves.len()];
@@ -97,7 +100,7 @@ impl<'a> Skeleton<'a> {
             .iter()
             .flat_map(|sole| sole.outline().into_iter().map(|corner| (sole.joint, corner)))
             .collect();
-        let Ok(poses) = self.robot.poses(q) else {
+        let Some(poses) = poses(self.robot, &self.movers, q) else {
             points.resize(points.len() + corners.len(), [0.0; 3]);
             return points;
         };

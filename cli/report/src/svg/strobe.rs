@@ -3,6 +3,7 @@
 use super::markup::{axis_names, cut, escaped, level, upright};
 use super::skeleton::{Part, Point, Skeleton, moved};
 use super::views::{View, dot};
+use crate::entries::is_last;
 use crate::numbers::{short, ticks};
 use crate::shape::moves_freely;
 use costate::robot::{JointKind, Robot};
@@ -134,8 +135,11 @@ impl<'a> Stage<'a> {
                 part.name()
             ));
         }
-        // A base that moves freely slides on nothing.
-        let is_free = |i: usize| robot.joints()[i].kind == JointKind::Prismatic && moves_freely(robot, i);
+        // A base that moves freely slides on nothing; of a floating or spherical joint its link is shown.
+        let is_free = |i: usize| match &robot.joints()[i].free {
+            Some(part) => !is_last(part),
+            None => robot.joints()[i].kind == JointKind::Prismatic && moves_freely(robot, i),
+        };
         for (i, joint) in robot.joints().iter().enumerate().filter(|(i, _)| !is_free(*i)) {
             let [x, y] = self.place(points[moved(i)]);
             svg.push_str(&match joint.kind {

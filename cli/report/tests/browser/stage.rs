@@ -1,6 +1,7 @@
 //! The stage: poses, buttons, keys, pictures.
 
 use super::{Case, assert_silent, browser};
+use costate::configuration::FreeKinematics;
 use serde_json::Value;
 
 /// How many colours the picture of the stage has, coarsely: a blank one has one or two.
@@ -31,6 +32,41 @@ fn poses_of_the_script_are_those_of_the_library() {
             }
         }
     }
+    assert_silent(&page);
+}
+
+/// Of a satellite q is not v integrated: its base has a quaternion.
+#[test]
+fn poses_of_a_floating_robot_are_those_of_its_kinematics() {
+    let case = Case::of("satellite_arm");
+    let Some(mut page) = browser("floating") else { return };
+    page.show(&case.file, (1000, 800), "light");
+    let robot = &case.problem.robot;
+    let mut kinematics = FreeKinematics::<f64>::new(robot);
+    let end = *case.solution.trajectory.t.last().unwrap();
+    let mut moved: f64 = 0.0;
+    for k in 0..=20 {
+        let time = end * f64::from(k) / 20.0;
+        let q = case.solution.trajectory.at(time).unwrap().q;
+        kinematics.set_position(&q).unwrap();
+        let found = page.value(&format!("costateReport.poses({time:?})"));
+        for name in ["base", "shoulder", "elbow"] {
+            let joint = robot.joints().iter().position(|joint| joint.name == name).unwrap();
+            let frame = robot.frames().iter().position(|frame| frame.name == name).unwrap();
+            let pose = kinematics.pose(frame).unwrap();
+            let columns = (0..9).map(|entry| pose.rotation[entry % 3][entry / 3]);
+            for (entry, expected) in columns.chain(pose.position).enumerate() {
+                let found = found[joint][entry].as_f64().unwrap();
+                assert!((found - expected).abs() < 3e-6, "t = {time}, {name}, {entry}: {found} {expected}");
+            }
+            if name == "base" {
+                moved = moved.max((1.0 - pose.rotation[0][0]).abs());
+            }
+        }
+    }
+    // It turns by 60 degrees about (0.6, 0.8, 0): R_xx = 0.36 + 0.64 cos 60.
+    assert!(moved > 0.3, "{moved}");
+    assert!(page.value(COLOURS).as_u64().unwrap() > 8, "the stage is blank");
     assert_silent(&page);
 }
 

@@ -1,7 +1,7 @@
-//! Robots with floating joints: what is written about their motions, and what is refused.
+//! Robots with floating joints: what is written and drawn of their motions, and what is refused.
 
 use super::missing::{IMPOSSIBLE, WRONG};
-use super::{empty_folder, json, optimize};
+use super::{empty_folder, json, names, optimize};
 use crate::child::{stderr, stdout};
 
 /// A body with a wheel about its axis z; the wheel alone has a motor.
@@ -13,11 +13,11 @@ const PROBLEM: &str = "robot = \"wheel.toml\"\n[start]\nq = [0, 0, 0, 0, 0, 0, 1
     [time]\nfinal = 2.0\n[cost]\neffort = [1, 1, 1, 1, 1, 1, 1]\n";
 
 #[test]
-fn motions_of_a_satellite_are_written_and_not_drawn() {
+fn motions_of_a_satellite_are_written_and_drawn() {
     let folder = empty_folder("flying");
     std::fs::write(folder.join("wheel.toml"), ROBOT).unwrap();
-    let [csv, page, saved] =
-        ["samples.csv", "page.html", "saved.json"].map(|name| folder.join(name).to_str().unwrap().to_owned());
+    let [csv, page, saved, figures] = ["samples.csv", "page.html", "saved.json", "figures"]
+        .map(|name| folder.join(name).to_str().unwrap().to_owned());
     let output =
         optimize("flying", PROBLEM, &["--json", "--sample", "10", "--sample-to", &csv, "--save", &saved]);
     assert!(output.status.success(), "{}", stderr(&output));
@@ -32,14 +32,28 @@ fn motions_of_a_satellite_are_written_and_not_drawn() {
     let csv = std::fs::read_to_string(&csv).unwrap();
     assert!(csv.starts_with("t,q_base_x,q_base_y,q_base_z,q_base_qx,"), "{csv}");
     assert!(csv.lines().count() == 22 && csv.lines().all(|line| line.split(',').count() == 37));
+    let drawn = optimize("flying", PROBLEM, &["-o", &page, "--svg", &figures]);
+    assert!(drawn.status.success(), "{}", stderr(&drawn));
+    let page_text = std::fs::read_to_string(&page).unwrap();
+    for part in
+        ["\"kind\":\"quaternion\"", "\"name\":\"base_qw\"", "\"name\":\"base_rx\"", "\"kind\":\"box\""]
+    {
+        assert!(page_text.contains(part), "{part}");
+    }
+    let figure = |name: &str| std::fs::read_to_string(folder.join("figures").join(name)).unwrap();
+    // Eight entries of q; rates are of the seven coordinates.
+    assert!(figure("positions.svg").contains("base_qw") && !figure("rates.svg").contains("base_qw"));
+    let strobes = names(&folder.join("figures")).into_iter().filter(|name| name.starts_with("strobe_"));
+    let strobes: Vec<String> = strobes.map(|name| figure(&name)).collect();
+    assert!(!strobes.is_empty());
+    // A body and its wheel, at least at the start and at the end.
+    assert!(strobes.iter().all(|svg| svg.matches("<circle").count() >= 4 && !svg.contains("NaN")));
     let again = format!("{PROBLEM}[start_from]\nfile = \"saved.json\"\n");
     let again = optimize("flying", &again, &[]);
     let table = stdout(&again);
     assert!(again.status.success() && table.contains("converged") && table.contains("end defect"), "{table}");
     for (more, reason) in [
-        (&["-o", &page][..], "-o: joint 'base' is floating, and reports do not draw"),
-        (&["--svg", folder.to_str().unwrap()], "--svg: joint 'base' is floating"),
-        (&["--continue", "final_time=2:3"], "joint 'base' is floating, its orientation a quaternion"),
+        (&["--continue", "final_time=2:3"][..], "joint 'base' is floating, its orientation a quaternion"),
         (&["--sample", "10", "--feedback", &page], "joint 'base' is floating"),
         (&["--sensitivities"], "joint 'base' is floating"),
     ] {

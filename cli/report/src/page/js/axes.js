@@ -31,12 +31,13 @@ const decadesOf = (low, high, count) => {
 const units = { degrees: false };
 const factorOf = (plot, number) => {
   const angle = plot.units[0].includes("rad");
-  if (!units.degrees || !angle || number === null || data.joints[number].kind !== "revolute") return 1;
+  if (!units.degrees || !angle || number === null || plot.unitless.includes(number) || data.joints[number].kind !== "revolute") return 1;
   return plot.units[0].startsWith("rad") ? 180 / Math.PI : Math.PI / 180;
 };
 const unitOf = (plot) => (units.degrees ? plot.unit.replace(/\brad\b/g, "deg") : plot.unit);
 const unitOfCurve = (plot, number) => {
   if (!plot.ofJoints || plot.units[0] === "" || number === null) return unitOf(plot);
+  if (plot.unitless.includes(number)) return "";
   const unit = plot.units[data.joints[number].kind === "revolute" ? 0 : 1];
   return units.degrees ? unit.replace(/\brad\b/g, "deg") : unit;
 };

@@ -40,10 +40,10 @@ const makeControls = (scene, camera, plots, changed) => {
 const table = () => {
   const field = (text) => (/[",\n\r]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);
   const columns = [["t", times]];
-  const rows = (symbol, lists) => lists.forEach((list, j) => columns.push([field(`${symbol}_${data.joints[j].name}`), list]));
-  const drawn = (id) => (plotNamed(id) ? plotNamed(id).curves.map((curve) => curve.y) : []);
+  const rows = (symbol, lists) => lists.forEach(([name, list]) => columns.push([field(`${symbol}_${name}`), list]));
+  const drawn = (id) => (plotNamed(id) ? plotNamed(id).curves.map((curve) => [curve.name, curve.y]) : []);
   for (const [symbol, id] of [["q", "positions"], ["v", "rates"], ["a", "accelerations"]]) rows(symbol, drawn(id));
-  rows("tau", data.table.tau.filter((list) => list.length > 0));
+  rows("tau", data.table.tau.map((list, j) => [data.joints[j].name, list]).filter(([, list]) => list.length > 0));
   for (const [symbol, id] of [["u", "controls"], ["power", "powers"], ["jerk", "jerks"], ["torque_rate", "torque_rates"]])
     rows(symbol, drawn(id));
   if (data.vias.length > 0) columns.push(["phase", times.map((t) => data.vias.filter((via) => via <= t).length + 1)]);

@@ -50,10 +50,40 @@ const valueAt = (xs, ys, x) => {
   return ys[k] + part * (ys[k + 1] - ys[k]);
 };
 
-// Positions of the joints at a time: cubics that meet positions and rates at the samples.
+// The rates of the entries of q: those of quaternions are half of their product with the angular velocity, those of
+// the place of a floating joint its velocity, both in the axes of what moves.
+const ratesOf = (q, v) => {
+  const rates = [];
+  data.free.forEach(({ slides, position, coordinate }) => {
+    while (rates.length < position) rates.push(v[coordinate - position + rates.length]);
+    const part = (list, first, k, size) => list.slice(first, first + size).map((row) => row[k]);
+    const made = times.map((_, k) => {
+      const quaternion = part(q, position + slides, k, 4);
+      const [x, y, z, w] = quaternion;
+      const [a, b, c] = part(v, coordinate + slides, k, 3);
+      const moved = slides > 0 ? turned(turnOf(quaternion), part(v, coordinate, k, 3)) : [];
+      return [...moved, w * a + y * c - z * b, w * b + z * a - x * c, w * c + x * b - y * a, -(x * a + y * b + z * c)]
+        .map((rate, entry) => (entry < slides ? rate : 0.5 * rate));
+    });
+    for (let entry = 0; entry < slides + 4; entry++) rates.push(made.map((row) => row[entry]));
+  });
+  const more = data.free.length;
+  while (rates.length < q.length) rates.push(v[rates.length - more]);
+  return rates;
+};
+
+// Positions of the joints at a time: cubics that meet positions and rates at the samples. Those of quaternions have
+// nearly length 1; the same orientation with the other sign is taken back to the side of the sample before.
 const positionsAt = (() => {
-  const q = plotNamed("positions").curves.map((curve) => curve.y);
-  const v = plotNamed("rates").curves.map((curve) => curve.y);
+  const q = plotNamed("positions").curves.map((curve) => curve.y.slice());
+  const v = ratesOf(q, plotNamed("rates").curves.map((curve) => curve.y));
+  data.free.forEach(({ slides, position }) => {
+    const entries = [0, 1, 2, 3].map((k) => position + slides + k);
+    for (let k = 1; k < times.length; k++) {
+      if (entries.reduce((sum, i) => sum + q[i][k - 1] * q[i][k], 0) >= 0) continue;
+      entries.forEach((i) => { q[i][k] *= -1; v[i][k] *= -1; });
+    }
+  });
   return (time) => {
     const k = interval(times, time);
     const h = times[k + 1] - times[k];

@@ -23,6 +23,13 @@ const rotation = ([x, y, z], angle) => {
     z * y * k + x * s, x * z * k + y * s, y * z * k - x * s, c + z * z * k, 0, 0, 0];
 };
 
+// The rotation of a quaternion x, y, z, w of any length.
+const turnOf = ([x, y, z, w]) => {
+  const s = 2 / (x * x + y * y + z * z + w * w);
+  return [1 - s * (y * y + z * z), s * (x * y + z * w), s * (x * z - y * w), s * (x * y - z * w),
+    1 - s * (x * x + z * z), s * (y * z + x * w), s * (x * z + y * w), s * (y * z - x * w), 1 - s * (x * x + y * y), 0, 0, 0];
+};
+
 // A placement whose z axis has this direction.
 const alongZ = (direction, origin) => {
   const z = unit(direction);

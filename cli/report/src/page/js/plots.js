@@ -214,7 +214,7 @@ const makePlots = (player) => {
     const valueText = (curve, value) => {
       const text = plot.logarithmic ? short(value, 3) : shortOn(value, scale.high - scale.low);
       const own = unitOfCurve(plot, curve.color);
-      return own === unitOf(plot) ? text : `${text} ${own}`;
+      return own === unitOf(plot) ? text : `${text} ${own}`.trimEnd();
     };
 
     // The cursor, and the values there: at the time under the pointer, or else at that of the robot.

@@ -83,12 +83,12 @@ const makeScene = () => {
     }));
     // A hub or a slide at each joint of a link without a model, in the colour of its curves.
     joints.forEach((joint, j) => {
-      if (hasModel[j] || (!capsuleOf[j] && joint.massless)) return;
+      if (joint.free || hasModel[j] || (!capsuleOf[j] && joint.massless)) return;
       const above = joint.parent === null ? undefined : capsuleOf[joint.parent];
       const r = 1.18 * Math.max(0.012 * robotSize, ...[capsuleOf[j], above].filter((body) => body).map((body) => body.shape.radius));
       const hub = joint.kind === "revolute" ? { kind: "cylinder", radius: r, length: (joint.parent !== null && joints[joint.parent].kind === "prismatic" ? 3.8 : 2.3) * r }
         : { kind: "box", size: [3 * r, 3 * r, 3 * r] };
-      const tint = more.ghost ? paint(null) : [...rgb(colour(`--c${joint.q % 12}`)), 1];
+      const tint = more.ghost ? paint(null) : [...rgb(colour(`--c${joint.number % 12}`)), 1];
       items.push({ geometry: ofShape(hub), model: matrixOf(then(poses[j], alongZ(joint.axis, [0, 0, 0]))), colour: tint, ...more });
     });
     return items;
@@ -148,9 +148,10 @@ const makeScene = () => {
     }
     if (shows("axes")) {
       joints.forEach((joint, j) => {
+        if (joint.free) return;
         const along = alongZ(turned(poses[j], joint.axis), minus(poses[j].slice(9), times3(turned(poses[j], joint.axis), 0.1 * size)));
         const arrow = geometry("joint axis", () => arrowShape(0.34 * size, 0.008 * size));
-        all.push({ geometry: arrow, model: matrixOf(along), colour: [...rgb(colour(`--c${joint.q % 12}`)), 1], flat: true });
+        all.push({ geometry: arrow, model: matrixOf(along), colour: [...rgb(colour(`--c${joint.number % 12}`)), 1], flat: true });
       });
     }
     if (shows("payload")) {
