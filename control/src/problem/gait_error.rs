@@ -40,8 +40,8 @@ pub enum GaitError {
     RedundantTogether,
     /// A step with double support whose duration is free.
     FreeDuration,
-    /// A step with double support of a robot in space.
-    DoubleSupportInSpace,
+    /// Soles in space that would stand on their toes behind.
+    ToesInSpace,
     /// Soles behind that shall stand flat, but there are none, or no double support.
     NoSolesBehind,
     /// Soles that stand flat, but not with the legs exchanged.
@@ -141,9 +141,9 @@ impl fmt::Display for GaitError {
             Self::FreeDuration => f.write_str(
                 "double support takes a part of a given time; give time.final, or remove double_support",
             ),
-            Self::DoubleSupportInSpace => {
-                f.write_str("double support is that of robots in the plane; remove double_support")
-            }
+            Self::ToesInSpace => f.write_str(
+                "in space soles behind stand flat in double support, not on their toes; give trailing = \"flat\"",
+            ),
             Self::NoSolesBehind => f.write_str(
                 "says how soles behind stand in double support; give sole and double_support, or remove it",
             ),

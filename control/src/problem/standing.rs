@@ -64,7 +64,7 @@ impl Problem {
     /// they can.
     ///
     /// # Errors
-    /// [`GaitError::OutOfRange`], [`GaitError::DoubleSupportInSpace`], [`GaitError::FreeDuration`],
+    /// [`GaitError::OutOfRange`], [`GaitError::ToesInSpace`], [`GaitError::FreeDuration`],
     /// [`GaitError::NoSolesBehind`].
     pub(super) fn check_double_support(&self, gait: &Gait) -> Result<(), ProblemError> {
         let is_flat = gait.trailing == SoleContact::Flat;
@@ -75,7 +75,7 @@ impl Problem {
         let remedy = "the part of the step that all feet stand must be more than 0 and less than 1";
         let fault = match self.time {
             _ if !(value > 0.0 && value < 1.0) => GaitError::OutOfRange { value, remedy },
-            _ if gait.is_in_space() => GaitError::DoubleSupportInSpace,
+            _ if gait.is_in_space() && gait.sole.is_some() && !is_flat => GaitError::ToesInSpace,
             FinalTime::Free { .. } => GaitError::FreeDuration,
             FinalTime::Fixed(_) => return Ok(()),
         };

@@ -14,6 +14,7 @@ mod direct_refused;
 mod documents;
 mod dormand_prince;
 mod double_support;
+mod double_support_in_space;
 mod double_support_soles;
 mod dynamics;
 mod equations;

@@ -52,7 +52,7 @@ fn walk() -> &'static (Problem, Solution) {
 }
 
 /// In the mirror: legs exchanged; what moves along y or turns about x and z changes its sign.
-fn mirrored(list: &[f64]) -> Vec<f64> {
+pub(crate) fn mirrored(list: &[f64]) -> Vec<f64> {
     let sign = |i: usize| match i {
         0 | 2 | 5 => 1.0,
         1 | 3 | 4 => -1.0,
@@ -77,7 +77,7 @@ fn wrench_at(tau: &[f64], q: &[f64], foot: [f64; 3]) -> (Vector3<f64>, Vector3<f
 
 /// How far a wrench on a foot is inside the cone of its four corners, in parts of a weight: friction, centre
 /// of pressure, turning. Negative outside.
-fn inside(gait: &Gait, force: Vector3<f64>, moment: Vector3<f64>, weight: f64) -> f64 {
+pub(crate) fn inside(gait: &Gait, force: Vector3<f64>, moment: Vector3<f64>, weight: f64) -> f64 {
     let ([heel, toe], mu) = (gait.sole.unwrap(), gait.friction);
     let (x, y, middle) = (0.5 * (toe - heel), 0.5 * gait.sole_width, 0.5 * (heel + toe));
     let m = moment - Vector3::new(middle, 0.0, 0.0).cross(&force);
