@@ -68,9 +68,10 @@ class Model:
 
     ``f``, ``aba``, ``rnea`` and what ``step`` returns take three arrays (..., n) with any leading batch axes, which are
     broadcast. With floating and spherical joints q has ``robot.nq`` entries and is differentiated by all of them: the
-    functions do not change with the length of a quaternion, which must be 1 where they are evaluated. All first and second derivatives are exact: ``jax.grad``, ``jacfwd``, ``jacrev``, ``hessian``, and any of
-    them over any other. A state that is not finite or has a singular mass matrix raises an error of XLA with costate's
-    message, or gives not-a-number where the dynamics have ``on_error="nan"``.
+    functions do not change with the length of a quaternion, which must be 1 where they are evaluated. All first and
+    second derivatives are exact: ``jax.grad``, ``jacfwd``, ``jacrev``, ``hessian``, and any of them over any other. A
+    state that is not finite or has a singular mass matrix raises an error of XLA with costate's message, or gives
+    not-a-number where the dynamics have ``on_error="nan"``.
 
     Parameters
     ----------
@@ -87,6 +88,7 @@ class Model:
     ArgumentError
         For what is neither dynamics nor a robot; where an argument is not float64, or has another shape; where JAX computes
         in float32.
+
     Examples
     --------
     >>> import costate, costate.jax, jax, jax.numpy as jnp
