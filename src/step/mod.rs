@@ -77,55 +77,43 @@ pub trait Step<S: Scalar> {
     fn contract(&mut self, x: &[S], u: &[S], h: S, y: &[S]) -> Result<StepContraction<'_, S>, Self::Error>;
 }
 
-/// A borrowed step is a step.
-impl<S: Scalar, P: Step<S>> Step<S> for &mut P {
-    type Error = P::Error;
+/// A step that is borrowed or in a box is a step.
+macro_rules! step_behind {
+    ($pointer:ty) => {
+        impl<S: Scalar, P: Step<S> + ?Sized> Step<S> for $pointer {
+            type Error = P::Error;
 
-    fn states(&self) -> usize {
-        P::states(self)
-    }
+            fn states(&self) -> usize {
+                P::states(self)
+            }
 
-    fn controls(&self) -> usize {
-        P::controls(self)
-    }
+            fn controls(&self) -> usize {
+                P::controls(self)
+            }
 
-    fn evaluate(&mut self, x: &[S], u: &[S], h: S) -> Result<&[S], Self::Error> {
-        P::evaluate(self, x, u, h)
-    }
+            fn evaluate(&mut self, x: &[S], u: &[S], h: S) -> Result<&[S], Self::Error> {
+                P::evaluate(self, x, u, h)
+            }
 
-    fn linearise(&mut self, x: &[S], u: &[S], h: S) -> Result<StepLinearisation<'_, S>, Self::Error> {
-        P::linearise(self, x, u, h)
-    }
+            fn linearise(&mut self, x: &[S], u: &[S], h: S) -> Result<StepLinearisation<'_, S>, Self::Error> {
+                P::linearise(self, x, u, h)
+            }
 
-    fn contract(&mut self, x: &[S], u: &[S], h: S, y: &[S]) -> Result<StepContraction<'_, S>, Self::Error> {
-        P::contract(self, x, u, h, y)
-    }
+            fn contract(
+                &mut self,
+                x: &[S],
+                u: &[S],
+                h: S,
+                y: &[S],
+            ) -> Result<StepContraction<'_, S>, Self::Error> {
+                P::contract(self, x, u, h, y)
+            }
+        }
+    };
 }
 
-/// A step in a box is a step.
-impl<S: Scalar, P: Step<S> + ?Sized> Step<S> for Box<P> {
-    type Error = P::Error;
-
-    fn states(&self) -> usize {
-        P::states(self)
-    }
-
-    fn controls(&self) -> usize {
-        P::controls(self)
-    }
-
-    fn evaluate(&mut self, x: &[S], u: &[S], h: S) -> Result<&[S], Self::Error> {
-        P::evaluate(self, x, u, h)
-    }
-
-    fn linearise(&mut self, x: &[S], u: &[S], h: S) -> Result<StepLinearisation<'_, S>, Self::Error> {
-        P::linearise(self, x, u, h)
-    }
-
-    fn contract(&mut self, x: &[S], u: &[S], h: S, y: &[S]) -> Result<StepContraction<'_, S>, Self::Error> {
-        P::contract(self, x, u, h, y)
-    }
-}
+step_behind!(&mut P);
+step_behind!(Box<P>);
 
 /// One step and its Jacobians; borrowed from a workspace.
 #[derive(Clone, Copy, Debug)]
