@@ -3,7 +3,7 @@
 //! The judges are a program of its own in other coordinates, and forward dynamics with constraints, contacts
 //! and impacts of the library, none of which the solver uses.
 
-use super::gaits::{ROWS, example, integrated, keeps_its_limits, largest_difference, solved};
+use super::gaits::{ROWS, example, integrated, keeps_its_limits, largest_difference, lift_off, solved};
 use super::walking::{CLEARANCE, FRICTION, LENGTH, N, exchanged};
 use costate::constraints::{ConstrainedLagrangian, Impact};
 use costate::contacts::{Contact, Stance};
@@ -43,12 +43,6 @@ fn on(robot: &Robot, feet: &[&str]) -> Stance {
     let contacts: Vec<Contact> =
         feet.iter().map(|foot| Contact::point(*foot, foot).planar().friction(FRICTION)).collect();
     Stance::new(robot, &contacts).unwrap()
-}
-
-/// The end of double support (s).
-fn lift_off(solution: &Solution) -> f64 {
-    let [time] = solution.trajectory.via_times[..] else { panic!("{:?}", solution.trajectory.via_times) };
-    time
 }
 
 fn is_in_cone([x, _, z]: [f64; 3], off: f64) -> bool {

@@ -3,7 +3,7 @@
 //! The judges are forward dynamics with contacts, frames and the impact of the library, none of which the
 //! solver uses.
 
-use super::gaits::{ROWS, example, largest_difference, solved};
+use super::gaits::{ROWS, example, largest_difference, lift_off, solved};
 use super::space_walk::{inside, mirrored};
 use costate::constraints::{ConstrainedLagrangian, Impact};
 use costate::contacts::{Contact, Stance};
@@ -24,7 +24,7 @@ fn both_soles_stand_flat_and_then_one_swings() {
     let solution = solved(problem, options);
     assert_eq!(solution.motion.status, Status::Converged);
     let (gait, motion) = (problem.gait.as_ref().unwrap(), &solution.trajectory);
-    let [lift_off] = motion.via_times[..] else { panic!("{:?}", motion.via_times) };
+    let lift_off = lift_off(&solution);
     assert!((lift_off - gait.double_support.unwrap() * solution.motion.final_time).abs() < 1e-12);
     let feet = [&gait.stance[0], &gait.swing[0]];
     let both: Vec<Contact> = feet.iter().map(|foot| Contact::foot(foot.as_str(), foot)).collect();

@@ -3,7 +3,8 @@
 //! The judges are forward dynamics with contacts, frames and impacts of the library, none of which the solver
 //! uses.
 
-use super::gaits::{ROWS, example, integrated, keeps_its_limits, largest_difference, solved};
+use super::gaits::{ROWS, example, integrated, keeps_its_limits, largest_difference, lift_off, solved};
+use super::soles::{N, exchanged};
 use costate::constraints::{ConstrainedLagrangian, Impact};
 use costate::contacts::{Contact, Stance};
 use costate::hamiltonian::Hamiltonian;
@@ -14,10 +15,6 @@ use costate_control::{
     Status, Trajectory,
 };
 use std::sync::OnceLock;
-
-const N: usize = 9;
-/// Legs exchanged.
-const EXCHANGE: [usize; N] = [0, 1, 2, 6, 7, 8, 3, 4, 5];
 
 fn file() -> ProblemFile {
     example("seven_link_double_support")
@@ -48,10 +45,6 @@ fn walk() -> &'static (Problem, Solution) {
     })
 }
 
-fn exchanged(list: &[f64]) -> Vec<f64> {
-    EXCHANGE.iter().map(|&i| list[i]).collect()
-}
-
 /// The feet that stand in both phases: the front one flat, the other one as the gait says.
 fn stances(problem: &Problem) -> [Stance; 2] {
     let gait = problem.gait.as_ref().unwrap();
@@ -79,12 +72,6 @@ fn outside(gait: &Gait, [x, _, z]: [f64; 3], moment: f64) -> f64 {
     let on_toe = z - on_heel;
     let small = [gait.friction * z - x.abs(), on_heel, on_toe];
     small.into_iter().fold(0.0, |most, inside| most.max(-inside))
-}
-
-/// The end of double support (s).
-fn lift_off(solution: &Solution) -> f64 {
-    let [time] = solution.trajectory.via_times[..] else { panic!("{:?}", solution.trajectory.via_times) };
-    time
 }
 
 /// Whether a step keeps what the ground asks for, at 2000 instants that are no points of its mesh.

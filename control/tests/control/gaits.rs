@@ -31,6 +31,12 @@ pub(crate) fn solved(problem: &Problem, options: SolverOptions) -> Solution {
     solution
 }
 
+/// The end of double support (s).
+pub(crate) fn lift_off(solution: &Solution) -> f64 {
+    let [time] = solution.trajectory.via_times[..] else { panic!("{:?}", solution.trajectory.via_times) };
+    time
+}
+
 pub(crate) fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).fold(0.0, |most, (a, b)| most.max((a - b).abs()))
 }

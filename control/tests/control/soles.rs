@@ -15,7 +15,7 @@ use costate_control::{
 };
 use std::sync::OnceLock;
 
-const N: usize = 9;
+pub(super) const N: usize = 9;
 /// Legs exchanged.
 const EXCHANGE: [usize; N] = [0, 1, 2, 6, 7, 8, 3, 4, 5];
 
@@ -44,7 +44,7 @@ fn walk() -> &'static (Problem, Solution) {
     })
 }
 
-fn exchanged(list: &[f64]) -> Vec<f64> {
+pub(super) fn exchanged(list: &[f64]) -> Vec<f64> {
     EXCHANGE.iter().map(|&i| list[i]).collect()
 }
 

@@ -3,7 +3,7 @@
 //! The judges are forward dynamics with constraints, contacts and impacts of the library, none of which the
 //! solver uses.
 
-use super::gaits::{ROWS, example, integrated, largest_difference, solved};
+use super::gaits::{ROWS, example, integrated, largest_difference, lift_off, solved};
 use costate::constraints::{ConstrainedLagrangian, Impact};
 use costate::contacts::{Contact, Stance};
 use costate::hamiltonian::Hamiltonian;
@@ -256,7 +256,7 @@ fn all_four_feet_stand_in_double_support() {
     let stances = [on(&problem.robot, &feet), on(&problem.robot, &STANCE)];
     let mut models = stances.each_ref().map(|stance| ConstrainedLagrangian::<f64>::new(stance.robot()));
     let motion = &solution.trajectory;
-    let [lift_off] = motion.via_times[..] else { panic!("{:?}", motion.via_times) };
+    let lift_off = lift_off(&solution);
     assert!((lift_off - 0.06).abs() < 1e-12, "{lift_off}");
     for k in (0..motion.t.len()).filter(|k| (1..ROWS - 1).contains(&(k % ROWS))) {
         let phase = usize::from(motion.t[k] > lift_off);
