@@ -56,6 +56,7 @@ mod second_variation;
 mod shooting;
 mod soles;
 mod source;
+mod space_speed;
 mod space_walk;
 mod states;
 mod stopping;

@@ -97,7 +97,7 @@ pub(crate) fn inside(gait: &Gait, force: Vector3<f64>, moment: Vector3<f64>, wei
 }
 
 /// Whether a step keeps what the ground asks for, at 2000 instants that are no points of its mesh.
-fn check(problem: &Problem, solution: &Solution) {
+pub(crate) fn check(problem: &Problem, solution: &Solution) {
     let gait = problem.gait.as_ref().unwrap();
     let [heel, toe] = gait.sole.unwrap();
     let time = solution.motion.final_time;

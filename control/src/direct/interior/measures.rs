@@ -69,7 +69,7 @@ impl<D: PointDynamics> Interior<D> {
         barrier.equations().map(|at| barrier.multiplier[at] * barrier.distance[at]).sum::<f64>().abs()
     }
 
-    /// Whether the last step promised next to nothing, but the cost is off by more than this tolerance because
+    /// Whether the last step promised next to nothing, but the cost is off by more than this tolerance, as
     /// equations are missed: only their multipliers are far away, and soft equations bring them nearer by
     /// little a step.
     pub(super) fn settles_slowly(&self, tolerance: f64) -> bool {
@@ -78,8 +78,8 @@ impl<D: PointDynamics> Interior<D> {
         gain > tolerance * size && decrement.abs() < constants::NEXT_TO_NOTHING * gain
     }
 
-    /// Makes equations stiffer if a whole step left much of them, or if no step changes anything but them: their
-    /// multipliers settle too slowly.
+    /// Makes equations stiffer if a whole step left much of them, or if no step changes anything but them:
+    /// their multipliers settle too slowly.
     pub(super) fn stiffen(&mut self, before: f64, part: f64, tolerance: f64) {
         let left = self.figures.equations;
         if left <= constants::VIOLATION_AT_POINTS {
