@@ -16,7 +16,7 @@ fn a_biped_finds_the_speed_of_its_least_cost_of_transport() {
     let file = example("biped_best_speed");
     let (problem, options) = (file.problem, file.options);
     let best = solve(&problem, &options);
-    assert_eq!(best.certificate, Certificate::LocalMinimumOnMesh);
+    assert_eq!(best.motion.certificate, Certificate::LocalMinimumOnMesh);
     check(&problem, &best);
     let gait = best.gait.as_ref().unwrap();
     let (time, least) = (best.motion.final_time, best.total() / gait.weight_times_length);
