@@ -84,8 +84,6 @@ pub const MOST_STIFFNESS: f64 = 1e13;
 pub const LEFT_OF_EQUATIONS: f64 = 0.1;
 /// .. that were violated by less than this before.
 pub const CLOSE_TO_EQUATIONS: f64 = 1e-5;
-/// .. or when a step promises less than this part of what the cost is off because equations are missed.
-pub const NEXT_TO_NOTHING: f64 = 1e-3;
 /// Equations become softer by this factor where rounding of their squares seems to be the reason for a
 /// damping ..
 pub const SOFTER: f64 = 1e-2;

@@ -187,7 +187,7 @@ impl<D: PointDynamics> Interior<D> {
             while damping < constants::MOST_DAMPING && taken.is_none() {
                 self.damping = damping;
                 if self.factorise(damping) {
-                    damping = self.soften_equations(damping, failed, tolerance);
+                    damping = self.soften_equations(damping, failed);
                     self.solve();
                     self.choose_barrier(tolerance);
                     self.figures.decrement = self.decrement();
@@ -227,7 +227,7 @@ impl<D: PointDynamics> Interior<D> {
             if !self.system.exact {
                 self.squares.adapt(damping, self.taken);
             }
-            self.stiffen(equations, part, tolerance);
+            self.stiffen(equations, part);
             self.move_from_limits(part);
             self.clock.lap(Stage::Search);
             if let Some(interruption) = watch(self, part) {

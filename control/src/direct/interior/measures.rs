@@ -1,6 +1,5 @@
 //! Cost, gap and violations of an iterate.
 
-use super::figures::Figures;
 use super::iterate::Interior;
 use super::small_cost::SmallCost;
 use crate::constants::direct as constants;
@@ -69,25 +68,12 @@ impl<D: PointDynamics> Interior<D> {
         barrier.equations().map(|at| barrier.multiplier[at] * barrier.distance[at]).sum::<f64>().abs()
     }
 
-    /// Whether the last step promised next to nothing, but the cost is off by more than this tolerance, as
-    /// equations are missed: only their multipliers are far away, and soft equations bring them nearer by
-    /// little a step.
-    pub(super) fn settles_slowly(&self, tolerance: f64) -> bool {
-        let Figures { size, decrement, .. } = self.figures;
-        let gain = self.gain_of_equations();
-        gain > tolerance * size && decrement.abs() < constants::NEXT_TO_NOTHING * gain
-    }
-
-    /// Makes equations stiffer if a whole step left much of them, or if no step changes anything but them:
-    /// their multipliers settle too slowly.
-    pub(super) fn stiffen(&mut self, before: f64, part: f64, tolerance: f64) {
+    /// Makes equations stiffer if a whole step left much of them: their multipliers settle too slowly.
+    pub(super) fn stiffen(&mut self, before: f64, part: f64) {
         let left = self.figures.equations;
-        if left <= constants::VIOLATION_AT_POINTS {
-            return;
-        }
+        let slow = left > constants::VIOLATION_AT_POINTS && left > constants::LEFT_OF_EQUATIONS * before;
         let close = before < constants::CLOSE_TO_EQUATIONS && self.damping == 0.0;
-        let slow = close && part == 1.0 && left > constants::LEFT_OF_EQUATIONS * before;
-        if slow || self.settles_slowly(tolerance) {
+        if slow && close && part == 1.0 {
             let most = constants::MOST_STIFFNESS * self.figures.size;
             self.barrier.stiffness = (constants::STIFFER * self.barrier.stiffness).min(most);
         }

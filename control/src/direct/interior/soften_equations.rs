@@ -6,8 +6,7 @@
 //!
 //! With softer squares the matrix is smaller along all changes. So where it is positive definite with no more
 //! damping than was too little for the stiffer one, that was rounding, and the equations stay softer. Where a
-//! whole step leaves much of them afterwards they become stiffer again, as always; and where steps change
-//! nothing any more but equations are missed they do not become softer.
+//! whole step leaves much of them afterwards they become stiffer again, as always.
 
 use super::iterate::Interior;
 use crate::constants::direct as constants;
@@ -18,17 +17,12 @@ impl<D: PointDynamics> Interior<D> {
     /// Makes equations softer if rounding of them was the reason for this damping, with which the matrix is
     /// factorised; with the damping `failed`, the largest one that was tried before, it was not positive
     /// definite. The damping with which it is factorised then.
-    pub(super) fn soften_equations(&mut self, damping: f64, failed: Option<f64>, tolerance: f64) -> f64 {
+    pub(super) fn soften_equations(&mut self, damping: f64, failed: Option<f64>) -> f64 {
         let Some(failed) = failed.filter(|_| damping >= constants::SOFTENS_FROM) else { return damping };
         let (stiffness, least) = (self.barrier.stiffness, constants::LEAST_STIFFNESS * self.figures.size);
         let softer = (constants::SOFTER * stiffness).max(least);
         let has_equations = self.barrier.equations().next().is_some();
-        if !(has_equations
-            && softer < stiffness
-            && self.system.exact
-            && !self.settles_slowly(tolerance)
-            && self.softer.is_due())
-        {
+        if !(has_equations && softer < stiffness && self.system.exact && self.softer.is_due()) {
             return damping;
         }
         let less = failed.min(constants::LESS_DAMPING * damping);

@@ -8,8 +8,6 @@ use crate::direct::solve::prepare::{Dynamics, interior};
 use crate::options::SolverOptions;
 use crate::task::build::TaskRows;
 
-const TOLERANCE: f64 = 1e-6;
-
 /// A step of a gait that is a local minimum on its mesh, assembled.
 fn solved() -> Interior<Dynamics> {
     let problem = rabbit();
@@ -43,11 +41,11 @@ fn equations_become_softer_where_that_needs_less_damping() {
     let stiffness = interior.barrier.stiffness;
     // A little damping does no harm.
     let little = 0.1 * constants::SOFTENS_FROM;
-    assert_eq!(interior.soften_equations(little, Some(0.0), TOLERANCE), little);
+    assert_eq!(interior.soften_equations(little, Some(0.0)), little);
     // What was never indefinite was not damped for that.
-    assert_eq!(interior.soften_equations(1.0, None, TOLERANCE), 1.0);
+    assert_eq!(interior.soften_equations(1.0, None), 1.0);
     assert_eq!(interior.barrier.stiffness, stiffness);
-    assert_eq!(interior.soften_equations(1.0, Some(0.0), TOLERANCE), 0.0);
+    assert_eq!(interior.soften_equations(1.0, Some(0.0)), 0.0);
     assert_eq!(interior.barrier.stiffness, constants::SOFTER * stiffness);
     assert!(interior.factorise(0.0), "and the matrix is that of softer ones");
 }
@@ -62,7 +60,7 @@ fn equations_stay_as_they_are_where_the_cost_bends_down() {
     assert!(!interior.factorise(0.1));
     let (stiffness, damping) = (interior.barrier.stiffness, constants::MOST_DAMPING);
     assert!(interior.factorise(damping));
-    assert_eq!(interior.soften_equations(damping, Some(0.1), TOLERANCE), damping);
+    assert_eq!(interior.soften_equations(damping, Some(0.1)), damping);
     assert_eq!(interior.barrier.stiffness, stiffness);
     assert!(!interior.softer.is_due(), "it was tried");
     assert!(!interior.factorise(0.1), "and the matrix is the one before");
@@ -72,30 +70,4 @@ fn equations_stay_as_they_are_where_the_cost_bends_down() {
 fn rounding_makes_no_saddle() {
     let mut interior = rounded();
     assert_eq!(interior.inertia().unwrap(), Inertia::Positive);
-}
-
-#[test]
-fn equations_whose_multipliers_settle_slowly_become_stiffer() {
-    let mut interior = rounded();
-    let (stiffness, size) = (interior.barrier.stiffness, interior.figures.size);
-    // Off by so much that the cost notices, where no step promises anything.
-    let barrier = &mut interior.barrier;
-    let equations: Vec<usize> = barrier.equations().collect();
-    let multipliers: f64 = equations.iter().map(|&at| barrier.multiplier[at].abs()).sum();
-    for at in equations {
-        barrier.distance[at] = 2.0 * TOLERANCE * size / multipliers * barrier.multiplier[at].signum();
-    }
-    interior.figures.equations = 1.0;
-    interior.figures.decrement = 1e-9 * TOLERANCE * size;
-    assert!(interior.settles_slowly(TOLERANCE) && !interior.settles_slowly(3.0 * TOLERANCE));
-    assert_eq!(interior.soften_equations(1.0, Some(0.0), TOLERANCE), 1.0);
-    assert_eq!(interior.barrier.stiffness, stiffness, "not softer");
-    interior.damping = 1.0;
-    interior.stiffen(1.0, 0.5, TOLERANCE);
-    let most = constants::MOST_STIFFNESS * size;
-    assert_eq!(interior.barrier.stiffness, (constants::STIFFER * stiffness).min(most));
-    interior.barrier.stiffness = 1.0;
-    interior.figures.decrement = TOLERANCE * size;
-    interior.stiffen(1.0, 0.5, TOLERANCE);
-    assert_eq!(interior.barrier.stiffness, 1.0, "steps still change something");
 }
