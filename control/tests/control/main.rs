@@ -46,6 +46,7 @@ mod problem_file;
 mod problems;
 mod rabbit_on_one_foot;
 mod rates;
+mod reduced;
 mod references;
 mod refused;
 mod reorientation;
