@@ -113,8 +113,8 @@ impl Robot {
         }
     }
 
-    /// `G q + b`: the positions of all joints (rad, m), in the order of [`joints`](Self::joints). Floating and
-    /// spherical joints have none: [`poses`](Self::poses) takes them.
+    /// `G q + b`: the positions of all joints (rad, m), in the order of [`joints`](Self::joints). Floating
+    /// and spherical joints have none: [`poses`](Self::poses) takes them.
     ///
     /// # Errors
     /// [`EvalError::WrongLength`] unless q has n entries; [`EvalError::FreeJoint`] where a joint is floating

@@ -32,10 +32,10 @@ impl FreeJoint {
 impl Robot {
     /// `X_i(q) = X_parent(q) X_i(0) J_i(q_i)`: the joint frames in the world, each moved by its own joint.
     ///
-    /// `q` has [`nq`](Self::nq) entries (rad, m, unit quaternions); there is one placement (m) for each of the
-    /// [`joints`](Self::joints). The frames are those of the description: a link does not move in the frame of
-    /// its joint, its centre of mass at `joints()[i].inertia.com`. Of a floating or spherical joint the three
-    /// parts that turn have one pose, that of the link which it moves.
+    /// `q` has [`nq`](Self::nq) entries (rad, m, unit quaternions); there is one placement (m) for each of
+    /// the [`joints`](Self::joints). The frames are those of the description: a link does not move in the
+    /// frame of its joint, its centre of mass at `joints()[i].inertia.com`. Of a floating or spherical joint
+    /// the three parts that turn have one pose, that of the link which it moves.
     ///
     /// ```
     /// use costate::robot::{JointSpec, LinkInertia, Robot};

@@ -7,7 +7,8 @@ use costate::robot::LoadOptions;
 use costate::scalar::Scalar;
 use costate_control::{DirectDynamics, ProblemFile, Solver, SolverOptions, Status};
 
-/// By the angle of the motor. Outer and inner links turn by it, fingers go along circles: the mass is constant.
+/// By the angle of the motor. Outer and inner links turn by it, fingers go along circles: the mass is
+/// constant.
 #[derive(Clone, Copy)]
 struct Motor {
     mass: f64,
