@@ -22,6 +22,7 @@ mod extremals;
 mod fast_joints;
 mod finer_mesh;
 mod free_joints;
+mod free_joints_refused;
 mod free_start;
 mod gait_integrated;
 mod gaits;
