@@ -1,6 +1,7 @@
 //! How far limits give in the elastic phase, and what that adds to Newton's equations.
 
-use crate::constants::direct::{LEAST_CURVATURE, ROUNDED_PRICE};
+use crate::constants::direct::LEAST_CURVATURE;
+use crate::constants::elastic::ROUNDED_PRICE;
 use crate::direct::limits::barrier::Barrier;
 use crate::direct::limits::side::{Limited, Side};
 use crate::direct::newton::point_terms::Work;
