@@ -6,7 +6,19 @@ import costate
 import numpy as np
 import pytest
 from conftest import assert_close
-from free_joints import EPS, assert_within, curvature, drone, slope, solving, state, tree  # noqa: F401
+from free_joints import (  # noqa: F401
+    EPS,
+    assert_batch_is_single_states,
+    assert_derivatives_along,
+    assert_verbs_agree,
+    assert_within,
+    batch,
+    drone,
+    slope,
+    solving,
+    state,
+    tree,
+)
 
 # Bases without mass, which move.
 pytestmark = pytest.mark.filterwarnings("ignore::costate.RobotWarning")
@@ -24,14 +36,7 @@ def test_derivatives_are_those_in_the_tangent_spaces(tree, state, scheme, coordi
     step = costate.Step(dynamics, scheme, DT)
     following, jacobian, hessian = step.contract(q, v, tau, y)
     assert following.shape == (nq + n,) and jacobian.shape == (2 * n, 3 * n) and hessian.shape == (3 * n, 3 * n)
-    assert_close(step.f(q, v, tau), following, 1e-12)
-    assert_close(step.jacobian(q, v, tau), jacobian, 1e-10)
-    assert_close(step.hessian(q, v, tau, y), hessian, 1e-10)
-    for found, expected in zip(step.linearise(q, v, tau), (following, jacobian), strict=True):
-        assert_close(found, expected, 1e-10)
-    assert_close(step.adjoint(q, v, tau, y), y @ jacobian, 1e-10)
-    assert_close(step.hvp(q, v, tau, y, d), hessian @ d, 1e-10)
-    assert_close(hessian, hessian.T, 1e-12)
+    assert_verbs_agree(step, (q, v, tau), y, d, (following, jacobian, hessian), 1e-11)
     assert_close(tree.normalize(following[:nq].copy()), following[:nq], 1e-15)
 
     d = d / np.linalg.norm(d)
@@ -42,30 +47,15 @@ def test_derivatives_are_those_in_the_tangent_spaces(tree, state, scheme, coordi
         return np.concatenate([tree.difference(following[:nq], moved[:nq]), moved[nq:] - following[nq:]])
 
     noise = solving(dynamics, q) * np.abs(following).max()
-    first, bound = slope(along, 1e-3, noise)
-    assert bound < 1e-6 * np.abs(jacobian).max()
-    assert_within(jacobian @ d, first, bound)
-    second, bound = curvature(lambda s: y @ along(s), 2e-2, noise * np.abs(y).sum())
-    assert bound < 1e-3 * np.abs(hessian).max()
-    assert_within(d @ hessian @ d, second, bound)
+    assert_derivatives_along(along, y, d, jacobian, hessian, noise, 1e-3)
 
 
 @pytest.mark.parametrize(("scheme", "coordinates"), KINDS)
-def test_batches_are_single_states(tree, random, scheme, coordinates):
-    n, dynamics = tree.n, costate.Dynamics(tree, coordinates)
+def test_batches_are_single_states(tree, batch, scheme, coordinates):
+    (q, v, tau, y), dynamics = batch, costate.Dynamics(tree, coordinates)
     step = costate.Step(dynamics, scheme, DT)
-    q = tree.integrate(tree.neutral(), random.normal(size=(3, 1, 7, n)))
-    v, tau, y = random.normal(size=(5, 1, n)), random.normal(size=n), random.normal(size=2 * n)
     v = v if coordinates == "qv" else dynamics.momentum(q[0, 0, 0], v)
-    following, jacobian, hessian = step.contract(q, v, tau, y)
-    assert (following.shape, jacobian.shape) == ((3, 5, 7, tree.nq + n), (3, 5, 7, 2 * n, 3 * n))
-    room = np.empty_like(following)
-    assert step.f(q, v, tau, out=room) is room
-    for k in ((0, 0, 0), (2, 4, 6), (1, 3, 2)):
-        alone = q[k[0], 0, k[2]], v[k[1], 0], tau
-        assert_close(room[k], step.f(*alone), 1e-10)
-        for found, expected in zip((following, jacobian, hessian), step.contract(*alone, y), strict=True):
-            assert_close(found[k], expected, 1e-9)
+    assert_batch_is_single_states(step, q, v, tau, y, tree.nq + tree.n)
     wrong = q.copy()
     wrong[1, 0, 3, 7:11] *= 1.2
     with pytest.raises(costate.NonUnitQuaternion, match="'hip' in q has the length 1.2") as raised:

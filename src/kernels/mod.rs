@@ -22,7 +22,7 @@ mod two_pairs;
 mod velocity;
 mod world;
 
-pub(crate) use arguments::{check, check_configuration, check_entries};
+pub(crate) use arguments::{check, check_entries};
 pub(crate) use coupling::{Coupled, Spread, positions, rates, size_of_sum};
 pub(crate) use dissipation::friction_of;
 pub use dissipation::{FrictionDerivatives, friction};
