@@ -225,7 +225,7 @@ struct Ending {
     target: Vector2<f64>,
 }
 
-/// The motion with these unknowns. Conditions: g = 0 and the same H* at the landing - or t_1 as it is given -,
+/// The motion with these unknowns. Conditions: g = 0 and the same H* at the landing, or t_1 as it is given;
 /// Z'(q - near) and Z'p as they are to be at the end, J y_q = 0 and J y_p = 0.
 fn shoot(arm: &mut Arm, from: &Vector4<f64>, end: &Ending, w: &Unknowns, instant: Option<f64>) -> Shot {
     let (nu, t) = (w[4], w[5]);

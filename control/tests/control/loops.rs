@@ -139,8 +139,8 @@ fn a_four_bar_linkage_costs_what_its_crank_alone_does() {
     assert!(solution.end_defect < 1e-6, "{}", solution.end_defect);
 }
 
-/// The loop of the URDF is closed by a revolute joint in space. Three of its five rows are redundant, and have
-/// no forces.
+/// The loop of the URDF is closed by a revolute joint in space. Three of its five rows are redundant, and
+/// have no forces.
 #[test]
 fn a_loop_of_a_urdf_costs_what_that_of_the_toml_file_does() {
     let robot = Robot::from_file("../robots/four_bar.urdf").unwrap();

@@ -32,11 +32,11 @@
 //!
 //! A joint of the type leads from the first link to the second, its frame placed in both. Types are `fixed`
 //! (all six rows), `revolute` and `continuous` (x, y, z, turn_x, turn_y of frames whose z is the axis),
-//! `prismatic` (x, y and all turns), `planar` (z, turn_x, turn_y) and `spherical` (x, y, z). An axis is that
-//! of the frame of the joint, (1, 0, 0) where it is omitted. A coupling is `ratio` times the sum of the joints
-//! that move the predecessor, minus the sum of those that move the successor, each from where their ways
-//! from the root part; the ratio is 1 where it is omitted. Ball constraints are called `ball_constraint_1`,
-//! `ball_constraint_2`.
+//! `prismatic` (x, y and all turns), `planar` (z, turn_x, turn_y) and `spherical` (x, y, z). The axis is in
+//! axes of the frame of the joint, (1, 0, 0) where it is omitted. A coupling is `ratio` times the sum of the
+//! joints that move the predecessor, minus the sum of those that move the successor, each from where their
+//! ways from the root part; the ratio is 1 where it is omitted. Ball constraints are called
+//! `ball_constraint_1`, `ball_constraint_2`.
 //!
 //! A text may have 16 MiB and 500 000 elements and texts between them, an element 256 attributes. A document
 //! type (`<!DOCTYPE`) is refused.

@@ -23,8 +23,8 @@ const fn known(
     Known { name, attributes, children }
 }
 
-/// URDF 1.0 to 1.2, with what the usual readers accept, and the loops of its extensions. The same name means the same everywhere, but for
-/// `<material>`.
+/// URDF 1.0 to 1.2, with what the usual readers accept, and the loops of its extensions. The same name means
+/// the same everywhere, but for `<material>`.
 const KNOWN: [Known; 36] = [
     known("robot", &["name", "version"], &["link", "joint", "material", "loop", "loop_joint", "coupling"]),
     known("link", &["name", "type"], &["inertial", "visual", "collision"]),
