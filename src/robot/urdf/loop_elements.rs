@@ -75,7 +75,7 @@ impl LoopReader {
         let held = SourceHeld::Joint {
             kind: LoopType::Spherical,
             axis: Vector3::x(),
-            placements: [point("AP")?, point("BQ")?],
+            placements: Box::new([point("AP")?, point("BQ")?]),
         };
         let links = [link("A")?, link("B")?];
         self.loops.push(SourceLoop { name, links, held, line: element.line() });
@@ -101,5 +101,5 @@ fn joint(element: &Element<'_>, name: &str, placements: [Placement; 2]) -> Resul
             return Err(refused(LoopProblem::BadAxis).at(given.line()));
         }
     }
-    Ok(SourceHeld::Joint { kind, axis, placements })
+    Ok(SourceHeld::Joint { kind, axis, placements: Box::new(placements) })
 }

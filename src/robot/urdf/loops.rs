@@ -38,13 +38,14 @@ fn spec(one: &SourceLoop, source: &Source, ways: &mut Ways<'_>) -> Result<Constr
     }
     let [first, second] = &one.links;
     match &one.held {
-        SourceHeld::Joint { kind, axis, placements: [to, frame] } => {
+        SourceHeld::Joint { kind, axis, placements } => {
+            let [to, frame] = &**placements;
             let along = if kind.has_axis() { onto_z(axis) } else { Placement::identity() };
             let spec = ConstraintSpec::rows(&one.name, second, first, rows(*kind));
             Ok(spec.placed(frame.then(&along)).to_placed(to.then(&along)))
         }
         SourceHeld::Ratio(ratio) => {
-            let terms = ways.terms(first, second, *ratio)?.map_err(refused)?;
+            let terms = ways.terms([first, second], *ratio, refused)?;
             Ok(ConstraintSpec::coupling(&one.name, &terms, 0.0))
         }
     }
@@ -109,25 +110,24 @@ impl<'a> Ways<'a> {
     /// second, from where their ways part.
     fn terms(
         &mut self,
-        first: &str,
-        second: &str,
+        [first, second]: [&str; 2],
         ratio: f64,
-    ) -> Result<Result<Vec<(&'a str, f64)>, LoopProblem>, RobotError> {
-        let [first, second] = [self.way(first)?, self.way(second)?];
-        let shared = first.iter().zip(&second).take_while(|(a, b)| a == b).count();
-        let factors = |way: &[usize], factor: f64| {
-            let own = way.iter().skip(shared).map(|&joint| &self.source.joints[joint]);
-            let moving = own.filter(|joint| joint.kind != JointType::Fixed);
-            let term = |joint: &'a SourceJoint| match joint.kind.with_several_freedoms() {
-                None => Ok((joint.name.as_str(), factor)),
-                Some(kind) => Err(LoopProblem::SeveralFreedoms { joint: joint.name.clone(), kind }),
-            };
-            moving.map(term).collect::<Result<Vec<_>, _>>()
-        };
-        let both = factors(&first, ratio).and_then(|mut all| {
-            all.extend(factors(&second, -1.0)?);
-            if all.is_empty() { Err(LoopProblem::Still) } else { Ok(all) }
-        });
-        Ok(both)
+        refused: impl Fn(LoopProblem) -> RobotError,
+    ) -> Result<Vec<(&'a str, f64)>, RobotError> {
+        let ways = [self.way(first)?, self.way(second)?];
+        let shared = ways[0].iter().zip(&ways[1]).take_while(|(a, b)| a == b).count();
+        let mut terms = Vec::new();
+        for (way, factor) in ways.iter().zip([ratio, -1.0]) {
+            for &joint in &way[shared..] {
+                let SourceJoint { name, kind, .. } = &self.source.joints[joint];
+                if let Some(kind) = kind.with_several_freedoms() {
+                    return Err(refused(LoopProblem::SeveralFreedoms { joint: name.clone(), kind }));
+                }
+                if *kind != JointType::Fixed {
+                    terms.push((name.as_str(), factor));
+                }
+            }
+        }
+        if terms.is_empty() { Err(refused(LoopProblem::Still)) } else { Ok(terms) }
     }
 }

@@ -127,7 +127,7 @@ pub(super) enum SourceHeld {
         kind: LoopType,
         /// In the frame of the joint, not normalised.
         axis: Vector3<f64>,
-        placements: [Placement; 2],
+        placements: Box<[Placement; 2]>,
     },
     /// The rate of the successor over that of the predecessor, both against the link where their ways to the
     /// root meet.
