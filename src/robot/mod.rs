@@ -57,7 +57,7 @@ pub(crate) use branches::Branches;
 pub use builder::RobotBuilder;
 pub use constraint::{Constraint, ConstraintFrame, ConstraintKind, ConstraintRow, ConstraintSpec};
 pub use edit::{LimitChange, RobotEdit};
-pub use error::RobotError;
+pub use error::{LoopProblem, RobotError};
 pub use format::RobotFormat;
 pub use frame::{Frame, FrameKind, FrameSpec};
 pub use free::{FreeJoint, FreeKind, FreePart};

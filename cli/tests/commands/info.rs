@@ -180,3 +180,13 @@ fn frames_are_listed_on_request() {
         (&json!("tip"), &json!("aligned"))
     );
 }
+
+/// A loop of a URDF is a constraint: five rows of a revolute joint.
+#[test]
+fn loops_of_a_urdf_are_constraints() {
+    let info = json_of("robots/four_bar.urdf", "");
+    assert_eq!(info["constraints"], json!([{ "name": "rocker_pivot", "rows": 5 }]));
+    assert_eq!((&info["n"], &info["warnings"]), (&json!(3), &json!([])));
+    let refused = costate(&["check", "robots/four_bar.urdf"], b"");
+    assert!(stderr(&refused).contains("'rocker_pivot'"), "{}", stderr(&refused));
+}

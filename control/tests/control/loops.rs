@@ -122,6 +122,19 @@ fn a_four_bar_linkage_costs_what_its_crank_alone_does() {
     assert!(solution.end_defect < 1e-6, "{}", solution.end_defect);
 }
 
+/// The loop of the URDF is closed by a revolute joint in space. Three of its five rows are redundant, and
+/// have no forces.
+#[test]
+fn a_loop_of_a_urdf_costs_what_that_of_the_toml_file_does() {
+    let robot = Robot::from_file("../robots/four_bar.urdf").unwrap();
+    let solution = solved(&crank(robot, FREE), 1e-9);
+    assert_eq!(solution.motion.status, Status::Converged);
+    assert!((solution.total() - 21.878_342_8).abs() < 2e-7, "{}", solution.total());
+    let [pivot] = &solution.constraints[..] else { panic!("one loop") };
+    assert_eq!((&*pivot.name, &*pivot.frame, &*pivot.to), ("rocker_pivot", "rocker", "base"));
+    assert!(pivot.drift < 1e-8, "{}", pivot.drift);
+}
+
 /// Forces, costates and H* of the motion are those of the constrained Hamiltonian at its states.
 #[test]
 fn forces_and_costates_are_those_of_the_constrained_hamiltonian() {
