@@ -6,6 +6,7 @@ mod constraints;
 mod descriptions;
 mod edits;
 mod free_joints;
+mod free_pinocchio;
 mod gripper;
 mod inertias;
 mod known_kinematics;
