@@ -1,4 +1,4 @@
-//! Robots with floating and spherical joints beside Pinocchio: mass matrix, forward dynamics and its derivatives.
+//! Robots with floating and spherical joints beside Pinocchio: M, forward dynamics and its derivatives.
 
 use costate::hamiltonian::Hamiltonian;
 use costate::lagrangian::{Lagrangian, LagrangianSecondOrder};
@@ -11,7 +11,8 @@ fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// One line of a fixture; joints in the order of Pinocchio. Rows of symmetric matrices may end at the diagonal.
+/// One line of a fixture; joints in the order of Pinocchio. Rows of symmetric matrices may end at the
+/// diagonal.
 #[derive(Deserialize)]
 struct Case {
     robot: String,

@@ -1,5 +1,5 @@
-//! Floating and spherical joints under constraints of all kinds: F, forces and their derivatives in the tangent
-//! space.
+//! Floating and spherical joints under constraints of all kinds: F, forces and their derivatives in the
+//! tangent space.
 
 use super::{are_those_of_the_dense_equations, choices, closed, independence, off};
 use crate::free_joints::{moving, retracted};

@@ -40,7 +40,7 @@ fn all(robot: &Robot, q: &[f64], case: &Case) -> [Vec<f64>; 5] {
 properties! {
     64;
 
-    /// Without gravity any motion of the whole; with gravity any displacement, and turns about its direction.
+    /// Without gravity any motion of the whole; with gravity displacements, and turns about its direction.
     #[test]
     fn moving_the_whole_robot_changes_no_derivative(
         case in flying_cases(4),
@@ -63,7 +63,7 @@ properties! {
     }
 
     /// The map (q, p) to the momentum `(R l, R k + r x R l)` about the origin of the frame that the floating
-    /// joint stands in: the momentum of all links, and gravity alone changes it while nothing drives the base.
+    /// joint stands in: the momentum of all links, which gravity alone changes while nothing drives the base.
     #[test]
     fn the_momentum_of_the_whole_changes_by_gravity_alone(case in flying_cases(6)) {
         let (robot, n, q) = (case.robot(), case.n(), &case.q);

@@ -1,5 +1,5 @@
-//! Floating and spherical joints anywhere in random trees: derivatives in the tangent space against hyper-dual
-//! numbers through the retraction, F against the gradient of H.
+//! Floating and spherical joints anywhere in random trees: derivatives in the tangent space against
+//! hyper-dual numbers through the retraction, F against the gradient of H.
 
 mod invariance;
 
@@ -16,7 +16,7 @@ use nalgebra::Vector3;
 use num_dual::Dual64;
 use proptest::prelude::*;
 
-/// `max |a - b|` of each quantity is at most `bound` times its largest entry, or times `size` if that is more.
+/// `max |a - b|` of each quantity is at most `bound` times its largest entry, or `size` if that is more.
 fn agree(bound: f64, size: f64, pairs: &[(&str, &[f64], &[f64])]) -> Result<(), TestCaseError> {
     for (name, found, expected) in pairs {
         prop_assert_eq!(found.len(), expected.len(), "length of {}", name);
@@ -101,14 +101,15 @@ properties! {
         // Two derivatives of a product have four terms.
         agree(4.0 * bound, size * largest(y), &[("y'a_zz", all.to_matrix().as_slice(), &y_a_zz)])?;
         let linear = second.first().linearise_forward_dynamics(q, v, u).unwrap();
-        agree(bound, size, &[("a of a_z", linear.acceleration(), a), ("a_z alone", &flat(linear.matrix()), a_z)])?;
+        let alone = flat(linear.matrix());
+        agree(bound, size, &[("a of a_z", linear.acceleration(), a), ("a_z alone", &alone, a_z)])?;
         agree(bound, size, &[("a alone", second.first().forward_dynamics(q, v, u).unwrap(), a)])?;
         let torque = second.first().inverse_dynamics(q, v, a).unwrap();
         let mass = largest(Hamiltonian::<f64>::new(&robot).mass_matrix(q).unwrap().as_slice());
         agree(bound, 1.0 + mass * largest(a), &[("tau(q, v, a)", torque, u)])?;
     }
 
-    /// `F = (H_p, ad*_v p - H_d + u)` at q (+) d, d = 0, without friction: the equations of Euler and Poincare.
+    /// `F = (H_p, ad*_v p - H_d + u)` at q (+) d, d = 0, without friction (Euler, Poincare).
     #[test]
     fn the_state_equation_is_that_of_h(case in free_cases(6)) {
         let (robot, n) = (case.robot().without_friction(), case.n());

@@ -21,7 +21,8 @@ pub struct Part {
     pub armature: f64,
     pub spring: [f64; 2],
     pub friction: [f64; 3],
-    /// The joint that it mimics, with ratio and offset, unless none can be found; see [`mimicked`](crate::random_robot::Case::mimicked).
+    /// The joint that it mimics, with ratio and offset, unless none can be found; see
+    /// [`mimicked`](crate::random_robot::Case::mimicked).
     pub mimic: Option<(usize, f64, f64)>,
 }
 
