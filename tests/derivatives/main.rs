@@ -4,6 +4,7 @@
 
 mod constraints;
 mod edits;
+mod free_joints;
 mod identities;
 mod inputs;
 mod kernels;

@@ -6,6 +6,7 @@ use costate::hamiltonian::Hamiltonian;
 use costate::kernels::KernelOne;
 use costate::robot::{JointSpec, LinkInertia, Placement, Robot, Tree, dh};
 use costate_test_support::properties;
+use costate_test_support::random_position::Kind;
 use costate_test_support::random_robot::{Case, all_cases, cases, condition, difference, tolerance};
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use proptest::prelude::*;
@@ -173,7 +174,7 @@ properties! {
     #[test]
     fn momentum_about_the_direction_of_gravity_is_conserved(case in cases(8)) {
         let mut case = Case { coupling: Vec::new(), ..case.all_independent() };
-        case.parts[0].prismatic = false;
+        case.parts[0].kind = Kind::Revolute;
         case.parts[0].spring = [0.0; 2];
         case.parts[0].friction = [0.0, 0.0, 0.1];
         case.parts.iter_mut().for_each(|part| part.parent = 0);

@@ -4,6 +4,7 @@ use costate::hamiltonian::Hamiltonian;
 use costate::robot::urdf::parse;
 use costate::robot::{JointSpec, LinkInertia, LoadOptions, Placement, Robot, dh};
 use costate_test_support::properties;
+use costate_test_support::random_position::Kind;
 use costate_test_support::random_robot::{Case, all_cases, condition, difference, tolerance};
 use nalgebra::{Matrix3, Vector3};
 use proptest::prelude::*;
@@ -54,7 +55,7 @@ fn split(case: &Case, robot: &Robot) -> String {
             [rest, piece].map(|body| if body.mass > 0.0 { inertial(&body) } else { String::new() });
         let xyz = Vector3::from(part.xyz) - if case.parent(i).is_some() { flange } else { Vector3::zeros() };
         let parent = case.parent(i).map_or("world".into(), |parent| format!("flange{parent}"));
-        let kind = if part.prismatic { "prismatic" } else { "revolute" };
+        let kind = if part.kind == Kind::Prismatic { "prismatic" } else { "revolute" };
         let mimic = case.mimicked(i).zip(part.mimic).map_or(String::new(), |(joint, (_, ratio, offset))| {
             format!("<mimic joint=\"j{joint}\" multiplier=\"{ratio:?}\" offset=\"{offset:?}\"/>")
         });

@@ -7,6 +7,7 @@ mod descriptions;
 mod edits;
 mod free_joints;
 mod free_joints_pinocchio;
+mod free_pinocchio;
 mod gripper;
 mod inertias;
 mod known_kinematics;

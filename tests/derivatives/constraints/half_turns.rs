@@ -1,8 +1,8 @@
 //! Constraints whose frames are almost half a turn apart, and half a turn.
 
 use super::{are_those_of_the_dense_equations, independence, placed};
+use costate::configuration::FreeKinematics;
 use costate::constraints::{ConstrainedHamiltonian, Constraints};
-use costate::kinematics::Kinematics;
 use costate::robot::{
     ConstraintKind, ConstraintRow, ConstraintSpec, JointSpec, LinkInertia, Placement, Robot,
 };
@@ -26,7 +26,7 @@ fn turned(case: &Case, choice: usize, axis: [f64; 3], angle: f64) -> Option<Robo
     let (frame, to) = (name(choice % links), name(choice / links % links));
     let spec = ConstraintSpec::rows("grip", &frame, &to, HELD[choice / (links * links) % HELD.len()]);
     let plain = robot.with_constraint(spec.clone()).ok()?;
-    let mut kinematics = Kinematics::<f64>::new(&robot);
+    let mut kinematics = FreeKinematics::<f64>::new(&robot);
     kinematics.set_position(&case.q).unwrap();
     let ConstraintKind::Frames { frame, to, .. } = &plain.constraints()[0].kind else { return None };
     let [a, b] = [frame, to].map(|seat| placed(&kinematics, seat).0);

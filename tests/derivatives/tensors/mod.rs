@@ -15,6 +15,7 @@ use costate::robot::Tree;
 use costate::scalar::Scalar;
 use costate::tensors::{Christoffel, ChristoffelKernel};
 use costate_test_support::properties;
+use costate_test_support::random_position::Kind;
 use costate_test_support::random_robot::{Case, all_cases, cases, condition, tolerance};
 use proptest::prelude::*;
 
@@ -172,7 +173,7 @@ properties! {
     fn kernels_agree_for_every_mixture_of_joints(mut case in all_cases(5)) {
         for mixture in 0..1_usize << case.parts.len() {
             for (i, part) in case.parts.iter_mut().enumerate() {
-                part.prismatic = (mixture >> i) % 2 == 1;
+                part.kind = if (mixture >> i) % 2 == 1 { Kind::Prismatic } else { Kind::Revolute };
             }
             kernels_agree(&case)?;
             kernels_agree(&serial(case.clone()))?;

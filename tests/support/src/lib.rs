@@ -9,6 +9,8 @@
 
 pub mod allocations;
 pub mod generic;
+pub mod random_part;
+pub mod random_position;
 pub mod random_robot;
 pub mod reference;
 pub mod robots;

@@ -1,30 +1,14 @@
 //! Random robots and states for property tests.
 
+pub use crate::random_part::Part;
+use crate::random_part::{dof, independent, mimicked, numbers, parent, parts};
+use crate::random_position::{Kind, every, positions, single};
 use costate::derivative::largest;
 use costate::hamiltonian::Hamiltonian;
 use costate::robot::{Friction, JointSpec, LinkInertia, Placement, Robot, Spring};
 use nalgebra::{DMatrix, Matrix3, Vector3};
 use proptest::prelude::*;
-use std::f64::consts::{FRAC_PI_2, PI};
-
-/// Everything that one joint is made of.
-#[derive(Clone, Debug)]
-pub struct Part {
-    pub prismatic: bool,
-    pub parent: usize,
-    pub rpy: [f64; 3],
-    pub xyz: [f64; 3],
-    pub axis: [f64; 3],
-    pub mass: f64,
-    pub com: [f64; 3],
-    pub radii: [f64; 3],
-    pub massless: bool,
-    pub armature: f64,
-    pub spring: [f64; 2],
-    pub friction: [f64; 3],
-    /// The joint that it mimics, with ratio and offset, unless none can be found; see [`Case::mimicked`].
-    pub mimic: Option<(usize, f64, f64)>,
-}
+use std::f64::consts::PI;
 
 /// A robot and a state; printed whole where a property fails.
 #[derive(Clone, Debug)]
@@ -39,96 +23,67 @@ pub struct Case {
     pub y: Vec<f64>,
 }
 
-fn numbers(range: f64) -> impl Strategy<Value = [f64; 3]> {
-    prop::array::uniform3(-range..range)
+/// Whether the mass matrix can be inverted in double precision.
+fn is_regular(case: &Case) -> bool {
+    let condition = condition(&case.robot(), &case.q);
+    0.0 < condition && condition < 1e9
 }
 
-/// General directions, and the special ones that real robots are made of.
-fn axes() -> impl Strategy<Value = [f64; 3]> {
-    let special = prop::sample::select(vec![
-        [0.0, 0.0, 1.0],
-        [0.0, 0.0, -1.0],
-        [1.0, 0.0, 0.0],
-        [0.0, -1.0, 0.0],
-        [0.0, 1.0, 0.0],
-    ]);
-    let general = numbers(1.0).prop_filter("an axis has a direction", |a| Vector3::from(*a).norm() > 0.1);
-    prop_oneof![special, general]
+/// Robots of 1 to `most` joints of one degree of freedom, and states, with a mass matrix that can be inverted
+/// in double precision.
+pub fn cases(most: usize) -> impl Strategy<Value = Case> {
+    all_cases(most).prop_filter("M is regular", is_regular)
 }
 
-/// General rotations, and quarter turns: parallel and orthogonal axes.
-fn angles() -> impl Strategy<Value = [f64; 3]> {
-    let special = prop::array::uniform3(prop::sample::select(vec![0.0, 0.0, FRAC_PI_2, -FRAC_PI_2, PI]));
-    prop_oneof![special, numbers(PI)]
-}
-
-/// General offsets, and none: intersecting axes.
-fn offsets() -> impl Strategy<Value = [f64; 3]> {
-    prop_oneof![Just([0.0; 3]), Just([0.4, 0.0, 0.0]), numbers(0.6)]
-}
-
-fn part() -> impl Strategy<Value = Part> {
-    let joint = (any::<bool>(), 0..1000_usize, angles(), offsets(), axes());
-    let link = (0.2..4.0, numbers(0.3), prop::array::uniform3(0.1..0.4), prop::bool::weighted(0.15));
-    let extras = (
-        prop_oneof![Just(0.0), 0.0..1.0],
-        prop_oneof![Just([0.0, 0.0]), (1.0..20.0, -1.0..1.0).prop_map(|(k, r)| [k, r])],
-        prop_oneof![Just([0.0, 0.0, 0.1]), (0.0..2.0, 0.0..2.0, 0.2..1.0).prop_map(|(b, c, s)| [b, c, s])],
-    );
-    (joint, link, extras).prop_map(|(joint, link, extras)| {
-        let (prismatic, parent, rpy, xyz, axis) = joint;
-        let (mass, com, radii, massless) = link;
-        let (armature, spring, friction) = extras;
-        let mimic = None;
-        Part {
-            prismatic,
-            parent,
-            rpy,
-            xyz,
-            axis,
-            mass,
-            com,
-            radii,
-            massless,
-            armature,
-            spring,
-            friction,
-            mimic,
+/// The same with joints of every type, of which at least one is floating or spherical.
+pub fn free_cases(most: usize) -> impl Strategy<Value = Case> {
+    of_kinds(most, every(), |parts| {
+        if parts.iter().all(|part| part.kind.free().is_none()) {
+            parts[0].kind = Kind::Floating;
         }
     })
+    .prop_filter("M is regular", is_regular)
 }
 
-/// Joints, of which in every fourth robot some mimic others: by any ratio, with and without an offset.
-fn parts(count: usize) -> impl Strategy<Value = Vec<Part>> {
-    let ratio = prop_oneof![Just(1.0), Just(-1.0), 0.3..2.0, -2.0..-0.3];
-    let mimic = (0..1000_usize, ratio, prop_oneof![Just(0.0), -1.0..1.0]);
-    let mimics = prop::collection::vec(prop::option::weighted(0.4, mimic), count);
-    let mimics = prop_oneof![3 => Just(vec![None; count]), 1 => mimics];
-    (prop::collection::vec(part(), count), mimics).prop_map(|(mut parts, mimics)| {
-        parts.iter_mut().zip(mimics).for_each(|(part, mimic)| part.mimic = mimic);
-        parts
-    })
+/// The same where all stands on one floating joint, and no gravity or that along z of the world.
+pub fn flying_cases(most: usize) -> impl Strategy<Value = Case> {
+    let all = of_kinds(most, every(), |parts| {
+        parts[0].kind = Kind::Floating;
+        let on_world = |(i, part): &(usize, &mut Part)| parent(part, *i).is_none();
+        parts.iter_mut().enumerate().skip(1).filter(on_world).for_each(|(_, part)| part.parent = 1);
+    });
+    (all, prop_oneof![Just([0.0; 3]), Just([0.0, 0.0, -9.81])])
+        .prop_map(|(case, gravity)| Case { gravity, ..case })
+        .prop_filter("M is regular", is_regular)
 }
 
-/// Robots of 1 to `most` joints, and states, with a mass matrix that can be inverted in double precision.
-pub fn cases(most: usize) -> impl Strategy<Value = Case> {
-    all_cases(most).prop_filter("M is regular", |case| {
-        let condition = condition(&case.robot(), &case.q);
-        0.0 < condition && condition < 1e9
-    })
-}
-
-/// Robots of 1 to `most` joints, and states; q = 0 and v = 0 among them. Joints may be redundant.
+/// Robots of 1 to `most` joints of one degree of freedom, and states; q = 0 and v = 0 among them. Joints may
+/// be redundant.
 pub fn all_cases(most: usize) -> impl Strategy<Value = Case> {
-    (1..=most).prop_flat_map(parts).prop_flat_map(|parts| {
-        let (n, all) = (independent(&parts), parts.len());
+    of_kinds(most, single(), |_| {})
+}
+
+/// Robots of 1 to `most` joints of these types, changed as asked for, and states.
+fn of_kinds(most: usize, kinds: BoxedStrategy<Kind>, change: fn(&mut [Part])) -> impl Strategy<Value = Case> {
+    let drawn = (1..=most).prop_flat_map(move |count| parts(count, kinds.clone()));
+    let changed = drawn.prop_map(move |mut parts| {
+        change(&mut parts);
+        parts
+    });
+    changed.prop_flat_map(|parts| {
+        let (n, all) = (dof(&parts), parts.iter().filter(|part| part.kind.free().is_none()).count());
         let vector = move |range: f64| prop::collection::vec(-range..range, n);
         let zero = Just(vec![0.0; n]);
+        let q = if parts.len() == all {
+            prop_oneof![4 => vector(PI).boxed(), 1 => zero.clone().boxed()].boxed()
+        } else {
+            positions(independent(&parts).map(|i| parts[i].kind).collect()).boxed()
+        };
         (
             Just(parts),
             prop_oneof![3 => Just(Vec::new()), 1 => prop::collection::vec(-0.5..0.5, all * all)],
             prop_oneof![Just([0.0, 0.0, -9.81]), Just([0.0; 3]), numbers(9.81)],
-            prop_oneof![4 => vector(PI).boxed(), 1 => zero.clone().boxed()],
+            q,
             prop_oneof![4 => vector(2.0).boxed(), 1 => zero.boxed()],
             vector(3.0),
             prop::collection::vec(-1.0..1.0, 2 * n),
@@ -145,26 +100,17 @@ pub fn all_cases(most: usize) -> impl Strategy<Value = Case> {
     })
 }
 
-/// Number of joints that mimic none.
-fn independent(parts: &[Part]) -> usize {
-    (0..parts.len()).filter(|&i| mimicked(parts, i).is_none()).count()
-}
-
-/// See [`Case::mimicked`].
-fn mimicked(parts: &[Part], i: usize) -> Option<usize> {
-    let (choice, ..) = parts[i].mimic?;
-    let later: Vec<usize> = (i + 1..parts.len()).filter(|&k| parts[k].mimic.is_none()).collect();
-    match (choice % 2, i) {
-        (1, _) | (_, 0) if !later.is_empty() => Some(later[choice / 2 % later.len()]),
-        (_, 0) => None,
-        _ => Some(choice / 2 % i),
-    }
-}
-
 impl Case {
     /// Number of degrees of freedom.
     pub fn n(&self) -> usize {
-        independent(&self.parts)
+        dof(&self.parts)
+    }
+
+    /// Index of the first entry of q and of v of joint `i`, unless it mimics another one.
+    pub fn start(&self, i: usize) -> Option<[usize; 2]> {
+        let before = independent(&self.parts).take_while(|&k| k < i).map(|k| self.parts[k].kind);
+        let start = before.fold([0; 2], |[q, v], kind| [q + kind.positions(), v + kind.dof()]);
+        self.mimicked(i).is_none().then_some(start)
     }
 
     /// The joint that joint `i` mimics: one before it, which may mimic another one itself, or an independent
@@ -175,11 +121,10 @@ impl Case {
 
     /// Parent of joint `i`: one of those before it, or the world; chains are as likely as branches.
     pub fn parent(&self, i: usize) -> Option<usize> {
-        let choice = self.parts[i].parent;
-        if choice.is_multiple_of(2) { i.checked_sub(1) } else { (choice % (i + 1)).checked_sub(1) }
+        parent(&self.parts[i], i)
     }
 
-    /// The same with every joint independent, where it was; u and y are repeated.
+    /// The same with every joint independent, where it was; u and y are repeated. Without free joints.
     pub fn all_independent(&self) -> Self {
         let robot = self.robot();
         let rates = robot.joints().iter().map(|joint| joint.mimic);
@@ -205,15 +150,17 @@ impl Case {
         let name = |i: usize| format!("j{i}");
         let spec = |(i, part): (usize, &Part)| {
             let [viscous, coulomb, coulomb_velocity] = part.friction;
-            let massless = part.massless && i + 1 < self.parts.len() && self.parent(i + 1) == Some(i);
-            let mut spec =
-                if part.prismatic { JointSpec::prismatic(name(i)) } else { JointSpec::revolute(name(i)) }
-                    .placed(Placement::from_xyz_rpy(part.xyz, part.rpy))
+            let single = |i: usize| self.parts[i].kind.free().is_none();
+            let bears = |next: usize| next < self.parts.len() && self.parent(next) == Some(i) && single(next);
+            let mut spec = part.kind.spec(name(i)).placed(Placement::from_xyz_rpy(part.xyz, part.rpy));
+            if single(i) {
+                spec = spec
                     .axis(part.axis)
                     .armature(part.armature)
                     .spring(Spring { stiffness: part.spring[0], rest: part.spring[1] })
                     .friction(Friction { viscous, coulomb, coulomb_velocity });
-            if !massless {
+            }
+            if !(part.massless && single(i) && bears(i + 1)) {
                 spec = spec.carrying(self.link(part));
             }
             if let (Some(joint), Some((_, ratio, offset))) = (self.mimicked(i), part.mimic) {
@@ -241,9 +188,17 @@ impl Case {
         if self.coupling.is_empty() {
             return builder.build().unwrap();
         }
-        let joints = self.parts.len();
-        let factor = DMatrix::from_row_slice(joints, joints, &self.coupling);
-        builder.armature_matrix(&factor * factor.transpose()).build().unwrap()
+        // A free joint is several in a row, of which none has armature.
+        let single = |part: &Part| vec![part.kind.free().is_none(); part.kind.dof()];
+        let joints: Vec<bool> = self.parts.iter().flat_map(single).collect();
+        let places: Vec<usize> = (0..joints.len()).filter(|&i| joints[i]).collect();
+        let factor = DMatrix::from_row_slice(places.len(), places.len(), &self.coupling);
+        let product = &factor * factor.transpose();
+        let mut armature = DMatrix::zeros(joints.len(), joints.len());
+        for (i, &row) in places.iter().enumerate() {
+            places.iter().enumerate().for_each(|(j, &column)| armature[(row, column)] = product[(i, j)]);
+        }
+        builder.armature_matrix(armature).build().unwrap()
     }
 
     /// Conjugate momentum p = M v.
