@@ -1,4 +1,6 @@
 //! The factors of the mass matrix block by block: as many rows at once as a pack has lanes.
+//!
+//! `N = D^1/2 L` takes the place of L here: `M = N' N`, and one matrix holds what is eliminated and what is left.
 
 use super::Factor;
 use super::factor_tiles::FactorTiles;
@@ -6,16 +8,56 @@ use crate::matrix::{Left, Matrix, Panel};
 use crate::scalar::{MOST_LANES, Pack, Scalar};
 use std::ops::Range;
 
-/// Entries below the diagonal of a diagonal block of L, zero elsewhere.
-type Corner<S> = [[S; MOST_LANES]; MOST_LANES];
+/// Some rows of a matrix, in one pack.
+type Rows<S> = [<S as Scalar>::Pack; MOST_LANES];
 
-/// `x_r -= sum_i L_ir x_i`, i > r, for the rows x of a block.
-#[inline(always)]
-fn solve_corner<S: Scalar, P: Pack<S>>(l: &Corner<S>, x: &mut [P; MOST_LANES]) {
-    for i in (1..P::LANES).rev() {
-        for r in 0..i {
-            x[r] = P::splat(-l[i][r]).mul_add(x[i], x[r]);
+/// A diagonal block.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Corner<S: Scalar> {
+    /// Rows of L: only entries below its diagonal have a meaning.
+    l: Rows<S>,
+    /// `D^-1/2`.
+    roots: S::Pack,
+}
+
+impl<S: Scalar> Corner<S> {
+    /// That of the unit matrix.
+    pub fn unit() -> Self {
+        Self { l: [S::Pack::zero(); MOST_LANES], roots: S::Pack::one() }
+    }
+
+    /// L and D of a symmetric block, whose entries above the diagonal do not matter; D apart as well.
+    #[inline(always)]
+    fn of(mut rows: Rows<S>) -> (Self, S::Pack) {
+        let (mut corner, mut pivots, mut inverses) = (Self::unit(), S::Pack::one(), S::Pack::one());
+        for i in (0..Panel::<S>::LANES).rev() {
+            let (own, pivot) = (rows[i], rows[i].lane(i));
+            let inverse = pivot.recip();
+            pivots = pivots.with_lane(i, pivot);
+            inverses = inverses.with_lane(i, inverse);
+            let inverse = S::Pack::splat(inverse);
+            corner.l[i] = own * inverse;
+            for (r, row) in rows.iter_mut().enumerate().take(i) {
+                // The inverse comes last: products do not wait for it.
+                *row = inverse.mul_add(-(S::Pack::splat(own.lane(r)) * own), *row);
+            }
         }
+        corner.roots = inverses.sqrt();
+        (corner, pivots)
+    }
+
+    /// `L'^-1 X`, each row times its lane of `scale`.
+    #[inline(always)]
+    fn solve(&self, mut x: Rows<S>, scale: S::Pack) -> Rows<S> {
+        for i in (1..Panel::<S>::LANES).rev() {
+            for r in 0..i {
+                x[r] = S::Pack::splat(-self.l[i].lane(r)).mul_add(x[i], x[r]);
+            }
+        }
+        for (r, x) in x.iter_mut().enumerate().take(Panel::<S>::LANES) {
+            *x *= S::Pack::splat(scale.lane(r));
+        }
+        x
     }
 }
 
@@ -23,28 +65,29 @@ impl<S: Scalar> Factor<S> {
     /// Rows of this block.
     fn rows(&self, block: usize) -> Range<usize> {
         let first = block * Panel::<S>::LANES;
-        first..(first + Panel::<S>::LANES).min(self.inverse_pivots.len())
+        first..(first + Panel::<S>::LANES).min(self.pivots.len())
     }
 
     /// Number of blocks of rows.
     fn blocks(&self) -> usize {
-        self.work.columns().div_ceil(Panel::<S>::LANES)
+        self.corners.len()
     }
 
-    /// `row_i = M_i - sum_k L_ki row_k` over k > i and `L_i = row_i / D_i`, block by block from the last.
+    /// `row_i = M_i - sum_k N_ki N_k` over k > i and `N_i = row_i / sqrt(D_i)`, block by block from the last.
     #[inline(never)]
     pub(super) fn eliminate_blocks(&mut self, tiles: &FactorTiles, mass_matrix: &Matrix<S>) {
         self.read_lower(mass_matrix);
         self.inverted = false;
         for block in (0..self.blocks()).rev() {
-            self.work.subtract_own_rows(&tiles.eliminate, block, self.l.entries());
-            let (l, inverses) = self.eliminate_corner(block);
+            let (rows, n) = (self.rows(block), self.l.entries_mut());
+            n.subtract_own_square(&tiles.eliminate, block);
+            // Rows that are cut off are those of the unit matrix.
+            let (corner, pivots) = Corner::<S>::of(n.block::<0>(block, block));
+            pivots.write(&mut self.pivots[rows]);
+            self.corners[block] = corner;
             for &pack in tiles.lower.of(block) {
-                let mut x = self.work.block::<0>(block, pack);
-                solve_corner(&l, &mut x);
-                self.work.set_block::<0>(block, pack, &x);
-                x.iter_mut().zip(&inverses).for_each(|(x, &inverse)| *x *= S::Pack::splat(inverse));
-                self.l.entries_mut().set_block::<0>(block, pack, &x);
+                let x = corner.solve(n.block::<0>(block, pack), corner.roots);
+                n.set_block::<0>(block, pack, &x);
             }
         }
     }
@@ -55,85 +98,28 @@ impl<S: Scalar> Factor<S> {
         let (n, register) = (mass_matrix.rows(), Panel::<S>::LANES * <S::Pack as Pack<S>>::WIDTH);
         for i in 0..n {
             let columns = (i + 1).next_multiple_of(register).min(n);
-            self.work.read_row::<0>(i, &mass_matrix.row(i)[..columns]);
+            self.l.entries_mut().read_row::<0>(i, &mass_matrix.row(i)[..columns]);
         }
     }
 
-    /// Sets the pivots of a block of rows: the entries of L below the diagonal of its diagonal block, and the
-    /// inverses of the pivots.
-    #[inline(always)]
-    fn eliminate_corner(&mut self, block: usize) -> (Corner<S>, [S; MOST_LANES]) {
-        // Loops of a length that is known; rows that are cut off are those of the unit matrix.
-        let (lanes, rows) = (Panel::<S>::LANES, self.rows(block));
-        let mut l = [[S::zero(); MOST_LANES]; MOST_LANES];
-        let mut d = l;
-        for (r, d) in d.iter_mut().enumerate().take(lanes) {
-            if r < rows.len() {
-                (0..=r).for_each(|c| d[c] = self.work.get(rows.start + r, rows.start + c));
-            } else {
-                d[r] = S::one();
-            }
-        }
-        let mut inverses = [S::one(); MOST_LANES];
-        for i in (0..lanes).rev() {
-            let inverse = d[i][i].recip();
-            inverses[i] = inverse;
-            for r in 0..i {
-                l[i][r] = d[i][r] * inverse;
-            }
-            let (above, own) = d.split_at_mut(i);
-            for (r, row) in above.iter_mut().enumerate() {
-                for (entry, own) in row[..=r].iter_mut().zip(own[0]) {
-                    *entry = (-l[i][r]).mul_add(own, *entry);
-                }
-            }
-        }
-        S::Pack::read(&inverses[..lanes]).write(&mut self.inverse_pivots[rows]);
-        (l, inverses)
-    }
-
-    /// Entries of L below the diagonal of this diagonal block.
-    #[inline(always)]
-    fn corner(&self, block: usize) -> Corner<S> {
-        let rows = self.rows(block);
-        let mut l = [[S::zero(); MOST_LANES]; MOST_LANES];
-        for (r, row) in rows.clone().enumerate() {
-            for (c, l) in l[r].iter_mut().enumerate().take(r) {
-                *l = self.l.entries().get(row, rows.start + c);
-            }
-        }
-        l
-    }
-
-    /// `R' = D^-1/2 U'` from `U' = L'^-1`, block by block from the last.
+    /// `R' = N'^-1`, block by block from the last: with the diagonal block C of N, `R'_I = C'^-1 (1 - sum_k
+    /// N_kI R'_k)` over rows k of other blocks.
     #[inline(never)]
     pub(super) fn invert_blocks(&mut self, tiles: &FactorTiles) {
-        for block in (0..self.blocks()).rev() {
-            for &pack in tiles.upper.of(block) {
-                let mut unit = [S::Pack::zero(); MOST_LANES];
-                if pack == block {
-                    for (r, unit) in unit.iter_mut().enumerate().take(Panel::<S>::LANES) {
-                        *unit = unit.with_lane(r, S::one());
-                    }
-                }
-                self.upper.set_block::<0>(block, pack, &unit);
-            }
-            self.upper.subtract_own_rows(&tiles.invert, block, self.l.entries());
-            let l = self.corner(block);
-            for &pack in tiles.upper.of(block) {
-                let mut x = self.upper.block::<0>(block, pack);
-                solve_corner(&l, &mut x);
-                self.upper.set_block::<0>(block, pack, &x);
-            }
+        let mut unit = [S::Pack::zero(); MOST_LANES];
+        for (r, row) in unit.iter_mut().enumerate().take(Panel::<S>::LANES) {
+            *row = row.with_lane(r, S::one());
         }
-        // Rows above a block are made of its rows of U'.
-        for block in 0..self.blocks() {
-            let roots = S::Pack::read(&self.inverse_pivots[self.rows(block)]).sqrt();
+        for block in (0..self.blocks()).rev() {
+            let corner = self.corners[block];
+            self.upper.set_own_rows(&tiles.invert, block, self.l.entries());
             for &pack in tiles.upper.of(block) {
-                let mut x = self.upper.block::<0>(block, pack);
-                for (r, x) in x.iter_mut().enumerate().take(Panel::<S>::LANES) {
-                    *x *= S::Pack::splat(roots.lane(r));
-                }
+                // Rows of later blocks are zero in this pack.
+                let x = if pack == block {
+                    corner.solve(unit, corner.roots)
+                } else {
+                    corner.solve(self.upper.block::<0>(block, pack), -corner.roots)
+                };
                 self.upper.set_block::<0>(block, pack, &x);
             }
         }
@@ -152,50 +138,71 @@ impl<S: Scalar> Factor<S> {
     /// `x <- M^-1 x`, length n.
     #[inline(never)]
     pub(super) fn solve_by_blocks(&self, tiles: &FactorTiles, x: &mut [S]) {
-        let (lanes, l) = (Panel::<S>::LANES, self.l.entries());
+        let (lanes, n) = (Panel::<S>::LANES, self.l.entries());
         for block in (0..self.blocks()).rev() {
-            let (rows, corner) = (self.rows(block), self.corner(block));
+            let (rows, corner) = (self.rows(block), &self.corners[block]);
             let own = &mut x[rows.clone()];
             for i in (1..own.len()).rev() {
                 for r in 0..i {
-                    own[r] = (-corner[i][r]).mul_add(own[i], own[r]);
+                    own[r] = (-corner.l[i].lane(r)).mul_add(own[i], own[r]);
                 }
             }
             // Numbers, not packs of them: those would be stored lane by lane.
             let mut from = [S::zero(); MOST_LANES];
-            own.iter().zip(&mut from).for_each(|(&x, from)| *from = -x);
+            for (r, (x, from)) in own.iter_mut().zip(&mut from).enumerate() {
+                *x *= corner.roots.lane(r);
+                *from = -*x;
+            }
             let (_, others) = tiles.lower.of(block).split_last().unwrap_or((&0, &[]));
             for &pack in others {
                 let target = &mut x[pack * lanes..][..lanes];
                 let mut sum = S::Pack::read(target);
                 for (row, &from) in rows.clone().zip(&from) {
-                    sum = S::Pack::splat(from).mul_add(l.row(row)[pack], sum);
+                    sum = S::Pack::splat(from).mul_add(n.row(row)[pack], sum);
                 }
                 sum.write(target);
             }
         }
         for block in 0..self.blocks() {
-            let (rows, corner) = (self.rows(block), self.corner(block));
+            let (rows, corner) = (self.rows(block), &self.corners[block]);
             let mut sums = [S::Pack::zero(); MOST_LANES];
             let (_, others) = tiles.lower.of(block).split_last().unwrap_or((&0, &[]));
             for &pack in others {
                 let from = S::Pack::read(&x[pack * lanes..][..lanes]);
                 for (row, sum) in rows.clone().zip(&mut sums) {
-                    *sum = l.row(row)[pack].mul_add(from, *sum);
+                    *sum = n.row(row)[pack].mul_add(from, *sum);
                 }
             }
             S::Pack::transpose(&mut sums[..lanes]);
             let sum = sums[..lanes].iter().fold(S::Pack::zero(), |sum, &part| sum + part);
-            let pivots = S::Pack::read(&self.inverse_pivots[rows.clone()]);
-            let own = S::Pack::read(&x[rows.clone()]).mul_add(pivots, -sum);
+            let own = (S::Pack::read(&x[rows.clone()]) - sum) * corner.roots;
             let mut solved = [S::zero(); MOST_LANES];
             for r in 0..rows.len() {
                 solved[r] = own.lane(r);
                 for c in 0..r {
-                    solved[r] = (-corner[r][c]).mul_add(solved[c], solved[r]);
+                    solved[r] = (-corner.l[r].lane(c)).mul_add(solved[c], solved[r]);
                 }
             }
             S::Pack::read(&solved[..lanes]).write(&mut x[rows]);
+        }
+    }
+
+    /// `Y <- N^-1 N'^-1 Y` for a panel with n rows, row by row.
+    pub(super) fn solve_panel_by_blocks(&self, y: &mut Panel<S>) {
+        let (n, width, lanes) = (y.rows(), y.width::<0>(), Panel::<S>::LANES);
+        let scale = |i: usize, row: &mut [S::Pack]| {
+            let root = S::Pack::splat(self.corners[i / lanes].roots.lane(i % lanes));
+            row.iter_mut().for_each(|y| *y *= root);
+        };
+        for i in (0..n).rev() {
+            let (_, row, after) = y.split_at_row::<0>(i);
+            self.l.minus_columns::<0, 0>(i, row, after, width);
+            scale(i, row);
+        }
+        for i in 0..n {
+            let (before, row, _) = y.split_at_row::<0>(i);
+            self.l.minus_rows(i, row, before, width);
+            scale(i, row);
         }
     }
 

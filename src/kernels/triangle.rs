@@ -14,7 +14,7 @@ pub(super) struct Triangle<S: Scalar> {
     columns: Lists,
     /// Whether every entry below the diagonal is in the pattern.
     full: bool,
-    /// Entries below the diagonal.
+    /// Entries below the diagonal, or those of another factor with this pattern.
     entries: Panel<S>,
 }
 
@@ -51,6 +51,12 @@ impl<S: Scalar> Triangle<S> {
         filled.iter().enumerate().for_each(|(k, row)| row.iter().for_each(|&i| columns[i].push(k)));
         let (rows, columns) = (Lists::new(filled), Lists::new(columns));
         Self { full: rows.entries.len() == n * (n - 1) / 2, columns, rows, entries: Panel::zeros(n, n) }
+    }
+
+    /// Rows beyond the last, up to a whole block, become those of the unit matrix.
+    pub fn complete_blocks(&mut self) {
+        let n = self.entries.rows();
+        (n..n.next_multiple_of(Panel::<S>::LANES)).for_each(|k| self.entries.set(k, k, S::one()));
     }
 
     /// Whether every entry below the diagonal is in the pattern.
