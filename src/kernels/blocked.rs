@@ -3,85 +3,59 @@
 //! `N = D^1/2 L` takes the place of L here: `M = N' N`, and one matrix holds what is eliminated and what is left.
 
 use super::Factor;
+use super::corner::Corner;
 use super::factor_tiles::FactorTiles;
 use crate::matrix::{Left, Matrix, Panel};
 use crate::scalar::{MOST_LANES, Pack, Scalar};
 use std::ops::Range;
 
-/// Some rows of a matrix, in one pack.
-type Rows<S> = [<S as Scalar>::Pack; MOST_LANES];
-
-/// A diagonal block.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Corner<S: Scalar> {
-    /// Rows of L: only entries below its diagonal have a meaning.
-    l: Rows<S>,
-    /// `D^-1/2`.
-    roots: S::Pack,
-}
-
-impl<S: Scalar> Corner<S> {
-    /// That of the unit matrix.
-    pub fn unit() -> Self {
-        Self { l: [S::Pack::zero(); MOST_LANES], roots: S::Pack::one() }
-    }
-
-    /// L and D of a symmetric block, whose entries above the diagonal do not matter; D apart as well.
-    #[inline(always)]
-    fn of(mut rows: Rows<S>) -> (Self, S::Pack) {
-        let (mut corner, mut pivots, mut inverses) = (Self::unit(), S::Pack::one(), S::Pack::one());
-        for i in (0..Panel::<S>::LANES).rev() {
-            let (own, pivot) = (rows[i], rows[i].lane(i));
-            let inverse = pivot.recip();
-            pivots = pivots.with_lane(i, pivot);
-            inverses = inverses.with_lane(i, inverse);
-            let inverse = S::Pack::splat(inverse);
-            corner.l[i] = own * inverse;
-            for (r, row) in rows.iter_mut().enumerate().take(i) {
-                // The inverse comes last: products do not wait for it.
-                *row = inverse.mul_add(-(S::Pack::splat(own.lane(r)) * own), *row);
-            }
-        }
-        corner.roots = inverses.sqrt();
-        (corner, pivots)
-    }
-
-    /// `L'^-1 X`, each row times its lane of `scale`.
-    #[inline(always)]
-    fn solve(&self, mut x: Rows<S>, scale: S::Pack) -> Rows<S> {
-        for i in (1..Panel::<S>::LANES).rev() {
-            for r in 0..i {
-                x[r] = S::Pack::splat(-self.l[i].lane(r)).mul_add(x[i], x[r]);
-            }
-        }
-        for (r, x) in x.iter_mut().enumerate().take(Panel::<S>::LANES) {
-            *x *= S::Pack::splat(scale.lane(r));
-        }
-        x
-    }
-}
-
 impl<S: Scalar> Factor<S> {
     /// Rows of this block.
-    fn rows(&self, block: usize) -> Range<usize> {
+    pub(super) fn rows(&self, block: usize) -> Range<usize> {
         let first = block * Panel::<S>::LANES;
         first..(first + Panel::<S>::LANES).min(self.pivots.len())
     }
 
     /// Number of blocks of rows.
-    fn blocks(&self) -> usize {
+    pub(super) fn blocks(&self) -> usize {
         self.corners.len()
     }
 
-    /// `row_i = M_i - sum_k N_ki N_k` over k > i and `N_i = row_i / sqrt(D_i)`, block by block from the last.
+    /// `M = N' N` of a matrix.
     #[inline(never)]
     pub(super) fn eliminate_blocks(&mut self, tiles: &FactorTiles, mass_matrix: &Matrix<S>) {
-        self.read_lower(mass_matrix);
+        let (n, register) = (mass_matrix.rows(), Panel::<S>::LANES * <S::Pack as Pack<S>>::WIDTH);
+        // The entries of the registers that hold some on or below the diagonal.
+        for i in 0..n {
+            let columns = (i + 1).next_multiple_of(register).min(n);
+            self.l.entries_mut().read_row::<0>(i, &mass_matrix.row(i)[..columns]);
+        }
+        self.eliminate_read(tiles);
+    }
+
+    /// The same for a panel.
+    #[inline(never)]
+    pub(super) fn eliminate_panel(&mut self, tiles: &FactorTiles, mass_matrix: &Panel<S>) {
+        for block in 0..self.blocks() {
+            for pack in 0..(block + 1).next_multiple_of(<S::Pack as Pack<S>>::WIDTH) {
+                self.l.entries_mut().set_block::<0>(block, pack, &mass_matrix.block::<0>(block, pack));
+            }
+        }
+        self.eliminate_read(tiles);
+    }
+
+    /// `row_i = M_i - sum_k N_ki N_k` over k > i and `N_i = row_i / sqrt(D_i)`, block by block from the last.
+    #[inline(always)]
+    fn eliminate_read(&mut self, tiles: &FactorTiles) {
         self.inverted = false;
+        // Rows beyond the last, up to a whole block, are those of the unit matrix.
+        let lanes = Panel::<S>::LANES;
+        for k in self.pivots.len()..self.blocks() * lanes {
+            self.l.entries_mut().row_mut(k)[k / lanes] = S::Pack::zero().with_lane(k % lanes, S::one());
+        }
         for block in (0..self.blocks()).rev() {
             let (rows, n) = (self.rows(block), self.l.entries_mut());
             n.subtract_own_square(&tiles.eliminate, block);
-            // Rows that are cut off are those of the unit matrix.
             let (corner, pivots) = Corner::<S>::of(n.block::<0>(block, block));
             pivots.write(&mut self.pivots[rows]);
             self.corners[block] = corner;
@@ -89,16 +63,6 @@ impl<S: Scalar> Factor<S> {
                 let x = corner.solve(n.block::<0>(block, pack), corner.roots);
                 n.set_block::<0>(block, pack, &x);
             }
-        }
-    }
-
-    /// Takes the entries of the registers that hold some on or below the diagonal.
-    #[inline(always)]
-    fn read_lower(&mut self, mass_matrix: &Matrix<S>) {
-        let (n, register) = (mass_matrix.rows(), Panel::<S>::LANES * <S::Pack as Pack<S>>::WIDTH);
-        for i in 0..n {
-            let columns = (i + 1).next_multiple_of(register).min(n);
-            self.l.entries_mut().read_row::<0>(i, &mass_matrix.row(i)[..columns]);
         }
     }
 
@@ -134,113 +98,6 @@ impl<S: Scalar> Factor<S> {
         }
         self.product.set_tiles(&tiles.inverse, Left::Columns(&self.upper), &self.upper);
     }
-
-    /// `x <- M^-1 x`, length n.
-    #[inline(never)]
-    pub(super) fn solve_by_blocks(&self, tiles: &FactorTiles, x: &mut [S]) {
-        let (lanes, n) = (Panel::<S>::LANES, self.l.entries());
-        for block in (0..self.blocks()).rev() {
-            let (rows, corner) = (self.rows(block), &self.corners[block]);
-            let own = &mut x[rows.clone()];
-            for i in (1..own.len()).rev() {
-                for r in 0..i {
-                    own[r] = (-corner.l[i].lane(r)).mul_add(own[i], own[r]);
-                }
-            }
-            // Numbers, not packs of them: those would be stored lane by lane.
-            let mut from = [S::zero(); MOST_LANES];
-            for (r, (x, from)) in own.iter_mut().zip(&mut from).enumerate() {
-                *x *= corner.roots.lane(r);
-                *from = -*x;
-            }
-            let (_, others) = tiles.lower.of(block).split_last().unwrap_or((&0, &[]));
-            for &pack in others {
-                let target = &mut x[pack * lanes..][..lanes];
-                let mut sum = S::Pack::read(target);
-                for (row, &from) in rows.clone().zip(&from) {
-                    sum = S::Pack::splat(from).mul_add(n.row(row)[pack], sum);
-                }
-                sum.write(target);
-            }
-        }
-        for block in 0..self.blocks() {
-            let (rows, corner) = (self.rows(block), &self.corners[block]);
-            let mut sums = [S::Pack::zero(); MOST_LANES];
-            let (_, others) = tiles.lower.of(block).split_last().unwrap_or((&0, &[]));
-            for &pack in others {
-                let from = S::Pack::read(&x[pack * lanes..][..lanes]);
-                for (row, sum) in rows.clone().zip(&mut sums) {
-                    *sum = n.row(row)[pack].mul_add(from, *sum);
-                }
-            }
-            S::Pack::transpose(&mut sums[..lanes]);
-            let sum = sums[..lanes].iter().fold(S::Pack::zero(), |sum, &part| sum + part);
-            let own = (S::Pack::read(&x[rows.clone()]) - sum) * corner.roots;
-            let mut solved = [S::zero(); MOST_LANES];
-            for r in 0..rows.len() {
-                solved[r] = own.lane(r);
-                for c in 0..r {
-                    solved[r] = (-corner.l[r].lane(c)).mul_add(solved[c], solved[r]);
-                }
-            }
-            S::Pack::read(&solved[..lanes]).write(&mut x[rows]);
-        }
-    }
-
-    /// `Y <- N^-1 N'^-1 Y` for a panel with n rows, row by row.
-    pub(super) fn solve_panel_by_blocks(&self, y: &mut Panel<S>) {
-        let (n, width, lanes) = (y.rows(), y.width::<0>(), Panel::<S>::LANES);
-        let scale = |i: usize, row: &mut [S::Pack]| {
-            let root = S::Pack::splat(self.corners[i / lanes].roots.lane(i % lanes));
-            row.iter_mut().for_each(|y| *y *= root);
-        };
-        for i in (0..n).rev() {
-            let (_, row, after) = y.split_at_row::<0>(i);
-            self.l.minus_columns::<0, 0>(i, row, after, width);
-            scale(i, row);
-        }
-        for i in 0..n {
-            let (before, row, _) = y.split_at_row::<0>(i);
-            self.l.minus_rows(i, row, before, width);
-            scale(i, row);
-        }
-    }
-
-    /// `x <- R R' x`, length n, with R' at hand: no row waits for another one, as in a substitution.
-    #[inline(never)]
-    pub(super) fn multiply_by_blocks(&self, tiles: &FactorTiles, x: &mut [S]) {
-        let (lanes, u) = (Panel::<S>::LANES, &self.upper);
-        for block in 0..self.blocks() {
-            let (rows, along) = (self.rows(block), u.rows_of(block));
-            let mut sums = [S::Pack::zero(); MOST_LANES];
-            for &pack in tiles.upper.of(block) {
-                let from = S::Pack::read(lanes_of(x, pack * lanes, lanes));
-                for (r, sum) in sums.iter_mut().enumerate().take(lanes) {
-                    *sum = along[r][pack].mul_add(from, *sum);
-                }
-            }
-            S::Pack::transpose(&mut sums[..lanes]);
-            let sum = sums[..lanes].iter().fold(S::Pack::zero(), |sum, &part| sum + part);
-            sum.write(&mut x[rows]);
-        }
-        // From the last pack on: others need the entries before it alone.
-        for pack in (0..self.blocks()).rev() {
-            let mut sums = [S::Pack::zero(); 2];
-            for &block in tiles.upper_across.of(pack) {
-                let (from, along) = (S::Pack::read(lanes_of(x, block * lanes, lanes)), u.rows_of(block));
-                for r in 0..lanes {
-                    sums[r % 2] = S::Pack::splat(from.lane(r)).mul_add(along[r][pack], sums[r % 2]);
-                }
-            }
-            (sums[0] + sums[1]).write(&mut x[self.rows(pack)]);
-        }
-    }
-}
-
-/// So many numbers from one on, or as many as there are.
-#[inline(always)]
-fn lanes_of<S>(x: &[S], at: usize, lanes: usize) -> &[S] {
-    x.get(at..at + lanes).unwrap_or_else(|| &x[at..])
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! Branch-sparse factorisation of the mass matrix, `M = L' D L`.
 
-use super::blocked::Corner;
+use super::corner::Corner;
 use super::factor_tiles::FactorTiles;
 use super::triangle::Triangle;
 use crate::matrix::{Matrix, Panel, Pattern, filled, sized};
@@ -35,11 +35,8 @@ impl<S: Scalar> Factor<S> {
     /// Symbolic factorisation and buffers.
     #[inline(never)]
     pub fn new(tree: &Tree) -> Self {
-        let (n, mut l) = (tree.dof(), Triangle::new(tree));
+        let (n, l) = (tree.dof(), Triangle::new(tree));
         let (work, upper) = if Panel::<S>::in_blocks(n) { (0, n) } else { (n, 0) };
-        if upper > 0 {
-            l.complete_blocks();
-        }
         Self {
             tiles: Panel::<S>::for_blocks(n, || FactorTiles::new(&l)),
             upper: Panel::zeros(upper, upper),
@@ -66,6 +63,19 @@ impl<S: Scalar> Factor<S> {
     /// The factorisation is completed nevertheless.
     pub fn factor(&mut self, mass_matrix: &Matrix<S>, size_of: impl Fn(usize) -> S) -> Result<(), usize> {
         self.decompose(mass_matrix);
+        if S::CHECKED { self.check_pivots(size_of) } else { Ok(()) }
+    }
+
+    /// The same for a panel, where factors are computed block by block.
+    pub(crate) fn factor_panel(
+        &mut self,
+        mass_matrix: &Panel<S>,
+        size_of: impl Fn(usize) -> S,
+    ) -> Result<(), usize> {
+        if let Some(tiles) = self.tiles.take().filter(|_| !Panel::<S>::ONE_LANE) {
+            self.eliminate_panel(&tiles, mass_matrix);
+            self.tiles = Some(tiles);
+        }
         if S::CHECKED { self.check_pivots(size_of) } else { Ok(()) }
     }
 

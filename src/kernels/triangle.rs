@@ -53,12 +53,6 @@ impl<S: Scalar> Triangle<S> {
         Self { full: rows.entries.len() == n * (n - 1) / 2, columns, rows, entries: Panel::zeros(n, n) }
     }
 
-    /// Rows beyond the last, up to a whole block, become those of the unit matrix.
-    pub fn complete_blocks(&mut self) {
-        let n = self.entries.rows();
-        (n..n.next_multiple_of(Panel::<S>::LANES)).for_each(|k| self.entries.set(k, k, S::one()));
-    }
-
     /// Whether every entry below the diagonal is in the pattern.
     #[inline(always)]
     pub fn is_full(&self) -> bool {
