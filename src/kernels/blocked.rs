@@ -1,6 +1,7 @@
 //! The factors of the mass matrix block by block: as many rows at once as a pack has lanes.
 //!
-//! `N = D^1/2 L` takes the place of L here: `M = N' N`, and one matrix holds what is eliminated and what is left.
+//! `N = D^1/2 L` takes the place of L here: `M = N' N`, and one matrix holds what is eliminated and what is
+//! left.
 
 use super::Factor;
 use super::corner::Corner;

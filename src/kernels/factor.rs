@@ -11,6 +11,8 @@ use crate::scalar::{Pack, Scalar};
 ///
 /// Row k of L has entries only at the ancestors of joint k; where armature or mimic joints couple different
 /// branches, the pattern is closed under elimination. Pivot D_k is the articulated inertia of joint k.
+///
+/// Beyond 12 joints packs of several lanes compute `N = D^1/2 L` block by block instead of L, `M = N' N`.
 #[derive(Clone, Debug)]
 pub struct Factor<S: Scalar> {
     /// L, or `N = D^1/2 L` if it is computed block by block.
@@ -196,7 +198,8 @@ impl<S: Scalar> Factor<S> {
         }
     }
 
-    /// `Y <- L'^-1 Y` for a panel with n rows: the first half of a solve, unless L is computed block by block.
+    /// `Y <- L'^-1 Y` for a panel with n rows: the first half of a solve, unless factors are computed
+    /// block by block.
     pub(crate) fn first_half(&self, y: &mut Panel<S>) {
         let width = y.width::<0>();
         for i in (0..y.rows()).rev() {

@@ -96,25 +96,26 @@ impl<S: Scalar> Matrix<S> {
             return;
         }
         let from = product.rows_of(block);
+        let signed = |r: usize, pack: usize| from[r][pack] * sign;
         let [first, second, third, fourth] = self.rows_from(top + block * lanes, left, n);
         for run in runs {
             let whole = run.end.min(n / lanes);
             for pack in run.start..whole {
                 let columns = pack * lanes..(pack + 1) * lanes;
-                (from[0][pack] * sign).write(&mut first[columns.clone()]);
+                signed(0, pack).write(&mut first[columns.clone()]);
                 if lanes > 1 {
-                    (from[1][pack] * sign).write(&mut second[columns.clone()]);
-                    (from[2][pack] * sign).write(&mut third[columns.clone()]);
-                    (from[3][pack] * sign).write(&mut fourth[columns]);
+                    signed(1, pack).write(&mut second[columns.clone()]);
+                    signed(2, pack).write(&mut third[columns.clone()]);
+                    signed(3, pack).write(&mut fourth[columns]);
                 }
             }
             if R > 0 && whole < run.end {
                 let column = whole * lanes;
-                write_first::<S, R>(from[0][whole] * sign, &mut first[column..]);
+                write_first::<S, R>(signed(0, whole), &mut first[column..]);
                 if lanes > 1 {
-                    write_first::<S, R>(from[1][whole] * sign, &mut second[column..]);
-                    write_first::<S, R>(from[2][whole] * sign, &mut third[column..]);
-                    write_first::<S, R>(from[3][whole] * sign, &mut fourth[column..]);
+                    write_first::<S, R>(signed(1, whole), &mut second[column..]);
+                    write_first::<S, R>(signed(2, whole), &mut third[column..]);
+                    write_first::<S, R>(signed(3, whole), &mut fourth[column..]);
                 }
             }
         }

@@ -35,7 +35,8 @@ impl<S: Scalar> WorldKernel<S> {
         self.write_mass_matrix(tree);
     }
 
-    /// The same for [`factor`](Self::factor) alone, if `alone`: [`mass_matrix`](Self::mass_matrix) is not set.
+    /// The same for [`factor`](Self::factor) alone, if `alone`: [`mass_matrix`](Self::mass_matrix) is not
+    /// set.
     #[inline(always)]
     pub fn compose_for_factor(&mut self, tree: &Tree, alone: bool) {
         self.compose_bodies(tree);
