@@ -160,7 +160,8 @@ mod tests {
             let found = gait.moment_of_edge(&rows);
             assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-15), "{found:?}");
             let columns = gait.columns_of_edge();
-            let force = [0, 1, 2].map(|axis| columns.iter().zip(rows).map(|(of, row)| of[axis] * row).sum());
+            let force =
+                [0, 1, 2].map(|axis| columns.iter().zip(rows).map(|(of, row)| of[axis] * row).sum::<f64>());
             assert_eq!(force, [ahead[0] + ahead[1], across, loads[0] + loads[1]]);
         }
         assert!(both[0] > 50 && both[1] > 50, "{both:?}");
