@@ -43,7 +43,8 @@ impl Gait {
         }
     }
 
-    /// Accelerations of the multipliers of feet in space that bear so much each (N), soles in their middle or on their edge.
+    /// Accelerations of the multipliers of feet in space that bear so much each (N), soles in their middle or
+    /// on their edge.
     pub(super) fn lift_in_space(&self, weight: f64, feet: &[Foot], rows: &[LoopRow]) -> Vec<f64> {
         let pressed = self.sole.map_or(0.0, |[heel, toe]| -0.5 * (heel + toe) * weight);
         let wrench = [0.0, 0.0, weight, 0.0, pressed, 0.0];

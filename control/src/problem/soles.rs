@@ -129,7 +129,8 @@ impl Gait {
     }
 
     /// Of each of the rows of [`held`](Self::held) those of [`told`](Self::told): force (f_x, f_z) and torque
-    /// about the origin of the foot, of which a toe has the first two; in space all six, of an edge the force.
+    /// about the origin of the foot, of which a toe has the first two; in space all six, of an edge the
+    /// force.
     pub(super) fn columns(&self, contact: SoleContact) -> Vec<Vec<f64>> {
         if self.is_on_edge(contact) {
             return self.columns_of_edge();

@@ -140,9 +140,9 @@ mod tests {
         let (gait, half) = (gait(), 0.5 * WIDTH);
         let mut both = [0, 0];
         for number in 0..400 {
-            let some = |i: usize| (1.0 + f64::from(number) * 1.7 + 2.3 * i as f64).sin();
-            let loads = [0.6 + some(0), 0.6 + some(1)];
-            let ahead = [some(2), some(3)].map(|part| 0.8 * part);
+            let some = |i: usize| (1.0 + f64::from(number) * (1.7 + 0.41 * i as f64) + 2.3 * i as f64).sin();
+            let loads = [0.9 + some(0), 0.9 + some(1)];
+            let ahead = [some(2), some(3)].map(|part| 0.6 * part);
             let across = 1.2 * some(4);
             let rows = [ahead[0], loads[0], ahead[1], loads[1], across];
             let least = gait

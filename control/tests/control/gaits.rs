@@ -54,10 +54,12 @@ pub(crate) fn is_best_duration(problem: &Problem, options: &SolverOptions, free:
     assert!(free.motion.hamiltonian.abs() * time < 1e-3 * free.total(), "{}", free.motion.hamiltonian);
     let slopes = beside.each_ref().map(|given| -given.motion.hamiltonian);
     assert!(slopes[0] < 0.0 && slopes[1] > 0.0, "{slopes:?}");
-    // By the trapezium.
-    let rise = beside[1].total() - beside[0].total();
-    let expected = 0.1 * time * 0.5 * (slopes[0] + slopes[1]);
-    assert!((rise - expected).abs() < 0.01 * time * slopes[1], "{rise} {expected}");
+    // By the trapezium on each side.
+    for (given, slope) in beside.iter().zip(slopes) {
+        let (rise, step) = (given.total() - free.total(), given.motion.final_time - time);
+        let expected = 0.5 * step * (slope - free.motion.hamiltonian);
+        assert!((rise - expected).abs() < 0.2 * rise, "{rise} {expected}");
+    }
 }
 
 /// The end of double support (s).
