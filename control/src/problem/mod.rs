@@ -36,6 +36,7 @@ pub(crate) mod source_error;
 mod standing;
 pub(crate) mod task;
 pub(crate) mod task_error;
+mod toe_edge;
 pub(crate) mod tools;
 pub(crate) mod torque_speed_error;
 pub(crate) mod urdf_bodies;
@@ -43,7 +44,7 @@ mod via;
 mod via_error;
 mod walking;
 pub(crate) mod warning;
-mod wrench_cone;
+pub(crate) mod wrench_cone;
 
 pub use end_error::{EndError, Leads};
 pub use free_error::FreeMotionError;
