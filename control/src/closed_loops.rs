@@ -75,7 +75,9 @@ fn of_joints(problem: &Problem, loops: &Loops, found: Solution) -> Solution {
         Some(walk) => walk.feet[constraint].rows.end <= loops.phases[phase].rows,
         None => true,
     };
-    let constraints = ConstraintForces::along(robot, &trajectory, &lambda, holds).unwrap_or_default();
+    // Feet are held by rows that are independent.
+    let counts = |row: usize| loops.walk.is_some() || loops.rows.iter().any(|kept| kept.row == row);
+    let constraints = ConstraintForces::along(robot, &trajectory, &lambda, holds, counts).unwrap_or_default();
     let end_state = found.motion.end_state.as_ref().map(|state| {
         let all = state.len() / 2;
         [&state[..n], &state[all..all + n]].concat()

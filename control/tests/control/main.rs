@@ -39,6 +39,7 @@ mod loops;
 mod machine_code;
 mod obstacle_file;
 mod one_state;
+mod open_loops;
 mod polish;
 mod power;
 mod power_refused;
