@@ -20,7 +20,7 @@ pub enum LoopError {
         miss: f64,
         /// A position nearby that satisfies all constraints, with the joints that have motors as they are
         /// given if that is possible; or why none was found.
-        closed: Result<Vec<f64>, ConstraintError>,
+        closed: Box<Result<Vec<f64>, ConstraintError>>,
     },
     /// Rates that are given lead away from a constraint.
     Leads {
@@ -65,7 +65,7 @@ impl fmt::Display for LoopError {
             Self::Open { constraint, miss, closed, .. } => {
                 let (constraint, miss) = (printable(constraint), rounded(*miss));
                 write!(f, "constraint '{constraint}' is missed by {miss} (m, rad) here")?;
-                match closed {
+                match &**closed {
                     Ok(q) => write!(
                         f,
                         "; nearby the loops close at q = [{}]: give that, or another position that closes them",
@@ -98,7 +98,11 @@ impl fmt::Display for LoopError {
 impl std::error::Error for LoopError {
     fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
         match self {
-            Self::CannotClose { cause, .. } | Self::Open { closed: Err(cause), .. } => Some(cause),
+            Self::CannotClose { cause, .. } => Some(cause),
+            Self::Open { closed, .. } => match &**closed {
+                Ok(_) => None,
+                Err(cause) => Some(cause),
+            },
             _ => None,
         }
     }

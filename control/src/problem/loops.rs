@@ -206,7 +206,7 @@ impl Problem {
                 .map(|(row, miss)| (rows.name(row).to_owned(), miss))
         };
         if let Some((constraint, miss)) = largest(&mut rows.values().iter().copied()) {
-            let closed = self.closed_near(q);
+            let closed = Box::new(self.closed_near(q));
             return Err(ProblemError::Loop {
                 cause: LoopError::Open { key: of_q, constraint, miss, closed },
             });

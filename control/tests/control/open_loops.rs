@@ -13,7 +13,7 @@ fn refused(
     let ProblemError::Loop { cause: LoopError::Open { constraint, miss, closed, .. } } = error else {
         panic!("{text}")
     };
-    (constraint, miss, closed, text)
+    (constraint, miss, *closed, text)
 }
 
 /// The position that a message tells.
