@@ -75,7 +75,10 @@ fn of_joints(problem: &Problem, loops: &Loops, found: Solution) -> Solution {
         Some(walk) => walk.feet[constraint].rows.end <= loops.phases[phase].rows,
         None => true,
     };
-    let mut constraints = ConstraintForces::along(robot, &trajectory, &lambda, holds).unwrap_or_default();
+    // Feet are held by rows that are independent.
+    let counts = |row: usize| loops.walk.is_some() || loops.rows.iter().any(|kept| kept.row == row);
+    let mut constraints =
+        ConstraintForces::along(robot, &trajectory, &lambda, holds, counts).unwrap_or_default();
     if let Some(walk) = &loops.walk {
         for (foot, told) in walk.feet.iter().zip(&mut constraints) {
             if !walk.gait.is_on_edge(foot.contact) {

@@ -6,7 +6,6 @@ mod constraints;
 mod descriptions;
 mod edits;
 mod free_joints;
-mod free_joints_pinocchio;
 mod free_pinocchio;
 mod gripper;
 mod inertias;

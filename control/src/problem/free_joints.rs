@@ -104,6 +104,13 @@ impl Problem {
     pub(super) fn check_free_motion(&self) -> Result<(), ProblemError> {
         let Some(first) = self.robot.free_joints().first() else { return Ok(()) };
         let joint = || first.name.clone();
+        if self.gait.is_some() {
+            return Err(FreeMotionError::Gait { joint: joint() }.into());
+        }
+        if let Some(one) = self.robot.constraints().first() {
+            let constraint = one.name.clone();
+            return Err(FreeMotionError::Constraint { constraint, joint: joint() }.into());
+        }
         if let Some(key) = self.first_not_taken() {
             return Err(FreeMotionError::NotTaken { key, joint: joint() }.into());
         }

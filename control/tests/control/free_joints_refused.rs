@@ -1,8 +1,9 @@
 //! Motions of robots with floating and spherical joints that are refused, by name and with the remedy.
 
 use super::free_joints::{INF, flyer, turned};
+use costate::robot::ConstraintSpec;
 use costate_control::{
-    BoundaryState, FinalTime, FreeMotionError, Method, MotionLimits, Objective, Problem, ProblemError,
+    BoundaryState, FinalTime, FreeMotionError, Gait, Method, MotionLimits, Objective, Problem, ProblemError,
     Resolve, SolverOptions,
 };
 
@@ -37,6 +38,22 @@ fn what_is_not_taken_is_named() {
         };
         assert_eq!((joint.as_str(), error.key().unwrap().to_string()), ("root", key.to_owned()));
     }
+    // A gait whose feet do not exist: they are not looked for.
+    let error = refused(base().with_gait(Gait::new(&["nonsense"], &["foot"], "root_x", 0.3)));
+    assert!(
+        matches!(&error, ProblemError::Free { cause: FreeMotionError::Gait { joint } } if joint == "root")
+    );
+    assert_eq!(error.key().unwrap().to_string(), "gait.stance");
+    assert!(error.to_string().contains("prismatic and revolute joints"), "{error}");
+    let gear = ConstraintSpec::coupling("gear", &[("a", 1.0), ("b", -1.0)], 0.5);
+    let mut geared = base();
+    geared.robot = geared.robot.with_constraint(gear).unwrap();
+    let error = refused(geared);
+    let ProblemError::Free { cause: FreeMotionError::Constraint { constraint, joint } } = &error else {
+        panic!("{error}")
+    };
+    assert_eq!((constraint.as_str(), joint.as_str()), ("gear", "root"));
+    assert!(error.to_string().contains("the first of which is 'gear'"), "{error}");
     let mut wrong = start;
     wrong[6] = 1.1;
     let error = refused(base().with_start(BoundaryState::fixed(&wrong, &[0.0; 8])));

@@ -9,25 +9,25 @@ use costate::dynamics::Automatic;
 use costate::robot::{ConstraintRow, ConstraintSpec, Robot};
 use costate::scalar::Scalar;
 use costate_control::{
-    Bounds, DirectDynamics, FinalTime, LoopError, Method, MotionLimits, Objective, Problem, ProblemError,
-    Resolve, Solution, Solver, SolverOptions, Status, Via,
+    Bounds, DirectDynamics, FinalTime, Method, MotionLimits, Objective, Problem, ProblemError, Resolve,
+    Solution, Solver, SolverOptions, Status, Via,
 };
 
-const FREE: f64 = f64::INFINITY;
+pub const FREE: f64 = f64::INFINITY;
 
-fn four_bar() -> Robot {
+pub fn four_bar() -> Robot {
     Robot::from_file("../robots/four_bar.toml").unwrap()
 }
 
 /// The position with these joints held.
-fn closed(robot: &Robot, near: &[f64], held: &[bool]) -> Vec<f64> {
+pub fn closed(robot: &Robot, near: &[f64], held: &[bool]) -> Vec<f64> {
     let mut q = near.to_vec();
     ConstrainedHamiltonian::<f64>::new(robot).close(&mut q, held).unwrap();
     q
 }
 
 /// The crank turns from 1 rad to 2.4 rad in a second, from rest to rest; only the crank has a motor.
-fn crank(robot: Robot, most: f64) -> Problem {
+pub fn crank(robot: Robot, most: f64) -> Problem {
     let held = [true, false, false];
     let from = closed(&robot, &[1.0, -0.6, -2.0], &held);
     let to = closed(&robot, &[2.4, from[1], from[2]], &held);
@@ -179,6 +179,11 @@ fn redundant_rows_change_nothing() {
     assert_eq!(solution.motion.status, Status::Converged);
     assert!((solution.total() - 21.8783428).abs() < 1e-6, "{}", solution.total());
     assert!(solution.constraints[0].multipliers.iter().all(|rows| rows.len() == 3 && rows[2] == 0.0));
+    assert_eq!(solution.constraints[0].redundant, [2]);
+    let text = serde_json::to_string(&solution).unwrap();
+    assert!(text.contains("\"redundant\":[2]"));
+    let read: Solution = serde_json::from_str(&text).unwrap();
+    assert_eq!(read.constraints, solution.constraints);
 }
 
 #[test]
@@ -248,14 +253,6 @@ fn the_crank_alone_says_where_a_linkage_ends() {
 fn what_is_not_taken_is_refused_by_name() {
     let problem = crank(four_bar(), FREE);
     let refused = |problem: &Problem| Solver::new(problem, SolverOptions::default()).unwrap_err();
-    let mut open = problem.clone();
-    open.start.q[2] += 0.01;
-    let ProblemError::Loop { cause: LoopError::Open { constraint, miss, .. } } = refused(&open) else {
-        panic!("{}", refused(&open))
-    };
-    assert_eq!(constraint, "rocker_pivot");
-    assert!(miss > 1e-3 && miss < 1e-2, "{miss}");
-    assert!(refused(&open).to_string().starts_with("start.q: constraint 'rocker_pivot' is missed by "));
     let mut leads = problem.clone();
     leads.end.v[0] = 0.5;
     assert!(

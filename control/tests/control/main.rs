@@ -40,6 +40,7 @@ mod loops;
 mod machine_code;
 mod obstacle_file;
 mod one_state;
+mod open_loops;
 mod plane_twins;
 mod polish;
 mod power;
