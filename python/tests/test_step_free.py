@@ -22,7 +22,7 @@ from free_joints import (  # noqa: F401
 
 # Bases without mass, which move.
 pytestmark = pytest.mark.filterwarnings("ignore::costate.RobotWarning")
-KINDS = [(scheme, coordinates) for scheme in ("rk4", "midpoint") for coordinates in ("qv", "qp")]
+KINDS = [(scheme, coordinates) for scheme in ("rk4", "midpoint") for coordinates in ("qv", "qp")] + [("verlet", "qp")]
 DT = 0.01
 
 
@@ -89,6 +89,44 @@ def test_steps_have_their_order_and_keep_what_they_should(drone, random, scheme,
     assert energies[1] == pytest.approx(energies[0], rel=1e-8)
 
 
+@pytest.fixture(scope="module")
+def satellite():
+    """A body with a hinge and a spherical joint, which tumbles in space."""
+    builder = costate.Robot.builder("satellite")
+    body = {"mass": 2.0, "com": [0.1, -0.2, 0.1], "inertia": [0.2, 0.3, 0.25, 0.01, -0.02, 0.03]}
+    builder = builder.floating("body", **body)
+    builder = builder.revolute("hinge", on="body", axis=[0, 0.6, 0.8], xyz=[0.3, 0, 0], mass=0.5, com=[0.2, 0, 0.1])
+    builder = builder.spherical("ball", on="body", xyz=[0, 0.3, 0], **(body | {"mass": 0.4}))
+    return builder.build().with_gravity([0, 0, 0])
+
+
+@pytest.mark.parametrize(
+    ("scheme", "coordinates", "keeps"),
+    [("midpoint", "qp", True), ("verlet", "qp", True), ("midpoint", "qv", False), ("rk4", "qp", False)],
+)
+def test_symplectic_steps_keep_momentum_and_energy(satellite, random, scheme, coordinates, keeps):
+    dynamics = costate.Dynamics(satellite, coordinates)
+    step, n, nq = costate.Step(dynamics, scheme, 0.05), satellite.n, satellite.nq
+    q, v = satellite.integrate(satellite.neutral(), random.normal(size=n)), random.normal(size=n)
+    x = np.concatenate([q, v if coordinates == "qv" else dynamics.momentum(q, v)])
+
+    def known(x):
+        q, v = x[:nq].copy(), x[nq:].copy()
+        v = v if coordinates == "qv" else dynamics.velocity(q, v)
+        momentum, energy = dynamics.centroidal_momentum(q, v)[0], sum(dynamics.energy(q, v))
+        return momentum, energy
+
+    (momentum, energy), errors = known(x), []
+    for _ in range(3000):
+        x = step.f(x[:nq].copy(), x[nq:].copy(), np.zeros(n))
+        now = known(x)
+        errors.append((np.abs(now[0] - momentum).max() / np.abs(momentum).max(), abs(now[1] / energy - 1)))
+    lost, off = np.array(errors).T
+    assert (lost.max() < 1e-11) == keeps
+    if keeps:
+        assert off[-300:].max() < 3 * off[:300].max() < 0.3
+
+
 def test_the_derivative_by_the_duration_is_the_rate(drone, random):
     dynamics = costate.Dynamics(drone)
     q, v, tau = drone.integrate(drone.neutral(), random.normal(size=6)), random.normal(size=6), random.normal(size=6)
@@ -115,9 +153,12 @@ def test_the_derivative_by_the_duration_is_the_rate(drone, random):
 def test_steps_are_compared_pickled_and_refused_by_name(drone):
     step = costate.Step(costate.Dynamics(drone), "rk4", DT)
     assert pickle.loads(pickle.dumps(step)) == step
-    for scheme, coordinates in (("semi_implicit_euler", "qv"), ("verlet", "qp")):
-        with pytest.raises(costate.ArgumentError, match="quaternions have more; give 'rk4' or 'midpoint'") as raised:
-            costate.Step(costate.Dynamics(drone, coordinates), scheme, DT)
+    for scheme, why in (
+        ("semi_implicit_euler", "quaternions have more; give 'rk4', 'midpoint' or, for \"qp\", 'verlet'"),
+        ("verlet", 'the scheme \'verlet\' needs Dynamics.robot, "qp"'),
+    ):
+        with pytest.raises(costate.ArgumentError, match=why) as raised:
+            costate.Step(costate.Dynamics(drone), scheme, DT)
         assert raised.value.argument == "scheme"
     with pytest.raises(costate.ArgumentError, match=r"not \(..., 7\).*quaternion"):
         step.f(np.zeros(6), np.zeros(6), np.zeros(6))
