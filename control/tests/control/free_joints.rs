@@ -2,7 +2,7 @@
 
 use costate::configuration::ConfigurationSpace;
 use costate::hamiltonian::Hamiltonian;
-use costate::robot::{ConstraintSpec, JointSpec, LinkInertia, LoadOptions, Placement, Robot};
+use costate::robot::{JointSpec, LinkInertia, LoadOptions, Placement, Robot};
 use costate_control::{
     BoundaryState, FreeMotionError, Method, MotionLimits, Problem, ProblemError, ProblemFile, Solution,
     Solver, SolverOptions, Status, Trajectory,
