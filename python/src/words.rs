@@ -26,7 +26,6 @@ const WORDS: [(&str, &str); 24] = [
         ". `adjoint` and `hvp` are shorter",
     ),
     ("give its folder with --package-path", "give its folder by package_path=[...]"),
-    ("as ConstrainedHamiltonian::close computes it", "as ConstrainedDynamics.close computes it"),
     (
         "`Hamiltonian`, `ConstrainedHamiltonian` and `Lagrangian` take them, to second order",
         "Dynamics, Frame, ConstrainedDynamics.f and its derivatives take them",

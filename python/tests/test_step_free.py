@@ -110,11 +110,15 @@ def test_symplectic_steps_keep_momentum_and_energy(satellite, random, scheme, co
     q, v = satellite.integrate(satellite.neutral(), random.normal(size=n)), random.normal(size=n)
     x = np.concatenate([q, v if coordinates == "qv" else dynamics.momentum(q, v)])
 
+    momenta = costate.Dynamics(satellite, "qp")
+
     def known(x):
-        q, v = x[:nq].copy(), x[nq:].copy()
-        v = v if coordinates == "qv" else dynamics.velocity(q, v)
-        momentum, energy = dynamics.centroidal_momentum(q, v)[0], sum(dynamics.energy(q, v))
-        return momentum, energy
+        """The momentum of the whole, linear and about the origin of the world, and the energy."""
+        q, w = x[:nq].copy(), x[nq:].copy()
+        p, v = (momenta.momentum(q, w), w) if coordinates == "qv" else (w, momenta.velocity(q, w))
+        vector, real = q[3:6], q[6]
+        linear, angular = (a + 2 * np.cross(vector, np.cross(vector, a) + real * a) for a in (p[:3], p[3:6]))
+        return np.concatenate([linear, np.cross(q[:3], linear) + angular]), sum(momenta.energy(q, v))
 
     (momentum, energy), errors = known(x), []
     for _ in range(3000):
