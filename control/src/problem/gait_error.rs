@@ -34,10 +34,16 @@ pub enum GaitError {
         /// Feet that swing.
         swing: usize,
     },
-    /// Feet of which one follows the others: their forces are not determined.
-    Redundant,
+    /// Feet of which one follows those before it: their forces are not determined.
+    Redundant {
+        /// Its frame.
+        frame: String,
+    },
     /// The same of all feet together, in the phase of double support.
-    RedundantTogether,
+    RedundantTogether {
+        /// The frame of the foot that follows the others.
+        frame: String,
+    },
     /// Soles behind that shall stand flat, but there are none, or no double support.
     NoSolesBehind,
     /// Soles that stand flat, but not with the legs exchanged.
@@ -126,13 +132,17 @@ impl fmt::Display for GaitError {
                 f,
                 "{stance} feet stand and {swing} swing; give each foot that stands the one that lands in its place"
             ),
-            Self::Redundant => f.write_str(
-                "one of these feet cannot move where the others stand, so that their forces are not determined; \
-                 name fewer feet",
+            Self::Redundant { frame } => write!(
+                f,
+                "'{}' cannot move freely where the feet named before it stand, so that their forces are not \
+                 determined; name fewer feet",
+                printable(frame)
             ),
-            Self::RedundantTogether => f.write_str(
-                "with all feet on the ground one of them cannot move where the others stand, so that their forces \
+            Self::RedundantTogether { frame } => write!(
+                f,
+                "with all feet on the ground '{}' cannot move freely where the others stand, so that their forces \
                  are not determined; remove double_support, or name fewer feet",
+                printable(frame)
             ),
             Self::NoSolesBehind => f.write_str(
                 "says how soles behind stand in double support; give sole and double_support, or remove it",

@@ -13,6 +13,7 @@ mod free_error;
 mod free_fall;
 pub(crate) mod free_joints;
 pub(crate) mod gait;
+mod gait_checks;
 mod gait_error;
 mod gait_in_space;
 mod given_ends;

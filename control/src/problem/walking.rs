@@ -17,16 +17,16 @@
 
 use super::error::ProblemError;
 use super::gait::Gait;
+use super::gait_checks::check_numbers;
 use super::gait_error::GaitError;
 use super::key::Key;
-use super::loop_rows::{Foot, LoopPhase, LoopRow, Loops, Walk, exchanged};
+use super::loop_rows::{Foot, LoopPhase, LoopRow, Loops, Walk};
 use super::standing::{Standing, no_foot};
 use super::{BoundaryState, FinalTime, Problem, Via};
-use crate::constants::checks::gait::{PLANAR, SYMMETRIC};
 use costate::EvalError;
 use costate::constraints::{ConstrainedHamiltonian, Constraints};
 use costate::lagrangian::Lagrangian;
-use costate::robot::{ConstraintSpec, JointKind, RobotError};
+use costate::robot::ConstraintSpec;
 
 impl Problem {
     /// With a step of this gait as the motion: its start and its end are free, and [`start`](Self::start) is
@@ -53,13 +53,7 @@ impl Problem {
     /// [`ProblemError::Gait`], [`ProblemError::UnknownJoint`], [`ProblemError::GivenTwice`].
     pub(super) fn walking(&self, gait: &Gait) -> Result<Self, ProblemError> {
         self.refuse_with_gait()?;
-        let [length, friction, clearance] = [gait.length, gait.friction, gait.clearance];
-        positive(Key::GAIT_LENGTH, length)?;
-        positive(Key::GAIT_FRICTION, friction)?;
-        if !(clearance >= 0.0 && clearance.is_finite()) {
-            let remedy = "must be neither negative nor infinite (m)";
-            return Err(GaitError::OutOfRange { value: clearance, remedy }.at(Key::GAIT_CLEARANCE));
-        }
+        check_numbers(gait)?;
         self.check_soles(gait)?;
         gait.check_widths()?;
         self.check_double_support(gait)?;
@@ -69,11 +63,11 @@ impl Problem {
         self.check_feet(gait, along)?;
         let (q, places) = self.standing_guess(gait)?;
         let mut shift = vec![0.0; q.len()];
-        shift[along] = -length;
+        shift[along] = -gait.length;
         self.check_mirror(gait, &exchange, &q, &shift)?;
         // What cannot be evaluated is told at the start.
         let failed = |error: EvalError| GaitError::CannotStand { cause: error.into() }.at(Key::START_Q);
-        let angle = friction.atan();
+        let angle = gait.friction.atan();
         let Standing { robot, phases, foot, landing, feet } = self.standing(gait, &places)?;
         let mut corners = [self.robot.clone(), self.robot.clone()];
         for (stands, swings) in gait.stance.iter().zip(&gait.swing) {
@@ -91,9 +85,11 @@ impl Problem {
         if kept.len() < rows.count() {
             // Those of feet that stand during the whole step come first.
             let lacking = (0..).zip(&kept).take_while(|(number, one)| one.row == *number).count();
+            let of = feet.iter().find(|foot| foot.rows.contains(&lacking));
+            let frame = of.map_or_else(String::new, |foot| foot.name.clone());
             return Err(match lacking < phases[phases.len() - 1].rows {
-                true => GaitError::Redundant.at(Key::GAIT_STANCE),
-                false => GaitError::RedundantTogether.at(Key::GAIT_DOUBLE_SUPPORT),
+                true => GaitError::Redundant { frame }.at(Key::GAIT_STANCE),
+                false => GaitError::RedundantTogether { frame }.at(Key::GAIT_DOUBLE_SUPPORT),
             });
         }
         let mut model = Lagrangian::<f64>::new(&self.robot);
@@ -153,110 +149,6 @@ impl Problem {
         Self { vias, ..self.with_coordinates_of(loops, first, last) }
     }
 
-    /// Whether the feet are frames, each named once, and paired.
-    fn check_names(&self, gait: &Gait) -> Result<(), ProblemError> {
-        let (stance, swing) = (gait.stance.len(), gait.swing.len());
-        if stance != swing || stance == 0 {
-            return Err(GaitError::Unpaired { stance, swing }.at(Key::GAIT_SWING));
-        }
-        let mut known: Vec<&String> = Vec::new();
-        for (key, feet) in [(Key::GAIT_STANCE, &gait.stance), (Key::GAIT_SWING, &gait.swing)] {
-            for frame in feet {
-                self.foot(key, frame)?;
-                if known.contains(&frame) {
-                    return Err(GaitError::OneFoot { frame: frame.clone() }.at(key));
-                }
-                known.push(frame);
-            }
-        }
-        Ok(())
-    }
-
-    /// What gaits do not take.
-    fn refuse_with_gait(&self) -> Result<(), ProblemError> {
-        if let Some(one) = self.robot.constraints().first() {
-            return Err(GaitError::Constrained { constraint: one.name.clone() }.at(Key::GAIT_STANCE));
-        }
-        let terms = (!self.terms.is_empty()).then_some(Key::TERMS);
-        let first = self.task.first_key().or_else(|| self.first_of_rates());
-        let via = self.vias.first().map(|_| Key::via("q", 0));
-        let periodic = self.periodic.as_ref().map(|_| Key::PERIODIC_SHIFT);
-        match first.or(via).or(periodic).or(terms) {
-            Some(with) => Err(GaitError::NotTaken { with }.at(Key::GAIT_STANCE)),
-            None => Ok(()),
-        }
-    }
-
-    /// A foot by its name.
-    fn foot(&self, key: Key, name: &str) -> Result<(), ProblemError> {
-        self.robot.frame(name).map(drop).map_err(|error| {
-            let nearest = match error {
-                RobotError::UnknownFrame { nearest, .. } => nearest,
-                _ => Vec::new(),
-            };
-            GaitError::UnknownFrame { frame: name.into(), nearest }.at(key)
-        })
-    }
-
-    /// A joint by its name.
-    fn joint(&self, key: Key, name: &str) -> Result<usize, ProblemError> {
-        let found = self.robot.independent_joints().position(|joint| joint.name == name);
-        found.ok_or_else(|| self.unknown_joint(key, format!("'{name}'")))
-    }
-
-    /// For each joint the one whose place it takes when the legs change their roles.
-    fn exchange(&self, gait: &Gait) -> Result<Vec<(usize, f64)>, ProblemError> {
-        let mut exchange: Vec<(usize, f64)> = (0..self.robot.dof()).map(|joint| (joint, 1.0)).collect();
-        for name in &gait.flipped {
-            let joint = self.joint(Key::GAIT_FLIPPED, name)?;
-            if exchange[joint].1 < 0.0 {
-                return Err(ProblemError::GivenTwice { key: Key::GAIT_FLIPPED, joint: self.name(joint) });
-            }
-            exchange[joint].1 = -1.0;
-        }
-        for pair in &gait.mirror {
-            let [a, b] = [self.joint(Key::GAIT_MIRROR, &pair[0])?, self.joint(Key::GAIT_MIRROR, &pair[1])?];
-            let twice = [a, b].into_iter().find(|&i| exchange[i].0 != i).or((a == b).then_some(a));
-            if let Some(joint) = twice {
-                return Err(ProblemError::GivenTwice { key: Key::GAIT_MIRROR, joint: self.name(joint) });
-            }
-            exchange.swap(a, b);
-        }
-        Ok(exchange)
-    }
-
-    /// Whether both feet move in the plane, and with the joint along which the robot moves as a whole.
-    fn check_feet(&self, gait: &Gait, along: usize) -> Result<(), ProblemError> {
-        let mut carries = self.has_no_motor(along) || self.joint_limits()[along].torque == [0.0; 2];
-        carries &= self.robot.independent_joints().nth(along).is_some_and(|j| j.kind == JointKind::Prismatic);
-        let feet = [(Key::GAIT_STANCE, &gait.stance), (Key::GAIT_SWING, &gait.swing)];
-        let feet = feet.into_iter().flat_map(|(key, feet)| feet.iter().map(move |frame| (key, frame)));
-        for (key, frame) in feet {
-            let robot = self.robot.with_constraint(ConstraintSpec::rigid(frame.as_str(), frame, "world"));
-            let mut foot = Constraints::<f64>::new(&robot.map_err(no_foot)?);
-            if let Err(error) = foot.set_position(&self.start.q) {
-                return Err(GaitError::CannotStand { cause: error.into() }.at(Key::START_Q));
-            }
-            let [x, y, z] = [0, 1, 2].map(|row| foot.jacobian().row(row));
-            let tilts = [3, 5].map(|row| foot.values()[row].abs());
-            if gait.is_in_space() {
-                carries &= (x[along] - 1.0).abs() < PLANAR && y[along].abs().max(z[along].abs()) < PLANAR;
-                continue;
-            }
-            if gait.sole.is_some() && tilts.iter().any(|tilt| *tilt > PLANAR) {
-                return Err(GaitError::Tilted { frame: frame.clone() }.at(key));
-            }
-            if y.iter().any(|entry| entry.abs() > PLANAR) {
-                return Err(GaitError::NotPlanar { frame: frame.clone() }.at(key));
-            }
-            carries &= (x[along] - 1.0).abs() < PLANAR && z[along].abs() < PLANAR;
-        }
-        match carries {
-            true => Ok(()),
-            false => Err(GaitError::NotAlong { joint: gait.along.clone() }.at(Key::GAIT_ALONG)),
-        }
-    }
-
     /// The position near the guess with the first foot that stands at the origin, and all that swing one step
     /// behind those that stand; x and y of these. In space feet stay on their side.
     fn standing_guess(&self, gait: &Gait) -> Result<(Vec<f64>, Vec<[f64; 2]>), ProblemError> {
@@ -284,59 +176,5 @@ impl Problem {
         let held = vec![false; q.len()];
         ConstrainedHamiltonian::<f64>::new(&robot).close(&mut q, &held).map_err(failed)?;
         Ok((q, places))
-    }
-
-    /// Whether the exchanged robot is the same one, with the feet exchanged.
-    fn check_mirror(
-        &self,
-        gait: &Gait,
-        exchange: &[(usize, f64)],
-        q: &[f64],
-        shift: &[f64],
-    ) -> Result<(), ProblemError> {
-        let n = q.len();
-        let failed = |error: EvalError| GaitError::CannotStand { cause: error.into() }.at(Key::START_Q);
-        let some = |first: f64| (0..n).map(|i| (first + 1.7 * i as f64).sin()).collect::<Vec<f64>>();
-        let exchanged = |list: &[f64]| exchanged(exchange, list);
-        let moved = |list: &[f64]| {
-            exchanged(list).iter().zip(shift).map(|(q, shift)| q + shift).collect::<Vec<f64>>()
-        };
-        let (v, a) = (some(0.3), some(2.0));
-        let mut model = Lagrangian::<f64>::new(&self.robot);
-        let tau = exchanged(model.inverse_dynamics(q, &v, &a).map_err(failed)?);
-        let other = model.inverse_dynamics(&moved(q), &exchanged(&v), &exchanged(&a)).map_err(failed)?;
-        let size = tau.iter().fold(0.0_f64, |most, tau| most.max(tau.abs()));
-        let misses = tau.iter().zip(other).map(|(a, b)| (a - b).abs()).enumerate();
-        if let Some((joint, by)) =
-            misses.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, by)| *by > SYMMETRIC * size)
-        {
-            return Err(GaitError::NotSymmetric { joint: self.name(joint), by }.at(Key::GAIT_MIRROR));
-        }
-        let place = |frame: &str, q: &[f64]| -> Result<Vec<f64>, ProblemError> {
-            let robot = self.robot.with_constraint(ConstraintSpec::rigid(frame, frame, "world"));
-            let mut foot = Constraints::<f64>::new(&robot.map_err(no_foot)?);
-            foot.set_position(q).map_err(failed)?;
-            Ok(foot.values().to_vec())
-        };
-        for (swings, stands) in gait.swing.iter().zip(&gait.stance) {
-            let (here, there) = (place(swings, q)?, place(stands, &moved(q))?);
-            let across = if gait.is_in_space() { here[1] + there[1] } else { 0.0 };
-            let miss = (here[0] - gait.length - there[0]).hypot(here[2] - there[2]).hypot(across);
-            if miss > SYMMETRIC * gait.length.max(1.0) {
-                return Err(GaitError::FeetStay { miss }.at(Key::GAIT_MIRROR));
-            }
-            // The sole that swings is flat here.
-            if gait.sole.is_some() && there[3..].iter().any(|angle| angle.abs() > SYMMETRIC) {
-                return Err(GaitError::SolesDiffer { frame: stands.clone() }.at(Key::GAIT_MIRROR));
-            }
-        }
-        Ok(())
-    }
-}
-
-fn positive(key: Key, value: f64) -> Result<(), ProblemError> {
-    match value > 0.0 && value.is_finite() {
-        true => Ok(()),
-        false => Err(GaitError::OutOfRange { value, remedy: "must be positive and finite" }.at(key)),
     }
 }

@@ -104,16 +104,25 @@ fn feet_that_cannot_move_against_each_other_are_refused() {
     let one = gait(&["right_toe"], &["left_toe"]);
     prepared(&one).unwrap();
     let both = one.with_double_support(0.2);
-    assert_eq!(refused(&both), ("gait.double_support".into(), GaitError::RedundantTogether));
+    let together = GaitError::RedundantTogether { frame: "left_toe".into() };
+    assert_eq!(refused(&both), ("gait.double_support".into(), together));
     let message = prepared(&both).unwrap_err().to_string();
     assert!(
-        message.contains("gait.double_support") && message.contains("remove double_support"),
+        message.contains("gait.double_support")
+            && message.contains("'left_toe'")
+            && message.contains("remove double_support"),
         "{message}"
     );
     // Heel and toe of one skate are two feet that never move against each other.
     let whole = gait(&["right_toe", "right_heel"], &["left_toe", "left_heel"]);
-    assert_eq!(refused(&whole), ("gait.stance".into(), GaitError::Redundant));
-    assert_eq!(refused(&whole.clone().with_double_support(0.2)).1, GaitError::Redundant);
+    let redundant = GaitError::Redundant { frame: "right_heel".into() };
+    assert_eq!(refused(&whole), ("gait.stance".into(), redundant.clone()));
+    assert_eq!(refused(&whole.clone().with_double_support(0.2)).1, redundant);
     let message = prepared(&whole).unwrap_err().to_string();
-    assert!(message.contains("gait.stance") && message.contains("name fewer feet"), "{message}");
+    assert!(
+        message.contains("gait.stance")
+            && message.contains("'right_heel'")
+            && message.contains("name fewer feet"),
+        "{message}"
+    );
 }
