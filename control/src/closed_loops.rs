@@ -77,21 +77,18 @@ fn of_joints(problem: &Problem, loops: &Loops, found: Solution) -> Solution {
     };
     // Feet are held by rows that are independent.
     let counts = |row: usize| loops.walk.is_some() || loops.rows.iter().any(|kept| kept.row == row);
-    let mut constraints =
-        ConstraintForces::along(robot, &trajectory, &lambda, holds, counts).unwrap_or_default();
-    if let Some(walk) = &loops.walk {
-        for (foot, told) in walk.feet.iter().zip(&mut constraints) {
-            if !walk.gait.is_on_edge(foot.contact) {
-                continue;
-            }
-            // Corners of the edge have rows of their own.
-            for (moment, a) in told.moment.iter_mut().zip(rows) {
-                let own = loops.rows[foot.rows.clone()].iter().zip(&a[n + foot.rows.start..]);
-                let forces: Vec<f64> = own.map(|(row, a)| row.mass * a).collect();
-                *moment = walk.gait.moment_of_edge(&forces);
-            }
-        }
-    }
+    // Corners of the edge of a toe have rows of their own.
+    let moment = |constraint: usize, node: usize| {
+        let walk = loops.walk.as_ref()?;
+        let foot = &walk.feet[constraint];
+        let forces = || {
+            let own = loops.rows[foot.rows.clone()].iter().zip(&rows[node][n + foot.rows.start..]);
+            own.map(|(row, a)| row.mass * a).collect::<Vec<f64>>()
+        };
+        walk.gait.is_on_edge(foot.contact).then(|| walk.gait.moment_of_edge(&forces()))
+    };
+    let constraints =
+        ConstraintForces::along(robot, &trajectory, &lambda, holds, counts, moment).unwrap_or_default();
     let end_state = found.motion.end_state.as_ref().map(|state| {
         let all = state.len() / 2;
         [&state[..n], &state[all..all + n]].concat()

@@ -39,7 +39,8 @@ pub struct ConstraintForces {
 
 impl ConstraintForces {
     /// Those of all constraints of a robot, from lambda of all rows at the nodes of a motion; `holds` says
-    /// which of them hold in a phase, from 0, and `counts` which rows of all do not depend on others.
+    /// which of them hold in a phase, from 0, and `counts` which rows of all do not depend on others. `moment`
+    /// gives the moment of a constraint at a node where lambda does not tell it.
     ///
     /// # Errors
     /// A position that cannot be evaluated.
@@ -49,6 +50,7 @@ impl ConstraintForces {
         lambda: &[Vec<f64>],
         holds: impl Fn(usize, usize) -> bool,
         counts: impl Fn(usize) -> bool,
+        moment: impl Fn(usize, usize) -> Option<[f64; 3]>,
     ) -> Result<Vec<Self>, EvalError> {
         let mut rows = Constraints::<f64>::new(robot);
         let name = |at: &ConstraintFrame| robot.frames()[at.frame].name.clone();
@@ -69,7 +71,7 @@ impl ConstraintForces {
         }
         let mut start = Vec::new();
         let phases = motion.phases().enumerate().flat_map(|(phase, nodes)| nodes.map(move |_| phase));
-        for ((q, lambda), phase) in motion.q.iter().zip(lambda).zip(phases) {
+        for (node, ((q, lambda), phase)) in motion.q.iter().zip(lambda).zip(phases).enumerate() {
             rows.set_position(q)?;
             if start.is_empty() {
                 start = rows.values().to_vec();
@@ -85,9 +87,9 @@ impl ConstraintForces {
                     .flatten()
                     .fold(forces.drift, |most, (g, start)| most.max((g - start).abs()));
                 forces.multipliers.push(lambda[own].to_vec());
-                if let Some((force, moment)) = rows.wrench(number, lambda) {
+                if let Some((force, told)) = rows.wrench(number, lambda) {
                     forces.force.push(force);
-                    forces.moment.push(moment);
+                    forces.moment.push(moment(number, node).unwrap_or(told));
                 }
             }
         }
