@@ -119,19 +119,8 @@ impl Gait {
 
 #[cfg(test)]
 mod tests {
+    use super::super::wrench_cone::tests::{FRICTION, WIDTH, gait};
     use super::*;
-
-    const SOLE: [f64; 2] = [-0.05, 0.2];
-    const WIDTH: f64 = 0.08;
-    const FRICTION: f64 = 0.7;
-
-    fn gait() -> Gait {
-        Gait::new(&["a"], &["b"], "x", 0.3)
-            .with_friction(FRICTION)
-            .in_space(&["y"], 0.2)
-            .with_sole(SOLE[0], SOLE[1])
-            .with_sole_width(WIDTH)
-    }
 
     /// Forces at both corners are in the cone where each is in its pyramid, for some split of the force
     /// across; force and moment are their sum.

@@ -111,17 +111,21 @@ impl Gait {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use nalgebra::SMatrix;
 
     const SOLE: [f64; 2] = [-0.05, 0.2];
-    const WIDTH: f64 = 0.08;
-    const FRICTION: f64 = 0.7;
+    pub const WIDTH: f64 = 0.08;
+    pub const FRICTION: f64 = 0.7;
 
-    fn gait() -> Gait {
-        let gait = Gait::new(&["a"], &["b"], "x", 0.3).with_friction(FRICTION).in_space(&["y"], 0.2);
-        Gait { sole: Some(SOLE), ..gait }.with_sole_width(WIDTH)
+    /// A gait on soles in space.
+    pub fn gait() -> Gait {
+        Gait::new(&["a"], &["b"], "x", 0.3)
+            .with_friction(FRICTION)
+            .in_space(&["y"], 0.2)
+            .with_sole(SOLE[0], SOLE[1])
+            .with_sole_width(WIDTH)
     }
 
     /// Wrenches about the origin of the foot: the edges of the pyramids at all corners.
