@@ -3,6 +3,7 @@
 use super::tests::{check_driven, sample, trees};
 use super::*;
 use crate::configuration::samples::{link, random, robots};
+use crate::dynamics::Dynamics;
 use crate::hamiltonian::Hamiltonian;
 use crate::robot::JointSpec;
 use num_dual::Dual64;

@@ -3,6 +3,7 @@
 use super::*;
 use crate::configuration::ConfigurationSpace;
 use crate::configuration::samples::{random, robots, state};
+use crate::dynamics::Dynamics;
 use crate::hamiltonian::Hamiltonian;
 use nalgebra::DVector;
 use num_dual::{Dual64, HyperDual64};
