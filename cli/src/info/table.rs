@@ -43,7 +43,9 @@ pub fn print(robot: &Robot, out: &mut impl Write) -> std::io::Result<()> {
         }
     }
     for Constraint { name, kind, .. } in robot.constraints() {
-        writeln!(out, "  constraint '{}': {} rows", printable(name), kind.rows())?;
+        let count = kind.rows();
+        let rows = if count == 1 { "row" } else { "rows" };
+        writeln!(out, "  constraint '{}': {count} {rows}", printable(name))?;
     }
     if let Some(cause) = closing::unsatisfied(robot) {
         writeln!(out, "  No position near q = 0 was found that satisfies the constraints: {cause}.")?;

@@ -308,20 +308,3 @@ impl From<FreeMotionError> for ProblemError {
         Self::Free { cause }
     }
 }
-
-impl std::error::Error for ProblemError {
-    /// The error of the robot that a continuation leads to.
-    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
-        match self {
-            Self::Continuation { cause: ContinuationCause::Robot(error), .. } => Some(&**error),
-            Self::End { cause, .. } => Some(cause),
-            Self::Loop { cause } => Some(cause),
-            Self::Gait { cause, .. } => Some(&**cause),
-            Self::Free { cause } => Some(cause),
-            Self::Task { cause, .. } => Some(cause),
-            Self::Via { cause, .. } => Some(cause),
-            Self::TorqueSpeed { cause, .. } => Some(cause),
-            _ => None,
-        }
-    }
-}

@@ -1,5 +1,6 @@
-//! Errors of a problem in words.
+//! Errors of a problem in words, and what caused them.
 
+use crate::problem::continuation_cause::ContinuationCause;
 use crate::problem::error::ProblemError;
 use crate::problem::key::Key;
 use crate::problem::rounded::rounded;
@@ -147,6 +148,23 @@ impl fmt::Display for ProblemError {
             }
         }
         f.write_str(&self.reason())
+    }
+}
+
+impl std::error::Error for ProblemError {
+    /// The error of the robot that a continuation leads to.
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        match self {
+            Self::Continuation { cause: ContinuationCause::Robot(error), .. } => Some(&**error),
+            Self::End { cause, .. } => Some(cause),
+            Self::Loop { cause } => Some(cause),
+            Self::Gait { cause, .. } => Some(&**cause),
+            Self::Free { cause } => Some(cause),
+            Self::Task { cause, .. } => Some(cause),
+            Self::Via { cause, .. } => Some(cause),
+            Self::TorqueSpeed { cause, .. } => Some(cause),
+            _ => None,
+        }
     }
 }
 
