@@ -1,8 +1,9 @@
 //! Accelerations and forces of the constraints in (q, v, u), with their Jacobians.
 
+use super::blocks::ChartPoint;
 use super::{ConstrainedHamiltonian, Constraints};
 use crate::error::EvalError;
-use crate::lagrangian::Lagrangian;
+use crate::lagrangian::{Free, Lagrangian};
 use crate::matrix::{Block, Matrix, filled};
 use crate::robot::{Robot, Tree};
 use crate::scalar::{Scalar, Tangent};
@@ -21,10 +22,12 @@ type Twice<S> = Tangent<Tangent<S>>;
 ///
 /// Slices q (rad, m), v (rad/s, m/s) and u (N m, N) have n entries, in the order of
 /// [`Robot::independent_joints`]; a (rad/s^2, m/s^2) has n, lambda k, with units and axes as in
-/// [`ConstrainedLinearisation::lambda`](super::ConstrainedLinearisation::lambda). Every method can fail with
-/// [`EvalError::WrongLength`], [`EvalError::NonFinite`], [`EvalError::SingularMassMatrix`], and with
-/// [`EvalError::FreeJoint`] for robots with floating or spherical joints. Rows that depend on others are left
-/// out, and their forces are zero: see [`ConstrainedHamiltonian::counted`].
+/// [`ConstrainedLinearisation::lambda`](super::ConstrainedLinearisation::lambda). With floating and spherical
+/// joints q has nq entries, v and a are the twist of the moved frame in its axes and its rate, and derivatives
+/// by q are those in the tangent space, as those of [`Lagrangian`]. Every method can fail with
+/// [`EvalError::WrongLength`], [`EvalError::NonFinite`], [`EvalError::NotUnit`] and
+/// [`EvalError::SingularMassMatrix`]. Rows that depend on others are left out, and their forces are zero: see
+/// [`ConstrainedHamiltonian::counted`].
 ///
 /// ```
 /// use costate::constraints::ConstrainedLagrangian;
@@ -45,34 +48,42 @@ pub struct ConstrainedLagrangian<S: Scalar> {
     pub(super) solver: ConstrainedHamiltonian<S>,
     /// The open tree.
     open: Lagrangian<S>,
-    twice: Moments<S>,
+    pub(super) twice: Moments<S>,
+    /// What floating and spherical joints need, if there are any.
+    pub(super) free: Option<Box<Free<S>>>,
     pub(super) zero: Vec<S>,
     pub(super) a: Vec<S>,
     pub(super) lambda: Vec<S>,
     pub(super) a_z: Matrix<S>,
     pub(super) lambda_z: Matrix<S>,
-    column: [Vec<S>; 2],
+    /// `(lambda . J)_q`, n x n; `(J a + J'v)_q` and `(J a + J'v)_v`, k x n.
+    pub(super) curvature: Matrix<S>,
+    pub(super) moving: [Matrix<S>; 2],
+    pub(super) column: [Vec<S>; 2],
 }
 
-/// The rows of the constraints along a motion.
+/// The rows of the constraints along a motion of the chains of joints.
 #[derive(Clone, Debug)]
 pub(super) struct Moments<S: Scalar> {
     pub rows: Constraints<Twice<S>>,
-    q: Vec<Twice<S>>,
+    at: ChartPoint<S, Twice<S>>,
 }
 
 impl<S: Scalar> Moments<S> {
-    pub fn new(tree: &Tree) -> Self {
-        let rows = Constraints::from_tree(tree);
-        Self { q: filled(Twice::zero(), rows.dof()), rows }
+    fn new(tree: &Tree) -> Self {
+        Self { rows: Constraints::from_tree(tree), at: ChartPoint::new(tree) }
     }
 
     #[inline(never)]
     pub fn place(&mut self, q: &[S], v: &[S], a: &[S]) {
-        for (i, to) in self.q.iter_mut().enumerate() {
-            *to = Tangent::new(Tangent::new(q[i], v[i]), Tangent::new(v[i], a[i]));
-        }
-        self.rows.place(&self.q);
+        let still = Tangent::new(S::zero(), S::zero());
+        self.at.set(
+            &self.rows,
+            q,
+            |value| Tangent::new(Tangent::new(value, S::zero()), still),
+            |value, i| Tangent::new(Tangent::new(value, v[i]), Tangent::new(v[i], a[i])),
+        );
+        self.rows.place_chart(&self.at.q, &self.at.chart);
     }
 }
 
@@ -85,6 +96,9 @@ impl<S: Scalar> ConstrainedLagrangian<S> {
         Self {
             open: Lagrangian::new(&robot.without_constraints()),
             twice: Moments::new(&solver.tree),
+            free: Free::where_any(&solver.tree),
+            curvature: Matrix::zeros(n, n),
+            moving: [Matrix::zeros(k, n), Matrix::zeros(k, n)],
             zero: zeros.clone(),
             a: zeros.clone(),
             lambda: forces.clone(),
@@ -115,7 +129,7 @@ impl<S: Scalar> ConstrainedLagrangian<S> {
     /// # Errors
     /// See [`ConstrainedLagrangian`].
     pub fn evaluate(&mut self, q: &[S], v: &[S], u: &[S]) -> Result<(&[S], &[S]), EvalError> {
-        self.solver.check_plain(&[("q", q), ("v", v), ("u", u)])?;
+        self.solver.check(&[("q", q), ("v", v), ("u", u)])?;
         self.solve(q, v, u)?;
         Ok((&self.a, &self.lambda))
     }
@@ -130,7 +144,7 @@ impl<S: Scalar> ConstrainedLagrangian<S> {
         v: &[S],
         u: &[S],
     ) -> Result<AccelerationLinearisation<'_, S>, EvalError> {
-        self.solver.check_plain(&[("q", q), ("v", v), ("u", u)])?;
+        self.solver.check(&[("q", q), ("v", v), ("u", u)])?;
         self.solve(q, v, u)?;
         self.differentiate(q, v)?;
         Ok(self.linearisation())
@@ -145,25 +159,30 @@ impl<S: Scalar> ConstrainedLagrangian<S> {
     #[inline(never)]
     pub(super) fn solve(&mut self, q: &[S], v: &[S], u: &[S]) -> Result<(), EvalError> {
         self.solver.factor(q)?;
-        let Self { solver, open, twice, zero, a, lambda, .. } = self;
+        let Self { solver, open, twice, free, zero, a, lambda, .. } = self;
         let bias = open.inverse_dynamics(q, v, zero)?;
         a.iter_mut().zip(u.iter().zip(bias)).for_each(|(a, (&u, &bias))| *a = u - bias);
-        twice.place(q, v, zero);
+        match free {
+            Some(free) => {
+                free.set_state(&solver.tree, q, v);
+                free.set_acceleration(zero);
+                twice.place(q, &free.v_chain, &free.a_chain);
+            }
+            None => twice.place(q, v, zero),
+        }
         lambda.iter_mut().zip(twice.rows.values()).for_each(|(to, g)| *to = g.eps.eps);
-        solver.kkt.solve(&solver.factor, a, lambda);
+        solve_turned(solver, free.as_deref(), a, lambda);
         Ok(())
     }
 
-    /// The columns of `s_z = -r_s^-1 r_z`, with `r_q = (tau_q - (lambda . g)_qq; (J a + J'v)_q)`, `r_v =
+    /// The columns of `s_z = -r_s^-1 r_z`, with `r_q = (tau_q - (lambda . J)_q; (J a + J'v)_q)`, `r_v =
     /// (tau_v; 2 (J v)_q)` and `r_u = (-1; 0)`.
     #[inline(never)]
     fn differentiate(&mut self, q: &[S], v: &[S]) -> Result<(), EvalError> {
-        let Self { solver, open, twice, a, lambda, a_z, lambda_z, column: [x, m], .. } = self;
-        let n = q.len();
+        self.move_rows(q, v);
+        let Self { solver, open, free, a, a_z, lambda_z, curvature, moving, column: [x, m], .. } = self;
+        let n = v.len();
         let torque = open.linearise_inverse_dynamics(q, v, a)?;
-        twice.place(q, v, a);
-        solver.rows.contract(lambda);
-        let (curvature, moving) = (solver.rows.contracted(), twice.rows.chart_jacobian());
         for j in 0..3 * n {
             x.fill(S::zero());
             m.fill(S::zero());
@@ -172,19 +191,35 @@ impl<S: Scalar> ConstrainedLagrangian<S> {
                     for (i, x) in x.iter_mut().enumerate() {
                         *x = curvature[(i, j)] - torque.tau_q[(i, j)];
                     }
-                    m.iter_mut().enumerate().for_each(|(i, m)| *m = moving[(i, j)].eps.eps);
+                    m.iter_mut().enumerate().for_each(|(i, m)| *m = moving[0][(i, j)]);
                 }
                 (1, j) => {
                     x.iter_mut().enumerate().for_each(|(i, x)| *x = -torque.tau_v[(i, j)]);
-                    m.iter_mut().enumerate().for_each(|(i, m)| *m = moving[(i, j)].eps.re.times(2.0));
+                    m.iter_mut().enumerate().for_each(|(i, m)| *m = moving[1][(i, j)]);
                 }
                 (_, j) => x[j] = S::one(),
             }
-            solver.kkt.solve(&solver.factor, x, m);
+            solve_turned(solver, free.as_deref(), x, m);
             x.iter().enumerate().for_each(|(i, &x)| a_z[(i, j)] = x);
             m.iter().enumerate().for_each(|(i, &m)| lambda_z[(i, j)] = m);
         }
         Ok(())
+    }
+}
+
+/// `(x; m)` of `(M -J'; -J 0)` in the tangent space, by factors in the axes of the chains of joints.
+pub(super) fn solve_turned<S: Scalar>(
+    solver: &mut ConstrainedHamiltonian<S>,
+    free: Option<&Free<S>>,
+    x: &mut [S],
+    m: &mut [S],
+) {
+    if let Some(free) = free {
+        free.outward(x);
+    }
+    solver.kkt.solve(&solver.factor, x, m);
+    if let Some(free) = free {
+        free.inward(x);
     }
 }
 

@@ -1,7 +1,8 @@
 //! Contracted second derivatives of accelerations and forces in (q, v, u), by one adjoint solution.
 
 use super::blocks::Moving;
-use super::lagrangian::Moments;
+use super::lagrangian::solve_turned;
+use super::lagrangian_rows::RowHessian;
 use super::{AccelerationLinearisation, ConstrainedLagrangian};
 use crate::error::{EvalError, check_length};
 use crate::kernels::check_entries;
@@ -25,14 +26,14 @@ use crate::scalar::{Scalar, Tangent};
 /// code.
 #[derive(Clone, Debug)]
 pub struct ConstrainedLagrangianSecondOrder<S: Scalar> {
-    first: ConstrainedLagrangian<S>,
+    pub(super) first: ConstrainedLagrangian<S>,
     open: LagrangianSecondOrder<S>,
-    /// The rows with lambda, along m_1, and with m_2, along the motion.
-    held: Moving<S>,
-    twice: Moments<S>,
-    weights: Vec<Tangent<Tangent<S>>>,
+    /// The rows with lambda, along m_1.
+    pub(super) held: Moving<S>,
+    pub(super) of_rows: RowHessian<S>,
+    pub(super) weights: Vec<Tangent<Tangent<S>>>,
     /// m_1 and minus m_2.
-    adjoint: [Vec<S>; 2],
+    pub(super) adjoint: [Vec<S>; 2],
     /// `(m . r)` by (q, v) twice, and by (a, lambda) and q.
     curvature: Matrix<S>,
     mixed: [Matrix<S>; 2],
@@ -47,7 +48,7 @@ impl<S: Scalar> ConstrainedLagrangianSecondOrder<S> {
         Self {
             open: LagrangianSecondOrder::new(&robot.without_constraints()),
             held: Moving::new(&first.solver.tree),
-            twice: Moments::new(&first.solver.tree),
+            of_rows: RowHessian::new(n),
             weights: filled(Scalar::zero(), k),
             adjoint: [filled(S::zero(), n), filled(S::zero(), k)],
             curvature: Matrix::zeros(2 * n, 2 * n),
@@ -84,14 +85,13 @@ impl<S: Scalar> ConstrainedLagrangianSecondOrder<S> {
         c: &[S],
     ) -> Result<AccelerationContraction<'_, S>, EvalError> {
         let Self { first, adjoint: [m_1, m_2], .. } = self;
-        first.solver.tree.refuse_free()?;
         check_entries(&first.solver.tree, "e", e, first.dof())?;
         check_length("c", c, first.lambda.len())?;
         first.linearise(q, v, u)?;
         // (M J'; -J 0) (m_1; m_2) = (e; c): the symmetric matrix for (m_1; -m_2).
         m_1.copy_from_slice(e);
         m_2.copy_from_slice(c);
-        first.solver.kkt.solve(&first.solver.factor, m_1, m_2);
+        solve_turned(&mut first.solver, first.free.as_deref(), m_1, m_2);
         self.differentiate(q, v)?;
         self.transform();
         Ok(AccelerationContraction { linearisation: self.first.linearisation(), zz: &self.zz })
@@ -100,25 +100,19 @@ impl<S: Scalar> ConstrainedLagrangianSecondOrder<S> {
     /// The blocks of `(m . r)_(zs)(zs)`.
     #[inline(never)]
     fn differentiate(&mut self, q: &[S], v: &[S]) -> Result<(), EvalError> {
-        let Self { first, open, held, twice, weights, adjoint: [m_1, m_2], curvature, mixed, .. } = self;
-        let n = q.len();
+        self.bend_rows(q);
+        let Self { first, open, held, of_rows, adjoint: [m_1, _], curvature, mixed, .. } = self;
+        let n = v.len();
         let torque = open.contract_inverse_dynamics(q, v, &first.a, m_1)?;
-        held.place(q, m_1, &first.lambda);
-        twice.place(q, v, &first.a);
-        for (to, &m) in weights.iter_mut().zip(&*m_2) {
-            *to = Tangent::new(Tangent::new(-m, S::zero()), Scalar::zero());
+        let ([in_a, in_lambda], zz, rows) = (mixed, torque.zz(), &of_rows.matrix);
+        for i in 0..2 * n {
+            for j in 0..2 * n {
+                curvature[(i, j)] = zz[(i, j)] + rows[(i, j)];
+            }
         }
-        let rows = twice.rows.contract(weights);
-        let ([in_a, in_lambda], zz) = (mixed, torque.zz());
         for i in 0..n {
             for j in 0..n {
-                let row = rows[(i, j)];
-                let bent = row.eps.eps - held.blocks.bend[(i, j)];
-                curvature[(i, j)] = zz[(i, j)] + bent;
-                curvature[(n + i, j)] = zz[(n + i, j)] + row.eps.re.times(2.0);
-                curvature[(i, n + j)] = zz[(i, n + j)] + row.eps.re.times(2.0);
-                curvature[(n + i, n + j)] = zz[(n + i, n + j)] + row.re.re.times(2.0);
-                in_a[(i, j)] = zz[(2 * n + i, j)] + row.re.re;
+                in_a[(i, j)] = zz[(2 * n + i, j)] + rows[(2 * n + i, j)];
             }
         }
         for i in 0..in_lambda.rows() {

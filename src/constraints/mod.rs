@@ -29,6 +29,7 @@ mod impact;
 mod impact_tests;
 mod kkt;
 mod lagrangian;
+mod lagrangian_rows;
 mod lagrangian_second_order;
 #[cfg(test)]
 mod lagrangian_tests;

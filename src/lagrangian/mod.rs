@@ -47,7 +47,7 @@ use crate::robot::{Robot, Tree};
 use crate::scalar::Scalar;
 use blocked::Blocked;
 use choice::Routes;
-use free::Free;
+pub(crate) use free::Free;
 use newton_euler::NewtonEuler;
 
 /// Workspace for the Lagrangian state equation of one robot; no call allocates.

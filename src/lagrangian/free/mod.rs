@@ -21,7 +21,7 @@ use part::Part;
 
 /// What the dynamics need besides that of the chains of joints.
 #[derive(Clone, Debug)]
-pub(super) struct Free<S: Scalar> {
+pub(crate) struct Free<S: Scalar> {
     pub parts: Vec<Part<S>>,
     /// v and a of the chart in the axes of the chain.
     pub v_chain: Vec<S>,

@@ -5,7 +5,7 @@ use crate::matrix::{Entry, Matrix, add_scaled};
 use crate::robot::FreeFrame;
 use crate::scalar::Scalar;
 
-type Square<S> = [[S; MOST]; MOST];
+pub(crate) type Square<S> = [[S; MOST]; MOST];
 
 /// What is kept of one joint between the steps of an evaluation.
 #[derive(Clone, Debug)]
@@ -165,21 +165,28 @@ impl<S: Scalar> Part<S> {
         }
     }
 
-    /// Adds what the Hessian of `w.tau` has besides that of tau_c in the variables (xi, nu, nu'): second
-    /// derivatives of q, v, a and `B w`, and products of first derivatives of these; the Jacobian is that of
-    /// tau_c.
+    /// Adds what the Hessian of `w.tau` has besides that of tau_c in the variables (xi, nu, nu'), the Jacobian
+    /// is that of tau_c.
     pub fn curve(&self, [tau, w]: [&[S]; 2], jacobian: [&Matrix<S>; 3], hessian: &mut Matrix<S>) {
-        let ((at, m), n) = (self.frame.place(), tau.len());
-        let (tau, own) = (self.frame.entries(tau), self.frame.entries(w));
-        let Self { velocity: nu, acceleration, v_q, by_velocity, by_acceleration: force, .. } = self;
+        let ((at, m), mut by_q) = (self.frame.place(), [S::zero(); MOST]);
+        for (k, by_q) in by_q[..m].iter_mut().enumerate() {
+            *by_q = (0..w.len()).fold(S::zero(), |sum, i| w[i].mul_add(jacobian[0][(i, at + k)], sum));
+        }
+        self.bend_arguments([by_q, self.by_velocity, self.by_acceleration], hessian);
+        self.bend_weights([tau, w], &jacobian, hessian);
+    }
+
+    /// Adds what the Hessian of a function of (q, v, a) of the chart has in the variables (xi, nu, nu')
+    /// besides products of first derivatives: second derivatives of q, v and a, for its gradients by them. That
+    /// by q is the whole one at constant nu and nu', since v and a depend on q.
+    pub fn bend_arguments(&self, [by_q, by_v, force]: [[S; MOST]; 3], hessian: &mut Matrix<S>) {
+        let ((at, m), n) = (self.frame.place(), hessian.rows() / 3);
+        let Self { velocity: nu, acceleration, v_q, .. } = self;
         let (rates, zero) = (&self.frame.chart.rates, [[S::zero(); MOST]; MOST]);
-        // Blocks (xi, xi), (xi, nu), (xi, nu') and (nu, nu); B w by xi, and what multiplies v in a.
-        let (mut square, mut in_v, mut in_a, mut both) = (zero, zero, zero, zero);
-        let (mut w_q, mut slope) = (zero, *by_velocity);
+        // Blocks (xi, xi), (xi, nu), (xi, nu') and (nu, nu), and what multiplies v in a.
+        let (mut square, mut in_v, mut in_a, mut both, mut slope) = (zero, zero, zero, zero, by_v);
         for e in &rates.first {
-            let [i] = e.by;
-            w_q[e.row][i] += own[e.column].times(e.value);
-            slope[i] += (force[e.row] * nu[e.column]).times(e.value);
+            slope[e.by[0]] += (force[e.row] * nu[e.column]).times(e.value);
         }
         for e in &rates.first {
             let [i] = e.by;
@@ -194,9 +201,7 @@ impl<S: Scalar> Part<S> {
         }
         for e in &rates.second {
             let [i, j] = e.by;
-            let weight = slope[e.row] * nu[e.column]
-                + tau[e.row] * own[e.column]
-                + force[e.row] * acceleration[e.column];
+            let weight = slope[e.row] * nu[e.column] + force[e.row] * acceleration[e.column];
             square[i][j] += weight.times(e.value);
             let push = force[e.row].times(e.value);
             in_v[j][i] += push * nu[e.column];
@@ -211,13 +216,8 @@ impl<S: Scalar> Part<S> {
             let [i, j, l] = e.by;
             square[j][l] += (force[e.row] * nu[i] * nu[e.column]).times(e.value);
         }
-        let mut pull = [S::zero(); MOST];
-        for (k, pull) in pull[..m].iter_mut().enumerate() {
-            *pull = (0..n).fold(S::zero(), |sum, i| w[i].mul_add(jacobian[0][(i, at + k)], sum));
-            *pull += (0..m).fold(S::zero(), |sum, row| tau[row].mul_add(w_q[row][k], sum));
-        }
         for e in &self.frame.chart.retraction {
-            square[e.column][e.by[0]] += pull[e.row].times(e.value);
+            square[e.column][e.by[0]] += by_q[e.row].times(e.value);
         }
         for i in 0..m {
             for j in 0..m {
@@ -228,6 +228,26 @@ impl<S: Scalar> Part<S> {
                     hessian[(column + at + j, at + i)] += entry;
                 }
             }
+        }
+    }
+
+    /// Adds what the Hessian of `(B w) . tau_c` has besides that of tau_c, since B depends on xi: tau_c is a
+    /// function of some variables, of n each, with these Jacobians; q is the first of them.
+    pub fn bend_weights(&self, [tau, w]: [&[S]; 2], jacobian: &[&Matrix<S>], hessian: &mut Matrix<S>) {
+        let ((at, m), n) = (self.frame.place(), tau.len());
+        let (tau, w_q) = (self.frame.entries(tau), self.weight_slope(w));
+        let own = self.frame.entries(w);
+        let mut square = [[S::zero(); MOST]; MOST];
+        for e in &self.frame.chart.rates.second {
+            let [i, j] = e.by;
+            square[i][j] += (tau[e.row] * own[e.column]).times(e.value);
+        }
+        for e in &self.frame.chart.retraction {
+            let by_q = (0..m).fold(S::zero(), |sum, row| tau[row].mul_add(w_q[row][e.row], sum));
+            square[e.column][e.by[0]] += by_q.times(e.value);
+        }
+        for (i, square) in square[..m].iter().enumerate() {
+            square[..m].iter().enumerate().for_each(|(j, &entry)| hessian[(at + i, at + j)] += entry);
         }
         for (k, w_q) in w_q[..m].iter().enumerate() {
             for (i, &factor) in w_q[..m].iter().enumerate() {
@@ -240,5 +260,14 @@ impl<S: Scalar> Part<S> {
                 }
             }
         }
+    }
+
+    /// The derivative of `B w` by xi: its rows are those of w.
+    pub fn weight_slope(&self, w: &[S]) -> Square<S> {
+        let (own, mut w_q) = (self.frame.entries(w), [[S::zero(); MOST]; MOST]);
+        for e in &self.frame.chart.rates.first {
+            w_q[e.row][e.by[0]] += own[e.column].times(e.value);
+        }
+        w_q
     }
 }
