@@ -10,7 +10,7 @@ use super::linearisation::{
 use super::{ConstrainedHamiltonian, ConstrainedHamiltonianSecondOrder};
 use crate::error::EvalError;
 use crate::hamiltonian::Free;
-use crate::matrix::{Entry, add_scaled, dot};
+use crate::matrix::{Entry, Matrix, add_scaled, dot};
 use crate::scalar::Scalar;
 
 impl<S: Scalar> ConstrainedHamiltonian<S> {
@@ -178,6 +178,49 @@ impl<S: Scalar> ConstrainedHamiltonianSecondOrder<S> {
         Ok(&self.product)
     }
 
+    /// See [`velocity_hessian`](Self::velocity_hessian).
+    #[inline(never)]
+    pub(super) fn velocity_hessian_free(
+        &mut self,
+        [q, p, y]: [&[S]; 3],
+        c: &[S],
+    ) -> Result<&Matrix<S>, EvalError> {
+        if let Some(mut free) = self.first.free.take() {
+            let mut padded = std::mem::take(&mut self.product);
+            padded.fill(S::zero());
+            let outcome = self.contract_velocity(&mut free, [q, p, y], c, &mut padded);
+            self.product = padded;
+            self.first.free = Some(free);
+            outcome?;
+        }
+        Ok(&self.y_f_xx)
+    }
+
+    /// `y.v + c.mu`, with a costate (y, 0) in `padded`.
+    fn contract_velocity(
+        &mut self,
+        free: &mut Free<S>,
+        [q, p, y]: [&[S]; 3],
+        c: &[S],
+        padded: &mut [S],
+    ) -> Result<(), EvalError> {
+        let n = y.len();
+        // The actuation does not enter.
+        self.first.prepare_free(free, [q, p, &padded[n..]])?;
+        self.first.assemble_chart(free, [q, &padded[n..]]);
+        padded[..n].copy_from_slice(y);
+        free.set_costate(padded);
+        self.first.set_weights(&free.y_chart[..n], c);
+        self.along_response(q)?;
+        self.pull();
+        self.congruence();
+        free.turn_hessian(&mut self.y_f_xx);
+        self.first.turn_jacobian(free, q);
+        free.curve(padded, &self.first.f_x, Some((c, &self.first.mu_x)), &mut self.y_f_xx);
+        self.first.finish_jacobian(free);
+        Ok(())
+    }
+
     fn contract_in_chart(&mut self, free: &mut Free<S>, [q, p, u, y]: [&[S]; 4]) -> Result<(), EvalError> {
         let n = u.len();
         self.first.prepare_free(free, [q, p, u])?;
@@ -190,7 +233,7 @@ impl<S: Scalar> ConstrainedHamiltonianSecondOrder<S> {
         free.turn_hessian(&mut self.y_f_xx);
         self.first.turn_jacobian(free, q);
         self.add_friction(&free.y_chart[n..]);
-        free.parts.iter().for_each(|part| part.curve([y, &free.y], &self.first.f_x, &mut self.y_f_xx));
+        free.curve(y, &self.first.f_x, None, &mut self.y_f_xx);
         self.first.finish_jacobian(free);
         Ok(())
     }

@@ -223,10 +223,4 @@ impl<S: Scalar> ConstrainedHamiltonian<S> {
             _ => check_entries(&self.tree, what, values, n),
         })
     }
-
-    /// The same, for what takes no floating and spherical joints.
-    pub(super) fn check_plain(&self, arguments: &[(&'static str, &[S])]) -> Result<(), EvalError> {
-        self.tree.refuse_free()?;
-        self.check(arguments)
-    }
 }

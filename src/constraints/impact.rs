@@ -1,8 +1,10 @@
 //! Constraints that set in: inelastic impacts, landing and release.
 
 use super::blocks::Moving;
+use super::lagrangian_rows::{force_on_joints, turn_blocks};
 use super::{ConstrainedHamiltonian, ConstrainedHamiltonianSecondOrder};
 use crate::error::{EvalError, check_length};
+use crate::lagrangian::Free;
 use crate::matrix::{Block, Matrix, add_scaled, filled};
 use crate::robot::Robot;
 use crate::scalar::Scalar;
@@ -30,9 +32,8 @@ use crate::scalar::Scalar;
 /// negative.
 ///
 /// Slices q (rad, m) and p (kg m^2/s, kg m/s) have n entries, Lambda has k (N s, N m s). Every method can
-/// fail as those of [`ConstrainedHamiltonian`], and [`contract`](Self::contract) with
-/// [`EvalError::FreeJoint`] for robots with floating or spherical joints. Impulses of rows that depend on
-/// others are zero.
+/// fail as those of [`ConstrainedHamiltonian`]. With floating and spherical joints q has nq entries, and
+/// derivatives are those in the tangent space. Impulses of rows that depend on others are zero.
 ///
 /// ```
 /// use costate::constraints::Impact;
@@ -55,6 +56,10 @@ pub struct Impact<S: Scalar> {
     second: ConstrainedHamiltonianSecondOrder<S>,
     /// The rows with the impulses, along a direction.
     held: Moving<S>,
+    /// With floating and spherical joints, and `J'Lambda`, and the weights of p+ in the axes of the chains.
+    free: Option<Box<Free<S>>>,
+    force: Vec<S>,
+    along: Vec<S>,
     momentum: Vec<S>,
     weights: Vec<S>,
     p_x: Matrix<S>,
@@ -121,6 +126,9 @@ impl<S: Scalar> Impact<S> {
         let (n, k) = (second.dof(), second.constrained().mu.len());
         Self {
             held: second.constrained().moving.clone(),
+            free: Free::where_any(&second.constrained().tree),
+            force: filled(S::zero(), n),
+            along: filled(S::zero(), n),
             momentum: filled(S::zero(), n),
             weights: filled(S::zero(), k),
             p_x: Matrix::zeros(n, 2 * n),
@@ -187,8 +195,17 @@ impl<S: Scalar> Impact<S> {
         }
         let xx = self.second.velocity_hessian(q, p, weights.velocity, &self.weights)?;
         self.xx.copy_from(xx);
-        let ConstrainedHamiltonian { mu, mu_x, .. } = self.second.constrained();
-        self.held.place(q, y, mu);
+        let ConstrainedHamiltonian { rows, mu, mu_x, .. } = self.second.constrained();
+        self.along.copy_from_slice(y);
+        if let Some(free) = &mut self.free {
+            free.set_configuration(q);
+            free.outward(&mut self.along);
+        }
+        self.held.place(q, &self.along, mu);
+        if let Some(free) = &self.free {
+            force_on_joints(rows, mu, &mut self.force);
+            turn_blocks(free, [&self.force, y], rows.jacobian(), &mut self.held.blocks);
+        }
         for i in 0..n {
             add_scaled(&mut self.xx.row_mut(i)[..n], S::one(), self.held.blocks.bend.row(i));
         }

@@ -1,7 +1,9 @@
 //! Impacts against the impact law with dense matrices, and automatic differentiation.
 
+use super::free_tests::held;
 use super::samples::{looped, state};
 use super::*;
+use crate::configuration::{ConfigurationSpace, samples as configuration};
 use crate::hamiltonian::Hamiltonian;
 use crate::robot::{ConstraintSpec, JointSpec, LinkInertia, Placement, Robot};
 use crate::scalar::Scalar;
@@ -67,9 +69,9 @@ fn velocities_impulses_and_losses_are_those_of_the_impact_law() {
 
 #[test]
 fn derivatives_are_those_of_hyper_dual_numbers() {
-    for robot in looped() {
-        let n = robot.dof();
-        let [q, p, y, both] = state(n);
+    for robot in looped().into_iter().chain(held()) {
+        let (n, space) = (robot.dof(), ConfigurationSpace::new(&robot));
+        let [q, p, y, both] = configuration::state(&space);
         let mut impact = Impact::<f64>::new(&robot);
         let k = impact.hamiltonian().constraints().count();
         let c: Vec<f64> = (0..k).map(|i| (0.4 + 1.3 * i as f64).cos()).collect();
@@ -85,12 +87,15 @@ fn derivatives_are_those_of_hyper_dual_numbers() {
         let mut judge = ConstrainedHamiltonian::<HyperDual64>::new(&robot);
         for i in 0..2 * n {
             for j in 0..=i {
-                let mut x: Vec<HyperDual64> = lift(&[&q[..], &p].concat());
+                let mut x: Vec<HyperDual64> = lift(&vec![0.0; 2 * n]);
                 x[i].eps1 = 1.0;
                 x[j].eps2 = 1.0;
-                let (v, mu) = judge.velocity(&x[..n], &x[n..]).unwrap();
+                let mut moved = lift(&q);
+                space.integrate(&lift(&q), &x[..n], &mut moved).unwrap();
+                let before: Vec<HyperDual64> = p.iter().zip(&x[n..]).map(|(&p, &dp)| dp + p).collect();
+                let (v, mu) = judge.velocity(&moved, &before).unwrap();
                 let (v, mu) = (v.to_vec(), mu.to_vec());
-                let momentum = judge.momentum(&x[..n], &v).unwrap().to_vec();
+                let momentum = judge.momentum(&moved, &v).unwrap().to_vec();
                 let mut expected = 0.0;
                 for (part, found) in [v, momentum, mu].iter().enumerate() {
                     let size =

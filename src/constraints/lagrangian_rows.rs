@@ -23,7 +23,7 @@ fn pairs(n: usize) -> impl Iterator<Item = (usize, usize)> {
 }
 
 /// `J'lambda`, on the joints.
-fn force_on_joints<S: Scalar>(rows: &Constraints<S>, lambda: &[S], force: &mut [S]) {
+pub(super) fn force_on_joints<S: Scalar>(rows: &Constraints<S>, lambda: &[S], force: &mut [S]) {
     force.fill(S::zero());
     for (i, &lambda) in lambda.iter().enumerate() {
         add_scaled(force, lambda, rows.jacobian().row(i));
@@ -130,32 +130,36 @@ impl<S: Scalar> RowHessian<S> {
             part.bend_arguments([part.frame.entries(by_q), of_v, of_a], matrix);
         }
     }
+}
 
-    /// `(m_1 . B'J_c'lambda)_qq` of the tangent space in the place of the bend, and `(J_c B m_1)_q` in that of
-    /// the slope.
-    fn turn_force(&self, free: &Free<S>, m_1: &[S], jacobian: &Matrix<S>, blocks: &mut Blocks<S>) {
-        let n = m_1.len();
-        let Blocks { slope, curvature, bend, .. } = blocks;
-        for part in &free.parts {
-            part.frame.turn_block(bend, [0, 0], n);
-            part.frame.turn_block(curvature, [0, 0], n);
-            (0..slope.rows()).for_each(|i| part.frame.inward(slope.row_mut(i)));
+/// `(w . B'J_c'lambda)_qq` of the tangent space in the place of the bend of blocks placed along w, and
+/// `(J_c B w)_q` in that of their slope; J'lambda, w and J are in the axes of the frames.
+pub(super) fn turn_blocks<S: Scalar>(
+    free: &Free<S>,
+    [force, w]: [&[S]; 2],
+    jacobian: &Matrix<S>,
+    Blocks { slope, curvature, bend, .. }: &mut Blocks<S>,
+) {
+    let n = w.len();
+    for part in &free.parts {
+        part.frame.turn_block(bend, [0, 0], n);
+        part.frame.turn_block(curvature, [0, 0], n);
+        (0..slope.rows()).for_each(|i| part.frame.inward(slope.row_mut(i)));
+    }
+    for part in &free.parts {
+        let ((at, m), w_q) = (part.frame.place(), part.weight_slope(w));
+        let mut by_q = [S::zero(); MOST];
+        for (k, by_q) in by_q[..m].iter_mut().enumerate() {
+            *by_q = (0..n).fold(S::zero(), |sum, i| w[i].mul_add(curvature[(i, at + k)], sum));
         }
-        for part in &free.parts {
-            let ((at, m), w_q) = (part.frame.place(), part.weight_slope(m_1));
-            let mut by_q = [S::zero(); MOST];
-            for (k, by_q) in by_q[..m].iter_mut().enumerate() {
-                *by_q = (0..n).fold(S::zero(), |sum, i| m_1[i].mul_add(curvature[(i, at + k)], sum));
-            }
-            for e in &part.frame.chart.retraction {
-                bend[(at + e.column, at + e.by[0])] += by_q[e.row].times(e.value);
-            }
-            part.bend_weights([&self.force, m_1], &[&*curvature], bend);
-            for i in 0..slope.rows() {
-                let (own, to) = (part.frame.entries(jacobian.row(i)), slope.row_mut(i));
-                for (&along, w_q) in own[..m].iter().zip(&w_q) {
-                    add_scaled(&mut to[at..at + m], along, &w_q[..m]);
-                }
+        for e in &part.frame.chart.retraction {
+            bend[(at + e.column, at + e.by[0])] += by_q[e.row].times(e.value);
+        }
+        part.bend_weights([force, w], &[&*curvature], bend);
+        for i in 0..slope.rows() {
+            let (own, to) = (part.frame.entries(jacobian.row(i)), slope.row_mut(i));
+            for (&along, w_q) in own[..m].iter().zip(&w_q) {
+                add_scaled(&mut to[at..at + m], along, &w_q[..m]);
             }
         }
     }
@@ -180,7 +184,7 @@ impl<S: Scalar> ConstrainedLagrangianSecondOrder<S> {
         if let Some(free) = free {
             of_rows.turn_moments(free, twice.rows.chart_jacobian(), weights);
             force_on_joints(&solver.rows, lambda, &mut of_rows.force);
-            of_rows.turn_force(free, m_1, solver.rows.jacobian(), &mut held.blocks);
+            turn_blocks(free, [&of_rows.force, m_1], solver.rows.jacobian(), &mut held.blocks);
         }
         let n = m_1.len();
         for i in 0..n {

@@ -3,7 +3,7 @@
 use super::held::Held;
 use super::position::check_position;
 use crate::configuration::ChartFrame;
-use crate::error::EvalError;
+use crate::error::{EvalError, check_length};
 use crate::kinematics::Kinematics;
 use crate::matrix::{Matrix, filled};
 use crate::robot::{Robot, Tree};
@@ -205,14 +205,28 @@ impl<S: Scalar> Constraints<S> {
         &self.jacobian
     }
 
-    /// `(mu . g)_qq = (J'mu)_q` for constant mu (k), n x n, symmetric.
+    /// `(mu . g)_qq = (J'mu)_q` for constant mu (k), n x n, symmetric. With floating and spherical joints it is
+    /// that of `mu . g(q (+) xi)` by xi at zero.
     ///
     /// # Errors
-    /// [`EvalError::WrongLength`] unless mu has k entries; [`EvalError::FreeJoint`].
+    /// [`EvalError::WrongLength`] unless mu has k entries.
     pub fn hessian(&mut self, mu: &[S]) -> Result<&Matrix<S>, EvalError> {
-        self.tree().refuse_free()?;
-        crate::error::check_length("mu", mu, self.count())?;
-        Ok(self.contract(mu))
+        check_length("mu", mu, self.count())?;
+        self.contract(mu);
+        let Self { hessian, seen, .. } = self;
+        if let Some(seen) = seen {
+            let Seen { frames, jacobian } = &**seen;
+            for frame in frames {
+                let (at, _) = frame.place();
+                frame.turn_symmetric(hessian, &[at]);
+                for e in &frame.chart.retraction {
+                    let slopes = mu.iter().enumerate().map(|(i, &mu)| mu * jacobian[(i, at + e.row)]);
+                    let slope = slopes.fold(S::zero(), |sum, slope| sum + slope);
+                    hessian[(at + e.column, at + e.by[0])] += slope.times(e.value);
+                }
+            }
+        }
+        Ok(&self.hessian)
     }
 
     /// The same without a check.

@@ -170,8 +170,11 @@ impl<S: Scalar> ConstrainedHamiltonianSecondOrder<S> {
     /// # Errors
     /// See [`ConstrainedHamiltonian`].
     pub fn velocity_hessian(&mut self, q: &[S], p: &[S], y: &[S], c: &[S]) -> Result<&Matrix<S>, EvalError> {
-        self.first.check_plain(&[("q", q), ("p", p), ("y", y)])?;
+        self.first.check(&[("q", q), ("p", p), ("y", y)])?;
         check_length("c", c, self.first.mu.len())?;
+        if self.first.free.is_some() {
+            return self.velocity_hessian_free([q, p, y], c);
+        }
         self.first.responses_at(q, p)?;
         self.first.set_weights(y, c);
         self.along_response(q)?;
@@ -187,7 +190,7 @@ impl<S: Scalar> ConstrainedHamiltonianSecondOrder<S> {
     }
 
     /// The same for the direction that is set.
-    fn along_response(&mut self, q: &[S]) -> Result<(), EvalError> {
+    pub(super) fn along_response(&mut self, q: &[S]) -> Result<(), EvalError> {
         let ConstrainedHamiltonian { tree, kernel, v, mu, direction: [w_q, _], change: [dv, dmu], .. } =
             &self.first;
         self.along.differentiate(tree, kernel, w_q, dv)?;

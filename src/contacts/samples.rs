@@ -4,7 +4,7 @@ use super::{Contact, Sole};
 use crate::kinematics::Kinematics;
 use crate::robot::{JointSpec, LinkInertia, Placement, Robot};
 use crate::scalar::Scalar;
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
 pub(super) fn lift<S: Scalar>(a: &[f64]) -> Vec<S> {
     a.iter().map(|&a| S::from_f64(a)).collect()
@@ -45,13 +45,17 @@ pub(super) fn biped_state() -> [Vec<f64>; 3] {
     [q, v, vec![0.0, 0.0, 0.0, 12.0, -7.0, 5.0, 9.0]]
 }
 
+fn body() -> LinkInertia {
+    let inertia = Matrix3::new(0.4, 0.02, 0.0, 0.02, 0.5, 0.1, 0.0, 0.1, 0.3);
+    LinkInertia::about_com(6.0, [0.05, -0.1, 0.2], inertia)
+}
+
+fn ankle(on: &str) -> JointSpec {
+    JointSpec::revolute("ankle").axis([0.2, 1.0, 0.1]).on(on).placed(at([0.1, 0.0, -0.4])).carrying(body())
+}
+
 /// A leg with a foot on a base of six joints, and one joint more: n = 7.
 pub(super) fn hopper() -> (Robot, Contact, Placement) {
-    let body = LinkInertia::about_com(
-        6.0,
-        [0.05, -0.1, 0.2],
-        Matrix3::new(0.4, 0.02, 0.0, 0.02, 0.5, 0.1, 0.0, 0.1, 0.3),
-    );
     let along = |name: &str, axis| JointSpec::prismatic(name).axis(axis);
     let about = |name: &str, axis| JointSpec::revolute(name).axis(axis);
     let (x, y, z) = ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]);
@@ -62,8 +66,8 @@ pub(super) fn hopper() -> (Robot, Contact, Placement) {
         .joint(along("z", z).on("y"))
         .joint(about("yaw", z).on("z"))
         .joint(about("roll", x).on("yaw"))
-        .joint(about("pitch", y).on("roll").carrying(body))
-        .joint(about("ankle", [0.2, 1.0, 0.1]).on("pitch").placed(at([0.1, 0.0, -0.4])).carrying(body))
+        .joint(about("pitch", y).on("roll").carrying(body()))
+        .joint(ankle("pitch"))
         .build()
         .unwrap();
     let q = hopper_state()[0].clone();
@@ -82,4 +86,19 @@ pub(super) fn hopper_state() -> [Vec<f64>; 3] {
     let q = vec![0.3, -0.2, 0.8, 0.4, -0.3, 0.2, 0.5];
     let v = vec![0.5, 0.3, -0.4, 0.7, 0.2, -0.6, 0.9];
     [q, v, vec![0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 8.0]]
+}
+
+/// The same on a floating base, in the same place: q, v and u of the body in its axes.
+pub(super) fn floating_hopper() -> (Robot, Contact, [Vec<f64>; 3]) {
+    let [q, v, u] = hopper_state();
+    let about = |axis: Vector3<f64>, angle: f64| UnitQuaternion::new(axis * angle);
+    let turn = about(Vector3::z(), q[3]) * about(Vector3::x(), q[4]) * about(Vector3::y(), q[5]);
+    let robot = Robot::builder("floating hopper")
+        .gravity([0.0, 0.0, -9.81])
+        .joint(JointSpec::floating("base").carrying(body()))
+        .joint(ankle("base"))
+        .build()
+        .unwrap();
+    let q = [&q[..3], turn.coords.as_slice(), &q[6..]].concat();
+    (robot, hopper().1, [q, v, u])
 }

@@ -1,8 +1,9 @@
 //! Contact forces against the balance of momentum, derivatives against automatic differentiation.
 
-use super::samples::{at, biped, biped_state, hopper, hopper_state, lift, toe};
+use super::samples::{at, biped, biped_state, floating_hopper, hopper, hopper_state, lift, toe};
 use super::*;
 use crate::Coordinates;
+use crate::configuration::ConfigurationSpace;
 use crate::constraints::{ConstrainedHamiltonian, ConstrainedLagrangian};
 use crate::kinematics::Kinematics;
 use crate::robot::Placement;
@@ -63,10 +64,19 @@ fn forces_and_moments_of_a_foot_balance_the_momentum_of_a_body() {
     balances(&stance, [&q, &v, &u], &[("ankle", placement)]);
 }
 
-/// Forces and margins through v(q, p) and the accelerations, for hyper-dual numbers.
-fn judge(stance: &Stance, coordinates: Coordinates, z: &[HyperDual64]) -> [Vec<HyperDual64>; 2] {
-    let n = stance.robot().dof();
-    let (q, rate, u) = (&z[..n], &z[n..2 * n], &z[2 * n..]);
+/// Forces and margins through v(q, p) and the accelerations, for hyper-dual numbers: at a state displaced by z.
+fn judge(
+    stance: &Stance,
+    coordinates: Coordinates,
+    [q, rate, u]: [&[f64]; 3],
+    z: &[HyperDual64],
+) -> [Vec<HyperDual64>; 2] {
+    let (n, mut moved) = (rate.len(), lift(q));
+    ConfigurationSpace::new(stance.robot()).integrate(&lift(q), &z[..n], &mut moved).unwrap();
+    let add = |to: &[f64], by: &[HyperDual64]| -> Vec<HyperDual64> {
+        to.iter().zip(by).map(|(&to, &by)| by + to).collect()
+    };
+    let (q, rate, u) = (&moved, &add(rate, &z[n..2 * n]), &add(u, &z[2 * n..]));
     let v = match coordinates {
         Coordinates::Lagrangian => rate.to_vec(),
         Coordinates::Hamiltonian => {
@@ -86,8 +96,10 @@ fn derivatives_of_forces_and_margins_are_those_of_hyper_dual_numbers() {
     let biped = (Stance::new(&biped(), &standing).unwrap(), biped_state());
     let (robot, foot, _) = hopper();
     let hopper = (Stance::new(&robot, &[foot]).unwrap(), hopper_state());
-    for (stance, [q, v, u]) in [biped, hopper] {
-        let n = q.len();
+    let (robot, foot, state) = floating_hopper();
+    let floating = (Stance::new(&robot, &[foot]).unwrap(), state);
+    for (stance, [q, v, u]) in [biped, hopper, floating] {
+        let n = v.len();
         for coordinates in Coordinates::ALL {
             let rate = match coordinates {
                 Coordinates::Lagrangian => v.clone(),
@@ -112,11 +124,11 @@ fn derivatives_of_forces_and_margins_are_those_of_hyper_dual_numbers() {
             let mut expected_zz = DMatrix::zeros(3 * n, 3 * n);
             for i in 0..3 * n {
                 for j in 0..=i {
-                    let mut z: Vec<HyperDual64> = lift(&[&q[..], &rate, &u].concat());
+                    let mut z: Vec<HyperDual64> = lift(&vec![0.0; 3 * n]);
                     z[i].eps1 = 1.0;
                     z[j].eps2 = 1.0;
                     let mut entry = 0.0;
-                    for (part, found) in judge(&stance, coordinates, &z).iter().enumerate() {
+                    for (part, found) in judge(&stance, coordinates, [&q, &rate, &u], &z).iter().enumerate() {
                         let weights = [&e, &w][part];
                         let size = 1.0 + jacobians[part].amax();
                         for (l, found) in found.iter().enumerate() {
@@ -136,6 +148,26 @@ fn derivatives_of_forces_and_margins_are_those_of_hyper_dual_numbers() {
             assert_eq!(zz, zz.transpose());
         }
     }
+}
+
+/// The same body, described in both ways.
+#[test]
+fn forces_on_a_floating_base_are_those_on_a_chain_of_six() {
+    let (robot, foot, [q, _, u]) = floating_hopper();
+    let floating = Stance::new(&robot, &[foot]).unwrap();
+    let (robot, foot, _) = hopper();
+    let chain = Stance::new(&robot, &[foot]).unwrap();
+    let [q_chain, ..] = hopper_state();
+    let still = [0.0; 7];
+    let mut forces = [&floating, &chain].map(|of| ContactForces::<f64>::new(of, Coordinates::Lagrangian));
+    let found = forces[0].linearise(&q, &still, &u).unwrap();
+    let found = (found.lambda().to_vec(), found.margins().to_vec(), found.lambda_z().to_nalgebra());
+    let expected = forces[1].linearise(&q_chain, &still, &u).unwrap();
+    let all = found.0.iter().chain(&found.1).zip(expected.lambda().iter().chain(expected.margins()));
+    all.for_each(|(a, b)| assert!((a - b).abs() < 1e-10 * (1.0 + b.abs()), "{a} {b}"));
+    // The torque of the ankle is the same coordinate in both.
+    let by_torque = expected.lambda_z().to_nalgebra().column(20) - found.2.column(20);
+    assert!(by_torque.amax() < 1e-10, "{by_torque}");
 }
 
 /// A body that stands still with upright legs presses with its weight, evenly.

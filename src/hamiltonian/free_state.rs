@@ -238,7 +238,7 @@ impl<S: Scalar> HamiltonianSecondOrder<S> {
         let Hamiltonian { tree, flow, state, .. } = &mut self.first;
         state.add_curvature(tree, &free.y_chart[n..], &mut self.y_f_xx);
         free.finish_rate(&mut state.f, u);
-        free.parts.iter().for_each(|part| part.curve([y, &free.y], &state.f_x, &mut self.y_f_xx));
+        free.curve(y, &state.f_x, None, &mut self.y_f_xx);
         free.parts.iter().for_each(|part| part.finish_jacobian(&mut state.f_x));
         free.set_mass_matrix(flow.kernel.mass_matrix());
         Ok(())

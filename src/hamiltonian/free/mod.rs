@@ -11,7 +11,7 @@ mod part;
 #[cfg(test)]
 mod tests;
 
-use crate::matrix::{Entry, Matrix, filled};
+use crate::matrix::{Entry, Matrix, add_scaled, filled};
 use crate::robot::Tree;
 use crate::scalar::Scalar;
 use part::Part;
@@ -27,6 +27,8 @@ pub(crate) struct Free<S: Scalar> {
     pub(crate) y: Vec<S>,
     pub(crate) y_chart: Vec<S>,
     pub(crate) mass_matrix: Matrix<S>,
+    /// y'F_x of the chart, by (xi, pi).
+    slope: Vec<S>,
     /// See [`momentum_slope`](Self::momentum_slope).
     less: Vec<Entry<S>>,
 }
@@ -44,6 +46,7 @@ impl<S: Scalar> Free<S> {
                 y: filled(S::zero(), 2 * n),
                 y_chart: filled(S::zero(), 2 * n),
                 mass_matrix: Matrix::zeros(n, n),
+                slope: filled(S::zero(), 2 * n),
                 less: Vec::with_capacity(3 * n),
             })
         })
@@ -141,6 +144,24 @@ impl<S: Scalar> Free<S> {
         self.parts.iter().for_each(|part| {
             part.frame.turn_symmetric(&mut self.mass_matrix, &[part.place().0]);
         });
+    }
+
+    /// y'F_xx of the tangent space from that of the chart, both for the costate y, set last; `others` are further
+    /// functions of (q, p) with weights, part of the sum, and their Jacobian, by (xi, pi) as F_x.
+    pub(crate) fn curve(
+        &mut self,
+        y: &[S],
+        f_x: &Matrix<S>,
+        others: Option<(&[S], &Matrix<S>)>,
+        y_f_xx: &mut Matrix<S>,
+    ) {
+        self.slope.fill(S::zero());
+        for (weights, rows) in [(&*self.y, f_x)].into_iter().chain(others) {
+            for (i, &weight) in weights.iter().enumerate() {
+                add_scaled(&mut self.slope, weight, rows.row(i));
+            }
+        }
+        self.parts.iter().for_each(|part| part.curve([y, &self.slope], f_x, y_f_xx));
     }
 
     /// The costate of the chart.

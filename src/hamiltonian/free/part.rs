@@ -109,9 +109,9 @@ impl<S: Scalar> Part<S> {
         }
     }
 
-    /// Adds what y'F_xx has besides `y_c'F_c,xx` in the variables (xi, pi), of y and y_c in the axes of the
-    /// frame; `f_x` is the derivative of F in the chart by (xi, pi).
-    pub fn curve(&self, [y, y_c]: [&[S]; 2], f_x: &Matrix<S>, y_f_xx: &mut Matrix<S>) {
+    /// Adds what y'F_xx has besides `y_c'F_c,xx` in the variables (xi, pi), of y in the axes of the frame; `f_x`
+    /// is the derivative of F in the chart by (xi, pi), `slope` that of `y_c . F_c`.
+    pub fn curve(&self, [y, slope]: [&[S]; 2], f_x: &Matrix<S>, y_f_xx: &mut Matrix<S>) {
         let (at, m) = self.place();
         let n = f_x.columns() / 2;
         let Self { frame: ChartFrame { chart, .. }, momentum: pi, velocity: v, force, .. } = self;
@@ -119,8 +119,6 @@ impl<S: Scalar> Part<S> {
         let (mut lg, mut l) = (zero, zero);
         lg[..m].copy_from_slice(&y[at..at + m]);
         l[..m].copy_from_slice(&y[n + at..n + at + m]);
-        let product =
-            |column: usize| (0..2 * n).fold(S::zero(), |sum, i| y_c[i].mul_add(f_x[(i, column)], sum));
         // Derivatives of beta and alpha by coordinates i and j, and of alpha by pi.
         let (mut b1, mut b2) = ([zero; MOST], [[zero; MOST]; MOST]);
         for e in &chart.twist.first {
@@ -159,7 +157,7 @@ impl<S: Scalar> Part<S> {
             }
         }
         let mut pull = zero;
-        pull[..m].iter_mut().enumerate().for_each(|(c, pull)| *pull = product(n + at + c));
+        pull[..m].copy_from_slice(&slope[n + at..n + at + m]);
         for e in &chart.twist.first {
             let [k] = e.by;
             mixed[k][e.row] += pull[e.column].times(e.value);
@@ -188,8 +186,8 @@ impl<S: Scalar> Part<S> {
         }
         for e in &chart.retraction {
             let k = e.row;
-            let slope = product(at + k) + dot(&a1[k], v) + dot(&b1[k], force);
-            square[e.column][e.by[0]] += slope.times(e.value);
+            let along = slope[at + k] + dot(&a1[k], v) + dot(&b1[k], force);
+            square[e.column][e.by[0]] += along.times(e.value);
         }
         for (i, (square, mixed)) in square[..m].iter().zip(&mixed).enumerate() {
             for (j, (&square, &mixed)) in square[..m].iter().zip(mixed).enumerate() {
