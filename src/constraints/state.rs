@@ -47,6 +47,8 @@ impl<S: Scalar> ConstrainedHamiltonian<S> {
         none.fill(S::zero());
         let outcome = self.linearise_free([q, p, &none[..p.len()]]).map(drop);
         self.product = none;
+        // In the axes of the frames.
+        self.v.copy_from_slice(&self.f[..p.len()]);
         outcome
     }
 
