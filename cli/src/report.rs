@@ -15,9 +15,14 @@ pub fn counted(count: usize, noun: &str) -> String {
     format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
 }
 
-/// The number of joints, as `6 joints`.
+/// The number of joints, as `6 joints`, or `3 joints with 8 degrees of freedom`.
 pub fn joints(robot: &Robot) -> String {
-    counted(robot.dof(), "joint")
+    let free = robot.free_joints();
+    if free.is_empty() {
+        return counted(robot.dof(), "joint");
+    }
+    let all = robot.dof() + free.len() - free.iter().map(|free| free.kind.dof()).sum::<usize>();
+    format!("{} with {} degrees of freedom", counted(all, "joint"), robot.dof())
 }
 
 /// The name of the robot and the number of its joints, to start a report.
@@ -25,6 +30,11 @@ pub fn title(robot: &Robot) -> String {
     let mimics = robot.joints().len() - robot.dof();
     let mimics = if mimics > 0 { format!(" and {}", counted(mimics, "mimic joint")) } else { String::new() };
     format!("{}, {}{mimics}", printable(robot.name()), joints(robot))
+}
+
+/// A component of an axis: whole numbers without decimals.
+pub fn component(x: f64) -> String {
+    fixed(x, if x == x.round() { 0 } else { 3 })
 }
 
 /// A table with a header and columns as wide as their widest cell. The first columns hold text, the others

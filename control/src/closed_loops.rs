@@ -50,10 +50,10 @@ fn of_joints(problem: &Problem, loops: &Loops, found: Solution) -> Solution {
     let lambda = |accelerations: &Vec<f64>| match &loops.walk {
         // In the axes of the world; rows of feet in the plane are edges of their friction cones.
         Some(walk) => {
-            let mut lambda = vec![0.0; loops.rows.len()];
+            let mut lambda = vec![0.0; walk.feet.last().map_or(0, |foot| foot.told.end)];
             for ((column, row), a) in walk.columns.iter().zip(&loops.rows).zip(&accelerations[n..]) {
                 let Some(foot) = walk.foot_of(row.row) else { continue };
-                let foot = &mut lambda[foot.rows.clone()];
+                let foot = &mut lambda[foot.told.clone()];
                 foot.iter_mut().zip(column).for_each(|(to, part)| *to += part * row.mass * a);
             }
             lambda
@@ -75,7 +75,23 @@ fn of_joints(problem: &Problem, loops: &Loops, found: Solution) -> Solution {
         Some(walk) => walk.feet[constraint].rows.end <= loops.phases[phase].rows,
         None => true,
     };
-    let constraints = ConstraintForces::along(robot, &trajectory, &lambda, holds).unwrap_or_default();
+    // Feet are held by rows that are independent.
+    let counts = |row: usize| loops.walk.is_some() || loops.rows.iter().any(|kept| kept.row == row);
+    let mut constraints =
+        ConstraintForces::along(robot, &trajectory, &lambda, holds, counts).unwrap_or_default();
+    if let Some(walk) = &loops.walk {
+        for (foot, told) in walk.feet.iter().zip(&mut constraints) {
+            if !walk.gait.is_on_edge(foot.contact) {
+                continue;
+            }
+            // Corners of the edge have rows of their own.
+            for (moment, a) in told.moment.iter_mut().zip(rows) {
+                let own = loops.rows[foot.rows.clone()].iter().zip(&a[n + foot.rows.start..]);
+                let forces: Vec<f64> = own.map(|(row, a)| row.mass * a).collect();
+                *moment = walk.gait.moment_of_edge(&forces);
+            }
+        }
+    }
     let end_state = found.motion.end_state.as_ref().map(|state| {
         let all = state.len() / 2;
         [&state[..n], &state[all..all + n]].concat()

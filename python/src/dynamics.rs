@@ -1,19 +1,16 @@
 //! The class `Dynamics`.
 
-use crate::engine::Engine;
-use crate::engines::engine_of;
-use crate::errors::{CodegenError, argument, unusable};
+use crate::errors::argument;
 use crate::function::{Function, Settings};
 use crate::kinematics::{BODY_VERBS, BodyVerb, of_robot};
 use crate::quantities::Verb;
 use crate::robot::Robot;
-use crate::words::in_python;
-use costate::codegen::{CodegenError as NoQuantity, Quantity};
+use crate::shared_engines::{Computed, Known, SharedEngines};
+use costate::Coordinates;
 use costate::robot;
-use costate::{Coordinates, EvalError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, OnceLock};
 
 /// The dynamics of a robot, with exact first and second derivatives.
 ///
@@ -73,20 +70,9 @@ pub struct Dynamics {
     robot: Robot,
     coordinates: Coordinates,
     settings: Settings,
-    engines: Mutex<Vec<Known>>,
+    engines: SharedEngines,
     functions: [OnceLock<Arc<Function>>; Verb::ALL.len()],
     bodies: [OnceLock<Function>; BODY_VERBS],
-}
-
-/// A quantity in its coordinates.
-type Computed = (Quantity, Coordinates);
-
-/// What computes a quantity, and the words about it.
-#[derive(Clone)]
-struct Known {
-    of: Computed,
-    engine: Arc<Engine>,
-    backend: String,
 }
 
 /// The coordinates of these letters.
@@ -118,24 +104,9 @@ impl Dynamics {
         self.coordinates
     }
 
-    /// The engine of a quantity, which all methods that need it share. It is compiled without the
-    /// interpreter's lock.
+    /// The engine of a quantity.
     fn engine(&self, py: Python<'_>, of: Computed) -> PyResult<Known> {
-        py.detach(|| self.compiled(of)).map_err(|error| match error {
-            NoQuantity::Eval(refused @ EvalError::FreeJointAndWrench { .. }) => unusable(py, &refused),
-            error => CodegenError::new_err(in_python(&error.to_string())),
-        })
-    }
-
-    fn compiled(&self, of: Computed) -> Result<Known, NoQuantity> {
-        let mut engines = self.engines.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(known) = engines.iter().find(|known| known.of == of) {
-            return Ok(known.clone());
-        }
-        let (engine, backend) = engine_of(self.robot.shared(), of.0, of.1)?;
-        let known = Known { of, engine: Arc::new(engine), backend };
-        engines.push(known.clone());
-        Ok(known)
+        self.engines.get(py, &self.robot, of)
     }
 
     /// Calls a method.
@@ -195,7 +166,7 @@ impl Dynamics {
             coordinates: coordinates_of(py, coordinates)?,
             robot,
             settings: Settings::of(py, on_error, threads)?,
-            engines: Mutex::default(),
+            engines: SharedEngines::default(),
             functions: Default::default(),
             bodies: Default::default(),
         })

@@ -5,29 +5,32 @@ use crate::schemes::{AnyStep, Plain};
 use costate::Coordinates;
 use costate::robot::Robot;
 use costate::scalar::Scalar;
-use costate::step::{FreeStep, ImplicitMidpoint, RungeKutta4};
+use costate::step::{FreeStep, ImplicitMidpoint, RungeKutta4, StoermerVerlet};
 use pyo3::prelude::*;
 
-/// The schemes that step states of any kind, with their names.
+/// The schemes that step states with quaternions.
 #[derive(Clone, Copy)]
 pub enum FreeScheme {
     RungeKutta4,
     Midpoint,
+    /// In (q, p) alone.
+    Verlet,
 }
 
 impl FreeScheme {
     /// The scheme of this name.
     ///
     /// # Errors
-    /// `ArgumentError` for those that need two halves of the state.
+    /// `ArgumentError` for those that need as many positions as velocities.
     pub fn of_name(py: Python<'_>, name: &str) -> PyResult<Self> {
         match name {
             "rk4" => Ok(Self::RungeKutta4),
             "midpoint" => Ok(Self::Midpoint),
+            "verlet" => Ok(Self::Verlet),
             name => {
                 let message = format!(
                     "the scheme '{name}' needs as many positions as velocities, and quaternions have more; give \
-                     'rk4' or 'midpoint'"
+                     'rk4', 'midpoint' or, for \"qp\", 'verlet'"
                 );
                 Err(argument(py, "scheme", message))
             }
@@ -46,7 +49,11 @@ impl FreeScheme {
             (Self::Midpoint, Coordinates::Hamiltonian) => {
                 FreeStep::in_momenta(robot, |model| Box::new(ImplicitMidpoint::new(model)) as Plain<S>)
             }
-            (Self::Midpoint, Coordinates::Lagrangian) => {
+            (Self::Verlet, Coordinates::Hamiltonian) => {
+                FreeStep::in_momenta(robot, |model| Box::new(StoermerVerlet::new(model)) as Plain<S>)
+            }
+            // `scheme_of` has refused Verlet in (q, v).
+            (Self::Midpoint | Self::Verlet, Coordinates::Lagrangian) => {
                 FreeStep::in_rates(robot, |model| Box::new(ImplicitMidpoint::new(model)) as Plain<S>)
             }
         };

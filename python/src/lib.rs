@@ -52,6 +52,7 @@ mod refusals;
 mod results;
 mod robot;
 mod schemes;
+mod shared_engines;
 mod signals;
 mod table;
 mod time_step;

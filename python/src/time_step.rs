@@ -23,7 +23,9 @@ use std::sync::{Arc, OnceLock};
 /// With floating and spherical joints Phi has nq + n entries, its quaternions of length 1. Derivatives are
 /// those in the tangent spaces at both ends: J, 2n rows, is that of the difference from Phi
 /// (``Robot.difference``) by (d, dv, dtau), q (+) d in the place of q, and y has 2n entries. The scheme steps
-/// the quaternions as plain numbers, and divides them by their lengths; it is "rk4" or "midpoint".
+/// the quaternions as plain numbers, for "qp" with the momenta conjugate to them, and divides them by their
+/// lengths; it is any but "semi_implicit_euler". For "qp" "midpoint" and "verlet" keep the linear and angular
+/// momentum of a body in space to rounding and its energy without drift; all else keeps them to its order.
 ///
 /// Parameters
 /// ----------

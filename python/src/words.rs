@@ -1,7 +1,7 @@
 //! Messages of the library in the words of its Python interface.
 
 /// What messages advise on the command line and in Rust, and what does the same here.
-const WORDS: [(&str, &str); 24] = [
+const WORDS: [(&str, &str); 23] = [
     ("`costate info --frames` lists the names", "robot.frame_names lists the names"),
     ("request it by --friction (LoadOptions::friction)", "request it by friction=True"),
     ("request it by --floating-base (LoadOptions::floating_base)", "request it by floating_base=True"),
@@ -26,7 +26,6 @@ const WORDS: [(&str, &str); 24] = [
         ". `adjoint` and `hvp` are shorter",
     ),
     ("give its folder with --package-path", "give its folder by package_path=[...]"),
-    ("as ConstrainedHamiltonian::close computes it", "as ConstrainedDynamics.close computes it"),
     (
         "`Hamiltonian`, `ConstrainedHamiltonian` and `Lagrangian` take them, to second order",
         "Dynamics, Frame, ConstrainedDynamics.f and its derivatives take them",

@@ -7,7 +7,18 @@ import costate
 import numpy as np
 import pytest
 from conftest import ROBOTS, assert_close
-from free_joints import EPS, FIXTURES, assert_within, drone, rotation, slope, state, tree  # noqa: F401
+from free_joints import (  # noqa: F401
+    EPS,
+    FIXTURES,
+    assert_batch_is_single_states,
+    assert_within,
+    batch,
+    drone,
+    rotation,
+    slope,
+    state,
+    tree,
+)
 
 # Bases without mass, which move.
 pytestmark = pytest.mark.filterwarnings("ignore::costate.RobotWarning")
@@ -57,21 +68,13 @@ def test_jacobians_of_configurations(tree, random):
 
 
 @pytest.mark.parametrize("coordinates", ["qv", "qp"])
-def test_batches_are_single_states(tree, random, coordinates):
-    n, dynamics = tree.n, costate.Dynamics(tree, coordinates)
-    q = tree.integrate(tree.neutral(), random.normal(size=(3, 1, 7, n)))
-    v, tau, y = random.normal(size=(5, 1, n)), random.normal(size=n), random.normal(size=2 * n)
-    f, jacobian, hessian = dynamics.contract(q, v, tau, y)
-    assert (f.shape, jacobian.shape, hessian.shape) == ((3, 5, 7, 2 * n), (3, 5, 7, 2 * n, 3 * n), (3, 5, 7, 3 * n, 3 * n))
-    room = np.empty_like(f)
-    assert dynamics.f(q, v, tau, out=room) is room
-    for k in ((0, 0, 0), (2, 4, 6), (1, 3, 2)):
-        alone = q[k[0], 0, k[2]], v[k[1], 0], tau
-        assert_close(room[k], dynamics.f(*alone), 1e-10)
-        for found, expected in zip((f, jacobian, hessian), dynamics.contract(*alone, y), strict=True):
-            assert_close(found[k], expected, 1e-9)
-        assert_close(dynamics.centre_of_mass(q)[k[0], 0, k[2]], dynamics.centre_of_mass(alone[0]), 1e-12)
-    assert tree.difference(q, tree.neutral()).shape == (3, 1, 7, n)
+def test_batches_are_single_states(tree, batch, coordinates):
+    (q, v, tau, y), dynamics = batch, costate.Dynamics(tree, coordinates)
+    assert_batch_is_single_states(dynamics, q, v, tau, y, 2 * tree.n)
+    centres = dynamics.centre_of_mass(q)
+    for k in ((0, 0, 0), (2, 0, 6), (1, 0, 2)):
+        assert_close(centres[k], dynamics.centre_of_mass(q[k]), 1e-12)
+    assert tree.difference(q, tree.neutral()).shape == (3, 1, 7, tree.n)
 
 
 def test_quaternions_that_are_not_unit_are_told_by_their_length(tree, state):

@@ -72,7 +72,7 @@ def test_advice_is_in_words_of_python(ur5):
     long = costate.Dynamics(chain.build()).backend("hessian")
     assert "generic code" in long and "::" not in long and "JitQuantity" not in long
     bars = load("four_bar.toml")
-    with pytest.raises(costate.ProblemError, match="as ConstrainedDynamics.close computes it") as raised:
+    with pytest.raises(costate.ProblemError, match="nearby the loops close at q = ") as raised:
         costate.Resolve(costate.Problem(bars, start=[0.5, 0.1, 0.2], end=[0.1] * 3, time=1.0, cost=[1.0] * 3))
     assert raised.value.key == "start.q"
 

@@ -9,7 +9,7 @@
 
 use super::ChartFrame;
 use crate::error::EvalError;
-use crate::kernels::{check_configuration, check_entries};
+use crate::kernels::check_entries;
 use crate::kinematics::{CentreOfMass, Kinematics, Momentum, Pose, ReferenceFrame};
 use crate::matrix::{Matrix, filled};
 use crate::robot::{Robot, Tree};
@@ -129,7 +129,7 @@ impl<S: Scalar> FreeKinematics<S> {
             return self.kinematics.set_motion(q, v, a);
         }
         let tree = self.kinematics.tree();
-        check_configuration(tree, q)?;
+        tree.check_configuration(q)?;
         check_entries(tree, "v", v, tree.dof())?;
         check_entries(tree, "a", a, tree.dof())?;
         tree.chart_coordinates(q, &mut self.chart);

@@ -24,7 +24,7 @@ pub use kinematics::FreeKinematics;
 pub use quaternions::Quaternions;
 
 use crate::error::{EvalError, LengthError, check_length};
-use crate::kernels::{check_configuration, check_entries};
+use crate::kernels::check_entries;
 use crate::matrix::Matrix;
 use crate::robot::{FreeFrame, FreeKind, Robot, Tree};
 use crate::scalar::Scalar;
@@ -99,7 +99,7 @@ impl ConfigurationSpace {
     /// # Errors
     /// [`EvalError::WrongLength`], [`EvalError::NonFinite`], [`EvalError::NotUnit`].
     pub fn check<S: Scalar>(&self, q: &[S]) -> Result<(), EvalError> {
-        check_configuration(&self.tree, q)
+        self.tree.check_configuration(q)
     }
 
     /// Divides the quaternions of q by their lengths; none may be zero.

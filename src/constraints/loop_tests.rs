@@ -173,6 +173,15 @@ fn loops_that_do_not_close_say_by_how_much() {
     // At q = 0 the rods are in one line: the row of x depends on that of y by chance.
     let mut straight = [0.0; 3];
     ConstrainedHamiltonian::<f64>::new(&four_bar()).close(&mut straight, &[false; 3]).unwrap();
+    // Out of reach, and straight towards it: the row of x is redundant there, and only there.
+    let mut straight = [0.0; 3];
+    let spec = ConstraintSpec::pinned("too_far", "rocker_tip", "world").to_placed(far);
+    let mut h = ConstrainedHamiltonian::<f64>::new(&robot.with_constraint(spec).unwrap());
+    let error = h.close(&mut straight, &[false; 3]).unwrap_err();
+    assert!(
+        matches!(&error, ConstraintError::CannotClose { miss, .. } if (miss - 0.4).abs() < 1e-2),
+        "{error}"
+    );
     // Higher than the plane of the rods, whatever else is satisfied.
     let above = Placement::from_xyz_rpy([1.3, 0.0, 0.2], [0.0; 3]);
     let spec = ConstraintSpec::pinned("above", "rocker_tip", "world").to_placed(above);

@@ -73,7 +73,7 @@ impl<S: Scalar> ConstrainedHamiltonian<S> {
             return self.prepare(q, p);
         };
         self.in_world = true;
-        world.factor(&self.tree, q, &mut self.factor)?;
+        world.factor(&self.tree, q, &mut self.factor, false)?;
         self.factor_rows(q);
         self.v.copy_from_slice(p);
         self.kkt.velocity(&self.factor, &mut self.v, &mut self.mu);

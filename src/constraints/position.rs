@@ -1,7 +1,7 @@
 //! Checks of positions.
 
 use crate::error::EvalError;
-use crate::kernels::{check_configuration, check_entries};
+use crate::kernels::check_entries;
 use crate::robot::Tree;
 use crate::scalar::Scalar;
 
@@ -10,6 +10,6 @@ pub(super) fn check_position<S: Scalar>(tree: &Tree, what: &'static str, q: &[S]
     if tree.free().is_empty() {
         check_entries(tree, what, q, tree.dof())
     } else {
-        check_configuration(tree, q)
+        tree.check_configuration(q)
     }
 }

@@ -67,10 +67,7 @@ impl ConstrainedHamiltonian<f64> {
         let mut search = Search::new(&self.tree, q, target.len());
         for attempt in 0..ATTEMPTS {
             if attempt > 0 {
-                for (i, (nudge, held)) in search.change.iter_mut().zip(held).enumerate() {
-                    let by = NUDGE * (1.0 + 2.0 * i as f64 + attempt as f64).sin();
-                    *nudge = if *held { 0.0 } else { by };
-                }
+                nudge(&mut search.change, held, attempt);
                 search.space.integrate(q, &search.change, &mut search.trial)?;
                 q.copy_from_slice(&search.trial);
             }
@@ -144,7 +141,8 @@ impl ConstrainedHamiltonian<f64> {
         miss.iter().zip(&self.kkt.kept).map(|(miss, kept)| kept * miss * miss).sum()
     }
 
-    /// Redundant rows that miss where all others are satisfied contradict them.
+    /// Redundant rows that miss where all others are satisfied contradict them, unless they are redundant by
+    /// chance: not near this position, at the end of what the robot reaches.
     fn why(
         &mut self,
         q: &[f64],
@@ -160,13 +158,20 @@ impl ConstrainedHamiltonian<f64> {
             let worst = rows.max_by(|(_, (a, _)), (_, (b, _))| a.abs().total_cmp(&b.abs()));
             worst.map_or((0, 0.0), |(i, (miss, _))| (i, miss.abs()))
         };
-        let ((_, counted), (row, redundant)) = (of(1.0), of(0.0));
-        if counted <= NEARLY.sqrt() && redundant > NEARLY {
-            let constraint = self.rows.name(row).to_owned();
-            return Ok(ConstraintError::Contradiction { constraint, miss: redundant });
+        let ((most, counted), (row, redundant)) = (of(1.0), of(0.0));
+        let (row, miss) = if counted > redundant { (most, counted) } else { (row, redundant) };
+        let constraint = self.rows.name(row).to_owned();
+        if counted > NEARLY.sqrt() || redundant <= NEARLY {
+            return Ok(ConstraintError::CannotClose { constraint, miss });
         }
-        let (row, miss) = if counted > redundant { of(1.0) } else { (row, redundant) };
-        Ok(ConstraintError::CannotClose { constraint: self.rows.name(row).to_owned(), miss })
+        nudge(&mut search.change, held, 1);
+        search.space.integrate(q, &search.change, &mut search.trial)?;
+        self.weigh(&search.trial, held, &mut search.weights)?;
+        let is_by_chance = self.kkt.kept[row] == 1.0;
+        Ok(match is_by_chance {
+            true => ConstraintError::CannotClose { constraint, miss },
+            false => ConstraintError::Contradiction { constraint, miss },
+        })
     }
 }
 
@@ -204,6 +209,14 @@ impl Search {
             self.least = found;
             self.nearest.copy_from_slice(q);
         }
+    }
+}
+
+/// A small change of all joints that are not held, another one for each number.
+fn nudge(change: &mut [f64], held: &[bool], number: usize) {
+    for (i, (change, held)) in change.iter_mut().zip(held).enumerate() {
+        let by = NUDGE * (1.0 + 2.0 * i as f64 + number as f64).sin();
+        *change = if *held { 0.0 } else { by };
     }
 }
 

@@ -28,7 +28,7 @@ pub use automatic::Automatic;
 pub use automatic_cost::AutomaticCost;
 pub use cost::{Cost, CostGradient, CostHessian};
 pub use quadratic_cost::QuadraticCost;
-pub(crate) use quaternions::{Places, Turn, four, plain_entries, vector};
+pub(crate) use quaternions::{Local, Parts, Places, Plain, SecondHalf, Turn, plain_entries};
 pub use quaternions::{QuaternionDynamics, TangentModel};
 
 use crate::matrix::{Block, add_scaled, dot};

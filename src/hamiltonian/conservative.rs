@@ -104,7 +104,7 @@ impl<S: Scalar, K: LagrangianHessian<S>> Conservative<S, K> {
             return self.first_order(tree, q, p);
         };
         self.in_world = true;
-        world.factor(tree, q, &mut self.factor)?;
+        world.factor(tree, q, &mut self.factor, !second_order)?;
         if second_order {
             // It needs U', which gives v in less time than a substitution.
             self.factor.invert();

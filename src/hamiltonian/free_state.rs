@@ -6,7 +6,7 @@ use super::{
     HamiltonianSecondOrder,
 };
 use crate::error::EvalError;
-use crate::kernels::{LagrangianHessian, Route, check_configuration, check_entries};
+use crate::kernels::{LagrangianHessian, Route, check_entries};
 use crate::matrix::{Matrix, add_scaled, dot};
 use crate::scalar::Scalar;
 
@@ -17,7 +17,7 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
             self.tree.refuse_free()?;
         }
         self.tree.refuse_free_and_wrench()?;
-        check_configuration(&self.tree, q)?;
+        self.tree.check_configuration(q)?;
         let n = self.tree.dof();
         others.iter().try_for_each(|&(what, values)| check_entries(&self.tree, what, values, n))
     }

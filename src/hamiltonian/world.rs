@@ -42,16 +42,22 @@ impl<S: Scalar> World<S> {
         self
     }
 
-    /// M at q (nq) and its factors.
-    pub fn factor(&mut self, tree: &Tree, q: &[S], factor: &mut Factor<S>) -> Result<(), EvalError> {
+    /// M at q (nq) and its factors; these alone, if `alone`: [`mass_matrix`](Self::mass_matrix) is not set.
+    pub fn factor(
+        &mut self,
+        tree: &Tree,
+        q: &[S],
+        factor: &mut Factor<S>,
+        alone: bool,
+    ) -> Result<(), EvalError> {
         self.kernel.set_position(tree, q);
         if self.own_axes {
             self.kernel.turn_displacements();
         }
-        self.kernel.compose(tree);
+        self.kernel.compose_for_factor(tree, alone);
         self.kernel.set_reach(tree, q);
         let singular = |k: usize| EvalError::SingularMassMatrix { joint: tree.name(k).into() };
-        factor.factor(self.kernel.mass_matrix(), |k| self.kernel.size_of_entry(k)).map_err(singular)
+        self.kernel.factor(factor).map_err(singular)
     }
 
     /// L_q at v, after [`factor`](Self::factor) at the same q.

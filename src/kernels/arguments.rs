@@ -17,23 +17,6 @@ pub(crate) fn check<S: Scalar>(
     check_entries(tree, what, values, expected)
 }
 
-/// q has [`Tree::nq`] finite entries, and its quaternions have length 1. With n entries it is refused by
-/// name.
-pub(crate) fn check_configuration<S: Scalar>(tree: &Tree, q: &[S]) -> Result<(), EvalError> {
-    if q.len() == tree.dof() {
-        // What knows nothing of quaternions passes as many entries as v has.
-        tree.refuse_free()?;
-    }
-    check_length("q", q, tree.nq())?;
-    if S::CHECKED
-        && let Some(index) = q.iter().position(|value| !value.is_finite())
-    {
-        let joint = tree.joint_of_position(index).into();
-        return Err(EvalError::NonFinite { what: "q", index, joint });
-    }
-    tree.check_unit(q)
-}
-
 /// `values` must have `expected` finite entries; entry i belongs to joint i mod n.
 pub(crate) fn check_entries<S: Scalar>(
     tree: &Tree,

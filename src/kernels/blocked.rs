@@ -1,139 +1,90 @@
 //! The factors of the mass matrix block by block: as many rows at once as a pack has lanes.
+//!
+//! `N = D^1/2 L` takes the place of L here: `M = N' N`, and one matrix holds what is eliminated and what is
+//! left.
 
 use super::Factor;
+use super::corner::Corner;
 use super::factor_tiles::FactorTiles;
 use crate::matrix::{Left, Matrix, Panel};
 use crate::scalar::{MOST_LANES, Pack, Scalar};
 use std::ops::Range;
 
-/// Entries below the diagonal of a diagonal block of L, zero elsewhere.
-type Corner<S> = [[S; MOST_LANES]; MOST_LANES];
-
-/// `x_r -= sum_i L_ir x_i`, i > r, for the rows x of a block.
-#[inline(always)]
-fn solve_corner<S: Scalar, P: Pack<S>>(l: &Corner<S>, x: &mut [P; MOST_LANES]) {
-    for i in (1..P::LANES).rev() {
-        for r in 0..i {
-            x[r] = P::splat(-l[i][r]).mul_add(x[i], x[r]);
-        }
-    }
-}
-
 impl<S: Scalar> Factor<S> {
     /// Rows of this block.
-    fn rows(&self, block: usize) -> Range<usize> {
+    pub(super) fn rows(&self, block: usize) -> Range<usize> {
         let first = block * Panel::<S>::LANES;
-        first..(first + Panel::<S>::LANES).min(self.inverse_pivots.len())
+        first..(first + Panel::<S>::LANES).min(self.pivots.len())
     }
 
     /// Number of blocks of rows.
-    fn blocks(&self) -> usize {
-        self.work.columns().div_ceil(Panel::<S>::LANES)
+    pub(super) fn blocks(&self) -> usize {
+        self.corners.len()
     }
 
-    /// `row_i = M_i - sum_k L_ki row_k` over k > i and `L_i = row_i / D_i`, block by block from the last.
+    /// `M = N' N` of a matrix.
     #[inline(never)]
     pub(super) fn eliminate_blocks(&mut self, tiles: &FactorTiles, mass_matrix: &Matrix<S>) {
-        self.read_lower(mass_matrix);
-        self.inverted = false;
-        for block in (0..self.blocks()).rev() {
-            self.work.subtract_own_rows(&tiles.eliminate, block, self.l.entries());
-            let (l, inverses) = self.eliminate_corner(block);
-            for &pack in tiles.lower.of(block) {
-                let mut x = self.work.block::<0>(block, pack);
-                solve_corner(&l, &mut x);
-                self.work.set_block::<0>(block, pack, &x);
-                x.iter_mut().zip(&inverses).for_each(|(x, &inverse)| *x *= S::Pack::splat(inverse));
-                self.l.entries_mut().set_block::<0>(block, pack, &x);
-            }
-        }
-    }
-
-    /// Takes the entries of the registers that hold some on or below the diagonal.
-    #[inline(always)]
-    fn read_lower(&mut self, mass_matrix: &Matrix<S>) {
         let (n, register) = (mass_matrix.rows(), Panel::<S>::LANES * <S::Pack as Pack<S>>::WIDTH);
+        // The entries of the registers that hold some on or below the diagonal.
         for i in 0..n {
             let columns = (i + 1).next_multiple_of(register).min(n);
-            self.work.read_row::<0>(i, &mass_matrix.row(i)[..columns]);
+            self.l.entries_mut().read_row::<0>(i, &mass_matrix.row(i)[..columns]);
         }
+        self.eliminate_read(tiles);
     }
 
-    /// Sets the pivots of a block of rows: the entries of L below the diagonal of its diagonal block, and the
-    /// inverses of the pivots.
+    /// The same for a panel.
+    #[inline(never)]
+    pub(super) fn eliminate_panel(&mut self, tiles: &FactorTiles, mass_matrix: &Panel<S>) {
+        for block in 0..self.blocks() {
+            for pack in 0..(block + 1).next_multiple_of(<S::Pack as Pack<S>>::WIDTH) {
+                self.l.entries_mut().set_block::<0>(block, pack, &mass_matrix.block::<0>(block, pack));
+            }
+        }
+        self.eliminate_read(tiles);
+    }
+
+    /// `row_i = M_i - sum_k N_ki N_k` over k > i and `N_i = row_i / sqrt(D_i)`, block by block from the last.
     #[inline(always)]
-    fn eliminate_corner(&mut self, block: usize) -> (Corner<S>, [S; MOST_LANES]) {
-        // Loops of a length that is known; rows that are cut off are those of the unit matrix.
-        let (lanes, rows) = (Panel::<S>::LANES, self.rows(block));
-        let mut l = [[S::zero(); MOST_LANES]; MOST_LANES];
-        let mut d = l;
-        for (r, d) in d.iter_mut().enumerate().take(lanes) {
-            if r < rows.len() {
-                (0..=r).for_each(|c| d[c] = self.work.get(rows.start + r, rows.start + c));
-            } else {
-                d[r] = S::one();
+    fn eliminate_read(&mut self, tiles: &FactorTiles) {
+        self.inverted = false;
+        // Rows beyond the last, up to a whole block, are those of the unit matrix.
+        let lanes = Panel::<S>::LANES;
+        for k in self.pivots.len()..self.blocks() * lanes {
+            self.l.entries_mut().row_mut(k)[k / lanes] = S::Pack::zero().with_lane(k % lanes, S::one());
+        }
+        for block in (0..self.blocks()).rev() {
+            let (rows, n) = (self.rows(block), self.l.entries_mut());
+            n.subtract_own_square(&tiles.eliminate, block);
+            let (corner, pivots) = Corner::<S>::of(n.block::<0>(block, block));
+            pivots.write(&mut self.pivots[rows]);
+            self.corners[block] = corner;
+            for &pack in tiles.lower.of(block) {
+                let x = corner.solve(n.block::<0>(block, pack), corner.roots);
+                n.set_block::<0>(block, pack, &x);
             }
         }
-        let mut inverses = [S::one(); MOST_LANES];
-        for i in (0..lanes).rev() {
-            let inverse = d[i][i].recip();
-            inverses[i] = inverse;
-            for r in 0..i {
-                l[i][r] = d[i][r] * inverse;
-            }
-            let (above, own) = d.split_at_mut(i);
-            for (r, row) in above.iter_mut().enumerate() {
-                for (entry, own) in row[..=r].iter_mut().zip(own[0]) {
-                    *entry = (-l[i][r]).mul_add(own, *entry);
-                }
-            }
-        }
-        S::Pack::read(&inverses[..lanes]).write(&mut self.inverse_pivots[rows]);
-        (l, inverses)
     }
 
-    /// Entries of L below the diagonal of this diagonal block.
-    #[inline(always)]
-    fn corner(&self, block: usize) -> Corner<S> {
-        let rows = self.rows(block);
-        let mut l = [[S::zero(); MOST_LANES]; MOST_LANES];
-        for (r, row) in rows.clone().enumerate() {
-            for (c, l) in l[r].iter_mut().enumerate().take(r) {
-                *l = self.l.entries().get(row, rows.start + c);
-            }
-        }
-        l
-    }
-
-    /// `R' = D^-1/2 U'` from `U' = L'^-1`, block by block from the last.
+    /// `R' = N'^-1`, block by block from the last: with the diagonal block C of N, `R'_I = C'^-1 (1 - sum_k
+    /// N_kI R'_k)` over rows k of other blocks.
     #[inline(never)]
     pub(super) fn invert_blocks(&mut self, tiles: &FactorTiles) {
-        for block in (0..self.blocks()).rev() {
-            for &pack in tiles.upper.of(block) {
-                let mut unit = [S::Pack::zero(); MOST_LANES];
-                if pack == block {
-                    for (r, unit) in unit.iter_mut().enumerate().take(Panel::<S>::LANES) {
-                        *unit = unit.with_lane(r, S::one());
-                    }
-                }
-                self.upper.set_block::<0>(block, pack, &unit);
-            }
-            self.upper.subtract_own_rows(&tiles.invert, block, self.l.entries());
-            let l = self.corner(block);
-            for &pack in tiles.upper.of(block) {
-                let mut x = self.upper.block::<0>(block, pack);
-                solve_corner(&l, &mut x);
-                self.upper.set_block::<0>(block, pack, &x);
-            }
+        let mut unit = [S::Pack::zero(); MOST_LANES];
+        for (r, row) in unit.iter_mut().enumerate().take(Panel::<S>::LANES) {
+            *row = row.with_lane(r, S::one());
         }
-        // Rows above a block are made of its rows of U'.
-        for block in 0..self.blocks() {
-            let roots = S::Pack::read(&self.inverse_pivots[self.rows(block)]).sqrt();
+        for block in (0..self.blocks()).rev() {
+            let corner = self.corners[block];
+            self.upper.set_own_rows(&tiles.invert, block, self.l.entries());
             for &pack in tiles.upper.of(block) {
-                let mut x = self.upper.block::<0>(block, pack);
-                for (r, x) in x.iter_mut().enumerate().take(Panel::<S>::LANES) {
-                    *x *= S::Pack::splat(roots.lane(r));
-                }
+                // Rows of later blocks are zero in this pack.
+                let x = if pack == block {
+                    corner.solve(unit, corner.roots)
+                } else {
+                    corner.solve(self.upper.block::<0>(block, pack), -corner.roots)
+                };
                 self.upper.set_block::<0>(block, pack, &x);
             }
         }
@@ -148,92 +99,6 @@ impl<S: Scalar> Factor<S> {
         }
         self.product.set_tiles(&tiles.inverse, Left::Columns(&self.upper), &self.upper);
     }
-
-    /// `x <- M^-1 x`, length n.
-    #[inline(never)]
-    pub(super) fn solve_by_blocks(&self, tiles: &FactorTiles, x: &mut [S]) {
-        let (lanes, l) = (Panel::<S>::LANES, self.l.entries());
-        for block in (0..self.blocks()).rev() {
-            let (rows, corner) = (self.rows(block), self.corner(block));
-            let own = &mut x[rows.clone()];
-            for i in (1..own.len()).rev() {
-                for r in 0..i {
-                    own[r] = (-corner[i][r]).mul_add(own[i], own[r]);
-                }
-            }
-            // Numbers, not packs of them: those would be stored lane by lane.
-            let mut from = [S::zero(); MOST_LANES];
-            own.iter().zip(&mut from).for_each(|(&x, from)| *from = -x);
-            let (_, others) = tiles.lower.of(block).split_last().unwrap_or((&0, &[]));
-            for &pack in others {
-                let target = &mut x[pack * lanes..][..lanes];
-                let mut sum = S::Pack::read(target);
-                for (row, &from) in rows.clone().zip(&from) {
-                    sum = S::Pack::splat(from).mul_add(l.row(row)[pack], sum);
-                }
-                sum.write(target);
-            }
-        }
-        for block in 0..self.blocks() {
-            let (rows, corner) = (self.rows(block), self.corner(block));
-            let mut sums = [S::Pack::zero(); MOST_LANES];
-            let (_, others) = tiles.lower.of(block).split_last().unwrap_or((&0, &[]));
-            for &pack in others {
-                let from = S::Pack::read(&x[pack * lanes..][..lanes]);
-                for (row, sum) in rows.clone().zip(&mut sums) {
-                    *sum = l.row(row)[pack].mul_add(from, *sum);
-                }
-            }
-            S::Pack::transpose(&mut sums[..lanes]);
-            let sum = sums[..lanes].iter().fold(S::Pack::zero(), |sum, &part| sum + part);
-            let pivots = S::Pack::read(&self.inverse_pivots[rows.clone()]);
-            let own = S::Pack::read(&x[rows.clone()]).mul_add(pivots, -sum);
-            let mut solved = [S::zero(); MOST_LANES];
-            for r in 0..rows.len() {
-                solved[r] = own.lane(r);
-                for c in 0..r {
-                    solved[r] = (-corner[r][c]).mul_add(solved[c], solved[r]);
-                }
-            }
-            S::Pack::read(&solved[..lanes]).write(&mut x[rows]);
-        }
-    }
-
-    /// `x <- R R' x`, length n, with R' at hand: no row waits for another one, as in a substitution.
-    #[inline(never)]
-    pub(super) fn multiply_by_blocks(&self, tiles: &FactorTiles, x: &mut [S]) {
-        let (lanes, u) = (Panel::<S>::LANES, &self.upper);
-        for block in 0..self.blocks() {
-            let (rows, along) = (self.rows(block), u.rows_of(block));
-            let mut sums = [S::Pack::zero(); MOST_LANES];
-            for &pack in tiles.upper.of(block) {
-                let from = S::Pack::read(lanes_of(x, pack * lanes, lanes));
-                for (r, sum) in sums.iter_mut().enumerate().take(lanes) {
-                    *sum = along[r][pack].mul_add(from, *sum);
-                }
-            }
-            S::Pack::transpose(&mut sums[..lanes]);
-            let sum = sums[..lanes].iter().fold(S::Pack::zero(), |sum, &part| sum + part);
-            sum.write(&mut x[rows]);
-        }
-        // From the last pack on: others need the entries before it alone.
-        for pack in (0..self.blocks()).rev() {
-            let mut sums = [S::Pack::zero(); 2];
-            for &block in tiles.upper_across.of(pack) {
-                let (from, along) = (S::Pack::read(lanes_of(x, block * lanes, lanes)), u.rows_of(block));
-                for r in 0..lanes {
-                    sums[r % 2] = S::Pack::splat(from.lane(r)).mul_add(along[r][pack], sums[r % 2]);
-                }
-            }
-            (sums[0] + sums[1]).write(&mut x[self.rows(pack)]);
-        }
-    }
-}
-
-/// So many numbers from one on, or as many as there are.
-#[inline(always)]
-fn lanes_of<S>(x: &[S], at: usize, lanes: usize) -> &[S] {
-    x.get(at..at + lanes).unwrap_or_else(|| &x[at..])
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! Branch-sparse factorisation of the mass matrix, `M = L' D L`.
 
+use super::corner::Corner;
 use super::factor_tiles::FactorTiles;
 use super::triangle::Triangle;
 use crate::matrix::{Matrix, Panel, Pattern, filled, sized};
@@ -10,17 +11,23 @@ use crate::scalar::{Pack, Scalar};
 ///
 /// Row k of L has entries only at the ancestors of joint k; where armature or mimic joints couple different
 /// branches, the pattern is closed under elimination. Pivot D_k is the articulated inertia of joint k.
+///
+/// Beyond 12 joints packs of several lanes compute `N = D^1/2 L` block by block instead of L, `M = N' N`.
 #[derive(Clone, Debug)]
 pub struct Factor<S: Scalar> {
+    /// L, or `N = D^1/2 L` if it is computed block by block.
     pub(super) l: Triangle<S>,
     pub(super) inverse_pivots: Vec<S>,
-    pivots: Vec<S>,
+    pub(super) pivots: Vec<S>,
     sizes: Vec<S>,
     /// Whether U' has been computed.
     pub(super) inverted: bool,
+    /// `D L`, then U', unless they are computed block by block.
     pub(super) work: Panel<S>,
-    /// `D^-1/2 U'`, if it is computed block by block; else U' takes the place of the work matrix.
+    /// `R' = D^-1/2 U'`, if it is computed block by block.
     pub(super) upper: Panel<S>,
+    /// Diagonal blocks, likewise.
+    pub(super) corners: Vec<Corner<S>>,
     pub(super) tiles: Option<Box<FactorTiles>>,
     /// `M^-1`.
     pub(super) product: Panel<S>,
@@ -31,17 +38,17 @@ impl<S: Scalar> Factor<S> {
     #[inline(never)]
     pub fn new(tree: &Tree) -> Self {
         let (n, l) = (tree.dof(), Triangle::new(tree));
-        let blocks = Panel::<S>::in_blocks(n);
-        let upper = if blocks { n } else { 0 };
+        let (work, upper) = if Panel::<S>::in_blocks(n) { (0, n) } else { (n, 0) };
         Self {
             tiles: Panel::<S>::for_blocks(n, || FactorTiles::new(&l)),
             upper: Panel::zeros(upper, upper),
+            corners: filled(Corner::unit(), upper.div_ceil(Panel::<S>::LANES)),
             l,
             inverse_pivots: filled(S::one(), n),
             pivots: filled(S::zero(), n),
             sizes: filled(S::zero(), n),
             inverted: false,
-            work: Panel::zeros(n, n),
+            work: Panel::zeros(work, work),
             product: Panel::zeros(n, n),
         }
     }
@@ -58,6 +65,19 @@ impl<S: Scalar> Factor<S> {
     /// The factorisation is completed nevertheless.
     pub fn factor(&mut self, mass_matrix: &Matrix<S>, size_of: impl Fn(usize) -> S) -> Result<(), usize> {
         self.decompose(mass_matrix);
+        if S::CHECKED { self.check_pivots(size_of) } else { Ok(()) }
+    }
+
+    /// The same for a panel, where factors are computed block by block.
+    pub(crate) fn factor_panel(
+        &mut self,
+        mass_matrix: &Panel<S>,
+        size_of: impl Fn(usize) -> S,
+    ) -> Result<(), usize> {
+        if let Some(tiles) = self.tiles.take().filter(|_| !Panel::<S>::ONE_LANE) {
+            self.eliminate_panel(&tiles, mass_matrix);
+            self.tiles = Some(tiles);
+        }
         if S::CHECKED { self.check_pivots(size_of) } else { Ok(()) }
     }
 
@@ -107,8 +127,12 @@ impl<S: Scalar> Factor<S> {
     /// there is no cancellation.
     fn check_pivots(&mut self, size_of: impl Fn(usize) -> S) -> Result<(), usize> {
         let mut settled = true;
+        let blocks = self.tiles.is_some();
         for (k, (pivot, size)) in self.pivots.iter_mut().zip(&mut self.sizes).enumerate() {
-            (*pivot, *size) = (self.work.get(k, k), size_of(k));
+            if !blocks {
+                *pivot = self.work.get(k, k);
+            }
+            *size = size_of(k);
             settled &= S::all(size.times(1e-3).less(*pivot));
         }
         if settled {
@@ -120,7 +144,6 @@ impl<S: Scalar> Factor<S> {
             return Err(i);
         }
         self.invert();
-        let blocks = self.tiles.is_some();
         let u = if blocks { &self.upper } else { &self.work };
         let unit = 128.0 * S::EPSILON;
         for i in (0..self.pivots.len()).rev() {
@@ -175,7 +198,8 @@ impl<S: Scalar> Factor<S> {
         }
     }
 
-    /// `Y <- L'^-1 Y` for a panel with n rows: the first half of a solve.
+    /// `Y <- L'^-1 Y` for a panel with n rows: the first half of a solve, unless factors are computed
+    /// block by block.
     pub(crate) fn first_half(&self, y: &mut Panel<S>) {
         let width = y.width::<0>();
         for i in (0..y.rows()).rev() {
@@ -219,6 +243,9 @@ impl<S: Scalar> Factor<S> {
     /// `Y <- M^-1 Y` for a panel with n rows.
     #[inline(never)]
     pub(crate) fn solve_panel(&self, y: &mut Panel<S>) {
+        if self.tiles.is_some() {
+            return self.solve_panel_by_blocks(y);
+        }
         self.first_half(y);
         self.divide_by_pivots(y);
         self.second_half(y);

@@ -14,7 +14,7 @@ pub(super) struct Triangle<S: Scalar> {
     columns: Lists,
     /// Whether every entry below the diagonal is in the pattern.
     full: bool,
-    /// Entries below the diagonal.
+    /// Entries below the diagonal, or those of another factor with this pattern.
     entries: Panel<S>,
 }
 

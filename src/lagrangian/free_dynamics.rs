@@ -7,7 +7,7 @@ use super::inverse::{torque, torque_jacobian};
 use super::{ForwardDynamicsLinearisation, InverseDynamicsLinearisation, Lagrangian};
 use crate::error::EvalError;
 use crate::hamiltonian::Energy;
-use crate::kernels::{check_configuration, check_entries};
+use crate::kernels::check_entries;
 use crate::matrix::{Matrix, add_scaled, dot};
 use crate::scalar::Scalar;
 
@@ -15,7 +15,7 @@ impl<S: Scalar> Lagrangian<S> {
     /// Arguments of a robot with free joints: q of nq entries, the others of n.
     pub(super) fn check_free(&self, q: &[S], others: &[(&'static str, &[S])]) -> Result<(), EvalError> {
         self.tree.refuse_free_and_wrench()?;
-        check_configuration(&self.tree, q)?;
+        self.tree.check_configuration(q)?;
         let n = self.tree.dof();
         others.iter().try_for_each(|&(what, values)| check_entries(&self.tree, what, values, n))
     }

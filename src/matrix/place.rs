@@ -2,7 +2,7 @@
 
 use super::tile::Update;
 use super::{Left, Matrix, Panel, Tiles};
-use crate::scalar::{Pack, Scalar};
+use crate::scalar::{MOST_LANES, Pack, Scalar};
 use std::ops::Range;
 
 /// Where an n x n product goes in a matrix.
@@ -82,21 +82,53 @@ impl<S: Scalar> Matrix<S> {
         block: usize,
         runs: &[Range<usize>],
     ) {
-        let (lanes, n, stride) = (Panel::<S>::LANES, product.rows(), self.columns);
+        let (lanes, n) = (Panel::<S>::LANES, product.rows());
         let ((top, left), sign) = (place.at, place.sign::<S>(0));
-        for i in block * lanes..n.min((block + 1) * lanes) {
-            let (from, to) = (product.row(i), &mut self.data[(top + i) * stride + left..][..n]);
-            for run in runs {
-                let whole = run.end.min(n / lanes);
-                let packs = from[run.start..whole].iter();
-                for (to, &pack) in to[run.start * lanes..whole * lanes].chunks_exact_mut(lanes).zip(packs) {
-                    (pack * sign).write(to);
+        if R > 0 && block == n / lanes {
+            for i in block * lanes..n {
+                let (from, to) = (product.row(i), &mut self.row_mut(top + i)[left..left + n]);
+                for run in runs {
+                    for pack in run.clone() {
+                        (from[pack] * sign).write(&mut to[pack * lanes..n.min((pack + 1) * lanes)]);
+                    }
                 }
-                if R > 0 && whole < run.end {
-                    write_first::<S, R>(from[whole] * sign, &mut to[whole * lanes..]);
+            }
+            return;
+        }
+        let from = product.rows_of(block);
+        let signed = |r: usize, pack: usize| from[r][pack] * sign;
+        let [first, second, third, fourth] = self.rows_from(top + block * lanes, left, n);
+        for run in runs {
+            let whole = run.end.min(n / lanes);
+            for pack in run.start..whole {
+                let columns = pack * lanes..(pack + 1) * lanes;
+                signed(0, pack).write(&mut first[columns.clone()]);
+                if lanes > 1 {
+                    signed(1, pack).write(&mut second[columns.clone()]);
+                    signed(2, pack).write(&mut third[columns.clone()]);
+                    signed(3, pack).write(&mut fourth[columns]);
+                }
+            }
+            if R > 0 && whole < run.end {
+                let column = whole * lanes;
+                write_first::<S, R>(signed(0, whole), &mut first[column..]);
+                if lanes > 1 {
+                    write_first::<S, R>(signed(1, whole), &mut second[column..]);
+                    write_first::<S, R>(signed(2, whole), &mut third[column..]);
+                    write_first::<S, R>(signed(3, whole), &mut fourth[column..]);
                 }
             }
         }
+    }
+
+    /// Some columns of as many rows as a pack has lanes.
+    #[inline(always)]
+    fn rows_from(&mut self, top: usize, left: usize, columns: usize) -> [&mut [S]; MOST_LANES] {
+        let mut rows = self.data[top * self.columns..].chunks_mut(self.columns);
+        let mut next = || rows.next().map_or(&mut [][..], |row| &mut row[left..left + columns]);
+        let mut some = [next(), &mut [], &mut [], &mut []];
+        (1..Panel::<S>::LANES).for_each(|r| some[r] = next());
+        some
     }
 
     /// The transpose of a pack of some blocks of rows.
@@ -115,8 +147,8 @@ impl<S: Scalar> Matrix<S> {
             S::Pack::transpose(&mut tile[..lanes]);
             tile.map(|row| row * sign)
         };
-        let rows = &mut self.data[(top + pack * lanes) * stride..];
         if R > 0 && pack == n / lanes {
+            let rows = &mut self.data[(top + pack * lanes) * stride..];
             for block in runs.iter().cloned().flatten() {
                 for (row, pack) in rows.chunks_mut(stride).zip(&transposed(block)[..R]) {
                     let columns = left + block * lanes..left + n.min((block + 1) * lanes);
@@ -125,11 +157,7 @@ impl<S: Scalar> Matrix<S> {
             }
             return;
         }
-        let mut rows = rows.chunks_mut(stride);
-        let mut next = || rows.next().map_or(&mut [][..], |row| &mut row[left..left + n]);
-        let mut to = [next(), &mut [], &mut [], &mut []];
-        (1..lanes).for_each(|r| to[r] = next());
-        let [first, second, third, fourth] = to;
+        let [first, second, third, fourth] = self.rows_from(top + pack * lanes, left, n);
         for run in runs {
             let whole = run.end.min(n / lanes);
             for block in run.start..whole {

@@ -131,13 +131,22 @@ impl<S: Scalar> Panel<S> {
         }
     }
 
-    /// `T_I -= A' T` for the rows I of a block, A' with the pattern of the tiles: the terms are other rows of
-    /// T.
+    /// `T_I -= T' T` for the rows I of a block, T' with the pattern of the tiles: the terms are other rows.
     #[inline(always)]
-    pub(crate) fn subtract_own_rows(&mut self, tiles: &Tiles, block: usize, a: &Self) {
+    pub(crate) fn subtract_own_square(&mut self, tiles: &Tiles, block: usize) {
+        for (corner, registers, runs) in tiles.of_block(block) {
+            with_sums!(S, true, (&*self, &*self, corner, registers, runs), |sums| {
+                self.store(corner, &sums, Update::Subtract)
+            });
+        }
+    }
+
+    /// `T_I = A' T` likewise, A' with the pattern of the tiles.
+    #[inline(always)]
+    pub(crate) fn set_own_rows(&mut self, tiles: &Tiles, block: usize, a: &Self) {
         for (corner, registers, runs) in tiles.of_block(block) {
             with_sums!(S, true, (a, &*self, corner, registers, runs), |sums| {
-                self.store(corner, &sums, Update::Subtract)
+                self.store(corner, &sums, Update::Set)
             });
         }
     }

@@ -138,6 +138,7 @@ impl RobotBuilder {
                 warnings.push(Warning::MasslessLink { link: spec.link_name().into() });
             }
         }
+        checks::pass_links_between(&joints, &armature, &mut warnings);
         mimic::narrow_limits(&mut joints, &mut warnings);
         checks::robot(&joints, &armature, &mut warnings);
         checks::try_mass_matrix(&joints, &armature, &mut warnings);

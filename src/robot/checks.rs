@@ -5,7 +5,7 @@ use super::body::Body;
 use super::error::RobotError;
 use super::joint::{Friction, Joint, JointKind, JointSpec, Limits, Spring};
 use super::link::LinkInertia;
-use super::positive::positivity;
+use super::positive::{is_regular, positivity};
 use super::range::{RANGE, is_moderate};
 use super::warning::{Positivity, Warning};
 
@@ -167,19 +167,40 @@ fn large_limits(joints: &[Joint]) -> Option<Warning> {
     limits.first().map(|&limit| Warning::LargeLimits { joints, limit })
 }
 
+/// Whether a joint moves a link that has mass or inertia.
+fn moves_mass(joints: &[Joint]) -> Vec<bool> {
+    let mut moves_mass: Vec<bool> = joints.iter().map(|joint| !joint.inertia.is_massless()).collect();
+    for i in (0..joints.len()).rev() {
+        if let Some(parent) = joints[i].parent {
+            moves_mass[parent] |= moves_mass[i];
+        }
+    }
+    moves_mass
+}
+
+/// Removes the warnings about links without mass whose joints move other links that have some, if M is
+/// regular: such links are those between joints at one place, of a free base or a ball joint.
+pub(super) fn pass_links_between(joints: &[Joint], armature: &Armature, warnings: &mut Vec<Warning>) {
+    let moves_mass = moves_mass(joints);
+    let is_between = |warning: &Warning| match warning {
+        Warning::MasslessLink { link } => {
+            joints.iter().zip(&moves_mass).any(|(joint, moves)| *moves && joint.link == *link)
+        }
+        _ => false,
+    };
+    if warnings.iter().any(is_between) && is_regular(joints, armature) {
+        warnings.retain(|warning| !is_between(warning));
+    }
+}
+
 /// What needs the whole tree: joints that move nothing, impossible inertias. Kinematics and inverse dynamics
 /// are not concerned, and edits may mend it: these are warnings, and what inverts M fails.
 pub(super) fn robot(joints: &[Joint], armature: &Armature, warnings: &mut Vec<Warning>) {
     let n = joints.len();
-    let mut moves_mass: Vec<bool> = joints.iter().map(|j| !j.inertia.is_massless()).collect();
+    let moves_mass = moves_mass(joints);
     let mut is_last = vec![true; n];
     warnings.extend(large_limits(joints));
-    for i in (0..n).rev() {
-        if let Some(parent) = joints[i].parent {
-            moves_mass[parent] |= moves_mass[i];
-            is_last[parent] = false;
-        }
-    }
+    joints.iter().filter_map(|joint| joint.parent).for_each(|parent| is_last[parent] = false);
     // Of independent joints: whether they, or joints that mimic them, move something; whether any mimics
     // them.
     let mut has_inertia: Vec<bool> = (0..n).map(|i| moves_mass[i] || armature.entry(i, i) != 0.0).collect();

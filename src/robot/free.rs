@@ -72,22 +72,6 @@ pub struct FreeJoint {
     pub turned: usize,
 }
 
-/// Whose entry `index` of q is: a free joint, or else the joint of a coordinate.
-pub(crate) fn of_position<'a>(
-    free: impl IntoIterator<Item = &'a FreeJoint>,
-    index: usize,
-) -> Result<&'a FreeJoint, usize> {
-    let mut before = 0;
-    for joint in free {
-        if (joint.position..joint.position + joint.kind.positions()).contains(&index) {
-            return Ok(joint);
-        }
-        // A quaternion has one entry more than there are angles.
-        before += usize::from(joint.position < index);
-    }
-    Err(index - before)
-}
-
 impl FreeJoint {
     /// Index of the first entry of its quaternion in q.
     pub fn quaternion(&self) -> usize {

@@ -38,8 +38,7 @@ impl FreeFrame {
 
     /// Its quaternion in a configuration.
     pub fn quaternion<S: Scalar>(&self, q: &[S]) -> Quaternion<S> {
-        let at = self.joint.quaternion();
-        Quaternion::new([q[at], q[at + 1], q[at + 2], q[at + 3]])
+        self.joint.quaternion_in(q)
     }
 
     /// How the frame of the turned joint is oriented.

@@ -6,7 +6,8 @@ use super::constraint::Constraint;
 use super::error::RobotError;
 use super::frame::{Frame, FrameSpec};
 use super::frame_list::FrameList;
-use super::free::{FreeJoint, of_position};
+use super::free::FreeJoint;
+use super::free_entries::of_position;
 use super::joint::{Friction, Joint};
 use super::joint_map;
 use super::warning::Warning;
@@ -112,7 +113,8 @@ impl Robot {
         }
     }
 
-    /// `G q + b`: the positions of all joints (rad, m), in the order of [`joints`](Self::joints).
+    /// `G q + b`: the positions of all joints (rad, m), in the order of [`joints`](Self::joints). Floating
+    /// and spherical joints have none: [`poses`](Self::poses) takes them.
     ///
     /// # Errors
     /// [`EvalError::WrongLength`] unless q has n entries; [`EvalError::FreeJoint`] where a joint is floating
@@ -120,10 +122,15 @@ impl Robot {
     pub fn joint_positions(&self, q: &[f64]) -> Result<Vec<f64>, EvalError> {
         self.refuse_free_joints()?;
         check_length("q", q, self.dof())?;
-        Ok(match joint_map::rows(&self.joints) {
-            None => q.to_vec(),
-            Some(rows) => rows.iter().map(|row| row.ratio * q[row.coordinate] + row.offset).collect(),
-        })
+        Ok(self.all_positions(q))
+    }
+
+    /// `G q + b` of n coordinates.
+    pub(super) fn all_positions(&self, coordinates: &[f64]) -> Vec<f64> {
+        match joint_map::rows(&self.joints) {
+            None => coordinates.to_vec(),
+            Some(rows) => rows.iter().map(|row| row.position(coordinates)).collect(),
+        }
     }
 
     /// Gravity acceleration in the world frame (m/s^2).

@@ -1,5 +1,7 @@
 //! Names that resemble a misspelt one.
 
+use super::printable::list;
+
 /// Longest name that is compared with the known ones.
 const LONGEST_COMPARED: usize = 64;
 
@@ -18,6 +20,14 @@ pub(super) fn nearest<'a>(word: &str, known: &[&'a str]) -> Option<&'a str> {
         .filter_map(|known| Some((by_letters(&word, &known.to_lowercase())?, *known)))
         .min()
         .map(|(_, known)| known)
+}
+
+/// What a message says of names that resemble an unknown one, or `otherwise` where there are none.
+pub(super) fn offer(nearest: &[String], otherwise: &str) -> String {
+    match nearest {
+        [] => otherwise.into(),
+        nearest => format!("; did you mean '{}'?", list(nearest, "' or '")),
+    }
 }
 
 /// The known names that resemble an unknown one, the most similar first.

@@ -1,4 +1,5 @@
-//! Whether the mass matrix of a robot is positive, though the inertia of a link is not.
+//! Whether the mass matrix of a robot is positive, though the inertia of a link is not, or regular, though a
+//! link has none.
 
 use super::armature::Armature;
 use super::joint::{Joint, JointKind, Limits};
@@ -13,19 +14,28 @@ const POSITIONS: usize = 7;
 /// Robots with more joints are not tried: one M takes n^3 operations.
 const MOST_JOINTS: usize = 300;
 
+/// A pivot of M below this part of its diagonal entry is zero but for rounding.
+const SINGULAR: f64 = 1e-12;
+
 /// Whether `M = G' (sum_k m_k Jv_k' Jv_k + Jw_k' I_k Jw_k + A) G` has a Cholesky factor at positions spread
 /// over the limits, without joints that move nothing; a test of some positions, not a proof for all.
 pub(super) fn positivity(joints: &[Joint], armature: &Armature) -> Positivity {
     if joints.len() > MOST_JOINTS {
         Positivity::Untried
-    } else if is_positive(joints, armature) {
+    } else if has_pivots_above(0.0, joints, armature) {
         Positivity::WhereTried
     } else {
         Positivity::Violated
     }
 }
 
-fn is_positive(joints: &[Joint], armature: &Armature) -> bool {
+/// Whether the same M is regular at all of these positions; false where they are not tried.
+pub(super) fn is_regular(joints: &[Joint], armature: &Armature) -> bool {
+    joints.len() <= MOST_JOINTS && has_pivots_above(SINGULAR, joints, armature)
+}
+
+/// Whether all pivots of M exceed this part of their diagonal entries.
+fn has_pivots_above(least: f64, joints: &[Joint], armature: &Armature) -> bool {
     let rows = joint_map::rows(joints);
     let g = rows.map(|rows| {
         let n = 1 + rows.iter().map(|row| row.coordinate).max().unwrap_or(0);
@@ -48,7 +58,11 @@ fn is_positive(joints: &[Joint], armature: &Armature) -> bool {
                 m[(k, k)] = 1.0;
             }
         }
-        m.cholesky().is_some()
+        let diagonal = m.diagonal();
+        m.cholesky().is_some_and(|factor| {
+            let pivots = factor.l_dirty().diagonal();
+            pivots.iter().zip(&diagonal).all(|(pivot, entry)| pivot * pivot > least * entry)
+        })
     })
 }
 

@@ -7,7 +7,7 @@
 //! | [`StoermerVerlet`] | 2 | two halves, meant for (q, p) | two of n numbers | yes | in (q, p) |
 //! | [`ImplicitMidpoint`] | 2 | any | one of 2n numbers | yes | in (q, p) |
 //! | [`RungeKutta`] of any [`Tableau`] | | any | one per nonzero diagonal entry | | |
-//! | [`FreeStep`] of those for any state | | q with quaternions | | | |
+//! | [`FreeStep`] of any but semi-implicit Euler | | q with quaternions | | | as above |
 //! | [`AutomaticStep`] of any function of (x, u, h) | | any | | | |
 //!
 //! The control is constant during a step. Second derivatives come from the adjoint equations of the stages,

@@ -199,7 +199,6 @@ fn what_does_not_take_free_joints_says_so() {
         Hamiltonian::<f64, _>::with_route(tree(), Christoffel).evaluate(&q, &p, &p).map(drop),
         Hamiltonian::<f64>::new(&robot).linearise_momentum(&q, &p).map(drop),
         Hamiltonian::<f64>::new(&robot).linearise_velocity(&q, &p).map(drop),
-        robot.poses(&p).map(drop),
         robot.joint_positions(&q).map(drop),
     ];
     let pulled = robot.with_wrench("root", Default::default()).unwrap();

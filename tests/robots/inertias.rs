@@ -6,7 +6,8 @@ use costate::kinematics::Kinematics;
 use costate::lagrangian::Lagrangian;
 use costate::robot::RobotError as E;
 use costate::robot::urdf::parse;
-use costate::robot::{LinkInertia, LoadOptions, Positivity, RobotEdit, Warning};
+use costate::robot::{JointSpec, LinkInertia, LoadOptions, Positivity, Robot, RobotEdit, Warning};
+use nalgebra::Matrix3;
 
 /// A link of 2 kg with these moments about axes through its centre of mass, of which x is the joint axis.
 fn with_moments(com: &str, [x, y, z]: [f64; 3]) -> String {
@@ -145,4 +146,31 @@ fn a_joint_that_moves_nothing_is_a_warning_that_locking_it_mends() {
     assert!(matches!(parse(&text, strict), Err(E::Strict { .. })));
     let edit = [RobotEdit::Lock(vec![("spin".into(), 0.0)])];
     assert_eq!(robot.edited(&edit, strict).unwrap().warnings(), []);
+}
+
+/// Links between the joints of a free base or a ball joint have none.
+#[test]
+fn links_without_mass_are_told_where_nothing_beyond_them_has_some_or_m_is_singular() {
+    let strict = LoadOptions::default().strict(true);
+    for file in ["rabbit", "seven_link", "quadruped", "biped", "biped_walker", "delta"] {
+        Robot::from_file_with(format!("robots/{file}.toml"), strict).unwrap();
+    }
+    let body = LinkInertia::about_com(2.0, [0.1, 0.2, 0.3], Matrix3::from_diagonal(&[0.2, 0.3, 0.4].into()));
+    let two = |axis: [f64; 3]| {
+        let last = JointSpec::revolute("b").on("a").axis(axis).carrying(body);
+        Robot::builder("two").joint(JointSpec::revolute("a")).joint(last).build().unwrap()
+    };
+    let massless = |link: &str| [Warning::MasslessLink { link: link.into() }];
+    assert_eq!(two([1.0, 0.0, 0.0]).warnings(), []);
+    // About one axis: M is singular until the first joint has a rotor.
+    let coaxial = two([0.0, 0.0, 1.0]);
+    assert_eq!(coaxial.warnings(), massless("a"));
+    let rotor = [RobotEdit::Armature("a".into(), 0.1)];
+    assert_eq!(coaxial.edited(&rotor, strict).unwrap().warnings(), []);
+    // The last one of a chain, until it carries something.
+    let spinning = JointSpec::revolute("tip").on("arm").armature(0.1);
+    let arm = Robot::builder("arm").joint(JointSpec::revolute("arm").carrying(body)).joint(spinning);
+    let arm = arm.build().unwrap();
+    assert_eq!(arm.warnings(), massless("tip"));
+    assert_eq!(arm.with_payload("tip", &body).unwrap().warnings(), []);
 }

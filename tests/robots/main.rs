@@ -17,6 +17,8 @@ mod texts;
 mod toml_contents;
 mod toml_files;
 mod urdf;
+mod urdf_loops;
+mod urdf_loops_refused;
 mod urdf_refused;
 mod urdf_stress;
 mod urdf_text;

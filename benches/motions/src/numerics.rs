@@ -3,6 +3,8 @@
 #[path = "../../../control/src/numerics/padded.rs"]
 #[allow(dead_code, reason = "only what tiles need is used")]
 mod padded;
+#[path = "../../../control/src/numerics/substitution.rs"]
+mod substitution;
 #[path = "../../../control/src/numerics/tiles.rs"]
 #[allow(unused_imports, reason = "only symmetric factorisations are used")]
 mod tiles;
@@ -45,10 +47,10 @@ pub fn negate(rows: &mut [f64]) {
 
 /// y of U'y = r in place, and the rest of r without the part of y.
 pub fn forward((rows, stride): Rows<'_>, r: &mut [f64]) {
-    tiles::forward(rows, stride, r);
+    substitution::forward(rows, stride, r);
 }
 
 /// x of U x = y in place, where the rest of x is known.
 pub fn backward((rows, stride): Rows<'_>, x: &mut [f64]) {
-    tiles::backward(rows, stride, x);
+    substitution::backward(rows, stride, x);
 }

@@ -1,5 +1,5 @@
-"""Times of steps of RABBIT: costate beside CasADi and IPOPT in the other coordinates of walking.py. Started by
-`benches/ocp/run --walking`."""
+"""Times of steps of walking robots: costate beside CasADi and IPOPT in the other coordinates of walking.py and soles.py. Started
+by `benches/ocp/run --walking`."""
 
 import contextlib
 import json
@@ -16,15 +16,18 @@ import casadi as ca
 import numpy as np
 
 import peer
+import soles
+import steps
 import walking
 from comparison import LONG, TIMES
 from ours import SECONDS, SOLVED
 from points import library
 from shell import say
+from steps import Step
 from tables import markdown, spread
 
-# So many steps with lengths (m) and speeds (m/s) drawn from these ranges, beside that of the example.
-DRAWN, LENGTHS, SPEEDS = 7, (0.3, 0.6), (0.4, 1.0)
+# So many steps beside that of the example.
+DRAWN = 7
 # Of costate; equal intervals and tolerances of the peer.
 TOLERANCES = 1e-3, 1e-4, 1e-5, 1e-6, 1e-7
 INTERVALS = 5, 10
@@ -41,6 +44,26 @@ FLAGS = "-O1 -march=native"
 # Of one core.
 ONE_CORE = {**os.environ, "RAYON_NUM_THREADS": "1"}
 SOLVER = '[solver]\nmethod = "direct"\npolish = false\nmachine_code = "at_once"\nverify = "factors"\ntolerance = {:g}\n'
+
+
+@dataclass(frozen=True)
+class Gait:
+    """A robot of the peer, the example of costate, the size of its step, and the ranges of lengths (m) and speeds (m/s) that are
+    drawn. `plain` equal intervals are not compiled. Where limits begin and end to be active the best cost needs a finer mesh:
+    `settles`."""
+    problem: str
+    walker: object
+    size: tuple
+    lengths: tuple
+    speeds: tuple
+    plain: int
+    settles: bool
+
+
+GAITS = {
+    "ocp walking": Gait("rabbit_walk", walking.rabbit, (walking.LENGTH, walking.TIME), (0.3, 0.6), (0.4, 1.0), walking.INTERVALS, False),
+    "ocp walking on soles": Gait("seven_link_walk", soles.biped, (soles.LENGTH, soles.TIME), (0.3, 0.5), (0.4, 0.9), 20, True),
+}
 
 
 @dataclass
@@ -63,11 +86,11 @@ class Answer:
     intervals: int
 
 
-def draw(seed):
+def draw(gait, seed):
     """Lengths and durations of steps, that of the example first."""
     rng = np.random.default_rng(seed)
-    drawn = [(rng.uniform(*LENGTHS), rng.uniform(*SPEEDS)) for _ in range(DRAWN)]
-    return [(walking.LENGTH, walking.TIME), *((round(length, 3), round(length / speed, 3)) for length, speed in drawn)]
+    drawn = [(rng.uniform(*gait.lengths), rng.uniform(*gait.speeds)) for _ in range(DRAWN)]
+    return [gait.size, *((round(length, 3), round(length / speed, 3)) for length, speed in drawn)]
 
 
 def replaced(pattern, text, file):
@@ -76,9 +99,9 @@ def replaced(pattern, text, file):
     return file
 
 
-def ours(root, cache, costate, tolerance):
+def ours(gait, root, cache, costate, tolerance):
     """costate with this tolerance: the file of the example, with another size of the step and another solver."""
-    example = (root / "examples/problems/rabbit_walk.toml").read_text().split("[solver]")[0]
+    example = (root / f"examples/problems/{gait.problem}.toml").read_text().split("[solver]")[0]
     example = example.replace("../../robots", str(root / "robots"))
     folder = cache / "tasks"
     folder.mkdir(parents=True, exist_ok=True)
@@ -86,7 +109,7 @@ def ours(root, cache, costate, tolerance):
     def solve(task, times):
         length, duration = task
         text = replaced("^final = .*$", f"final = {duration!r}", replaced("^length = .*$", f"length = {length!r}", example))
-        file = folder / f"rabbit_{length:g}_{duration:g}_{tolerance:g}.toml"
+        file = folder / f"{gait.problem}_{length:g}_{duration:g}_{tolerance:g}.toml"
         file.write_text(text + SOLVER.format(tolerance))
         command = [costate, "optimize", file, "--json", "--repeat", str(times)]
         done = subprocess.run(command, capture_output=True, text=True, check=False, env=ONE_CORE)
@@ -106,12 +129,12 @@ def compiled(cache, step, name, options):
     return ca.nlpsol(name, "ipopt", str(library(cache, name, text, FLAGS)), options)
 
 
-def theirs(cache, intervals, tolerance, is_compiled=True):
+def theirs(gait, cache, intervals, tolerance, is_compiled=True):
     """The peer on so many intervals."""
-    step = walking.Step(intervals)
+    step = Step(gait.walker(), intervals)
     # Multipliers of parameters need the gradient that is switched off.
     options = {**peer.OPTIONS, **peer.tolerances(tolerance), "ipopt.tol": tolerance, "calc_lam_p": False}
-    name = f"rabbit_walk_{intervals}"
+    name = f"{gait.problem}_{intervals}"
     solver = compiled(cache, step, name, options) if is_compiled else ca.nlpsol(name, "ipopt", step.nlp, options)
 
     def solve(task, times):
@@ -209,20 +232,29 @@ def sizes(sides, tasks, best):
     return markdown(["length, m", "speed, m/s", "best cost", *(side.name for side in sides)], rows)
 
 
-def text(root, cache, costate, options):
+def finest_of(gait, cache):
+    """The cost of a task by the peer as exactly as it can be had."""
+    if gait.settles:
+        walker = gait.walker()
+        return lambda task: steps.solve(walker, *task, FINEST)[0]
+    side = theirs(gait, cache, FINEST, EXACT, False)
+    return lambda task: side.solve(task, 1).cost
+
+
+def text(gait, root, cache, costate, options):
     """Verdicts and tables."""
-    tasks = draw(options.seed)
-    own = [ours(root, cache, costate, tolerance) for tolerance in TOLERANCES]
-    other = [theirs(cache, count, tolerance) for count in INTERVALS for tolerance in (peer.LOOSE, peer.TIGHT)]
-    plain = theirs(cache, walking.INTERVALS, peer.TIGHT, False)
-    finest = theirs(cache, FINEST, EXACT, False)
+    tasks = draw(gait, options.seed)
+    own = [ours(gait, root, cache, costate, tolerance) for tolerance in TOLERANCES]
+    other = [theirs(gait, cache, count, tolerance) for count in INTERVALS for tolerance in (peer.LOOSE, peer.TIGHT)]
+    plain = theirs(gait, cache, gait.plain, peer.TIGHT, False)
+    finest = finest_of(gait, cache)
     best = {}
     for task in tasks:
-        found = finest.solve(task, 1)
-        say(f"a step of {task[0]} m in {task[1]} s, {FINEST} intervals of the peer: {found.status} {found.cost:.9f}")
+        finest_cost = finest(task)
+        say(f"a step of {task[0]} m in {task[1]} s, {FINEST} intervals of the peer: {finest_cost:.9f}")
         solve([*own, *other, plain], task, options.repeats)
-        best[task] = cheapest([*own, *other, plain], task, found.cost)
+        best[task] = cheapest([*own, *other, plain], task, finest_cost)
     return (verdicts(own, other, tasks, best) + "\n" + table([*own, *other, plain], tasks, best) + "\n"
             + sizes([own[1], own[-1], other[-1]], tasks, best)
             + f"\n{len(tasks)} steps, that of the example first, seed {options.seed}; best costs by the peer on {FINEST} "
-              f"intervals, tolerance {EXACT:g}, unless a side finds another, cheaper motion; the least of {1 + TIMES * (options.repeats - 1)} calls of both sides.\n")
+              f"intervals{', halved until the cost settles' if gait.settles else ''}, tolerance {EXACT:g}, unless a side finds another, cheaper motion; the least of {1 + TIMES * (options.repeats - 1)} calls of both sides.\n")

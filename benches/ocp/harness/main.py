@@ -75,6 +75,8 @@ def arguments():
                         + ", ".join(PARTS))
     parser.add_argument("--walking", action="store_true",
                         help="only steps of a walking robot, by both sides; --write writes their tables")
+    parser.add_argument("--gaits", nargs="*", choices=[gait.problem for gait in gait_times.GAITS.values()], metavar="PROBLEM",
+                        help="of --walking only these of " + ", ".join(gait.problem for gait in gait_times.GAITS.values()))
     parser.add_argument("--from", dest="source", type=Path, metavar="FILE", help="no run: report the figures in FILE")
     options = parser.parse_args()
     if len(options.tolerances) < 2 or options.tolerances != sorted(set(options.tolerances), reverse=True):
@@ -194,11 +196,13 @@ def run(options, costate, file):
 def walk(options, costate):
     head = describe(options, costate)
     packages = ", ".join(f"{name} {number}" for name, number in head["packages"].items())
-    table = gait_times.text(ROOT, options.cache, costate, options)
-    table += f"{head['machine']}; {'; '.join(head['compilers'])}; {packages}; {head['costate']}.\n"
-    print(table)
-    if options.write:
-        tables.put(ROOT / "BENCHMARKS.md", {"ocp walking": table})
+    machine = f"{head['machine']}; {'; '.join(head['compilers'])}; {packages}; {head['costate']}.\n"
+    for name, gait in gait_times.GAITS.items():
+        if gait.problem in (options.gaits or [gait.problem]):
+            table = gait_times.text(gait, ROOT, options.cache, costate, options) + machine
+            print(table)
+            if options.write:
+                tables.put(ROOT / "BENCHMARKS.md", {name: table})
 
 
 def main():

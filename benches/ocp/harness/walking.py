@@ -2,16 +2,16 @@
 coordinates: absolute angles of the five links of a robot whose foot is pinned, without constraints; the impact in seven
 coordinates."""
 
-import json
-import subprocess
-
 import casadi as ca
 import numpy as np
 
+import soles
+import steps
 from shell import say, stop
+from steps import DEGREE, PARTS, QUIET, Step, Walker, found_by
 
 LENGTH, TIME, CLEARANCE, MOST, GRAVITY, FRICTION = 0.5, 0.7, 0.02, 150.0, 9.81, 0.6
-INTERVALS, DEGREE = 20, 3
+INTERVALS = 20
 # Relative difference of the costs, and of the impulses.
 WITHIN = 1e-6
 # Mass, inertia, distance of the centre of mass from the hip or knee, length: torso, femur, tibia.
@@ -50,7 +50,7 @@ def cone(x, z):
     return ca.vertcat(FRICTION * z - x, FRICTION * z + x)
 
 
-PARTS = [TORSO, FEMUR, TIBIA, FEMUR, TIBIA]
+LINKS = [TORSO, FEMUR, TIBIA, FEMUR, TIBIA]
 
 
 def guess(s, length):
@@ -60,49 +60,11 @@ def guess(s, length):
     return begin + s * (begin[EXCHANGE] - begin) + np.array([0, -0.3, 0.4, 0, 0]) * np.sin(np.pi * s)
 
 
-class Step:
-    """The program of a step on so many equal intervals, with its length and duration as parameters; x, p, f and g are CasADi's
-    names."""
-
-    def __init__(self, intervals=INTERVALS):
-        self.opti, self.size, self.jump, self.torques, self.guessed = transcribed(intervals)
-        self.nlp = {"x": self.opti.x, "p": self.opti.p, "f": self.opti.f, "g": self.opti.g}
-
-    def arguments(self, length=LENGTH, time=TIME):
-        """Of a solver: the first guess, bounds and parameters."""
-        opti = self.opti
-        opti.set_value(self.size, [length, time])
-        for unknowns, rows in self.guessed(length, time):
-            opti.set_initial(unknowns, rows)
-        value = lambda of: np.array(opti.debug.value(of, opti.initial())).ravel()
-        lower, upper = np.full(opti.nx, -np.inf), np.full(opti.nx, np.inf)
-        # Of torques, that IPOPT takes them for bounds of unknowns.
-        columns = ca.jacobian(self.torques, opti.x).sparsity().get_triplet()[1]
-        lower[columns], upper[columns] = -MOST, MOST
-        return {"x0": value(opti.x), "lbx": lower, "ubx": upper, "lbg": value(opti.lbg), "ubg": value(opti.ubg),
-                "p": [length, time]}
-
-    def impulse(self, found):
-        """Of the landing (N s), in what a solver returned."""
-        return np.array(ca.Function("jump", [self.nlp["x"]], [self.jump])(found["x"])).ravel()
-
-
-def solve(intervals=INTERVALS):
-    """The cost of a step, and the impulse of the landing (N s)."""
-    step = Step(intervals)
-    settings = {"print_time": False, "ipopt.print_level": 0, "ipopt.tol": 1e-10, "ipopt.max_iter": 3000, "ipopt.sb": "yes"}
-    solver = ca.nlpsol("solver", "ipopt", step.nlp, settings)
-    found = solver(**step.arguments())
-    if not solver.stats()["success"]:
-        stop(f"a step of RABBIT: IPOPT says {solver.stats()['return_status']}")
-    return float(found["f"]), step.impulse(found)
-
-
 def on_the_ground(a, w, acc, tau):
     """The force on the robot at its foot, what the five equations of motion miss, by virtual work, and the angles of the
     knees."""
-    force, left = ca.vertcat(0, 0), ca.vertcat(*(part[1] for part in PARTS)) * acc
-    for (m, *_), centre in zip(PARTS, CENTRES):
+    force, left = ca.vertcat(0, 0), ca.vertcat(*(part[1] for part in LINKS)) * acc
+    for (m, *_), centre in zip(LINKS, CENTRES):
         push = m * (acceleration(HIP + centre, a, w, acc) + ca.vertcat(0, GRAVITY))
         left += (HIP + centre) * (ca.cos(a) * push[0] - ca.sin(a) * push[1])
         force += push
@@ -111,8 +73,8 @@ def on_the_ground(a, w, acc, tau):
     return force, left - ca.jtimes(relative, a, tau, True), ca.vertcat(relative[1], relative[3])
 
 
-def transcribed(intervals):
-    """The program, its parameters, the impulse in it, the torques, and its unknowns with their guess for a size."""
+def rabbit():
+    """The robot for a step."""
     # On the ground, by virtual work: five angles.
     a, w, acc, tau, reach = (ca.SX.sym(name, count) for name, count in
                             (("a", 5), ("w", 5), ("acc", 5), ("tau", 4), ("reach", 1)))
@@ -126,53 +88,20 @@ def transcribed(intervals):
     v, before, impulse = ca.SX.sym("v", 7), ca.SX.sym("before", 7), ca.SX.sym("impulse", 2)
     rates = [v[:2] + rate(centre, a, v[2:]) for centre in CENTRES]
     kinetic = sum(m / 2 * ca.sumsqr(one) + inertia / 2 * v[2 + i] ** 2
-                  for i, ((m, inertia, *_), one) in enumerate(zip(PARTS, rates)))
+                  for i, ((m, inertia, *_), one) in enumerate(zip(LINKS, rates)))
     mass, sticks = ca.hessian(kinetic, v)[0], v[:2] + rate(FOOT, a, v[2:])
     law = mass @ (v - before) - ca.jtimes(sticks, v, impulse, True)
     impact = ca.Function("impact", [a, before, v, impulse], [law, sticks])
 
-    parts = ca.collocation_points(DEGREE, "legendre")
-    C, D, B = ca.collocation_coeff(parts)
-    opti, count = ca.Opti(), DEGREE * intervals
-    size = opti.parameter(2)
-    length, h = size[0], size[1] / intervals
-    a_n, w_n = opti.variable(5, intervals + 1), opti.variable(5, intervals + 1)
-    a_c, w_c, u = opti.variable(5, count), opti.variable(5, count), opti.variable(4, count)
-    rates = []
-    for k in range(intervals):
-        own = slice(DEGREE * k, DEGREE * (k + 1))
-        A, W = ca.horzcat(a_n[:, k], a_c[:, own]), ca.horzcat(w_n[:, k], w_c[:, own])
-        opti.subject_to(ca.vec(A @ C - h * w_c[:, own]) == 0)
-        opti.subject_to(a_n[:, k + 1] == A @ D)
-        opti.subject_to(w_n[:, k + 1] == W @ D)
-        rates.append(W @ C / h)
-    equations, limits = point.map(count)(a_c, w_c, ca.horzcat(*rates), u, ca.repmat(length, 1, count))
-    opti.subject_to(ca.vec(equations) == 0)
-    opti.subject_to(ca.vec(limits) >= 0)
-    cost = h / 2 * ca.dot(ca.repmat(B, intervals, 1).T, ca.sum1(u * u))
-    a_0, w_0, a_T, w_T = a_n[:, 0], w_n[:, 0], a_n[:, -1], w_n[:, -1]
-    opti.subject_to(place(HIP + FOOT, a_0) == ca.vertcat(-length, 0))
-    opti.subject_to(a_0 == a_T[EXCHANGE])
-    after, jump = opti.variable(7), opti.variable(2)
-    law, sticks = impact(a_T, ca.vertcat(rate(HIP, a_T, w_T), w_T), after, jump)
-    opti.subject_to(law == 0)
-    opti.subject_to(sticks == 0)
-    opti.subject_to(w_0 == after[2:][EXCHANGE])
-    opti.subject_to(cone(jump[0], jump[1]) >= 0)
-    opti.minimize(cost)
-    # Opti bakes a program when it has a solver.
-    opti.solver("ipopt")
-    nodes = np.arange(intervals + 1) / intervals
-    places = np.add.outer(nodes[:-1], np.array(parts) / intervals).ravel()
+    def ends(length, start, end, after, jump):
+        (a_0, w_0), (a_T, w_T) = start, end
+        law, sticks = impact(a_T, ca.vertcat(rate(HIP, a_T, w_T), w_T), after, jump)
+        return ([place(HIP + FOOT, a_0) - ca.vertcat(-length, 0), a_0 - a_T[EXCHANGE], law, sticks,
+                 w_0 - after[2:][EXCHANGE]], [cone(jump[0], jump[1])])
 
-    def guessed(length, time):
-        speeds = np.diff(guess([0, 1], length), axis=0)[0] / time
-        yield after, np.append([length / time, 0], speeds)
-        for angles, rates, at in ((a_n, w_n, nodes), (a_c, w_c, places)):
-            yield angles, guess(at, length).T
-            yield rates, np.tile(speeds, (len(at), 1)).T
-
-    return opti, size, jump, ca.vec(u), guessed
+    none = np.full(5, np.inf)
+    return Walker("RABBIT", 4, MOST, -none, none, 7, 2, point, ends, guess,
+                  lambda length, time, rates: np.append([length / time, 0], rates))
 
 
 def on_both_feet(share, first=12, then=40):
@@ -188,8 +117,7 @@ def on_both_feet(share, first=12, then=40):
     cones = ca.vertcat(cone(front[0], front[1]), cone(behind[0], behind[1]), knees)
     stands = ca.Function("stands", [a, w, acc, tau, behind], [rests, cones])
 
-    parts = ca.collocation_points(DEGREE, "legendre")
-    C, D, B = ca.collocation_coeff(parts)
+    C, D, B = ca.collocation_coeff(list(PARTS))
     opti, intervals = ca.Opti(), first + then
     count = DEGREE * intervals
     nodes = np.append(np.linspace(0, share, first + 1), np.linspace(share, 1, then + 1)[1:])
@@ -215,9 +143,8 @@ def on_both_feet(share, first=12, then=40):
     opti.subject_to(w_n[:, 0] == w_n[EXCHANGE, -1])
     opti.subject_to(rate(HIP + FOOT, a_n[:, -1], w_n[:, -1]) == 0)
     opti.minimize(cost)
-    quiet = {"print_time": False, "ipopt.print_level": 0, "ipopt.tol": 1e-10, "ipopt.max_iter": 3000, "ipopt.sb": "yes"}
-    opti.solver("ipopt", quiet)
-    places = (nodes[:-1, None] + np.diff(nodes)[:, None] * np.array(parts)).ravel()
+    opti.solver("ipopt", QUIET)
+    places = (nodes[:-1, None] + np.diff(nodes)[:, None] * PARTS).ravel()
     speeds = np.diff(guess([0, 1], LENGTH), axis=0)[0] / TIME
     for angles, rates, at in ((a_n, w_n, nodes), (a_c, w_c, places)):
         opti.set_initial(angles, guess(at, LENGTH).T)
@@ -228,23 +155,25 @@ def on_both_feet(share, first=12, then=40):
         stop(f"a step of RABBIT on both feet: {error}")
 
 
-def found_by(costate, problem):
-    """What costate finds."""
-    command = [costate, "optimize", problem, "--json"]
-    return json.loads(subprocess.run(command, capture_output=True, text=True, check=False).stdout)
+def agree(name, found, cost, jump=None):
+    """Whether costate has found this cost, and this impulse of the landing."""
+    away, told = abs(found["cost"] / cost - 1), ""
+    kept = found["status"] == "converged" and away <= WITHIN
+    if jump is not None:
+        [impulse] = found["gait"]["impulses"]
+        apart = np.abs(np.array(impulse)[[0, 2]] - jump[:2]).max() / np.abs(jump[:2]).max()
+        kept, told = kept and apart <= 100 * WITHIN, f"; impulses differ by {apart:.0e}"
+    say(f"{name}: {found['cost']:.9f}, {cost:.9f} in other coordinates{told}: {'agree' if kept else 'DIFFER'}")
+    return kept
 
 
 def check(root, costate, _):
     """Whether costate finds the same steps."""
-    found = found_by(costate, root / "examples/problems/rabbit_walk.toml")
-    cost, jump = solve()
-    [impulse] = found["gait"]["impulses"]
-    away = [abs(found["cost"] / cost - 1), np.abs(np.array(impulse)[[0, 2]] - jump).max() / np.abs(jump).max()]
-    kept = found["status"] == "converged" and away[0] <= WITHIN and away[1] <= 100 * WITHIN
-    say(f"a step of RABBIT: {found['cost']:.9f}, {cost:.9f} in other coordinates; impulses differ by {away[1]:.0e}: "
-        f"{'agree' if kept else 'DIFFER'}")
-    both, cost = found_by(costate, root / "examples/problems/rabbit_double_support.toml"), on_both_feet(0.2)
-    agree = both["status"] == "converged" and abs(both["cost"] / cost - 1) <= WITHIN
-    say(f"a step of RABBIT on both feet: {both['cost']:.9f}, {cost:.9f} in other coordinates: "
-        f"{'agree' if agree else 'DIFFER'}")
-    return kept and agree
+    step = Step(rabbit(), INTERVALS)
+    cost, jump = step.told(step.solve(LENGTH, TIME))
+    kept = agree("a step of RABBIT", found_by(costate, root / "examples/problems/rabbit_walk.toml"), cost, jump)
+    cost = on_both_feet(0.2)
+    kept &= agree("a step of RABBIT on both feet", found_by(costate, root / "examples/problems/rabbit_double_support.toml"), cost)
+    cost, jump = steps.solve(soles.biped(), soles.LENGTH, soles.TIME, soles.INTERVALS)
+    kept &= agree("a step with soles", found_by(costate, root / "examples/problems/seven_link_walk.toml"), cost, jump)
+    return kept

@@ -106,5 +106,5 @@ def costate(root, cache, robot, flags):
         if done.returncode:
             machine.stop("cargo cannot build costate-peers")
         library = next(path for path in (target / "release").glob("*costate_peers.*") if path.suffix in (".so", ".dylib"))
-        found.append(Competitor(label, f"release, fat LTO{', ' + rustflags if rustflags else ''}", library, robot.urdf))
+        found.append(Competitor(label, f"release, one unit a crate{', ' + rustflags if rustflags else ''}", library, robot.urdf))
     return found

@@ -2,6 +2,7 @@
 
 use crate::numbers::{scientific, short};
 use crate::units;
+use costate::robot::{ConstraintKind, printable};
 use costate_control::{Certificate, FinalTime, GaitReport, Method, Motion, Problem, Solution, Verify};
 
 /// Whether the final time is free.
@@ -180,6 +181,7 @@ fn direct_figures(problem: &Problem, solution: &Solution) -> Vec<(&'static str, 
         let name = if solution.gait.is_some() { "drift of the feet" } else { "drift of the loops" };
         figures.push((name, format!("{} m, rad", scientific(drift))));
     }
+    figures.extend(redundant_rows(problem, solution).map(|rows| ("redundant rows", rows)));
     figures.extend(solution.gait.iter().flat_map(|gait| gait_figures(gait, motion.final_time)));
     figures.extend(limit_figures(problem, solution));
     if motion.certificate == Certificate::LocalMinimumOnMesh {
@@ -189,6 +191,28 @@ fn direct_figures(problem: &Problem, solution: &Solution) -> Vec<(&'static str, 
         figures.push(("local minimum", format!("no: a saddle {ON_MESH}, motions nearby cost less")));
     }
     figures
+}
+
+/// The rows of constraints that depend on others, by name.
+fn redundant_rows(problem: &Problem, solution: &Solution) -> Option<String> {
+    let constraints = problem.robot.constraints();
+    let (mut names, mut count) = (Vec::new(), 0);
+    for (told, constraint) in solution.constraints.iter().zip(constraints) {
+        let row = |row: &usize| match &constraint.kind {
+            ConstraintKind::Frames { rows, .. } => rows.get(*row).map(|row| row.name()),
+            _ => None,
+        };
+        let rows: Vec<&str> = told.redundant.iter().filter_map(row).collect();
+        let name = printable(&constraint.name);
+        match told.redundant.len() {
+            0 => {}
+            _ if rows.is_empty() => names.push(format!("'{name}'")),
+            _ => names.push(format!("'{name}' {}", rows.join(" "))),
+        }
+        count += told.redundant.len();
+    }
+    let all: usize = constraints.iter().map(|one| one.kind.rows()).sum();
+    (count > 0).then(|| format!("{count} of {all}, left out, their forces zero: {}", names.join(", ")))
 }
 
 /// Figures of a step of a gait.
@@ -211,6 +235,9 @@ fn gait_figures(gait: &GaitReport, duration: f64) -> Vec<(&'static str, String)>
 /// What the second derivatives of the direct method show.
 const ON_MESH: &str = "among the motions of its mesh";
 
+/// Distances and rates of feet, forces and impulses on them.
+pub(crate) const FEET: &str = "worst violation of clearances and foot forces";
+
 /// Figures of the hard limits.
 fn limit_figures(problem: &Problem, solution: &Solution) -> Vec<(&'static str, String)> {
     let unit = |unit| units::of_robot(&problem.robot, unit);
@@ -227,18 +254,19 @@ fn limit_figures(problem: &Problem, solution: &Solution) -> Vec<(&'static str, S
             "torque_speed" => "beyond torque-speed limits",
             "ground_force" => "beyond ground-force limits",
             "landing_impulse" => "beyond landing-impulse limits",
-            "task" if solution.gait.is_some() => "beyond clearances and forces on feet",
+            "task" if solution.gait.is_some() => FEET,
             "task" => "beyond tools and clearances",
             _ => "beyond torque limits",
         };
         let unit = match kind {
-            "task" if solution.gait.is_some() => "m, m/s, N, N m, N s or N m s".to_owned(),
-            "task" => "m, rad or m/s".to_owned(),
-            _ => unit(limit_units(kind)),
+            // Of the one that is violated most; the documents list them.
+            "task" if solution.gait.is_some() => String::new(),
+            "task" => " m, rad or m/s".to_owned(),
+            _ => format!(" {}", unit(limit_units(kind))),
         };
         let (at_points, between) = (scientific(usage.at_points), scientific(usage.between));
         let cut = if kind == "torque" && usage.between > 0.0 { ", cut off in what is written" } else { "" };
-        figures.push((name, format!("{at_points} {unit}, {between} between points{cut}")));
+        figures.push((name, format!("{at_points}{unit}, {between} between points{cut}")));
         let mut sides: Vec<_> = usage.active.iter().map(|span| (&span.name, &span.side)).collect();
         sides.sort();
         sides.dedup();

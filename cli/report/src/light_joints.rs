@@ -49,9 +49,10 @@ pub fn with_rotor(problem: &Problem, fast: &FastJoint) -> Option<String> {
 /// The joints without inertia of a rotor: "all joints are", "'a' and 'b' are".
 pub fn without_rotors(problem: &Problem) -> Option<String> {
     let robot = &problem.robot;
-    let has_none = |&&i: &&usize| robot.armature_entry(i, i) == 0.0;
-    let all = robot.independent_indices();
-    let light: Vec<usize> = all.iter().filter(has_none).copied().collect();
+    // Floating and spherical joints cannot have rotors.
+    let may_have_one = |&&i: &&usize| robot.joints()[i].free.is_none();
+    let all: Vec<usize> = robot.independent_indices().iter().filter(may_have_one).copied().collect();
+    let light: Vec<usize> = all.iter().filter(|&&i| robot.armature_entry(i, i) == 0.0).copied().collect();
     let names: Vec<String> = light
         .iter()
         .take(MOST_JOINTS)
@@ -69,7 +70,7 @@ pub fn without_rotors(problem: &Problem) -> Option<String> {
 }
 
 /// That a robot whose limits are kept accelerates as no arm with gears does, since its file has neither the
-/// inertia of rotors nor limits of accelerations.
+/// inertia of rotors nor limits of accelerations. Floating and spherical joints can have neither.
 pub fn too_sudden(problem: &Problem, solution: &Solution) -> Option<String> {
     let robot = &problem.robot;
     let keeps_limits = solution.motion.status.is_solved() && problem.keeps_robot_limits();
@@ -80,7 +81,8 @@ pub fn too_sudden(problem: &Problem, solution: &Solution) -> Option<String> {
     let times = trajectory.t.windows(2).zip(trajectory.v.windows(2));
     let joints = robot.independent_indices().iter().enumerate();
     let turning = joints.filter(|&(_, &i)| {
-        robot.joints()[i].kind == JointKind::Revolute && robot.armature_entry(i, i) == 0.0
+        let joint = &robot.joints()[i];
+        joint.kind == JointKind::Revolute && joint.free.is_none() && robot.armature_entry(i, i) == 0.0
     });
     let peaks = turning.map(|(k, &i)| {
         let means =
@@ -88,9 +90,14 @@ pub fn too_sudden(problem: &Problem, solution: &Solution) -> Option<String> {
         (means.map(f64::abs).fold(0.0, f64::max), i)
     });
     let (peak, joint) = peaks.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|&(peak, _)| peak > SUDDEN)?;
+    // Robots that fly or turn freely take no limits of accelerations.
+    let (unsaid, remedy) = match robot.free_joints().is_empty() {
+        true => (", and the problem no limit of accelerations", "robot.armature or limits.a_max"),
+        false => ("", "robot.armature"),
+    };
     Some(format!(
-        "joint '{}' reaches {} rad/s^2, more than arms with gears do: the robot has no inertia of rotors there, and \
-         the problem no limit of accelerations; give robot.armature or limits.a_max",
+        "joint '{}' reaches {} rad/s^2, more than arms with gears do: the robot has no inertia of rotors there{unsaid}; \
+         give {remedy}",
         printable(&robot.joints()[joint].name),
         short(peak, 2)
     ))

@@ -22,8 +22,8 @@ pub fn remarks(problem: &Problem, solution: &Solution) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::remarks;
-    use costate::robot::Robot;
-    use costate_control::{Certificate, Problem, Solver, SolverOptions};
+    use costate::robot::{LoadOptions, Robot};
+    use costate_control::{Certificate, MotionLimits, Problem, Solver, SolverOptions};
 
     #[test]
     fn accelerations_of_arms_without_rotors_are_told() {
@@ -40,6 +40,32 @@ mod tests {
         assert!(told(&problem).contains(sudden));
         problem.limits.a_max = Some(vec![40.0; 6]);
         assert!(!told(&problem).contains(sudden));
+    }
+
+    /// A body turns 2.5 rad in 0.2 s: with a hinge a rotor would slow it down, a ball joint cannot have one.
+    #[test]
+    fn bodies_that_turn_freely_are_not_told_to_have_rotors() {
+        let turns = |kind: &str, start: &[f64], end: &[f64]| {
+            let text = format!(
+                "name = 'body'\ngravity = [0, 0, 0]\nconvention = 'placements'\n[[joint]]\nname = 'pivot'\n\
+                 type = '{kind}'\nmass = 1\ninertia = {{ xx = 0.01, yy = 0.01, zz = 0.01 }}\n"
+            );
+            let robot = Robot::from_toml_str(&text, LoadOptions::default()).unwrap();
+            let torques = vec![100.0; robot.dof()];
+            let problem = Problem::rest_to_rest(robot, start, end, 0.2);
+            let mut problem = problem.with_limits(MotionLimits::none().with_torque_max(torques));
+            problem.limits.from_robot = Some(true);
+            let solution = Solver::new(&problem, SolverOptions::default()).unwrap().solve();
+            assert!(solution.motion.status.is_solved(), "{}", solution.motion.status);
+            let rate = solution.trajectory.v.iter().flatten().fold(0.0_f64, |most, v| most.max(v.abs()));
+            assert!(rate > 15.0, "{rate}");
+            remarks(&problem, &solution).join("; ")
+        };
+        let hinge = turns("revolute", &[0.0], &[2.5]);
+        let (sin, cos) = 1.25_f64.sin_cos();
+        let ball = turns("spherical", &[0.0, 0.0, 0.0, 1.0], &[0.0, 0.0, sin, cos]);
+        assert!(hinge.contains("give robot.armature or limits.a_max"), "{hinge}");
+        assert!(!ball.contains("armature"), "{ball}");
     }
 
     #[test]

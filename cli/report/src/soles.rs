@@ -68,7 +68,7 @@ mod tests {
             let [bare, figure] = [Skeleton::new(&problem.robot, &[]), Skeleton::new(&problem.robot, &soles)];
             assert_eq!(figure.lines.len(), bare.lines.len() + 2 * edges, "{name}");
             let upright = vec![0.0; problem.robot.dof()];
-            let [bare, points] = [bare.points(&upright), figure.points(&upright)];
+            let [bare, points] = [&bare, &figure].map(|figure| figure.points(&upright).unwrap());
             let drawn = &points[bare.len()..];
             assert_eq!(drawn.len(), 2 * corners, "{name}");
             let lowest = bare.iter().map(|point| point[2]).fold(f64::INFINITY, f64::min);
@@ -78,7 +78,7 @@ mod tests {
                 (least, most) = (least.min(*x), most.max(*x));
             }
             assert!((least - heel).abs() < 1e-12 && (most - toe).abs() < 1e-12, "{name}: {drawn:?}");
-            assert_eq!(figure.points(&[]).len(), points.len());
+            assert!(figure.points(&[]).is_err());
         }
         assert!(soles(&problem("rabbit_walk")).is_empty());
     }

@@ -180,3 +180,79 @@ fn frames_are_listed_on_request() {
         (&json!("tip"), &json!("aligned"))
     );
 }
+
+/// A loop of a URDF is a constraint: five rows of a revolute joint.
+#[test]
+fn loops_of_a_urdf_are_constraints() {
+    let info = json_of("robots/four_bar.urdf", "");
+    assert_eq!(info["constraints"], json!([{ "name": "rocker_pivot", "rows": 5 }]));
+    assert_eq!((&info["n"], &info["warnings"]), (&json!(3), &json!([])));
+    let refused = costate(&["check", "robots/four_bar.urdf"], b"");
+    assert!(stderr(&refused).contains("'rocker_pivot'"), "{}", stderr(&refused));
+}
+
+/// A floating joint is one joint of seven entries of q and six of v, and so in a URDF.
+#[test]
+fn floating_and_spherical_joints_are_shown_as_one_joint_each() {
+    let table = stdout(&costate(&["info", "tests/fixtures/free_tree.toml"], b""));
+    assert!(table.starts_with("free tree, 5 joints with 17 degrees of freedom, moving mass 10.5"), "{table}");
+    let cells = |name: &str| {
+        let rows = table.lines().map(|line| line.split_whitespace().collect::<Vec<_>>());
+        rows.filter(|row| row.get(2) == Some(&name)).collect::<Vec<_>>()
+    };
+    let of = |name: &str| cells(name)[0][..6].to_vec();
+    assert_eq!(of("root"), ["0..7", "0..6", "root", "floating", "world", "-"]);
+    assert_eq!(of("hip"), ["7..11", "6..9", "hip", "spherical", "root", "-"]);
+    assert_eq!(of("knee"), ["11", "9", "knee", "revolute", "hip", "(0,"]);
+    assert_eq!(of("load"), ["13..20", "11..17", "load", "floating", "mast", "-"]);
+    // Once in the table of joints, once in that of limits; no joint of a chain in either.
+    assert_eq!((cells("root").len(), cells("root_x").len(), cells("load_ry").len()), (2, 0, 0));
+    let info = json_of("tests/fixtures/free_tree.toml", "");
+    assert_eq!((&info["n"], &info["nq"]), (&json!(17), &json!(20)));
+    assert_eq!(
+        info["free_joints"][1],
+        json!({ "name": "hip", "floating": false, "position": 7, "coordinate": 6 })
+    );
+    let joints = info["joints"].as_array().unwrap();
+    let names: Vec<&str> = joints.iter().map(|joint| joint["name"].as_str().unwrap()).collect();
+    assert_eq!(names, ["root", "hip", "knee", "mast", "load"]);
+    let [root, load] = [&joints[0], &joints[4]];
+    assert_eq!((&root["type"], &root["q"], &root["v"]), (&json!("floating"), &json!([0, 7]), &json!([0, 6])));
+    assert_eq!((&root["index"], &root["axis"], &root["mass"]), (&json!(0), &Value::Null, &json!(6.0)));
+    assert_eq!(flat(&root["placement"]["xyz"]), [0.1, -0.2, 0.3]);
+    assert_eq!((&load["parent"], &load["index"], &load["q"]), (&json!("mast"), &json!(11), &json!([13, 20])));
+    assert_eq!(joints[2]["q"], json!([11, 12]));
+    // Without such joints both have the same entries.
+    let info = json_of("tests/fixtures/mimic_hand.urdf", "");
+    assert_eq!((&info["nq"], &info["free_joints"]), (&json!(3), &json!([])));
+    let slide = info["joints"].as_array().unwrap().iter().find(|joint| joint["name"] == "slide").unwrap();
+    assert_eq!((&slide["q"], &slide["v"]), (&Value::Null, &Value::Null));
+}
+
+/// Loops that cannot be closed are told, and are no error.
+#[test]
+fn constraints_that_no_position_satisfies_are_told() {
+    for robot in ["robots/four_bar.toml", "robots/delta.toml", "robots/gripper.toml"] {
+        let table = stdout(&costate(&["info", robot], b""));
+        assert!(table.contains("rows") && !table.contains("No position near"), "{table}");
+        assert!(json_of(robot, "").get("unsatisfied").is_none());
+    }
+    let file = std::fs::read_to_string(root().join("robots/four_bar.toml")).unwrap();
+    let far = file.replace("[1.3, 0.0, 0.0]", "[3.0, 0.0, 0.0]");
+    let output = costate(&["info", "-"], far.as_bytes());
+    let table = stdout(&output);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let line =
+        "No position near q = 0 was found that satisfies the constraints: constraint 'rocker_pivot' cannot";
+    assert!(table.contains(line), "{table}");
+    let info = json_of("-", &far);
+    assert_eq!(info["unsatisfied"]["contradiction"], json!(false));
+    // The rods are 2.6 m long.
+    assert!((info["unsatisfied"]["miss"].as_f64().unwrap() - 0.4).abs() < 1e-2, "{info}");
+    let twice = format!(
+        "{file}\n[[constraint]]\nname = \"other\"\nframe = \"rocker_tip\"\nto = \"pivot\"\nrows = [\"x\"]\n\
+         to_placement = {{ xyz = [0.1, 0.0, 0.0] }}\n"
+    );
+    let table = stdout(&costate(&["info", "-"], twice.as_bytes()));
+    assert!(table.contains("constraint 'other' contradicts those before it"), "{table}");
+}

@@ -1,6 +1,7 @@
 //! Cholesky factorisation of the symmetric matrix of a chain: nodes, and between two of them inner unknowns.
 
-use super::tiles::{BadPivot, backward, factorise_rows, forward, subtract_square};
+use super::substitution::{backward, forward};
+use super::tiles::{BadPivot, factorise_rows, subtract_square};
 use std::fmt;
 use std::ops::Range;
 

@@ -10,5 +10,6 @@ pub(crate) mod lagrange;
 pub(crate) mod lu;
 pub(crate) mod padded;
 mod products;
+mod substitution;
 mod tiles;
 pub(crate) mod widest;

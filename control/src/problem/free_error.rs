@@ -28,6 +28,18 @@ pub enum FreeMotionError {
         /// The first floating or spherical joint of the robot.
         joint: String,
     },
+    /// A gait, which robots with such joints do not take.
+    Gait {
+        /// The first floating or spherical joint of the robot.
+        joint: String,
+    },
+    /// A constraint, which motions of robots with such joints do not keep.
+    Constraint {
+        /// The first constraint of the robot.
+        constraint: String,
+        /// The first floating or spherical joint of the robot.
+        joint: String,
+    },
     /// A wrench from outside, which robots with such joints do not take.
     Wrench {
         /// The first floating or spherical joint of the robot.
@@ -106,7 +118,8 @@ impl FreeMotionError {
             | Self::NotTaken { key, .. }
             | Self::PositionLimit { key, .. }
             | Self::Evaluation { key, .. } => key,
-            Self::Wrench { .. } => Key::ROBOT,
+            Self::Gait { .. } => Key::GAIT_STANCE,
+            Self::Wrench { .. } | Self::Constraint { .. } => Key::ROBOT,
             Self::NoMotor { .. } => Key::LIMIT_TORQUE_MAX,
             Self::RobotRate { .. } => Key::LIMIT_V_MAX,
             Self::TwoAxes { .. } => Key::END_Q_FREE,
@@ -132,6 +145,21 @@ impl fmt::Display for FreeMotionError {
                 "joint '{}' turns freely, its orientation a quaternion, and motions of robots with such joints do \
                  not take this; remove it",
                 printable(joint)
+            ),
+            Self::Gait { joint } => write!(
+                f,
+                "joint '{}' turns freely, its orientation a quaternion, and gaits do not take such joints; give the \
+                 base as prismatic and revolute joints: in a TOML file one by one, of a URDF as a joint of type \
+                 floating without robot.quaternions, --quaternions, robot.floating_base and --floating-base",
+                printable(joint)
+            ),
+            Self::Constraint { constraint, joint } => write!(
+                f,
+                "joint '{}' turns freely, its orientation a quaternion, and motions of robots with such joints do not \
+                 keep constraints, the first of which is '{}'; remove the constraints, or give the joint as prismatic \
+                 and revolute ones",
+                printable(joint),
+                printable(constraint)
             ),
             Self::Wrench { joint } => write!(
                 f,

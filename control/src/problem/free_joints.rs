@@ -93,14 +93,7 @@ impl Problem {
 
     /// The joint of an entry of q.
     fn name_of_position(&self, entry: usize) -> String {
-        let is_of =
-            |free: &&FreeJoint| (free.position..free.position + free.kind.positions()).contains(&entry);
-        if let Some(free) = self.robot.free_joints().iter().find(is_of) {
-            return free.name.clone();
-        }
-        let plain = plain_entries(&self.robot);
-        let coordinate = plain.iter().find(|(at, _)| *at == entry).map_or(0, |(_, coordinate)| *coordinate);
-        self.name(coordinate)
+        self.robot.joint_of_position(entry).unwrap_or_default().to_owned()
     }
 
     /// Whether the direct method takes a problem of a robot with floating or spherical joints whose lists
@@ -111,6 +104,13 @@ impl Problem {
     pub(super) fn check_free_motion(&self) -> Result<(), ProblemError> {
         let Some(first) = self.robot.free_joints().first() else { return Ok(()) };
         let joint = || first.name.clone();
+        if self.gait.is_some() {
+            return Err(FreeMotionError::Gait { joint: joint() }.into());
+        }
+        if let Some(one) = self.robot.constraints().first() {
+            let constraint = one.name.clone();
+            return Err(FreeMotionError::Constraint { constraint, joint: joint() }.into());
+        }
         if let Some(key) = self.first_not_taken() {
             return Err(FreeMotionError::NotTaken { key, joint: joint() }.into());
         }

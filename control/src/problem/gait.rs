@@ -67,8 +67,8 @@ pub struct Gait {
     ///
     /// With one the ground would have to pull the feet behind, or these would leave it at once. At the end of
     /// the phase they leave the ground without an impulse either: positions and rates do not jump. Soles in
-    /// front stand flat, those behind as [`trailing`](Self::trailing) says. The duration of the step is
-    /// given.
+    /// front stand flat, those behind as [`trailing`](Self::trailing) says. In a free time both phases
+    /// stretch in proportion.
     pub double_support: Option<f64>,
     /// How soles behind stand in the phase of double support, their toes alone unless said otherwise.
     pub trailing: SoleContact,
@@ -86,7 +86,8 @@ pub struct Gait {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum SoleContact {
-    /// On its toe alone, which is pinned: the foot rolls about it, and its heel may rise but not sink.
+    /// On its toe alone, which is pinned, in space with all of its edge: the foot rolls about it, and its
+    /// heel may rise but not sink.
     Toe,
     /// As a whole.
     Flat,

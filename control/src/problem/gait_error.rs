@@ -38,10 +38,6 @@ pub enum GaitError {
     Redundant,
     /// The same of all feet together, in the phase of double support.
     RedundantTogether,
-    /// A step with double support whose duration is free.
-    FreeDuration,
-    /// Soles in space that would stand on their toes behind.
-    ToesInSpace,
     /// Soles behind that shall stand flat, but there are none, or no double support.
     NoSolesBehind,
     /// Soles that stand flat, but not with the legs exchanged.
@@ -137,12 +133,6 @@ impl fmt::Display for GaitError {
             Self::RedundantTogether => f.write_str(
                 "with all feet on the ground one of them cannot move where the others stand, so that their forces \
                  are not determined; remove double_support, or name fewer feet",
-            ),
-            Self::FreeDuration => f.write_str(
-                "double support takes a part of a given time; give time.final, or remove double_support",
-            ),
-            Self::ToesInSpace => f.write_str(
-                "in space soles behind stand flat in double support, not on their toes; give trailing = \"flat\"",
             ),
             Self::NoSolesBehind => f.write_str(
                 "says how soles behind stand in double support; give sole and double_support, or remove it",

@@ -4,7 +4,7 @@ use super::error::ProblemError;
 use super::gait::Gait;
 use super::gait_error::GaitError;
 use super::key::Key;
-use super::loop_rows::LoopRow;
+use super::loop_rows::{Foot, LoopRow};
 
 impl Gait {
     /// Whether it is one of a robot in space.
@@ -43,10 +43,15 @@ impl Gait {
         }
     }
 
-    /// Accelerations of the multipliers of feet in space that bear so much each (N), soles in their middle.
-    pub(super) fn lift_in_space(&self, weight: f64, rows: &[LoopRow]) -> Vec<f64> {
+    /// Accelerations of the multipliers of feet in space that bear so much each (N), soles in their middle or
+    /// on their edge.
+    pub(super) fn lift_in_space(&self, weight: f64, feet: &[Foot], rows: &[LoopRow]) -> Vec<f64> {
         let pressed = self.sole.map_or(0.0, |[heel, toe]| -0.5 * (heel + toe) * weight);
         let wrench = [0.0, 0.0, weight, 0.0, pressed, 0.0];
-        rows.iter().enumerate().map(|(i, row)| wrench[i % self.rows_of_foot()] / row.mass).collect()
+        let loads = |foot: &Foot| match self.is_on_edge(foot.contact) {
+            true => self.load_of_edge(weight).to_vec(),
+            false => wrench[..foot.rows.len()].to_vec(),
+        };
+        feet.iter().flat_map(loads).zip(rows).map(|(load, row)| load / row.mass).collect()
     }
 }

@@ -57,19 +57,19 @@ impl Key {
     pub(crate) const LIMIT_CORNER_SPEED: Self = Self::new("limits", "corner_speed", "limits.corner_speed");
     pub(crate) const LIMIT_NO_LOAD_SPEED: Self = Self::new("limits", "no_load_speed", "limits.no_load_speed");
     pub(crate) const PERIODIC_SHIFT: Self = Self::new("periodic", "shift", "periodic");
-    pub(crate) const GAIT_STANCE: Self = Self::new("gait", "stance", "gait");
-    pub(crate) const GAIT_SWING: Self = Self::new("gait", "swing", "gait");
-    pub(crate) const GAIT_ALONG: Self = Self::new("gait", "along", "gait");
-    pub(crate) const GAIT_LENGTH: Self = Self::new("gait", "length", "gait");
-    pub(crate) const GAIT_FRICTION: Self = Self::new("gait", "friction", "gait");
-    pub(crate) const GAIT_CLEARANCE: Self = Self::new("gait", "clearance", "gait");
-    pub(crate) const GAIT_MIRROR: Self = Self::new("gait", "mirror", "gait");
-    pub(crate) const GAIT_SOLE: Self = Self::new("gait", "sole", "gait");
-    pub(crate) const GAIT_DOUBLE_SUPPORT: Self = Self::new("gait", "double_support", "gait");
-    pub(crate) const GAIT_TRAILING: Self = Self::new("gait", "trailing", "gait");
-    pub(crate) const GAIT_SOLE_WIDTH: Self = Self::new("gait", "sole_width", "gait");
-    pub(crate) const GAIT_FLIPPED: Self = Self::new("gait", "flipped", "gait");
-    pub(crate) const GAIT_WIDTH: Self = Self::new("gait", "width", "gait");
+    pub(crate) const GAIT_STANCE: Self = Self::new("gait", "stance", "gait.stance");
+    pub(crate) const GAIT_SWING: Self = Self::new("gait", "swing", "gait.swing");
+    pub(crate) const GAIT_ALONG: Self = Self::new("gait", "along", "gait.along");
+    pub(crate) const GAIT_LENGTH: Self = Self::new("gait", "length", "gait.length");
+    pub(crate) const GAIT_FRICTION: Self = Self::new("gait", "friction", "gait.friction");
+    pub(crate) const GAIT_CLEARANCE: Self = Self::new("gait", "clearance", "gait.clearance");
+    pub(crate) const GAIT_MIRROR: Self = Self::new("gait", "mirror", "gait.mirror");
+    pub(crate) const GAIT_SOLE: Self = Self::new("gait", "sole", "gait.sole");
+    pub(crate) const GAIT_DOUBLE_SUPPORT: Self = Self::new("gait", "double_support", "gait.double_support");
+    pub(crate) const GAIT_TRAILING: Self = Self::new("gait", "trailing", "gait.trailing");
+    pub(crate) const GAIT_SOLE_WIDTH: Self = Self::new("gait", "sole_width", "gait.sole_width");
+    pub(crate) const GAIT_FLIPPED: Self = Self::new("gait", "flipped", "gait.flipped");
+    pub(crate) const GAIT_WIDTH: Self = Self::new("gait", "width", "gait.width");
     /// The file of a saved motion.
     pub const START_FROM: Self = Self::new("start_from", "file", "start");
 

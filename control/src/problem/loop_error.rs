@@ -1,6 +1,7 @@
 //! What is wrong with a motion of a robot whose loops are closed.
 
 use super::key::Key;
+use super::rounded::{coordinate, rounded};
 use costate::constraints::ConstraintError;
 use costate::robot::{printable, printable_number as number};
 use std::fmt;
@@ -17,6 +18,9 @@ pub enum LoopError {
         constraint: String,
         /// By how much (m, rad).
         miss: f64,
+        /// A position nearby that satisfies all constraints, with the joints that have motors as they are
+        /// given if that is possible; or why none was found.
+        closed: Box<Result<Vec<f64>, ConstraintError>>,
     },
     /// Rates that are given lead away from a constraint.
     Leads {
@@ -58,13 +62,20 @@ impl LoopError {
 impl fmt::Display for LoopError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Open { constraint, miss, .. } => write!(
-                f,
-                "constraint '{}' is missed by {} (m, rad) here; give a position that closes the loops, as \
-                 ConstrainedHamiltonian::close computes it",
-                printable(constraint),
-                number(*miss)
-            ),
+            Self::Open { constraint, miss, closed, .. } => {
+                let (constraint, miss) = (printable(constraint), rounded(*miss));
+                write!(f, "constraint '{constraint}' is missed by {miss} (m, rad) here")?;
+                match &**closed {
+                    Ok(q) => write!(
+                        f,
+                        "; nearby the loops close at q = [{}]: give that, or another position that closes them",
+                        q.iter().map(|q| coordinate(*q)).collect::<Vec<_>>().join(", ")
+                    ),
+                    Err(cause) => {
+                        write!(f, ", and no position nearby was found that closes the loops: {cause}")
+                    }
+                }
+            }
             Self::Leads { constraint, rate, .. } => write!(
                 f,
                 "these rates change constraint '{}' by {} (m/s, rad/s); give rates with J v = 0, or zeros",
@@ -88,6 +99,10 @@ impl std::error::Error for LoopError {
     fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
         match self {
             Self::CannotClose { cause, .. } => Some(cause),
+            Self::Open { closed, .. } => match &**closed {
+                Ok(_) => None,
+                Err(cause) => Some(cause),
+            },
             _ => None,
         }
     }

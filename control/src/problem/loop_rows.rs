@@ -51,9 +51,10 @@ pub(crate) struct LoopRow {
 pub(crate) struct Walk {
     pub gait: Gait,
     /// The robot with a constraint for each of the [feet](Self::feet), whose rows are x and z of it, and its
-    /// angle if it is a sole that is flat; in space three of a point and six of a sole.
+    /// angle if it is a sole that is flat; in space three of a point and of the edge of a toe, and six of a
+    /// sole that is flat.
     pub foot: Robot,
-    /// The same of the feet that land, then of those that stay on the ground meanwhile.
+    /// Likewise the feet that land, then those that stay on the ground meanwhile, with all rows of both.
     pub landing: Robot,
     /// The feet that stand during the step, then those that stand in the phase of double support alone.
     pub feet: Vec<Foot>,
@@ -68,8 +69,8 @@ pub(crate) struct Walk {
     pub shift: Vec<f64>,
     /// Units of momenta, the diagonal of M at the start (kg m^2/s, kg m/s).
     pub scales: Vec<f64>,
-    /// The force of each row in the rows of a foot in the axes of the world: (x, z) and torque about y, or in
-    /// space all six.
+    /// The force of each row in the rows of a foot in the axes of the world: (x, z) and torque about y, in
+    /// space all six, or the force on the edge of a toe.
     pub columns: Vec<Vec<f64>>,
     /// Accelerations of multipliers that carry the weight, for guesses.
     pub lift: Vec<f64>,
@@ -80,6 +81,8 @@ pub(crate) struct Walk {
 pub(crate) struct Foot {
     pub name: String,
     pub rows: Range<usize>,
+    /// Those of [`Walk::foot`] in which its force is told.
+    pub told: Range<usize>,
     /// Of its sole; points are none.
     pub contact: SoleContact,
 }
@@ -95,15 +98,9 @@ impl Walk {
         self.feet.iter().find(|foot| foot.rows.contains(&row))
     }
 
-    /// Whether the force on a foot has the linear rows of [`Gait::cone`]: in the plane that on a toe alone is
-    /// limited by single multipliers.
-    pub fn has_cone(&self, foot: &Foot) -> bool {
-        self.gait.is_in_space() || foot.contact == SoleContact::Flat
-    }
-
     /// Whether a row holds an angle of its foot.
     pub fn is_angle(&self, row: usize) -> bool {
-        self.foot_of(row).is_some_and(|foot| self.gait.is_angle(row - foot.rows.start))
+        self.foot_of(row).is_some_and(|foot| self.gait.is_angle(foot.contact, row - foot.rows.start))
     }
 
     /// The feet that stand during the whole step.

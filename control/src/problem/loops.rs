@@ -72,7 +72,7 @@ impl Problem {
         let unknown = |key: Key| move |error: EvalError| cannot(key, error.into());
         let mut rows = Constraints::new(&self.robot);
         let start = &self.start;
-        misses(&mut rows, &start.q, Some(&start.v), [Key::START_Q, Key::START_V])?;
+        self.misses(&mut rows, &start.q, Some(&start.v), [Key::START_Q, Key::START_V])?;
         let kept = self.independent_rows(&mut rows).map_err(unknown(Key::START_Q))?;
         let end = self.closed_end(&mut rows, kept.len())?;
         let zeros = |list: &[f64]| padded(list, kept.len(), 0.0);
@@ -174,13 +174,13 @@ impl Problem {
         let given = |free: &[usize]| (0..n).map(|i| !free.contains(&i)).collect::<Vec<bool>>();
         let (q_given, v_given) = (given(&end.q_free), given(&end.v_free));
         if end.q_free.is_empty() {
-            misses(rows, &q, None, [Key::END_Q, Key::END_V])?;
+            self.misses(rows, &q, None, [Key::END_Q, Key::END_V])?;
         } else {
             let mut closed = ConstrainedHamiltonian::<f64>::new(&self.robot);
             closed.close(&mut q, &q_given).map_err(|cause| cannot(Key::END_Q, cause))?;
         }
         let rates = end.v_free.is_empty().then_some(&end.v[..]);
-        misses(rows, &q, rates, [Key::END_Q, Key::END_V])?;
+        self.misses(rows, &q, rates, [Key::END_Q, Key::END_V])?;
         let free = |given: &[bool]| {
             let kept = independent(rows, given, n.saturating_sub(k));
             (0..n).filter(|i| !kept.contains(i)).chain(n..n + k).collect::<Vec<usize>>()
@@ -188,6 +188,51 @@ impl Problem {
         let (q_free, v_free) = (free(&q_given), free(&v_given));
         let state = BoundaryState::fixed(&padded(&q, k, 0.0), &padded(&end.v, k, 0.0));
         Ok(state.with_q_free(&q_free).with_v_free(&v_free))
+    }
+
+    /// Whether a position satisfies the constraints, and rates keep them.
+    fn misses(
+        &self,
+        rows: &mut Constraints<f64>,
+        q: &[f64],
+        v: Option<&[f64]>,
+        [of_q, of_v]: [Key; 2],
+    ) -> Result<(), ProblemError> {
+        rows.set_position(q).map_err(|error| cannot(of_q, error.into()))?;
+        let largest = |values: &mut dyn Iterator<Item = f64>| {
+            let found = values.map(f64::abs).enumerate().max_by(|a, b| a.1.total_cmp(&b.1));
+            found
+                .filter(|(_, miss)| *miss > OFF || miss.is_nan())
+                .map(|(row, miss)| (rows.name(row).to_owned(), miss))
+        };
+        if let Some((constraint, miss)) = largest(&mut rows.values().iter().copied()) {
+            let closed = Box::new(self.closed_near(q));
+            return Err(ProblemError::Loop {
+                cause: LoopError::Open { key: of_q, constraint, miss, closed },
+            });
+        }
+        let Some(v) = v else { return Ok(()) };
+        let rate = |row: usize| rows.jacobian().row(row).iter().zip(v).map(|(j, v)| j * v).sum::<f64>();
+        match largest(&mut (0..rows.count()).map(rate)) {
+            Some((constraint, rate)) => {
+                Err(ProblemError::Loop { cause: LoopError::Leads { key: of_v, constraint, rate } })
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// The position near q that satisfies all constraints: with the joints that have motors as they are, or
+    /// else with all joints free.
+    fn closed_near(&self, q: &[f64]) -> Result<Vec<f64>, ConstraintError> {
+        let mut closed = ConstrainedHamiltonian::<f64>::new(&self.robot);
+        let mut near = q.to_vec();
+        let driven: Vec<bool> = (0..self.robot.dof()).map(|i| !self.has_no_motor(i)).collect();
+        if driven.contains(&false) && closed.close(&mut near, &driven).is_ok() {
+            return Ok(near);
+        }
+        near.copy_from_slice(q);
+        closed.close(&mut near, &vec![false; driven.len()])?;
+        Ok(near)
     }
 }
 
@@ -197,33 +242,6 @@ fn padded(list: &[f64], more: usize, value: f64) -> Vec<f64> {
 
 fn cannot(key: Key, cause: ConstraintError) -> ProblemError {
     ProblemError::Loop { cause: LoopError::CannotClose { key, cause } }
-}
-
-/// Whether a position satisfies the constraints, and rates keep them.
-fn misses(
-    rows: &mut Constraints<f64>,
-    q: &[f64],
-    v: Option<&[f64]>,
-    [of_q, of_v]: [Key; 2],
-) -> Result<(), ProblemError> {
-    rows.set_position(q).map_err(|error| cannot(of_q, error.into()))?;
-    let largest = |values: &mut dyn Iterator<Item = f64>| {
-        let found = values.map(f64::abs).enumerate().max_by(|a, b| a.1.total_cmp(&b.1));
-        found
-            .filter(|(_, miss)| *miss > OFF || miss.is_nan())
-            .map(|(row, miss)| (rows.name(row).to_owned(), miss))
-    };
-    if let Some((constraint, miss)) = largest(&mut rows.values().iter().copied()) {
-        return Err(ProblemError::Loop { cause: LoopError::Open { key: of_q, constraint, miss } });
-    }
-    let Some(v) = v else { return Ok(()) };
-    let rate = |row: usize| rows.jacobian().row(row).iter().zip(v).map(|(j, v)| j * v).sum::<f64>();
-    match largest(&mut (0..rows.count()).map(rate)) {
-        Some((constraint, rate)) => {
-            Err(ProblemError::Loop { cause: LoopError::Leads { key: of_v, constraint, rate } })
-        }
-        None => Ok(()),
-    }
 }
 
 /// At most `most` of the given coordinates that are independent of each other and of the rows, at the

@@ -28,6 +28,7 @@ pub(crate) mod obstacles;
 pub(crate) mod parts;
 mod phases;
 pub(crate) mod references;
+mod robot_limits;
 pub(crate) mod rounded;
 pub(crate) mod running_cost;
 mod soles;
@@ -35,6 +36,7 @@ pub(crate) mod source_error;
 mod standing;
 pub(crate) mod task;
 pub(crate) mod task_error;
+mod toe_edge;
 pub(crate) mod tools;
 pub(crate) mod torque_speed_error;
 pub(crate) mod urdf_bodies;
@@ -42,7 +44,7 @@ mod via;
 mod via_error;
 mod walking;
 pub(crate) mod warning;
-mod wrench_cone;
+pub(crate) mod wrench_cone;
 
 pub use end_error::{EndError, Leads};
 pub use free_error::FreeMotionError;
@@ -64,7 +66,7 @@ pub use via_error::ViaError;
 use crate::problem::key::Key;
 use crate::problem::loop_rows::Loops;
 use crate::problem::running_cost::UserTerm;
-use costate::robot::{Joint, Limits, Robot};
+use costate::robot::Robot;
 use std::sync::Arc;
 
 /// Find u(t) that moves a robot from its start to its end and minimises
@@ -211,25 +213,6 @@ impl Problem {
         Self { task, ..self }
     }
 
-    /// Whether the limits of the robot's joints are limits of the motion, which the direct method keeps
-    /// ([`MotionLimits::from_robot`]).
-    pub fn keeps_robot_limits(&self) -> bool {
-        let by_default = || self.needs_direct() || self.has_limits_of_a_product();
-        self.limits.from_robot.unwrap_or_else(by_default)
-    }
-
-    /// Whether all joints of the robot have limits of rate and effort, as those of arms that are sold have,
-    /// and the problem has no other way to limit them.
-    fn has_limits_of_a_product(&self) -> bool {
-        self.bounds.is_none() && self.penalty.is_none() && self.joint_without_limits().is_none()
-    }
-
-    /// The name of the first joint of the robot without a limit of rate or effort.
-    pub fn joint_without_limits(&self) -> Option<&str> {
-        let lacks = |joint: &&Joint| joint.limits.velocity.is_infinite() || joint.limits.effort.is_infinite();
-        self.robot.independent_joints().find(lacks).map(|joint| joint.name.as_str())
-    }
-
     /// The names of the ends, "start" and "end", at rest where accelerations jump: those of the motion are
     /// continuous there, but they are not given, so the motion need not begin or end with those of a robot at
     /// rest.
@@ -241,38 +224,6 @@ impl Problem {
         let jumps = |end: &BoundaryState| end.a.is_none() && rests(end);
         let ends = [("start", &self.start), ("end", &self.end)];
         ends.into_iter().filter(|(_, end)| jumps(end)).map(|(name, _)| name).collect()
-    }
-
-    /// Whether limits of the robot are left out since nothing is said about limits, and nothing else has them
-    /// kept.
-    pub fn leaves_out_robot_limits(&self) -> bool {
-        let is_limited = self.robot.independent_joints().any(limited);
-        self.limits == MotionLimits::unsaid() && !self.keeps_robot_limits() && is_limited
-    }
-
-    /// Whether there is anything that only the direct method takes, beside limits of the robot.
-    pub(crate) fn needs_direct(&self) -> bool {
-        self.limits.any_given() || self.first_for_direct().is_some() || self.is_closed()
-    }
-
-    /// What has the limits of the robot kept, where nothing is said about limits: the first of a cost of
-    /// energy, rates, accelerations, tools, obstacles, vias and a period, which the direct method alone
-    /// takes. `None` if they are not kept, if they are asked for, or if the robot has none.
-    pub fn keeps_robot_limits_by(&self) -> Option<Key> {
-        let unsaid = self.limits == MotionLimits::unsaid();
-        self.first_for_direct().filter(|_| unsaid && self.robot.independent_joints().any(limited))
-    }
-
-    /// What the direct method alone takes, beside limits.
-    fn first_for_direct(&self) -> Option<Key> {
-        let energy = self.cost.has_energy().then_some(Key::ENERGY);
-        let rates = || self.first_of_rates();
-        let gait = || self.gait.as_ref().map(|_| Key::GAIT_STANCE);
-        energy
-            .or_else(rates)
-            .or_else(|| self.task.first_key())
-            .or_else(|| self.first_of_phases())
-            .or_else(gait)
     }
 
     /// What makes accelerations continuous, if anything does: a limit or a cost of jerks or of rates of
@@ -305,10 +256,4 @@ impl Problem {
     pub(crate) fn terms_may_be_weaker(&self) -> bool {
         !self.terms.is_empty() && (self.cost.time > 0.0 || matches!(self.time, FinalTime::Fixed(_)))
     }
-}
-
-/// Whether a joint has any limit.
-fn limited(joint: &Joint) -> bool {
-    let Limits { lower, upper, velocity, effort, .. } = joint.limits;
-    lower.is_finite() || upper.is_finite() || velocity.is_finite() || effort.is_finite()
 }

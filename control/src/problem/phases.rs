@@ -54,6 +54,12 @@ impl Problem {
         self.task.moves_with_links() || self.vias.iter().any(|via| !via.tools.is_empty())
     }
 
+    /// The parts of the duration that the phases take, if they are given: of a step with double support.
+    pub(crate) fn parts_of_time(&self) -> Option<[f64; 2]> {
+        let share = self.loops.as_ref()?.walk.as_ref()?.gait.double_support?;
+        Some([share, 1.0 - share])
+    }
+
     /// The times that are given at the ends of the phases (s).
     pub(crate) fn times_at_ends(&self) -> Vec<Option<f64>> {
         let end = match self.time {

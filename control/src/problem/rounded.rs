@@ -7,6 +7,11 @@ pub(crate) fn rounded(number: f64) -> String {
     shown(format!("{number:.3e}").parse().unwrap_or(number))
 }
 
+/// A position (rad, m) that can be given as it is shown: to 1e-10.
+pub(crate) fn coordinate(number: f64) -> String {
+    shown(format!("{number:.10}").parse().unwrap_or(number))
+}
+
 /// Six digits of the ends of a range that was computed, and none of what is small beside it.
 pub(crate) fn rounded_range(ends: [f64; 2]) -> [String; 2] {
     let size = ends.iter().filter(|end| end.is_finite()).fold(0.0_f64, |size, end| size.max(end.abs()));
@@ -23,12 +28,13 @@ fn shown(number: f64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{rounded, rounded_range};
+    use super::{coordinate, rounded, rounded_range};
 
     #[test]
     fn four_digits_are_left() {
         let numbers = [0.346_548_589, -0.0, 12_345.678, 6.666_666_6e9, -1e-9, f64::INFINITY, f64::NAN];
         assert_eq!(numbers.map(rounded), ["0.3465", "0", "12350", "6.667e9", "-1e-9", "inf", "NaN"]);
+        assert_eq!([1.0 / 3.0, -1e-14, 12.5].map(coordinate), ["0.3333333333", "0", "12.5"]);
         assert_eq!(rounded_range([-2.3e-32, 3.190_999_9]), ["0", "3.191"]);
         assert_eq!(rounded_range([-0.0, 0.0]), ["0", "0"]);
         assert_eq!(rounded_range([f64::NEG_INFINITY, 2.718_254_5]), ["-inf", "2.71825"]);

@@ -26,12 +26,7 @@ use std::ops::Range;
 const EDGES: [(&str, f64); 2] = [("ahead", 1.0), ("back", -1.0)];
 
 impl Gait {
-    /// Number of rows that hold a foot.
-    pub(crate) fn rows_of_foot(&self) -> usize {
-        self.rows_of_pose().len()
-    }
-
-    /// Those of the pose of a foot that are held.
+    /// Those of the pose of a foot that are held if it is flat.
     fn rows_of_pose(&self) -> &'static [ConstraintRow] {
         use ConstraintRow::{TurnY, X, Y, Z};
         match (self.is_in_space(), self.sole.is_some()) {
@@ -42,18 +37,20 @@ impl Gait {
         }
     }
 
-    /// Whether a row of a foot is an angle.
-    pub(crate) fn is_angle(&self, row: usize) -> bool {
-        row >= if self.is_in_space() { 3 } else { 2 }
+    /// Whether a row of a foot that stands so is an angle.
+    pub(crate) fn is_angle(&self, contact: SoleContact, row: usize) -> bool {
+        !self.is_on_edge(contact) && row >= if self.is_in_space() { 3 } else { 2 }
     }
 
-    /// The rows of a foot whose sum is zero at the start: of the first foot its place, of others their
-    /// heights, in space y too, and angles of both.
+    /// The rows of a flat foot, or a point, whose sum is zero at the start: of the first foot its place, of
+    /// others their heights, in space y too, and angles of both.
     pub(crate) fn places_of_foot(&self, foot: usize) -> Vec<Range<usize>> {
         let heights: &[[usize; 2]] = if self.is_in_space() { &[[1, 2], [2, 3]] } else { &[[0, 2]] };
-        let angles = (0..self.rows_of_foot()).filter(|row| self.is_angle(*row)).map(|row| row..row + 1);
+        let all = 0..self.rows_of_pose().len();
+        let angles = all.clone().filter(|row| self.is_angle(SoleContact::Flat, *row));
+        let angles = angles.map(|row| row..row + 1);
         match foot {
-            0 => (0..self.rows_of_foot()).map(|row| row..row + 1).collect(),
+            0 => all.map(|row| row..row + 1).collect(),
             _ => heights.iter().map(|&[from, to]| from..to).chain(angles).collect(),
         }
     }
@@ -92,6 +89,9 @@ impl Gait {
     /// positive, and the [load of the toe](Self::load_of_toe) of a flat sole too; in space all sides are in
     /// [`cone`](Self::cone).
     pub(super) fn held(&self, foot: &str, [x, y]: [f64; 2], contact: SoleContact) -> Vec<ConstraintSpec> {
+        if self.is_on_edge(contact) {
+            return self.held_edge(foot, [x, y]);
+        }
         if self.is_in_space() {
             return vec![self.placed(foot, foot, [x, y, 0.0])];
         }
@@ -108,9 +108,10 @@ impl Gait {
     }
 
     /// The rows of a foot in which its force is told: those of its pose, or x and z of its toe if it stands
-    /// on that alone.
+    /// on that alone, y too of an edge.
     pub(super) fn told(&self, foot: &str, contact: SoleContact) -> ConstraintSpec {
         match (self.sole, contact) {
+            _ if self.is_on_edge(contact) => self.told_edge(foot),
             (Some([_, toe]), SoleContact::Toe) => {
                 let rows = [ConstraintRow::X, ConstraintRow::Z];
                 self.at_corner(ConstraintSpec::rows(foot, foot, "world", &rows), [toe, 0.0])
@@ -119,11 +120,23 @@ impl Gait {
         }
     }
 
-    /// Force (f_x, f_z) and torque about the origin of the foot of each of the rows of [`held`](Self::held);
-    /// in space all six.
-    pub(super) fn columns(&self) -> Vec<Vec<f64>> {
+    /// The rows of a foot that the ground holds when others land: all that hold it, so many.
+    pub(super) fn at_landing(&self, foot: &str, contact: SoleContact) -> ConstraintSpec {
+        match self.is_on_edge(contact) {
+            true => self.landing_edge(foot),
+            false => self.told(foot, contact),
+        }
+    }
+
+    /// Of each of the rows of [`held`](Self::held) those of [`told`](Self::told): force (f_x, f_z) and torque
+    /// about the origin of the foot, of which a toe has the first two; in space all six, of an edge the
+    /// force.
+    pub(super) fn columns(&self, contact: SoleContact) -> Vec<Vec<f64>> {
+        if self.is_on_edge(contact) {
+            return self.columns_of_edge();
+        }
         if self.is_in_space() {
-            let rows = self.rows_of_foot();
+            let rows = self.rows_of_pose().len();
             return (0..rows).map(|i| (0..rows).map(|j| f64::from(u8::from(i == j))).collect()).collect();
         }
         let (angle, toe) = (self.friction.atan(), self.sole.map_or(0.0, |[_, toe]| toe));
@@ -169,7 +182,7 @@ mod tests {
     fn the_cone_is_that_of_heel_and_toe() {
         let ([heel, toe], friction) = ([-0.1, 0.2], 0.5);
         let gait = Gait::new(&["a"], &["b"], "x", 0.3).with_sole(heel, toe).with_friction(friction);
-        let (columns, load) = (gait.columns(), gait.load_of_toe().unwrap());
+        let (columns, load) = (gait.columns(SoleContact::Flat), gait.load_of_toe().unwrap());
         let edges = nalgebra::Matrix3::from_fn(|i, j| columns[j][i]);
         let inverse = edges.try_inverse().unwrap();
         // Both vertical forces, and the horizontal one in parts of the friction.

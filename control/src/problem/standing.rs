@@ -5,12 +5,12 @@
 //! multiplier has no force. The robot comes to the start without an impulse, `v(0) = S v(T)`: the rates of
 //! the feet behind are zero then whatever the motion is, and those in front have to be.
 
+use super::Problem;
 use super::error::ProblemError;
 use super::gait::{Gait, SoleContact};
 use super::gait_error::GaitError;
 use super::key::Key;
 use super::loop_rows::{Foot, LoopPhase};
-use super::{FinalTime, Problem};
 use costate::robot::{ConstraintSpec, Robot, RobotError};
 use std::sync::Arc;
 
@@ -60,12 +60,10 @@ impl Problem {
         Ok(())
     }
 
-    /// Whether double support takes a part of the step, which takes a given time, and soles behind stand as
-    /// they can.
+    /// Whether double support takes a part of the step, and soles behind stand as they can.
     ///
     /// # Errors
-    /// [`GaitError::OutOfRange`], [`GaitError::ToesInSpace`], [`GaitError::FreeDuration`],
-    /// [`GaitError::NoSolesBehind`].
+    /// [`GaitError::OutOfRange`], [`GaitError::NoSolesBehind`].
     pub(super) fn check_double_support(&self, gait: &Gait) -> Result<(), ProblemError> {
         let is_flat = gait.trailing == SoleContact::Flat;
         if is_flat && (gait.sole.is_none() || gait.double_support.is_none()) {
@@ -73,13 +71,10 @@ impl Problem {
         }
         let Some(value) = gait.double_support else { return Ok(()) };
         let remedy = "the part of the step that all feet stand must be more than 0 and less than 1";
-        let fault = match self.time {
-            _ if !(value > 0.0 && value < 1.0) => GaitError::OutOfRange { value, remedy },
-            _ if gait.is_in_space() && gait.sole.is_some() && !is_flat => GaitError::ToesInSpace,
-            FinalTime::Free { .. } => GaitError::FreeDuration,
-            FinalTime::Fixed(_) => return Ok(()),
-        };
-        Err(fault.at(Key::GAIT_DOUBLE_SUPPORT))
+        match value > 0.0 && value < 1.0 {
+            true => Ok(()),
+            false => Err(GaitError::OutOfRange { value, remedy }.at(Key::GAIT_DOUBLE_SUPPORT)),
+        }
     }
 
     /// The feet of a gait on the ground, x and y of those that stand in `places`.
@@ -94,21 +89,26 @@ impl Problem {
         let mut add = |name: &String, place: [f64; 2], contact: SoleContact, robot: Robot| {
             let first = count(&robot);
             let robot = gait.held(name, place, contact).into_iter().try_fold(robot, with)?;
-            feet.push(Foot { name: name.clone(), rows: first..count(&robot), contact });
+            feet.push(Foot { name: name.clone(), rows: first..count(&robot), told: 0..0, contact });
             Ok::<_, ProblemError>(robot)
         };
         for ((stands, swings), place) in gait.stance.iter().zip(&gait.swing).zip(places) {
             robot = add(stands, *place, SoleContact::Flat, robot)?;
             foot = with(foot, gait.told(stands, SoleContact::Flat))?;
-            landing = with(landing, gait.told(swings, SoleContact::Flat))?;
+            landing = with(landing, gait.at_landing(swings, SoleContact::Flat))?;
         }
         let single = robot.clone();
         if gait.double_support.is_some() {
             for ((stands, swings), [x, y]) in gait.stance.iter().zip(&gait.swing).zip(places) {
                 robot = add(swings, [x - gait.length, -y], gait.trailing, robot)?;
                 foot = with(foot, gait.told(swings, gait.trailing))?;
-                landing = with(landing, gait.told(stands, gait.trailing))?;
+                landing = with(landing, gait.at_landing(stands, gait.trailing))?;
             }
+        }
+        let mut first = 0;
+        for (own, told) in feet.iter_mut().zip(foot.constraints()) {
+            own.told = first..first + told.kind.rows();
+            first = own.told.end;
         }
         let phase = |robot: &Robot| LoopPhase { robot: robot.clone(), rows: count(robot) };
         let phases = match gait.double_support {

@@ -19,9 +19,9 @@ use super::error::ProblemError;
 use super::gait::Gait;
 use super::gait_error::GaitError;
 use super::key::Key;
-use super::loop_rows::{LoopPhase, LoopRow, Loops, Walk, exchanged};
+use super::loop_rows::{Foot, LoopPhase, LoopRow, Loops, Walk, exchanged};
 use super::standing::{Standing, no_foot};
-use super::{BoundaryState, Problem, Via};
+use super::{BoundaryState, FinalTime, Problem, Via};
 use crate::constants::checks::gait::{PLANAR, SYMMETRIC};
 use costate::EvalError;
 use costate::constraints::{ConstrainedHamiltonian, Constraints};
@@ -99,25 +99,28 @@ impl Problem {
         let mut model = Lagrangian::<f64>::new(&self.robot);
         let mass = model.linearise_inverse_dynamics(&q, &still, &still).map_err(failed)?.tau_a;
         let scales: Vec<f64> = (0..q.len()).map(|i| mass[(i, i)]).collect();
-        let of_foot = |list: &dyn Fn(usize) -> f64| -> Vec<f64> {
-            feet.iter().flat_map(|foot| (0..foot.rows.len()).map(list)).collect()
-        };
         let (share, gravity) = (scales[along] / (2.0 * places.len() as f64), self.robot.gravity().norm());
         // The weight is on both edges alike, and a sole is pressed in its middle.
-        let masses = of_foot(&|row| match gait.sole {
-            Some([heel, toe]) if gait.is_angle(row) => share * (toe - heel),
+        let mass = |(foot, row): (&Foot, usize)| match gait.sole {
+            _ if gait.is_on_edge(foot.contact) => 2.0 * share * gait.parts_of_edge()[row],
+            Some([heel, toe]) if gait.is_angle(foot.contact, row) => share * (toe - heel),
             _ if gait.is_in_space() => 2.0 * share,
             _ => share / angle.cos(),
+        };
+        let all = feet.iter().flat_map(|foot| (0..foot.rows.len()).map(move |row| (foot, row)));
+        let masses: Vec<f64> = all.map(mass).collect();
+        let columns = feet.iter().flat_map(|foot| {
+            let columns = gait.columns(foot.contact);
+            columns.into_iter().take(foot.rows.len())
         });
-        let columns = gait.columns();
-        let columns = feet.iter().flat_map(|foot| columns[..foot.rows.len()].iter().cloned()).collect();
+        let columns = columns.collect();
         if gait.sole.is_some() || gait.is_in_space() {
             // A foot alone is light and easily turned: in its own masses the weight is an acceleration of
             // thousands of units, and limits would be kept to parts of one.
             kept.iter_mut().zip(&masses).for_each(|(row, mass)| row.mass = *mass);
         }
         let lift = match gait.is_in_space() {
-            true => gait.lift_in_space(2.0 * share * gravity, &kept),
+            true => gait.lift_in_space(2.0 * share * gravity, &feet, &kept),
             false => kept.iter().zip(masses).map(|(row, mass)| mass * gravity / row.mass).collect(),
         };
         let gait = gait.clone();
@@ -141,8 +144,11 @@ impl Problem {
         // Without an impulse the rates of the multipliers are zero at the start.
         let impulses = if walk.has_double_support() { 0 } else { k };
         let (first, last) = (state(q, [n, n + impulses]), state(&end, [n + k; 2]));
-        let vias = walk.gait.double_support.map(|share| Via::default().with_time(share * time));
-        let vias = vias.into_iter().collect();
+        let lift_off = |share: f64| match self.time {
+            FinalTime::Fixed(time) => Via::default().with_time(share * time),
+            FinalTime::Free { .. } => Via::default(),
+        };
+        let vias = walk.gait.double_support.map(lift_off).into_iter().collect();
         let loops = Loops { phases, walk: Some(walk), ..Loops::new(self.robot.clone(), rows) };
         Self { vias, ..self.with_coordinates_of(loops, first, last) }
     }

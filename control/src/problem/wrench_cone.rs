@@ -15,7 +15,7 @@
 //! Conference on Robotics and Automation (2015) 5107-5112. The second pair of the first line is that the
 //! centre of pressure is in the rectangle, the last ones are that the foot does not turn.
 
-use super::gait::Gait;
+use super::gait::{Gait, SoleContact};
 
 /// Both signs.
 const SIGNS: [f64; 2] = [1.0, -1.0];
@@ -40,6 +40,11 @@ enum What {
 }
 
 impl ConeSide {
+    /// A force on a foot that is limited so.
+    pub(super) fn of_foot(by: Vec<f64>, what: &'static str) -> Self {
+        Self { by, length: None, what: What::Foot(what) }
+    }
+
     /// The foot, and what about it, as a force or an impulse of the ground.
     pub fn name_on(&self, foot: &str) -> String {
         match self.what {
@@ -50,14 +55,18 @@ impl ConeSide {
 }
 
 impl Gait {
-    /// The sides of the cone of a foot that are not limits of single multipliers: the load of the toe of a
-    /// sole in the plane, and in space all of them.
-    pub(crate) fn cone(&self) -> Vec<ConeSide> {
+    /// The sides of the cone of a foot that stands so which are not limits of single multipliers: the load of
+    /// the toe of a flat sole in the plane, and in space all of them.
+    pub(crate) fn cone(&self, contact: SoleContact) -> Vec<ConeSide> {
+        if self.is_on_edge(contact) {
+            return self.cone_of_edge();
+        }
         if self.is_in_space() {
             return self.sole.map_or_else(|| self.friction_pyramid(3), |sole| self.wrench_cone(sole));
         }
         let of_toe = |load: [f64; 3]| ConeSide { by: load.to_vec(), length: None, what: What::Corner("toe") };
-        self.load_of_toe().map(of_toe).into_iter().collect()
+        let load = self.load_of_toe().filter(|_| contact == SoleContact::Flat);
+        load.map(of_toe).into_iter().collect()
     }
 
     /// `mu f_z - |f_x|` and `mu f_z - |f_y|` of so many multipliers, of which the first three are the force.
@@ -66,7 +75,7 @@ impl Gait {
         let side = |axis: usize, at: usize| {
             let mut by = vec![0.0; count];
             (by[axis], by[2]) = (-SIGNS[at], self.friction);
-            ConeSide { by, length: None, what: What::Foot(names[axis][at]) }
+            ConeSide::of_foot(by, names[axis][at])
         };
         (0..2).flat_map(|axis| (0..2).map(move |at| side(axis, at))).collect()
     }
@@ -131,7 +140,7 @@ mod tests {
     }
 
     fn least(wrench: &[f64]) -> f64 {
-        let cone = gait().cone();
+        let cone = gait().cone(SoleContact::Flat);
         let values = cone.iter().map(|side| side.by.iter().zip(wrench).map(|(by, f)| by * f).sum::<f64>());
         values.fold(f64::INFINITY, f64::min)
     }
@@ -153,7 +162,7 @@ mod tests {
 
     #[test]
     fn forces_at_the_corners_are_in_the_cone() {
-        let cone = gait().cone();
+        let cone = gait().cone(SoleContact::Flat);
         assert_eq!(cone.len(), 16);
         for generator in generators().column_iter() {
             assert!(least(generator.as_slice()) > -1e-15, "{generator}");
@@ -191,9 +200,10 @@ mod tests {
 
     #[test]
     fn sides_are_named() {
-        let names: Vec<String> = gait().cone().iter().map(|side| side.name_on("foot")).collect();
+        let names: Vec<String> =
+            gait().cone(SoleContact::Flat).iter().map(|side| side.name_on("foot")).collect();
         assert_eq!((&*names[0], &*names[5]), ("foot (friction ahead)", "foot (pressure behind)"));
         let planar = Gait::new(&["a"], &["b"], "x", 0.3).with_sole(-0.1, 0.2);
-        assert_eq!(planar.cone()[0].name_on("foot"), "foot on its toe");
+        assert_eq!(planar.cone(SoleContact::Flat)[0].name_on("foot"), "foot on its toe");
     }
 }

@@ -21,6 +21,10 @@ pub struct ConstraintForces {
     /// Largest `|g(q(t)) - g(q(0))|` of its rows at the nodes (m, rad), in the phases in which it holds: what
     /// the motion drifts from the constraint.
     pub drift: f64,
+    /// Its rows that depend on others at the start, from 0 in the order of `multipliers`: they are left out,
+    /// and their multipliers are zero.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub redundant: Vec<usize>,
     /// The rows of lambda at each node of the trajectory: forces (N) of rows in m, moments (N m) of rows in
     /// rad. Rows that depend on those before them have none.
     pub multipliers: Vec<Vec<f64>>,
@@ -35,7 +39,7 @@ pub struct ConstraintForces {
 
 impl ConstraintForces {
     /// Those of all constraints of a robot, from lambda of all rows at the nodes of a motion; `holds` says
-    /// which of them hold in a phase, from 0.
+    /// which of them hold in a phase, from 0, and `counts` which rows of all do not depend on others.
     ///
     /// # Errors
     /// A position that cannot be evaluated.
@@ -44,19 +48,24 @@ impl ConstraintForces {
         motion: &Trajectory,
         lambda: &[Vec<f64>],
         holds: impl Fn(usize, usize) -> bool,
+        counts: impl Fn(usize) -> bool,
     ) -> Result<Vec<Self>, EvalError> {
         let mut rows = Constraints::<f64>::new(robot);
         let name = |at: &ConstraintFrame| robot.frames()[at.frame].name.clone();
         let constraints = robot.constraints();
         let mut all: Vec<Self> = Vec::with_capacity(constraints.len());
+        let mut before = 0;
         for constraint in constraints {
+            let rows = constraint.kind.rows();
+            let redundant = (0..rows).filter(|row| !counts(before + row)).collect();
+            before += rows;
             let [frame, to] = match &constraint.kind {
                 ConstraintKind::Frames { frame, to, .. } | ConstraintKind::Distance { frame, to, .. } => {
                     [name(frame), name(to)]
                 }
                 _ => Default::default(),
             };
-            all.push(Self { name: constraint.name.clone(), frame, to, ..Self::default() });
+            all.push(Self { name: constraint.name.clone(), frame, to, redundant, ..Self::default() });
         }
         let mut start = Vec::new();
         let phases = motion.phases().enumerate().flat_map(|(phase, nodes)| nodes.map(move |_| phase));

@@ -25,6 +25,7 @@ pub(crate) mod rates;
 pub(crate) mod rows;
 pub(crate) mod samples;
 pub(crate) mod saved;
+mod saved_parts;
 pub(crate) mod saved_start;
 pub(crate) mod solution;
 pub(crate) mod solved;

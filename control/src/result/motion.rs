@@ -62,7 +62,8 @@ pub struct Motion {
     /// T (s); NaN without a motion.
     pub final_time: f64,
     /// `H* = -dJ/dT`: its mean over the nodes and inner points; of the direct method that of the last
-    /// phase, whose time T changes where those of vias stay. With [references](crate::Reference) over time H*
+    /// phase, whose time T changes where those of vias stay, and of steps with double support, all phases of
+    /// which stretch, the mean over their time. With [references](crate::Reference) over time H*
     /// is not constant: then that at the end, the mean of $H^\\ast(t) - \int\_t^T l\_t \\, dt$.
     pub hamiltonian: f64,
     /// H* in each phase of a motion of the direct method: minus the derivative of the least cost on its mesh

@@ -8,48 +8,13 @@ use crate::result::limit_use::LimitReport;
 use crate::result::motion::{Certificate, Motion};
 use crate::result::polish_report::PolishReport;
 use crate::result::rows::Rows;
+use crate::result::saved_parts::{SavedCostates, SavedStart, SavedViolation, UNITS, Units, finite};
 use crate::result::solution::{CostateStart, RobotNames, Solution};
-use crate::result::start::{GuessKind, StartResult};
+use crate::result::start::StartResult;
 use crate::result::trajectory_error::{TrajectoryError, VERSION, check_version};
-use crate::status::{BoundViolation, Status};
+use crate::status::Status;
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize};
-
-/// Units of the numbers in the file.
-#[derive(Serialize)]
-struct Units {
-    time: &'static str,
-    revolute: &'static str,
-    prismatic: &'static str,
-}
-
-const UNITS: Units = Units { time: "s", revolute: "rad, rad/s, N m", prismatic: "m, m/s, N" };
-
-#[derive(Default, Serialize, Deserialize)]
-struct SavedCostates {
-    y_q: Vec<f64>,
-    y_p: Vec<f64>,
-}
-
-#[derive(Serialize, Deserialize)]
-struct SavedStart {
-    total: Option<f64>,
-    status: Status,
-    #[serde(default)]
-    guess: GuessKind,
-    #[serde(default = "one")]
-    looks: usize,
-}
-
-/// A [`BoundViolation`], with its joint by name.
-#[derive(Serialize, Deserialize)]
-struct SavedViolation {
-    joint: String,
-    time: f64,
-    u: f64,
-    bound: f64,
-    factor: f64,
-}
 
 /// A solution. A number that is not finite is null.
 #[derive(Serialize, Deserialize)]
@@ -131,10 +96,6 @@ fn units() -> Units {
     UNITS
 }
 
-fn one() -> usize {
-    1
-}
-
 fn not_verified() -> Verify {
     Verify::None
 }
@@ -153,39 +114,6 @@ impl<'de> Deserialize<'de> for Solution {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         Document::deserialize(deserializer)?.try_into().map_err(Error::custom)
     }
-}
-
-impl From<&StartResult> for SavedStart {
-    fn from(start: &StartResult) -> Self {
-        let StartResult { total, status, guess, looks } = start.clone();
-        Self { total: finite(total), status, guess, looks }
-    }
-}
-
-impl From<SavedStart> for StartResult {
-    fn from(start: SavedStart) -> Self {
-        let SavedStart { total, status, guess, looks } = start;
-        Self { total: total.unwrap_or(f64::INFINITY), status, guess, looks }
-    }
-}
-
-impl SavedViolation {
-    fn new(violation: BoundViolation, joints: &[String]) -> Self {
-        let BoundViolation { control, time, u, bound, factor } = violation;
-        Self { joint: joints.get(control).cloned().unwrap_or_default(), time, u, bound, factor }
-    }
-
-    fn into_violation(self, joints: &[String]) -> Result<BoundViolation, TrajectoryError> {
-        let Self { joint, time, u, bound, factor } = self;
-        match joints.iter().position(|name| *name == joint) {
-            Some(control) => Ok(BoundViolation { control, time, u, bound, factor }),
-            None => Err(TrajectoryError::UnknownJoint { joint, joints: joints.to_vec() }),
-        }
-    }
-}
-
-fn finite(x: f64) -> Option<f64> {
-    x.is_finite().then_some(x)
 }
 
 impl From<&Solution> for Document {

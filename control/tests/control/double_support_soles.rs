@@ -3,7 +3,10 @@
 //! The judges are forward dynamics with contacts, frames and impacts of the library, none of which the solver
 //! uses.
 
-use super::gaits::{ROWS, example, integrated, keeps_its_limits, largest_difference, lift_off, solved};
+use super::gaits::{
+    ROWS, example, integrated, is_best_duration, keeps_its_limits, largest_difference, least_energy,
+    lift_off, solved,
+};
 use super::soles::{N, exchanged};
 use costate::constraints::{ConstrainedLagrangian, Impact};
 use costate::contacts::{Contact, Stance};
@@ -230,6 +233,15 @@ fn first_meshes_lead_to_the_same_step() {
     assert!((other.total() / best.total() - 1.0).abs() < 1e-5, "{}", other.total());
     let short = solve(&with(gait().with_double_support(0.1)), options);
     assert!((lift_off(&short) - 0.06).abs() < 1e-12 && short.total() > 1.02 * best.total());
+}
+
+/// With a price of time, both phases stretch in proportion to the best duration.
+#[test]
+fn the_best_duration_is_found() {
+    let (problem, options) = (least_energy(&walk().0, 0.8), file().options.with_tolerance(1e-4));
+    let free = solve(&problem, options.clone());
+    assert!((lift_off(&free) - 0.2 * free.motion.final_time).abs() < 1e-12);
+    is_best_duration(&problem, &options, &free);
 }
 
 /// A foot that has to stay flat behind costs more.

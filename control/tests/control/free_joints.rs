@@ -1,24 +1,23 @@
-//! Motions of robots with floating and spherical joints: closed forms, what nothing can change, refusals,
-//! files.
+//! Motions of robots with floating and spherical joints: closed forms, what nothing can change, files.
 
 use costate::configuration::ConfigurationSpace;
 use costate::hamiltonian::Hamiltonian;
 use costate::robot::{JointSpec, LinkInertia, LoadOptions, Placement, Robot};
 use costate_control::{
-    BoundaryState, FreeMotionError, Method, MotionLimits, Objective, Problem, ProblemError, ProblemFile,
-    Resolve, Solution, Solver, SolverOptions, Status, Trajectory,
+    BoundaryState, FreeMotionError, Method, MotionLimits, Problem, ProblemError, ProblemFile, Solution,
+    Solver, SolverOptions, Status, Trajectory,
 };
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use std::f64::consts::PI;
 
-const INF: f64 = f64::INFINITY;
+pub(crate) const INF: f64 = f64::INFINITY;
 
 fn body(mass: f64, inertia: [f64; 3]) -> LinkInertia {
     LinkInertia::about_com(mass, [0.0; 3], Matrix3::from_diagonal(&Vector3::from(inertia)))
 }
 
 /// The quaternion (x, y, z, w) of a rotation vector.
-fn turned(by: [f64; 3]) -> [f64; 4] {
+pub(crate) fn turned(by: [f64; 3]) -> [f64; 4] {
     UnitQuaternion::from_scaled_axis(Vector3::from(by)).coords.into()
 }
 
@@ -104,7 +103,7 @@ fn a_motor_that_is_too_weak_is_named_with_what_it_lacks() {
 }
 
 /// A floating base with two links that nothing holds.
-fn flyer(gravity: [f64; 3]) -> Robot {
+pub(crate) fn flyer(gravity: [f64; 3]) -> Robot {
     let link = LinkInertia::about_com(1.0, [0.4, 0.0, 0.1], Matrix3::identity() * 0.05);
     let trunk = LinkInertia::about_com(4.0, [0.1, -0.05, 0.0], Matrix3::from_diagonal_element(0.3));
     let at = |x: f64| Placement::from_xyz_rpy([x, 0.1, 0.2], [0.2, 0.0, 0.3]);
@@ -205,94 +204,6 @@ fn what_is_saved_is_read_again() {
     let force = model.mass_matrix(&samples.q[0]).unwrap().view().to_nalgebra()
         * nalgebra::DVector::from_column_slice(&samples.a[0]);
     assert!(force.iter().zip(&samples.tau[0]).all(|(a, b)| (a - b).abs() < 1e-9));
-}
-
-#[test]
-fn what_is_not_taken_is_named() {
-    let start = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.5];
-    let end = [&[0.0; 3][..], &turned([0.0, 0.0, 0.3]), &[1.5, -0.8]].concat();
-    let base = || {
-        let free = [0, 1, 2];
-        let problem = Problem::rest_to_rest(flyer([0.0; 3]), &start, &end, 1.0);
-        let end = problem.end.clone().with_q_free(&free);
-        problem.with_end(end)
-    };
-    let refused = |problem: Problem| problem.check_for(Method::Direct).unwrap_err();
-    base().check_for(Method::Direct).unwrap();
-    let limits = MotionLimits::none;
-    let not_taken = [
-        (base().with_limits(limits().with_v_max(vec![1.0; 8])), "limits.v_max"),
-        (base().with_limits(limits().with_a_max(vec![1.0; 8])), "limits.a_max"),
-        (base().with_limits(limits().with_jerk_max(vec![1.0; 8])), "limits.jerk_max"),
-        (base().with_limits(limits().with_power_max(vec![1.0; 8])), "limits.power_max"),
-        (base().with_limits(limits().with_total_power_max(1.0)), "limits.total_power_max"),
-        (base().with_cost(Objective::new(0.0, vec![1.0; 8]).with_energy(vec![1.0; 8])), "cost.energy"),
-        (base().with_period(vec![0.0; 8]), "periodic.shift"),
-        (base().with_start(BoundaryState::fixed(&start, &[0.0; 8]).with_q_free(&[7])), "start.q_free"),
-        (base().with_start(BoundaryState::fixed(&start, &[0.0; 8]).with_v_free(&[7])), "start.v_free"),
-    ];
-    for (problem, key) in not_taken {
-        let error = refused(problem);
-        let ProblemError::Free { cause: FreeMotionError::NotTaken { joint, .. } } = &error else {
-            panic!("{key}: {error}")
-        };
-        assert_eq!((joint.as_str(), error.key().unwrap().to_string()), ("root", key.to_owned()));
-    }
-    let mut wrong = start;
-    wrong[6] = 1.1;
-    let error = refused(base().with_start(BoundaryState::fixed(&wrong, &[0.0; 8])));
-    assert!(error.to_string().contains("q[3] to q[6], has length 1.1"), "{error}");
-    let error = refused(base().with_start(BoundaryState::fixed(&start[..8], &[0.0; 8])));
-    assert!(error.to_string().contains("has 8 entries, and the robot 9 positions"), "{error}");
-    let error = refused(base().with_limits(limits().with_torque_max(vec![0.0; 8])));
-    assert!(error.to_string().contains("nothing drives the robot"), "{error}");
-    let lower = [&[-1.0][..], &[-INF; 7]].concat();
-    let error = refused(base().with_limits(limits().with_q_min(lower)));
-    assert!(error.to_string().contains("'root_x'"), "{error}");
-    // Other methods, and what solves again.
-    for method in [Method::Collocation, Method::Shooting] {
-        assert!(matches!(base().check_for(method), Err(ProblemError::FreeJoint { .. })));
-    }
-    let again = Resolve::new(&base(), SolverOptions::default());
-    assert!(matches!(again, Err(ProblemError::FreeJoint { joint, .. }) if joint == "root"));
-}
-
-#[test]
-fn ends_that_no_motion_meets_are_named() {
-    let start = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.5];
-    let place = [&[0.3, 0.0, 0.0][..], &turned([0.0, 0.0, 0.3]), &[1.5, -0.8]].concat();
-    let problem = |end: BoundaryState| {
-        let problem = Problem::rest_to_rest(flyer([0.0; 3]), &start, &place, 1.0).with_end(end);
-        problem.check_for(Method::Direct).map(drop)
-    };
-    let end = |v: &[f64]| BoundaryState::fixed(&place, v);
-    let Err(ProblemError::Free { cause: FreeMotionError::CentreOfMass { position, joint } }) =
-        problem(end(&[0.0; 8]))
-    else {
-        panic!()
-    };
-    assert_eq!(joint, "root");
-    // With the position that it tells the end is met.
-    let mut there = place.clone();
-    there[..3].copy_from_slice(&position);
-    problem(BoundaryState::fixed(&there, &[0.0; 8])).unwrap();
-    let moving = [&[0.0; 6][..], &[1.0, 0.0]].concat();
-    let free = [0, 1, 2];
-    let error = problem(BoundaryState::fixed(&there, &moving)).unwrap_err();
-    assert!(error.to_string().contains("the momentum of what it carries is known"), "{error}");
-    let error = problem(end(&moving).with_q_free(&free)).unwrap_err();
-    assert!(error.to_string().contains("with the position of 'root_x' free"), "{error}");
-    let error = problem(end(&[0.0; 8]).with_q_free(&[0, 1, 2, 3, 4])).unwrap_err();
-    assert!(error.to_string().contains("two angles of joint 'root' are free"), "{error}");
-    let error = problem(BoundaryState::fixed(&there, &[0.0; 8]).with_v_free(&[7])).unwrap_err();
-    assert!(error.to_string().contains("2 rates are left to choose, but 7 are given"), "{error}");
-    // What falls is somewhere at one time only.
-    let falling = Problem::rest_to_rest(flyer([0.0, 0.0, -3.0]), &start, &place, 1.0)
-        .with_cost(Objective::new(1.0, vec![1.0; 8]))
-        .with_time(costate_control::FinalTime::Free { guess: 1.0 });
-    let error = falling.check_for(Method::Direct).unwrap_err();
-    assert!(error.to_string().contains("give time.final"), "{error}");
-    assert_eq!(error.key().unwrap().to_string(), "time.free");
 }
 
 /// A pendulum on a ball joint without a motor, wheels on the bob: its moment of momentum about the vertical

@@ -1,7 +1,9 @@
 //! What tests of gaits share: examples and their motions, legs exchanged, steps integrated again.
 
 use costate::robot::LoadOptions;
-use costate_control::{Problem, ProblemFile, Solution, Solver, SolverOptions, Trajectory};
+use costate_control::{
+    FinalTime, Objective, Problem, ProblemFile, Solution, Solver, SolverOptions, Status, Trajectory,
+};
 
 /// Rows of a trajectory for each interval: its ends, and three points of Gauss.
 pub(crate) const ROWS: usize = 5;
@@ -29,6 +31,35 @@ pub(crate) fn solved(problem: &Problem, options: SolverOptions) -> Solution {
         solution.motion.errors,
     );
     solution
+}
+
+/// With all energy of a step as its cost: the work of the motors where they drive, smoothed, their heat, and
+/// 40 W at rest. The time is free; the first three joints have no motors.
+pub(crate) fn least_energy(problem: &Problem, guess: f64) -> Problem {
+    let motors = |weight: f64| (0..problem.robot.dof()).map(|i| if i < 3 { 0.0 } else { weight }).collect();
+    let cost = Objective::new(40.0, motors(0.1)).with_energy(motors(1.0)).with_energy_smoothing(1.0);
+    problem.clone().with_cost(cost).with_time(FinalTime::Free { guess })
+}
+
+/// Whether a step takes the best duration: those beside it cost more, J has no slope there, and -H* is its
+/// slope beside it.
+pub(crate) fn is_best_duration(problem: &Problem, options: &SolverOptions, free: &Solution) {
+    let time = free.motion.final_time;
+    let beside = [0.95, 1.05].map(|part| {
+        let given = solved(&problem.clone().with_time(FinalTime::Fixed(part * time)), options.clone());
+        assert_eq!(given.motion.status, Status::Converged);
+        assert!(given.total() > free.total(), "{part}: {} {}", given.total(), free.total());
+        given
+    });
+    assert!(free.motion.hamiltonian.abs() * time < 1e-3 * free.total(), "{}", free.motion.hamiltonian);
+    let slopes = beside.each_ref().map(|given| -given.motion.hamiltonian);
+    assert!(slopes[0] < 0.0 && slopes[1] > 0.0, "{slopes:?}");
+    // By the trapezium on each side.
+    for (given, slope) in beside.iter().zip(slopes) {
+        let (rise, step) = (given.total() - free.total(), given.motion.final_time - time);
+        let expected = 0.5 * step * (slope - free.motion.hamiltonian);
+        assert!((rise - expected).abs() < 0.2 * rise, "{rise} {expected}");
+    }
 }
 
 /// The end of double support (s).

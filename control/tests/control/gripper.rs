@@ -1,20 +1,18 @@
 //! A parallel gripper with two loops closes: in five coordinates with four constraints its motion costs what
-//! that of one mass does, whose equation is written by hand below.
+//! that of one mass does, whose energies are written by hand below.
 
-use costate::derivative::Function;
+use super::reduced::{Energies, Reduced, between};
 use costate::dynamics::Automatic;
 use costate::robot::LoadOptions;
 use costate::scalar::Scalar;
-use costate_control::{
-    DirectDynamics, DynamicsProblem, EndState, FinalTime, ProblemFile, Solver, SolverOptions, Status,
-};
+use costate_control::{DirectDynamics, ProblemFile, Solver, SolverOptions, Status};
 
-/// (angle, rate) of the motor and its torque. Outer and inner links turn by the angle, fingers go along
-/// circles: the mass is constant.
+/// By the angle of the motor. Outer and inner links turn by it, fingers go along circles: the mass is
+/// constant.
 #[derive(Clone, Copy)]
 struct Motor {
     mass: f64,
-    /// The moment of the weights is `9.81 (moment_y cos - moment_z sin)`.
+    /// Masses times y and z of their places at zero (kg m), by which the weights have potential energy.
     moment: [f64; 2],
 }
 
@@ -32,22 +30,11 @@ impl Motor {
     }
 }
 
-impl Function for Motor {
-    type Workspace<S: Scalar> = ();
-    type Error = std::convert::Infallible;
-    fn inputs(&self) -> usize {
-        3
-    }
-    fn outputs(&self) -> usize {
-        2
-    }
-    fn workspace<S: Scalar>(&self) {}
-    fn evaluate<S: Scalar>(&self, _: &mut (), z: &[S], f: &mut [S]) -> Result<(), Self::Error> {
-        let (sin, cos) = z[0].sin_cos();
-        let [y, z_of] = self.moment;
-        let weights = cos.times(9.81 * y) - sin.times(9.81 * z_of);
-        (f[0], f[1]) = (z[1], (z[2] - weights).times(1.0 / self.mass));
-        Ok(())
+impl Energies for Motor {
+    fn energies<S: Scalar>(&self, angle: S) -> [S; 2] {
+        let (sin, cos) = angle.sin_cos();
+        let [y, z] = self.moment;
+        [S::from_f64(self.mass), sin.times(9.81 * y) + cos.times(9.81 * z)]
     }
 }
 
@@ -58,12 +45,11 @@ fn a_gripper_costs_what_the_one_mass_of_its_motor_does() {
     let options = SolverOptions::default().with_tolerance(1e-8);
     let solution = Solver::new(&problem, options.clone()).unwrap().solve();
     assert_eq!(solution.motion.status, Status::Converged);
-    let (from, to) = (EndState::fixed(&[0.0, 0.0]), EndState::fixed(&[0.6, 0.0]));
-    let alone = DynamicsProblem::new(from, to, FinalTime::Fixed(0.4), 1);
-    let mut alone = DirectDynamics::new(Automatic::<Motor>::new(Motor::new()), &alone)
-        .unwrap()
-        .with_state_limits(&[0.0, -2.0], &[0.81, 2.0])
-        .unwrap();
+    let mut alone =
+        DirectDynamics::new(Automatic::<Reduced<_>>::new(Reduced(Motor::new())), &between([0.0, 0.6], 0.4))
+            .unwrap()
+            .with_state_limits(&[0.0, -2.0], &[0.81, 2.0])
+            .unwrap();
     let alone = alone.solve(&options).unwrap();
     assert!(alone.status.is_converged(), "{:?}", alone.status);
     let cost = solution.total();

@@ -4,12 +4,12 @@
 //! uses for this; the wrench of the ground is what the base needs, which has no motors.
 
 use super::gaits::{example, largest_difference, solved};
+use super::plane_twins::Twins;
 use costate::constraints::Impact;
 use costate::contacts::{Contact, Stance};
 use costate::hamiltonian::Hamiltonian;
 use costate::kinematics::Kinematics;
 use costate::lagrangian::Lagrangian;
-use costate::robot::{LoadOptions, Robot};
 use costate_control::{
     Certificate, Gait, GaitError, Problem, ProblemError, ProblemFile, Solution, Solver, SolverOptions,
     Status, Verify,
@@ -19,7 +19,6 @@ use std::sync::OnceLock;
 
 /// Six of the base and six of each leg.
 const N: usize = 18;
-const ROBOT: &str = "../robots/biped_walker.toml";
 
 fn file() -> ProblemFile {
     example("biped_walk")
@@ -97,7 +96,7 @@ pub(crate) fn inside(gait: &Gait, force: Vector3<f64>, moment: Vector3<f64>, wei
 }
 
 /// Whether a step keeps what the ground asks for, at 2000 instants that are no points of its mesh.
-fn check(problem: &Problem, solution: &Solution) {
+pub(crate) fn check(problem: &Problem, solution: &Solution) {
     let gait = problem.gait.as_ref().unwrap();
     let [heel, toe] = gait.sole.unwrap();
     let time = solution.motion.final_time;
@@ -219,59 +218,14 @@ fn the_other_foot_stands_in_the_mirror() {
     }
 }
 
-/// The joints that change their signs in the mirror.
-fn flipped() -> Vec<String> {
-    gait().flipped
-}
-
 /// A robot in space whose legs and masses are in one plane moves in it as the planar robot does, which is the
 /// same one with all that leads out of the plane locked: its rows of constraints, its cone and its impact are
 /// others, with other unknowns.
 #[test]
 fn in_a_plane_it_is_the_planar_robot() {
-    let text = std::fs::read_to_string(ROBOT).unwrap();
-    let mut flat = text.clone();
-    for hip in ["[0.0, 0.0835, 0.0]", "[0.0, -0.0835, 0.0]"] {
-        assert!(text.contains(hip), "{hip}");
-        flat = flat.replace(hip, "[0.0, 0.0, 0.0]");
-    }
-    let mut flat = Robot::from_toml_str(&flat, LoadOptions::default()).unwrap();
-    let motors: Vec<String> = flat.independent_joints().skip(6).map(|joint| joint.name.clone()).collect();
-    for motor in &motors {
-        flat = flat.with_joint_armature(motor, 0.1).unwrap();
-    }
-    let flipped = flipped();
-    let locked: Vec<(&str, f64)> = flipped.iter().map(|joint| (&**joint, 0.0)).collect();
-    let planar = flat.lock(&locked).unwrap();
-    let stays: Vec<bool> = flat.independent_joints().map(|joint| !flipped.contains(&joint.name)).collect();
-    let kept = |list: &[f64]| -> Vec<f64> {
-        list.iter().zip(&stays).filter(|(_, stays)| **stays).map(|(entry, _)| *entry).collect()
-    };
-    let mut in_space = file().problem;
-    let mut in_plane = in_space.clone();
-    (in_space.robot, in_plane.robot) = (flat, planar);
-    in_space.gait.as_mut().unwrap().width = 0.0;
-    let gait = in_plane.gait.as_mut().unwrap();
-    (gait.width, gait.sole_width) = (0.0, 0.0);
-    gait.flipped.clear();
-    gait.mirror.retain(|[joint, _]| !flipped.contains(joint));
-    (in_plane.start.q, in_plane.start.v) = (kept(&in_space.start.q), kept(&in_space.start.v));
-    in_plane.end = in_plane.start.clone();
-    in_plane.cost.effort = kept(&in_space.cost.effort);
-    in_plane.gain = kept(&in_space.gain);
-    let limits = &mut in_plane.limits;
-    for list in [&mut limits.q_min, &mut limits.q_max, &mut limits.torque_max] {
-        *list = list.as_deref().map(kept);
-    }
-    let [space, plane] = [&in_space, &in_plane].map(|problem| solve(problem, options()));
-    assert!((space.total() / plane.total() - 1.0).abs() < 1e-4, "{} {}", space.total(), plane.total());
-    let times: Vec<f64> = (0..=50).map(|k| plane.motion.final_time * f64::from(k) / 50.0).collect();
-    let of_space = space.sample_at(&in_space, &times).unwrap();
-    let of_plane = plane.sample_at(&in_plane, &times).unwrap();
-    for (q, other) in of_space.q.iter().zip(&of_plane.q) {
-        assert!(largest_difference(&kept(q), other) < 1e-2, "{q:?} {other:?}");
-        assert!(q.iter().zip(&stays).all(|(q, stays)| *stays || q.abs() < 1e-5), "{q:?}");
-    }
+    let twins = Twins::of(&file().problem);
+    let [space, plane] = [&twins.in_space, &twins.in_plane].map(|problem| solve(problem, options()));
+    twins.agree(&space, &plane);
 }
 
 #[test]

@@ -1,8 +1,10 @@
 //! Gaits that are refused, by name and with the remedy.
 
 use super::walking::file;
-use costate::robot::LoadOptions;
-use costate_control::{Gait, GaitError, Problem, ProblemError, ProblemFile, Solver, SolverOptions};
+use costate::robot::{LoadOptions, Robot};
+use costate_control::{
+    Gait, GaitError, MotionLimits, Objective, Problem, ProblemError, ProblemFile, Solver, SolverOptions,
+};
 
 #[test]
 fn what_is_no_step_is_refused_by_name() {
@@ -60,4 +62,58 @@ fn problem_files_say_what_is_wrong_with_a_step() {
     let mirror =
         refused("[[\"left_hip\", \"right_hip\"], [\"left_knee\", \"right_knee\"]]", "[\"left_hip\"]");
     assert!(mirror.contains("a list of pairs of joint names"), "{mirror}");
+}
+
+/// A body that moves along and up, with two skates on slides below it. Both have its height.
+const SKATES: &str = r#"
+name = "skates"
+gravity = [0.0, 0.0, -9.81]
+convention = "placements"
+joint = [
+    { name = "base", type = "prismatic", axis = [1.0, 0.0, 0.0] },
+    { name = "body", parent = "base", type = "prismatic", axis = [0.0, 0.0, 1.0], mass = 10.0 },
+    { name = "left", parent = "body", type = "prismatic", axis = [1.0, 0.0, 0.0], mass = 1.0 },
+    { name = "right", parent = "body", type = "prismatic", axis = [1.0, 0.0, 0.0], mass = 1.0 },
+]
+frame = [
+    { name = "left_heel", parent = "left", placement = { xyz = [-0.1, 0.0, -0.5] } },
+    { name = "left_toe", parent = "left", placement = { xyz = [0.1, 0.0, -0.5] } },
+    { name = "right_heel", parent = "right", placement = { xyz = [-0.1, 0.0, -0.5] } },
+    { name = "right_toe", parent = "right", placement = { xyz = [0.1, 0.0, -0.5] } },
+]
+"#;
+
+#[test]
+fn feet_that_cannot_move_against_each_other_are_refused() {
+    let gait = |stance: &[&str], swing: &[&str]| {
+        Gait::new(stance, swing, "base", 0.3).with_mirror(&[["left", "right"]])
+    };
+    let robot = Robot::from_toml_str(SKATES, LoadOptions::default()).unwrap();
+    let q = [-0.15, 0.5, -0.15, 0.15];
+    let problem = Problem::rest_to_rest(robot, &q, &q, 0.7)
+        .with_cost(Objective::new(0.0, vec![0.0, 0.0, 1.0, 1.0]))
+        .with_limits(MotionLimits::none().with_torque_max(vec![0.0, 0.0, 100.0, 100.0]));
+    let prepared = |gait: &Gait| {
+        Solver::new(&problem.clone().with_gait(gait.clone()), SolverOptions::default()).map(drop)
+    };
+    let refused = |gait: &Gait| match prepared(gait).unwrap_err() {
+        ProblemError::Gait { key, cause } => (key.to_string(), *cause),
+        other => panic!("{other}"),
+    };
+    // One skate alone stands, on its toe; both cannot, as they have one height.
+    let one = gait(&["right_toe"], &["left_toe"]);
+    prepared(&one).unwrap();
+    let both = one.with_double_support(0.2);
+    assert_eq!(refused(&both), ("gait.double_support".into(), GaitError::RedundantTogether));
+    let message = prepared(&both).unwrap_err().to_string();
+    assert!(
+        message.contains("gait.double_support") && message.contains("remove double_support"),
+        "{message}"
+    );
+    // Heel and toe of one skate are two feet that never move against each other.
+    let whole = gait(&["right_toe", "right_heel"], &["left_toe", "left_heel"]);
+    assert_eq!(refused(&whole), ("gait.stance".into(), GaitError::Redundant));
+    assert_eq!(refused(&whole.clone().with_double_support(0.2)).1, GaitError::Redundant);
+    let message = prepared(&whole).unwrap_err().to_string();
+    assert!(message.contains("gait.stance") && message.contains("name fewer feet"), "{message}");
 }

@@ -1,15 +1,20 @@
 //! Robots with floating and spherical joints as models whose states are plain numbers.
 
 mod bend;
+#[cfg(test)]
+mod canonical_tests;
+mod local;
 mod model;
 mod places;
+mod tangent;
 #[cfg(test)]
 mod tests;
 mod turn;
 
+pub(crate) use local::{Local, Parts};
 pub use model::TangentModel;
-pub(crate) use places::{Places, plain_entries};
-pub(crate) use turn::{Turn, four, vector};
+pub(crate) use places::{Places, Plain, plain_entries};
+pub(crate) use turn::{SecondHalf, Turn};
 
 use super::{Contraction, Dynamics, Linearisation, Structure};
 use crate::error::{EvalError, LengthError, check_length};
@@ -35,6 +40,8 @@ use nalgebra::DMatrix;
 /// end $a\_T$ of a quaternion it fixes three functions, `vec(conj(a_T) o a) = 0`.
 ///
 /// With [`in_rates`](Self::in_rates) x = (q, v), v the rates, and v' is the acceleration of forward dynamics.
+/// With [`canonical`](Self::canonical) x = (q, P) has the momenta conjugate to the entries of q: f is
+/// Hamilton's equation in nq coordinates, and symplectic schemes keep what they promise.
 ///
 /// f_x and y'f_xx are exact: those of [`TangentModel`] in the tangent space, by the chain rule.
 /// Without floating and spherical joints they are the same. Units are rad, m, kg, s. u has one entry for each
@@ -57,16 +64,18 @@ use nalgebra::DMatrix;
 pub struct QuaternionDynamics<S: Scalar, M = HamiltonianSecondOrder<S>> {
     model: M,
     nq: usize,
-    /// Entries of q of joints of one degree of freedom, with their coordinates.
-    plain: Vec<(usize, usize)>,
+    structure: Structure,
+    plain: Vec<Plain>,
     turns: Vec<Turn<S>>,
-    /// B; f_u has it below zeros, or its accelerations.
+    /// B, and what its columns do on the momenta or rates; f_u has that below zeros.
     actuation: Matrix<S>,
+    driven: Matrix<S>,
     f_u: Matrix<S>,
     /// Second derivatives of y'f by (u, q), where f_u depends on q.
     y_f_uq: Matrix<S>,
-    /// q with unit quaternions, and B u.
+    /// q with unit quaternions, the momenta or rates, and B u.
     q: Vec<S>,
+    w: Vec<S>,
     tau: Vec<S>,
     f: Vec<S>,
     f_x: Matrix<S>,
@@ -83,31 +92,69 @@ impl<S: Scalar> QuaternionDynamics<S> {
     /// The model of a robot in momenta, every coordinate driven: B is the unit matrix. Later calls do not
     /// allocate.
     pub fn new(robot: &Robot) -> Self {
-        Self::of_robot(robot)
+        Self::of_robot(robot, SecondHalf::Tangent)
+    }
+
+    /// The same in canonical coordinates x = (q, P), 2 nq entries. Joints of one degree of freedom have P =
+    /// p; floating and spherical ones, with the body's momenta (p_v, pi) of [`new`](Self::new),
+    ///
+    /// $$ P\_r = R(a)\\, p\_v, \qquad P\_a = \tfrac{2}{|a|^2}\\, a \circ (\pi, 0) $$
+    ///
+    /// in the axes of the frame before the joint. f = (H_P, -H_q) + forces, with H of degree zero in a, and
+    /// pi = vec(conj(a) o P_a) / 2, whatever P_a . a is: it and |a| are constant along every motion. Since
+    /// momenta about the origin, `r x P_r + vec(P_a o conj(a)) / 2`, are bilinear in (q, P), symplectic
+    /// Runge-Kutta schemes, partitioned ones too, keep those that are constant to rounding.
+    ///
+    /// ```
+    /// use costate::dynamics::{Dynamics, QuaternionDynamics};
+    /// use costate::robot::{JointSpec, LinkInertia, Robot};
+    ///
+    /// let body = LinkInertia::about_com(2.0, [0.0; 3], nalgebra::Matrix3::identity() * 0.5);
+    /// let drone = Robot::builder("drone").joint(JointSpec::floating("root").carrying(body)).build()?;
+    /// let mut model = QuaternionDynamics::<f64>::canonical(&drone);
+    /// let x = [1.0, 2.0, 3.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.6, 0.0]; // (r, a, P_r, P_a)
+    /// let f = model.evaluate(&x, &[0.0; 6])?;
+    /// assert!((f[5] - 0.8).abs() < 1e-15 && (f[9] + 2.0 * 9.81).abs() < 1e-12); // as above; gravity
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// Source of the latter: E. Hairer, C. Lubich, G. Wanner, "Geometric Numerical Integration", Springer
+    /// 2006, IV.2.
+    pub fn canonical(robot: &Robot) -> Self {
+        Self::of_robot(robot, SecondHalf::Conjugate)
     }
 }
 
 impl<S: Scalar> QuaternionDynamics<S, LagrangianSecondOrder<S>> {
     /// The same in rates: x = (q, v).
     pub fn in_rates(robot: &Robot) -> Self {
-        Self::of_robot(robot)
+        Self::of_robot(robot, SecondHalf::Tangent)
     }
 }
 
 impl<S: Scalar, M: TangentModel<S>> QuaternionDynamics<S, M> {
     /// The model of a robot, every coordinate driven.
-    pub(crate) fn of_robot(robot: &Robot) -> Self {
+    fn of_robot(robot: &Robot, second: SecondHalf) -> Self {
         let (n, nq) = (robot.dof(), robot.nq());
-        let size = nq + n;
+        let turns: Vec<Turn<S>> =
+            robot.free_joints().iter().map(|joint| Turn::new(joint, nq, second)).collect();
+        let mut structure = M::structure(nq);
+        if second.is_conjugate() && !turns.is_empty() {
+            structure = Structure { constant_f_u: false, f_u_depends_on: nq, ..structure };
+        }
+        let size = nq + second.length(robot);
         let whole = Self {
             model: M::of(robot),
             nq,
-            plain: plain_entries(robot),
-            turns: robot.free_joints().iter().map(Turn::new).collect(),
+            structure,
+            plain: plain_entries(robot, second),
+            turns,
             actuation: Matrix::zeros(0, 0),
+            driven: Matrix::zeros(0, 0),
             f_u: Matrix::zeros(0, 0),
             y_f_uq: Matrix::zeros(0, 0),
             q: filled(S::zero(), nq),
+            w: filled(S::zero(), n),
             tau: filled(S::zero(), n),
             f: filled(S::zero(), size),
             f_x: Matrix::zeros(size, size),
@@ -132,16 +179,18 @@ impl<S: Scalar, M: TangentModel<S>> QuaternionDynamics<S, M> {
 
     fn driven_by(self, m: usize, entry: impl Fn(usize, usize) -> f64) -> Self {
         let n = self.model.dof();
-        let (mut actuation, mut f_u) = (Matrix::zeros(n, m), Matrix::zeros(self.nq + n, m));
-        let y_f_uq = Matrix::zeros(m, M::structure(self.nq).f_u_depends_on);
+        let (mut actuation, mut f_u) = (Matrix::zeros(n, m), Matrix::zeros(self.f.len(), m));
+        let y_f_uq = Matrix::zeros(m, self.structure.f_u_depends_on);
         for (i, j) in (0..n).flat_map(|i| (0..m).map(move |j| (i, j))) {
             actuation[(i, j)] = S::from_f64(entry(i, j));
-            f_u[(self.nq + i, j)] = actuation[(i, j)];
         }
-        Self { actuation, f_u, y_f_uq, ..self }
+        if self.structure.constant_f_u {
+            Places { plain: &self.plain, turns: &self.turns }.drive(&actuation, &mut f_u);
+        }
+        Self { driven: actuation.clone(), actuation, f_u, y_f_uq, ..self }
     }
 
-    /// Number of entries of q: x has n more.
+    /// Number of entries of q: x has n more, in canonical coordinates as many.
     pub fn nq(&self) -> usize {
         self.nq
     }
@@ -151,13 +200,16 @@ impl<S: Scalar, M: TangentModel<S>> QuaternionDynamics<S, M> {
         self.model.dof()
     }
 
-    /// q with unit quaternions, and B u.
+    /// q with unit quaternions, the momenta or rates, and B u.
     fn set(&mut self, x: &[S], u: &[S]) -> Result<(), EvalError> {
-        check_length("x", x, self.nq + self.model.dof())?;
+        check_length("x", x, self.f.len())?;
         check_length("u", u, self.actuation.columns())?;
-        self.q.copy_from_slice(&x[..self.nq]);
+        for plain in &self.plain {
+            self.q[plain.position] = x[plain.position];
+            self.w[plain.coordinate] = x[plain.momentum];
+        }
         for turn in &mut self.turns {
-            turn.set(x, &mut self.q);
+            turn.set(x, &mut self.q, &mut self.w);
         }
         for (i, tau) in self.tau.iter_mut().enumerate() {
             let row = self.actuation.row(i).iter().zip(u);
@@ -167,11 +219,11 @@ impl<S: Scalar, M: TangentModel<S>> QuaternionDynamics<S, M> {
     }
 }
 
-/// f_u where it depends on q: what the columns of B do, by the last n rows of F_tau.
-fn drive<S: Scalar>(f_tau: Block<'_, S>, actuation: &Matrix<S>, f_u: &mut Matrix<S>) {
-    let (n, nq) = (f_tau.columns(), f_u.rows() - f_tau.columns());
+/// What the columns of B do on momenta or rates, by the last n rows of F_tau.
+fn drive<S: Scalar>(f_tau: Block<'_, S>, actuation: &Matrix<S>, driven: &mut Matrix<S>) {
+    let n = f_tau.columns();
     for i in 0..n {
-        let row = f_u.row_mut(nq + i);
+        let row = driven.row_mut(i);
         row.fill(S::zero());
         for (k, &by_tau) in f_tau.row(n + i).iter().enumerate() {
             add_scaled(row, by_tau, actuation.row(k));
@@ -183,7 +235,7 @@ impl<S: Scalar, M: TangentModel<S>> Dynamics<S> for QuaternionDynamics<S, M> {
     type Error = EvalError;
 
     fn states(&self) -> usize {
-        self.nq + self.model.dof()
+        self.f.len()
     }
 
     fn controls(&self) -> usize {
@@ -191,29 +243,31 @@ impl<S: Scalar, M: TangentModel<S>> Dynamics<S> for QuaternionDynamics<S, M> {
     }
 
     fn structure(&self) -> Structure {
-        M::structure(self.nq)
+        self.structure
     }
 
     fn evaluate(&mut self, x: &[S], u: &[S]) -> Result<&[S], EvalError> {
         self.set(x, u)?;
-        let Self { model, nq, plain, turns, q, tau, f, .. } = self;
-        let rate = model.rate(q, &x[*nq..], tau)?;
-        Places { nq: *nq, plain, turns }.rate(rate, f);
+        let Self { model, plain, turns, q, w, tau, f, .. } = self;
+        Places { plain, turns }.rate(model.rate(q, w, tau)?, f);
         Ok(&self.f)
     }
 
     fn linearise(&mut self, x: &[S], u: &[S]) -> Result<Linearisation<'_, S>, EvalError> {
         self.set(x, u)?;
-        let Self { model, nq, plain, turns, q, tau, f, f_x, f_u, slopes, actuation, .. } = self;
-        let of_tangent = model.linear(q, &x[*nq..], tau)?;
-        let places = Places { nq: *nq, plain, turns };
+        let Self { model, plain, turns, q, w, tau, f, f_x, f_u, slopes, actuation, driven, .. } = self;
+        let of_tangent = model.linear(q, w, tau)?;
+        let places = Places { plain, turns };
         places.rate(of_tangent.f, f);
         for (i, row) in of_tangent.f_x.iter_rows().enumerate() {
             places.spread(row, slopes.row_mut(i));
         }
         places.jacobian(of_tangent.f, slopes, f_x);
-        if !M::structure(*nq).constant_f_u {
-            drive(of_tangent.f_u, actuation, f_u);
+        if !M::structure(self.nq).constant_f_u {
+            drive(of_tangent.f_u, actuation, driven);
+        }
+        if !self.structure.constant_f_u {
+            places.drive(driven, f_u);
         }
         Ok(Linearisation { f, f_x: f_x.view(), f_u: f_u.view() })
     }
@@ -221,17 +275,20 @@ impl<S: Scalar, M: TangentModel<S>> Dynamics<S> for QuaternionDynamics<S, M> {
     fn contract(&mut self, x: &[S], u: &[S], y: &[S]) -> Result<Contraction<'_, S>, EvalError> {
         self.set(x, u)?;
         check_length("y", y, x.len())?;
-        let Self { model, nq, plain, turns, q, tau, f, f_x, f_u, slopes, half, y_f_xx, l, pull, .. } = self;
-        let (actuation, y_f_uq) = (&self.actuation, &mut self.y_f_uq);
-        let places = Places { nq: *nq, plain, turns };
+        let Self {
+            model, nq, structure, plain, turns, q, w, tau, f, f_x, y_f_xx, l, pull, slopes, half, ..
+        } = self;
+        let (actuation, driven) = (&self.actuation, &mut self.driven);
+        let (f_u, y_f_uq) = (&mut self.f_u, &mut self.y_f_uq);
+        let places = Places { plain, turns };
         places.costate(y, l);
-        let all = model.second(q, &x[*nq..], tau, l)?;
+        let all = model.second(q, w, tau, l)?;
         let of_tangent = all.first;
         let rate = of_tangent.f;
         places.rate(rate, f);
         // Rows of y_f_xx are space for one of the tangent space here.
         if let Some(by_tau) = all.ux {
-            drive(of_tangent.f_u, actuation, f_u);
+            drive(of_tangent.f_u, actuation, driven);
             let n = by_tau.rows();
             for j in 0..y_f_uq.rows() {
                 pull.fill(S::zero());
@@ -241,6 +298,9 @@ impl<S: Scalar, M: TangentModel<S>> Dynamics<S> for QuaternionDynamics<S, M> {
                 places.spread(pull, y_f_xx.row_mut(0));
                 y_f_uq.row_mut(j).copy_from_slice(&y_f_xx.row(0)[..*nq]);
             }
+        }
+        if !structure.constant_f_u {
+            places.drive(driven, f_u);
         }
         pull.fill(S::zero());
         for (i, row) in of_tangent.f_x.iter_rows().enumerate() {
@@ -258,8 +318,11 @@ impl<S: Scalar, M: TangentModel<S>> Dynamics<S> for QuaternionDynamics<S, M> {
         for c in 0..half.rows() {
             places.spread(half.row(c), y_f_xx.row_mut(c));
         }
-        let bend = Bend { y, l, pull, rate, slopes };
-        turns.iter().for_each(|turn| bend.add(turn, y_f_xx));
+        let bend = Bend { y, pull, rate, slopes };
+        for turn in &*turns {
+            bend.add(turn, y_f_xx);
+            bend.drive(turn, actuation, y_f_uq);
+        }
         let first = Linearisation { f, f_x: f_x.view(), f_u: f_u.view() };
         let ux = (y_f_uq.columns() > 0).then(|| y_f_uq.view());
         Ok(Contraction { first, xx: y_f_xx.view(), ux, uu: None })

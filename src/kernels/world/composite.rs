@@ -3,6 +3,7 @@
 use super::WorldKernel;
 use super::group::{Body, Carried, add_force, add_matrix, force_lane, matrix_lane};
 use super::motion::inward;
+use crate::kernels::Factor;
 use crate::matrix::Matrix;
 use crate::robot::{JointKind, Tree};
 use crate::scalar::{Pack, Scalar, inlined};
@@ -30,6 +31,36 @@ impl<S: Scalar> WorldKernel<S> {
     /// Composite bodies, F = IC S and M with armature at the position set last.
     #[inline(never)]
     pub fn compose(&mut self, tree: &Tree) {
+        self.compose_bodies(tree);
+        self.write_mass_matrix(tree);
+    }
+
+    /// The same for [`factor`](Self::factor) alone, if `alone`: [`mass_matrix`](Self::mass_matrix) is not
+    /// set.
+    #[inline(always)]
+    pub fn compose_for_factor(&mut self, tree: &Tree, alone: bool) {
+        self.compose_bodies(tree);
+        if !alone || !self.factors_panel {
+            self.write_mass_matrix(tree);
+        }
+    }
+
+    /// Factors M, after [`compose_for_factor`](Self::compose_for_factor) and [`set_reach`](Self::set_reach).
+    ///
+    /// # Errors
+    /// See [`Factor::factor`].
+    pub fn factor(&self, factor: &mut Factor<S>) -> Result<(), usize> {
+        let [panel, _] = &self.lower;
+        if self.factors_panel {
+            factor.factor_panel(panel, |k| self.reach.size(k, panel.get(k, k)))
+        } else {
+            factor.factor(&self.mass_matrix, |k| self.size_of_entry(k))
+        }
+    }
+
+    /// Composite bodies, F and M by places.
+    #[inline(never)]
+    fn compose_bodies(&mut self, tree: &Tree) {
         for (group, links) in self.groups.iter_mut().zip(&self.links) {
             group.composite = Body { mass: links.composite_mass, ..group.body };
         }
@@ -49,6 +80,24 @@ impl<S: Scalar> WorldKernel<S> {
             carried.inertial = group.composite.apply(group.axis);
         }
         self.fill_mass_matrix();
+        if self.factors_panel {
+            let [panel, _] = &mut self.lower;
+            for &(k, _, value) in tree.armature() {
+                let (pack, lane) = (k / Self::LANES, k % Self::LANES);
+                let row = panel.row_mut(k);
+                row[pack] = row[pack].with_lane(lane, row[pack].lane(lane).plus(value));
+            }
+        }
+    }
+
+    /// M by joints.
+    #[inline(never)]
+    fn write_mass_matrix(&mut self, tree: &Tree) {
+        let [panel, _] = &self.lower;
+        self.places.write(panel, &mut self.mass_matrix);
+        if self.factors_panel {
+            return;
+        }
         for &(i, j, value) in tree.armature() {
             let on_one_branch = tree.subtree(j).contains(&i);
             let entry = if on_one_branch { self.mass_matrix[(i, j)].plus(value) } else { S::from_f64(value) };
@@ -103,20 +152,20 @@ impl<S: Scalar> WorldKernel<S> {
         }
     }
 
-    /// M without armature, n x n, at the composite bodies.
+    /// M without armature by places, n x n, at the composite bodies.
     #[inline(never)]
     fn fill_mass_matrix(&mut self) {
         let (places, [entries, _]) = (&self.places, &mut self.lower);
         for (k, place) in places.iter().enumerate() {
             let axis: Vec3<S::Pack> = self.joints[k].axes[2].splat();
             let origin: Vec3<S::Pack> = self.joints[k].origin.splat();
+            let about = |force: &Force<S::Pack>, end: Vec3<S::Pack>| inward(*force, end - origin).moment;
             let (first, row) = (k / Self::LANES, entries.row_mut(k));
             let forces = self.carried[first..place.end.div_ceil(Self::LANES)].iter();
             let entries = forces.zip(&mut row[first..]);
             match place.kind {
                 JointKind::Revolute => entries.for_each(|(Carried { origin: end, inertial, .. }, entry)| {
-                    let lever = axis.cross(*end - origin);
-                    *entry = axis.dot_plus(inertial.moment, lever.dot(inertial.force));
+                    *entry = axis.dot(about(inertial, *end));
                 }),
                 JointKind::Prismatic => entries.for_each(|(carried, entry)| {
                     *entry = axis.dot(carried.inertial.force);
@@ -125,7 +174,6 @@ impl<S: Scalar> WorldKernel<S> {
             clear_beyond::<S>(row, place.end);
         }
         places.mirror(entries, None);
-        places.write(entries, &mut self.mass_matrix);
     }
 }
 

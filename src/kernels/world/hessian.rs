@@ -138,12 +138,12 @@ fn revolute<P: Scalar>(i: &Meeting<P>, group: &Carried<P>, rate: &Force<P>) -> [
     inlined!(P, {
         let Carried { origin, inertial, .. } = group;
         let distance = *origin - i.origin;
-        let lever = i.axis.cross(distance);
-        let psi = i.psi.linear.plus_product(i.psi.angular, distance);
+        let (inertial, rate) = (inward(*inertial, distance), inward(*rate, distance));
+        let Motion { angular, linear } = i.psi;
         [
-            i.axis.dot_plus(rate.moment, lever.dot(rate.force)),
-            i.psi.angular.dot_plus(inertial.moment, psi.dot(inertial.force)),
-            i.psi.angular.dot_plus(rate.moment, i.gamma.dot_plus(inertial.force, psi.dot(rate.force))),
+            i.axis.dot(rate.moment),
+            angular.dot_plus(inertial.moment, linear.dot(inertial.force)),
+            angular.dot_plus(rate.moment, i.gamma.dot_plus(inertial.force, linear.dot(rate.force))),
         ]
     })
 }

@@ -46,6 +46,8 @@ pub(crate) struct WorldKernel<S: Scalar> {
     upper: [Panel<S>; 2],
     lower: [Panel<S>; 2],
     mass_matrix: Matrix<S>,
+    /// Whether M by places, with armature, is M: the order is that of the joints, and armature couples none.
+    factors_panel: bool,
 }
 
 /// What the next joint needs of a joint.
@@ -95,6 +97,7 @@ impl<S: Scalar> WorldKernel<S> {
             upper: [panel.clone(), panel.clone()],
             lower: [panel.clone(), panel],
             mass_matrix: Matrix::zeros(n, n),
+            factors_panel: places.are_in_order() && tree.armature().iter().all(|&(i, j, _)| i == j),
             places,
         }
     }

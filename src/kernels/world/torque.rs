@@ -3,6 +3,7 @@
 use super::WorldKernel;
 use super::composite::clear_beyond;
 use super::group::{Carried, Group, along_axis, force_lane, motion_lane};
+use super::motion::inward;
 use crate::matrix::{Matrix, Panel};
 use crate::robot::JointKind;
 use crate::scalar::{Scalar, inlined};
@@ -155,15 +156,14 @@ fn revolute<P: Scalar>(i: &Meeting<P>, group: &Carried<P>) -> [P; 4] {
     inlined!(P, {
         let Carried { origin, inertial, turning, by_position, by_velocity } = group;
         let distance = *origin - i.origin;
-        let lever = i.axis.cross(distance);
-        let psi = i.psi.linear.plus_product(i.psi.angular, distance);
-        let psi_rate = i.psi_rate.linear.plus_product(i.psi_rate.angular, distance);
-        let along = i.psi.angular.dot_plus(inertial.moment, psi.dot(inertial.force));
-        let inertial = i.psi_rate.angular.dot_plus(inertial.moment, psi_rate.dot(inertial.force));
+        let moment = |force: &Force<P>| inward(*force, distance).moment;
+        let (moved, force) = (moment(inertial), inertial.force);
+        let along = i.psi.angular.dot_plus(moved, i.psi.linear.dot(force));
+        let rate = i.psi_rate.angular.dot_plus(moved, i.psi_rate.linear.dot(force));
         [
-            i.axis.dot_plus(by_position.moment, lever.dot(by_position.force)),
-            i.psi.angular.dot_plus(*turning, inertial),
-            i.axis.dot_plus(by_velocity.moment, lever.dot(by_velocity.force)),
+            i.axis.dot(moment(by_position)),
+            i.psi.angular.dot_plus(*turning, rate),
+            i.axis.dot(moment(by_velocity)),
             i.axis.dot_plus(*turning, along + along),
         ]
     })

@@ -3,7 +3,7 @@
 use crate::robot::constraint::{Constraint, ConstraintKind};
 use crate::robot::error::RobotError;
 use crate::robot::frame::Frame;
-use crate::robot::free::of_position;
+use crate::robot::free_entries::of_position;
 use crate::robot::free_parts::free_joints;
 use crate::robot::joint::{Joint, Mimic};
 use crate::robot::link::Placement;

@@ -170,6 +170,7 @@ impl Robot {
         let new = found.into_iter().filter(|warning| !past.contains(warning));
         let idle = self.idle_wrenches();
         of_edit.into_iter().chain(new).chain(idle).for_each(|warning| self.add_warning(warning));
+        checks::pass_links_between(&self.joints, &self.armature, &mut self.warnings);
         checks::try_mass_matrix(&self.joints, &self.armature, &mut self.warnings);
         self
     }

@@ -34,7 +34,9 @@ impl RobotError {
             | Self::FixedFrame { frame }
             | Self::BadFramePlacement { frame }
             | Self::BadWrench { frame } => Some(frame),
-            Self::BadConstraint { constraint, .. } | Self::Constrained { constraint, .. } => Some(constraint),
+            Self::BadConstraint { constraint, .. }
+            | Self::BadLoop { constraint, .. }
+            | Self::Constrained { constraint, .. } => Some(constraint),
             _ => None,
         }
     }

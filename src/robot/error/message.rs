@@ -1,6 +1,7 @@
 //! What each error says.
 
 use super::RobotError;
+use crate::robot::nearest::offer;
 use crate::robot::printable::{list, printable, printable_number, sentence};
 use std::fmt;
 use std::io::ErrorKind;
@@ -89,6 +90,9 @@ impl fmt::Display for RobotError {
             ),
             Self::BadConstraint { constraint, problem } => {
                 write!(f, "constraint '{}' cannot be held: {problem}", printable(constraint))
+            }
+            Self::BadLoop { constraint, problem } => {
+                write!(f, "loop '{}' {problem}", printable(constraint))
             }
             Self::UnknownChild { joint, child } => write!(
                 f,
@@ -226,14 +230,6 @@ impl fmt::Display for RobotError {
 
 /// How a URDF is made of xacro.
 const EXPAND: &str = "xacro robot.xacro > robot.urdf (the program comes with ROS, or by pip install xacro)";
-
-/// Names to use instead of an unknown one.
-fn offer(nearest: &[String], otherwise: &str) -> String {
-    match nearest {
-        [] => otherwise.into(),
-        nearest => format!("; did you mean '{}'?", list(nearest, "' or '")),
-    }
-}
 
 /// `path:line: `, or what is known of it.
 fn position(path: &Path, line: Option<usize>) -> String {

@@ -1,8 +1,11 @@
 //! What can be wrong with the description of a robot.
 
 mod culprit;
+mod loop_problem;
 mod message;
 mod place;
+
+pub use self::loop_problem::LoopProblem;
 
 use super::body::Body;
 use super::warning::Warning;
@@ -117,6 +120,13 @@ pub enum RobotError {
         constraint: String,
         /// What is wrong, and what to do.
         problem: &'static str,
+    },
+    /// A loop or a coupling of a URDF that cannot be read.
+    BadLoop {
+        /// The loop.
+        constraint: String,
+        /// What is wrong, and what to do.
+        problem: LoopProblem,
     },
     /// The child link does not exist.
     UnknownChild {

@@ -1,13 +1,11 @@
 //! Configurations of a tree with floating and spherical joints.
 
 use super::Tree;
-use crate::error::{EvalError, PowerOfTen};
-use crate::robot::free::{FreeJoint, of_position};
+use crate::error::EvalError;
+use crate::robot::free::FreeJoint;
+use crate::robot::free_entries;
 use crate::robot::free_frame::FreeFrame;
 use crate::scalar::Scalar;
-
-/// How far the squared length of a quaternion may be from 1: errors of results are of this size.
-pub(crate) const UNIT: PowerOfTen = PowerOfTen(-9);
 
 impl Tree {
     /// Number of entries of q: n, and one more for each floating or spherical joint.
@@ -38,39 +36,26 @@ impl Tree {
         }
     }
 
-    /// The name of the joint that an entry of q belongs to.
-    pub(crate) fn joint_of_position(&self, index: usize) -> &str {
-        match of_position(self.free.iter().map(|free| &free.joint), index) {
-            Ok(free) => &free.name,
-            Err(coordinate) => self.name(coordinate),
-        }
-    }
-
-    /// [`EvalError::NotUnit`] for a quaternion whose length is not 1.
-    pub(crate) fn check_unit<S: Scalar>(&self, q: &[S]) -> Result<(), EvalError> {
-        if !S::CHECKED {
-            return Ok(());
-        }
-        for free in &self.free {
-            let error = free.quaternion(q).square().plus(-1.0).abs();
-            let exceeds = |by: PowerOfTen| !S::all(error.less(S::from_f64(by.value())));
-            if exceeds(UNIT) {
-                let by = (UNIT.0..).map(PowerOfTen).take_while(|&by| by.0 < 16 && exceeds(by)).last();
-                return Err(EvalError::NotUnit { joint: free.joint.name.clone(), by: by.unwrap_or(UNIT) });
-            }
-        }
-        Ok(())
+    /// q has [`nq`](Self::nq) finite entries, and its quaternions have length 1. With n entries it is refused
+    /// by name.
+    pub(crate) fn check_configuration<S: Scalar>(&self, q: &[S]) -> Result<(), EvalError> {
+        free_entries::check(q, self.dof(), self.free_joints(), |index| self.joint_of_position(index).into())
     }
 
     /// The n coordinates of the chain of joints: positions of floating joints, angles of free ones zero.
     pub(crate) fn chart_coordinates<S: Scalar>(&self, q: &[S], chart: &mut [S]) {
-        let (mut from, mut to) = (0, 0);
-        for free in &self.free {
-            let before = free.joint.coordinate + free.joint.kind.slides() - to;
-            chart[to..to + before].copy_from_slice(&q[from..from + before]);
-            chart[to + before..to + before + 3].fill(S::zero());
-            (from, to) = (from + before + 4, to + before + 3);
+        free_entries::chart_coordinates(q, self.free_joints(), chart);
+    }
+
+    fn free_joints(&self) -> impl ExactSizeIterator<Item = &FreeJoint> + Clone {
+        self.free.iter().map(|free| &free.joint)
+    }
+
+    /// The name of the joint that an entry of q belongs to.
+    fn joint_of_position(&self, index: usize) -> &str {
+        match free_entries::of_position(self.free_joints(), index) {
+            Ok(free) => &free.name,
+            Err(coordinate) => self.name(coordinate),
         }
-        chart[to..].copy_from_slice(&q[from..]);
     }
 }

@@ -12,7 +12,6 @@ mod constraint;
 mod free;
 
 pub(crate) use constraint::TreeConstraintKind;
-pub(crate) use free::UNIT;
 
 use super::branches::{Branches, Marked};
 use super::free_frame::FreeFrame;

@@ -1,8 +1,8 @@
 //! Collision models of the links of a URDF: what a link touches with, no part of its dynamics.
 
 use super::element::Element;
-use super::geometry::{Geometry, children, placed, shape};
-use super::source;
+use super::geometry::{Geometry, children, shape};
+use super::origin::{placed, version};
 use super::xml::{self, Lines};
 use crate::robot::error::RobotError;
 use crate::robot::link::Placement;
@@ -42,7 +42,7 @@ pub fn collisions(text: &str) -> Result<Vec<CollisionModel>, RobotError> {
     let text = xml::prepared(text)?;
     let lines = Lines::of(&text);
     let document = xml::parse(&text, &lines)?;
-    let has_quaternions = source::version(document.root_element()) >= (1, 1);
+    let has_quaternions = version(document.root_element()) >= (1, 1);
     let mut all = Vec::new();
     for link in children(document.root_element(), "link") {
         let name = link.attribute("name").unwrap_or_default();

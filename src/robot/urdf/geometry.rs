@@ -1,9 +1,7 @@
 //! Shapes of visual and collision models.
 
 use super::element::Element;
-use super::source;
 use crate::robot::error::RobotError;
-use crate::robot::link::Placement;
 use roxmltree::Node;
 
 /// The shape of a visual or collision model, about the origin of its own axes.
@@ -39,12 +37,6 @@ pub enum Geometry {
 /// The child elements of that name.
 pub(super) fn children<'a>(node: Node<'a, 'a>, name: &'a str) -> impl Iterator<Item = Node<'a, 'a>> {
     node.children().filter(move |child| child.is_element() && child.tag_name().name() == name)
-}
-
-/// The `<origin>` of a model.
-pub(super) fn placed(model: &Element<'_>, has_quaternions: bool) -> Result<Placement, RobotError> {
-    let origin = model.child("origin")?;
-    origin.map_or(Ok(Placement::identity()), |origin| source::placement(&origin, has_quaternions))
 }
 
 /// The first shape of a `<geometry>`; `None` if there is none that is known.

@@ -8,6 +8,36 @@
 //! `<mimic>` follows another one ([`Mimic`](super::Mimic)); one that mimics a fixed joint is fixed at its
 //! offset. Elements and attributes that URDF does not know are ignored with a warning that names the line.
 //!
+//! Loops of its extensions become [constraints](Robot::constraints) with the name of the element:
+//!
+//! ```xml
+//! <loop name="pivot" type="revolute">
+//!   <predecessor link="base"><origin xyz="1.3 0 0" rpy="0 0 0"/></predecessor>
+//!   <successor link="rocker"><origin xyz="0.9 0 0" rpy="0 0 0"/></successor>
+//!   <axis xyz="0 0 1"/>
+//! </loop>
+//! <loop_joint name="pivot" type="revolute">
+//!   <link1 link="base" xyz="1.3 0 0" rpy="0 0 0"/>
+//!   <link2 link="rocker" xyz="0.9 0 0" rpy="0 0 0"/>
+//!   <axis xyz="0 0 1"/>
+//! </loop_joint>
+//! <coupling name="gear">
+//!   <predecessor link="wheel"/><successor link="rotor"/><ratio value="6"/>
+//! </coupling>
+//! <drake:ball_constraint>
+//!   <drake:ball_constraint_body_A name="base"/><drake:ball_constraint_p_AP value="1.3 0 0"/>
+//!   <drake:ball_constraint_body_B name="rocker"/><drake:ball_constraint_p_BQ value="0.9 0 0"/>
+//! </drake:ball_constraint>
+//! ```
+//!
+//! A joint of the type leads from the first link to the second, its frame placed in both. Types are `fixed`
+//! (all six rows), `revolute` and `continuous` (x, y, z, turn_x, turn_y of frames whose z is the axis),
+//! `prismatic` (x, y and all turns), `planar` (z, turn_x, turn_y) and `spherical` (x, y, z). The axis is in
+//! axes of the frame of the joint, (1, 0, 0) where it is omitted. A coupling is `ratio` times the sum of the
+//! joints that move the predecessor, minus the sum of those that move the successor, each from where their
+//! ways from the root part; the ratio is 1 where it is omitted. Ball constraints are called
+//! `ball_constraint_1`, `ball_constraint_2`.
+//!
 //! A text may have 16 MiB and 500 000 elements and texts between them, an element 256 attributes. A document
 //! type (`<!DOCTYPE`) is refused.
 
@@ -15,8 +45,12 @@ mod collision;
 mod element;
 mod geometry;
 mod limits;
+mod loop_elements;
+mod loops;
 mod mimics;
+mod origin;
 mod parts;
+mod plane;
 mod quaternion;
 mod source;
 mod tree;
@@ -29,6 +63,7 @@ pub use self::geometry::Geometry;
 pub use self::visual::{Visual, visuals};
 
 use self::parts::{JointType, Source, SourceJoint};
+use self::plane::plane;
 use self::tree::{Attachment, Attachments};
 use super::body::Body;
 use super::checks;
@@ -54,7 +89,7 @@ use std::collections::HashMap;
 ///
 /// # Errors
 /// [`RobotError::InFile`] with the line of the culprit and an empty path; the error itself where no line is
-/// known.
+/// known. [`RobotError::BadLoop`] and [`RobotError::BadConstraint`] are about loops.
 pub fn parse(text: &str, options: LoadOptions) -> Result<Robot, RobotError> {
     let mut source = source::read(text)?;
     let xacro = source.xacro.take();
@@ -85,7 +120,7 @@ fn built(mut source: Source, options: LoadOptions) -> Result<Robot, RobotError> 
     for warning in warnings {
         builder.warn(warning);
     }
-    builder.build().map_err(|error| {
+    let tree = builder.build().map_err(|error| {
         let line = match &error {
             RobotError::NoJoints { .. } => Some(source.line),
             RobotError::Strict { warnings } => warnings.iter().find_map(Warning::line),
@@ -95,7 +130,8 @@ fn built(mut source: Source, options: LoadOptions) -> Result<Robot, RobotError> 
             }),
         };
         if line.is_some() { error.at(line) } else { error }
-    })
+    })?;
+    loops::close(tree, &source)
 }
 
 /// The inertia that each joint of the file carries, in its frame: of its own link and of all that is fixed to
@@ -223,15 +259,6 @@ fn expanded(joint: &SourceJoint, options: LoadOptions) -> Vec<JointSpec> {
         specs.push(spec);
     }
     specs
-}
-
-/// Two directions that form a right-handed frame with `normal` (of length 1): x and y for z.
-fn plane(normal: &Vector3<f64>) -> [Vector3<f64>; 2] {
-    let within = |direction: Vector3<f64>| direction - normal * normal.dot(&direction);
-    let x = within(Vector3::x());
-    let first = if x.norm() >= 0.5 { x } else { within(Vector3::y()) };
-    let first = first / first.norm();
-    [first, normal.cross(&first)]
 }
 
 /// Loads `<dynamics>` if the options request it; else warns about it.

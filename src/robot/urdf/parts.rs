@@ -83,6 +83,57 @@ pub(super) struct SourceMimic {
     pub(super) line: usize,
 }
 
+/// The joint types that can close a loop.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum LoopType {
+    Fixed,
+    Spherical,
+    Revolute,
+    Prismatic,
+    Planar,
+}
+
+impl LoopType {
+    pub(super) fn from_name(name: &str) -> Option<Self> {
+        Some(match name {
+            "fixed" => Self::Fixed,
+            "spherical" => Self::Spherical,
+            "revolute" | "continuous" => Self::Revolute,
+            "prismatic" => Self::Prismatic,
+            "planar" => Self::Planar,
+            _ => return None,
+        })
+    }
+
+    /// Whether its motion has an axis.
+    pub(super) fn has_axis(self) -> bool {
+        !matches!(self, Self::Fixed | Self::Spherical)
+    }
+}
+
+/// A `<loop_joint>`, `<loop>`, `<drake:ball_constraint>` or `<coupling>`.
+pub(super) struct SourceLoop {
+    pub(super) name: String,
+    /// Names of the predecessor, or first link, and of the successor.
+    pub(super) links: [String; 2],
+    pub(super) held: SourceHeld,
+    pub(super) line: usize,
+}
+
+/// What a loop holds.
+pub(super) enum SourceHeld {
+    /// The links to each other by a joint: its frame in both links at its position 0.
+    Joint {
+        kind: LoopType,
+        /// In the frame of the joint, not normalised.
+        axis: Vector3<f64>,
+        placements: Box<[Placement; 2]>,
+    },
+    /// The rate of the successor over that of the predecessor, both against the link where their ways to the
+    /// root meet.
+    Ratio(f64),
+}
+
 /// What dynamics needs of a URDF.
 pub(super) struct Source {
     pub(super) name: String,
@@ -90,6 +141,7 @@ pub(super) struct Source {
     pub(super) line: usize,
     pub(super) links: Vec<Link>,
     pub(super) joints: Vec<SourceJoint>,
+    pub(super) loops: Vec<SourceLoop>,
     /// What is unusual about the file.
     pub(super) warnings: Vec<Warning>,
     /// The name and the line of the first xacro element, which nobody has expanded.

@@ -2,8 +2,9 @@
 
 use super::element::Element;
 use super::limits::LimitReader;
+use super::loop_elements::LoopReader;
+use super::origin::{placement, version};
 use super::parts::{JointType, Link, Source, SourceJoint, SourceMimic};
-use super::quaternion::roll_pitch_yaw;
 use super::vocabulary::Unknown;
 use super::xml::{self, Lines};
 use crate::robot::error::RobotError;
@@ -44,10 +45,17 @@ fn elements(root: Node<'_, '_>, lines: &Lines, xacro: Option<(String, usize)>) -
             "link" if same_namespace => reader.link(node)?,
             "joint" if same_namespace => reader.joint(node)?,
             "material" if same_namespace => reader.unknown.check(node, "<material>", lines),
+            "loop_joint" | "loop" | "coupling" if same_namespace => reader.closing(node)?,
+            "ball_constraint" if is_of_drake(node) => reader.loops.ball(node, lines)?,
+            "gazebo" if same_namespace => reader.gazebo(node),
             _ => {}
         }
     }
     Ok(reader.finish(root, xacro))
+}
+
+fn is_of_drake(node: Node<'_, '_>) -> bool {
+    node.tag_name().namespace().is_some_and(|uri| uri.contains("drake"))
 }
 
 /// What has been read so far.
@@ -57,6 +65,7 @@ struct Reader<'a> {
     version: (u32, u32),
     links: Vec<Link>,
     joints: Vec<SourceJoint>,
+    loops: LoopReader,
     limits: LimitReader,
     unknown: Unknown,
     notes: Vec<Warning>,
@@ -70,6 +79,7 @@ impl<'a> Reader<'a> {
             version,
             links: Vec::new(),
             joints: Vec::new(),
+            loops: LoopReader::default(),
             limits: LimitReader::new(version),
             unknown: Unknown::default(),
             notes: Vec::new(),
@@ -91,6 +101,7 @@ impl<'a> Reader<'a> {
             line: self.lines.line(root),
             links: self.links,
             joints: self.joints,
+            loops: self.loops.loops,
             warnings: warnings.collect(),
             xacro,
         }
@@ -98,6 +109,28 @@ impl<'a> Reader<'a> {
 
     fn note(&mut self, text: String) {
         self.notes.push(Warning::Note { text });
+    }
+
+    fn closing(&mut self, node: Node<'_, '_>) -> Result<(), RobotError> {
+        let has_quaternions = self.has_quaternions();
+        self.loops.read(node, self.lines, &mut self.unknown, has_quaternions)
+    }
+
+    /// Joints of SDF inside `<gazebo>`, which are not read, close loops in Gazebo.
+    fn gazebo(&mut self, node: Node<'_, '_>) {
+        let mut joints = node.children().filter(|child| child.tag_name().name() == "joint");
+        if let Some(joint) = joints.next().filter(|_| !node.has_attribute("reference")) {
+            self.note(format!(
+                "joint '{}' inside <gazebo> (line {}) was not read: it belongs to Gazebo alone; if it closes a \
+                 loop, describe it by <loop> too",
+                printable(joint.attribute("name").unwrap_or_default()),
+                self.lines.line(joint)
+            ));
+        }
+    }
+
+    fn has_quaternions(&self) -> bool {
+        self.version >= (1, 1)
     }
 
     fn link(&mut self, node: Node<'a, 'a>) -> Result<(), RobotError> {
@@ -189,7 +222,7 @@ impl<'a> Reader<'a> {
     /// The placement by the `<origin>` of a joint or of an `<inertial>`.
     fn origin(&mut self, of: &Element<'_>) -> Result<Placement, RobotError> {
         let Some(origin) = of.child("origin")? else { return Ok(Placement::identity()) };
-        let has_quaternions = self.version >= (1, 1);
+        let has_quaternions = self.has_quaternions();
         if !has_quaternions && origin.attribute("quat_xyzw").is_some() {
             self.note(format!(
                 "quat_xyzw of {} (line {}) was ignored, as by the format before version 1.1; \
@@ -200,30 +233,4 @@ impl<'a> Reader<'a> {
         }
         placement(&origin, has_quaternions)
     }
-}
-
-/// Major and minor version of the format.
-pub(super) fn version(root: Node<'_, '_>) -> (u32, u32) {
-    let number = |text: &str| text.parse::<u32>().ok();
-    let version = root.attribute("version").and_then(|text| text.trim().split_once('.'));
-    version.and_then(|(major, minor)| Some((number(major)?, number(minor)?))).unwrap_or((1, 0))
-}
-
-/// The placement by an `<origin>`, of a format that has quaternions or not.
-pub(super) fn placement(origin: &Element<'_>, has_quaternions: bool) -> Result<Placement, RobotError> {
-    let xyz = origin.numbers::<3>("xyz")?.unwrap_or_default();
-    let angles = origin.numbers::<3>("rpy")?;
-    let mut rpy = angles.unwrap_or_default();
-    if has_quaternions && origin.attribute("quat_xyzw").is_some() {
-        if angles.is_some() {
-            return Err(origin.refuse("has both rpy and quat_xyzw; keep one of them"));
-        }
-        let [x, y, z, w] = origin.numbers::<4>("quat_xyzw")?.unwrap_or([0.0, 0.0, 0.0, 1.0]);
-        let norm = (x * x + y * y + z * z + w * w).sqrt();
-        if !(norm.is_finite() && norm > 0.0) {
-            return Err(origin.refuse("has a quat_xyzw of length zero; give a unit quaternion"));
-        }
-        rpy = roll_pitch_yaw([x, y, z, w].map(|part| part / norm));
-    }
-    Ok(Placement::from_xyz_rpy(xyz, rpy))
 }

@@ -23,10 +23,10 @@ const fn known(
     Known { name, attributes, children }
 }
 
-/// URDF 1.0 to 1.2, with what the usual readers accept. The same name means the same everywhere, but for
-/// `<material>`.
-const KNOWN: [Known; 28] = [
-    known("robot", &["name", "version"], &["link", "joint", "material"]),
+/// URDF 1.0 to 1.2, with what the usual readers accept, and the loops of its extensions. The same name means
+/// the same everywhere, but for `<material>`.
+const KNOWN: [Known; 36] = [
+    known("robot", &["name", "version"], &["link", "joint", "material", "loop", "loop_joint", "coupling"]),
     known("link", &["name", "type"], &["inertial", "visual", "collision"]),
     known("inertial", &[], &["origin", "mass", "inertia"]),
     known("origin", &["xyz", "rpy", "quat_xyzw"], &[]),
@@ -47,7 +47,8 @@ const KNOWN: [Known; 28] = [
     known("texture", &["filename"], &[]),
     known(
         "joint",
-        &["name", "type"],
+        // `independent` is that of URDF+: here positions of all joints are coordinates.
+        &["name", "type", "independent"],
         &[
             "origin",
             "parent",
@@ -67,18 +68,26 @@ const KNOWN: [Known; 28] = [
     known("dynamics", &["damping", "friction"], &[]),
     known("limit", &["lower", "upper", "effort", "velocity", "acceleration", "deceleration", "jerk"], &[]),
     known("mimic", &["joint", "multiplier", "offset"], &[]),
+    known("loop", &["name", "type"], &["predecessor", "successor", "axis"]),
+    known("predecessor", &["link"], &["origin"]),
+    known("successor", &["link"], &["origin"]),
+    known("loop_joint", &["name", "type"], &["link1", "link2", "axis"]),
+    known("link1", &["link", "rpy", "xyz"], &[]),
+    known("link2", &["link", "rpy", "xyz"], &[]),
+    // Older files write `type="rolling"`, which means nothing.
+    known("coupling", &["name", "type"], &["predecessor", "successor", "ratio"]),
+    known("ratio", &["value"], &[]),
     known("safety_controller", &["soft_lower_limit", "soft_upper_limit", "k_position", "k_velocity"], &[]),
 ];
 
 /// Extensions in common use, wherever they are: neither checked nor reported.
-const EXTENSIONS: [&str; 27] = [
+const EXTENSIONS: [&str; 26] = [
     "transmission",
     "gazebo",
     "sensor",
     "ros2_control",
     "mujoco",
     "plugin",
-    "loop_joint",
     "controller",
     "actuator",
     "contact",
@@ -127,7 +136,7 @@ impl Unknown {
         for child in children.filter(|child| child.tag_name().namespace() == namespace) {
             let name = child.tag_name().name();
             if known.children.contains(&name) {
-                // Links, joints and materials of the robot are checked with an owner of their own.
+                // Links, joints, loops and materials of the robot are checked with an owner of their own.
                 if known.name != "robot" {
                     self.check(child, &format!("<{name}> of {owner}"), lines);
                 }

@@ -8,7 +8,8 @@ use super::body::Body;
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Warning {
-    /// A moving link that has neither mass nor inertia.
+    /// A moving link that has neither mass nor inertia, unless its joint moves another one that has some and
+    /// M is regular.
     MasslessLink {
         /// The link.
         link: String,

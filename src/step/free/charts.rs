@@ -1,13 +1,17 @@
 //! The charts at both ends of a step, from the tangent space to plain numbers and back.
 //!
-//! At the start, with R and a of the quaternion of length 1 there and d = (d_r, d_w),
+//! At the start, with R and a of the quaternion of length 1 there and (d, e) = (rho, theta, e_v, e_pi),
 //!
-//! $$ r \oplus d = r + R (d\_r + \tfrac12 d\_w \times d\_r), \qquad
-//! a \oplus d = a \circ (\tfrac12 d\_w, 1 - \tfrac18 |d\_w|^2) $$
+//! $$ r \oplus d = r + R (\rho + \tfrac12 \theta \times \rho), \qquad
+//! a \oplus d = a \circ b, \quad b = (\tfrac12 \theta, 1 - \tfrac18 |\theta|^2) $$
 //!
-//! to second order. At the end it is (theta, rho) of [`Turn`], whose a may have any length.
+//! to second order, and the momenta conjugate to them, where x has these,
+//!
+//! $$ p\_r = R \exp(\theta)\, (p\_v + e\_v), \qquad p\_a = 2\, a \circ b \circ (\pi + e\_\pi, 0) $$
+//!
+//! At the end it is the tangent of [`Turn`], whose a may have any length.
 
-use crate::dynamics::{Places, Turn, four, plain_entries, vector};
+use crate::dynamics::{Local, Parts, Places, Plain, SecondHalf, Turn, plain_entries};
 use crate::matrix::{Matrix, add_scaled};
 use crate::robot::Robot;
 use crate::scalar::Scalar;
@@ -19,24 +23,25 @@ use crate::step::{StepContraction, StepLinearisation};
 pub(super) struct Charts<S> {
     nq: usize,
     n: usize,
-    plain: Vec<(usize, usize)>,
+    plain: Vec<Plain>,
     start: Vec<Turn<S>>,
     end: Vec<Turn<S>>,
-    /// Entries of q, and a row of derivatives.
-    q: Vec<S>,
+    /// Second derivatives of the chart at the end by plain numbers, and a row.
+    bent: Matrix<S>,
     row: Vec<S>,
 }
 
 impl<S: Scalar> Charts<S> {
-    pub fn new(robot: &Robot) -> Self {
-        let turns: Vec<Turn<S>> = robot.free_joints().iter().map(Turn::new).collect();
+    pub fn new(robot: &Robot, second: SecondHalf) -> Self {
         let (n, nq) = (robot.dof(), robot.nq());
-        let (start, end) = (turns.clone(), turns);
+        let turns: Vec<Turn<S>> =
+            robot.free_joints().iter().map(|joint| Turn::new(joint, nq, second)).collect();
+        let (start, end, size) = (turns.clone(), turns, nq + second.length(robot));
         Self {
-            plain: plain_entries(robot),
+            plain: plain_entries(robot, second),
             start,
             end,
-            q: vec![S::zero(); nq],
+            bent: Matrix::zeros(size, size),
             row: vec![S::zero(); 3 * n + 1],
             n,
             nq,
@@ -44,22 +49,28 @@ impl<S: Scalar> Charts<S> {
     }
 
     fn at(&self, turns: fn(&Self) -> &[Turn<S>]) -> Places<'_, S> {
-        Places { nq: self.nq, plain: &self.plain, turns: turns(self) }
+        Places { plain: &self.plain, turns: turns(self) }
     }
 
-    /// Takes the chart at x.
-    pub fn leave(&mut self, x: &[S]) {
-        let Self { start, q, nq, .. } = self;
-        q.copy_from_slice(&x[..*nq]);
-        start.iter_mut().for_each(|turn| turn.set(x, q));
+    /// Takes the chart at (q, w), and writes its plain numbers.
+    pub fn leave(&mut self, x: &[S], numbers: &mut [S]) {
+        let (q, w) = x.split_at(self.nq);
+        for plain in &self.plain {
+            numbers[plain.position] = q[plain.position];
+            numbers[plain.momentum] = w[plain.coordinate];
+        }
+        self.start.iter_mut().for_each(|turn| turn.lift([q, w], numbers));
     }
 
-    /// Takes the chart at the next state, and divides its quaternions by their lengths.
-    pub fn arrive(&mut self, next: &mut [S]) {
-        let Self { end, q, nq, .. } = self;
-        q.copy_from_slice(&next[..*nq]);
-        end.iter_mut().for_each(|turn| turn.set(next, q));
-        next[..*nq].copy_from_slice(q);
+    /// Takes the chart at the plain numbers of the next state, and writes it, quaternions divided by their
+    /// lengths.
+    pub fn arrive(&mut self, numbers: &[S], next: &mut [S]) {
+        let (q, w) = next.split_at_mut(self.nq);
+        for plain in &self.plain {
+            q[plain.position] = numbers[plain.position];
+            w[plain.coordinate] = numbers[plain.momentum];
+        }
+        self.end.iter_mut().for_each(|turn| turn.set(numbers, q, w));
     }
 
     /// y for the plain numbers of the next state.
@@ -80,28 +91,7 @@ impl<S: Scalar> Charts<S> {
 
     /// Rows of phi from those of Phi.
     pub fn project(&self, wide: &Matrix<S>, phi_z: &mut Matrix<S>) {
-        self.plain.iter().for_each(|&(at, i)| phi_z.row_mut(i).copy_from_slice(wide.row(at)));
-        for i in 0..self.n {
-            phi_z.row_mut(self.n + i).copy_from_slice(wide.row(self.nq + i));
-        }
-        for turn in &self.end {
-            let at = turn.quaternion();
-            let entries = turn.w.map(Vec3::to_array);
-            for k in 0..3 {
-                let row = phi_z.row_mut(turn.angular() + k);
-                row.fill(S::zero());
-                for (j, w) in entries.iter().enumerate() {
-                    add_scaled(row, w[k].times(2.0), wide.row(at + j));
-                }
-                if turn.slides {
-                    let row = phi_z.row_mut(turn.coordinate + k);
-                    row.fill(S::zero());
-                    for (j, axis) in turn.rotation.rows.iter().enumerate() {
-                        add_scaled(row, axis.to_array()[k], wide.row(turn.position + j));
-                    }
-                }
-            }
-        }
+        self.at(|charts| &charts.end).project(wide, phi_z);
     }
 
     /// The second derivatives of y'Phi by plain numbers and u as those by (d, e) and u.
@@ -142,65 +132,66 @@ impl<S: Scalar> Charts<S> {
         self.row = row;
     }
 
-    /// Adds what q (+) d bends, of which y'Phi has the derivative `pull` by plain numbers.
-    pub fn bend_start(&self, x: &[S], pull: &[S], y_phi_zz: &mut Matrix<S>) {
+    /// Adds what the chart at the start bends, where y'Phi has the derivative `pull` by plain numbers.
+    pub fn bend_start(&self, pull: &[S], y_phi_zz: &mut Matrix<S>) {
         for turn in &self.start {
-            let (at, angular) = (turn.quaternion(), turn.angular());
-            let [along, a] = [four(pull, at), four(x, at)];
-            let scale = along.iter().zip(&a).fold(S::zero(), |sum, (&along, &a)| along.mul_add(a, sum));
-            for k in 0..3 {
-                y_phi_zz[(angular + k, angular + k)] -= scale.times(0.25);
-            }
-            if turn.slides {
-                let force = turn.rotation.undo(vector(pull, turn.position));
-                for (i, j, entry) in crossed(force) {
-                    add_both(y_phi_zz, [angular + i, turn.coordinate + j], entry.times(0.5));
-                }
-            }
+            bend_start(turn, self.n, &turn.local_costate(|i| pull[i]), y_phi_zz);
         }
     }
 
-    /// Adds what (theta, rho) bends: -2 s w and -w x d, from their rows by (d, e) and u.
-    pub fn bend_end(&mut self, y: &[S], [wide, phi_z]: [&Matrix<S>; 2], y_phi_zz: &mut Matrix<S>) {
+    /// Adds what the chart at the end bends, from the rows of Phi by (d, e) and u.
+    pub fn bend_end(&mut self, y: &[S], wide: &Matrix<S>, y_phi_zz: &mut Matrix<S>) {
         let inputs = 3 * self.n;
-        let Self { end, row, .. } = self;
+        let Self { end, bent, row, n, .. } = self;
+        let row = &mut row[..inputs];
         for turn in end {
-            // s, and twice w in the rows of theta.
-            row.fill(S::zero());
-            for (j, &s) in turn.s.iter().enumerate() {
-                add_scaled(row, s, wide.row(turn.quaternion() + j));
-            }
-            let angular = turn.angular();
-            let turned = vector(y, angular).to_array();
-            for (k, &turned) in turned.iter().enumerate() {
-                add_products(y_phi_zz, -turned, [&row[..inputs], &phi_z.row(angular + k)[..inputs]]);
-            }
-            if turn.slides {
-                for (i, j, entry) in crossed(vector(y, turn.coordinate)) {
-                    let [w, d] = [angular + i, turn.coordinate + j].map(|k| &phi_z.row(k)[..inputs]);
-                    add_products(y_phi_zz, entry.times(-0.5), [w, d]);
-                }
+            turn.entries().for_each(|i| bent.row_mut(i).fill(S::zero()));
+            let l: Parts<S> = turn.parts(|i| y[i], *n);
+            turn.bend_tangent(&l, bent);
+            for i in turn.entries() {
+                row.fill(S::zero());
+                turn.entries().for_each(|j| add_scaled(row, bent[(i, j)], wide.row(j)));
+                (0..inputs).for_each(|k| add_scaled(y_phi_zz.row_mut(k), wide[(i, k)], row));
             }
         }
     }
 }
 
-/// (i, j, f . (e_i x e_j)).
-fn crossed<S: Scalar>(f: Vec3<S>) -> [(usize, usize, S); 6] {
+/// The second derivatives by (rho, theta, e_v, e_pi) at the start of one joint, times a costate.
+fn bend_start<S: Scalar>(turn: &Turn<S>, n: usize, y: &Local<S>, matrix: &mut Matrix<S>) {
+    let (linear, angular) = (turn.coordinate, turn.angular());
+    let mut scale = y.s;
+    if turn.slides {
+        add_crossed(matrix, [angular, linear], y.d.times(0.5));
+    }
+    if let Some(momenta) = turn.momenta {
+        scale += momenta.angular.dot(y.c) + momenta.linear.dot(y.g).times(4.0);
+        let [force, p] = [y.g, momenta.linear].map(Vec3::to_array);
+        for (i, j) in (0..3).flat_map(|i| (0..3).map(move |j| (i, j))) {
+            matrix[(angular + i, angular + j)] += (force[i] * p[j] + force[j] * p[i]).times(0.5);
+        }
+        if turn.slides {
+            add_crossed(matrix, [angular, n + linear], y.g);
+        }
+        add_crossed(matrix, [angular, n + angular], y.c.times(0.5));
+        for k in 0..3 {
+            add_both(matrix, [angular + k, n + angular + k], y.k.times(-0.5));
+        }
+    }
+    for k in 0..3 {
+        matrix[(angular + k, angular + k)] -= scale.times(0.25);
+    }
+}
+
+/// Adds the second derivatives of `f . (a x b)`, a and b from these coordinates on.
+fn add_crossed<S: Scalar>(matrix: &mut Matrix<S>, [a, b]: [usize; 2], f: Vec3<S>) {
     let [x, y, z] = f.to_array();
-    [(0, 1, z), (1, 0, -z), (1, 2, x), (2, 1, -x), (2, 0, y), (0, 2, -y)]
+    for (i, j, entry) in [(0, 1, z), (1, 0, -z), (1, 2, x), (2, 1, -x), (2, 0, y), (0, 2, -y)] {
+        add_both(matrix, [a + i, b + j], entry);
+    }
 }
 
 fn add_both<S: Scalar>(matrix: &mut Matrix<S>, [i, j]: [usize; 2], entry: S) {
     matrix[(i, j)] += entry;
     matrix[(j, i)] += entry;
-}
-
-/// Adds `factor (a b' + b a')`.
-fn add_products<S: Scalar>(matrix: &mut Matrix<S>, factor: S, [a, b]: [&[S]; 2]) {
-    for (i, (&of_a, &of_b)) in a.iter().zip(b).enumerate() {
-        let row = matrix.row_mut(i);
-        add_scaled(&mut row[..b.len()], factor * of_a, b);
-        add_scaled(&mut row[..a.len()], factor * of_b, a);
-    }
 }

@@ -2,12 +2,14 @@
 
 mod charts;
 #[cfg(test)]
+mod kept_tests;
+#[cfg(test)]
 mod tests;
 
 use super::error::check;
 use super::{Step, StepContraction, StepError, StepLinearisation};
 use crate::configuration::ConfigurationSpace;
-use crate::dynamics::QuaternionDynamics;
+use crate::dynamics::{QuaternionDynamics, SecondHalf};
 use crate::error::{EvalError, LengthError};
 use crate::hamiltonian::HamiltonianSecondOrder;
 use crate::lagrangian::LagrangianSecondOrder;
@@ -18,9 +20,11 @@ use charts::Charts;
 
 /// One step of a robot with floating and spherical joints, its first two derivatives in the tangent space.
 ///
-/// The scheme `P` steps [`QuaternionDynamics`], whose quaternions are plain numbers; those of the result are
-/// divided by their lengths. x = (q, p) or (q, v) has nq + n entries, and so has the next state. Derivatives
-/// are those of
+/// x = (q, p) or (q, v) has nq + n entries, and so has the next state. The scheme `P` steps
+/// [`QuaternionDynamics`], whose quaternions are plain numbers: in (q, p) in its
+/// [canonical](QuaternionDynamics::canonical) coordinates (q, P), which (q, p) is mapped to and from, so that
+/// symplectic schemes are symplectic. Quaternions of the result are divided by their lengths. Derivatives are
+/// those of
 ///
 /// $$ \varphi(d, e, u, h) = \big(\Phi\_q(q \oplus d, w + e, u, h) \ominus \Phi\_q(q, w, u, h),
 /// \enspace \Phi\_w(q \oplus d, w + e, u, h)\big) $$
@@ -31,8 +35,11 @@ use charts::Charts;
 /// space go the charts at both ends, which are needed to second order alone. Without such joints all of it is
 /// what `P` gives.
 ///
-/// The order is that of the scheme. The length of a quaternion is no matter: the model keeps it, an implicit
-/// midpoint to rounding, and a step of order k to h^(k+1) before it is divided by it.
+/// The order is that of the scheme, and so is what it keeps. Of a robot that is free in space
+/// [`ImplicitMidpoint`](super::ImplicitMidpoint) and [`StoermerVerlet`](super::StoermerVerlet) in (q, p) keep
+/// linear and angular momentum in the world to rounding, under gravity those that it leaves constant, and the
+/// energy without drift. [`RungeKutta4`](super::RungeKutta4), and all schemes in (q, v), keep them to their
+/// order. The length of a quaternion is no matter: nothing but its own rate depends on it.
 ///
 /// ```
 /// use costate::robot::{JointSpec, LinkInertia, Robot};
@@ -52,6 +59,8 @@ pub struct FreeStep<S, P> {
     plain: P,
     space: ConfigurationSpace,
     charts: Charts<S>,
+    /// The plain numbers of x.
+    numbers: Vec<S>,
     /// Phi, with unit quaternions.
     next: Vec<S>,
     /// Phi of plain numbers by (d, e), u and h, row by row; the same by phi.
@@ -67,12 +76,12 @@ pub struct FreeStep<S, P> {
 }
 
 impl<S: Scalar, P: Step<S, Error = StepError<EvalError>>> FreeStep<S, P> {
-    /// A scheme of the robot in x = (q, p), such as `RungeKutta4::new`. Later calls do not allocate.
+    /// A scheme of the robot in x = (q, p), such as `ImplicitMidpoint::new`. Later calls do not allocate.
     pub fn in_momenta(
         robot: &Robot,
         scheme: impl FnOnce(QuaternionDynamics<S, HamiltonianSecondOrder<S>>) -> P,
     ) -> Self {
-        Self::new(robot, scheme(QuaternionDynamics::of_robot(robot)))
+        Self::new(robot, scheme(QuaternionDynamics::canonical(robot)), SecondHalf::Conjugate)
     }
 
     /// The same in x = (q, v).
@@ -80,17 +89,18 @@ impl<S: Scalar, P: Step<S, Error = StepError<EvalError>>> FreeStep<S, P> {
         robot: &Robot,
         scheme: impl FnOnce(QuaternionDynamics<S, LagrangianSecondOrder<S>>) -> P,
     ) -> Self {
-        Self::new(robot, scheme(QuaternionDynamics::of_robot(robot)))
+        Self::new(robot, scheme(QuaternionDynamics::in_rates(robot)), SecondHalf::Tangent)
     }
 
-    fn new(robot: &Robot, plain: P) -> Self {
-        let (n, size) = (robot.dof(), robot.nq() + robot.dof());
+    fn new(robot: &Robot, plain: P, second: SecondHalf) -> Self {
+        let (n, nq, size) = (robot.dof(), robot.nq(), plain.states());
         let inputs = 3 * n;
         Self {
             plain,
             space: ConfigurationSpace::new(robot),
-            charts: Charts::new(robot),
-            next: filled(S::zero(), size),
+            charts: Charts::new(robot, second),
+            numbers: filled(S::zero(), size),
+            next: filled(S::zero(), nq + n),
             wide: Matrix::zeros(size, inputs + 1),
             phi_z: Matrix::zeros(2 * n, inputs + 1),
             phi_h: filled(S::zero(), 2 * n),
@@ -127,8 +137,8 @@ impl<S: Scalar, P: Step<S, Error = StepError<EvalError>>> FreeStep<S, P> {
     /// was not solved.
     pub fn evaluate(&mut self, x: &[S], u: &[S], h: S) -> Result<&[S], StepError<EvalError>> {
         self.check(x, u, h, None)?;
-        self.next.copy_from_slice(self.plain.evaluate(x, u, h)?);
-        self.charts.arrive(&mut self.next);
+        self.charts.leave(x, &mut self.numbers);
+        self.charts.arrive(self.plain.evaluate(&self.numbers, u, h)?, &mut self.next);
         Ok(&self.next)
     }
 
@@ -143,10 +153,9 @@ impl<S: Scalar, P: Step<S, Error = StepError<EvalError>>> FreeStep<S, P> {
         h: S,
     ) -> Result<StepLinearisation<'_, S>, StepError<EvalError>> {
         self.check(x, u, h, None)?;
-        self.charts.leave(x);
-        let first = self.plain.linearise(x, u, h)?;
-        self.next.copy_from_slice(first.next);
-        self.charts.arrive(&mut self.next);
+        self.charts.leave(x, &mut self.numbers);
+        let first = self.plain.linearise(&self.numbers, u, h)?;
+        self.charts.arrive(first.next, &mut self.next);
         self.charts.spread(&first, &mut self.wide);
         Ok(self.first())
     }
@@ -165,12 +174,11 @@ impl<S: Scalar, P: Step<S, Error = StepError<EvalError>>> FreeStep<S, P> {
         self.check(x, u, h, Some(y))?;
         let n = self.dof();
         // The chart of the end has to be known before the costate.
-        self.next.copy_from_slice(self.plain.evaluate(x, u, h)?);
-        self.charts.leave(x);
-        self.charts.arrive(&mut self.next);
+        self.charts.leave(x, &mut self.numbers);
+        self.charts.arrive(self.plain.evaluate(&self.numbers, u, h)?, &mut self.next);
         self.charts.costate(y, &mut self.y);
         let Self { plain, charts, wide, half, y_phi_zz, pull, .. } = self;
-        let second = plain.contract(x, u, h, &self.y)?;
+        let second = plain.contract(&self.numbers, u, h, &self.y)?;
         charts.spread(&second.first, wide);
         pull.fill(S::zero());
         for (&y, row) in self.y.iter().zip(second.first.phi_x.iter_rows()) {
@@ -178,9 +186,9 @@ impl<S: Scalar, P: Step<S, Error = StepError<EvalError>>> FreeStep<S, P> {
         }
         y_phi_zz.fill_zero();
         charts.hessian(&second, half, y_phi_zz);
-        charts.bend_start(x, pull, y_phi_zz);
+        charts.bend_start(pull, y_phi_zz);
+        charts.bend_end(y, wide, y_phi_zz);
         self.first();
-        self.charts.bend_end(y, [&self.wide, &self.phi_z], &mut self.y_phi_zz);
         let [xx, ux, uu] = [[0, 0, 2 * n, 2 * n], [2 * n, 0, n, 2 * n], [2 * n, 2 * n, n, n]]
             .map(|[top, left, rows, columns]| self.y_phi_zz.block(top, left, rows, columns));
         let first = linearisation(&self.next, &self.phi_z, &self.phi_h);

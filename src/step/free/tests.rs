@@ -1,8 +1,8 @@
-//! Steps against automatic differentiation through q (+) d, and what they keep.
+//! Steps against automatic differentiation through q (+) d, and their orders.
 
 use super::*;
 use crate::configuration::samples::{robots, state};
-use crate::step::{ImplicitMidpoint, RungeKutta4};
+use crate::step::{ImplicitMidpoint, RungeKutta4, StoermerVerlet};
 use nalgebra::DMatrix;
 use num_dual::HyperDual64;
 
@@ -68,40 +68,66 @@ fn check<P: Step<f64, Error = StepError<EvalError>>>(
     }
 }
 
+/// A scheme, in numbers and in hyper-dual ones, against each other.
+macro_rules! agrees {
+    ($robot:expr, $space:ident, $scheme:ident) => {{
+        let mut dual = FreeStep::$space($robot, $scheme::<HyperDual64, _>::new);
+        let h = HyperDual64::from_re(STEP);
+        let mut at = |x: &[HyperDual64], u: &[HyperDual64]| dual.evaluate(x, u, h).unwrap().to_vec();
+        check($robot, &mut FreeStep::$space($robot, $scheme::new), &mut at);
+    }};
+}
+
 #[test]
 fn derivatives_are_those_of_hyper_dual_numbers_through_the_retraction() {
-    let h = HyperDual64::from_re(STEP);
     for robot in robots() {
-        let mut dual = FreeStep::in_momenta(&robot, RungeKutta4::<HyperDual64, _>::new);
-        let mut at = |x: &[HyperDual64], u: &[HyperDual64]| dual.evaluate(x, u, h).unwrap().to_vec();
-        check(&robot, &mut FreeStep::in_momenta(&robot, RungeKutta4::new), &mut at);
-        let mut dual = FreeStep::in_rates(&robot, RungeKutta4::<HyperDual64, _>::new);
-        let mut at = |x: &[HyperDual64], u: &[HyperDual64]| dual.evaluate(x, u, h).unwrap().to_vec();
-        check(&robot, &mut FreeStep::in_rates(&robot, RungeKutta4::new), &mut at);
+        agrees!(&robot, in_momenta, RungeKutta4);
+        agrees!(&robot, in_rates, RungeKutta4);
     }
 }
 
-/// Half of the step has a sixteenth of the error; energy and angular momentum of a free body stay.
+/// The iterations of implicit schemes take long in hyper-dual numbers: trees of up to 15 degrees of freedom.
+#[test]
+fn derivatives_of_implicit_schemes_are_those_through_their_iterations() {
+    for robot in robots().iter().take(4) {
+        agrees!(robot, in_momenta, ImplicitMidpoint);
+        agrees!(robot, in_momenta, StoermerVerlet);
+        agrees!(robot, in_rates, ImplicitMidpoint);
+    }
+}
+
+type Plain = Box<dyn Step<f64, Error = StepError<EvalError>>>;
+
+/// Half of the step has 2^-order of the error.
 #[test]
 fn steps_have_the_order_of_their_scheme() {
     let robot = robots().remove(1);
     let space = ConfigurationSpace::new(&robot);
     let ([q, w, u, _], n, nq) = (state(&space), robot.dof(), robot.nq());
     let x = [&q[..], &w].concat();
-    let mut fourth = FreeStep::in_rates(&robot, RungeKutta4::<f64, _>::new);
-    let mut second = FreeStep::in_rates(&robot, ImplicitMidpoint::<f64, _>::new);
-    let mut run = |steps: usize, order: u32| {
-        let (mut x, h) = (x.clone(), 0.1 / steps as f64);
+    let run = |step: &mut FreeStep<f64, Plain>, steps: usize| {
+        let mut x = x.clone();
         for _ in 0..steps {
-            let next = if order == 4 { fourth.evaluate(&x, &u, h) } else { second.evaluate(&x, &u, h) };
-            x = next.unwrap().to_vec();
+            x = step.evaluate(&x, &u, 0.1 / steps as f64).unwrap().to_vec();
         }
         x
     };
-    let exact = run(512, 4);
-    for order in [2, 4] {
+    macro_rules! boxed {
+        ($space:ident, $scheme:ident) => {
+            FreeStep::$space(&robot, |model| Box::new($scheme::new(model)) as Plain)
+        };
+    }
+    let in_momenta = run(&mut boxed!(in_momenta, RungeKutta4), 512);
+    let in_rates = run(&mut boxed!(in_rates, RungeKutta4), 512);
+    for (mut step, exact, order) in [
+        (boxed!(in_momenta, StoermerVerlet), &in_momenta, 2),
+        (boxed!(in_momenta, ImplicitMidpoint), &in_momenta, 2),
+        (boxed!(in_momenta, RungeKutta4), &in_momenta, 4),
+        (boxed!(in_rates, ImplicitMidpoint), &in_rates, 2),
+        (boxed!(in_rates, RungeKutta4), &in_rates, 4),
+    ] {
         let errors = [16, 32].map(|steps| {
-            let found = run(steps, order);
+            let found = run(&mut step, steps);
             let mut d = vec![0.0; n];
             space.difference(&exact[..nq], &found[..nq], &mut d).unwrap();
             let off = found[nq..].iter().zip(&exact[nq..]).map(|(a, b)| a - b);

@@ -1,6 +1,6 @@
 //! Figures of the solver, folded: each explained, and coloured where it is bad.
 
-use crate::figures::figures;
+use crate::figures::{FEET, figures};
 use crate::motion::Motion;
 use crate::svg::markup::escaped;
 use crate::text;
@@ -49,6 +49,7 @@ fn meaning(name: &str) -> &'static str {
         }
         "H*" => "the maximised Hamiltonian: the cost that one more second would save",
         "drift of the loops" => "how far the motion leaves the constraints of the robot",
+        "redundant rows" => "rows of constraints that depend on others at the start",
         "drift of the feet" => "how far feet that stand leave their places",
         "speed" => "length of a step over its duration",
         "cost of transport" => "work of the motors where they drive, over weight times length of the step",
@@ -78,6 +79,7 @@ fn meaning(name: &str) -> &'static str {
         "bounds needed" | "at joint" | "at time" | "control there" | "its bound" => {
             "what the bounds would have to be for a motion to exist"
         }
+        FEET => "at the points of the mesh, and between them: m, m/s, N, N m, N s or N m s",
         name if name.starts_with("beyond") => "largest violation at the points of the mesh, and between them",
         _ => "",
     }
@@ -110,8 +112,9 @@ fn is_good(motion: &Motion<'_>, name: &str) -> Option<bool> {
         "conjugate time" if figures.conjugate_time.is_some() => Some(false),
         "local minimum" => Some(figures.certificate != Certificate::SaddleOnMesh),
         "verification" => Some(figures.verification != Verify::None),
-        name if name.starts_with("beyond") => {
-            let kind = name.strip_prefix("beyond ")?.strip_suffix(" limits").unwrap_or("task");
+        name if name == FEET || name.starts_with("beyond") => {
+            let limits = name.strip_prefix("beyond ").and_then(|name| name.strip_suffix(" limits"));
+            let kind = limits.unwrap_or("task");
             let kind = kind.replace(['-', ' '], "_");
             let usage = solution.limits.kinds().find(|(name, _)| *name == kind)?.1?;
             Some(usage.worst.is_none() && usage.worst_between.is_none())

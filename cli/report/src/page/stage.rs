@@ -1,7 +1,7 @@
 //! The data of the stage: the tree of joints, bodies, tools, payloads.
 //!
-//! Poses are not written: the script computes them from q, as [`costate::robot::Robot::poses`] does and
-//! `entries` for floating and spherical joints, which is exact and short.
+//! Poses are not written: the script computes them from q, as [`costate::robot::Robot::poses`] does, which is
+//! exact and short.
 
 use super::bodies::{Meshes, bodies};
 use super::obstacles::obstacles;

@@ -1,8 +1,10 @@
 //! The robot as a stick figure: points in the world frame and lines between them.
 
-use crate::entries::{Mover, is_floating, movers, poses};
+use crate::entries::is_floating;
 use crate::shape::{SHORTEST, end_of, is_trunk, moves_freely};
 use crate::soles::Sole;
+use costate::EvalError;
+use costate::configuration::ConfigurationSpace;
 use costate::robot::{JointKind, Placement, Robot};
 use costate_control::Trajectory;
 
@@ -35,7 +37,7 @@ impl Part {
 /// ends of the links without a child follow, and of trunks; then the corners of soles.
 pub struct Skeleton<'a> {
     robot: &'a Robot,
-    movers: Vec<Mover>,
+    space: ConfigurationSpace,
     leaves: Vec<usize>,
     soles: &'a [Sole],
     /// Two points and the meaning of the line between them.
@@ -88,22 +90,16 @@ impl<'a> Skeleton<'a> {
             lines.extend((0..edges).map(|k| (first + k, first + (k + 1) % corners, Part::Link)));
             first += corners;
         }
-        Self { robot, movers: movers(robot), leaves, soles, lines, tips }
+        Self { robot, space: ConfigurationSpace::new(robot), leaves, soles, lines, tips }
     }
 
-    /// All points at q (rad, m, unit quaternions); all zero if q has the wrong length.
-    pub fn points(&self, q: &[f64]) -> Vec<Point> {
+    /// All points at q (rad, m); quaternions may have any length but 0.
+    pub fn points(&self, q: &[f64]) -> Result<Vec<Point>, EvalError> {
+        let mut q = q.to_vec();
+        self.space.normalize(&mut q)?;
+        let poses = self.robot.poses(&q)?;
         let joints = self.robot.joints();
         let mut points = vec![[0.0; 3]; 1 + 2 * joints.len() + self.leaves.len()];
-        let corners: Vec<(usize, Point)> = self
-            .soles
-            .iter()
-            .flat_map(|sole| sole.outline().into_iter().map(|corner| (sole.joint, corner)))
-            .collect();
-        let Some(poses) = poses(self.robot, &self.movers, q) else {
-            points.resize(points.len() + corners.len(), [0.0; 3]);
-            return points;
-        };
         for (i, (joint, pose)) in joints.iter().zip(&poses).enumerate() {
             let frame = joint.parent.map_or(joint.placement, |p| poses[p].then(&joint.placement));
             points[placed(i)] = frame.translation.into();
@@ -113,22 +109,24 @@ impl<'a> Skeleton<'a> {
             let end = Placement::from_xyz_rpy(end_of(self.robot, leaf), [0.0; 3]);
             points[1 + 2 * joints.len() + k] = poses[leaf].then(&end).translation.into();
         }
-        points.extend(corners.into_iter().map(|(joint, corner)| {
-            let corner = Placement::from_xyz_rpy(corner, [0.0; 3]);
-            Point::from(poses[joint].then(&corner).translation)
-        }));
-        points
+        for sole in self.soles {
+            points.extend(sole.outline().into_iter().map(|corner| {
+                let corner = Placement::from_xyz_rpy(corner, [0.0; 3]);
+                Point::from(poses[sole.joint].then(&corner).translation)
+            }));
+        }
+        Ok(points)
     }
 }
 
 /// The points of the figure at `count` times from start to end; poses that are not finite are omitted.
 pub fn film(skeleton: &Skeleton<'_>, motion: &Trajectory, count: usize) -> Vec<Vec<Point>> {
     let [first, .., last] = motion.t[..] else {
-        return motion.q.iter().map(|q| skeleton.points(q)).collect();
+        return motion.q.iter().filter_map(|q| skeleton.points(q).ok()).collect();
     };
     let time = |k: usize| first + (last - first) * k as f64 / (count - 1) as f64;
     let point = |k: usize| motion.at(time(k).clamp(first, last));
-    let frames = (0..count).filter_map(point).map(|point| skeleton.points(&point.q));
+    let frames = (0..count).filter_map(point).filter_map(|point| skeleton.points(&point.q).ok());
     frames.filter(|points| points.iter().flatten().all(|x| x.is_finite())).collect()
 }
 
@@ -148,7 +146,7 @@ mod tests {
         let skeleton = Skeleton::new(&robot, &[]);
         let parts: Vec<_> = skeleton.lines.iter().map(|line| line.2).collect();
         assert_eq!(parts, [Part::Slide, Part::Link, Part::Link]);
-        let points = skeleton.points(&[0.7, std::f64::consts::FRAC_PI_2]);
+        let points = skeleton.points(&[0.7, std::f64::consts::FRAC_PI_2]).unwrap();
         let expected =
             [[0.0; 3], [0.0; 3], [0.7, 0.0, 0.0], [0.7, 0.0, 0.2], [0.7, 0.0, 0.2], [1.2, 0.0, 0.2]];
         for (point, expected) in points.iter().zip(&expected) {

@@ -119,3 +119,28 @@ fn the_base_flies_by_a_key_as_by_an_option() {
     assert_eq!(fixed.status.code(), Some(WRONG), "the file has the last word");
     assert!(stderr(&fixed).contains("there is no joint 'root_joint_x'"), "{}", stderr(&fixed));
 }
+
+/// Neither is taken, and both have a name.
+#[test]
+fn gaits_and_constraints_of_what_flies_are_refused() {
+    let folder = empty_folder("flying_refused");
+    let gear = "[[constraint]]\nname = \"gear\"\ntype = \"coupling\"\njoints = { wheel = 1.0 }\n";
+    for (robot, problem, parts) in [
+        (
+            ROBOT.to_owned(),
+            format!(
+                "{PROBLEM}[gait]\nstance = \"nonsense\"\nswing = \"base\"\nalong = \"base_x\"\nlength = 0.3\n"
+            )
+            .replace("[end]\nq = [0, 0, 0, 0, 0, 0.6, 0.8, 0]\n", "")
+            .replace("q_free = [\"base_x\", \"base_y\", \"base_z\", \"wheel\"]\n", ""),
+            &["gait.stance: joint 'base' turns freely", "prismatic and revolute joints"][..],
+        ),
+        (format!("{ROBOT}{gear}"), PROBLEM.to_owned(), &["robot: joint 'base' turns freely", "'gear'"]),
+    ] {
+        std::fs::write(folder.join("wheel.toml"), robot).unwrap();
+        let output = optimize("flying_refused", &problem, &[]);
+        let message = stderr(&output);
+        assert_eq!(output.status.code(), Some(WRONG), "{message}");
+        assert!(parts.iter().all(|part| message.contains(part)), "{message}");
+    }
+}

@@ -6,6 +6,7 @@ mod flying;
 mod impossible;
 mod input;
 mod keys;
+mod loops;
 mod missing;
 mod outputs;
 mod pages;

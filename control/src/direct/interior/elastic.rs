@@ -3,6 +3,7 @@
 use super::iterate::Interior;
 use super::relaxation::Relaxation;
 use crate::constants::direct as constants;
+use crate::constants::elastic;
 use crate::direct::limits::barrier::Barrier;
 use crate::direct::motion::spline::Spline;
 use crate::direct::points::values::PointDynamics;
@@ -42,8 +43,8 @@ impl<D: PointDynamics> Interior<D> {
         let kept = std::mem::replace(&mut self.barrier, relaxed);
         self.start(None)?;
         let own = self.barrier.ranges();
-        let (room, gap) = if coarser.is_some() { constants::ELASTIC_WARM } else { constants::ELASTIC_COLD };
-        let cold = || (constants::PRICE * self.figures.size, Relaxation::widened(&self.barrier));
+        let (room, gap) = if coarser.is_some() { elastic::WARM } else { elastic::COLD };
+        let cold = || (elastic::PRICE * self.figures.size, Relaxation::widened(&self.barrier));
         let (price, ranges) = coarser.cloned().unwrap_or_else(cold);
         self.barrier.set_ranges(&ranges);
         self.relaxation = Relaxation::of(&self.barrier, own, price, room);
@@ -74,7 +75,7 @@ impl<D: PointDynamics> Interior<D> {
         self.mu = gap * self.figures.size / total;
         for at in 0..self.barrier.count() {
             if self.barrier.is_limit(at) {
-                let least = constants::LEAST_ROOM / self.barrier.unit[at];
+                let least = elastic::LEAST_ROOM / self.barrier.unit[at];
                 let slack = self.barrier.distance[at].max(least);
                 self.barrier.slack[at] = slack;
                 self.barrier.multiplier[at] = self.mu * self.barrier.weight[at] / slack;
@@ -138,7 +139,7 @@ impl<D: PointDynamics> Interior<D> {
         let on = (0..self.barrier.count()).filter(|&at| self.barrier.is_on(at));
         let part = |at: usize| {
             let side = self.barrier.side(at);
-            let room = if side.is_half || side.is_equation { constants::OFF_EQUATIONS } else { 0.0 };
+            let room = if side.is_half || side.is_equation { elastic::OFF_EQUATIONS } else { 0.0 };
             self.part(at) - room
         };
         on.map(part).fold(f64::NEG_INFINITY, f64::max)

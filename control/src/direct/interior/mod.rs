@@ -14,6 +14,7 @@ pub(super) mod iterate;
 pub(super) mod looseness;
 pub(super) mod measures;
 pub(super) mod relaxation;
+mod relaxation_border;
 pub(super) mod rounding;
 pub(super) mod search;
 mod small_cost;

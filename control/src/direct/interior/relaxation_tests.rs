@@ -5,6 +5,7 @@ use super::super::iterate::Interior;
 use super::super::iterate::tests::started;
 use super::price;
 use crate::constants::direct as constants;
+use crate::constants::elastic;
 use crate::direct::motion::shape::Shape;
 use crate::direct::points::generic_points::RobotPoints;
 use crate::direct::points::phases::PhaseDynamics;
@@ -17,7 +18,7 @@ use costate::robot::Robot;
 
 #[test]
 fn the_price_is_smooth() {
-    let delta = constants::ROUNDED_PRICE;
+    let delta = elastic::ROUNDED_PRICE;
     for e in [-1e3, -2.0, -delta, -0.1 * delta, 0.0, 0.3 * delta, 0.5, 1e4] {
         let [value, first, second] = price(e);
         assert!(value > 0.0 && first > 0.0 && first < 1.0 + 1e-12 && second >= 0.0);
@@ -50,7 +51,7 @@ fn give_as_far_as_the_motion_exceeds_them(shape: Shape) {
     assert_eq!(barrier.rate_sides().is_empty(), !shape.is_smooth());
     for at in (0..barrier.count()).filter(|&at| barrier.is_limit(at)) {
         // Each with room, and the slack is where the motion is.
-        let room = constants::ELASTIC_COLD.0 * barrier.side(at).range * (1.0 - 1e-9);
+        let room = elastic::COLD.0 * barrier.side(at).range * (1.0 - 1e-9);
         assert!(barrier.distance[at] >= room && barrier.slack[at] == barrier.distance[at], "{at}");
     }
     assert!(interior.violation_without_relief() > 0.1);
@@ -75,7 +76,7 @@ fn equations_become_no_stiffer_than_elsewhere() {
     // Limits that do not give cost next to nothing, however dear that is.
     interior.relaxation.give.fill(-1e3);
     for _ in 0..6 {
-        interior.raise_price(constants::DEARER);
+        interior.raise_price(elastic::DEARER);
         let most = constants::MOST_STIFFNESS * interior.figures.size;
         assert!(interior.barrier.stiffness <= most * (1.0 + 1e-12), "{}", interior.barrier.stiffness / most);
     }
@@ -90,7 +91,7 @@ fn is_found_again(shape: Shape) {
     let mut interior = relaxed(shape);
     let (kept, figures) = (interior.keep(), interior.figures);
     let (distance, given) = (interior.barrier.distance.clone(), interior.given());
-    interior.raise_price(constants::DEARER);
+    interior.raise_price(elastic::DEARER);
     interior.iterate(1e-9, 2, |_, _| None).unwrap();
     assert!(interior.figures.cost != figures.cost);
     interior.come_back(kept).unwrap();

@@ -5,8 +5,9 @@ use super::side::{Limited, Side};
 use crate::direct::motion::mesh::Mesh;
 use crate::direct::motion::shape::Shape;
 use crate::direct::motion::times::FreeTimes;
-use crate::problem::loop_rows::{LoopPhase, Loops, Walk};
+use crate::problem::loop_rows::{Foot, LoopPhase, Loops, Walk};
 use crate::problem::{BoundaryState, Problem};
+use std::ops::Range;
 
 /// The rows along a motion, in their order, that are implied at an end.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -55,14 +56,20 @@ pub(crate) struct Ends {
 /// The sides that do not count in each phase of a step, whose points have so many rows of powers.
 fn absent(loops: &Loops, powers: usize) -> Vec<Vec<(Limited, usize)>> {
     let Some(walk) = &loops.walk else { return Vec::new() };
-    let (n, sides) = (walk.exchange.len(), walk.gait.cone().len());
+    let n = walk.exchange.len();
+    // Rows of cones, in the order of their feet.
+    let mut first = 0;
+    let cone = |foot: &Foot| {
+        let own = first..first + walk.gait.cone(foot.contact).len();
+        first = own.end;
+        (foot.rows.end, own)
+    };
+    let cones: Vec<(usize, Range<usize>)> = walk.feet.iter().map(cone).collect();
     let resting = walk.gait.resting_corners(walk.gait.trailing);
     let of_phase = |phase: &LoopPhase| {
         let idle = (phase.rows..loops.rows.len()).map(|row| (Limited::Acceleration, n + row));
-        // Rows of cones, in the order of their feet.
-        let feet = walk.feet.iter().filter(|foot| walk.has_cone(foot)).enumerate();
-        let released = feet.filter(|(_, foot)| foot.rows.end > phase.rows);
-        let cones = released.flat_map(|(number, _)| sides * number..sides * (number + 1));
+        let released = cones.iter().filter(|(last, _)| *last > phase.rows);
+        let cones = released.flat_map(|(_, sides)| sides.clone());
         // Where all feet stand, what rests on the ground has no height.
         let stands = walk.has_double_support() && phase.rows == loops.rows.len();
         let heights =

@@ -64,10 +64,10 @@ pub(in crate::direct) fn walker() -> Problem {
     walker_on(|gait| gait.with_sole(-0.0488, 0.1371).with_sole_width(0.0958))
 }
 
-/// The same with both soles flat on the ground at first.
-pub(in crate::direct) fn walker_on_both_feet() -> Problem {
+/// The same with both soles on the ground at first, of which the one behind stands so.
+pub(in crate::direct) fn walker_on_both_feet(trailing: SoleContact) -> Problem {
     let soles = |gait: Gait| gait.with_sole(-0.0488, 0.1371).with_sole_width(0.0958);
-    walker_on(|gait| soles(gait).with_double_support(0.2).with_trailing(SoleContact::Flat))
+    walker_on(|gait| soles(gait).with_double_support(0.2).with_trailing(trailing))
 }
 
 /// The same on points below its ankles.
@@ -125,8 +125,9 @@ fn derivatives(rows: &mut GaitRows, states: [&[f64]; 2], weights: &[f64]) -> [Ve
 #[test]
 fn derivatives_at_the_ends_are_those_of_differences() {
     let all = [rabbit(), seven_link(), rabbit_on_both_feet(), walker(), walker_on_points()];
-    let both = [SoleContact::Toe, SoleContact::Flat].map(seven_link_on_both_feet);
-    all.iter().chain(&both).chain(&[walker_on_both_feet()]).for_each(compare_ends);
+    let contacts = [SoleContact::Toe, SoleContact::Flat];
+    let both = contacts.map(seven_link_on_both_feet).into_iter().chain(contacts.map(walker_on_both_feet));
+    all.into_iter().chain(both).for_each(|problem| compare_ends(&problem));
 }
 
 fn compare_ends(problem: &Problem) {
@@ -208,7 +209,8 @@ fn derivatives_of_soles_are_those_of_differences() {
     compare_soles(&walker(), [4, 16, 24]);
     compare_soles(&seven_link_on_both_feet(SoleContact::Toe), [2, 1, 14]);
     compare_soles(&seven_link_on_both_feet(SoleContact::Flat), [2, 2, 15]);
-    compare_soles(&walker_on_both_feet(), [4, 32, 30]);
+    compare_soles(&walker_on_both_feet(SoleContact::Flat), [4, 32, 30]);
+    compare_soles(&walker_on_both_feet(SoleContact::Toe), [4, 22, 29]);
 }
 
 fn compare_soles(problem: &Problem, [heights, forces, all]: [usize; 3]) {
@@ -261,9 +263,12 @@ fn compare_soles(problem: &Problem, [heights, forces, all]: [usize; 3]) {
 #[test]
 fn a_step_begins_on_both_feet() {
     let planar = [(rabbit(), 7, 2), (seven_link(), 9, 3), (rabbit_on_both_feet(), 7, 4)];
-    let in_space = [(walker(), 18, 6), (walker_on_points(), 18, 3), (walker_on_both_feet(), 18, 12)];
-    let [toe, flat] = [SoleContact::Toe, SoleContact::Flat].map(seven_link_on_both_feet);
-    for (problem, n, k) in planar.into_iter().chain(in_space).chain([(toe, 9, 5), (flat, 9, 6)]) {
+    let in_space = [(walker(), 18, 6), (walker_on_points(), 18, 3)];
+    let contacts = [SoleContact::Toe, SoleContact::Flat];
+    let [toe, flat] = contacts.map(seven_link_on_both_feet);
+    let [edge, soles] = contacts.map(walker_on_both_feet);
+    let both = [(toe, 9, 5), (flat, 9, 6), (edge, 18, 11), (soles, 18, 12)];
+    for (problem, n, k) in planar.into_iter().chain(in_space).chain(both) {
         let mut rows = rows(&problem);
         assert_eq!(problem.coordinates(), n + k);
         for q in [&problem.start.q, &problem.end.q] {

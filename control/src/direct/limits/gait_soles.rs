@@ -2,7 +2,8 @@
 //! corners of soles that do not sink into the ground at the ends of a step.
 
 use super::gait_lifts::GaitLifts;
-use crate::problem::loop_rows::{Loops, Walk};
+use crate::problem::loop_rows::{Foot, Loops, Walk};
+use crate::problem::wrench_cone::ConeSide;
 use crate::task::row::{Measure, Row, Subject};
 use costate::EvalError;
 
@@ -41,13 +42,13 @@ pub(crate) struct GaitSoles {
 impl GaitSoles {
     /// `None` for points in the plane, whose cones are limits of single multipliers.
     pub fn new(loops: &Loops, walk: &Walk) -> Option<Self> {
-        let cone = walk.gait.cone();
-        if cone.is_empty() {
+        let cones: Vec<(&Foot, Vec<ConeSide>)> =
+            walk.feet.iter().map(|foot| (foot, walk.gait.cone(foot.contact))).collect();
+        if cones.iter().all(|(_, cone)| cone.is_empty()) {
             return None;
         }
         let (n, rows) = (walk.shift.len(), &loops.rows);
-        let feet = || walk.feet.iter().filter(|foot| walk.has_cone(foot));
-        let loads = feet().flat_map(|foot| {
+        let loads = cones.iter().flat_map(|(foot, cone)| {
             let (first, rows) = (foot.rows.start, &rows[foot.rows.clone()]);
             cone.iter().map(move |side| {
                 let load = side.by.iter().zip(rows).map(|(by, row)| by * row.mass).collect();
@@ -56,8 +57,7 @@ impl GaitSoles {
         });
         let weight = walk.weight();
         let of_feet = |subject: Subject, units: [&'static str; 2], weight: f64| {
-            let cone = &cone;
-            feet().flat_map(move |foot| {
+            cones.iter().flat_map(move |(foot, cone)| {
                 cone.iter().map(move |side| Row {
                     lower: 0.0,
                     upper: f64::INFINITY,

@@ -4,8 +4,11 @@ use crate::constants::checks::phase_times::LEAST_SHARE;
 use crate::problem::{BoundaryState, Problem};
 
 /// Times of phases in proportion to these lengths, but for those that are given; after the last given time
-/// they take what is left of `duration`.
+/// they take what is left of `duration`. Phases whose parts of the duration are given take these.
 pub(super) fn phase_times(problem: &Problem, lengths: &[f64], duration: f64) -> Vec<f64> {
+    if let Some(parts) = problem.parts_of_time() {
+        return parts.map(|part| part * duration).to_vec();
+    }
     let given = problem.times_at_ends();
     let mut times = vec![0.0; lengths.len()];
     let (mut first, mut before) = (0, 0.0);

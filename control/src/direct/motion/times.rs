@@ -1,11 +1,12 @@
 //! Which times of phases are unknowns.
 
-use crate::problem::Problem;
+use crate::problem::{FinalTime, Problem};
 
 /// The times T_p of K phases as functions of J parameters, `T = T_0 + A theta`.
 ///
 /// A phase between two given times has a given one. The free ones are parameters themselves; where the motion
-/// ends at a given time, or a via has one, the last of the phases before it takes what is left.
+/// ends at a given time, or a via has one, the last of the phases before it takes what is left. Phases whose
+/// parts of a free duration are given have this duration as their one parameter.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct FreeTimes {
     phases: usize,
@@ -44,6 +45,12 @@ impl FreeTimes {
         Self { phases, is_given: is_given.to_vec(), factors, count }
     }
 
+    /// Those of phases that take these parts of a free duration.
+    pub fn in_parts(parts: &[f64]) -> Self {
+        let is_given = (0..=parts.len()).map(|end| end == 0).collect();
+        Self { phases: parts.len(), is_given, factors: parts.to_vec(), count: 1 }
+    }
+
     /// All of them, of so many phases.
     pub fn all(phases: usize) -> Self {
         Self::new(&(0..=phases).map(|end| end == 0).collect::<Vec<_>>())
@@ -62,6 +69,10 @@ impl FreeTimes {
 
     /// Those of a problem.
     pub fn of(problem: &Problem) -> Self {
+        let is_free = matches!(problem.time, FinalTime::Free { .. });
+        if let Some(parts) = problem.parts_of_time().filter(|_| is_free) {
+            return Self::in_parts(&parts);
+        }
         Self::new(&problem.times_at_ends().iter().map(Option::is_some).collect::<Vec<_>>())
     }
 
@@ -127,6 +138,17 @@ mod tests {
         assert_eq!(columns(&[true, false, false, true]), [[1.0, 0.0, -1.0], [0.0, 1.0, -1.0]]);
         assert_eq!(columns(&[true, false, true, false]), [[1.0, -1.0, 0.0], [0.0, 0.0, 1.0]]);
         assert!(columns(&[true, true, true]).is_empty());
+    }
+
+    #[test]
+    fn phases_in_given_parts_stretch_together() {
+        let times = FreeTimes::in_parts(&[0.2, 0.8]);
+        let mut steps = Vec::new();
+        times.expand(&[0.5], &mut steps);
+        assert_eq!((times.count(), &*steps), (1, &[0.1, 0.4][..]));
+        let mut by_duration = [f64::NAN];
+        times.reduce(&[3.0, -1.0], &mut by_duration);
+        assert!((by_duration[0] + 0.2).abs() < 1e-15, "{by_duration:?}");
     }
 
     #[test]

@@ -3,6 +3,7 @@
 use super::costates::Costates;
 use crate::direct::interior::iterate::Interior;
 use crate::direct::points::values::PointDynamics;
+use crate::problem::Problem;
 
 /// H* less what the clock adds to it, which is constant along each phase of an optimal motion.
 #[derive(Clone, Debug)]
@@ -13,6 +14,17 @@ pub(crate) struct Hamiltonians {
     /// Largest difference between the mean on an interval and that of its phase, in parts of the largest
     /// |y'f| + |l| along the motion.
     pub drift: f64,
+}
+
+impl Hamiltonians {
+    /// Minus the derivative by the duration of the motion: where the last phase alone follows it that of this
+    /// phase, where all do, each with its part, their mean.
+    pub fn by_duration(&self, problem: &Problem) -> f64 {
+        match problem.parts_of_time() {
+            Some(parts) => parts.iter().zip(&self.phases).map(|(part, value)| part * value).sum(),
+            None => self.phases.last().copied().unwrap_or(f64::NAN),
+        }
+    }
 }
 
 /// From the costates of an iterate.

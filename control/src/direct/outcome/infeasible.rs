@@ -1,7 +1,7 @@
 //! What limits give, in the words of the user.
 
 use super::named::{Coordinates, excess, joint, kind, name, rate, torque_limit, unit};
-use crate::constants::direct as constants;
+use crate::constants::elastic;
 use crate::direct::interior::elastic::Given;
 use crate::direct::interior::iterate::Interior;
 use crate::direct::points::values::PointDynamics;
@@ -48,7 +48,7 @@ pub(crate) fn with_proof(problem: &Problem, found: Option<Infeasibility>) -> Opt
 pub(crate) fn relaxed<D: PointDynamics>(problem: &Problem, interior: &Interior<D>) -> Infeasibility {
     let mut given = interior.given();
     given.sort_by(|a, b| b.part.total_cmp(&a.part));
-    let least = given.first().map_or(0.0, |first| constants::NOTICED_RELIEF * first.part.max(0.0));
+    let least = given.first().map_or(0.0, |first| elastic::NOTICED_RELIEF * first.part.max(0.0));
     given.retain(|given| given.part > least);
     let coordinates = Coordinates::of(problem);
     let limits = given.iter().map(|given| limit(problem, interior, given, &coordinates)).collect();

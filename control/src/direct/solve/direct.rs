@@ -205,7 +205,7 @@ impl Direct<'_> {
             penalty_cost,
             smoothing: smoothing.weight,
             smoothing_bound: smoothing.bound,
-            hamiltonian: hamiltonians.phases[hamiltonians.phases.len() - 1],
+            hamiltonian: hamiltonians.by_duration(problem),
             phase_hamiltonians: hamiltonians.phases,
             hamiltonian_drift: hamiltonians.drift,
             end_state: again.state,

@@ -5,6 +5,7 @@ use super::prepare::Dynamics;
 use super::refined::Refined;
 use super::restore::{Patience, Restored, restore};
 use crate::constants::direct as constants;
+use crate::constants::elastic;
 use crate::direct::interior::iterate::{End, Interior};
 use crate::direct::motion::spline::Spline;
 use crate::direct::refine::resolution::Resolution;
@@ -203,7 +204,7 @@ impl<'a, 'r> Refinement<'a, 'r> {
         let is_beyond = self.interior.figures.violation > constants::VIOLATION_ACCEPTED;
         // Another mesh may resolve the motion, and keep the limits then.
         let has_meshes = solved.unresolved && self.left + 1 < constants::UNRESOLVED_MESHES;
-        if !(solved.is_over() && is_beyond && self.restorations < constants::RESTORATIONS) || has_meshes {
+        if !(solved.is_over() && is_beyond && self.restorations < elastic::RESTORATIONS) || has_meshes {
             return Ok(None);
         }
         self.restorations += 1;

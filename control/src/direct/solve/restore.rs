@@ -1,6 +1,7 @@
 //! What is done where limits are not kept: a motion that keeps them, or what they would have to give.
 
 use crate::constants::direct as constants;
+use crate::constants::elastic;
 use crate::direct::interior::iterate::{End, Interior};
 use crate::direct::motion::spline::Spline;
 use crate::direct::motion::times::FreeTimes;
@@ -58,11 +59,11 @@ pub(super) fn restore<D: PointDynamics>(
     };
     let guess = guess.on_nodes(before.mesh.nodes.clone());
     let (far, near) = (from(interior, before.clone())?, from(interior, guess)?);
-    if far <= near || far < constants::WILD {
+    if far <= near || far < elastic::WILD {
         from(interior, before.clone())?;
     }
     let (mut last, mut coarser) = (f64::INFINITY, None);
-    for _ in 0..constants::ELASTIC_MESHES {
+    for _ in 0..elastic::MESHES {
         let kept = interior.relax(coarser.as_ref())?;
         let found = least(interior, coarser.is_none(), options, recorder)?;
         let part = match found {
@@ -80,7 +81,7 @@ pub(super) fn restore<D: PointDynamics>(
                 });
             }
         };
-        if part > constants::SAME_RELIEF * last {
+        if part > elastic::SAME_RELIEF * last {
             let mut infeasible = relaxed(problem, interior);
             interior.tighten(kept, gap)?;
             if infeasible.limits.is_empty() {
@@ -94,7 +95,7 @@ pub(super) fn restore<D: PointDynamics>(
         last = part;
         coarser = Some((interior.relaxation.price(), interior.barrier.ranges()));
         let mesh = &interior.spline.mesh;
-        let is_fine = mesh.intervals() > constants::ELASTIC_INTERVALS;
+        let is_fine = mesh.intervals() > elastic::INTERVALS;
         let nodes = mesh.halved(constants::NARROWEST);
         let is_full = mesh.shape.stride() * (nodes.len() - 1) + 1 > options.max_nodes;
         if !is_full {
@@ -118,7 +119,7 @@ fn least<D: PointDynamics>(
     recorder: &mut Recorder<'_>,
 ) -> Result<OnMesh, EvalError> {
     let (mut last, mut cheaper) = (f64::INFINITY, None);
-    for round in 1..=constants::PRICES {
+    for round in 1..=elastic::PRICES {
         let end = steps(interior, options, recorder, |iterate| iterate.violation_without_relief() <= 0.0)?;
         let part = interior.violation_without_relief();
         if part <= 0.0 {
@@ -134,11 +135,11 @@ fn least<D: PointDynamics>(
                 break;
             }
         }
-        if part > constants::SAME_PRICE * last || !raises || round == constants::PRICES {
+        if part > elastic::SAME_PRICE * last || !raises || round == elastic::PRICES {
             break;
         }
         (last, cheaper) = (part, Some(interior.keep()));
-        interior.raise_price(constants::DEARER);
+        interior.raise_price(elastic::DEARER);
     }
     Ok(OnMesh::Least(interior.violation_without_relief()))
 }
@@ -165,8 +166,8 @@ fn steps<D: PointDynamics>(
         // Any interruption ends the iteration; which one is asked for below.
         if enough(iterate) { Some(Interruption::Cancelled) } else { recorder.interruption() }
     };
-    let most = constants::ELASTIC_STEPS.min(options.max_iterations);
-    let end = interior.iterate(constants::ELASTIC_PRECISION, most, watch)?;
+    let most = elastic::STEPS.min(options.max_iterations);
+    let end = interior.iterate(elastic::PRECISION, most, watch)?;
     Ok(match (end, recorder.interruption()) {
         (End::Interrupted(_), None) => End::Solved,
         (_, Some(interruption)) => End::Interrupted(interruption),
@@ -194,7 +195,7 @@ fn later<D: PointDynamics>(
         interior.start(None).map(|()| interior.figures.violation <= constants::VIOLATION_AT_POINTS)
     };
     let mut found = None;
-    for factor in constants::SLOWER {
+    for factor in elastic::SLOWER {
         if slowed(interior, factor)? {
             found = Some(factor * time);
             break;
@@ -202,8 +203,7 @@ fn later<D: PointDynamics>(
     }
     if found.is_some() {
         let running = interior.running.time;
-        interior.running.time =
-            running + constants::HURRY * interior.figures.size / interior.spline.duration();
+        interior.running.time = running + elastic::HURRY * interior.figures.size / interior.spline.duration();
         let given = std::mem::replace(&mut interior.ends.times, FreeTimes::all(before.times.len()));
         interior.start(None)?;
         let end = steps(interior, options, recorder, |_| false)?;
@@ -234,10 +234,10 @@ impl Default for Patience {
 impl Patience {
     /// Whether limits were violated for so many steps that none reduced the violation noticeably.
     pub fn is_over(&mut self, violation: f64) -> bool {
-        if violation <= constants::VIOLATION_ACCEPTED || violation < constants::PROGRESS * self.best {
+        if violation <= constants::VIOLATION_ACCEPTED || violation < elastic::PROGRESS * self.best {
             *self = Self { best: violation, waited: 0 };
         }
         self.waited += 1;
-        self.waited > constants::PATIENCE
+        self.waited > elastic::PATIENCE
     }
 }
