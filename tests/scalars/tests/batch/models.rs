@@ -1,9 +1,9 @@
 //! Models: nodes as if alone, in any number, on any tree, with numbers that carry derivatives.
 
-use crate::arrays::{Arrays, agree, node, robot};
+use crate::arrays::{Arrays, NodeResults, agree, differing, least_sizes, node, one_by_one, robot};
 use costate::batch::{Batch, FirstOrderArrays, Model, Packed, SecondOrderArrays};
 use costate::configuration::ConfigurationSpace;
-use costate::derivative::Function;
+use costate::derivative::{Function, largest};
 use costate::dynamics::{Automatic, QuaternionDynamics};
 use costate::hamiltonian::HamiltonianSecondOrder;
 use costate::lagrangian::LagrangianSecondOrder;
@@ -75,7 +75,8 @@ fn random_nodes_of_free_joints<S: Packed<Lane = f64>>(case: &Case) {
         let step: Vec<f64> = case.u.iter().map(|u| factor * u).collect();
         let mut q = case.q.clone();
         space.integrate(&case.q, &step, &mut q).unwrap();
-        allowed = allowed.max(10.0 * tolerance(&robot, &q));
+        // Two derivatives of a product have four terms.
+        allowed = allowed.max(4.0 * 10.0 * tolerance(&robot, &q));
         arrays.x.extend(&q);
         arrays.x.extend(case.v.iter().map(|v| v * (1.0 - 0.5 * factor)));
         arrays.u.extend(case.u.iter().map(|u| u * factor));
@@ -88,6 +89,20 @@ fn random_nodes_of_free_joints<S: Packed<Lane = f64>>(case: &Case) {
     let mut of_velocity = Batch::<S, _>::new(Model(QuaternionDynamics::in_rates(&robot)));
     assert!(arrays.evaluate(&mut of_velocity).is_empty());
     agree(&mut QuaternionDynamics::in_rates(&robot), &arrays, allowed);
+    let expected = one_by_one(&mut QuaternionDynamics::in_rates(&robot), &arrays);
+    small_changes_are_found(&expected, &mut arrays, allowed);
+}
+
+/// A change of one entry by three times what is allowed is found, in every result.
+fn small_changes_are_found(expected: &[NodeResults], arrays: &mut Arrays, allowed: f64) {
+    for which in 0..arrays.results.len() {
+        let (results, _) = &expected[0];
+        let least = least_sizes(results, node(&arrays.y, 0, expected.len()))[which];
+        let (before, size) = (arrays.results[which][0], largest(&results[which]).max(least));
+        arrays.results[which][0] = results[which][0] + 3.0 * allowed * if size == 0.0 { 1.0 } else { size };
+        assert!(differing(expected, arrays, allowed).is_some(), "result {which}");
+        arrays.results[which][0] = before;
+    }
 }
 
 properties! {
