@@ -32,16 +32,14 @@ fn steps_agree(case: &Case) -> Result<(), TestCaseError> {
     let (robot, mut figures) = (case.robot(), Vec::new());
     match StepRoutes::new(&robot).compare(&case.x(&robot), &case.u, STEP, &case.y, &mut figures) {
         Ok(()) => prop_assert_eq!(figures.len(), 8, "two rows of four schemes"),
-        Err(StepError::NotConverged { .. } | StepError::Inaccurate { .. }) => return Err(reject()),
+        Err(StepError::NotConverged { .. } | StepError::Inaccurate { .. }) => {
+            return Err(TestCaseError::reject("no implicit step"));
+        }
         Err(error) => prop_assert!(false, "{error}"),
     }
     figures.retain(|figure| figure.verdict(1.0) == Verdict::Differs);
     prop_assert!(figures.is_empty(), "{figures:#?}");
     Ok(())
-}
-
-fn reject() -> TestCaseError {
-    TestCaseError::reject("no implicit step")
 }
 
 /// Duration of a step (s).
