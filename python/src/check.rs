@@ -67,8 +67,7 @@ type Compared = (Option<AtState>, usize, usize);
 /// What computes the quantities that are compared.
 struct Compare {
     routes: Routes,
-    /// None with floating and spherical joints.
-    steps: Option<StepRoutes>,
+    steps: StepRoutes,
     hamiltonian: Hamiltonian<f64>,
     /// With machine code, and without.
     codes: [Option<JitQuantity>; 2],
@@ -133,8 +132,7 @@ impl Compare {
             .ok()
         });
         let hamiltonian = Hamiltonian::new(robot);
-        let steps = robot.free_joints().is_empty().then(|| StepRoutes::new(robot));
-        Self { routes: Routes::new(robot), steps, hamiltonian, codes }
+        Self { routes: Routes::new(robot), steps: StepRoutes::new(robot), hamiltonian, codes }
     }
 
     /// All figures at a state; none where the mass matrix is singular.
@@ -146,8 +144,7 @@ impl Compare {
             Err(DerivativeError::Function(error)) => return Err(error.into()),
             Err(error) => return Err(EvalError::Model { reason: error.to_string() }.into()),
         };
-        let steps = self.steps.as_mut();
-        match steps.map_or(Ok(()), |steps| steps.compare(&x, tau, STEP, y, &mut report.figures)) {
+        match self.steps.compare(&x, tau, STEP, y, &mut report.figures) {
             Ok(()) | Err(StepError::NotConverged { .. } | StepError::Inaccurate { .. }) => {}
             Err(StepError::Dynamics(EvalError::SingularMassMatrix { .. })) => {}
             Err(error) => return Err(error.into()),

@@ -195,6 +195,8 @@ def test_all_methods_are_compared_at_random_states(drone, tree):
     assert report.passed and report.states == 3
     rows = {(row.quantity, row.method) for row in report.comparisons}
     assert {("F_x", "analytic"), ("y'F_xx", "analytic"), ("y'a_zz", "analytic"), ("F_x", "dual")} <= rows
+    schemes = ["RK4 (q, p)", "Verlet (q, p)", "midpoint (q, p)", "RK4 (q, v)"]
+    assert {("Phi_z, z = (x, u, h)", scheme) for scheme in schemes} <= rows
     assert costate.check(tree, 2).passed
 
 

@@ -1,15 +1,16 @@
 //! Properties: all methods for derivatives agree on random trees.
 
+use costate::configuration::ConfigurationSpace;
 use costate::derivative::{
-    Directional, Function, Hessian, Jacobian, PhaseVelocity, Routes, relative_difference,
+    Directional, Function, Hessian, Jacobian, PhaseVelocity, Routes, Verdict, relative_difference,
 };
 use costate::hamiltonian::{Hamiltonian, HamiltonianSecondOrder};
 use costate::matrix::{Block, Matrix};
 use costate::robot::Robot;
 use costate::scalar::Scalar;
-use costate::step::StepRoutes;
+use costate::step::{StepError, StepRoutes};
 use costate_test_support::properties;
-use costate_test_support::random_robot::{Case, cases, difference, tolerance};
+use costate_test_support::random_robot::{Case, cases, difference, free_cases, tolerance};
 use proptest::prelude::*;
 use std::convert::Infallible;
 
@@ -25,6 +26,24 @@ fn routes_agree(case: &Case) -> Result<(), TestCaseError> {
     prop_assert!(failures.is_empty(), "{failures:#?}");
     Ok(())
 }
+
+/// The same of [`StepRoutes`]; near a singular M an implicit step may have no solution.
+fn steps_agree(case: &Case) -> Result<(), TestCaseError> {
+    let (robot, mut figures) = (case.robot(), Vec::new());
+    match StepRoutes::new(&robot).compare(&case.x(&robot), &case.u, STEP, &case.y, &mut figures) {
+        Ok(()) => prop_assert_eq!(figures.len(), 8, "two rows of four schemes"),
+        Err(StepError::NotConverged { .. } | StepError::Inaccurate { .. }) => {
+            return Err(TestCaseError::reject("no implicit step"));
+        }
+        Err(error) => prop_assert!(false, "{error}"),
+    }
+    figures.retain(|figure| figure.verdict(1.0) == Verdict::Differs);
+    prop_assert!(figures.is_empty(), "{figures:#?}");
+    Ok(())
+}
+
+/// Duration of a step (s).
+const STEP: f64 = 1e-3;
 
 /// Robots a property.
 const CASES: u32 = 320;
@@ -101,6 +120,16 @@ properties! {
     }
 }
 
+properties! {
+    48;
+
+    #[test]
+    fn routes_and_steps_agree_with_free_joints(case in free_cases(3)) {
+        routes_agree(&case)?;
+        steps_agree(&case)?;
+    }
+}
+
 /// `y_i = x_i sin x_(i+1) / (2 + cos x_(i+2))`, indices modulo n: a function that compiles fast.
 #[derive(Clone, Copy)]
 struct Ring(usize);
@@ -129,15 +158,29 @@ impl Function for Ring {
 fn a_wrong_entry_is_detected() {
     for name in ["two_link.toml", "cart_pole.toml", "puma560.toml", "ur5.urdf", "panda.urdf", "biped.toml"] {
         let robot = Robot::from_file(format!("{}/robots/{name}", env!("CARGO_MANIFEST_DIR"))).unwrap();
-        let n = robot.dof();
-        let numbers = |count: usize, factor: f64| -> Vec<f64> {
-            (0..count).map(|i| (factor * (i + 1) as f64).sin()).collect()
-        };
-        let (q, v, u, y) = (numbers(n, 1.3), numbers(n, 0.9), numbers(n, 2.1), numbers(2 * n, 1.7));
-        let p = Hamiltonian::<f64>::new(&robot).momentum(&q, &v).unwrap().to_vec();
-        let x = [q, p].concat();
-        let nothing: [[&str; 2]; 0] = [];
-        assert_eq!(Routes::new(&robot).undetected(&x, &u, &y, 1e-8).unwrap(), nothing, "{name}");
-        assert_eq!(StepRoutes::new(&robot).undetected(&x, &u, 1e-3, &y, 1e-8).unwrap(), nothing, "{name}");
+        wrong_entries_are_detected(&robot);
     }
+}
+
+/// The same with a floating joint and spherical ones.
+#[test]
+fn a_wrong_entry_is_detected_with_free_joints() {
+    let path = format!("{}/tests/fixtures/free_tree.toml", env!("CARGO_MANIFEST_DIR"));
+    wrong_entries_are_detected(&Robot::from_file(path).unwrap());
+}
+
+fn wrong_entries_are_detected(robot: &Robot) {
+    let n = robot.dof();
+    let numbers = |count: usize, factor: f64| -> Vec<f64> {
+        (0..count).map(|i| (factor * (i + 1) as f64).sin()).collect()
+    };
+    let (d, v, u, y) = (numbers(n, 1.3), numbers(n, 0.9), numbers(n, 2.1), numbers(2 * n, 1.7));
+    let space = ConfigurationSpace::new(robot);
+    let mut q = space.neutral();
+    space.integrate(&space.neutral(), &d, &mut q).unwrap();
+    let p = Hamiltonian::<f64>::new(robot).momentum(&q, &v).unwrap().to_vec();
+    let x = [q, p].concat();
+    let (nothing, name): ([[&str; 2]; 0], _) = ([], robot.name());
+    assert_eq!(Routes::new(robot).undetected(&x, &u, &y, 1e-8).unwrap(), nothing, "{name}");
+    assert_eq!(StepRoutes::new(robot).undetected(&x, &u, STEP, &y, 1e-8).unwrap(), nothing, "{name}");
 }

@@ -53,16 +53,14 @@ pub fn run(arguments: &Arguments) -> Outcome {
 fn compare_all(robot: &Robot, arguments: &Arguments) -> Result<Findings, Box<dyn std::error::Error>> {
     let mut rng = Rng::with_seed(arguments.seed);
     let mut routes = Routes::new(robot).with_tolerance(arguments.tolerance);
-    // Steps are those of joints of one degree of freedom.
-    let has_steps = robot.free_joints().is_empty();
-    let mut steps = has_steps.then(|| StepRoutes::new(robot).with_tolerance(arguments.tolerance));
+    let mut steps = StepRoutes::new(robot).with_tolerance(arguments.tolerance);
     let mut hamiltonian = Hamiltonian::new(robot);
     let bar = terminal::progress_bar(arguments.samples as u64 + 1, "states");
     let mut findings =
         Findings { zero: None, random: None, singular: Vec::new(), nearly_singular: 0, steps_unsolved: 0 };
     for k in 0..=arguments.samples {
         let sample = random_sample(robot, &mut hamiltonian, &mut rng, k == 0)?;
-        match compare(&mut routes, steps.as_mut(), &sample) {
+        match compare(&mut routes, &mut steps, &sample) {
             Ok((report, unsolved)) => {
                 findings.steps_unsolved += usize::from(unsolved);
                 findings.nearly_singular += usize::from(report.is_nearly_singular());
@@ -101,7 +99,7 @@ impl From<EvalError> for Left {
 /// solution.
 fn compare(
     routes: &mut Routes,
-    steps: Option<&mut StepRoutes>,
+    steps: &mut StepRoutes,
     sample: &Sample,
 ) -> Result<(StateReport, bool), Left> {
     let Sample { x, u, y } = sample;
@@ -109,7 +107,6 @@ fn compare(
         DerivativeError::Function(error) => error.into(),
         error => Left::Failed(error.into()),
     })?;
-    let Some(steps) = steps else { return Ok((report, false)) };
     match steps.compare(x, u, STEP, y, &mut report.figures) {
         Ok(()) => Ok((report, false)),
         Err(

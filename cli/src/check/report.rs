@@ -35,16 +35,17 @@ const LEGEND: [&str; 13] = [
 ];
 
 /// The same with floating and spherical joints.
-const FREE_LEGEND: [&str; 10] = [
+const FREE_LEGEND: [&str; 11] = [
     "analytic       by hand: F_x, y'F_xx by the 2n+1 rule; y'F_x and y'F_xx y without the matrix",
     "dual           dual numbers through F and a, and dual numbers in dual numbers",
-    "a              acceleration in (q, v); z = (q, v, u)",
+    "a, Phi         acceleration in (q, v); one step of 1 ms, d = (y, u)",
     "",
-    "Derivatives by q are those in the tangent space: the reference is hyper-dual numbers through F and a at",
-    "q (+) d. Each row shows the block (q or p by q or p) closest to its bound; difference and bound are relative",
-    "to the largest entry of that block. The bound is 32 standard deviations of the rounding error, propagated",
-    "through every operation; a smaller bound, with one rounding for the error of the reference, is shown where a",
-    "tenth of it suffices (docs/check.md). Other methods, frames and time steps take no such joints.",
+    "Derivatives by q are those in the tangent space: the reference is hyper-dual numbers through these at",
+    "q (+) d, with (-) from the end of a step. Each row shows the block (q or p by q or p) closest to its bound;",
+    "difference and bound are relative to the largest entry of that block. The bound is 32 standard deviations of",
+    "the rounding error, propagated through every operation; a smaller bound, with one rounding for the error of",
+    "the reference, is shown where a tenth of it suffices (docs/check.md). Other methods and frames take no such",
+    "joints.",
     "ratio = difference / bound\n",
 ];
 

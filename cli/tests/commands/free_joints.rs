@@ -94,15 +94,24 @@ fn check_compares_the_methods_that_take_quaternions() {
     assert!(output.status.success() && table.contains("PASS"), "{table}{}", stderr(&output));
     // Rows begin with what is compared; the legend below does not.
     let begins = |row: &str| table.lines().any(|line| line.trim_start().starts_with(&format!("{row}  ")));
-    for row in ["F_x", "y'F_x", "y'F_xx", "y'F_xx y", "a_z, z = (q, v, u)", "y'a_zz"] {
+    let steps = ["Phi_z, z = (x, u, h)", "y'Phi_zz d, z = (x, u)"];
+    for row in ["F_x", "y'F_x", "y'F_xx", "y'F_xx y", "a_z, z = (q, v, u)", "y'a_zz"].iter().chain(&steps) {
         assert!(begins(row), "{row}: {table}");
     }
+    for scheme in ["RK4 (q, p)  ", "Verlet (q, p)  ", "midpoint (q, p)  ", "RK4 (q, v)  "] {
+        assert_eq!(table.matches(scheme).count(), 2, "{scheme}: {table}");
+    }
     assert!(table.contains("energy drift"), "{table}");
-    for row in ["asymmetry of J F_x", "packed tensor", "of frames", "Phi"] {
+    for row in ["asymmetry of J F_x", "packed tensor", "of frames", "semi-implicit"] {
         assert!(!table.contains(row), "{row}: {table}");
     }
     let output = costate(&["check", ROBOT, "--samples", "1", "--tolerance", "1e-25"], b"");
     assert!(stdout(&output).contains("FAIL: F_x by analytic differs by"), "{}", stdout(&output));
+    assert!(
+        stdout(&output).contains("FAIL: Phi_z, z = (x, u, h) by RK4 (q, v) differs by"),
+        "{}",
+        stdout(&output)
+    );
     let refused = costate(&["count", ROBOT], b"");
     assert!(stderr(&refused).contains("'root' is floating") && stderr(&refused).contains("`check`"));
 }

@@ -76,9 +76,9 @@ def check(robot: Robot, states: int = 5, *, seed: int = 0) -> CheckReport:
     """Compare all methods for the derivatives of a robot with each other at random states.
 
     Positions are uniform within the limits of the joints (pi or 1 m around 0 without), velocities, torques and
-    costates within 1. Floating and spherical joints move from the neutral configuration by such directions; tensors,
-    frames and time steps are not compared then. The bound of each difference is 32 standard deviations of the rounding
-    error, propagated through every operation; ``docs/check.md`` has the rule.
+    costates within 1. Floating and spherical joints move from the neutral configuration by such directions; tensors
+    and frames are not compared then. The bound of each difference is 32 standard deviations of the rounding error,
+    propagated through every operation; ``docs/check.md`` has the rule.
 
     Parameters
     ----------

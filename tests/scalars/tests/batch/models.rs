@@ -1,15 +1,16 @@
 //! Models: nodes as if alone, in any number, on any tree, with numbers that carry derivatives.
 
-use crate::arrays::{Arrays, agree, node, robot};
+use crate::arrays::{Arrays, NodeResults, agree, differing, least_sizes, node, one_by_one, robot};
 use costate::batch::{Batch, FirstOrderArrays, Model, Packed, SecondOrderArrays};
-use costate::derivative::Function;
-use costate::dynamics::Automatic;
+use costate::configuration::ConfigurationSpace;
+use costate::derivative::{Function, largest};
+use costate::dynamics::{Automatic, QuaternionDynamics};
 use costate::hamiltonian::HamiltonianSecondOrder;
 use costate::lagrangian::LagrangianSecondOrder;
 use costate::robot::Robot;
 use costate::scalar::{Scalar, Tangent};
 use costate_test_support::properties;
-use costate_test_support::random_robot::{Case, cases, difference, tolerance};
+use costate_test_support::random_robot::{Case, cases, difference, free_cases, tolerance};
 
 /// Any number of nodes, in both coordinates.
 fn every_number_of_nodes<S: Packed<Lane = f64>>(allowed: f64) {
@@ -60,6 +61,59 @@ fn random_nodes<S: Packed<Lane = f64>>(case: &Case) {
     let mut batch = Batch::<S, _>::new(Model(HamiltonianSecondOrder::new(&robot)));
     assert!(arrays.evaluate(&mut batch).is_empty());
     agree(&mut HamiltonianSecondOrder::new(&robot), &arrays, allowed);
+}
+
+/// Another pose at every node, of the same robot with floating and spherical joints: x = (q, p), quaternions
+/// as plain numbers; and x = (q, v).
+fn random_nodes_of_free_joints<S: Packed<Lane = f64>>(case: &Case) {
+    let robot = case.robot();
+    let space = ConfigurationSpace::new(&robot);
+    let nodes = S::LANES + 3;
+    let (mut arrays, mut allowed) = (Arrays::default(), 0.0_f64);
+    for k in 0..nodes {
+        let factor = 0.4 * k as f64;
+        let step: Vec<f64> = case.u.iter().map(|u| factor * u).collect();
+        let mut q = case.q.clone();
+        space.integrate(&case.q, &step, &mut q).unwrap();
+        // Two derivatives of a product have four terms.
+        allowed = allowed.max(4.0 * 10.0 * tolerance(&robot, &q));
+        arrays.x.extend(&q);
+        arrays.x.extend(case.v.iter().map(|v| v * (1.0 - 0.5 * factor)));
+        arrays.u.extend(case.u.iter().map(|u| u * factor));
+        arrays.y.extend(q.iter().zip(case.y.iter().cycle()).map(|(q, y)| (q + factor).sin() + y));
+        arrays.y.extend(&case.y[case.n()..]);
+    }
+    let mut of_phase = Batch::<S, _>::new(Model(QuaternionDynamics::new(&robot)));
+    assert!(arrays.evaluate(&mut of_phase).is_empty());
+    agree(&mut QuaternionDynamics::new(&robot), &arrays, allowed);
+    let mut of_velocity = Batch::<S, _>::new(Model(QuaternionDynamics::in_rates(&robot)));
+    assert!(arrays.evaluate(&mut of_velocity).is_empty());
+    agree(&mut QuaternionDynamics::in_rates(&robot), &arrays, allowed);
+    let expected = one_by_one(&mut QuaternionDynamics::in_rates(&robot), &arrays);
+    small_changes_are_found(&expected, &mut arrays, allowed);
+}
+
+/// A change of one entry by three times what is allowed is found, in every result.
+fn small_changes_are_found(expected: &[NodeResults], arrays: &mut Arrays, allowed: f64) {
+    for which in 0..arrays.results.len() {
+        let (results, _) = &expected[0];
+        let least = least_sizes(results, node(&arrays.y, 0, expected.len()))[which];
+        let (before, size) = (arrays.results[which][0], largest(&results[which]).max(least));
+        arrays.results[which][0] = results[which][0] + 3.0 * allowed * if size == 0.0 { 1.0 } else { size };
+        assert!(differing(expected, arrays, allowed).is_some(), "result {which}");
+        arrays.results[which][0] = before;
+    }
+}
+
+properties! {
+    24;
+
+    #[test]
+    fn nodes_of_robots_with_free_joints_are_evaluated_as_if_alone(case in free_cases(3)) {
+        random_nodes_of_free_joints::<f64>(&case);
+        #[cfg(feature = "wide")]
+        random_nodes_of_free_joints::<costate::scalar::F64x4>(&case);
+    }
 }
 
 properties! {

@@ -1,14 +1,13 @@
 //! Every lane of every quantity is what `f64` gives for the state of that lane, on any tree.
 
-use costate::EvalError;
+use costate::configuration::ConfigurationSpace;
 use costate::hamiltonian::{DualPass, Hamiltonian, HamiltonianSecondOrder};
 use costate::lagrangian::{self, LagrangianSecondOrder};
 use costate::matrix::Block;
 use costate::robot::Robot;
 use costate::scalar::{Lanes, Scalar, Tangent, Vector};
-use costate::step::{ImplicitMidpoint, RungeKutta4, Step, StoermerVerlet};
 use costate_test_support::properties;
-use costate_test_support::random_robot::{Case, all_cases, condition, difference, tolerance};
+use costate_test_support::random_robot::{Case, all_cases, condition, difference, free_cases, tolerance};
 use costate_test_support::wrenches::pulled;
 use num_dual::Dual;
 use proptest::prelude::*;
@@ -31,8 +30,10 @@ fn quantities<S: Scalar>(robot: &Robot, [q, v, p, u, y]: [&[S]; 5]) -> Quantitie
     all.push(("y'F_x", second.first().adjoint(q, p, u, y).unwrap().y_f_x.to_vec()));
     all.push(("y'F_xx", flat(second.contract(q, p, u, y).unwrap().matrix())));
     all.push(("y'F_xx y", second.hessian_product(q, p, y, y).unwrap().to_vec()));
-    let mut dual_pass = DualPass::<S>::new(robot);
-    all.push(("y'F_xx by a dual pass", flat(dual_pass.contract(q, p, u, y).unwrap().matrix())));
+    if robot.free_joints().is_empty() {
+        let mut dual_pass = DualPass::<S>::new(robot);
+        all.push(("y'F_xx by a dual pass", flat(dual_pass.contract(q, p, u, y).unwrap().matrix())));
+    }
     all.push(("p", second.first().momentum(q, v).unwrap().to_vec()));
     all.push(("M^-1", second.first().inverse_mass_matrix(q).unwrap().as_slice().to_vec()));
     all.push(("a", lagrangian.first().forward_dynamics(q, v, u).unwrap().to_vec()));
@@ -58,7 +59,10 @@ fn fewer_quantities<S: Scalar>(robot: &Robot, [q, v, p, u, y]: [&[S]; 5]) -> Qua
 }
 
 /// Poses where joints are straight, folded or at a right angle, and some without meaning.
-fn pose(case: &Case, k: usize) -> Vec<f64> {
+fn pose(case: &Case, robot: &Robot, k: usize) -> Vec<f64> {
+    if !robot.free_joints().is_empty() {
+        return turned(case, robot, k);
+    }
     let change = |i: usize, q: f64| match k % 6 {
         0 => q,
         1 => 0.0,
@@ -82,14 +86,25 @@ fn pose(case: &Case, k: usize) -> Vec<f64> {
     case.q.iter().enumerate().map(|(i, &q)| change(i, q)).collect()
 }
 
+/// Poses with floating and spherical joints: that of the case, none of them turned, and others.
+fn turned(case: &Case, robot: &Robot, k: usize) -> Vec<f64> {
+    let (space, mut q) = (ConfigurationSpace::new(robot), case.q.clone());
+    if k == 1 {
+        return space.neutral();
+    }
+    let step: Vec<f64> = case.u.iter().map(|u| u * k as f64).collect();
+    space.integrate(&case.q, &step, &mut q).unwrap();
+    q
+}
+
 /// A state for every lane; where M is singular, the pose of the case.
 fn states(case: &Case, robot: &Robot, count: usize) -> Vec<State> {
     let state = |k: usize| {
         let regular = |q: &Vec<f64>| (0.0..1e9).contains(&condition(robot, q));
-        let q = Some(pose(case, k)).filter(regular).unwrap_or_else(|| case.q.clone());
+        let q = Some(pose(case, robot, k)).filter(regular).unwrap_or_else(|| case.q.clone());
         let factor = 1.0 - 0.3 * k as f64;
         let scaled = |x: &[f64]| x.iter().map(|x| x * factor).collect::<Vec<_>>();
-        let v = if k == 5 { vec![0.0; q.len()] } else { scaled(&case.v) };
+        let v = if k == 5 { vec![0.0; case.v.len()] } else { scaled(&case.v) };
         let p = Hamiltonian::<f64>::new(robot).momentum(&q, &v).unwrap().to_vec();
         State([q, v, p, scaled(&case.u), scaled(&case.y)])
     };
@@ -201,6 +216,15 @@ fn cases() -> impl Strategy<Value = Case> {
 }
 
 properties! {
+    16;
+
+    #[test]
+    fn four_lanes_are_four_states_with_free_joints(case in free_cases(3)) {
+        lanes_are_states::<wide::f64x4>(&case, &case.robot());
+    }
+}
+
+properties! {
     48;
 
     #[test]
@@ -226,81 +250,5 @@ properties! {
     #[test]
     fn derivatives_in_eight_lanes_are_those_of_eight_states(case in cases()) {
         derivatives_are_those_of_states::<wide::f64x8>(&case);
-    }
-}
-
-fn robot(name: &str) -> Robot {
-    Robot::from_file(format!("{}/../../robots/{name}", env!("CARGO_MANIFEST_DIR"))).unwrap()
-}
-
-/// Explicit and implicit steps: the iterations of the implicit ones end when all lanes have converged.
-#[test]
-fn steps_are_made_in_every_lane() {
-    fn check<S: Step<f64>, L: Step<Lanes<wide::f64x4>>>(mut alone: S, mut lanes: L) {
-        let (n, m) = (alone.states(), alone.controls());
-        let x = |k: usize| (0..n).map(|i| 0.1 + 0.3 * ((i + 2 * k) as f64).cos()).collect::<Vec<_>>();
-        let states: Vec<_> = (0..4).map(x).collect();
-        let lane = |i: usize| Lanes::from_lanes(&states.iter().map(|x| x[i]).collect::<Vec<_>>());
-        let (u, h) = (vec![0.4; m], 0.02);
-        let (x, lifted): (Vec<_>, Vec<_>) =
-            ((0..n).map(lane).collect(), u.iter().map(|&u| Lanes::from(u)).collect());
-        let y = vec![1.0; n];
-        let y_lanes: Vec<_> = y.iter().map(|&y| Lanes::from(y)).collect();
-        let all = lanes.contract(&x, &lifted, Lanes::from(h), &y_lanes).unwrap();
-        for (k, x) in states.iter().enumerate() {
-            let one = alone.contract(x, &u, h, &y).unwrap();
-            let of_lane = |block: Block<'_, Lanes<_>>| {
-                block.iter_rows().flatten().map(|e| e.lane(k)).collect::<Vec<_>>()
-            };
-            let flat = |block: Block<'_, f64>| block.iter_rows().flatten().copied().collect::<Vec<_>>();
-            let next: Vec<f64> = all.first.next.iter().map(|entry| entry.lane(k)).collect();
-            assert!(difference(&next, one.first.next) < 1e-12);
-            assert!(difference(&of_lane(all.first.phi_x), &flat(one.first.phi_x)) < 1e-12);
-            assert!(difference(&of_lane(all.xx), &flat(one.xx)) < 1e-11);
-        }
-    }
-    let ur5 = robot("ur5.urdf");
-    check(
-        RungeKutta4::new(HamiltonianSecondOrder::new(&ur5)),
-        RungeKutta4::new(HamiltonianSecondOrder::new(&ur5)),
-    );
-    check(
-        StoermerVerlet::new(HamiltonianSecondOrder::new(&ur5)),
-        StoermerVerlet::new(HamiltonianSecondOrder::new(&ur5)),
-    );
-    check(
-        ImplicitMidpoint::new(HamiltonianSecondOrder::new(&ur5)),
-        ImplicitMidpoint::new(HamiltonianSecondOrder::new(&ur5)),
-    );
-}
-
-/// One lane of a call that is not finite, or singular, is an error of the call: no lane is passed over.
-#[test]
-fn one_bad_lane_is_an_error_of_the_call() {
-    let ur5 = robot("ur5.urdf");
-    let mut hamiltonian = Hamiltonian::<Lanes<wide::f64x8>>::new(&ur5);
-    let good = vec![Lanes::from(0.3); 6];
-    assert!(hamiltonian.evaluate(&good, &good, &good).is_ok());
-    for k in 0..8 {
-        for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
-            let mut bad = good.clone();
-            bad[2].as_mut_slice()[k] = value;
-            let error = hamiltonian.evaluate(&good, &bad, &good).unwrap_err();
-            assert!(matches!(error, EvalError::NonFinite { what: "p", index: 2, .. }), "{error}");
-        }
-    }
-    let text = "name = 'gimbal'\n\
-        [[joint]]\nname = 'z'\naxis = [0.0, 0.0, 1.0]\n\
-        [[joint]]\nname = 'y'\naxis = [0.0, 1.0, 0.0]\n\
-        [[joint]]\nname = 'x'\naxis = [1.0, 0.0, 0.0]\nmass = 1.0\ninertia = { xx = 0.2, yy = 0.3, zz = 0.4 }\n";
-    let gimbal = costate::robot::file::parse(text, Default::default()).unwrap();
-    let mut hamiltonian = Hamiltonian::<Lanes<wide::f64x4>>::new(&gimbal);
-    for k in 0..4 {
-        let mut q = vec![Lanes::from(0.3); 3];
-        let p = vec![Lanes::from(0.1); 3];
-        assert!(hamiltonian.evaluate(&q, &p, &p).is_ok());
-        q[1].as_mut_slice()[k] = FRAC_PI_2;
-        let error = hamiltonian.evaluate(&q, &p, &p).unwrap_err();
-        assert!(matches!(error, EvalError::SingularMassMatrix { .. }), "{error}");
     }
 }

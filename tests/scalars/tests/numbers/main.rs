@@ -3,6 +3,8 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests and their helpers fail by panicking")]
 
 #[cfg(feature = "wide")]
+mod lane_calls;
+#[cfg(feature = "wide")]
 mod lanes;
 mod operation_table;
 mod operations;
