@@ -195,3 +195,35 @@ def test_a_body_held_at_a_point_is_a_spherical_pendulum(random):
     assert np.abs(constrained.constraint(constrained.close(away))).max() < 1e-12
     with pytest.raises(costate.ConstraintError):
         constrained.close(away, held=["body"])
+
+
+def test_forces_and_landings_of_a_body_have_derivatives(random):
+    """A check by finite differences along q (+) d; the library compares with hyper-dual numbers."""
+    body = {"mass": 2.0, "com": [0.1, -0.2, 0.3], "inertia": [0.2, 0.3, 0.25, 0.01, -0.02, 0.03]}
+    robot = costate.Robot.builder("stander").floating("body", **body).build()
+    robot = robot.with_constraint("foot", "body", rows=["x", "y", "z", "turn_x"])
+    dynamics, n = costate.ConstrainedDynamics(robot), robot.n
+    q = robot.integrate(robot.neutral(), 0.4 * random.normal(size=n))
+    v, tau, y, c, d = (random.normal(size=size) for size in (n, n, n, 4, 3 * n))
+    p, d = dynamics.momentum(q, v), d / np.linalg.norm(d)
+
+    def forces(s):
+        moved = robot.integrate(q, s * d[:n]), p + s * d[n : 2 * n], tau + s * d[2 * n :]
+        return dynamics.multipliers(*moved)
+
+    derivatives = dynamics.multiplier_jacobian(q, p, tau), dynamics.multiplier_hessian(q, p, tau, c)
+    noise = 1e-13 * np.abs(forces(0.0)).max()
+    assert_derivatives_along(forces, c, d, *derivatives, noise, 1e-5)
+
+    e = d[: 2 * n] / np.linalg.norm(d[: 2 * n])
+    _, jacobian, _ = dynamics.impact_jacobian(q, p)
+    hessian = dynamics.impact_hessian(q, p, y)
+    landed = lambda s: dynamics.impact(robot.integrate(q, s * e[:n]), p + s * e[n:])
+    noise = 1e-13 * np.abs(p).max()
+    assert_derivatives_along(lambda s: landed(s)[1], y, e, jacobian, hessian, noise, 1e-5)
+    assert (hessian == hessian.T).all()
+    # v+ is in the axes of the body: J v+ = 0, and p+ = M v+.
+    v_plus, p_plus, impulse, _ = dynamics.impact(q, p)
+    assert np.abs(dynamics.constraint_rate(q, v_plus)).max() < 1e-12
+    assert_close(dynamics.momentum(q, v_plus), p_plus, 1e-12)
+    assert_close(p_plus - p, dynamics.constraint_jacobian(q).T @ impulse, 1e-11)
