@@ -2,9 +2,14 @@
 
 use super::contact::Contact;
 use super::margin::Margin;
+use crate::constraints::Constraints;
+use crate::error::EvalError;
 use crate::robot::{Robot, RobotError};
 use crate::scalar::Scalar;
 use std::ops::Range;
+
+/// Angle (rad) up to which a foot stands with the axes of its ground: moments differ by this part.
+const ALIGNED: f64 = 1e-6;
 
 /// A robot with some of its contacts on the ground.
 ///
@@ -82,9 +87,39 @@ impl Stance {
         self.rows.get(index).cloned().unwrap_or_default()
     }
 
+    /// Whether all feet stand with the axes of their ground at q (nq entries), up to 1e-6 rad: multipliers of
+    /// a foot that is turned against them, in its heading too, are not moments about these axes, and margins
+    /// of its sole and torsion are not what they say.
+    ///
+    /// # Errors
+    /// [`RobotError::BadConstraint`] with the name of the first foot that does not; the outer error is that of
+    /// [`Constraints::set_position`].
+    pub fn check_feet(&self, q: &[f64]) -> Result<Result<(), RobotError>, EvalError> {
+        let mut rows = Constraints::<f64>::new(&self.robot);
+        rows.set_position(q)?;
+        let angles = |index: usize, contact: &Contact| {
+            let rows_of = self.rows(index).zip(contact.rows());
+            let turns = rows_of.filter(|(_, row)| row.component().1).map(|(at, _)| rows.values()[at]);
+            turns.fold(0.0_f64, |most, angle| most.max(angle.abs()))
+        };
+        let turned =
+            self.contacts.iter().enumerate().find(|(index, contact)| angles(*index, contact) > ALIGNED);
+        Ok(match turned {
+            None => Ok(()),
+            Some((_, contact)) => Err(RobotError::BadConstraint {
+                constraint: contact.name().to_owned(),
+                problem: "is turned against the axes of its ground where it stands, so that its multipliers are \
+                          not moments about these: turn the contact (placed) or the ground (on), its heading \
+                          included",
+            }),
+        })
+    }
+
     /// Force (N) and moment (N m) of the ground on contact `index`, at its origin, in the axes of the ground,
     /// from all multipliers lambda; the same for impulses (N s, N m s). Components that the contact does not
-    /// hold are zero, and so are all for a contact that does not exist.
+    /// hold are zero, and so are all for a contact that does not exist. Moments are those of feet that stand
+    /// with the axes of the ground ([`check_feet`](Self::check_feet)); for any other,
+    /// [`Constraints::wrench`] at the position of the foot has them.
     pub fn wrench<S: Scalar>(&self, index: usize, lambda: &[S]) -> (/* force */ [S; 3], /* moment */ [S; 3]) {
         let mut both = [[S::zero(); 3]; 2];
         let contact = self.contacts.get(index);

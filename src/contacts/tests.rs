@@ -150,6 +150,28 @@ fn derivatives_of_forces_and_margins_are_those_of_hyper_dual_numbers() {
     }
 }
 
+/// Moments of a foot whose heading is not that of its ground are not its multipliers: a check says so, and the
+/// rows have them.
+#[test]
+fn feet_that_are_turned_are_found() {
+    let (robot, foot, _) = hopper();
+    let [q, _, u] = hopper_state();
+    let still = [0.0; 7];
+    for heading in [0.0, 0.5] {
+        let ground = Placement::from_xyz_rpy([0.0; 3], [0.0, 0.0, heading]);
+        let stance = Stance::new(&robot, &[foot.clone().on(ground)]).unwrap();
+        let mut hamiltonian = ConstrainedHamiltonian::<f64>::new(stance.robot());
+        let lambda = hamiltonian.linearise(&q, &still, &u).unwrap().lambda().to_vec();
+        let (_, moment) = hamiltonian.constraints().wrench(0, &lambda).unwrap();
+        let (_, told) = stance.wrench(0, &lambda);
+        let off = (Vector3::from(told) - Vector3::from(moment)).amax();
+        match stance.check_feet(&q).unwrap() {
+            Ok(()) => assert!(heading == 0.0 && off < 1e-10 * Vector3::from(moment).amax(), "{off}"),
+            Err(error) => assert!(heading == 0.5 && off > 1e-2 && error.to_string().contains("'foot'")),
+        }
+    }
+}
+
 /// The same body, described in both ways.
 #[test]
 fn forces_on_a_floating_base_are_those_on_a_chain_of_six() {

@@ -123,6 +123,8 @@ refuses! {
     two_parents: more("<joint name=\"wrist\" type=\"fixed\"><parent link=\"base\"/><child link=\"arm\"/></joint>"),
         line 10, E::TwoParents { .. }, ["arm", "elbow", "wrist"];
     two_roots: more("<link name=\"floor\"/>"), line 10, E::SeveralRoots { .. }, ["base", "floor"];
+    moving_link_called_world: more("<link name=\"world\"/><joint name=\"w\" type=\"continuous\"><parent link=\"arm\"/><child link=\"world\"/></joint>"),
+        line 10, E::BadName { .. }, ["'world'", "the ground", "another name"];
     own_parent: more("<joint name=\"wrist\" type=\"fixed\"><parent link=\"arm\"/><child link=\"arm\"/></joint>"),
         line 10, E::Cycle { .. }, ["wrist"];
     circle: tree(&["a", "b"], &[("ab", "revolute", "a", "b", ""), ("ba", "fixed", "b", "a", "")]),

@@ -64,9 +64,10 @@ fn unit(q: &[f64], robot: &Robot) -> Result<(), String> {
     let Some(k) = quaternions.first_not_unit(|entry| q[entry]) else { return Ok(()) };
     let (joint, length) = (printable(&robot.free_joints()[k].name), quaternions.length(k, |entry| q[entry]));
     let first = robot.free_joints()[k].quaternion();
+    let remedy =
+        if length > 0.0 { "divide it by its length" } else { "it has no direction: give another one" };
     Err(format!(
-        "the quaternion of joint '{joint}', `q[{first}]` to `q[{}]`, has the length {length}, not 1; divide it by its \
-         length",
+        "the quaternion of joint '{joint}', `q[{first}]` to `q[{}]`, has the length {length}, not 1; {remedy}",
         first + 3
     ))
 }

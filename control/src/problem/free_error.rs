@@ -135,10 +135,11 @@ impl fmt::Display for FreeMotionError {
         match self {
             Self::NotUnit { joint, entry, length, .. } => write!(
                 f,
-                "the quaternion (x, y, z, w) of joint '{}', q[{entry}] to q[{}], has length {}; divide it by that",
+                "the quaternion (x, y, z, w) of joint '{}', q[{entry}] to q[{}], has length {}; {}",
                 printable(joint),
                 entry + 3,
-                number(*length)
+                number(*length),
+                if *length > 0.0 { "divide it by that" } else { "it has no direction: give another one" }
             ),
             Self::NotTaken { joint, .. } => write!(
                 f,

@@ -1,6 +1,6 @@
 //! Which joint moves which link: the tree of a URDF, and where each frame lies in it.
 
-use super::parts::{JointType, Source};
+use super::parts::{JointType, Link, Source};
 use crate::robot::error::RobotError;
 use crate::robot::link::Placement;
 use std::collections::{HashMap, HashSet};
@@ -61,7 +61,16 @@ pub(super) fn attachments(source: &Source) -> Result<Attachments, RobotError> {
             let error = RobotError::SeveralRoots { first: name(first), second: name(second) };
             Err(error.at(source.links[second].line))
         }
-        _ => Ok(found),
+        _ => Ok(()),
+    }?;
+    let moves = |(link, at): &(&Link, &Attachment)| link.name == "world" && at.carrier.is_some();
+    match source.links.iter().zip(&found.links).find(moves) {
+        None => Ok(found),
+        Some((link, _)) => {
+            let rule = "that is the ground, which constraints and frames refer to, and this link moves: give \
+                        it another name";
+            Err(RobotError::BadName { kind: "link", name: link.name.clone(), rule }.at(link.line))
+        }
     }
 }
 
