@@ -80,7 +80,9 @@ fn is_unverified(solution: &Solution) -> bool {
 pub fn needs_feedback(problem: &Problem, solution: &Solution) -> Option<String> {
     let direct = solution.options.method == Method::Direct && !is_polished(solution);
     let by_parts = direct && solution.motion.shooting_defect.is_finite();
-    let gains = if problem.has_gains() { ", or use gains (--feedback)" } else { "" };
+    let is_open_tree = problem.gait.is_none() && problem.robot.constraints().is_empty();
+    let has_gains = problem.has_gains() && is_open_tree && problem.robot.free_joints().is_empty();
+    let gains = if has_gains { ", or use gains (--feedback)" } else { "" };
     (by_parts && solution.motion.status.is_solved()).then(|| {
         format!(
             "errors grow along this motion: torques alone, repeated without feedback, lead the robot elsewhere; \

@@ -238,12 +238,7 @@ impl Problem {
     /// Whether an optimal motion of this problem that is a strict minimum has gains
     /// ([`Gains`](crate::Gains)). Where accelerations are continuous only if the jerk, or the rate of the
     /// torque, of each joint costs something, and the final time and those of all vias are given.
-    ///
-    /// Gaits, and motions of robots with constraints or with floating or spherical joints, have none.
     pub fn has_gains(&self) -> bool {
-        if self.is_closed() || !self.robot.free_joints().is_empty() {
-            return false;
-        }
         let times_are_given = || self.times_at_ends().iter().all(Option::is_some);
         self.first_of_rates().is_none() || (self.first_free_jerk().is_none() && times_are_given())
     }
