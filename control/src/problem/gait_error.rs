@@ -80,6 +80,17 @@ pub enum GaitError {
         /// By how much (N m, N).
         by: f64,
     },
+    /// A joint with another limit, gain or weight than the one whose place it takes in the next step.
+    LegsDiffer {
+        /// The joint.
+        joint: String,
+        /// What it has.
+        value: f64,
+        /// The joint whose place it takes; the same one if it keeps its place.
+        other: String,
+        /// What that one has in the mirror.
+        expected: f64,
+    },
     /// The feet are not exchanged by the mirror.
     FeetStay {
         /// The distance of the foot that swings from where the other one is in the mirror (m).
@@ -179,6 +190,23 @@ impl fmt::Display for GaitError {
                  name in gait.flipped all that move along y or turn about x or z",
                 printable(joint),
                 number(*by)
+            ),
+            Self::LegsDiffer { joint, value, other, expected } if joint == other => write!(
+                f,
+                "joint '{}' has {}, but {} in the mirror, as it has in the next step; give it the same in both \
+                 directions, limits of the robot included",
+                printable(joint),
+                number(*value),
+                number(*expected)
+            ),
+            Self::LegsDiffer { joint, value, other, expected } => write!(
+                f,
+                "joint '{}' has {}, but '{}' {} in the mirror, and they change places in the next step; give both \
+                 legs the same, limits of the robot included, and flipped joints limits of opposite signs",
+                printable(joint),
+                number(*value),
+                printable(other),
+                number(*expected)
             ),
             Self::FeetStay { miss } => write!(
                 f,

@@ -65,6 +65,7 @@ impl Problem {
         let mut shift = vec![0.0; q.len()];
         shift[along] = -gait.length;
         self.check_mirror(gait, &exchange, &q, &shift)?;
+        self.check_legs(&exchange)?;
         // What cannot be evaluated is told at the start.
         let failed = |error: EvalError| GaitError::CannotStand { cause: error.into() }.at(Key::START_Q);
         let angle = gait.friction.atan();

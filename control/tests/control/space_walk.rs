@@ -192,19 +192,17 @@ fn first_meshes_lead_to_one_local_minimum() {
     assert!((one / other - 1.0).abs() < file.options.tolerance, "{one} {other}");
 }
 
-/// With left and right exchanged in all that is given, weights that differ too, the motion is the mirror
-/// image.
+/// With the other foot on the ground the motion is the mirror image.
 #[test]
 fn the_other_foot_stands_in_the_mirror() {
     let (problem, best) = walk();
     let mut right = problem.clone();
-    for (joint, factor) in [(6, 1.1), (9, 0.9), (13, 1.2)] {
+    for (joint, factor) in [(6, 1.1), (9, 0.9), (7, 1.2)] {
         right.cost.effort[joint] *= factor;
+        right.cost.effort[joint + 6] *= factor;
     }
-    let swapped = |list: &[f64]| [&list[..6], &list[12..], &list[6..12]].concat();
     let mut left = right.clone();
     left.start.q = mirrored(&right.start.q);
-    left.cost.effort = swapped(&right.cost.effort);
     let gait = left.gait.as_mut().unwrap();
     std::mem::swap(&mut gait.stance, &mut gait.swing);
     let [one, other] = [&right, &left].map(|problem| solve(problem, options()));

@@ -64,6 +64,42 @@ fn problem_files_say_what_is_wrong_with_a_step() {
     assert!(mirror.contains("a list of pairs of joint names"), "{mirror}");
 }
 
+/// With a weaker left hip a step can be found, but the next one, in which it does what the right one did,
+/// would be beyond its limit.
+#[test]
+fn legs_with_unequal_limits_are_refused() {
+    let text = file().text;
+    for (key, from, to, told) in [
+        (
+            "limits.torque_max",
+            "torque_max = [0.0, 0.0, 0.0, 150.0,",
+            "torque_max = [0.0, 0.0, 0.0, 25.0,",
+            ["'left_hip' has 25,", "'right_hip' 150 "],
+        ),
+        (
+            "limits.q_min",
+            "-inf, 0.0, -inf, 0.0]",
+            "-inf, 0.0, -inf, 0.1]",
+            ["'left_knee' has 0,", "'right_knee' 0.1 "],
+        ),
+        (
+            "cost.effort",
+            "effort = [0.0, 0.0, 0.0, 1.0, 1.0,",
+            "effort = [0.0, 0.0, 0.0, 1.0, 1.5,",
+            ["'left_knee' has 1.5,", "'right_knee' 1 "],
+        ),
+    ] {
+        assert!(text.contains(from), "{from}");
+        let text = text.replace(from, to);
+        let message = ProblemFile::from_text(&text, "../examples/problems", LoadOptions::default())
+            .unwrap_err()
+            .to_string();
+        let line = text.lines().position(|line| line.contains(to)).unwrap() + 1;
+        assert!(message.contains(&format!(":{line}: {key}: ")), "{message}");
+        assert!(told.iter().all(|told| message.contains(told)), "{message}");
+    }
+}
+
 /// A body that moves along and up, with two skates on slides below it. Both have its height.
 const SKATES: &str = r#"
 name = "skates"
