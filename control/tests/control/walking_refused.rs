@@ -3,7 +3,8 @@
 use super::walking::file;
 use costate::robot::{LoadOptions, Robot};
 use costate_control::{
-    Gait, GaitError, MotionLimits, Objective, Problem, ProblemError, ProblemFile, Solver, SolverOptions,
+    BoundaryState, Gait, GaitError, MotionLimits, Objective, Problem, ProblemError, ProblemFile, Solver,
+    SolverOptions,
 };
 
 #[test]
@@ -62,6 +63,41 @@ fn problem_files_say_what_is_wrong_with_a_step() {
     let mirror =
         refused("[[\"left_hip\", \"right_hip\"], [\"left_knee\", \"right_knee\"]]", "[\"left_hip\"]");
     assert!(mirror.contains("a list of pairs of joint names"), "{mirror}");
+}
+
+/// All of the ends but the position of the start is found, so nothing else of them is taken.
+#[test]
+fn given_ends_are_refused_by_name() {
+    type Change = fn(&mut BoundaryState);
+    let problem = file().problem;
+    let changes: [(&str, Change); 4] = [
+        ("v", |end| end.v[3] = 9.0),
+        ("a", |end| end.a = Some(vec![0.0; 7])),
+        ("q_free", |end| end.q_free = vec![3]),
+        ("v_free", |end| end.v_free = vec![3]),
+    ];
+    for (name, change) in changes {
+        for at_start in [true, false] {
+            let mut problem = problem.clone();
+            change(if at_start { &mut problem.start } else { &mut problem.end });
+            let error = Solver::new(&problem, SolverOptions::default()).unwrap_err();
+            let ProblemError::Gait { cause, .. } = error else { panic!("{error}") };
+            let GaitError::NotTaken { with } = *cause else { panic!("{cause}") };
+            assert_eq!((with.table(), with.name()), (if at_start { "start" } else { "end" }, name));
+        }
+    }
+    let text = file().text;
+    for given in ["v = [9, 0, 0, 0, 0, 0, 0]", "a = [0, 0, 0, 0, 0, 0, 0]", "q_free = [\"left_hip\"]"] {
+        let text = text.replace("[start]\n", &format!("[start]\n{given}\n"));
+        let message = ProblemFile::from_text(&text, "../examples/problems", LoadOptions::default())
+            .unwrap_err()
+            .to_string();
+        let name = given.split(' ').next().unwrap();
+        assert!(message.contains(&format!("start.{name} and a gait do not go together")), "{message}");
+    }
+    // Rates of zero are those of rest_to_rest, which gives none.
+    let text = text.replace("[start]\n", "[start]\nv = [0, 0, 0, 0, 0, 0, 0]\n");
+    ProblemFile::from_text(&text, "../examples/problems", LoadOptions::default()).unwrap();
 }
 
 /// With a weaker left hip a step can be found, but the next one, in which it does what the right one did,
