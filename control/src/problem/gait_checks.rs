@@ -22,7 +22,12 @@ pub(super) fn check_numbers(gait: &Gait) -> Result<(), ProblemError> {
         let remedy = "must be neither negative nor infinite (m)";
         return Err(GaitError::OutOfRange { value: clearance, remedy }.at(Key::GAIT_CLEARANCE));
     }
-    Ok(())
+    let Some(value) = gait.sole.map(|[heel, toe]| toe - heel) else { return Ok(()) };
+    let remedy = "the length from heel to toe (m) must be positive and finite";
+    match value > 0.0 && value.is_finite() {
+        true => Ok(()),
+        false => Err(GaitError::OutOfRange { value, remedy }.at(Key::GAIT_SOLE)),
+    }
 }
 
 fn positive(key: Key, value: f64) -> Result<(), ProblemError> {
@@ -33,6 +38,18 @@ fn positive(key: Key, value: f64) -> Result<(), ProblemError> {
 }
 
 impl Problem {
+    /// Whether gravity presses the feet on the ground, the plane z = 0 of the world: along -z.
+    ///
+    /// # Errors
+    /// [`GaitError::NotLevel`].
+    pub(super) fn check_gravity(&self) -> Result<(), ProblemError> {
+        let [x, y, z] = self.robot.gravity().into();
+        match z < 0.0 && f64::hypot(x, y) <= PLANAR * z.abs() {
+            true => Ok(()),
+            false => Err(GaitError::NotLevel { gravity: [x, y, z] }.at(Key::ROBOT_GRAVITY)),
+        }
+    }
+
     /// Whether the feet are frames, each named once, and paired.
     pub(super) fn check_names(&self, gait: &Gait) -> Result<(), ProblemError> {
         let (stance, swing) = (gait.stance.len(), gait.swing.len());

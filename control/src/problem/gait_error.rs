@@ -58,6 +58,11 @@ pub enum GaitError {
         /// The valid range.
         remedy: &'static str,
     },
+    /// Gravity that is not along -z of the world, or none.
+    NotLevel {
+        /// Gravity (m/s^2).
+        gravity: [f64; 3],
+    },
     /// A joint that does not move the whole robot along x of the world, or has a motor.
     NotAlong {
         /// The joint.
@@ -165,6 +170,14 @@ impl fmt::Display for GaitError {
                 printable(frame)
             ),
             Self::OutOfRange { value, remedy } => write!(f, "{remedy}, but is {}", number(*value)),
+            Self::NotLevel { gravity: [x, y, z] } => write!(
+                f,
+                "is [{}, {}, {}] (m/s^2), but the ground of a gait is level and feet stand on it by their weight; \
+                 give gravity along -z of the world, as slopes are not taken",
+                number(*x),
+                number(*y),
+                number(*z)
+            ),
             Self::NotAlong { joint } => write!(
                 f,
                 "joint '{}' must be prismatic, move both feet along x of the world, and have no motor: its \

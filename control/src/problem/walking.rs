@@ -54,7 +54,7 @@ impl Problem {
     /// [`ProblemError::Gait`], [`ProblemError::UnknownJoint`], [`ProblemError::GivenTwice`].
     pub(super) fn walking(&self, gait: &Gait) -> Result<Self, ProblemError> {
         check_numbers(gait)?;
-        self.check_soles(gait)?;
+        self.check_gravity()?;
         gait.check_widths()?;
         self.check_double_support(gait)?;
         self.check_names(gait)?;

@@ -1,5 +1,6 @@
 //! Gaits that are refused, by name and with the remedy.
 
+use super::gaits::example;
 use super::walking::file;
 use costate::robot::{LoadOptions, Robot};
 use costate_control::{
@@ -98,6 +99,27 @@ fn given_ends_are_refused_by_name() {
     // Rates of zero are those of rest_to_rest, which gives none.
     let text = text.replace("[start]\n", "[start]\nv = [0, 0, 0, 0, 0, 0, 0]\n");
     ProblemFile::from_text(&text, "../examples/problems", LoadOptions::default()).unwrap();
+}
+
+/// The ground is level, and feet stand on it by their weight.
+#[test]
+fn gravity_that_is_not_along_minus_z_is_refused() {
+    for (name, gravity) in [
+        ("rabbit_walk", [0.0, 0.0, 0.0]),
+        ("rabbit_walk", [3.0, 0.0, -9.0]),
+        ("rabbit_walk", [0.0, 0.0, 9.81]),
+        ("seven_link_walk", [0.0, 0.0, 0.0]),
+        ("biped_walk", [0.0, 0.1, -9.81]),
+    ] {
+        let mut problem = example(name).problem;
+        problem.robot = problem.robot.with_gravity(gravity).unwrap();
+        let error = Solver::new(&problem, SolverOptions::default()).unwrap_err();
+        assert_eq!(error.key().unwrap().to_string(), "robot.gravity");
+        let message = error.to_string();
+        let ProblemError::Gait { cause, .. } = error else { panic!("{message}") };
+        assert_eq!(*cause, GaitError::NotLevel { gravity });
+        assert!(message.contains("robot.gravity: is [") && message.contains("along -z"), "{message}");
+    }
 }
 
 /// With a weaker left hip a step can be found, but the next one, in which it does what the right one did,
