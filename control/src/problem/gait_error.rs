@@ -58,6 +58,11 @@ pub enum GaitError {
         /// The valid range.
         remedy: &'static str,
     },
+    /// A width of a robot in the plane.
+    WidthInPlane {
+        /// Its value.
+        value: f64,
+    },
     /// Gravity that is not along -z of the world, or none.
     NotLevel {
         /// Gravity (m/s^2).
@@ -170,6 +175,12 @@ impl fmt::Display for GaitError {
                 printable(frame)
             ),
             Self::OutOfRange { value, remedy } => write!(f, "{remedy}, but is {}", number(*value)),
+            Self::WidthInPlane { value } => write!(
+                f,
+                "is {}, but a robot in the plane has no widths; remove it, or name in gait.flipped the joints \
+                 that change their signs in the mirror of a robot in space",
+                number(*value)
+            ),
             Self::NotLevel { gravity: [x, y, z] } => write!(
                 f,
                 "is [{}, {}, {}] (m/s^2), but the ground of a gait is level and feet stand on it by their weight; \

@@ -249,7 +249,13 @@ fn what_is_no_gait_in_space_is_refused_by_name() {
     assert!(key == "gait.sole_width" && found.to_string().contains("without gait.sole"), "{found}");
     // A robot in space without joints that are flipped is taken for a planar one.
     let (key, found) = cause(refused(&|gait| gait.flipped.clear()));
-    assert!(key == "gait.width" && found.to_string().contains("gait.flipped"), "{found}");
+    assert_eq!((&*key, &found), ("gait.width", &GaitError::WidthInPlane { value: gait().width }));
+    assert!(found.to_string().starts_with("is 0.167, but"), "{found}");
+    let (key, found) = cause(refused(&|gait| {
+        gait.flipped.clear();
+        gait.width = 0.0;
+    }));
+    assert_eq!((&*key, found), ("gait.sole_width", GaitError::WidthInPlane { value: gait().sole_width }));
     let (_, found) = cause(refused(&|gait| {
         gait.flipped.clear();
         (gait.width, gait.sole_width) = (0.0, 0.0);
