@@ -119,7 +119,8 @@ mod tests {
     /// What one leg has and the other has not is refused with its key and both values; what both have is not.
     #[test]
     fn what_differs_is_named() {
-        let changes: [(&str, fn(&mut Problem) -> &mut Vec<f64>); 15] = [
+        type List = fn(&mut Problem) -> &mut Vec<f64>;
+        let changes: [(&str, List); 15] = [
             ("actuation.gain", |problem| &mut problem.gain),
             ("cost.effort", |problem| &mut problem.cost.effort),
             ("cost.energy", |problem| problem.cost.energy.get_or_insert(vec![1.0; 7])),
