@@ -139,10 +139,10 @@ pub(crate) mod loops {
 
 /// Gaits.
 pub(crate) mod gait {
-    /// What no joint moves by more, at unit rate, is fixed (m).
+    /// What no joint moves by more, at unit rate, is fixed (m); gravity is along -z up to this part of it.
     pub const PLANAR: f64 = 1e-9;
     /// Torques of mirrored motions are the same up to this part of the largest; places of feet likewise, in
-    /// parts of a step or of 1 m if that is more.
+    /// parts of a step or of 1 m if that is more, and limits and weights of both legs in parts of themselves.
     pub const SYMMETRIC: f64 = 1e-8;
     /// The impulse of a landing in a guess, in parts of that of the weight during the step.
     pub const GUESSED_IMPULSE: f64 = 0.2;

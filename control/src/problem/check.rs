@@ -90,6 +90,7 @@ impl Problem {
             self.check_free_motion()?;
             return Ok(checked);
         }
+        self.refuse_with_gait()?;
         self.check_vias()?;
         self.check_limits()?;
         self.check_given_ends()?;

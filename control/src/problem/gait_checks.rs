@@ -1,12 +1,12 @@
 //! What is checked of a gait before it is prepared as a problem.
 
-use super::Problem;
 use super::error::ProblemError;
 use super::gait::Gait;
 use super::gait_error::GaitError;
 use super::key::Key;
 use super::loop_rows::exchanged;
 use super::standing::no_foot;
+use super::{BoundaryState, Problem};
 use crate::constants::checks::gait::{PLANAR, SYMMETRIC};
 use costate::EvalError;
 use costate::constraints::Constraints;
@@ -22,7 +22,12 @@ pub(super) fn check_numbers(gait: &Gait) -> Result<(), ProblemError> {
         let remedy = "must be neither negative nor infinite (m)";
         return Err(GaitError::OutOfRange { value: clearance, remedy }.at(Key::GAIT_CLEARANCE));
     }
-    Ok(())
+    let Some(value) = gait.sole.map(|[heel, toe]| toe - heel) else { return Ok(()) };
+    let remedy = "the length from heel to toe (m) must be positive and finite";
+    match value > 0.0 && value.is_finite() {
+        true => Ok(()),
+        false => Err(GaitError::OutOfRange { value, remedy }.at(Key::GAIT_SOLE)),
+    }
 }
 
 fn positive(key: Key, value: f64) -> Result<(), ProblemError> {
@@ -33,6 +38,18 @@ fn positive(key: Key, value: f64) -> Result<(), ProblemError> {
 }
 
 impl Problem {
+    /// Whether gravity presses the feet on the ground, the plane z = 0 of the world: along -z.
+    ///
+    /// # Errors
+    /// [`GaitError::NotLevel`].
+    pub(super) fn check_gravity(&self) -> Result<(), ProblemError> {
+        let [x, y, z] = self.robot.gravity().into();
+        match z < 0.0 && f64::hypot(x, y) <= PLANAR * z.abs() {
+            true => Ok(()),
+            false => Err(GaitError::NotLevel { gravity: [x, y, z] }.at(Key::ROBOT_GRAVITY)),
+        }
+    }
+
     /// Whether the feet are frames, each named once, and paired.
     pub(super) fn check_names(&self, gait: &Gait) -> Result<(), ProblemError> {
         let (stance, swing) = (gait.stance.len(), gait.swing.len());
@@ -52,8 +69,14 @@ impl Problem {
         Ok(())
     }
 
-    /// What gaits do not take.
+    /// What gaits do not take, given accelerations among it.
+    ///
+    /// # Errors
+    /// [`GaitError::Constrained`], [`GaitError::NotTaken`] with the key.
     pub(super) fn refuse_with_gait(&self) -> Result<(), ProblemError> {
+        if self.gait.is_none() {
+            return Ok(());
+        }
         if let Some(one) = self.robot.constraints().first() {
             return Err(GaitError::Constrained { constraint: one.name.clone() }.at(Key::GAIT_STANCE));
         }
@@ -61,10 +84,27 @@ impl Problem {
         let first = self.task.first_key().or_else(|| self.first_of_rates());
         let via = self.vias.first().map(|_| Key::via("q", 0));
         let periodic = self.periodic.as_ref().map(|_| Key::PERIODIC_SHIFT);
-        match first.or(via).or(periodic).or(terms) {
+        let first = first.or(via).or(periodic).or(terms);
+        match first.or_else(|| self.first_of_given_ends()) {
             Some(with) => Err(GaitError::NotTaken { with }.at(Key::GAIT_STANCE)),
             None => Ok(()),
         }
+    }
+
+    /// The first key of the ends of a step, of which all rates and positions are found, that is given but
+    /// for positions: those of the start are a guess, and those of the end are always there.
+    fn first_of_given_ends(&self) -> Option<Key> {
+        let Self { start, end, .. } = self;
+        let moves = |end: &BoundaryState| end.v.iter().any(|&v| v != 0.0);
+        let given = [
+            (moves(start), Key::START_V),
+            (!start.q_free.is_empty(), Key::START_Q_FREE),
+            (!start.v_free.is_empty(), Key::START_V_FREE),
+            (moves(end), Key::END_V),
+            (!end.q_free.is_empty(), Key::END_Q_FREE),
+            (!end.v_free.is_empty(), Key::END_V_FREE),
+        ];
+        given.into_iter().find(|(is_given, _)| *is_given).map(|(_, key)| key)
     }
 
     /// A foot by its name.

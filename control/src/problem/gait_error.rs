@@ -58,6 +58,16 @@ pub enum GaitError {
         /// The valid range.
         remedy: &'static str,
     },
+    /// A width of a robot in the plane.
+    WidthInPlane {
+        /// Its value.
+        value: f64,
+    },
+    /// Gravity that is not along -z of the world, or none.
+    NotLevel {
+        /// Gravity (m/s^2).
+        gravity: [f64; 3],
+    },
     /// A joint that does not move the whole robot along x of the world, or has a motor.
     NotAlong {
         /// The joint.
@@ -79,6 +89,17 @@ pub enum GaitError {
         joint: String,
         /// By how much (N m, N).
         by: f64,
+    },
+    /// A joint with another limit, gain or weight than the one whose place it takes in the next step.
+    LegsDiffer {
+        /// The joint.
+        joint: String,
+        /// What it has.
+        value: f64,
+        /// The joint whose place it takes; the same one if it keeps its place.
+        other: String,
+        /// What that one has in the mirror.
+        expected: f64,
     },
     /// The feet are not exchanged by the mirror.
     FeetStay {
@@ -154,6 +175,20 @@ impl fmt::Display for GaitError {
                 printable(frame)
             ),
             Self::OutOfRange { value, remedy } => write!(f, "{remedy}, but is {}", number(*value)),
+            Self::WidthInPlane { value } => write!(
+                f,
+                "is {}, but a robot in the plane has no widths; remove it, or name in gait.flipped the joints \
+                 that change their signs in the mirror of a robot in space",
+                number(*value)
+            ),
+            Self::NotLevel { gravity: [x, y, z] } => write!(
+                f,
+                "is [{}, {}, {}] (m/s^2), but the ground of a gait is level and feet stand on it by their weight; \
+                 give gravity along -z of the world, as slopes are not taken",
+                number(*x),
+                number(*y),
+                number(*z)
+            ),
             Self::NotAlong { joint } => write!(
                 f,
                 "joint '{}' must be prismatic, move both feet along x of the world, and have no motor: its \
@@ -179,6 +214,23 @@ impl fmt::Display for GaitError {
                  name in gait.flipped all that move along y or turn about x or z",
                 printable(joint),
                 number(*by)
+            ),
+            Self::LegsDiffer { joint, value, other, expected } if joint == other => write!(
+                f,
+                "joint '{}' has {}, but {} in the mirror, as it has in the next step; give it the same in both \
+                 directions, limits of the robot included",
+                printable(joint),
+                number(*value),
+                number(*expected)
+            ),
+            Self::LegsDiffer { joint, value, other, expected } => write!(
+                f,
+                "joint '{}' has {}, but '{}' {} in the mirror, and they change places in the next step; give both \
+                 legs the same, limits of the robot included, and flipped joints limits of opposite signs",
+                printable(joint),
+                number(*value),
+                printable(other),
+                number(*expected)
             ),
             Self::FeetStay { miss } => write!(
                 f,

@@ -31,15 +31,12 @@ impl Gait {
                 }
             };
         }
-        let remedy = "must not be given of a robot in the plane; gait.flipped names the joints that change their \
-                      signs in the mirror of one in space";
-        if !space && self.width != 0.0 {
-            return out(Key::GAIT_WIDTH, self.width, remedy);
-        }
-        match self.sole_width {
-            0.0 => Ok(()),
-            width if space => out(Key::GAIT_SOLE_WIDTH, width, "must not be given without gait.sole"),
-            width => out(Key::GAIT_SOLE_WIDTH, width, remedy),
+        let width = (Key::GAIT_WIDTH, if space { 0.0 } else { self.width });
+        let of_no_use = [width, (Key::GAIT_SOLE_WIDTH, self.sole_width)];
+        match of_no_use.into_iter().find(|(_, value)| *value != 0.0) {
+            Some((key, value)) if space => out(key, value, "must not be given without gait.sole"),
+            Some((key, value)) => Err(GaitError::WidthInPlane { value }.at(key)),
+            None => Ok(()),
         }
     }
 

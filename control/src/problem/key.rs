@@ -15,6 +15,7 @@ pub struct Key {
 
 impl Key {
     pub(crate) const ROBOT: Self = Self::new("robot", "file", "robot");
+    pub(crate) const ROBOT_GRAVITY: Self = Self::new("robot", "gravity", "robot.gravity");
     pub(crate) const START_Q: Self = Self::new("start", "q", "start.q");
     pub(crate) const START_V: Self = Self::new("start", "v", "start.v");
     pub(crate) const START_A: Self = Self::new("start", "a", "start.a");
@@ -127,7 +128,7 @@ impl fmt::Display for Key {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.table {
             // The file alone stands for the robot.
-            "robot" => f.write_str(self.table),
+            "robot" if self.name == "file" => f.write_str(self.table),
             // Errors count from 1.
             "via" => write!(f, "via {}, {}", self.entry + 1, self.name),
             _ => write!(f, "{}.{}", self.table, self.name),

@@ -16,6 +16,7 @@ pub(crate) mod gait;
 mod gait_checks;
 mod gait_error;
 mod gait_in_space;
+mod gait_legs;
 mod given_ends;
 mod joint_limits;
 pub(crate) mod key;

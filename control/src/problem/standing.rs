@@ -38,28 +38,6 @@ pub(super) fn no_foot(error: RobotError) -> ProblemError {
 }
 
 impl Problem {
-    /// Whether soles have a length, and gravity measures the forces on feet whose cones need it.
-    ///
-    /// # Errors
-    /// [`GaitError::OutOfRange`].
-    pub(super) fn check_soles(&self, gait: &Gait) -> Result<(), ProblemError> {
-        if let Some([heel, toe]) = gait.sole {
-            let value = toe - heel;
-            if !(value > 0.0 && value.is_finite()) {
-                let remedy = "the length from heel to toe (m) must be positive and finite";
-                return Err(GaitError::OutOfRange { value, remedy }.at(Key::GAIT_SOLE));
-            }
-        }
-        let value = self.robot.gravity().norm();
-        if (gait.sole.is_some() || gait.is_in_space()) && value == 0.0 {
-            let remedy =
-                "feet with soles, and feet in space, stand by gravity (m/s^2), which must not be zero";
-            let key = if gait.sole.is_some() { Key::GAIT_SOLE } else { Key::GAIT_FLIPPED };
-            return Err(GaitError::OutOfRange { value, remedy }.at(key));
-        }
-        Ok(())
-    }
-
     /// Whether double support takes a part of the step, and soles behind stand as they can.
     ///
     /// # Errors

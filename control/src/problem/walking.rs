@@ -30,7 +30,8 @@ use costate::robot::ConstraintSpec;
 
 impl Problem {
     /// With a step of this gait as the motion: its start and its end are free, and [`start`](Self::start) is
-    /// a guess of the position with which it begins.
+    /// a guess of the position with which it begins. The position of [`end`](Self::end) is not read; nothing
+    /// else may be given of the two.
     #[must_use]
     pub fn with_gait(self, gait: Gait) -> Self {
         Self { gait: Some(gait), ..self }
@@ -52,9 +53,8 @@ impl Problem {
     /// # Errors
     /// [`ProblemError::Gait`], [`ProblemError::UnknownJoint`], [`ProblemError::GivenTwice`].
     pub(super) fn walking(&self, gait: &Gait) -> Result<Self, ProblemError> {
-        self.refuse_with_gait()?;
         check_numbers(gait)?;
-        self.check_soles(gait)?;
+        self.check_gravity()?;
         gait.check_widths()?;
         self.check_double_support(gait)?;
         self.check_names(gait)?;
@@ -65,6 +65,7 @@ impl Problem {
         let mut shift = vec![0.0; q.len()];
         shift[along] = -gait.length;
         self.check_mirror(gait, &exchange, &q, &shift)?;
+        self.check_legs(&exchange)?;
         // What cannot be evaluated is told at the start.
         let failed = |error: EvalError| GaitError::CannotStand { cause: error.into() }.at(Key::START_Q);
         let angle = gait.friction.atan();

@@ -1,9 +1,11 @@
 //! Gaits that are refused, by name and with the remedy.
 
+use super::gaits::example;
 use super::walking::file;
 use costate::robot::{LoadOptions, Robot};
 use costate_control::{
-    Gait, GaitError, MotionLimits, Objective, Problem, ProblemError, ProblemFile, Solver, SolverOptions,
+    BoundaryState, Gait, GaitError, MotionLimits, Objective, Problem, ProblemError, ProblemFile, Solver,
+    SolverOptions,
 };
 
 #[test]
@@ -62,6 +64,98 @@ fn problem_files_say_what_is_wrong_with_a_step() {
     let mirror =
         refused("[[\"left_hip\", \"right_hip\"], [\"left_knee\", \"right_knee\"]]", "[\"left_hip\"]");
     assert!(mirror.contains("a list of pairs of joint names"), "{mirror}");
+}
+
+/// All of the ends but the position of the start is found, so nothing else of them is taken.
+#[test]
+fn given_ends_are_refused_by_name() {
+    type Change = fn(&mut BoundaryState);
+    let problem = file().problem;
+    let changes: [(&str, Change); 4] = [
+        ("v", |end| end.v[3] = 9.0),
+        ("a", |end| end.a = Some(vec![0.0; 7])),
+        ("q_free", |end| end.q_free = vec![3]),
+        ("v_free", |end| end.v_free = vec![3]),
+    ];
+    for (name, change) in changes {
+        for at_start in [true, false] {
+            let mut problem = problem.clone();
+            change(if at_start { &mut problem.start } else { &mut problem.end });
+            let error = Solver::new(&problem, SolverOptions::default()).unwrap_err();
+            let ProblemError::Gait { cause, .. } = error else { panic!("{error}") };
+            let GaitError::NotTaken { with } = *cause else { panic!("{cause}") };
+            assert_eq!((with.table(), with.name()), (if at_start { "start" } else { "end" }, name));
+        }
+    }
+    let text = file().text;
+    for given in ["v = [9, 0, 0, 0, 0, 0, 0]", "a = [0, 0, 0, 0, 0, 0, 0]", "q_free = [\"left_hip\"]"] {
+        let text = text.replace("[start]\n", &format!("[start]\n{given}\n"));
+        let message = ProblemFile::from_text(&text, "../examples/problems", LoadOptions::default())
+            .unwrap_err()
+            .to_string();
+        let name = given.split(' ').next().unwrap();
+        assert!(message.contains(&format!("start.{name} and a gait do not go together")), "{message}");
+    }
+    // Rates of zero are those of rest_to_rest, which gives none.
+    let text = text.replace("[start]\n", "[start]\nv = [0, 0, 0, 0, 0, 0, 0]\n");
+    ProblemFile::from_text(&text, "../examples/problems", LoadOptions::default()).unwrap();
+}
+
+/// The ground is level, and feet stand on it by their weight.
+#[test]
+fn gravity_that_is_not_along_minus_z_is_refused() {
+    for (name, gravity) in [
+        ("rabbit_walk", [0.0, 0.0, 0.0]),
+        ("rabbit_walk", [3.0, 0.0, -9.0]),
+        ("rabbit_walk", [0.0, 0.0, 9.81]),
+        ("seven_link_walk", [0.0, 0.0, 0.0]),
+        ("biped_walk", [0.0, 0.1, -9.81]),
+    ] {
+        let mut problem = example(name).problem;
+        problem.robot = problem.robot.with_gravity(gravity).unwrap();
+        let error = Solver::new(&problem, SolverOptions::default()).unwrap_err();
+        assert_eq!(error.key().unwrap().to_string(), "robot.gravity");
+        let message = error.to_string();
+        let ProblemError::Gait { cause, .. } = error else { panic!("{message}") };
+        assert_eq!(*cause, GaitError::NotLevel { gravity });
+        assert!(message.contains("robot.gravity: is [") && message.contains("along -z"), "{message}");
+    }
+}
+
+/// With a weaker left hip a step can be found, but the next one, in which it does what the right one did,
+/// would be beyond its limit.
+#[test]
+fn legs_with_unequal_limits_are_refused() {
+    let text = file().text;
+    for (key, from, to, told) in [
+        (
+            "limits.torque_max",
+            "torque_max = [0.0, 0.0, 0.0, 150.0,",
+            "torque_max = [0.0, 0.0, 0.0, 25.0,",
+            ["'left_hip' has 25,", "'right_hip' 150 "],
+        ),
+        (
+            "limits.q_min",
+            "-inf, 0.0, -inf, 0.0]",
+            "-inf, 0.0, -inf, 0.1]",
+            ["'left_knee' has 0,", "'right_knee' 0.1 "],
+        ),
+        (
+            "cost.effort",
+            "effort = [0.0, 0.0, 0.0, 1.0, 1.0,",
+            "effort = [0.0, 0.0, 0.0, 1.0, 1.5,",
+            ["'left_knee' has 1.5,", "'right_knee' 1 "],
+        ),
+    ] {
+        assert!(text.contains(from), "{from}");
+        let text = text.replace(from, to);
+        let message = ProblemFile::from_text(&text, "../examples/problems", LoadOptions::default())
+            .unwrap_err()
+            .to_string();
+        let line = text.lines().position(|line| line.contains(to)).unwrap() + 1;
+        assert!(message.contains(&format!(":{line}: {key}: ")), "{message}");
+        assert!(told.iter().all(|told| message.contains(told)), "{message}");
+    }
 }
 
 /// A body that moves along and up, with two skates on slides below it. Both have its height.
