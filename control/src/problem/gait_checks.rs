@@ -7,7 +7,7 @@ use super::key::Key;
 use super::loop_rows::exchanged;
 use super::standing::no_foot;
 use super::{BoundaryState, Problem};
-use crate::constants::checks::gait::{PLANAR, SYMMETRIC};
+use crate::constants::checks::gait::{MOST_FRICTION, PLANAR, SYMMETRIC};
 use costate::EvalError;
 use costate::constraints::Constraints;
 use costate::lagrangian::Lagrangian;
@@ -18,6 +18,11 @@ pub(super) fn check_numbers(gait: &Gait) -> Result<(), ProblemError> {
     let [length, friction, clearance] = [gait.length, gait.friction, gait.clearance];
     positive(Key::GAIT_LENGTH, length)?;
     positive(Key::GAIT_FRICTION, friction)?;
+    if friction > MOST_FRICTION {
+        let remedy =
+            "must be at most 100, which holds a foot as well: edges of a wider cone are nearly one line";
+        return Err(GaitError::OutOfRange { value: friction, remedy }.at(Key::GAIT_FRICTION));
+    }
     if !(clearance >= 0.0 && clearance.is_finite()) {
         let remedy = "must be neither negative nor infinite (m)";
         return Err(GaitError::OutOfRange { value: clearance, remedy }.at(Key::GAIT_CLEARANCE));

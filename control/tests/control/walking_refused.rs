@@ -36,6 +36,7 @@ fn what_is_no_step_is_refused_by_name() {
         assert!(key == "gait.friction" && matches!(found, GaitError::OutOfRange { .. }), "{found}");
     }
     assert_eq!(cause(with(&|gait| gait.clearance = -1.0)).0, "gait.clearance");
+    assert_eq!(cause(with(&|gait| gait.friction = 1e6)).0, "gait.friction");
     let (key, found) = cause(with(&|gait| gait.along = "base_z".into()));
     assert_eq!((&*key, found), ("gait.along", GaitError::NotAlong { joint: "base_z".into() }));
     let (key, found) = cause(with(&|gait| gait.length = 3.0));
