@@ -22,9 +22,10 @@ type Twice<S> = Tangent<Tangent<S>>;
 ///
 /// Slices q (rad, m), v (rad/s, m/s) and u (N m, N) have n entries, in the order of
 /// [`Robot::independent_joints`]; a (rad/s^2, m/s^2) has n, lambda k, with units and axes as in
-/// [`ConstrainedLinearisation::lambda`](super::ConstrainedLinearisation::lambda). With floating and spherical
-/// joints q has nq entries, v and a are the twist of the moved frame in its axes and its rate, and derivatives
-/// by q are those in the tangent space, as those of [`Lagrangian`]. Every method can fail with
+/// [`ConstrainedLinearisation::lambda`](super::ConstrainedLinearisation::lambda). With floating and
+/// spherical joints q has nq entries, v and a are the twist of the moved frame in its axes and its rate,
+/// and derivatives by q are those in the tangent space, as those of [`Lagrangian`]. Every method can fail
+/// with
 /// [`EvalError::WrongLength`], [`EvalError::NonFinite`], [`EvalError::NotUnit`] and
 /// [`EvalError::SingularMassMatrix`]. Rows that depend on others are left out, and their forces are zero: see
 /// [`ConstrainedHamiltonian::counted`].

@@ -8,8 +8,8 @@
 //!
 //! Inverse dynamics has the derivatives of `B'tau_c`.
 
-use super::blocks::Blocks;
-use super::{ConstrainedLagrangian, ConstrainedLagrangianSecondOrder, Constraints};
+use super::blocks::{Blocks, Moving};
+use super::{ConstrainedLagrangian, Constraints};
 use crate::configuration::MOST;
 use crate::lagrangian::Free;
 use crate::matrix::{Matrix, add_scaled, filled};
@@ -72,18 +72,52 @@ pub(super) struct RowHessian<S> {
     /// m_1 in the axes of the chains, and `J'lambda` in those of the frames.
     along: Vec<S>,
     force: Vec<S>,
+    /// m_2, as constants.
+    weights: Vec<Twice<S>>,
     /// The gradient of `m_2 . (J a + J'v)` by q, v and a of the chains.
     slopes: [Vec<S>; 3],
 }
 
 impl<S: Scalar> RowHessian<S> {
-    pub fn new(n: usize) -> Self {
+    pub fn new(n: usize, k: usize) -> Self {
         let zeros = filled(S::zero(), n);
         Self {
             matrix: Matrix::zeros(3 * n, 3 * n),
             along: zeros.clone(),
             force: zeros.clone(),
+            weights: filled(Scalar::zero(), k),
             slopes: [zeros.clone(), zeros.clone(), zeros],
+        }
+    }
+
+    /// At the last state of `first`, for m = (m_1, -m_2); `held` gets `(J m_1)_q` as its slope.
+    #[inline(never)]
+    pub fn take(
+        &mut self,
+        first: &mut ConstrainedLagrangian<S>,
+        held: &mut Moving<S>,
+        [m_1, m_2]: [&[S]; 2],
+        q: &[S],
+    ) {
+        let ConstrainedLagrangian { solver, twice, free, lambda, .. } = first;
+        for (to, &m) in self.weights.iter_mut().zip(m_2) {
+            *to = Tangent::new(Tangent::new(-m, S::zero()), Scalar::zero());
+        }
+        self.along.copy_from_slice(m_1);
+        if let Some(free) = free {
+            free.outward(&mut self.along);
+        }
+        held.place(q, &self.along, lambda);
+        twice.rows.contract(&self.weights);
+        self.take_moments(twice.rows.contracted());
+        if let Some(free) = free {
+            self.turn_moments(free, twice.rows.chart_jacobian());
+            force_on_joints(&solver.rows, lambda, &mut self.force);
+            turn_blocks(free, [&self.force, m_1], solver.rows.jacobian(), &mut held.blocks);
+        }
+        let n = m_1.len();
+        for i in 0..n {
+            add_scaled(&mut self.matrix.row_mut(i)[..n], -S::one(), held.blocks.bend.row(i));
         }
     }
 
@@ -102,8 +136,8 @@ impl<S: Scalar> RowHessian<S> {
     }
 
     /// The same in the tangent space.
-    fn turn_moments(&mut self, free: &Free<S>, jacobian: &Matrix<Twice<S>>, weights: &[Twice<S>]) {
-        let Self { matrix, slopes, along, .. } = self;
+    fn turn_moments(&mut self, free: &Free<S>, jacobian: &Matrix<Twice<S>>) {
+        let Self { matrix, slopes, along, weights, .. } = self;
         let n = along.len();
         slopes.iter_mut().for_each(|slopes| slopes.fill(S::zero()));
         let [by_q, by_v, by_a] = slopes;
@@ -161,34 +195,6 @@ pub(super) fn turn_blocks<S: Scalar>(
             for (&along, w_q) in own[..m].iter().zip(&w_q) {
                 add_scaled(&mut to[at..at + m], along, &w_q[..m]);
             }
-        }
-    }
-}
-
-impl<S: Scalar> ConstrainedLagrangianSecondOrder<S> {
-    /// Second derivatives of the rows, and `(J m_1)_q` as the slope of `held`.
-    #[inline(never)]
-    pub(super) fn bend_rows(&mut self, q: &[S]) {
-        let Self { first, held, weights, of_rows, adjoint: [m_1, m_2], .. } = self;
-        let ConstrainedLagrangian { solver, twice, free, lambda, .. } = first;
-        for (to, &m) in weights.iter_mut().zip(&*m_2) {
-            *to = Tangent::new(Tangent::new(-m, S::zero()), Scalar::zero());
-        }
-        of_rows.along.copy_from_slice(m_1);
-        if let Some(free) = free {
-            free.outward(&mut of_rows.along);
-        }
-        held.place(q, &of_rows.along, lambda);
-        twice.rows.contract(weights);
-        of_rows.take_moments(twice.rows.contracted());
-        if let Some(free) = free {
-            of_rows.turn_moments(free, twice.rows.chart_jacobian(), weights);
-            force_on_joints(&solver.rows, lambda, &mut of_rows.force);
-            turn_blocks(free, [&of_rows.force, m_1], solver.rows.jacobian(), &mut held.blocks);
-        }
-        let n = m_1.len();
-        for i in 0..n {
-            add_scaled(&mut of_rows.matrix.row_mut(i)[..n], -S::one(), held.blocks.bend.row(i));
         }
     }
 }

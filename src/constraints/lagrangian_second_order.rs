@@ -9,7 +9,7 @@ use crate::kernels::check_entries;
 use crate::lagrangian::LagrangianSecondOrder;
 use crate::matrix::{Block, Matrix, add_scaled, filled};
 use crate::robot::Robot;
-use crate::scalar::{Scalar, Tangent};
+use crate::scalar::Scalar;
 
 /// Workspace for a, lambda, their Jacobians and contracted second derivatives in z = (q, v, u); no call
 /// allocates.
@@ -26,14 +26,13 @@ use crate::scalar::{Scalar, Tangent};
 /// code.
 #[derive(Clone, Debug)]
 pub struct ConstrainedLagrangianSecondOrder<S: Scalar> {
-    pub(super) first: ConstrainedLagrangian<S>,
+    first: ConstrainedLagrangian<S>,
     open: LagrangianSecondOrder<S>,
     /// The rows with lambda, along m_1.
-    pub(super) held: Moving<S>,
-    pub(super) of_rows: RowHessian<S>,
-    pub(super) weights: Vec<Tangent<Tangent<S>>>,
+    held: Moving<S>,
+    of_rows: RowHessian<S>,
     /// m_1 and minus m_2.
-    pub(super) adjoint: [Vec<S>; 2],
+    adjoint: [Vec<S>; 2],
     /// `(m . r)` by (q, v) twice, and by (a, lambda) and q.
     curvature: Matrix<S>,
     mixed: [Matrix<S>; 2],
@@ -48,8 +47,7 @@ impl<S: Scalar> ConstrainedLagrangianSecondOrder<S> {
         Self {
             open: LagrangianSecondOrder::new(&robot.without_constraints()),
             held: Moving::new(&first.solver.tree),
-            of_rows: RowHessian::new(n),
-            weights: filled(Scalar::zero(), k),
+            of_rows: RowHessian::new(n, k),
             adjoint: [filled(S::zero(), n), filled(S::zero(), k)],
             curvature: Matrix::zeros(2 * n, 2 * n),
             mixed: [Matrix::zeros(n, n), Matrix::zeros(k, n)],
@@ -100,8 +98,8 @@ impl<S: Scalar> ConstrainedLagrangianSecondOrder<S> {
     /// The blocks of `(m . r)_(zs)(zs)`.
     #[inline(never)]
     fn differentiate(&mut self, q: &[S], v: &[S]) -> Result<(), EvalError> {
-        self.bend_rows(q);
-        let Self { first, open, held, of_rows, adjoint: [m_1, _], curvature, mixed, .. } = self;
+        let Self { first, open, held, of_rows, adjoint: [m_1, m_2], curvature, mixed, .. } = self;
+        of_rows.take(first, held, [m_1, m_2], q);
         let n = v.len();
         let torque = open.contract_inverse_dynamics(q, v, &first.a, m_1)?;
         let ([in_a, in_lambda], zz, rows) = (mixed, torque.zz(), &of_rows.matrix);

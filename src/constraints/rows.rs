@@ -205,8 +205,8 @@ impl<S: Scalar> Constraints<S> {
         &self.jacobian
     }
 
-    /// `(mu . g)_qq = (J'mu)_q` for constant mu (k), n x n, symmetric. With floating and spherical joints it is
-    /// that of `mu . g(q (+) xi)` by xi at zero.
+    /// `(mu . g)_qq = (J'mu)_q` for constant mu (k), n x n, symmetric. With floating and spherical joints
+    /// it is that of `mu . g(q (+) xi)` by xi at zero.
     ///
     /// # Errors
     /// [`EvalError::WrongLength`] unless mu has k entries.

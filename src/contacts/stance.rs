@@ -92,8 +92,8 @@ impl Stance {
     /// of its sole and torsion are not what they say.
     ///
     /// # Errors
-    /// [`RobotError::BadConstraint`] with the name of the first foot that does not; the outer error is that of
-    /// [`Constraints::set_position`].
+    /// [`RobotError::BadConstraint`] with the name of the first foot that does not; the outer error is that
+    /// of [`Constraints::set_position`].
     pub fn check_feet(&self, q: &[f64]) -> Result<Result<(), RobotError>, EvalError> {
         let mut rows = Constraints::<f64>::new(&self.robot);
         rows.set_position(q)?;

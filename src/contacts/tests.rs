@@ -64,7 +64,8 @@ fn forces_and_moments_of_a_foot_balance_the_momentum_of_a_body() {
     balances(&stance, [&q, &v, &u], &[("ankle", placement)]);
 }
 
-/// Forces and margins through v(q, p) and the accelerations, for hyper-dual numbers: at a state displaced by z.
+/// Forces and margins through v(q, p) and the accelerations, for hyper-dual numbers: at a state displaced
+/// by z.
 fn judge(
     stance: &Stance,
     coordinates: Coordinates,
@@ -150,8 +151,8 @@ fn derivatives_of_forces_and_margins_are_those_of_hyper_dual_numbers() {
     }
 }
 
-/// Moments of a foot whose heading is not that of its ground are not its multipliers: a check says so, and the
-/// rows have them.
+/// Moments of a foot whose heading is not that of its ground are not its multipliers: a check says so, and
+/// the rows have them.
 #[test]
 fn feet_that_are_turned_are_found() {
     let (robot, foot, _) = hopper();

@@ -141,8 +141,9 @@ pub(crate) mod loops {
 pub(crate) mod gait {
     /// What no joint moves by more, at unit rate, is fixed (m); gravity is along -z up to this part of it.
     pub const PLANAR: f64 = 1e-9;
-    /// The largest coefficient of friction: edges of wider cones are nearly one line, and equations along them
-    /// are not solved. A search for RABBIT's step succeeds at 100, with the cost of 0.6, and fails at 300.
+    /// The largest coefficient of friction: edges of wider cones are nearly one line, and equations along
+    /// them are not solved. A search for RABBIT's step succeeds at 100, with the cost of 0.6, and fails at
+    /// 300.
     pub const MOST_FRICTION: f64 = 100.0;
     /// Torques of mirrored motions are the same up to this part of the largest; places of feet likewise, in
     /// parts of a step or of 1 m if that is more, and limits and weights of both legs in parts of themselves.

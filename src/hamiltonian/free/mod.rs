@@ -146,8 +146,8 @@ impl<S: Scalar> Free<S> {
         });
     }
 
-    /// y'F_xx of the tangent space from that of the chart, both for the costate y, set last; `others` are further
-    /// functions of (q, p) with weights, part of the sum, and their Jacobian, by (xi, pi) as F_x.
+    /// y'F_xx of the tangent space from that of the chart, both for the costate y, set last; `others` are
+    /// further functions of (q, p) with weights, part of the sum, and their Jacobian, by (xi, pi) as F_x.
     pub(crate) fn curve(
         &mut self,
         y: &[S],

@@ -109,8 +109,8 @@ impl<S: Scalar> Part<S> {
         }
     }
 
-    /// Adds what y'F_xx has besides `y_c'F_c,xx` in the variables (xi, pi), of y in the axes of the frame; `f_x`
-    /// is the derivative of F in the chart by (xi, pi), `slope` that of `y_c . F_c`.
+    /// Adds what y'F_xx has besides `y_c'F_c,xx` in the variables (xi, pi), of y in the axes of the frame;
+    /// `f_x` is the derivative of F in the chart by (xi, pi), `slope` that of `y_c . F_c`.
     pub fn curve(&self, [y, slope]: [&[S]; 2], f_x: &Matrix<S>, y_f_xx: &mut Matrix<S>) {
         let (at, m) = self.place();
         let n = f_x.columns() / 2;

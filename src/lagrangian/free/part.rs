@@ -165,8 +165,8 @@ impl<S: Scalar> Part<S> {
         }
     }
 
-    /// Adds what the Hessian of `w.tau` has besides that of tau_c in the variables (xi, nu, nu'), the Jacobian
-    /// is that of tau_c.
+    /// Adds what the Hessian of `w.tau` has besides that of tau_c in the variables (xi, nu, nu'), the
+    /// Jacobian is that of tau_c.
     pub fn curve(&self, [tau, w]: [&[S]; 2], jacobian: [&Matrix<S>; 3], hessian: &mut Matrix<S>) {
         let ((at, m), mut by_q) = (self.frame.place(), [S::zero(); MOST]);
         for (k, by_q) in by_q[..m].iter_mut().enumerate() {
@@ -177,8 +177,8 @@ impl<S: Scalar> Part<S> {
     }
 
     /// Adds what the Hessian of a function of (q, v, a) of the chart has in the variables (xi, nu, nu')
-    /// besides products of first derivatives: second derivatives of q, v and a, for its gradients by them. That
-    /// by q is the whole one at constant nu and nu', since v and a depend on q.
+    /// besides products of first derivatives: second derivatives of q, v and a, for its gradients by them.
+    /// That by q is the whole one at constant nu and nu', since v and a depend on q.
     pub fn bend_arguments(&self, [by_q, by_v, force]: [[S; MOST]; 3], hessian: &mut Matrix<S>) {
         let ((at, m), n) = (self.frame.place(), hessian.rows() / 3);
         let Self { velocity: nu, acceleration, v_q, .. } = self;

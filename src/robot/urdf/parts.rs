@@ -148,13 +148,16 @@ pub(super) struct Source {
     pub(super) xacro: Option<(String, usize)>,
 }
 
+/// The name of the ground below a root link on a floating joint.
+pub(super) const UNIVERSE: &str = "universe";
+
 impl Source {
     /// Puts the root link on a floating joint.
     pub(super) fn set_afloat(&mut self) {
         let moved: HashSet<&str> = self.joints.iter().map(|joint| joint.child.as_str()).collect();
         let roots = self.links.iter().filter(|link| !moved.contains(link.name.as_str()));
         let Some((child, line)) = roots.map(|link| (link.name.clone(), link.line)).next() else { return };
-        let parent = "universe".to_owned();
+        let parent = UNIVERSE.to_owned();
         self.links.push(Link { name: parent.clone(), inertia: LinkInertia::massless(), line });
         let joint = SourceJoint {
             name: "root_joint".to_owned(),

@@ -1,6 +1,6 @@
 //! Which joint moves which link: the tree of a URDF, and where each frame lies in it.
 
-use super::parts::{JointType, Link, Source};
+use super::parts::{JointType, Link, Source, UNIVERSE};
 use crate::robot::error::RobotError;
 use crate::robot::link::Placement;
 use std::collections::{HashMap, HashSet};
@@ -63,7 +63,11 @@ pub(super) fn attachments(source: &Source) -> Result<Attachments, RobotError> {
         }
         _ => Ok(()),
     }?;
-    let moves = |(link, at): &(&Link, &Attachment)| link.name == "world" && at.carrier.is_some();
+    // A base that was put on a floating joint may keep its name.
+    let floats = |joint: usize| source.joints[joint].parent == UNIVERSE;
+    let moves = |(link, at): &(&Link, &Attachment)| {
+        link.name == "world" && at.carrier.is_some_and(|joint| !floats(joint))
+    };
     match source.links.iter().zip(&found.links).find(moves) {
         None => Ok(found),
         Some((link, _)) => {
