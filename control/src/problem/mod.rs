@@ -22,6 +22,7 @@ pub(crate) mod key;
 pub(crate) mod least_time;
 mod leaving;
 pub(crate) mod limits;
+mod loop_directions;
 mod loop_error;
 pub(crate) mod loop_rows;
 pub(crate) mod loops;
