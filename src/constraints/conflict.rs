@@ -37,7 +37,7 @@ impl ConstrainedHamiltonian<f64> {
         if self.kkt.kept[row] == 1.0 {
             return Ok(ConstraintError::CannotClose { constraint, miss });
         }
-        let because = self.conflict(q, row, held, search)?;
+        let because = Box::new(self.conflict(q, row, held, search)?);
         Ok(ConstraintError::Contradiction { constraint, miss, because })
     }
 

@@ -30,7 +30,7 @@ pub enum ConstraintError {
         /// By how much (m, rad).
         miss: f64,
         /// What it contradicts.
-        because: Conflict,
+        because: Box<Conflict>,
     },
 }
 

@@ -61,10 +61,10 @@ pub fn of(robot: &Robot, with_frames: bool) -> Value {
         let loops = Loops::of(robot);
         let one = |(k, constraint): (usize, &Constraint)| {
             let mut one = json!({ "name": constraint.name, "rows": constraint.kind.rows() });
-            if let Loops::Closed { redundant, .. } = &loops {
-                if !redundant[k].is_empty() {
-                    one["redundant"] = json!(redundant[k]);
-                }
+            if let Loops::Closed { redundant, .. } = &loops
+                && !redundant[k].is_empty()
+            {
+                one["redundant"] = json!(redundant[k]);
             }
             one
         };

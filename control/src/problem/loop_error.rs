@@ -35,14 +35,8 @@ pub enum LoopError {
     Rates {
         /// `end.v`.
         key: Key,
-        /// The joint whose rate misses most.
-        joint: String,
-        /// Its entry in v.
-        entry: usize,
-        /// Its rate as it is given (rad/s, m/s).
-        rate: f64,
-        /// The rates with J v = 0 that are nearest to all that are given (rad/s, m/s).
-        nearest: Vec<f64>,
+        /// The rate that misses most, and what would fit.
+        unfit: Box<UnfitRates>,
     },
     /// A row that holds near the start depends on others at the start alone.
     Singular {
@@ -67,6 +61,20 @@ pub enum LoopError {
         /// The first constraint of the robot.
         constraint: String,
     },
+}
+
+/// Rates that no motion with closed loops has.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct UnfitRates {
+    /// The joint whose rate misses most.
+    pub joint: String,
+    /// Its entry in v.
+    pub entry: usize,
+    /// Its rate as it is given (rad/s, m/s).
+    pub rate: f64,
+    /// The rates with J v = 0 that are nearest to all that are given (rad/s, m/s).
+    pub nearest: Vec<f64>,
 }
 
 impl LoopError {
@@ -106,14 +114,14 @@ impl fmt::Display for LoopError {
                 printable(constraint),
                 number(*rate)
             ),
-            Self::Rates { joint, entry, rate, nearest, .. } => write!(
+            Self::Rates { unfit, .. } => write!(
                 f,
                 "no motion that keeps the loops closed has the rates that are given: that of joint '{}' is {}, and \
                  {} in the nearest ones, v = [{}] (rad/s, m/s); give these, or name further joints in end.v_free",
-                printable(joint),
-                number(*rate),
-                nearest.get(*entry).map_or_else(String::new, |rate| rounded(*rate)),
-                listed(nearest)
+                printable(&unfit.joint),
+                number(unfit.rate),
+                unfit.nearest.get(unfit.entry).map_or_else(String::new, |rate| rounded(*rate)),
+                listed(&unfit.nearest)
             ),
             Self::Singular { constraint, row, .. } => write!(
                 f,

@@ -22,7 +22,7 @@
 use super::gait_error::GaitError;
 use super::key::Key;
 use super::loop_directions::{independent, nearest_rates};
-use super::loop_error::LoopError;
+use super::loop_error::{LoopError, UnfitRates};
 use super::loop_rows::{LoopRow, Loops};
 use super::{BoundaryState, Bounds, MotionLimits, Objective, Penalty, Problem};
 use crate::constants::task::OFF;
@@ -252,8 +252,8 @@ impl Problem {
         let Some(worst) = worst.filter(|i| off(i) > OFF) else { return Ok(()) };
         let joint =
             self.robot.independent_joints().nth(worst).map_or_else(String::new, |one| one.name.clone());
-        let cause = LoopError::Rates { key: Key::END_V, joint, rate: v[worst], entry: worst, nearest };
-        Err(ProblemError::Loop { cause })
+        let unfit = Box::new(UnfitRates { joint, entry: worst, rate: v[worst], nearest });
+        Err(ProblemError::Loop { cause: LoopError::Rates { key: Key::END_V, unfit } })
     }
 
     /// The position near q that satisfies all constraints: with the joints that have motors as they are, or

@@ -53,7 +53,7 @@ pub use free_error::FreeMotionError;
 pub use gait::{Gait, SoleContact};
 pub use gait_error::GaitError;
 pub use limits::MotionLimits;
-pub use loop_error::LoopError;
+pub use loop_error::{LoopError, UnfitRates};
 pub use obstacles::{BodyPairs, Collision, LinkCapsule, Obstacle, Shape};
 pub use parts::{BoundaryState, Bounds, FinalTime, Objective, Penalty};
 pub use references::{JointReference, Reference, ToolReference};

@@ -4,6 +4,7 @@ use super::loops::{FREE, closed, crank, four_bar};
 use costate::constraints::{Conflict, ConstraintError};
 use costate::robot::{ConstraintRow, ConstraintSpec, Placement, Robot};
 use costate_control::{LoopError, Method, Problem, ProblemError};
+use std::f64::consts::PI;
 
 fn refused(
     problem: &Problem,
@@ -84,7 +85,7 @@ fn loops_that_close_nowhere_say_why() {
     };
     assert_eq!(constraint, "elsewhere");
     assert!((miss - 0.1).abs() < 1e-9 && text.contains("contradicts those before it"), "{text}");
-    assert_eq!(because, Conflict::Earlier { constraints: vec!["rocker_pivot".into()] });
+    assert_eq!(*because, Conflict::Earlier { constraints: vec!["rocker_pivot".into()] });
 }
 
 /// A rod that is too short by 1 m is told so, whatever its row of g is.
@@ -103,10 +104,8 @@ fn misses_of_rods_are_lengths() {
 fn unfit(problem: &Problem) -> (/* joint */ String, f64, /* nearest */ Vec<f64>, /* text */ String) {
     let error = problem.check_for(Method::Direct).unwrap_err();
     let text = error.to_string();
-    let ProblemError::Loop { cause: LoopError::Rates { joint, rate, nearest, .. } } = error else {
-        panic!("{text}")
-    };
-    (joint, rate, nearest, text)
+    let ProblemError::Loop { cause: LoopError::Rates { unfit, .. } } = error else { panic!("{text}") };
+    (unfit.joint, unfit.rate, unfit.nearest, text)
 }
 
 #[test]
@@ -153,7 +152,7 @@ fn singular_poses_are_no_start() {
     problem.robot = longer(-0.5);
     problem.end.q_free = vec![1, 2];
     problem.end.v_free = vec![1, 2];
-    for angle in [std::f64::consts::PI, 3.141_592_7] {
+    for angle in [PI, PI + 5e-8] {
         problem.start.q = vec![0.0, 0.0, angle];
         let error = problem.check_for(Method::Direct).unwrap_err();
         let text = error.to_string();
