@@ -87,7 +87,7 @@ pub use problem::{
     BodyPairs, BoundaryState, Bounds, Collision, EndError, FinalTime, FreeMotionError, Gait, GaitError,
     JointReference, Keep, Kept, Leads, LinkCapsule, LoopError, MotionLimits, Objective, Obstacle, Payload,
     Penalty, Problem, Reference, Shape, SoleContact, Task, TaskError, Tool, ToolCost, ToolOrientation,
-    ToolPose, ToolReference, TorqueSpeedError, UrdfBodyError, Via, ViaError,
+    ToolPose, ToolReference, TorqueSpeedError, UnfitRates, UrdfBodyError, Via, ViaError,
 };
 pub use progress::{Cancel, Iteration, Phase};
 pub use result::constraint_forces::ConstraintForces;

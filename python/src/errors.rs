@@ -237,7 +237,7 @@ impl Failure {
                 let raised = classes::ConstraintError::new_err(message);
                 match error {
                     ConstraintError::CannotClose { constraint, miss }
-                    | ConstraintError::Contradiction { constraint, miss } => {
+                    | ConstraintError::Contradiction { constraint, miss, .. } => {
                         with(py, with(py, raised, "constraint", constraint), "miss", miss)
                     }
                     _ => raised,

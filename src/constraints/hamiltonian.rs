@@ -14,7 +14,8 @@ use crate::matrix::{Matrix, Panel, add_scaled, dot, filled};
 use crate::robot::{Robot, Tree};
 use crate::scalar::Scalar;
 
-/// Workspace for the Hamiltonian state equation of a robot with holonomic constraints; no call allocates.
+/// Workspace for the Hamiltonian state equation of a robot with holonomic constraints; no call allocates but
+/// [`close`](Self::close), [`project`](Self::project) and [`singular_row`](Self::singular_row).
 ///
 /// With k rows g(q), `J = g_q` and the multipliers mu, the constrained Legendre transform
 ///
@@ -93,7 +94,7 @@ pub struct ConstrainedHamiltonian<S: Scalar> {
 }
 
 impl<S: Scalar> ConstrainedHamiltonian<S> {
-    /// Builds the workspace. Later calls do not allocate.
+    /// Builds the workspace. Later calls do not allocate, but for searches of positions.
     pub fn new(robot: &Robot) -> Self {
         let tree = Tree::from(robot);
         let rows = Constraints::from_tree(&tree);

@@ -119,6 +119,31 @@ impl<S: Scalar> Held<S> {
         }
     }
 
+    /// Its row `k` with value g as a length or an angle (m, rad), zero where g is: `2 asin eps` of a turn; of
+    /// a distance
+    ///
+    /// ```text
+    /// |r| - l = 2 l g / (|r| + l),   |r|^2 = l^2 + 2 l g
+    /// ```
+    pub fn measure(&self, k: usize, g: f64) -> f64 {
+        match self {
+            Self::Pose { rows, .. } if rows[k].component().1 => 2.0 * (0.5 * g).clamp(-1.0, 1.0).asin(),
+            Self::Distance { length, .. } => {
+                let twice = 2.0 * length * g;
+                twice / ((length * length + twice).max(0.0).sqrt() + length)
+            }
+            _ => g,
+        }
+    }
+
+    /// What its row `k` holds; none for distances and couplings.
+    pub fn component(&self, k: usize) -> Option<ConstraintRow> {
+        match self {
+            Self::Pose { rows, .. } => rows.get(k).copied(),
+            Self::Distance { .. } | Self::Coupling { .. } => None,
+        }
+    }
+
     /// The frames that it holds.
     pub fn frames(&self) -> Vec<TreeFrame> {
         match self {

@@ -206,6 +206,30 @@ impl<S: Scalar> Kkt<S> {
     }
 }
 
+impl Kkt<f64> {
+    /// What row `i` has beyond those before it, in parts of the square of its natural size; zero if it is
+    /// redundant.
+    pub fn strength(&self, i: usize) -> f64 {
+        if self.pivots[i] == 0.0 { 0.0 } else { self.pivots[i] / self.least[i] * STILL }
+    }
+
+    /// Whether no motion changes row `i`.
+    pub fn is_still(&self, i: usize) -> bool {
+        self.lower[(i, i)] <= self.least[i]
+    }
+
+    /// The rows that the redundant row `i` is a sum of, `row_i = sum c_j row_j`: `L'c = l_i`.
+    pub fn sum_of(&self, i: usize) -> Vec<usize> {
+        let mut c: Vec<f64> = (0..i).map(|j| self.lower[(i, j)]).collect();
+        for j in (0..i).rev() {
+            let after = c.iter().enumerate().skip(j + 1);
+            c[j] -= after.map(|(l, c)| self.lower[(l, j)] * c).sum::<f64>();
+        }
+        let counts = |j: &usize| c[*j] * c[*j] * self.lower[(*j, *j)] > REDUNDANT * self.lower[(i, i)];
+        (0..i).filter(counts).collect()
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

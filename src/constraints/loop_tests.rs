@@ -164,7 +164,7 @@ fn loops_that_do_not_close_say_by_how_much() {
     let both = robot.with_constraint(pin("one", 1.3)).unwrap().with_constraint(pin("other", 1.4)).unwrap();
     let mut h = ConstrainedHamiltonian::<f64>::new(&both);
     match h.close(&mut q, &[false; 3]).unwrap_err() {
-        ConstraintError::Contradiction { constraint, miss } => {
+        ConstraintError::Contradiction { constraint, miss, .. } => {
             assert_eq!(constraint, "other");
             assert!((miss - 0.1).abs() < 1e-9, "{miss}");
         }
@@ -187,7 +187,7 @@ fn loops_that_do_not_close_say_by_how_much() {
     let spec = ConstraintSpec::pinned("above", "rocker_tip", "world").to_placed(above);
     let mut h = ConstrainedHamiltonian::<f64>::new(&robot.with_constraint(spec).unwrap());
     match h.close(&mut q, &[false; 3]).unwrap_err() {
-        ConstraintError::Contradiction { constraint, miss } => {
+        ConstraintError::Contradiction { constraint, miss, .. } => {
             assert_eq!(constraint, "above");
             assert!((miss - 0.2).abs() < 1e-9, "{miss}");
         }

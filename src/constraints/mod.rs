@@ -14,6 +14,9 @@
 mod assembly;
 mod blocks;
 mod chain;
+mod conflict;
+#[cfg(test)]
+mod conflict_tests;
 mod directions;
 mod elimination;
 mod error;
@@ -44,11 +47,12 @@ mod rows;
 #[cfg(test)]
 mod samples;
 mod second_order;
+mod singular;
 mod state;
 #[cfg(test)]
 mod tests;
 
-pub use error::ConstraintError;
+pub use error::{Conflict, ConstraintError};
 pub use hamiltonian::ConstrainedHamiltonian;
 pub use impact::{AfterImpact, Impact, ImpactLinearisation, ImpactWeights};
 pub use lagrangian::{AccelerationLinearisation, ConstrainedLagrangian};

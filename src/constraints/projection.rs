@@ -8,9 +8,9 @@ use crate::robot::Tree;
 /// No step is tried where no row misses by more than this (m, rad).
 const CLOSED: f64 = 1e-13;
 /// What rounding may leave where no step leads nearer (m, rad).
-const NEARLY: f64 = 1e-10;
+pub(super) const NEARLY: f64 = 1e-10;
 /// Most searches from different positions, and how far those are from each other (rad, m).
-const ATTEMPTS: usize = 4;
+pub(super) const ATTEMPTS: usize = 4;
 const NUDGE: f64 = 0.1;
 /// Most steps of Newton's method.
 const STEPS: usize = 100;
@@ -32,7 +32,8 @@ impl ConstrainedHamiltonian<f64> {
     }
 
     /// Moves q (n) to a position with g(q) = 0, the joints that are `held` (n) as they are: Newton's method
-    /// with the smallest steps, weighted by the diagonal of M, halved until they lead nearer.
+    /// with the smallest steps, weighted by the diagonal of M, halved until they lead nearer. It allocates
+    /// the buffers of its search.
     ///
     /// # Errors
     /// [`ConstraintError::CannotClose`] or [`ConstraintError::Contradiction`], which say what misses by how
@@ -44,7 +45,8 @@ impl ConstrainedHamiltonian<f64> {
     }
 
     /// Removes the drift of a state: q moves to `g(q) = g(q_0)`, p becomes M v, v the velocity of (q, p)
-    /// without what the constraints do not allow at the new position: `J v = 0` and mu = 0.
+    /// without what the constraints do not allow at the new position: `J v = 0` and mu = 0. It allocates as
+    /// `close` does.
     ///
     /// # Errors
     /// As [`close`](Self::close).
@@ -82,7 +84,7 @@ impl ConstrainedHamiltonian<f64> {
     }
 
     /// Newton's method for the rows that count, to a position that no step improves.
-    fn newton(
+    pub(super) fn newton(
         &mut self,
         q: &mut [f64],
         target: &[f64],
@@ -116,7 +118,7 @@ impl ConstrainedHamiltonian<f64> {
     }
 
     /// J, and the factors of its product with the weights: those of held joints are zero.
-    fn weigh(&mut self, q: &[f64], held: &[bool], weights: &mut [f64]) -> Result<(), EvalError> {
+    pub(super) fn weigh(&mut self, q: &[f64], held: &[bool], weights: &mut [f64]) -> Result<(), EvalError> {
         self.kernel.set_position(&self.tree, q)?;
         for (i, (weight, &held)) in weights.iter_mut().zip(held).enumerate() {
             let inertia = self.kernel.mass_matrix()[(i, i)];
@@ -129,7 +131,7 @@ impl ConstrainedHamiltonian<f64> {
     }
 
     /// `g(q) - target`.
-    fn miss(&mut self, q: &[f64], target: &[f64], miss: &mut [f64]) {
+    pub(super) fn miss(&mut self, q: &[f64], target: &[f64], miss: &mut [f64]) {
         self.rows.place(q);
         for (miss, (g, target)) in miss.iter_mut().zip(self.rows.values().iter().zip(target)) {
             *miss = g - target;
@@ -140,56 +142,23 @@ impl ConstrainedHamiltonian<f64> {
     fn counted_square(&self, miss: &[f64]) -> f64 {
         miss.iter().zip(&self.kkt.kept).map(|(miss, kept)| kept * miss * miss).sum()
     }
-
-    /// Redundant rows that miss where all others are satisfied contradict them, unless they are redundant by
-    /// chance: not near this position, at the end of what the robot reaches.
-    fn why(
-        &mut self,
-        q: &[f64],
-        target: &[f64],
-        held: &[bool],
-        search: &mut Search,
-    ) -> Result<ConstraintError, EvalError> {
-        self.weigh(q, held, &mut search.weights)?;
-        self.miss(q, target, &mut search.miss);
-        let miss = &search.miss;
-        let of = |kept: f64| {
-            let rows = miss.iter().zip(&self.kkt.kept).enumerate().filter(move |(_, (_, is))| **is == kept);
-            let worst = rows.max_by(|(_, (a, _)), (_, (b, _))| a.abs().total_cmp(&b.abs()));
-            worst.map_or((0, 0.0), |(i, (miss, _))| (i, miss.abs()))
-        };
-        let ((most, counted), (row, redundant)) = (of(1.0), of(0.0));
-        let (row, miss) = if counted > redundant { (most, counted) } else { (row, redundant) };
-        let constraint = self.rows.name(row).to_owned();
-        if counted > NEARLY.sqrt() || redundant <= NEARLY {
-            return Ok(ConstraintError::CannotClose { constraint, miss });
-        }
-        nudge(&mut search.change, held, 1);
-        search.space.integrate(q, &search.change, &mut search.trial)?;
-        self.weigh(&search.trial, held, &mut search.weights)?;
-        let is_by_chance = self.kkt.kept[row] == 1.0;
-        Ok(match is_by_chance {
-            true => ConstraintError::CannotClose { constraint, miss },
-            false => ConstraintError::Contradiction { constraint, miss },
-        })
-    }
 }
 
 /// Buffers of a search, and the nearest position that it has found.
-struct Search {
-    space: ConfigurationSpace,
-    change: Vec<f64>,
+pub(super) struct Search {
+    pub(super) space: ConfigurationSpace,
+    pub(super) change: Vec<f64>,
     /// A part of the change.
-    step: Vec<f64>,
-    trial: Vec<f64>,
-    weights: Vec<f64>,
-    miss: Vec<f64>,
+    pub(super) step: Vec<f64>,
+    pub(super) trial: Vec<f64>,
+    pub(super) weights: Vec<f64>,
+    pub(super) miss: Vec<f64>,
     nearest: Vec<f64>,
     least: f64,
 }
 
 impl Search {
-    fn new(tree: &Tree, q: &[f64], rows: usize) -> Self {
+    pub(super) fn new(tree: &Tree, q: &[f64], rows: usize) -> Self {
         let zeros = vec![0.0; tree.dof()];
         Self {
             space: ConfigurationSpace::from_tree(tree.clone()),
@@ -213,13 +182,13 @@ impl Search {
 }
 
 /// A small change of all joints that are not held, another one for each number.
-fn nudge(change: &mut [f64], held: &[bool], number: usize) {
+pub(super) fn nudge(change: &mut [f64], held: &[bool], number: usize) {
     for (i, (change, held)) in change.iter_mut().zip(held).enumerate() {
         let by = NUDGE * (1.0 + 2.0 * i as f64 + number as f64).sin();
         *change = if *held { 0.0 } else { by };
     }
 }
 
-fn largest(values: &[f64]) -> f64 {
+pub(super) fn largest(values: &[f64]) -> f64 {
     values.iter().fold(0.0, |most, value| if value.is_nan() { f64::NAN } else { most.max(value.abs()) })
 }

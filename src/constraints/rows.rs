@@ -6,7 +6,7 @@ use crate::configuration::ChartFrame;
 use crate::error::{EvalError, check_length};
 use crate::kinematics::Kinematics;
 use crate::matrix::{Matrix, filled};
-use crate::robot::{Robot, Tree};
+use crate::robot::{ConstraintRow, Robot, Tree};
 use crate::scalar::Scalar;
 use std::ops::Range;
 
@@ -112,8 +112,19 @@ impl<S: Scalar> Constraints<S> {
 
     /// The name of the constraint that row `i` belongs to.
     pub fn name(&self, i: usize) -> &str {
-        let found = self.rows.iter().position(|rows| rows.contains(&i));
-        found.map_or("", |k| &self.names[k])
+        self.place_of(i).map_or("", |(k, _)| &self.names[k])
+    }
+
+    /// What row `i` holds; none for a distance or a coupling.
+    pub fn component(&self, i: usize) -> Option<ConstraintRow> {
+        let (k, row) = self.place_of(i)?;
+        self.held[k].component(row)
+    }
+
+    /// The constraint that row `i` belongs to, and its number among the rows of that.
+    fn place_of(&self, i: usize) -> Option<(usize, usize)> {
+        let k = self.rows.iter().position(|rows| rows.contains(&i))?;
+        Some((k, i - self.rows[k].start))
     }
 
     #[cfg(test)]
@@ -254,6 +265,21 @@ impl<S: Scalar> Constraints<S> {
         let rows = self.rows.get(k)?.clone();
         let [force, moment] = self.held[k].wrench(lambda.get(rows)?)?;
         Some((force.to_array(), moment.to_array()))
+    }
+}
+
+impl Constraints<f64> {
+    /// By how much row `i` is missed at the position of the last call: a length or an angle (m, rad), `|r| -
+    /// l` of a distance and `2 asin eps` of a turn, without sign.
+    pub fn miss(&self, i: usize) -> f64 {
+        self.miss_of(i, 0.0)
+    }
+
+    /// The same for another value of the row than zero.
+    pub(super) fn miss_of(&self, i: usize, target: f64) -> f64 {
+        let Some((k, row)) = self.place_of(i) else { return 0.0 };
+        let measure = |g| self.held[k].measure(row, g);
+        (measure(self.values[i]) - measure(target)).abs()
     }
 }
 

@@ -138,6 +138,18 @@ fn the_dialects_say_the_same() {
         .replace("<robot ", "<robot xmlns:drake=\"http://drake.mit.edu\" ");
     let names: Vec<String> = load(&declared).constraints().iter().map(|one| one.name.clone()).collect();
     assert_eq!(names, ["ball_constraint_1", "ball_constraint_2"]);
+    // The prefix counts, whatever it stands for; under another one the element is not read, and told.
+    let with = |uri: &str, ball: &str| load(&branches(ball).replace("<robot ", &format!("<robot {uri} ")));
+    let short = with("xmlns:drake=\"d\"", &ball);
+    assert_eq!((short.constraints().len(), notes(&short)), (1, String::new()));
+    let renamed = with("xmlns:sim=\"http://drake.mit.edu\"", &ball.replace("drake:", "sim:"));
+    assert_eq!(renamed.constraints().len(), 1);
+    for other in ["other:", ""] {
+        let unread = with("xmlns:other=\"o\"", &ball.replace("drake:", other));
+        assert_eq!(unread.constraints().len(), 0);
+        let told = notes(&unread);
+        assert!(told.contains("<ball_constraint> (line 13) was not read"), "{told}");
+    }
 }
 
 /// Frames are those of links, also where a joint has the name of another link; on merged links, too.
@@ -196,6 +208,21 @@ fn couplings_are_between_the_joints_up_to_their_links() {
     );
     assert_eq!(terms(&coupling("b", "a", ratio)), named(&[("jb", 6.0)]), "their ways part at a");
     assert_eq!(terms(&coupling("base", "c", ratio)), named(&[("jc", -1.0)]));
+    // With joints on one side only a coupling is a lock, which is told.
+    let told = |rest: String| notes(&load(&branches(&rest)));
+    let side = |joints: &str| {
+        format!(
+            "coupling 'gear' (line 13) has joints on one side only: it holds {joints} still, and its ratio has no effect"
+        )
+    };
+    assert!(
+        told(coupling("b", "a", ratio)).contains(&side("joint 'jb'")),
+        "{}",
+        told(coupling("b", "a", ratio))
+    );
+    assert!(told(coupling("a", "b", ratio)).contains(&side("joint 'jb'")));
+    assert!(told(coupling("base", "d", "")).contains(&side("the sum of joints 'jc', 'jd'")));
+    assert_eq!(told(coupling("a", "c", ratio)), "");
     // Of older files; `independent` chooses coordinates in other programs.
     let older = coupling("a", "c", ratio).replace("\"gear\"", "\"gear\" type=\"rolling\"");
     let text = branches(&older).replace("<joint name=\"ja\"", "<joint independent=\"true\" name=\"ja\"");

@@ -99,7 +99,12 @@ fn what_is_wrong_with_a_loop_is_told_with_its_line() {
         problem(&coupling("c", "e", ""), 13, &["loop 'gear'", "do not move against each other"]),
         |problem| matches!(problem, LoopProblem::Still),
     );
-    problem(&coupling("a", "c", "<ratio value=\"0\"/>"), 13, &["'gear'", "zero"]);
+    for second in ["a", "c"] {
+        let none = coupling("base", second, "<ratio value=\"0\"/>");
+        is_bad_loop(problem(&none, 13, &["'gear'", "ratio zero", "another ratio"]), |problem| {
+            matches!(problem, LoopProblem::NoRatio)
+        });
+    }
     problem(&coupling("a", "c", "<ratio/>"), 13, &["<ratio>", "coupling 'gear'", "value"]);
     problem(&coupling("a", "c", "<ratio value=\"six\"/>"), 13, &["<ratio>", "'six'"]);
     let (line, error) = refused(&body_with(&coupling("base", "body", "")));

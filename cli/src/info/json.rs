@@ -1,6 +1,6 @@
 //! The robot as a JSON object.
 
-use super::closing;
+use super::closing::Loops;
 use super::frames::{axes, carrier, kind};
 use super::rows::{Row, mass, rows};
 use costate::constraints::ConstraintError;
@@ -58,12 +58,22 @@ pub fn of(robot: &Robot, with_frames: bool) -> Value {
         "warnings": robot.warnings().iter().map(ToString::to_string).collect::<Vec<_>>(),
     });
     if let (false, Value::Object(fields)) = (robot.constraints().is_empty(), &mut value) {
-        let one =
-            |constraint: &Constraint| json!({ "name": constraint.name, "rows": constraint.kind.rows() });
-        fields.insert("constraints".into(), robot.constraints().iter().map(one).collect());
-        if let Some(cause) = closing::unsatisfied(robot) {
-            fields.insert("unsatisfied".into(), unsatisfied(&cause));
-        }
+        let loops = Loops::of(robot);
+        let one = |(k, constraint): (usize, &Constraint)| {
+            let mut one = json!({ "name": constraint.name, "rows": constraint.kind.rows() });
+            if let Loops::Closed { redundant, .. } = &loops
+                && !redundant[k].is_empty()
+            {
+                one["redundant"] = json!(redundant[k]);
+            }
+            one
+        };
+        fields.insert("constraints".into(), robot.constraints().iter().enumerate().map(one).collect());
+        match &loops {
+            Loops::Closed { rank, .. } => fields.insert("rank".into(), json!(rank)),
+            Loops::Open(cause) => fields.insert("unsatisfied".into(), unsatisfied(cause)),
+            Loops::Unknown => None,
+        };
     }
     if let (true, Value::Object(fields)) = (with_frames, &mut value) {
         fields.insert(
@@ -88,14 +98,15 @@ fn wrench_as_json(robot: &Robot, applied: &AppliedWrench) -> Value {
     })
 }
 
-/// The constraint that no position near q = 0 satisfies, and by how much it misses (m, rad).
+/// The constraint that no position near q = 0 satisfies, by how much it misses (m, rad), whether that is
+/// since it contradicts something that no motion changes, and all of it in words.
 fn unsatisfied(cause: &ConstraintError) -> Value {
     match cause {
         ConstraintError::CannotClose { constraint, miss } => {
-            json!({ "constraint": constraint, "miss": miss, "contradiction": false })
+            json!({ "constraint": constraint, "miss": miss, "contradiction": false, "message": cause.to_string() })
         }
-        ConstraintError::Contradiction { constraint, miss } => {
-            json!({ "constraint": constraint, "miss": miss, "contradiction": true })
+        ConstraintError::Contradiction { constraint, miss, .. } => {
+            json!({ "constraint": constraint, "miss": miss, "contradiction": true, "message": cause.to_string() })
         }
         _ => Value::Null,
     }

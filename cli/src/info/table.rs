@@ -1,9 +1,9 @@
 //! The joints and constraints of the robot as tables.
 
-use super::closing;
+use super::closing::Loops;
 use super::rows::{Row, mass, rows};
 use crate::report::{Table, component, fixed, title};
-use costate::robot::{Constraint, Limits, Mimic, Robot, printable};
+use costate::robot::{Constraint, ConstraintKind, Limits, Mimic, Robot, printable};
 use std::io::Write;
 
 pub fn print(robot: &Robot, out: &mut impl Write) -> std::io::Result<()> {
@@ -42,14 +42,7 @@ pub fn print(robot: &Robot, out: &mut impl Write) -> std::io::Result<()> {
             writeln!(out, "  '{of}' mimics '{independent}': q = {ratio} q_{independent} + {offset}")?;
         }
     }
-    for Constraint { name, kind, .. } in robot.constraints() {
-        let count = kind.rows();
-        let rows = if count == 1 { "row" } else { "rows" };
-        writeln!(out, "  constraint '{}': {count} {rows}", printable(name))?;
-    }
-    if let Some(cause) = closing::unsatisfied(robot) {
-        writeln!(out, "  No position near q = 0 was found that satisfies the constraints: {cause}.")?;
-    }
+    constraints(robot, out)?;
     if !robot.free_joints().is_empty() {
         writeln!(
             out,
@@ -62,6 +55,39 @@ pub fn print(robot: &Robot, out: &mut impl Write) -> std::io::Result<()> {
         "  Revolute joints: armature in kg m^2, limits in rad, rad/s and N m; prismatic joints: in kg, m, m/s and N.\n  \
          An effort is a torque or a force; - stands for no limit."
     )
+}
+
+/// The constraints, and how many of their rows count.
+fn constraints(robot: &Robot, out: &mut impl Write) -> std::io::Result<()> {
+    let loops = Loops::of(robot);
+    for (k, Constraint { name, kind, .. }) in robot.constraints().iter().enumerate() {
+        let count = kind.rows();
+        let rows = if count == 1 { "row" } else { "rows" };
+        let redundant = match (&loops, kind) {
+            (Loops::Closed { redundant, .. }, _) if redundant[k].is_empty() => String::new(),
+            (Loops::Closed { redundant, .. }, ConstraintKind::Frames { rows, .. }) => {
+                let names: Vec<&str> = redundant[k].iter().map(|row| rows[*row].name()).collect();
+                format!(", {} of them redundant ({})", names.len(), names.join(", "))
+            }
+            (Loops::Closed { .. }, _) => ", redundant".into(),
+            _ => String::new(),
+        };
+        writeln!(out, "  constraint '{}': {count} {rows}{redundant}", printable(name))?;
+    }
+    match &loops {
+        Loops::Closed { rank, .. } => {
+            let (n, left) = (robot.dof(), robot.dof() - rank);
+            let are = if left == 1 { "is" } else { "are" };
+            writeln!(
+                out,
+                "  Satisfied near q = 0, the constraints have rank {rank}: of {n} degrees of freedom {left} {are} left."
+            )
+        }
+        Loops::Open(cause) => {
+            writeln!(out, "  No position near q = 0 was found that satisfies the constraints: {cause}.")
+        }
+        Loops::Unknown => Ok(()),
+    }
 }
 
 /// The columns that say where a joint is in lists: one where q and v have the same entries.

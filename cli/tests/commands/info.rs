@@ -185,7 +185,12 @@ fn frames_are_listed_on_request() {
 #[test]
 fn loops_of_a_urdf_are_constraints() {
     let info = json_of("robots/four_bar.urdf", "");
-    assert_eq!(info["constraints"], json!([{ "name": "rocker_pivot", "rows": 5 }]));
+    assert_eq!(info["constraints"], json!([{ "name": "rocker_pivot", "rows": 5, "redundant": [2, 3, 4] }]));
+    assert_eq!(info["rank"], json!(2));
+    let table = stdout(&costate(&["info", "robots/four_bar.urdf"], b""));
+    let row = "constraint 'rocker_pivot': 5 rows, 3 of them redundant (z, turn_x, turn_y)\n";
+    let left = "the constraints have rank 2: of 3 degrees of freedom 1 is left.";
+    assert!(table.contains(row) && table.contains(left), "{table}");
     assert_eq!((&info["n"], &info["warnings"]), (&json!(3), &json!([])));
     let refused = costate(&["check", "robots/four_bar.urdf"], b"");
     assert!(stderr(&refused).contains("'rocker_pivot'"), "{}", stderr(&refused));
@@ -234,9 +239,17 @@ fn floating_and_spherical_joints_are_shown_as_one_joint_each() {
 fn constraints_that_no_position_satisfies_are_told() {
     for robot in ["robots/four_bar.toml", "robots/delta.toml", "robots/gripper.toml"] {
         let table = stdout(&costate(&["info", robot], b""));
-        assert!(table.contains("rows") && !table.contains("No position near"), "{table}");
-        assert!(json_of(robot, "").get("unsatisfied").is_none());
+        assert!(table.contains("constraints have rank") && !table.contains("No position near"), "{table}");
+        let info = json_of(robot, "");
+        assert!(info.get("unsatisfied").is_none() && info["constraints"][0].get("redundant").is_none());
+        let left = info["n"].as_u64().unwrap() - info["rank"].as_u64().unwrap();
+        assert!(
+            table.contains(&format!("degrees of freedom {left} ")) && !table.contains("redundant"),
+            "{table}"
+        );
     }
+    let open = json_of("robots/ur5.urdf", "");
+    assert!(open.get("rank").is_none() && open.get("constraints").is_none());
     let file = std::fs::read_to_string(root().join("robots/four_bar.toml")).unwrap();
     let far = file.replace("[1.3, 0.0, 0.0]", "[3.0, 0.0, 0.0]");
     let output = costate(&["info", "-"], far.as_bytes());
@@ -247,6 +260,9 @@ fn constraints_that_no_position_satisfies_are_told() {
     assert!(table.contains(line), "{table}");
     let info = json_of("-", &far);
     assert_eq!(info["unsatisfied"]["contradiction"], json!(false));
+    assert!(
+        info.get("rank").is_none() && info["unsatisfied"]["message"].as_str().unwrap().contains("cannot")
+    );
     // The rods are 2.6 m long.
     assert!((info["unsatisfied"]["miss"].as_f64().unwrap() - 0.4).abs() < 1e-2, "{info}");
     let twice = format!(
@@ -254,5 +270,10 @@ fn constraints_that_no_position_satisfies_are_told() {
          to_placement = {{ xyz = [0.1, 0.0, 0.0] }}\n"
     );
     let table = stdout(&costate(&["info", "-"], twice.as_bytes()));
-    assert!(table.contains("constraint 'other' contradicts those before it"), "{table}");
+    assert!(table.contains("constraint 'other' contradicts those before it ('rocker_pivot')"), "{table}");
+    let pin = "rows = [\"x\", \"y\", \"z\"]";
+    let above =
+        file.replace("rows = [\"x\", \"y\"]", &format!("{pin}\nto_placement = {{ xyz = [0.0, 0.0, 0.2] }}"));
+    let table = stdout(&costate(&["info", "-"], above.as_bytes()));
+    assert!(table.contains("row z of constraint 'rocker_pivot' cannot be satisfied"), "{table}");
 }

@@ -3,7 +3,7 @@
 use super::key::Key;
 use super::rounded::{coordinate, rounded};
 use costate::constraints::ConstraintError;
-use costate::robot::{printable, printable_number as number};
+use costate::robot::{ConstraintRow, printable, printable_number as number};
 use std::fmt;
 
 /// Why the motion of a robot with constraints was refused.
@@ -31,6 +31,22 @@ pub enum LoopError {
         /// Its rate (m/s, rad/s).
         rate: f64,
     },
+    /// No rates that keep the loops closed have those that are given.
+    Rates {
+        /// `end.v`.
+        key: Key,
+        /// The rate that misses most, and what would fit.
+        unfit: Box<UnfitRates>,
+    },
+    /// A row that holds near the start depends on others at the start alone.
+    Singular {
+        /// `start.q`.
+        key: Key,
+        /// The constraint with this row.
+        constraint: String,
+        /// What the row holds; none for a distance or a coupling.
+        row: Option<ConstraintRow>,
+    },
     /// No position with what is given at the end satisfies all constraints.
     CannotClose {
         /// `end.q`.
@@ -47,12 +63,28 @@ pub enum LoopError {
     },
 }
 
+/// Rates that no motion with closed loops has.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct UnfitRates {
+    /// The joint whose rate misses most.
+    pub joint: String,
+    /// Its entry in v.
+    pub entry: usize,
+    /// Its rate as it is given (rad/s, m/s).
+    pub rate: f64,
+    /// The rates with J v = 0 that are nearest to all that are given (rad/s, m/s).
+    pub nearest: Vec<f64>,
+}
+
 impl LoopError {
     /// The field at fault.
     pub fn key(&self) -> Key {
         match *self {
             Self::Open { key, .. }
             | Self::Leads { key, .. }
+            | Self::Rates { key, .. }
+            | Self::Singular { key, .. }
             | Self::CannotClose { key, .. }
             | Self::NotTaken { key, .. } => key,
         }
@@ -69,7 +101,7 @@ impl fmt::Display for LoopError {
                     Ok(q) => write!(
                         f,
                         "; nearby the loops close at q = [{}]: give that, or another position that closes them",
-                        q.iter().map(|q| coordinate(*q)).collect::<Vec<_>>().join(", ")
+                        listed(q)
                     ),
                     Err(cause) => {
                         write!(f, ", and no position nearby was found that closes the loops: {cause}")
@@ -82,6 +114,22 @@ impl fmt::Display for LoopError {
                 printable(constraint),
                 number(*rate)
             ),
+            Self::Rates { unfit, .. } => write!(
+                f,
+                "no motion that keeps the loops closed has the rates that are given: that of joint '{}' is {}, and \
+                 {} in the nearest ones, v = [{}] (rad/s, m/s); give these, or name further joints in end.v_free",
+                printable(&unfit.joint),
+                number(unfit.rate),
+                unfit.nearest.get(unfit.entry).map_or_else(String::new, |rate| rounded(*rate)),
+                listed(&unfit.nearest)
+            ),
+            Self::Singular { constraint, row, .. } => write!(
+                f,
+                "this is a singular pose: {} of constraint '{}' counts nearby and depends on other rows here; begin \
+                 elsewhere",
+                row.map_or_else(|| "the row".to_owned(), |row| format!("row {}", row.name())),
+                printable(constraint)
+            ),
             Self::CannotClose { cause, .. } => {
                 write!(f, "with what is given here the loops cannot be closed: {cause}")
             }
@@ -93,6 +141,11 @@ impl fmt::Display for LoopError {
             ),
         }
     }
+}
+
+/// Numbers that can be given as they are shown.
+fn listed(numbers: &[f64]) -> String {
+    numbers.iter().map(|number| coordinate(*number)).collect::<Vec<_>>().join(", ")
 }
 
 impl std::error::Error for LoopError {

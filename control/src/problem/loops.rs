@@ -16,14 +16,15 @@
 //!
 //! Along a motion from g = 0, J v = 0 the second derivatives of g vanish at the points; g itself drifts by
 //! the error of the mesh, which is told. So at the end no more positions and rates stay given than are
-//! independent of the rows: others are left free there, and come to where the loops are closed.
+//! independent of the rows: others, which have to fit them, are left free there, and come to where the loops
+//! are closed. Rows that depend on others at the start are left out, so that it must be no singular pose.
 
 use super::gait_error::GaitError;
 use super::key::Key;
-use super::loop_error::LoopError;
+use super::loop_directions::{independent, nearest_rates};
+use super::loop_error::{LoopError, UnfitRates};
 use super::loop_rows::{LoopRow, Loops};
 use super::{BoundaryState, Bounds, MotionLimits, Objective, Penalty, Problem};
-use crate::constants::checks::loops::INDEPENDENT;
 use crate::constants::task::OFF;
 use crate::numerics::cholesky;
 use crate::problem::error::ProblemError;
@@ -73,6 +74,7 @@ impl Problem {
         let mut rows = Constraints::new(&self.robot);
         let start = &self.start;
         self.misses(&mut rows, &start.q, Some(&start.v), [Key::START_Q, Key::START_V])?;
+        self.refuse_singular(&rows)?;
         let kept = self.independent_rows(&mut rows).map_err(unknown(Key::START_Q))?;
         let end = self.closed_end(&mut rows, kept.len())?;
         let zeros = |list: &[f64]| padded(list, kept.len(), 0.0);
@@ -146,6 +148,18 @@ impl Problem {
         }
     }
 
+    /// The start must be no singular pose: a row that is left out there would be missing on the way.
+    fn refuse_singular(&self, rows: &Constraints<f64>) -> Result<(), ProblemError> {
+        let mut model = ConstrainedHamiltonian::<f64>::new(&self.robot);
+        match model.singular_row(&self.start.q).map_err(|error| cannot(Key::START_Q, error.into()))? {
+            None => Ok(()),
+            Some(at) => {
+                let (constraint, row) = (rows.name(at).to_owned(), rows.component(at));
+                Err(ProblemError::Loop { cause: LoopError::Singular { key: Key::START_Q, constraint, row } })
+            }
+        }
+    }
+
     /// The rows that count at the start, where g and J are known.
     pub(super) fn independent_rows(&self, rows: &mut Constraints<f64>) -> Result<Vec<LoopRow>, EvalError> {
         let (q, n) = (&self.start.q, self.robot.dof());
@@ -177,10 +191,17 @@ impl Problem {
             self.misses(rows, &q, None, [Key::END_Q, Key::END_V])?;
         } else {
             let mut closed = ConstrainedHamiltonian::<f64>::new(&self.robot);
-            closed.close(&mut q, &q_given).map_err(|cause| cannot(Key::END_Q, cause))?;
+            match closed.close(&mut q, &q_given) {
+                // To the digits that are given; what has to be closed is checked below.
+                Err(
+                    ConstraintError::CannotClose { miss, .. } | ConstraintError::Contradiction { miss, .. },
+                ) if miss <= OFF => {}
+                outcome => outcome.map_err(|cause| cannot(Key::END_Q, cause))?,
+            }
         }
         let rates = end.v_free.is_empty().then_some(&end.v[..]);
         self.misses(rows, &q, rates, [Key::END_Q, Key::END_V])?;
+        self.fits(rows, &v_given)?;
         let free = |given: &[bool]| {
             let kept = independent(rows, given, n.saturating_sub(k));
             (0..n).filter(|i| !kept.contains(i)).chain(n..n + k).collect::<Vec<usize>>()
@@ -205,7 +226,7 @@ impl Problem {
                 .filter(|(_, miss)| *miss > OFF || miss.is_nan())
                 .map(|(row, miss)| (rows.name(row).to_owned(), miss))
         };
-        if let Some((constraint, miss)) = largest(&mut rows.values().iter().copied()) {
+        if let Some((constraint, miss)) = largest(&mut (0..rows.count()).map(|row| rows.miss(row))) {
             let closed = Box::new(self.closed_near(q));
             return Err(ProblemError::Loop {
                 cause: LoopError::Open { key: of_q, constraint, miss, closed },
@@ -219,6 +240,20 @@ impl Problem {
             }
             None => Ok(()),
         }
+    }
+
+    /// Whether some rates that keep the loops closed have those that are given at the end, at the position of
+    /// the rows.
+    fn fits(&self, rows: &Constraints<f64>, given: &[bool]) -> Result<(), ProblemError> {
+        let v = &self.end.v;
+        let nearest = nearest_rates(rows, v, given);
+        let off = |i: &usize| (nearest[*i] - v[*i]).abs();
+        let worst = (0..v.len()).filter(|i| given[*i]).max_by(|a, b| off(a).total_cmp(&off(b)));
+        let Some(worst) = worst.filter(|i| off(i) > OFF) else { return Ok(()) };
+        let joint =
+            self.robot.independent_joints().nth(worst).map_or_else(String::new, |one| one.name.clone());
+        let unfit = Box::new(UnfitRates { joint, entry: worst, rate: v[worst], nearest });
+        Err(ProblemError::Loop { cause: LoopError::Rates { key: Key::END_V, unfit } })
     }
 
     /// The position near q that satisfies all constraints: with the joints that have motors as they are, or
@@ -242,39 +277,4 @@ fn padded(list: &[f64], more: usize, value: f64) -> Vec<f64> {
 
 fn cannot(key: Key, cause: ConstraintError) -> ProblemError {
     ProblemError::Loop { cause: LoopError::CannotClose { key, cause } }
-}
-
-/// At most `most` of the given coordinates that are independent of each other and of the rows, at the
-/// position of the rows: each time the one of which most is left.
-fn independent(rows: &Constraints<f64>, given: &[bool], most: usize) -> Vec<usize> {
-    let n = given.len();
-    let mut basis: Vec<Vec<f64>> = Vec::new();
-    let add = |basis: &mut Vec<Vec<f64>>, mut row: Vec<f64>| {
-        let size = norm(&row);
-        // Twice, for rounding.
-        for unit in basis.iter().chain(basis.iter()) {
-            let along: f64 = unit.iter().zip(&row).map(|(a, b)| a * b).sum();
-            row.iter_mut().zip(unit).for_each(|(to, unit)| *to -= along * unit);
-        }
-        let left = norm(&row);
-        if left > INDEPENDENT * size {
-            row.iter_mut().for_each(|entry| *entry /= left);
-            basis.push(row);
-        }
-    };
-    (0..rows.count()).for_each(|row| add(&mut basis, rows.jacobian().row(row).to_vec()));
-    let mut kept: Vec<usize> = Vec::new();
-    while kept.len() < most {
-        let left = |i: &usize| 1.0 - basis.iter().map(|unit| unit[*i] * unit[*i]).sum::<f64>();
-        let open = (0..n).filter(|i| given[*i] && !kept.contains(i));
-        let best = open.max_by(|a, b| left(a).total_cmp(&left(b)));
-        let Some(best) = best.filter(|best| left(best) > INDEPENDENT) else { break };
-        add(&mut basis, (0..n).map(|j| f64::from(u8::from(j == best))).collect());
-        kept.push(best);
-    }
-    kept
-}
-
-fn norm(row: &[f64]) -> f64 {
-    row.iter().map(|entry| entry * entry).sum::<f64>().sqrt()
 }

@@ -22,6 +22,8 @@ pub enum LoopProblem {
     },
     /// An axis without direction.
     BadAxis,
+    /// A coupling with the ratio 0, which the first of its links does not enter.
+    NoRatio,
     /// A coupling of links that no joint moves against each other.
     Still,
     /// A coupling along a joint of several degrees of freedom.
@@ -49,6 +51,10 @@ impl fmt::Display for LoopProblem {
             ),
             Self::BadAxis => f.write_str(
                 "has an axis of length zero, or one that is not finite; give it a direction such as 0 0 1",
+            ),
+            Self::NoRatio => f.write_str(
+                "has the ratio zero: it would hold its second link still, whatever the first one does; give another \
+                 ratio",
             ),
             Self::Still => f.write_str(
                 "couples two links that do not move against each other; name links with a joint between them",

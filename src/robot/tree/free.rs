@@ -18,6 +18,13 @@ impl Tree {
         &self.free
     }
 
+    /// Name of the joint that coordinate `i` belongs to: a floating or spherical one as a whole.
+    pub(crate) fn joint_name(&self, i: usize) -> &str {
+        let free =
+            self.free_joints().find(|free| (free.coordinate..free.coordinate + free.kind.dof()).contains(&i));
+        free.map_or_else(|| self.name(i), |free| &free.name)
+    }
+
     /// [`EvalError::FreeJoint`] if there are any.
     pub(crate) fn refuse_free(&self) -> Result<(), EvalError> {
         match self.free.first() {

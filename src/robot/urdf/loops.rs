@@ -7,6 +7,8 @@ use crate::robot::error::{LoopProblem, RobotError};
 use crate::robot::link::Placement;
 use crate::robot::model::Robot;
 use crate::robot::nearest::resembling;
+use crate::robot::printable::{list, printable};
+use crate::robot::warning::Warning;
 use nalgebra::{Matrix3, Vector3};
 use std::collections::{HashMap, HashSet};
 
@@ -14,21 +16,31 @@ use std::collections::{HashMap, HashSet};
 /// gigabytes of factors.
 const MOST_STEPS: usize = 1_000_000;
 
-/// The robot of the tree with the loops of the URDF closed, in the order of the file.
-pub(super) fn close(tree: Robot, source: &Source) -> Result<Robot, RobotError> {
-    if source.loops.is_empty() {
-        return Ok(tree);
-    }
+/// The constraints that close the loops, in the order of the file, of links that form a tree.
+pub(super) fn specs(source: &Source, warnings: &mut Vec<Warning>) -> Result<Vec<ConstraintSpec>, RobotError> {
     let mut ways = Ways::of(source);
     let mut specs = Vec::with_capacity(source.loops.len());
     for one in &source.loops {
-        specs.push(spec(one, source, &mut ways).map_err(|error| error.at(one.line))?);
+        specs.push(spec(one, source, &mut ways, warnings).map_err(|error| error.at(one.line))?);
+    }
+    Ok(specs)
+}
+
+/// The robot of the tree with its loops closed.
+pub(super) fn close(tree: Robot, source: &Source, specs: Vec<ConstraintSpec>) -> Result<Robot, RobotError> {
+    if specs.is_empty() {
+        return Ok(tree);
     }
     tree.with_constraints(specs.into_iter()).map_err(|(k, error)| error.at(source.loops[k].line))
 }
 
 /// The constraint that a loop is. The joint that closes it leads from the first link to the second.
-fn spec(one: &SourceLoop, source: &Source, ways: &mut Ways<'_>) -> Result<ConstraintSpec, RobotError> {
+fn spec(
+    one: &SourceLoop,
+    source: &Source,
+    ways: &mut Ways<'_>,
+    warnings: &mut Vec<Warning>,
+) -> Result<ConstraintSpec, RobotError> {
     let refused = |problem| RobotError::BadLoop { constraint: one.name.clone(), problem };
     for link in &one.links {
         if !ways.links.contains(link.as_str()) {
@@ -45,7 +57,15 @@ fn spec(one: &SourceLoop, source: &Source, ways: &mut Ways<'_>) -> Result<Constr
             Ok(spec.placed(frame.then(&along)).to_placed(to.then(&along)))
         }
         SourceHeld::Ratio(ratio) => {
-            let terms = ways.terms([first, second], *ratio, refused)?;
+            if *ratio == 0.0 {
+                return Err(refused(LoopProblem::NoRatio));
+            }
+            let [before, after] = ways.sides([first, second], refused)?;
+            if before.is_empty() || after.is_empty() {
+                warnings.push(one_sided(one, [&before[..], &after].concat()));
+            }
+            let terms = before.into_iter().map(|joint| (joint, *ratio));
+            let terms: Vec<_> = terms.chain(after.into_iter().map(|joint| (joint, -1.0))).collect();
             Ok(ConstraintSpec::coupling(&one.name, &terms, 0.0))
         }
     }
@@ -106,28 +126,42 @@ impl<'a> Ways<'a> {
         Ok(way)
     }
 
-    /// `ratio` times the sum of the joints that move the first link, minus the sum of those that move the
-    /// second, from where their ways part.
-    fn terms(
+    /// The joints that move the first link, and those that move the second, from where their ways part.
+    fn sides(
         &mut self,
         [first, second]: [&str; 2],
-        ratio: f64,
         refused: impl Fn(LoopProblem) -> RobotError,
-    ) -> Result<Vec<(&'a str, f64)>, RobotError> {
+    ) -> Result<[Vec<&'a str>; 2], RobotError> {
         let ways = [self.way(first)?, self.way(second)?];
         let shared = ways[0].iter().zip(&ways[1]).take_while(|(a, b)| a == b).count();
-        let mut terms = Vec::new();
-        for (way, factor) in ways.iter().zip([ratio, -1.0]) {
+        let mut sides = [Vec::new(), Vec::new()];
+        for (way, side) in ways.iter().zip(&mut sides) {
             for &joint in &way[shared..] {
                 let SourceJoint { name, kind, .. } = &self.source.joints[joint];
                 if let Some(kind) = kind.with_several_freedoms() {
                     return Err(refused(LoopProblem::SeveralFreedoms { joint: name.clone(), kind }));
                 }
                 if *kind != JointType::Fixed {
-                    terms.push((name.as_str(), factor));
+                    side.push(name.as_str());
                 }
             }
         }
-        if terms.is_empty() { Err(refused(LoopProblem::Still)) } else { Ok(terms) }
+        if sides.iter().all(Vec::is_empty) { Err(refused(LoopProblem::Still)) } else { Ok(sides) }
+    }
+}
+
+/// What a coupling is that moves one of its links alone.
+fn one_sided(one: &SourceLoop, joints: Vec<&str>) -> Warning {
+    let held = match &joints[..] {
+        [only] => format!("joint '{}'", printable(only)),
+        all => format!("the sum of joints '{}'", list(all, "', '")),
+    };
+    Warning::Note {
+        text: format!(
+            "coupling '{}' (line {}) has joints on one side only: it holds {held} still, and its ratio has no \
+             effect; name links on two branches",
+            printable(&one.name),
+            one.line
+        ),
     }
 }

@@ -117,6 +117,7 @@ fn built(mut source: Source, options: LoadOptions) -> Result<Robot, RobotError> 
         lines.insert(spec.name.clone(), line);
         builder = builder.joint(spec);
     }
+    let loops = loops::specs(&source, &mut warnings)?;
     for warning in warnings {
         builder.warn(warning);
     }
@@ -131,7 +132,7 @@ fn built(mut source: Source, options: LoadOptions) -> Result<Robot, RobotError> 
         };
         if line.is_some() { error.at(line) } else { error }
     })?;
-    loops::close(tree, &source)
+    loops::close(tree, &source, loops)
 }
 
 /// The inertia that each joint of the file carries, in its frame: of its own link and of all that is fixed to

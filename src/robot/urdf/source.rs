@@ -47,6 +47,7 @@ fn elements(root: Node<'_, '_>, lines: &Lines, xacro: Option<(String, usize)>) -
             "material" if same_namespace => reader.unknown.check(node, "<material>", lines),
             "loop_joint" | "loop" | "coupling" if same_namespace => reader.closing(node)?,
             "ball_constraint" if is_of_drake(node) => reader.loops.ball(node, lines)?,
+            "ball_constraint" => reader.other_ball(node),
             "gazebo" if same_namespace => reader.gazebo(node),
             _ => {}
         }
@@ -54,8 +55,10 @@ fn elements(root: Node<'_, '_>, lines: &Lines, xacro: Option<(String, usize)>) -
     Ok(reader.finish(root, xacro))
 }
 
+/// By its namespace, or by the prefix alone, as Drake reads it.
 fn is_of_drake(node: Node<'_, '_>) -> bool {
-    node.tag_name().namespace().is_some_and(|uri| uri.contains("drake"))
+    let namespace = node.tag_name().namespace();
+    namespace.is_some_and(|uri| uri.contains("drake") || node.lookup_prefix(uri) == Some("drake"))
 }
 
 /// What has been read so far.
@@ -114,6 +117,15 @@ impl<'a> Reader<'a> {
     fn closing(&mut self, node: Node<'_, '_>) -> Result<(), RobotError> {
         let has_quaternions = self.has_quaternions();
         self.loops.read(node, self.lines, &mut self.unknown, has_quaternions)
+    }
+
+    /// An element that has the name of Drake's, but not its prefix.
+    fn other_ball(&mut self, node: Node<'_, '_>) {
+        self.note(format!(
+            "<ball_constraint> (line {}) was not read: it lacks the prefix of Drake; if it closes a loop, write \
+             <drake:ball_constraint>",
+            self.lines.line(node)
+        ));
     }
 
     /// Joints of SDF inside `<gazebo>`, which are not read, close loops in Gazebo.
