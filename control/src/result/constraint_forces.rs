@@ -39,8 +39,8 @@ pub struct ConstraintForces {
 
 impl ConstraintForces {
     /// Those of all constraints of a robot, from lambda of all rows at the nodes of a motion; `holds` says
-    /// which of them hold in a phase, from 0, and `counts` which rows of all do not depend on others. `moment`
-    /// gives the moment of a constraint at a node where lambda does not tell it.
+    /// which of them hold in a phase, from 0, and `counts` which rows of all do not depend on others.
+    /// `moment` gives the moment of a constraint at a node where lambda does not tell it.
     ///
     /// # Errors
     /// A position that cannot be evaluated.
