@@ -32,8 +32,8 @@ use crate::tensors::Christoffel;
 /// depend on the state.
 ///
 /// With floating and spherical joints derivatives are those in the tangent space: automatic differentiation
-/// evaluates F at q (+) d, by d. Methods that take no such joints are not counted: tensors, the dual pass and
-/// the whole tensor by hand.
+/// evaluates F at q (+) d, by d at d = 0. Methods that take no such joints are not counted: tensors, the dual
+/// pass and the whole tensor by hand.
 ///
 /// ```
 /// use costate::derivative::OperationTable;
@@ -69,7 +69,7 @@ pub struct OperationRow {
 struct State {
     /// Positions, nq.
     q: Vec<Count>,
-    /// (q, p), 2n; with quaternions the first half is a direction.
+    /// (q, p), 2n; with quaternions (d, p), d = 0.
     x: Vec<Count>,
     /// Actuation, n.
     u: Vec<Count>,
@@ -80,7 +80,9 @@ struct State {
 impl State {
     fn new(robot: &Robot, number: impl Fn(usize) -> f64) -> Self {
         let n = robot.dof();
-        let mut all = (0..5 * n).map(|i| Count::variable(number(i)));
+        let is_direction = |i: usize| i < n && !robot.free_joints().is_empty();
+        let number_at = |i| if is_direction(i) { 0.0 } else { number(i) };
+        let mut all = (0..5 * n).map(|i| Count::variable(number_at(i)));
         let mut take = |count: usize| all.by_ref().take(count).collect();
         let q = (0..robot.nq()).map(|i| Count::variable(number(i))).collect();
         Self { q, x: take(2 * n), u: take(n), y: take(2 * n) }

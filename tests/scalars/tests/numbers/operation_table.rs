@@ -67,7 +67,7 @@ fn robots_with_quaternions_have_the_rows_of_methods_that_take_them() {
         for quantity in ["f_x", "y_f_xx"] {
             assert!(mul(quantity, "dual") > mul(quantity, "analytic"), "{quantity}");
         }
-        assert!(mul("y_f_x", "analytic") < mul("f_x", "analytic") && mul("y_f_xx_d", "analytic").is_some());
+        assert!(mul("y_f_x", "analytic") > mul("f", "analytic") && mul("y_f_xx_d", "analytic").is_some());
         for (quantity, route) in [("f_x", "tensors"), ("y_f_xx", "dual pass"), ("f_xx", "analytic")] {
             assert_eq!(mul(quantity, route), None, "{quantity} {route}");
         }
