@@ -103,23 +103,6 @@ impl RobotArguments {
         warn_of_urdf_flags(format, [self.friction, self.floating_base, self.quaternions]);
     }
 
-    /// Reads a robot of joints of one degree of freedom, without constraints, and writes its warnings to
-    /// standard error.
-    ///
-    /// # Errors
-    /// As [`load`](Self::load); [`RobotError::FreeJoint`], [`RobotError::Constrained`].
-    pub fn load_and_warn(&self) -> Result<Robot, RobotError> {
-        let robot = self.load_tree_and_warn()?;
-        match robot.free_joints().first() {
-            None => Ok(robot),
-            Some(free) => {
-                let (joint, kind) = (free.name.clone(), free.kind.name());
-                let what = "be taken by this command (`eval`, `check` and `optimize` take it)";
-                Err(RobotError::FreeJoint { joint, kind, what })
-            }
-        }
-    }
-
     /// Reads a robot of any joints, without constraints, and writes its warnings to standard error.
     ///
     /// # Errors

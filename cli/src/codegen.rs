@@ -8,7 +8,7 @@ use costate::codegen::{
     COptions, Coordinates, DEFAULT_LIMIT, Program, ProgramOptions, Quantity, RustOptions, StepOrder,
     StepSpec, acados_source, c_header, c_source, casadi_source, robot_program, step_program,
 };
-use costate::robot::Robot;
+use costate::robot::{Robot, RobotError};
 use costate_control::{Problem, ProblemFile, ProgramOf, pontryagin_program};
 use std::error::Error;
 use std::path::{Path, PathBuf};
@@ -122,7 +122,8 @@ pub fn run(arguments: &Arguments) -> Outcome {
     let inputs: Vec<_> =
         std::iter::once(arguments.robot.path()).chain(arguments.problem.as_deref()).collect();
     let output = Output::prepare(arguments.output.as_deref().unwrap_or(Path::new(STANDARD)), &inputs)?;
-    let robot = arguments.robot.load_and_warn()?;
+    let robot = arguments.robot.load_tree_and_warn()?;
+    refuse_free_joints(&robot, arguments)?;
     let (limit, step) = (arguments.limit, step_of(arguments));
     let c = COptions::default().with_limit(limit);
     let text = match arguments.abi {
@@ -148,6 +149,30 @@ pub fn run(arguments: &Arguments) -> Outcome {
     };
     output.write(&text)?;
     Ok(ExitCode::SUCCESS)
+}
+
+/// Refuses floating and spherical joints where generated code takes none.
+///
+/// # Errors
+/// [`RobotError::FreeJoint`] with the first of them.
+fn refuse_free_joints(robot: &Robot, arguments: &Arguments) -> Result<(), RobotError> {
+    let Some(free) = robot.free_joints().first() else { return Ok(()) };
+    let has = |is_one: fn(&Computed) -> bool| arguments.quantity.iter().any(is_one);
+    let refused = [
+        (arguments.abi.is_some(), "be taken by --abi"),
+        (arguments.parameters, "be taken by --parameters"),
+        (has(|one| matches!(one, Computed::Step(_))), "be taken by --quantity step, step_z and y_step_zz"),
+        (
+            has(|one| matches!(one, Computed::Extremal(_))),
+            "be taken by --quantity pontryagin and pontryagin_rate",
+        ),
+    ];
+    match refused.into_iter().find(|(is_asked, _)| *is_asked) {
+        None => Ok(()),
+        Some((_, what)) => {
+            Err(RobotError::FreeJoint { joint: free.name.clone(), kind: free.kind.name(), what })
+        }
+    }
 }
 
 /// The time step of the command.

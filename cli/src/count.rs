@@ -28,7 +28,7 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Outcome {
-    let robot = arguments.robot.load_and_warn()?;
+    let robot = arguments.robot.load_tree_and_warn()?;
     refuse_excessive_count(&robot, arguments.force)?;
     let constants = if arguments.unfolded { Constants::Kept } else { Constants::Folded };
     let table = operation_table(&robot, constants)?;
@@ -52,6 +52,7 @@ fn as_json(robot: &Robot, constants: Constants, table: &OperationTable) -> Value
     json!({
         "robot": robot.name(),
         "n": robot.dof(),
+        "nq": robot.nq(),
         "folded": constants == Constants::Folded,
         "rows": table.rows().map(row).collect::<Vec<_>>(),
     })
@@ -109,5 +110,13 @@ fn print(
     writeln!(out, "  dual pass  one dual number carried through the analytic F_x")?;
     writeln!(out, "  dual       dual numbers through F, and dual numbers in dual numbers")?;
     writeln!(out, "  hyperdual  hyper-dual numbers through F: all second derivatives at once")?;
-    writeln!(out, "  M and F have no derivatives: by dual and hyperdual they are those of analytic.")
+    writeln!(out, "  M and F have no derivatives: by dual and hyperdual they are those of analytic.")?;
+    if !robot.free_joints().is_empty() {
+        writeln!(
+            out,
+            "  Derivatives are those in the tangent space, by dual numbers of q (+) d. Tensors, dual pass and all of\n  \
+             F_xx by hand take no floating and spherical joints."
+        )?;
+    }
+    Ok(())
 }

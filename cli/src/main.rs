@@ -98,16 +98,21 @@ enum Command {
     /// Count the arithmetic operations of each quantity by each method
     ///
     /// F is the time derivative of the state x = (q, p), F_x its Jacobian, y'F_xx its second derivative
-    /// contracted with a costate y.
+    /// contracted with a costate y. With floating and spherical joints derivatives are those in the tangent
+    /// space, and methods that take no such joints are left out.
     Count(count::Arguments),
     /// Measure the time of each quantity by each method on this machine
     ///
     /// F is the time derivative of the state x = (q, p), F_x its Jacobian, y'F_xx its second derivative
-    /// contracted with a costate y. One thread unless a row says otherwise.
+    /// contracted with a costate y. One thread unless a row says otherwise. With floating and spherical
+    /// joints derivatives are those in the tangent space, and methods that take no such joints are left out.
     Bench(bench::Arguments),
     /// Generate straight-line source code of one quantity, in Rust or C
     ///
     /// The header of the generated text documents its arguments and results.
+    ///
+    /// With floating and spherical joints q has a quaternion (x, y, z, w) for each of them, and derivatives
+    /// by q are those in the tangent space. `--abi`, `--parameters`, steps and extremals take no such joints.
     Codegen(codegen::Arguments),
     /// Find the cheapest motion from a start to an end that keeps all limits
     ///

@@ -18,6 +18,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         ("panda.urdf", Quantity::FX, hamiltonian, None),
         ("cart_pole.toml", Quantity::FX, lagrangian, None),
         ("manutec_r3.toml", Quantity::F, hamiltonian, Some("costate::scalar::Scalar".into())),
+        ("../examples/problems/robots/satellite.toml", Quantity::FX, lagrangian, None),
+        ("../examples/problems/robots/satellite.toml", Quantity::HessianProduct, hamiltonian, None),
     ] {
         let path = robots.join(file);
         println!("cargo::rerun-if-changed={}", path.display());

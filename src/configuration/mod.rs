@@ -123,7 +123,7 @@ impl ConfigurationSpace {
         self.check(q)?;
         check_entries(&self.tree, "d", d, self.dof())?;
         check_length("moved", moved, self.nq())?;
-        self.each_plain(|at, i| moved[at] = q[at] + d[i]);
+        self.tree.plain_entries().for_each(|(at, i)| moved[at] = q[at] + d[i]);
         for free in self.tree.free() {
             let (rho, theta) = tangent(free, d);
             let from = free.quaternion(q);
@@ -149,7 +149,7 @@ impl ConfigurationSpace {
         self.check(from)?;
         self.check(to)?;
         check_length("d", d, self.dof())?;
-        self.each_plain(|at, i| d[i] = to[at] - from[at]);
+        self.tree.plain_entries().for_each(|(at, i)| d[i] = to[at] - from[at]);
         for free in self.tree.free() {
             let at = free.joint.coordinate;
             let start = free.quaternion(from);
@@ -207,19 +207,6 @@ impl ConfigurationSpace {
         let mut matrix = Matrix::zeros(self.dof(), self.dof());
         (0..self.dof()).for_each(|i| matrix[(i, i)] = S::one());
         matrix
-    }
-
-    /// Entries of q and v of joints of one degree of freedom.
-    fn each_plain(&self, mut entry: impl FnMut(usize, usize)) {
-        let (mut at, mut i) = (0, 0);
-        for free in self.tree.free() {
-            (i..free.joint.coordinate).for_each(|k| entry(at + k - i, k));
-            (at, i) = (
-                free.joint.position + free.joint.kind.positions(),
-                free.joint.coordinate + free.joint.kind.dof(),
-            );
-        }
-        (i..self.dof()).for_each(|k| entry(at + k - i, k));
     }
 }
 

@@ -6,6 +6,7 @@
 use super::called::ByCalls;
 use super::function::DerivativeError;
 use super::{CHUNK, Hessian, Jacobian, NestedHessian, PhaseVelocity};
+use crate::configuration::ConfigurationSpace;
 use crate::error::EvalError;
 use crate::hamiltonian::{DualPass, FullHessian, Hamiltonian, HamiltonianSecondOrder};
 use crate::kernels::{Contracted, Route};
@@ -29,6 +30,10 @@ use crate::tensors::Christoffel;
 /// it meets a force that is a constant too. M and F are evaluated as the library does, with what the same
 /// stage finds for the stages after it. Dual numbers carry [`CHUNK`] derivatives at once. The counts do not
 /// depend on the state.
+///
+/// With floating and spherical joints derivatives are those in the tangent space: automatic differentiation
+/// evaluates F at q (+) d, by d at d = 0. Methods that take no such joints are not counted: tensors, the dual
+/// pass and the whole tensor by hand.
 ///
 /// ```
 /// use costate::derivative::OperationTable;
@@ -62,7 +67,9 @@ pub struct OperationRow {
 
 /// Where the operations are counted; they must not depend on it.
 struct State {
-    /// (q, p), 2n.
+    /// Positions, nq.
+    q: Vec<Count>,
+    /// (q, p), 2n; with quaternions (d, p), d = 0.
     x: Vec<Count>,
     /// Actuation, n.
     u: Vec<Count>,
@@ -71,10 +78,14 @@ struct State {
 }
 
 impl State {
-    fn new(n: usize, number: impl Fn(usize) -> f64) -> Self {
-        let mut all = (0..5 * n).map(|i| Count::variable(number(i)));
+    fn new(robot: &Robot, number: impl Fn(usize) -> f64) -> Self {
+        let n = robot.dof();
+        let is_direction = |i: usize| i < n && !robot.free_joints().is_empty();
+        let number_at = |i| if is_direction(i) { 0.0 } else { number(i) };
+        let mut all = (0..5 * n).map(|i| Count::variable(number_at(i)));
         let mut take = |count: usize| all.by_ref().take(count).collect();
-        Self { x: take(2 * n), u: take(n), y: take(2 * n) }
+        let q = (0..robot.nq()).map(|i| Count::variable(number(i))).collect();
+        Self { q, x: take(2 * n), u: take(n), y: take(2 * n) }
     }
 }
 
@@ -99,7 +110,8 @@ impl OperationTable {
     /// Counts everything, by running it.
     ///
     /// # Errors
-    /// Never fails for a valid robot: `Count` values are not checked.
+    /// [`EvalError::FreeJointAndWrench`] of robots with floating or spherical joints; no other: `Count`
+    /// values are not checked.
     #[inline]
     pub fn new(robot: &Robot, constants: Constants) -> Result<Self, DerivativeError<EvalError>> {
         Self::counted_at(robot, constants, &|i| (1.0 + i as f64).sqrt())
@@ -117,7 +129,7 @@ impl OperationTable {
         constants: Constants,
         number: &dyn Fn(usize) -> f64,
     ) -> Result<Self, DerivativeError<EvalError>> {
-        let state = State::new(robot.dof(), number);
+        let state = State::new(robot, number);
         let automatic = automatic(robot, constants, &state)?.map(|counts| counts.map(Some));
         Ok(Self::at(robot, constants, &state, automatic)?)
     }
@@ -129,7 +141,7 @@ impl OperationTable {
     /// As for [`Self::new`].
     #[inline]
     pub fn by_hand(robot: &Robot, constants: Constants) -> Result<Self, EvalError> {
-        let state = State::new(robot.dof(), |i| (1.0 + i as f64).sqrt());
+        let state = State::new(robot, |i| (1.0 + i as f64).sqrt());
         Self::at(robot, constants, &state, [[None; 2]; 2])
     }
 
@@ -142,10 +154,10 @@ impl OperationTable {
         [dual, hyperdual]: [[Option<Operations>; 2]; 2],
     ) -> Result<Self, EvalError> {
         let tree = Tree::from(robot);
-        let tensors = by_dual_pass(&tree, Christoffel, constants, state)?.map(Some);
-        let by_hand = by_dual_pass(&tree, Contracted, constants, state)?.map(Some);
-        let [mass_matrix, f, f_x, dual_pass] = by_hand;
-        let [y_f_xx, y_f_x, y_f_xx_d, f_xx] = by_rule(&tree, constants, state)?.map(Some);
+        let is_plain = tree.free().is_empty();
+        let tensors = if is_plain { by_dual_pass(&tree, Christoffel, constants, state)? } else { [None; 4] };
+        let [mass_matrix, f, f_x, dual_pass] = by_dual_pass(&tree, Contracted, constants, state)?;
+        let [y_f_xx, y_f_x, y_f_xx_d, f_xx] = by_rule(&tree, constants, state)?;
         let by_route = [
             tensors,
             [mass_matrix, f, f_x, y_f_xx],
@@ -175,39 +187,45 @@ impl OperationTable {
     }
 }
 
-/// Every quantity by a method through a Hessian of the Lagrangian, y'F_xx by one dual pass.
+/// Every quantity by a method through a Hessian of the Lagrangian, y'F_xx by one dual pass, which takes no
+/// quaternions.
 fn by_dual_pass<R: Route>(
     tree: &Tree,
     route: R,
     constants: Constants,
-    State { x, u, y }: &State,
-) -> Result<[Operations; 4], EvalError> {
-    let (q, p) = x.split_at(tree.dof());
+    State { q, x, u, y }: &State,
+) -> Result<[Option<Operations>; 4], EvalError> {
+    let p = &x[tree.dof()..];
     let mut first = Hamiltonian::with_route(tree.clone(), route.clone());
     let mut second = DualPass::with_route(tree.clone(), route);
+    let pass = || counted(constants, || second.contract(q, p, u, y).map(drop));
+    let pass = tree.free().is_empty().then(pass).transpose()?;
     Ok([
-        counted(constants, || first.mass_matrix(q).map(drop))?,
-        counted(constants, || first.evaluate(q, p, u).map(drop))?,
-        counted(constants, || first.linearise(q, p, u).map(drop))?,
-        counted(constants, || second.contract(q, p, u, y).map(drop))?,
+        Some(counted(constants, || first.mass_matrix(q).map(drop))?),
+        Some(counted(constants, || first.evaluate(q, p, u).map(drop))?),
+        Some(counted(constants, || first.linearise(q, p, u).map(drop))?),
+        pass,
     ])
 }
 
-/// What the 2n+1 rule gives: F, F_x and y'F_xx; F and y'F_x; y'F_xx d; F_x and the whole tensor.
+/// What the 2n+1 rule gives: F, F_x and y'F_xx; F and y'F_x; y'F_xx d; F_x and the whole tensor, which has no
+/// quaternions.
 #[inline]
 fn by_rule(
     tree: &Tree,
     constants: Constants,
-    State { x, u, y }: &State,
-) -> Result<[Operations; 4], EvalError> {
-    let (q, p) = x.split_at(tree.dof());
+    State { q, x, u, y }: &State,
+) -> Result<[Option<Operations>; 4], EvalError> {
+    let p = &x[tree.dof()..];
     let mut second = HamiltonianSecondOrder::from_tree(tree.clone());
     let mut full = FullHessian::from_tree(tree.clone());
+    let tensor = || counted(constants, || full.hessian_tensor(q, p).map(drop));
+    let tensor = tree.free().is_empty().then(tensor).transpose()?;
     Ok([
-        counted(constants, || second.contract(q, p, u, y).map(drop))?,
-        counted(constants, || second.first().adjoint(q, p, u, y).map(drop))?,
-        counted(constants, || second.hessian_product(q, p, y, x).map(drop))?,
-        counted(constants, || full.hessian_tensor(q, p).map(drop))?,
+        Some(counted(constants, || second.contract(q, p, u, y).map(drop))?),
+        Some(counted(constants, || second.first().adjoint(q, p, u, y).map(drop))?),
+        Some(counted(constants, || second.hessian_product(q, p, y, x).map(drop))?),
+        tensor,
     ])
 }
 
@@ -218,7 +236,9 @@ fn automatic(
     constants: Constants,
     State { x, y, .. }: &State,
 ) -> Result<[[Operations; 2]; 2], DerivativeError<EvalError>> {
-    let function = || ByCalls(PhaseVelocity::new(robot).under(&vec![0.5; robot.dof()]));
+    let mut velocity = PhaseVelocity::new(robot).under(&vec![0.5; robot.dof()]);
+    velocity.set_centre(&general_position(robot)?).map_err(DerivativeError::WrongLength)?;
+    let function = || ByCalls(velocity.clone());
     let mut jacobian = Jacobian::<_, CHUNK, Count>::over(function());
     let mut nested = NestedHessian::<_, CHUNK, Count>::over(function());
     let mut hessian = Hessian::<_, Count>::over(function());
@@ -227,6 +247,15 @@ fn automatic(
     let whole = counted(constants, || hessian.hessian_tensor(x).map(drop))?;
     let contracted = counted(constants, || hessian.contract(x, y).map(drop))?;
     Ok([[first, first + second], [whole, contracted]])
+}
+
+/// Where directions begin: quaternions of length 1 without an entry 0 or 1, products with which are free.
+fn general_position(robot: &Robot) -> Result<Vec<f64>, EvalError> {
+    let space = ConfigurationSpace::new(robot);
+    let by: Vec<f64> = (0..space.dof()).map(|i| 0.3 + 0.1 * i as f64).collect();
+    let mut q = space.neutral();
+    space.integrate(&space.neutral(), &by, &mut q)?;
+    Ok(q)
 }
 
 /// The operations of an evaluation, or why it failed.

@@ -5,7 +5,8 @@ use crate::error::{EvalError, PowerOfTen, check_length};
 use crate::scalar::Scalar;
 use crate::spatial::Quaternion;
 
-/// How far the squared length of a quaternion may be from 1: errors of results are of this size.
+/// How far the squared length of a quaternion may be from 1: errors of results are of this size. Motions take
+/// those of their start and end with more, 1e-6, and divide them by their length.
 pub(crate) const UNIT: PowerOfTen = PowerOfTen(-9);
 
 impl FreeJoint {
@@ -30,6 +31,19 @@ pub(crate) fn of_position<'a>(
         before += usize::from(joint.position < index);
     }
     Err(index - before)
+}
+
+/// Entries of q and v of joints of one degree of freedom, for n coordinates.
+pub(super) fn plain<'a>(
+    free: impl Iterator<Item = &'a FreeJoint>,
+    n: usize,
+) -> impl Iterator<Item = (usize, usize)> {
+    let mut start = 0;
+    let ends = free.map(|joint| (joint.coordinate, joint.coordinate + joint.kind.dof())).chain([(n, n)]);
+    // A quaternion has one entry more than there are angles.
+    ends.enumerate().flat_map(move |(before, (end, next))| {
+        (std::mem::replace(&mut start, next)..end).map(move |i| (i + before, i))
+    })
 }
 
 /// q has an entry for each of the n coordinates and one more for each free joint, all finite, and its

@@ -7,7 +7,7 @@ use super::error::RobotError;
 use super::frame::{Frame, FrameSpec};
 use super::frame_list::FrameList;
 use super::free::FreeJoint;
-use super::free_entries::of_position;
+use super::free_entries::{of_position, plain};
 use super::joint::{Friction, Joint};
 use super::joint_map;
 use super::warning::Warning;
@@ -111,6 +111,24 @@ impl Robot {
                 self.independent.get(coordinate).map(|&joint| self.joints[joint].name.as_str())
             }
         }
+    }
+
+    /// The indices in q and v of each joint of one degree of freedom, in their order: all but the entries of
+    /// the [`free_joints`](Self::free_joints).
+    ///
+    /// ```
+    /// use costate::robot::{JointSpec, LinkInertia, Robot};
+    ///
+    /// let body = LinkInertia::about_com(1.0, [0.0; 3], nalgebra::Matrix3::identity());
+    /// let swinging = Robot::builder("satellite")
+    ///     .joint(JointSpec::floating("base").carrying(body))
+    ///     .joint(JointSpec::revolute("arm").axis([0.0, 0.0, 1.0]).on("base").carrying(body))
+    ///     .build()?;
+    /// assert!(swinging.plain_entries().eq([(7, 6)]));
+    /// # Ok::<(), costate::robot::RobotError>(())
+    /// ```
+    pub fn plain_entries(&self) -> impl Iterator<Item = (usize, usize)> {
+        plain(self.free.iter(), self.dof())
     }
 
     /// `G q + b`: the positions of all joints (rad, m), in the order of [`joints`](Self::joints). Floating

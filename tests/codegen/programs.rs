@@ -9,7 +9,7 @@ use costate::hamiltonian::Hamiltonian;
 use costate::robot::{JointSpec, LinkInertia, LoadOptions, Placement, Robot, Wrench};
 use costate_test_support::generic::{State, expected, judge};
 use costate_test_support::properties;
-use costate_test_support::random_robot::{Case, cases, tolerance};
+use costate_test_support::random_robot::{Case, cases, free_cases, tolerance};
 use costate_test_support::wrenches::pulled;
 use proptest::prelude::*;
 use std::path::Path;
@@ -125,6 +125,16 @@ properties! {
 
     #[test]
     fn programs_of_random_robots_agree_with_the_generic_code(case in cases(7)) {
+        let Case { q, v, u, y, .. } = &case;
+        check(&case.robot(), q, v, u, y).map_err(TestCaseError::fail)?;
+    }
+}
+
+properties! {
+    16;
+
+    #[test]
+    fn programs_of_random_robots_with_quaternions_agree_with_the_generic_code(case in free_cases(3)) {
         let Case { q, v, u, y, .. } = &case;
         check(&case.robot(), q, v, u, y).map_err(TestCaseError::fail)?;
     }

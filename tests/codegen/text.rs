@@ -4,8 +4,9 @@ use costate::codegen::{
     COptions, CodegenError, Coordinates, Expr, Program, ProgramOptions, Quantity, RecordedResult,
     RustOptions, c_header, c_source, robot_program,
 };
+use costate::configuration::ConfigurationSpace;
 use costate::hamiltonian::Hamiltonian;
-use costate::robot::{LoadOptions, Robot};
+use costate::robot::{JointSpec, LinkInertia, LoadOptions, Robot};
 use costate::scalar::Scalar;
 use costate_test_support::generic::{State, expected, judge};
 use costate_test_support::random_robot::tolerance;
@@ -141,6 +142,45 @@ fn compiled_c_agrees_with_the_generic_code() {
             let found = run_c(&cc, &program, &state.inputs(&program), flags);
             judge(&program, &found, &expected, tolerance(&robot, &state.q)).unwrap();
         }
+    }
+}
+
+/// Floating, spherical and revolute joints; q is away from the neutral configuration.
+#[test]
+fn compiled_c_of_robots_with_quaternions_agrees_with_the_generic_code() {
+    let cc = match compiler() {
+        Ok(cc) => cc,
+        Err(reason) => return println!("{reason}"),
+    };
+    let body = |x: f64| LinkInertia::about_com(1.0 + x, [x, 0.2, -0.1], nalgebra::Matrix3::identity() * 0.3);
+    let robot = Robot::builder("flying")
+        .joint(JointSpec::floating("root").carrying(body(0.3)))
+        .joint(JointSpec::spherical("hip").on("root").carrying(body(0.5)))
+        .joint(JointSpec::revolute("knee").on("hip").axis([0.3, -0.5, 0.8]).carrying(body(0.1)))
+        .build()
+        .unwrap();
+    let (space, n) = (ConfigurationSpace::new(&robot), robot.dof());
+    let numbers = |from: f64, count: usize| -> Vec<f64> {
+        (0..count).map(|i| 2.0 * (from + 1.7 * i as f64).sin()).collect()
+    };
+    let mut q = space.neutral();
+    space.integrate(&space.neutral(), &numbers(0.3, n), &mut q).unwrap();
+    let v = numbers(-0.8, n);
+    let p = Hamiltonian::<f64>::new(&robot).momentum(&q, &v).unwrap().to_vec();
+    for (quantity, coordinates) in [
+        (Quantity::F, Coordinates::Hamiltonian),
+        (Quantity::FX, Coordinates::Lagrangian),
+        (Quantity::YFXX, Coordinates::Hamiltonian),
+        (Quantity::HessianProduct, Coordinates::Hamiltonian),
+        (Quantity::InverseDynamics, Coordinates::Lagrangian),
+    ] {
+        let program = robot_program(&robot, quantity, coordinates, &ProgramOptions::default()).unwrap();
+        let second = if coordinates == Coordinates::Hamiltonian { p.clone() } else { v.clone() };
+        let (u, y, d) = (numbers(1.1, n), numbers(2.0, 2 * n), numbers(0.1, 2 * n));
+        let state = State { q: q.clone(), second, u, y, d };
+        let expected = expected(&robot, quantity, coordinates, &state);
+        let found = run_c(&cc, &program, &state.inputs(&program), &["-O1"]);
+        judge(&program, &found, &expected, tolerance(&robot, &q)).unwrap();
     }
 }
 

@@ -29,7 +29,7 @@ pub fn wanted<'a>(
     case: &'a Case,
     wanted: &dyn Fn(&str, &str) -> bool,
 ) -> Result<Vec<Candidate<'a>>, Failure> {
-    let mut list = routes::candidates(&case.robot, &case.state, &mut Vec::new());
+    let mut list = routes::candidates(&case.robot, &case.state, &mut Vec::new())?;
     // Dual numbers stand in the list of chunks.
     list.retain(|c| [FUNCTION, FIRST, SECOND].contains(&c.quantity) && c.route != "dual numbers");
     numbers::candidates(case, &mut list);

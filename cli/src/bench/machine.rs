@@ -42,7 +42,7 @@ pub fn candidates<'a>(
             program => program?,
         };
         match Compiled::lanes(&program) {
-            Ok(compiled) => list.push(four_states(label, compiled, state, last)),
+            Ok(compiled) => list.push(four_states(label, compiled, robot, state, last)),
             Err(reason) => notes.push(format!("No machine code for {label} at 4 states at once: {reason}.")),
         }
     }
@@ -75,12 +75,18 @@ fn one_state<'a>(
 fn four_states<'a>(
     quantity: &'static str,
     compiled: Compiled<[f64; LANES]>,
+    robot: &Robot,
     state: &State,
     last: usize,
 ) -> Candidate<'a> {
     let scales: [f64; LANES] = std::array::from_fn(|lane| 1.0 - 0.1 * lane as f64);
     let inputs = inputs(state, compiled.inputs());
-    let inputs: Vec<[f64; LANES]> = inputs.iter().map(|&x| scales.map(|scale| scale * x)).collect();
+    let mut inputs: Vec<[f64; LANES]> = inputs.iter().map(|&x| scales.map(|scale| scale * x)).collect();
+    for free in robot.free_joints() {
+        // Quaternions keep their length.
+        let at = free.quaternion();
+        (at..at + 4).for_each(|entry| inputs[entry] = [state.q[entry]; LANES]);
+    }
     let mut outputs = vec![[0.0; LANES]; compiled.outputs()];
     let work = move |to: Option<&mut Vec<f64>>| {
         compiled.call(black_box(&inputs), black_box(&mut outputs))?;

@@ -46,7 +46,7 @@ struct Row {
 }
 
 pub fn run(arguments: &Arguments) -> Outcome {
-    let robot = arguments.robot.load_and_warn()?;
+    let robot = arguments.robot.load_tree_and_warn()?;
     let interrupt = Interrupt::listen()?;
     let state = State::random(&robot, arguments.seed)?;
     let (mut candidates, notes) = all(&robot, &state)?;
@@ -84,12 +84,14 @@ pub fn run(arguments: &Arguments) -> Outcome {
 /// All candidates, grouped by quantity, and notes on missing methods.
 fn all<'a>(robot: &Robot, state: &'a State) -> Result<(Vec<Candidate<'a>>, Vec<String>), Failure> {
     let mut notes = Vec::new();
-    let mut list = candidates(robot, state, &mut notes);
+    let mut list = candidates(robot, state, &mut notes)?;
     #[cfg(feature = "jit")]
     machine::candidates(robot, state, &mut list, &mut notes)?;
     #[cfg(not(feature = "jit"))]
     notes.push("No machine code: built without the feature jit.".into());
-    batches::candidates(robot, state, &mut list, &mut notes);
+    if robot.free_joints().is_empty() {
+        batches::candidates(robot, state, &mut list, &mut notes);
+    }
     let quantities: Vec<_> = list.iter().map(|candidate| candidate.quantity).collect();
     list.sort_by_key(|candidate| quantities.iter().position(|quantity| *quantity == candidate.quantity));
     Ok((list, notes))

@@ -1,4 +1,4 @@
-//! `costate eval` and `check` with floating and spherical joints.
+//! `costate eval`, `check`, `count` and `bench` with floating and spherical joints.
 
 use crate::child::{costate, flat, json_lines, root, stderr, stdout};
 use crate::eval::ROUTES;
@@ -112,6 +112,51 @@ fn check_compares_the_methods_that_take_quaternions() {
         "{}",
         stdout(&output)
     );
-    let refused = costate(&["count", ROBOT], b"");
-    assert!(stderr(&refused).contains("'root' is floating") && stderr(&refused).contains("`check`"));
+}
+
+#[test]
+fn count_counts_the_methods_that_take_quaternions() {
+    let robot = "examples/problems/robots/satellite.toml";
+    let output = costate(&["count", robot, "--json"], b"");
+    assert!(output.status.success(), "{}", stderr(&output));
+    let table = &json_lines(&output)[0];
+    assert_eq!((table["n"].as_u64(), table["nq"].as_u64()), (Some(8), Some(9)));
+    let mul = |quantity: &str, route: &str| {
+        let is_it = |row: &&Value| row["quantity"] == quantity && row["route"] == route;
+        table["rows"].as_array().unwrap().iter().find(is_it).map(|row| row["mul"].as_u64().unwrap())
+    };
+    let [m, f, f_x, y_f_xx] =
+        ["mass_matrix", "f", "f_x", "y_f_xx"].map(|quantity| mul(quantity, "analytic").unwrap());
+    assert!(0 < m && m < f && f < f_x && f_x < y_f_xx, "{table}");
+    for (quantity, analytic) in [("f_x", f_x), ("y_f_xx", y_f_xx)] {
+        for route in ["dual", "hyperdual"] {
+            assert!(mul(quantity, route) > Some(analytic), "{table}");
+        }
+        assert_eq!(mul(quantity, "tensors"), None);
+    }
+    assert!(mul("y_f_x", "analytic") > Some(f) && mul("y_f_xx_d", "analytic").is_some());
+    assert_eq!((mul("y_f_xx", "dual pass"), mul("f_xx", "analytic")), (None, None));
+    let output = costate(&["count", robot], b"");
+    assert!(stdout(&output).contains("3 joints with 8 degrees of freedom"), "{}", stdout(&output));
+    assert!(stdout(&output).contains("tangent space"), "{}", stdout(&output));
+}
+
+#[test]
+fn bench_times_the_methods_that_take_quaternions() {
+    let robot = "examples/problems/robots/satellite.toml";
+    let output = costate(&["bench", robot, "--batches", "3", "--json"], b"");
+    assert!(output.status.success(), "{}", stderr(&output));
+    let table = &json_lines(&output)[0];
+    let rows = table["rows"].as_array().unwrap();
+    for row in rows {
+        let (route, error) = (row["route"].as_str().unwrap(), row["relative_error"].as_f64().unwrap());
+        let bound = if route.contains("differences") { 1e-6 } else { 1e-10 };
+        assert!(error < bound && row["median_ns"].as_f64().unwrap() > 0.0, "{row}");
+        assert!(!route.contains("tensor") && !route.contains("batch"), "{row}");
+    }
+    for route in ["dual numbers", "2n+1 rule", "dual in dual numbers through F", "hyper-dual pairs through F"]
+    {
+        assert!(rows.iter().any(|row| row["route"] == route), "{route}: {table}");
+    }
+    assert!(table["notes"].to_string().contains("tangent space"), "{table}");
 }

@@ -23,6 +23,58 @@ fn codegen_writes_what_the_library_does() {
     assert_eq!(std::fs::read_to_string(file).unwrap(), program.to_c(&COptions::default()).unwrap());
 }
 
+/// In both languages, of robots with quaternions in TOML and of URDFs on a floating base.
+#[test]
+fn codegen_takes_robots_with_quaternions() {
+    use costate::codegen::{
+        COptions, Coordinates, ProgramOptions, Quantity, RustOptions, c_header, c_source, robot_program,
+    };
+    use costate::robot::{LoadOptions, Robot};
+    let robot = Robot::from_file(root().join("examples/problems/robots/satellite.toml")).unwrap();
+    let options = ProgramOptions::default();
+    let of = |quantity, coordinates| robot_program(&robot, quantity, coordinates, &options).unwrap();
+    let satellite = ["codegen", "examples/problems/robots/satellite.toml", "--quantity"];
+    let output = costate(&[&satellite[..], &["y_f_xx"]].concat(), b"");
+    assert!(output.status.success() && output.stderr.is_empty(), "{}", stderr(&output));
+    let program = of(Quantity::YFXX, Coordinates::Hamiltonian);
+    assert_eq!(stdout(&output), program.to_rust(&RustOptions::default()).unwrap());
+    let header = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("satellite.h");
+    let more = ["f_x", "--quantity", "inverse_dynamics", "--coordinates", "lagrangian", "--lang", "c"];
+    let to = ["--column-major", "--header", header.to_str().unwrap()];
+    let output = costate(&[&satellite[..], &more, &to].concat(), b"");
+    assert!(output.status.success() && output.stderr.is_empty(), "{}", stderr(&output));
+    let programs = [Quantity::FX, Quantity::InverseDynamics]
+        .map(|quantity| of(quantity, Coordinates::Lagrangian).column_major());
+    assert_eq!(stdout(&output), c_source(&programs, &COptions::default()).unwrap());
+    assert_eq!(std::fs::read_to_string(header).unwrap(), c_header(&programs).unwrap());
+    let output = costate(&["codegen", "robots/ur5.urdf", "--floating-base", "--quantity", "f"], b"");
+    assert!(output.status.success(), "{}", stderr(&output));
+    let floating = LoadOptions::default().floating_base(true);
+    let robot = Robot::from_file_with(root().join("robots/ur5.urdf"), floating).unwrap();
+    let program = robot_program(&robot, Quantity::F, Coordinates::Hamiltonian, &options).unwrap();
+    assert_eq!(stdout(&output), program.to_rust(&RustOptions::default()).unwrap());
+}
+
+#[test]
+fn codegen_names_the_joint_and_what_takes_no_quaternions() {
+    let step = ["--scheme", "rk4", "--dt", "0.01"];
+    for (asked, reason) in [
+        (&["--quantity", "f", "--parameters"][..], "--parameters"),
+        (&["--abi", "casadi"], "--abi"),
+        (&["--abi", "acados"], "--abi"),
+        (&[&["--quantity", "step"][..], &step].concat(), "--quantity step, step_z and y_step_zz"),
+        (&["--quantity", "pontryagin"], "--quantity pontryagin and pontryagin_rate"),
+    ] {
+        let robot = ["codegen", "tests/fixtures/free_tree.toml"];
+        let output = costate(&[&robot[..], asked].concat(), b"");
+        assert_eq!((output.status.code(), output.stdout.len()), (Some(2), 0), "{asked:?}");
+        let error = stderr(&output);
+        let expected =
+            format!("'root' is floating, its orientation a quaternion, and cannot be taken by {reason};");
+        assert!(error.contains(&expected), "{error}");
+    }
+}
+
 #[test]
 fn codegen_says_why_it_writes_nothing() {
     for (quantity, more, reason) in [

@@ -2,8 +2,9 @@
 
 /// Steps between the places of the first guess.
 pub const PLACES: usize = 60;
-/// A quaternion has length 1 if its square differs from 1 by no more than this; what remains is rounding of
-/// printed digits, and is divided out.
+/// A quaternion of the start or end has length 1 if its square differs from 1 by no more than this; what
+/// remains is rounding of printed digits, and is divided out. The dynamics, and `costate eval`, divide
+/// nothing and take 1e-9: they may refuse a q that a problem takes.
 pub const UNIT: f64 = 1e-6;
 /// Momenta and positions that nothing changes may be off by this part of their size, and of 1 in their unit.
 pub const KEPT: f64 = 1e-6;

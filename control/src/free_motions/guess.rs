@@ -4,7 +4,7 @@ use super::task::FreeTask;
 use super::unsolved::Unsolved;
 use crate::constants::free_motions::PLACES;
 use crate::cubics::{Disturbance, JointState, cubic};
-use crate::problem::free_joints::{normalised, orientation, plain_entries};
+use crate::problem::free_joints::{normalised, orientation};
 use crate::result::free_entries::FreeEntries;
 use crate::result::trajectory::Trajectory;
 use costate::hamiltonian::Hamiltonian;
@@ -112,7 +112,7 @@ impl<'a> Path<'a> {
             let at = self.disturbance.add(entry, time, s, cubic(from, to, time, s));
             (q[entry], rates[entry]) = (at.q, at.v);
         };
-        plain_entries(&problem.robot).into_iter().for_each(|(entry, _)| set(entry));
+        problem.robot.plain_entries().for_each(|(entry, _)| set(entry));
         for free in problem.robot.free_joints().iter().filter(|free| free.kind == FreeKind::Floating) {
             (free.position..free.position + 3).for_each(&mut set);
         }

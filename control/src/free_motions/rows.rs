@@ -3,7 +3,7 @@
 use super::task::FreeTask;
 use crate::direct_states::solution::StateMotion;
 use crate::problem::free_end::orientation_rows;
-use crate::problem::free_joints::{length, normalised, orientation, plain_entries};
+use crate::problem::free_joints::{length, normalised, orientation};
 use crate::result::free_entries::FreeEntries;
 use crate::result::trajectory::Trajectory;
 use costate::EvalError;
@@ -40,7 +40,7 @@ pub(super) fn trajectory(task: &FreeTask<'_>, found: &StateMotion) -> Result<Tra
 fn in_tangent_space(task: &FreeTask<'_>, x: &[f64], y: &[f64]) -> Vec<f64> {
     let robot = &task.problem.robot;
     let mut l = vec![0.0; task.dof()];
-    plain_entries(robot).into_iter().for_each(|(entry, i)| l[i] = y[entry]);
+    robot.plain_entries().for_each(|(entry, i)| l[i] = y[entry]);
     for free in robot.free_joints() {
         let at = free.quaternion();
         let a = [0, 1, 2, 3].map(|k| x[at + k]);

@@ -5,7 +5,6 @@ use crate::direct_states::problem::DirectDynamics;
 use crate::direct_states::solution::StateMotion;
 use crate::extremal::dynamics::problem::{DynamicsProblem, EndState};
 use crate::problem::free_end::FreeEnd;
-use crate::problem::free_joints::plain_entries;
 use crate::problem::limits::JointLimits;
 use crate::problem::{Bounds, Objective, Problem};
 use costate::dynamics::QuaternionDynamics;
@@ -87,7 +86,7 @@ impl<'a> FreeTask<'a> {
     pub fn direct(&self) -> Result<DirectDynamics<QuaternionDynamics<f64>>, Unsolved> {
         let size = self.nq() + self.dof();
         let (mut x_min, mut x_max) = (vec![f64::NEG_INFINITY; size], vec![f64::INFINITY; size]);
-        for (entry, i) in plain_entries(&self.problem.robot) {
+        for (entry, i) in self.problem.robot.plain_entries() {
             [x_min[entry], x_max[entry]] = self.limits[i].q;
         }
         let direct = DirectDynamics::new(self.model()?, &self.in_states())?;

@@ -3,7 +3,6 @@
 use super::task::FreeTask;
 use crate::constants::direct::{ACTIVE, VIOLATION_ACCEPTED};
 use crate::direct_states::solution::StateMotion;
-use crate::problem::free_joints::plain_entries;
 use crate::result::limit_use::{ActiveLimit, LimitReport, LimitUse, LimitViolation};
 use costate::robot::JointKind;
 
@@ -19,7 +18,7 @@ pub(super) fn limits(task: &FreeTask<'_>, found: &StateMotion) -> LimitReport {
         (joint(i).name.clone(), unit)
     };
     let mut report = LimitReport::default();
-    let positions = plain_entries(robot).into_iter().map(|(entry, i)| {
+    let positions = robot.plain_entries().map(|(entry, i)| {
         let position = move |(x, _): &State| x[entry];
         (name(i, ["rad", "m"]), task.limits[i].q, position)
     });

@@ -8,7 +8,7 @@ use crate::direct_states::solution::StateMotion;
 use crate::numerics::dormand_prince::DormandPrince;
 use crate::problem::Problem;
 use crate::problem::free_end::orientation_rows;
-use crate::problem::free_joints::{normalised, plain_entries};
+use crate::problem::free_joints::normalised;
 use crate::result::free_entries::FreeEntries;
 use costate::hamiltonian::Hamiltonian;
 
@@ -54,7 +54,7 @@ pub(super) fn missed(problem: &Problem, state: &[f64]) -> f64 {
             most = if miss.is_nan() { f64::INFINITY } else { most.max(miss.abs()) };
         }
     };
-    plain_entries(robot).into_iter().for_each(|(entry, i)| count(i, q[entry] - target[entry]));
+    robot.plain_entries().for_each(|(entry, i)| count(i, q[entry] - target[entry]));
     for free in robot.free_joints() {
         (0..free.kind.slides()).for_each(|k| {
             count(free.coordinate + k, q[free.position + k] - target[free.position + k]);

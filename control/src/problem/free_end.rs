@@ -7,7 +7,7 @@
 
 use super::error::ProblemError;
 use super::free_error::FreeMotionError;
-use super::free_joints::{length, normalised, orientation, plain_entries};
+use super::free_joints::{length, normalised, orientation};
 use super::key::Key;
 use super::{FinalTime, Problem};
 use crate::constants::free_motions::KEPT;
@@ -99,8 +99,8 @@ impl Problem {
         let mut model = Hamiltonian::<f64>::new(&self.robot);
         let p = model.momentum(&q, &end.v).map_err(|cause| unknown(Key::END_Q, cause))?.to_vec();
         let mut found = FreeEnd { x: [q, p].concat(), free: Vec::new(), given: Vec::new() };
-        let plain = plain_entries(&self.robot);
-        found.free.extend(plain.iter().filter(|(_, i)| end.q_free.contains(i)).map(|(entry, _)| *entry));
+        let plain = self.robot.plain_entries();
+        found.free.extend(plain.filter(|(_, i)| end.q_free.contains(i)).map(|(entry, _)| entry));
         for free in self.robot.free_joints() {
             self.turns_of(free, &mut found)?;
         }

@@ -8,28 +8,6 @@ use crate::constants::free_motions::UNIT;
 use costate::robot::{FreeJoint, Robot};
 use nalgebra::{Quaternion, UnitQuaternion};
 
-/// Entries of q of joints of one degree of freedom, with their coordinates.
-pub(crate) fn plain_entries(robot: &Robot) -> Vec<(usize, usize)> {
-    let mut entries = Vec::new();
-    let places = robot.free_joints().iter().map(|free| (free.position, free.coordinate, free.kind.slides()));
-    each_plain(places, robot.dof(), |entry, i| entries.push((entry, i)));
-    entries
-}
-
-/// The same, for the places in q and v of joints with these numbers of displacements, in their order.
-pub(crate) fn each_plain(
-    free: impl Iterator<Item = (usize, usize, usize)>,
-    n: usize,
-    mut take: impl FnMut(usize, usize),
-) {
-    let (mut at, mut i) = (0, 0);
-    for (position, coordinate, slides) in free {
-        (i..coordinate).for_each(|k| take(at + k - i, k));
-        (at, i) = (position + slides + 4, coordinate + slides + 3);
-    }
-    (i..n).for_each(|k| take(at + k - i, k));
-}
-
 /// q with quaternions of length 1.
 pub(crate) fn normalised(robot: &Robot, q: &[f64]) -> Vec<f64> {
     let mut q = q.to_vec();
@@ -178,7 +156,7 @@ impl Problem {
             ];
             self.refuse_empty(i, &ranges)?;
         }
-        for (entry, i) in plain_entries(&self.robot) {
+        for (entry, i) in self.robot.plain_entries() {
             for (key, BoundaryState { q, q_free, .. }) in
                 [(Key::START_Q, &self.start), (Key::END_Q, &self.end)]
             {

@@ -1,6 +1,5 @@
 //! Valid problems that are probably not meant.
 
-use crate::problem::free_joints::plain_entries;
 use crate::problem::key::Key;
 use crate::problem::{BodyPairs, Problem};
 use costate::robot::{JointKind, printable, printable_number};
@@ -76,7 +75,7 @@ impl Problem {
         let vias = self.vias.iter().enumerate();
         given.extend(vias.filter_map(|(number, via)| Some((Key::via("q", number), via.q.as_ref()?))));
         for (key, q) in given {
-            for (entry, i) in plain_entries(&self.robot) {
+            for (entry, i) in self.robot.plain_entries() {
                 let joint = &self.robot.joints()[self.robot.independent_indices()[i]];
                 let Some(&value) = q.get(entry) else { continue };
                 if joint.kind == JointKind::Revolute && value.abs() > SUSPICIOUS_ANGLE {

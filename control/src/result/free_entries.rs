@@ -1,6 +1,5 @@
 //! Floating and spherical joints in the rows of a trajectory.
 
-use crate::problem::free_joints::each_plain;
 use crate::result::trajectory_error::TrajectoryError;
 use costate::robot::{FreeJoint, FreeKind, Robot};
 use serde::{Deserialize, Serialize};
@@ -88,8 +87,13 @@ impl FreeEntries {
     }
 
     /// For each entry of q that is no part of a free joint, its coordinate.
-    fn each_plain(all: &[Self], n: usize, take: impl FnMut(usize, usize)) {
-        each_plain(all.iter().map(|free| (free.position, free.coordinate, free.slides())), n, take);
+    fn each_plain(all: &[Self], n: usize, mut take: impl FnMut(usize, usize)) {
+        let mut start = 0;
+        let ends = all.iter().map(|free| (free.coordinate, free.coordinate + free.slides() + 3));
+        for (before, (end, next)) in ends.chain([(n, n)]).enumerate() {
+            (start..end).for_each(|i| take(i + before, i));
+            start = next;
+        }
     }
 
     /// dq/dt of the entries of q.

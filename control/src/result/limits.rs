@@ -1,7 +1,6 @@
 //! Limits of the robot's joints that a motion exceeds.
 
 use crate::problem::Problem;
-use crate::problem::free_joints::plain_entries;
 use crate::problem::rounded::rounded_range;
 use crate::result::trajectory::Trajectory;
 use costate::robot::{JointKind, printable};
@@ -19,7 +18,7 @@ impl Problem {
             return warnings;
         }
         // Floating and spherical joints have no limits.
-        for (entry, i) in plain_entries(&self.robot) {
+        for (entry, i) in self.robot.plain_entries() {
             let joint = &self.robot.joints()[self.robot.independent_indices()[i]];
             let limits = &joint.limits;
             let units = match joint.kind {

@@ -18,6 +18,16 @@ pub mod cart_pole {
     include!(concat!(env!("OUT_DIR"), "/cart_pole_lagrangian_f_x.rs"));
 }
 
+/// A satellite with a floating base and an arm: accelerations and their Jacobian, in (q, v).
+pub mod satellite {
+    include!(concat!(env!("OUT_DIR"), "/satellite_lagrangian_f_x.rs"));
+
+    /// y'F_xx d in (q, p).
+    pub mod product {
+        include!(concat!(env!("OUT_DIR"), "/satellite_hamiltonian_y_f_xx_d.rs"));
+    }
+}
+
 /// Two-link arm: the extremals of least torque, with and without their Jacobian.
 pub mod two_link {
     include!(concat!(env!("OUT_DIR"), "/two_link_pontryagin.rs"));
@@ -51,7 +61,8 @@ fn main() {
 mod tests {
     #![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
 
-    use super::{cart_pole, panda, problems, two_link, ur5};
+    use super::{cart_pole, panda, problems, satellite, two_link, ur5};
+    use costate::configuration::ConfigurationSpace;
     use costate::derivative::largest;
     use costate::hamiltonian::{Hamiltonian, HamiltonianSecondOrder};
     use costate::lagrangian::Lagrangian;
@@ -124,6 +135,29 @@ mod tests {
             let linear = lagrangian.linearise_forward_dynamics(&q, &v, &u).unwrap();
             agree(&qdd, linear.acceleration());
             agree(&qdd_z, &flat(linear.matrix()));
+        }
+    }
+
+    /// q has the position and quaternion of the base, shoulder and elbow; derivatives are by 8 coordinates.
+    #[test]
+    fn derivatives_of_a_floating_base_are_those_of_the_generic_code() {
+        let robot = robot("../examples/problems/robots/satellite.toml");
+        let (mut lagrangian, mut second) =
+            (Lagrangian::<f64>::new(&robot), HamiltonianSecondOrder::<f64>::new(&robot));
+        let space = ConfigurationSpace::new(&robot);
+        for state in 0..20 {
+            let mut q = [0.0; 9];
+            space.integrate(&space.neutral(), &numbers::<8>(state, 2.0), &mut q).unwrap();
+            let (v, u): ([f64; 8], [f64; 8]) = (numbers(state + 1, 1.0), numbers(state + 2, 5.0));
+            let (mut qdd, mut qdd_z) = ([0.0; 8], [0.0; 192]);
+            satellite::satellite_lagrangian_f_x(&q, &v, &u, &mut qdd, &mut qdd_z);
+            let linear = lagrangian.linearise_forward_dynamics(&q, &v, &u).unwrap();
+            agree(&qdd, linear.acceleration());
+            agree(&qdd_z, &flat(linear.matrix()));
+            let (y, d): ([f64; 16], [f64; 16]) = (numbers(state, 1.0), numbers(state + 3, 1.0));
+            let mut product = [0.0; 16];
+            satellite::product::satellite_hamiltonian_y_f_xx_d(&q, &v, &y, &d, &mut product);
+            agree(&product, second.hessian_product(&q, &v, &y, &d).unwrap());
         }
     }
 

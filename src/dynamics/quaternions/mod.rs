@@ -91,6 +91,10 @@ pub struct QuaternionDynamics<S: Scalar, M = HamiltonianSecondOrder<S>> {
 impl<S: Scalar> QuaternionDynamics<S> {
     /// The model of a robot in momenta, every coordinate driven: B is the unit matrix. Later calls do not
     /// allocate.
+    ///
+    /// The momenta of floating and spherical joints are the body's, not conjugate to the entries of q.
+    /// Schemes are symplectic on [`canonical`](Self::canonical), which
+    /// [`FreeStep::in_momenta`](crate::step::FreeStep::in_momenta) steps, though its x is that of this model.
     pub fn new(robot: &Robot) -> Self {
         Self::of_robot(robot, SecondHalf::Tangent)
     }

@@ -18,19 +18,12 @@ pub(crate) struct Plain {
 /// Joints of one degree of freedom.
 pub(crate) fn plain_entries(robot: &Robot, second: SecondHalf) -> Vec<Plain> {
     let nq = robot.nq();
-    let entry = |position, coordinate| Plain {
+    let entry = |(position, coordinate)| Plain {
         position,
         coordinate,
         momentum: nq + if second.is_conjugate() { position } else { coordinate },
     };
-    let mut plain = Vec::new();
-    let (mut at, mut i) = (0, 0);
-    for free in robot.free_joints() {
-        plain.extend((i..free.coordinate).map(|k| entry(at + k - i, k)));
-        (at, i) = (free.position + free.kind.positions(), free.coordinate + free.kind.dof());
-    }
-    plain.extend((i..robot.dof()).map(|k| entry(at + k - i, k)));
-    plain
+    robot.plain_entries().map(entry).collect()
 }
 
 /// Where the entries of x are in the tangent space.

@@ -35,7 +35,7 @@ pub(crate) struct Momenta<S> {
     pub linear: Vec3<S>,
     /// pi, of the rotation.
     pub angular: Vec3<S>,
-    /// sigma, along a, of which no motion depends.
+    /// sigma, along a, on which no motion depends.
     pub along: S,
 }
 

@@ -54,6 +54,11 @@ impl Tree {
         free_entries::chart_coordinates(q, self.free_joints(), chart);
     }
 
+    /// As [`Robot::plain_entries`](crate::robot::Robot::plain_entries).
+    pub(crate) fn plain_entries(&self) -> impl Iterator<Item = (usize, usize)> {
+        free_entries::plain(self.free_joints(), self.dof())
+    }
+
     fn free_joints(&self) -> impl ExactSizeIterator<Item = &FreeJoint> + Clone {
         self.free.iter().map(|free| &free.joint)
     }

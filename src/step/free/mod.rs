@@ -77,6 +77,9 @@ pub struct FreeStep<S, P> {
 
 impl<S: Scalar, P: Step<S, Error = StepError<EvalError>>> FreeStep<S, P> {
     /// A scheme of the robot in x = (q, p), such as `ImplicitMidpoint::new`. Later calls do not allocate.
+    ///
+    /// States have the body's momenta, those of [`QuaternionDynamics::new`]; the scheme itself steps
+    /// [`QuaternionDynamics::canonical`], whose momenta are conjugate to the entries of q.
     pub fn in_momenta(
         robot: &Robot,
         scheme: impl FnOnce(QuaternionDynamics<S, HamiltonianSecondOrder<S>>) -> P,
@@ -84,7 +87,7 @@ impl<S: Scalar, P: Step<S, Error = StepError<EvalError>>> FreeStep<S, P> {
         Self::new(robot, scheme(QuaternionDynamics::canonical(robot)), SecondHalf::Conjugate)
     }
 
-    /// The same in x = (q, v).
+    /// The same in x = (q, v); the scheme steps [`QuaternionDynamics::in_rates`], whose x this is.
     pub fn in_rates(
         robot: &Robot,
         scheme: impl FnOnce(QuaternionDynamics<S, LagrangianSecondOrder<S>>) -> P,

@@ -35,6 +35,47 @@ fn counts_do_not_depend_on_the_state() {
     }
 }
 
+/// A floating body with a spherical and a revolute joint.
+fn flying() -> Robot {
+    let body = || LinkInertia::about_com(2.0, [0.1, 0.2, -0.3], Matrix3::identity() * 0.2);
+    let place = Placement::from_xyz_rpy([0.3, 0.1, 0.2], [0.4, 0.5, 0.6]);
+    Robot::builder("flying")
+        .joint(JointSpec::floating("root").placed(place).carrying(body()))
+        .joint(JointSpec::spherical("hip").on("root").placed(place).carrying(body()))
+        .joint(JointSpec::revolute("knee").on("hip").axis([0.2, -0.4, 0.7]).carrying(body()))
+        .build()
+        .unwrap()
+}
+
+#[test]
+fn robots_with_quaternions_have_the_rows_of_methods_that_take_them() {
+    for constants in [Folded, Kept] {
+        let table = OperationTable::new(&flying(), constants).unwrap();
+        let states: [fn(usize) -> f64; 2] = [|i| 0.3 * i as f64 - 1.1, |i| (-2.0_f64).powi(i as i32)];
+        for number in states {
+            assert_eq!(OperationTable::counted_at(&flying(), constants, &number).unwrap(), table);
+        }
+        let mul = |quantity, route| table.get(quantity, route).map(|operations| operations.mul);
+        for route in ["analytic", "dual", "hyperdual"] {
+            for pair in OperationTable::QUANTITIES.windows(2) {
+                assert!(
+                    mul(pair[0], route).is_some() && mul(pair[0], route) < mul(pair[1], route),
+                    "{pair:?}"
+                );
+            }
+        }
+        for quantity in ["f_x", "y_f_xx"] {
+            assert!(mul(quantity, "dual") > mul(quantity, "analytic"), "{quantity}");
+        }
+        assert!(mul("y_f_x", "analytic") > mul("f", "analytic") && mul("y_f_xx_d", "analytic").is_some());
+        for (quantity, route) in [("f_x", "tensors"), ("y_f_xx", "dual pass"), ("f_xx", "analytic")] {
+            assert_eq!(mul(quantity, route), None, "{quantity} {route}");
+        }
+        let by_hand = OperationTable::by_hand(&flying(), constants).unwrap();
+        assert_eq!(by_hand.get("y_f_xx", "analytic"), table.get("y_f_xx", "analytic"));
+    }
+}
+
 #[test]
 fn more_takes_more() {
     let [folded, kept] = [Folded, Kept].map(|constants| OperationTable::new(&robot(), constants).unwrap());
