@@ -198,3 +198,25 @@ fn loops_that_do_not_close_say_by_how_much() {
         Err(ConstraintError::Evaluation(EvalError::NonFinite { .. }))
     ));
 }
+
+/// The loop of four bars closes at every angle of its crank, from wherever the others start, without a turn
+/// too many.
+#[test]
+fn loops_close_near_where_they_start() {
+    let mut constrained = ConstrainedHamiltonian::<f64>::new(&four_bar());
+    let (mut most, mut lost) = (0.0_f64, 0);
+    for number in 0..400 {
+        let angle =
+            |i: usize| std::f64::consts::PI * (f64::from(number) * (1.1 + 0.37 * i as f64) + 0.5).sin();
+        let start = [0, 1, 2].map(angle);
+        let mut q = start.to_vec();
+        match constrained.close(&mut q, &[number % 2 == 0, false, false]) {
+            Ok(()) => most = q.iter().zip(start).fold(most, |most, (q, start)| most.max((q - start).abs())),
+            Err(_) => lost += 1,
+        }
+    }
+    assert!(
+        lost == 0 && most < std::f64::consts::TAU,
+        "{lost} did not close, the farthest moved by {most} rad"
+    );
+}

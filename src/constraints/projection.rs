@@ -9,13 +9,17 @@ use crate::robot::Tree;
 const CLOSED: f64 = 1e-13;
 /// What rounding may leave where no step leads nearer (m, rad).
 pub(super) const NEARLY: f64 = 1e-10;
-/// Most searches from different positions, and how far those are from each other (rad, m).
-pub(super) const ATTEMPTS: usize = 4;
+/// Most searches from different positions, how far the second one is from the end of the first (rad, m), and
+/// how many times as far each further one is from that before it.
+pub(super) const ATTEMPTS: usize = 5;
 const NUDGE: f64 = 0.1;
+const FARTHER: f64 = 3.0;
 /// Most steps of Newton's method.
 const STEPS: usize = 100;
 /// Most halvings of a step.
 const HALVINGS: usize = 30;
+/// Most that a step turns any joint (rad): near a singular pose full steps lead many turns away.
+const TURN: f64 = 0.5;
 
 impl ConstrainedHamiltonian<f64> {
     /// Number of rows that count at the position of the last call: the rank of J. See
@@ -32,8 +36,8 @@ impl ConstrainedHamiltonian<f64> {
     }
 
     /// Moves q (n) to a position with g(q) = 0, the joints that are `held` (n) as they are: Newton's method
-    /// with the smallest steps, weighted by the diagonal of M, halved until they lead nearer. It allocates
-    /// the buffers of its search.
+    /// with the smallest steps, weighted by the diagonal of M, of half a radian at most, halved until they
+    /// lead nearer. It allocates the buffers of its search.
     ///
     /// # Errors
     /// [`ConstraintError::CannotClose`] or [`ConstraintError::Contradiction`], which say what misses by how
@@ -70,6 +74,8 @@ impl ConstrainedHamiltonian<f64> {
         for attempt in 0..ATTEMPTS {
             if attempt > 0 {
                 nudge(&mut search.change, held, attempt);
+                let farther = FARTHER.powi(attempt as i32 - 1);
+                search.change.iter_mut().for_each(|change| *change *= farther);
                 search.space.integrate(q, &search.change, &mut search.trial)?;
                 q.copy_from_slice(&search.trial);
             }
@@ -91,7 +97,7 @@ impl ConstrainedHamiltonian<f64> {
         held: &[bool],
         search: &mut Search,
     ) -> Result<(), EvalError> {
-        let Search { space, change, step, trial, weights, miss, .. } = search;
+        let Search { space, turns, change, step, trial, weights, miss, .. } = search;
         self.miss(q, target, miss);
         for _ in 0..STEPS {
             if largest(miss) <= CLOSED {
@@ -100,7 +106,9 @@ impl ConstrainedHamiltonian<f64> {
             self.weigh(q, held, weights)?;
             let size = self.counted_square(miss);
             self.kkt.correct(miss, change);
-            let mut length = 1.0;
+            let turned = turns.iter().zip(&*change).filter(|(turns, _)| **turns);
+            let turned = turned.fold(0.0_f64, |most, (_, change)| most.max(change.abs()));
+            let mut length = if turned > TURN { TURN / turned } else { 1.0 };
             let nearer = (0..HALVINGS).any(|_| {
                 step.iter_mut().zip(&*change).for_each(|(to, dq)| *to = length * dq);
                 length *= 0.5;
@@ -147,6 +155,8 @@ impl ConstrainedHamiltonian<f64> {
 /// Buffers of a search, and the nearest position that it has found.
 pub(super) struct Search {
     pub(super) space: ConfigurationSpace,
+    /// Which coordinates are angles.
+    turns: Vec<bool>,
     pub(super) change: Vec<f64>,
     /// A part of the change.
     pub(super) step: Vec<f64>,
@@ -159,9 +169,13 @@ pub(super) struct Search {
 
 impl Search {
     pub(super) fn new(tree: &Tree, q: &[f64], rows: usize) -> Self {
-        let zeros = vec![0.0; tree.dof()];
+        let (zeros, mut turns) = (vec![0.0; tree.dof()], vec![false; tree.dof()]);
+        for &joint in tree.revolute() {
+            turns[tree.joint_map().map_or(joint, |map| map.rows()[joint].coordinate)] = true;
+        }
         Self {
             space: ConfigurationSpace::from_tree(tree.clone()),
+            turns,
             change: zeros.clone(),
             step: zeros.clone(),
             trial: q.to_vec(),
