@@ -1,7 +1,7 @@
 //! Constraints that set in: inelastic impacts, landing and release.
 
 use super::blocks::Moving;
-use super::lagrangian_rows::{force_on_joints, turn_blocks};
+use super::lagrangian_rows::{add_forces, turn_blocks};
 use super::{ConstrainedHamiltonian, ConstrainedHamiltonianSecondOrder};
 use crate::error::{EvalError, check_length};
 use crate::lagrangian::Free;
@@ -203,7 +203,8 @@ impl<S: Scalar> Impact<S> {
         }
         self.held.place(q, &self.along, mu);
         if let Some(free) = &self.free {
-            force_on_joints(rows, mu, &mut self.force);
+            self.force.fill(S::zero());
+            add_forces(rows, mu, &mut self.force);
             turn_blocks(free, [&self.force, y], rows.jacobian(), &mut self.held.blocks);
         }
         for i in 0..n {
@@ -224,9 +225,7 @@ impl<S: Scalar> Impact<S> {
     fn finish(&mut self, p: &[S]) {
         let first = self.second.constrained();
         self.momentum.copy_from_slice(p);
-        for (i, &impulse) in first.mu.iter().enumerate() {
-            add_scaled(&mut self.momentum, impulse, first.rows.jacobian().row(i));
-        }
+        add_forces(&first.rows, &first.mu, &mut self.momentum);
     }
 
     fn after(&self) -> AfterImpact<'_, S> {

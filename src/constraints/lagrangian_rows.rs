@@ -22,9 +22,8 @@ fn pairs(n: usize) -> impl Iterator<Item = (usize, usize)> {
     (0..n).flat_map(move |i| (0..n).map(move |j| (i, j)))
 }
 
-/// `J'lambda`, on the joints.
-pub(super) fn force_on_joints<S: Scalar>(rows: &Constraints<S>, lambda: &[S], force: &mut [S]) {
-    force.fill(S::zero());
+/// Adds `J'lambda`, on the joints.
+pub(super) fn add_forces<S: Scalar>(rows: &Constraints<S>, lambda: &[S], force: &mut [S]) {
     for (i, &lambda) in lambda.iter().enumerate() {
         add_scaled(force, lambda, rows.jacobian().row(i));
     }
@@ -50,7 +49,8 @@ impl<S: Scalar> ConstrainedLagrangian<S> {
         }
         let Some(free) = free else { return };
         let (force, jacobian) = (&mut column[0], solver.rows.jacobian());
-        force_on_joints(&solver.rows, lambda, force);
+        force.fill(S::zero());
+        add_forces(&solver.rows, lambda, force);
         for part in &free.parts {
             part.frame.turn_block(curvature, [0, 0], force.len());
             part.turn_force(force, curvature);
@@ -112,7 +112,8 @@ impl<S: Scalar> RowHessian<S> {
         self.take_moments(twice.rows.contracted());
         if let Some(free) = free {
             self.turn_moments(free, twice.rows.chart_jacobian());
-            force_on_joints(&solver.rows, lambda, &mut self.force);
+            self.force.fill(S::zero());
+            add_forces(&solver.rows, lambda, &mut self.force);
             turn_blocks(free, [&self.force, m_1], solver.rows.jacobian(), &mut held.blocks);
         }
         let n = m_1.len();
