@@ -7,9 +7,10 @@ use costate::codegen::{
 };
 use costate::hamiltonian::Hamiltonian;
 use costate::robot::{JointSpec, LinkInertia, LoadOptions, Placement, Robot, Wrench};
-use costate_test_support::generic::{State, expected, judge};
+use costate_test_support::generic::{Rounding, State, expected, judge};
 use costate_test_support::properties;
-use costate_test_support::random_robot::{Case, cases, free_cases, tolerance};
+use costate_test_support::random_robot::{Case, cases, free_cases};
+use costate_test_support::rounding::At;
 use costate_test_support::wrenches::pulled;
 use proptest::prelude::*;
 use std::path::Path;
@@ -36,16 +37,15 @@ fn programs(robot: &Robot) -> Vec<(Program, Quantity, Coordinates)> {
 /// Every program of a robot at one state (q, v).
 fn check(robot: &Robot, q: &[f64], v: &[f64], u: &[f64], y: &[f64]) -> Result<(), String> {
     let p = Hamiltonian::<f64>::new(robot).momentum(q, v).unwrap().to_vec();
-    let tolerance = tolerance(robot, q);
+    let d: Vec<f64> = y.iter().map(|y| 0.3 - y).collect();
+    let rounding = Rounding::new(robot, At { q, v, u, y, d: &d });
     let mut work = Vec::new();
     for (program, quantity, coordinates) in programs(robot) {
         let second = if coordinates == Coordinates::Hamiltonian { p.clone() } else { v.to_vec() };
-        let d = y.iter().map(|y| 0.3 - y).collect();
-        let state = State { q: q.to_vec(), second, u: u.to_vec(), y: y.to_vec(), d };
+        let state = State { q: q.to_vec(), second, u: u.to_vec(), y: y.to_vec(), d: d.clone() };
         let mut outputs = vec![0.0; program.outputs()];
         program.evaluate(&state.inputs(&program), &mut outputs, &mut work).unwrap();
-        let expected = expected(robot, quantity, coordinates, &state);
-        judge(&program, &outputs, &expected, tolerance)?;
+        judge(&program, &outputs, &expected(robot, quantity, coordinates, &state, &rounding))?;
     }
     Ok(())
 }
@@ -144,6 +144,8 @@ properties! {
 fn check_other(recorded: &Robot, other: &Robot, state: &State) -> Result<(), String> {
     assert_eq!(parameter_names(recorded), parameter_names(other));
     let p = Hamiltonian::<f64>::new(other).momentum(&state.q, &state.second).unwrap().to_vec();
+    let State { q, second: v, u, y, d } = state;
+    let rounding = Rounding::new(other, At { q, v, u, y, d });
     for coordinates in [Coordinates::Hamiltonian, Coordinates::Lagrangian] {
         for quantity in Quantity::ALL {
             let options = ProgramOptions::default().with_parameters(true);
@@ -155,12 +157,12 @@ fn check_other(recorded: &Robot, other: &Robot, state: &State) -> Result<(), Str
             if coordinates == Coordinates::Hamiltonian {
                 state.second.clone_from(&p);
             }
-            let expected = expected(other, quantity, coordinates, &state);
+            let expected = expected(other, quantity, coordinates, &state, &rounding);
             let mut inputs = state.inputs(&program);
             inputs.extend(parameter_values(other));
             let mut outputs = vec![0.0; program.outputs()];
             program.evaluate(&inputs, &mut outputs, &mut Vec::new()).unwrap();
-            judge(&program, &outputs, &expected, tolerance(other, &state.q))?;
+            judge(&program, &outputs, &expected)?;
         }
     }
     Ok(())

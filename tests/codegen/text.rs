@@ -8,8 +8,8 @@ use costate::configuration::ConfigurationSpace;
 use costate::hamiltonian::Hamiltonian;
 use costate::robot::{JointSpec, LinkInertia, LoadOptions, Robot};
 use costate::scalar::Scalar;
-use costate_test_support::generic::{State, expected, judge};
-use costate_test_support::random_robot::tolerance;
+use costate_test_support::generic::{Rounding, State, expected, judge};
+use costate_test_support::rounding::At;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -134,13 +134,14 @@ fn compiled_c_agrees_with_the_generic_code() {
             |from: f64, count: usize| (0..count).map(|i| 2.0 * (from + 1.7 * i as f64).sin()).collect();
         let (q, v): (Vec<f64>, Vec<f64>) = (numbers(0.3, n), numbers(-0.8, n));
         let p = Hamiltonian::<f64>::new(&robot).momentum(&q, &v).unwrap().to_vec();
-        let second = if coordinates == Coordinates::Hamiltonian { p } else { v };
         let (u, y, d) = (numbers(1.1, n), numbers(2.0, 2 * n), numbers(0.1, 2 * n));
+        let rounding = Rounding::new(&robot, At { q: &q, v: &v, u: &u, y: &y, d: &d });
+        let second = if coordinates == Coordinates::Hamiltonian { p } else { v };
         let state = State { q, second, u, y, d };
-        let expected = expected(&robot, quantity, coordinates, &state);
+        let expected = expected(&robot, quantity, coordinates, &state, &rounding);
         for flags in [["-O0"].as_slice(), &["-O2", "-march=native"]] {
             let found = run_c(&cc, &program, &state.inputs(&program), flags);
-            judge(&program, &found, &expected, tolerance(&robot, &state.q)).unwrap();
+            judge(&program, &found, &expected).unwrap();
         }
     }
 }
@@ -175,12 +176,13 @@ fn compiled_c_of_robots_with_quaternions_agrees_with_the_generic_code() {
         (Quantity::InverseDynamics, Coordinates::Lagrangian),
     ] {
         let program = robot_program(&robot, quantity, coordinates, &ProgramOptions::default()).unwrap();
-        let second = if coordinates == Coordinates::Hamiltonian { p.clone() } else { v.clone() };
         let (u, y, d) = (numbers(1.1, n), numbers(2.0, 2 * n), numbers(0.1, 2 * n));
+        let rounding = Rounding::new(&robot, At { q: &q, v: &v, u: &u, y: &y, d: &d });
+        let second = if coordinates == Coordinates::Hamiltonian { p.clone() } else { v.clone() };
         let state = State { q: q.clone(), second, u, y, d };
-        let expected = expected(&robot, quantity, coordinates, &state);
+        let expected = expected(&robot, quantity, coordinates, &state, &rounding);
         let found = run_c(&cc, &program, &state.inputs(&program), &["-O1"]);
-        judge(&program, &found, &expected, tolerance(&robot, &q)).unwrap();
+        judge(&program, &found, &expected).unwrap();
     }
 }
 

@@ -1,16 +1,15 @@
 //! Properties: all methods for derivatives agree on random trees.
 
 use costate::configuration::ConfigurationSpace;
-use costate::derivative::{
-    Directional, Function, Hessian, Jacobian, PhaseVelocity, Routes, Verdict, relative_difference,
-};
+use costate::derivative::{Directional, Function, Hessian, Jacobian, PhaseVelocity, Routes, Verdict};
 use costate::hamiltonian::{Hamiltonian, HamiltonianSecondOrder};
-use costate::matrix::{Block, Matrix};
+use costate::matrix::Block;
 use costate::robot::Robot;
 use costate::scalar::Scalar;
 use costate::step::{StepError, StepRoutes};
 use costate_test_support::properties;
-use costate_test_support::random_robot::{Case, cases, difference, free_cases, tolerance};
+use costate_test_support::random_robot::{Case, cases, difference, free_cases};
+use costate_test_support::rounding::{Bounds, close};
 use proptest::prelude::*;
 use std::convert::Infallible;
 
@@ -66,7 +65,7 @@ properties! {
     fn tensor_and_directional_derivative_contract_alike(case in cases(5)) {
         let robot = case.robot();
         let (x, n) = (case.x(&robot), case.n());
-        let tolerance = tolerance(&robot, &case.q);
+        let bounds = Bounds::new(&robot, [&case.q, &case.v, &case.u, &case.y]);
         let mut second = HamiltonianSecondOrder::<f64>::new(&robot);
         let analytic = second.contract(&case.q, &x[n..], &case.u, &case.y).unwrap();
         let mut hessian = Hessian::new(PhaseVelocity::new(&robot).under(&case.u));
@@ -77,17 +76,15 @@ properties! {
                 contracted.push((0..2 * n).map(|k| case.y[k] * tensor.entry(k, i, j)).sum::<f64>());
             }
         }
-        let natural = flat(analytic.linearisation().matrix()).iter().fold(0.0_f64, |m, x| m.max(x.abs()));
-        let contracted = Matrix::from_rows(2 * n, &contracted);
-        let found = relative_difference(analytic.matrix(), contracted.view(), natural);
-        prop_assert!(found <= tolerance, "tensor: {found:.2e}");
+        // Entries of y are at most 1, so each of the 2n products rounds as an entry of the tensor does.
+        close("y'F_xx", &flat(analytic.matrix()), &contracted, bounds.y_f_xx)?;
         let mut directional = Directional::new(PhaseVelocity::new(&robot).under(&case.u));
         let along = directional.jacobian_product(&x, &case.y).unwrap();
         let f_x = analytic.linearisation();
         let product: Vec<f64> =
             f_x.matrix().iter_rows().map(|row| row.iter().zip(&case.y).map(|(a, b)| a * b).sum()).collect();
-        prop_assert!(difference(along.value, f_x.f()) <= tolerance);
-        prop_assert!(difference(along.derivative, &product) <= tolerance);
+        close("F", along.value, f_x.f(), bounds.f)?;
+        close("F_x y", along.derivative, &product, 2.0 * n as f64 * bounds.f_x)?;
     }
 
     /// F and F_x do not depend on how they are asked for.
@@ -102,8 +99,9 @@ properties! {
         let (f_x, minv) = (flat(linear.matrix()), flat(linear.qp()));
         let mut second = HamiltonianSecondOrder::<f64>::new(&robot);
         let all = second.contract(&case.q, &p, &case.u, &case.y).unwrap();
-        prop_assert!(difference(all.linearisation().f(), &f) <= 1e-14);
-        prop_assert!(difference(&flat(all.linearisation().matrix()), &f_x) <= 1e-14);
+        let bounds = Bounds::new(&robot, [&case.q, &case.v, &case.u, &case.y]);
+        close("F", all.linearisation().f(), &f, bounds.f)?;
+        close("F_x", &flat(all.linearisation().matrix()), &f_x, bounds.f_x)?;
         prop_assert_eq!(hamiltonian.inverse_mass_matrix(&case.q).unwrap().as_slice(), &minv[..]);
     }
 

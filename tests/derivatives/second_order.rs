@@ -6,24 +6,16 @@ use costate::hamiltonian::{FullHessian, HamiltonianSecondOrder};
 use costate::lagrangian::LagrangianSecondOrder;
 use costate::matrix::Matrix;
 use costate::robot::Robot;
+use costate::scalar::{Count, Scalar};
 use costate::{EvalError, LengthError};
-use costate_test_support::properties;
-use costate_test_support::random_robot::{Case, cases, tolerance};
-use nalgebra::{DMatrix, DVector};
+use costate_test_support::random_robot::{cases, tolerance};
+use costate_test_support::rounding::{apart, bound, close, lift, rows, times, transposed_times};
+use costate_test_support::{properties, rounding};
+use nalgebra::DMatrix;
 use proptest::prelude::*;
 
 /// Robots a property.
 const CASES: u32 = 320;
-
-fn vector(values: &[f64]) -> DVector<f64> {
-    DVector::from_column_slice(values)
-}
-
-/// Size of the terms of y'F_xx, to which rounding is relative where y'F_xx vanishes.
-fn natural(case: &Case, second: &mut HamiltonianSecondOrder<f64>, x: &[f64]) -> f64 {
-    let linear = second.first().linearise(&case.q, &x[case.n()..], &case.u).unwrap();
-    largest(&case.y) * largest(linear.matrix().to_nalgebra().as_slice()).max(1.0)
-}
 
 properties! {
     CASES;
@@ -31,17 +23,20 @@ properties! {
     #[test]
     fn contracted_hessian_is_symmetric_and_linear_in_y(case in cases(10)) {
         let robot = case.robot();
-        let x = case.x(&robot);
-        let p = &x[case.n()..];
-        let other: Vec<f64> = case.y.iter().rev().map(|y| 0.7 - y).collect();
-        let both: Vec<f64> = case.y.iter().zip(&other).map(|(a, b)| 2.0 * a - 3.0 * b).collect();
+        rounding!(|S| {
+            let [q, v, u, y] = [&case.q[..], &case.v, &case.u, &case.y].map(lift::<S>);
+            let combine = |a: S, b: S| a.times(2.0) - b.times(3.0);
+            let other: Vec<S> = y.iter().rev().map(|&y| S::from_f64(0.7) - y).collect();
+            let both: Vec<S> = y.iter().zip(&other).map(|(&a, &b)| combine(a, b)).collect();
+            let mut second = HamiltonianSecondOrder::<S>::new(&robot);
+            let p = second.first().momentum(&q, &v).unwrap().to_vec();
+            let mut of = |y: &[S]| rows(second.contract(&q, &p, &u, y).unwrap().matrix());
+            let (h_one, h_other, h_both) = (of(&y), of(&other), of(&both));
+            vec![("linear in y", (0..h_both.len()).map(|k| combine(h_one[k], h_other[k]) - h_both[k]).collect())]
+        })?;
         let mut second = HamiltonianSecondOrder::<f64>::new(&robot);
-        let mut of = |y: &[f64]| second.contract(&case.q, p, &case.u, y).unwrap().matrix().to_nalgebra();
-        let (h_one, h_other, h_both) = (of(&case.y), of(&other), of(&both));
-        prop_assert_eq!(&h_one, &h_one.transpose());
-        let size = h_one.amax().max(h_other.amax()).max(natural(&case, &mut second, &x));
-        let off = (2.0 * h_one - 3.0 * h_other - h_both).amax();
-        prop_assert!(off <= 10.0 * tolerance(&robot, &case.q) * size, "{:.1e}", off / size);
+        let h = second.contract(&case.q, &case.p(&robot), &case.u, &case.y).unwrap().matrix().to_nalgebra();
+        prop_assert_eq!(&h, &h.transpose());
     }
 
     /// y'F_x beside F_x, y'F_xx d beside y'F_xx, and both through the trait.
@@ -51,21 +46,23 @@ properties! {
         let (x, y) = (case.x(&robot), &case.y);
         let p = &x[n..];
         let d: Vec<f64> = y.iter().map(|y| (5.0 * y).sin()).collect();
+        rounding!(|S| {
+            let [q, v, u, y, d] = [&case.q[..], &case.v, &case.u, y, &d].map(lift::<S>);
+            let mut second = HamiltonianSecondOrder::<S>::new(&robot);
+            let p = second.first().momentum(&q, &v).unwrap().to_vec();
+            let all = second.contract(&q, &p, &u, &y).unwrap();
+            let by_f_x = transposed_times(&rows(all.linearisation().matrix()), &y);
+            let by_y_f_xx = times(&rows(all.matrix()), &d);
+            let y_f_x = second.first().adjoint(&q, &p, &u, &y).unwrap().y_f_x.to_vec();
+            let product = second.hessian_product(&q, &p, &y, &d).unwrap();
+            vec![("y'F_x", apart(&y_f_x, &by_f_x)), ("y'F_xx d", apart(product, &by_y_f_xx))]
+        })?;
         let mut second = HamiltonianSecondOrder::<f64>::new(&robot);
-        let all = second.contract(&case.q, p, &case.u, y).unwrap();
-        let linear = all.linearisation();
-        let by_f_x = linear.matrix().to_nalgebra().transpose() * vector(y);
-        let by_y_f_xx = all.matrix().to_nalgebra() * vector(&d);
-        let (f, largest_second) = (linear.f().to_vec(), all.matrix().to_nalgebra().amax());
-        let bound = tolerance(&robot, &case.q);
-        let size = natural(&case, &mut second, &x);
+        let f = second.contract(&case.q, p, &case.u, y).unwrap().linearisation().f().to_vec();
         let adjoint = second.first().adjoint(&case.q, p, &case.u, y).unwrap();
         prop_assert_eq!(adjoint.f, &f[..]);
         let y_f_x = adjoint.y_f_x.to_vec();
-        prop_assert!((vector(&y_f_x) - &by_f_x).amax() <= bound * size, "{y_f_x:?} {by_f_x}");
         let product = second.hessian_product(&case.q, p, y, &d).unwrap().to_vec();
-        let size = size.max(largest_second);
-        prop_assert!((vector(&product) - &by_y_f_xx).amax() <= bound * size, "{product:?} {by_y_f_xx}");
         let (mut in_x, mut in_u) = (vec![f64::NAN; 2 * n], vec![f64::NAN; n]);
         second.adjoint(&x, &case.u, y, &mut in_x, &mut in_u).unwrap();
         prop_assert_eq!((&in_x, &in_u[..]), (&y_f_x, &y[n..]));
@@ -83,7 +80,6 @@ properties! {
         prop_assert_eq!(tensor.packed().len(), (2 * n) * (2 * n + 1) * (2 * n + 2) / 6 - n * (n + 1) * (n + 2) / 6);
         let mut hyperdual = Hessian::new(PhaseVelocity::new(&robot).under(&case.u));
         let expected = hyperdual.hessian_tensor(&x).unwrap();
-        let size = largest(expected.jacobian().as_slice()).max(1.0);
         let size_of = 2 * n;
         let triples = || (0..size_of.pow(3)).map(move |t| (t / size_of / size_of, t / size_of % size_of, t % size_of));
         let entries = |of: &dyn Fn(usize, usize, usize) -> f64| {
@@ -91,9 +87,14 @@ properties! {
         };
         let ours = entries(&|k, i, j| tensor.entry(k, i, j));
         let theirs = entries(&|k, i, j| expected.entry(k, i, j));
-        let size = size.max(largest(&theirs));
-        let off = (vector(&ours) - vector(&theirs)).amax() / size;
-        prop_assert!(off <= tolerance(&robot, &case.q), "{off:.1e}");
+        let [q, p] = [&case.q[..], &x[n..]].map(lift::<Count>);
+        let mut rounded = FullHessian::<Count>::new(&robot);
+        // Entries, with friction. Hyper-dual numbers leave products with M^-1 of the size of F_x and F_xx
+        // where the tensor has none.
+        let rounded = rounded.hessian_tensor(&q, &p).unwrap();
+        let counted = bound(&triples().map(|(k, i, j)| rounded.entry(k, i, j)).collect::<Vec<Count>>());
+        let size = largest(expected.jacobian().as_slice()).max(largest(&theirs)).max(1.0);
+        close("F_xx", &ours, &theirs, 2.0 * counted + tolerance(&robot, &case.q) * size)?;
         let without_friction = robot.joints().iter().all(|joint| joint.friction.is_none());
         for (a, b, c) in triples() {
             let entry = tensor.third(a, b, c);

@@ -2,15 +2,17 @@
 //! and against the same generalised force given as actuation.
 
 use crate::lagrangian::{separate_calls_agree, torque_hessian};
-use costate::derivative::{ForwardDynamics, Hessian, Jacobian, PhaseVelocity, largest};
+use costate::derivative::{ForwardDynamics, Hessian, Jacobian, PhaseVelocity};
 use costate::hamiltonian::{DualPass, FullHessian, Hamiltonian, HamiltonianSecondOrder};
 use costate::kinematics::{ExternalForces, Kinematics, ReferenceFrame};
 use costate::lagrangian::{Lagrangian, LagrangianSecondOrder, LegendreTransform};
 use costate::matrix::Matrix;
 use costate::robot::{FrameSpec, JointSpec, LinkInertia, Placement, Robot, Wrench, WrenchAxes};
 use costate_test_support::properties;
-use costate_test_support::random_robot::{Case, cases, difference, difference_at, tolerance};
+use costate_test_support::random_robot::{Case, cases, difference};
+use costate_test_support::reach::Reach;
 use costate_test_support::reference::flat;
+use costate_test_support::rounding::{At, Bounds, InverseBounds, close};
 use nalgebra::{DMatrix, DVector};
 use proptest::prelude::*;
 
@@ -53,7 +55,8 @@ properties! {
         let robot = loaded(&case);
         let (n, x, y) = (case.n(), case.x(&robot), &case.y);
         let (q, p) = x.split_at(n);
-        let tolerance = tolerance(&robot, q);
+        let d = [&case.v[..], &case.u[..]].concat();
+        let bounds = Bounds::at(&robot, At { q, v: &case.v, u: &case.u, y, d: &d });
         let mut function = PhaseVelocity::new(&robot);
         function.u.copy_from_slice(&case.u);
         let mut first: Jacobian<_> = Jacobian::new(function.clone());
@@ -62,27 +65,26 @@ properties! {
         let curvature = second.contract(&x, y).unwrap().as_slice();
         let mut analytic = HamiltonianSecondOrder::<f64>::new(&robot);
         let found = analytic.contract(q, p, &case.u, y).unwrap();
-        prop_assert!(difference(found.linearisation().f(), expected.value) < tolerance);
-        prop_assert!(difference(&flat(found.linearisation().matrix()), expected.jacobian.as_slice()) < tolerance);
-        prop_assert!(difference(&flat(found.matrix()), curvature) < tolerance);
-        let d = [&case.v[..], &case.u[..]].concat();
+        close("F", found.linearisation().f(), expected.value, bounds.f)?;
+        close("F_x", &flat(found.linearisation().matrix()), expected.jacobian.as_slice(), bounds.f_x)?;
+        close("y'F_xx", &flat(found.matrix()), curvature, bounds.y_f_xx)?;
         let product = analytic.hessian_product(q, p, y, &d).unwrap();
         let whole = DMatrix::from_row_slice(2 * n, 2 * n, curvature);
-        prop_assert!(difference(product, (&whole * DVector::from_vec(d)).as_slice()) < 10.0 * tolerance);
+        close("y'F_xx d", product, (&whole * DVector::from_vec(d)).as_slice(), bounds.product.max(2.0 * n as f64 * bounds.y_f_xx))?;
         let adjoint = analytic.first().adjoint(q, p, &case.u, y).unwrap();
         let f_x = DMatrix::from_row_slice(2 * n, 2 * n, expected.jacobian.as_slice());
         let pulled = f_x.transpose() * DVector::from_column_slice(y);
-        prop_assert!(difference(adjoint.f, expected.value) < tolerance);
-        prop_assert!(difference(adjoint.y_f_x, pulled.as_slice()) < 10.0 * tolerance);
+        close("F of the adjoint", adjoint.f, expected.value, bounds.f)?;
+        close("y'F_x", adjoint.y_f_x, pulled.as_slice(), bounds.y_f_x.max(2.0 * n as f64 * bounds.f_x))?;
         let mut dual = DualPass::<f64>::new(&robot);
         let found = dual.contract(q, p, &case.u, y).unwrap();
-        prop_assert!(difference(found.linearisation().f(), expected.value) < tolerance);
-        prop_assert!(difference(&flat(found.linearisation().matrix()), expected.jacobian.as_slice()) < tolerance);
-        prop_assert!(difference(&flat(found.matrix()), curvature) < tolerance);
+        close("F by a dual pass", found.linearisation().f(), expected.value, bounds.f)?;
+        close("F_x by a dual pass", &flat(found.linearisation().matrix()), expected.jacobian.as_slice(), bounds.f_x)?;
+        close("y'F_xx by a dual pass", &flat(found.matrix()), curvature, bounds.y_f_xx)?;
         let mut tensor = FullHessian::<f64>::new(&robot);
         let mut contracted = Matrix::zeros(2 * n, 2 * n);
         tensor.hessian_tensor(q, p).unwrap().contract(y, &mut contracted).unwrap();
-        prop_assert!(difference(contracted.as_slice(), curvature) < tolerance);
+        close("y'F_xx by the tensor", contracted.as_slice(), curvature, bounds.y_f_xx)?;
     }
 
     #[test]
@@ -90,7 +92,7 @@ properties! {
         let robot = loaded(&case);
         let n = case.n();
         let (q, v, u) = (&case.q[..], &case.v[..], &case.u[..]);
-        let tolerance = 10.0 * tolerance(&robot, q);
+        let bounds = Bounds::new(&robot, [q, v, u, &case.y]);
         let (z, y) = ([q, v, u].concat(), &case.y[n..]);
         let mut first: Jacobian<_> = Jacobian::new(ForwardDynamics::new(&robot));
         let mut second = Hessian::new(ForwardDynamics::new(&robot));
@@ -98,13 +100,11 @@ properties! {
         let curvature = second.contract(&z, y).unwrap().as_slice();
         let mut analytic = LagrangianSecondOrder::<f64>::new(&robot);
         let found = analytic.contract_forward_dynamics(q, v, u, y).unwrap();
-        prop_assert!(difference(found.forward_dynamics().acceleration(), expected.value) < tolerance);
-        prop_assert!(difference(&flat(found.forward_dynamics().matrix()), expected.jacobian.as_slice()) < tolerance);
-        // Second derivatives may vanish where first ones do not.
-        let size = largest(expected.jacobian.as_slice()) * largest(y);
-        prop_assert!(difference_at(size, found.to_matrix().as_slice(), curvature) < tolerance);
+        close("a", found.forward_dynamics().acceleration(), expected.value, bounds.a)?;
+        close("a_z", &flat(found.forward_dynamics().matrix()), expected.jacobian.as_slice(), bounds.a_z)?;
+        close("y'a_zz", found.to_matrix().as_slice(), curvature, bounds.y_a_zz)?;
         let linear = analytic.first().linearise_forward_dynamics(q, v, u).unwrap();
-        prop_assert!(difference(&flat(linear.matrix()), expected.jacobian.as_slice()) < tolerance);
+        close("a_z alone", &flat(linear.matrix()), expected.jacobian.as_slice(), bounds.a_z)?;
         let lagrangian = analytic.first();
         let mut w = y.to_vec();
         lagrangian.solve_mass_matrix(q, &mut w).unwrap();
@@ -112,17 +112,20 @@ properties! {
         lagrangian.adjoint_factored([q, v, u, &w], &mut f, &mut product).unwrap();
         let a_z = DMatrix::from_row_slice(n, 3 * n, expected.jacobian.as_slice());
         let pulled = a_z.columns(0, 2 * n).transpose() * DVector::from_column_slice(y);
-        prop_assert!(difference(&product, pulled.as_slice()) < 10.0 * tolerance);
+        // y'a_z is the sum of n products of entries of y, at most 1, with such of a_z.
+        close("y'a_z", &product, pulled.as_slice(), bounds.y_a_z.max(n as f64 * bounds.a_z))?;
+        // The error of a comes back as M times it.
         let a = expected.value.to_vec();
-        let tau = lagrangian.inverse_dynamics(q, v, &a).unwrap();
-        let size = case.u.iter().fold(1.0_f64, |size, u| size.max(u.abs()));
-        prop_assert!(tau.iter().zip(u).all(|(tau, u)| (tau - u).abs() < 100.0 * tolerance * size * (1.0 + size)));
+        let m = lagrangian.mass_matrix(q).unwrap().view().to_nalgebra();
+        let of_a = n as f64 * m.amax() * bounds.a;
+        let of_tau = InverseBounds::new(&robot, [q, v, &a, u]).tau;
+        close("tau", lagrangian.inverse_dynamics(q, v, &a).unwrap(), u, of_a + of_tau)?;
         let mut transform = LegendreTransform::<f64>::new(&robot);
         let mut map = transform.at(q, v, u).unwrap();
         let f_x = flat(map.hamiltonian().f_x.view());
         let p = map.momentum().to_vec();
         let direct = flat(Hamiltonian::<f64>::new(&robot).linearise(q, &p, u).unwrap().matrix());
-        prop_assert!(difference(&f_x, &direct) < 10.0 * tolerance);
+        close("F_x from a_z", &f_x, &direct, bounds.f_x.max(n as f64 * m.amax() * bounds.a_z))?;
     }
 
     #[test]
@@ -133,7 +136,8 @@ properties! {
         let mut second = LagrangianSecondOrder::<f64>::new(&robot);
         let found = matrix(second.contract_inverse_dynamics(q, v, a, w).unwrap().zz());
         let expected = torque_hessian(&robot, &[q, v, a].concat(), w);
-        prop_assert!((found - &expected).amax() <= 1e-11 * expected.amax().max(1.0));
+        let bound = InverseBounds::new(&robot, [q, v, a, w]).w_tau_zz;
+        close("w'tau_zz", found.as_slice(), expected.as_slice(), bound)?;
     }
 
     #[test]
@@ -143,15 +147,16 @@ properties! {
         let (q, v, u) = (&case.q[..], &case.v[..], &case.u[..]);
         let force = generalised_force(&robot, q);
         let pushed: Vec<f64> = u.iter().zip(&force).map(|(u, force)| u + force).collect();
-        let tolerance = 10.0 * tolerance(&robot, q);
+        // The one robot adds J'W to u beforehand, the other one on its way.
+        let bounds = Bounds::new(&robot, [q, v, u, &case.y]).largest(Bounds::new(&bare, [q, v, &pushed, &case.y]));
         let found = Lagrangian::<f64>::new(&robot).forward_dynamics(q, v, u).unwrap().to_vec();
         let mut without = Lagrangian::<f64>::new(&bare);
         let expected = without.forward_dynamics(q, v, &pushed).unwrap();
-        prop_assert!(difference(&found, expected) < tolerance);
+        close("a", &found, expected, bounds.a)?;
         let p = case.p(&bare);
         let found = Hamiltonian::<f64>::new(&robot).evaluate(q, &p, u).unwrap().to_vec();
         let mut without = Hamiltonian::<f64>::new(&bare);
-        prop_assert!(difference(&found, without.evaluate(q, &p, &pushed).unwrap()) < tolerance);
+        close("F", &found, without.evaluate(q, &p, &pushed).unwrap(), bounds.f)?;
         // The same wrenches, set later.
         let none = Wrench::default();
         let robot_of_none = robot.wrenches().iter().fold(robot.without_wrenches(), |robot, applied| {
@@ -169,9 +174,13 @@ properties! {
         }
         let changed = transform.at(q, v, u).unwrap().lagrangian().f.to_vec();
         let mut loaded = Lagrangian::<f64>::new(&robot);
-        prop_assert!(difference(&changed, loaded.evaluate(q, v, u).unwrap()) < tolerance);
+        close("f", &changed, loaded.evaluate(q, v, u).unwrap(), bounds.a)?;
         let mut external = ExternalForces::<f64>::new(&robot);
-        prop_assert!((DVector::from_column_slice(external.evaluate(q).unwrap()) - force).amax() < 1e-12);
+        // An arm times a force, and a moment, of each wrench.
+        let applied = robot.wrenches().iter().map(|applied| applied.wrench);
+        let size: f64 = applied.flat_map(|wrench| [wrench.moment, wrench.force]).flatten().map(f64::abs).sum();
+        let bound = size * Reach::of_case(&robot, &case).position(1);
+        close("J'W", external.evaluate(q).unwrap(), force.as_slice(), bound)?;
     }
 
     #[test]
@@ -182,12 +191,14 @@ properties! {
         let robot = robot.with_wrench(&frame, pull).unwrap();
         let mut external = ExternalForces::<f64>::new(&robot);
         let slope = matrix(external.jacobian(&case.q).unwrap());
-        prop_assert!((&slope - slope.transpose()).amax() < 1e-13);
+        let size: f64 = pull.force.iter().map(|force| force.abs()).sum();
+        let bound = size * Reach::of_case(&robot, &case).position(2);
+        close("(J'W)_q, transposed", slope.as_slice(), slope.transpose().as_slice(), bound)?;
         let mut kinematics = Kinematics::<f64>::new(&robot);
         kinematics.set_position(&case.q).unwrap();
         let index = robot.frame_index(&frame).unwrap();
         let hessian = matrix(kinematics.position_hessian(index, &pull.force).unwrap());
-        prop_assert!((slope - hessian).amax() < 1e-13);
+        close("(J'W)_q", slope.as_slice(), hessian.as_slice(), bound)?;
     }
 }
 

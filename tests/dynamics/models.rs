@@ -9,7 +9,8 @@ use costate::matrix::Block;
 use costate::robot::{Robot, Tree};
 use costate::scalar::Scalar;
 use costate_test_support::properties;
-use costate_test_support::random_robot::{Case, cases, condition};
+use costate_test_support::random_robot::{Case, cases};
+use costate_test_support::rounding::{Bounds, close};
 use proptest::prelude::*;
 use std::convert::Infallible;
 
@@ -82,36 +83,43 @@ fn blocks(second: &Contraction<'_, f64>) -> [Vec<f64>; 3] {
     [flat(second.xx), ux, uu]
 }
 
+/// How far rounding may take two models of a robot apart: f, its first derivatives, y' times the second ones.
+#[derive(Clone, Copy)]
+struct Rounding {
+    f: f64,
+    first: f64,
+    second: f64,
+}
+
 /// A model against the automatic one of its equations; every answer of the trait.
 fn models_agree(
     model: &mut impl Dynamics<f64, Error = EvalError>,
     judge: &mut impl Dynamics<f64, Error = DerivativeError<EvalError>>,
     (case, x): (&Case, &[f64]),
+    of: Rounding,
 ) -> Result<(), TestCaseError> {
     let (u, y) = (&case.u[..], &case.y[..]);
-    let tolerance = 1e-12 * (condition(&case.robot(), &case.q) / 1000.0).max(1.0);
     let structure = model.structure();
     prop_assert_eq!((model.states(), model.controls()), (judge.states(), judge.controls()));
     let value = model.evaluate(x, u).unwrap().to_vec();
     let expected = judge.contract(x, u, y).unwrap();
-    let natural = largest(&flat(expected.first.f_x));
-    let small = 1e-3 * natural * largest(y);
     let expected_blocks = blocks(&expected);
     let first = model.linearise(x, u).unwrap();
     let (f_x, f_u) = (flat(first.f_x), flat(first.f_u));
-    let mut worst = vec![
-        off(&value, expected.first.f, 1e-3 * natural),
-        off(first.f, &value, 1e-3 * natural),
-        off(&f_x, &flat(expected.first.f_x), 0.0),
-        off(&f_u, &flat(expected.first.f_u), 0.0),
-    ];
+    close("f", &value, expected.first.f, of.f)?;
+    close("f of f_x", first.f, &value, of.f)?;
+    close("f_x", &f_x, &flat(expected.first.f_x), of.first)?;
+    close("f_u", &f_u, &flat(expected.first.f_u), of.first)?;
     let second = model.contract(x, u, y).unwrap();
     prop_assert!(second.ux.is_none() == structure.constant_f_u);
     prop_assert!(second.uu.is_none() == (structure.constant_f_u || structure.affine_in_u));
     prop_assert!(second.ux.is_none_or(|ux| ux.columns() == structure.f_u_depends_on));
-    worst.extend([off(second.first.f, &value, 1e-3 * natural), off(&flat(second.first.f_x), &f_x, 0.0)]);
+    close("f of y'f_xx", second.first.f, &value, of.f)?;
+    close("f_x of y'f_xx", &flat(second.first.f_x), &f_x, of.first)?;
     let found = blocks(&second);
-    worst.extend(found.iter().zip(&expected_blocks).map(|(found, expected)| off(found, expected, small)));
+    for (name, (found, expected)) in ["xx", "ux", "uu"].iter().zip(found.iter().zip(&expected_blocks)) {
+        close(name, found, expected, of.second)?;
+    }
     let product = |rows: &[f64], columns: usize, d: &[f64], transposed: bool| -> Vec<f64> {
         let m = nalgebra::DMatrix::from_row_slice(rows.len() / columns, columns, rows);
         let d = nalgebra::DVector::from_column_slice(d);
@@ -120,17 +128,17 @@ fn models_agree(
     let (states, controls) = (x.len(), u.len());
     let (mut in_x, mut in_u) = (vec![f64::NAN; states], vec![f64::NAN; controls]);
     model.adjoint(x, u, y, &mut in_x, &mut in_u).unwrap();
-    worst.push(off(&in_x, &product(&f_x, states, y, true), 1e-3 * natural));
-    worst.push(off(&in_u, &product(&f_u, controls, y, true), largest(&f_u)));
+    // Each term of a product rounds as its entry of the matrix does, times its factor.
+    let terms = |factors: &[f64]| 2.0 * factors.iter().map(|factor| factor.abs()).sum::<f64>();
+    close("y'f_x", &in_x, &product(&f_x, states, y, true), terms(y) * of.first)?;
+    close("y'f_u", &in_u, &product(&f_u, controls, y, true), terms(y) * of.first)?;
     let (d_x, d_u): (Vec<f64>, Vec<f64>) = (y.iter().rev().copied().collect(), u.to_vec());
     model.hessian_product(x, u, y, [&d_x, &d_u], [&mut in_x, &mut in_u]).unwrap();
     let add = |a: Vec<f64>, b: Vec<f64>| a.iter().zip(b).map(|(a, b)| a + b).collect::<Vec<_>>();
     let [xx, ux, uu] = &found;
-    let size = largest(xx).max(largest(ux)).max(small) * largest(&d_x).max(largest(&d_u));
-    worst.push(off(&in_x, &add(product(xx, states, &d_x, false), product(ux, states, &d_u, true)), size));
-    worst.push(off(&in_u, &add(product(ux, states, &d_x, false), product(uu, controls, &d_u, false)), size));
-    prop_assert!(largest(&worst) <= tolerance, "{:.2e} > {tolerance:.2e}: {worst:?}", largest(&worst));
-    Ok(())
+    let bound = (terms(&d_x) + terms(&d_u)) * of.second;
+    close("in x", &in_x, &add(product(xx, states, &d_x, false), product(ux, states, &d_u, true)), bound)?;
+    close("in u", &in_u, &add(product(ux, states, &d_x, false), product(uu, controls, &d_u, false)), bound)
 }
 
 properties! {
@@ -140,14 +148,17 @@ properties! {
     fn robots_are_the_automatic_models_of_their_equations(case in cases(6)) {
         let robot = case.robot();
         let tree = || Tree::from(&robot);
+        let of = Bounds::new(&robot, [&case.q, &case.v, &case.u, &case.y]);
+        let in_momenta = Rounding { f: of.f, first: of.f_x, second: of.y_f_xx };
         let mut model = HamiltonianSecondOrder::from_tree(tree());
         let mut judge = Automatic::new(Momenta(tree()));
-        models_agree(&mut model, &mut judge, (&case, &case.x(&robot)))?;
+        models_agree(&mut model, &mut judge, (&case, &case.x(&robot)), in_momenta)?;
         let mut model = hamiltonian::DualPass::from_tree(tree());
-        models_agree(&mut &mut model, &mut judge, (&case, &case.x(&robot)))?;
+        models_agree(&mut &mut model, &mut judge, (&case, &case.x(&robot)), in_momenta)?;
+        let in_velocities = Rounding { f: of.a, first: of.a_z, second: of.y_a_zz };
         let mut model = LagrangianSecondOrder::from_tree(tree());
         let z = [case.q.as_slice(), &case.v].concat();
-        models_agree(&mut model, &mut Automatic::new(Velocities(tree())), (&case, &z))?;
+        models_agree(&mut model, &mut Automatic::new(Velocities(tree())), (&case, &z), in_velocities)?;
     }
 }
 

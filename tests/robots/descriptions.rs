@@ -5,7 +5,8 @@ use costate::robot::urdf::parse;
 use costate::robot::{JointSpec, LinkInertia, LoadOptions, Placement, Robot, dh};
 use costate_test_support::properties;
 use costate_test_support::random_position::Kind;
-use costate_test_support::random_robot::{Case, all_cases, condition, difference, tolerance};
+use costate_test_support::random_robot::{Case, all_cases, condition};
+use costate_test_support::rounding::{Bounds, close};
 use nalgebra::{Matrix3, Vector3};
 use proptest::prelude::*;
 
@@ -122,6 +123,10 @@ fn angle() -> impl Strategy<Value = f64> {
     ]
 }
 
+/// Constants of a robot that was put together from text are rounded up to so many times: each number of its
+/// placements and inertias in two products of rotations and a sum, while bounds start from one rounding each.
+const CONSTANTS: f64 = 8.0;
+
 properties! {
     160;
 
@@ -138,14 +143,18 @@ properties! {
         let [table, urdf] = table_and_urdf(&rows, &prismatic[..n], &body);
         prop_assume!((0.0..1e9).contains(&condition(&table, &q[..n])));
         let p: Vec<f64> = (0..n).map(|i| 0.3 + 0.2 * i as f64).collect();
-        let bound = 10.0 * tolerance(&table, &q[..n]);
+        // The constants of both are rounded as those of one are: the bounds of both together.
+        let v = Hamiltonian::<f64>::new(&table).velocity(&q[..n], &p).unwrap().to_vec();
+        let (rest, y) = (vec![0.0; n], vec![1.0; 2 * n]);
+        let at = |robot| Bounds::new(robot, [&q[..n], &v, &rest, &y]);
+        let bounds = at(&table).largest(at(&urdf));
         let [first, second] = [table, urdf].map(|robot| {
             let mut hamiltonian = Hamiltonian::<f64>::new(&robot);
-            let linear = hamiltonian.linearise(&q[..n], &p, &vec![0.0; n]).unwrap();
+            let linear = hamiltonian.linearise(&q[..n], &p, &rest).unwrap();
             [linear.mass_matrix().as_slice().to_vec(), linear.f().to_vec(), linear.matrix().iter_rows().flatten().copied().collect()]
         });
-        for (found, expected) in second.iter().zip(&first) {
-            prop_assert!(difference(found, expected) <= bound, "{:.1e}", difference(found, expected));
+        for (k, bound) in [bounds.m, bounds.f, bounds.f_x].into_iter().enumerate() {
+            close(["M", "F", "F_x"][k], &second[k], &first[k], CONSTANTS * bound)?;
         }
     }
 
@@ -166,9 +175,10 @@ properties! {
             (linear.mass_matrix().as_slice().to_vec(), linear.f().to_vec(), linear.matrix().to_nalgebra())
         };
         let ((m, f, f_x), (m_whole, f_whole, f_x_whole)) = (numbers(&pieces), numbers(&robot));
-        let bound = 10.0 * tolerance(&robot, &plain.q);
-        prop_assert!(difference(&m, &m_whole) <= 1e-13);
-        prop_assert!(difference(&f, &f_whole) <= bound);
-        prop_assert!(difference(f_x.as_slice(), f_x_whole.as_slice()) <= bound);
+        let at = |robot| Bounds::new(robot, [&plain.q, &plain.v, &plain.u, &plain.y]);
+        let bounds = at(&robot).largest(at(&pieces));
+        close("M", &m, &m_whole, CONSTANTS * bounds.m)?;
+        close("F", &f, &f_whole, CONSTANTS * bounds.f)?;
+        close("F_x", f_x.as_slice(), f_x_whole.as_slice(), CONSTANTS * bounds.f_x)?;
     }
 }

@@ -16,6 +16,7 @@ mod parameters;
 mod texts;
 mod toml_contents;
 mod toml_files;
+mod units;
 mod urdf;
 mod urdf_loops;
 mod urdf_loops_refused;

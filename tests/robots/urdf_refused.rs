@@ -209,7 +209,9 @@ warns! {
         Warning::NegativeLimit { .. }, ["negative", "joint elbow"];
     limit_of_velocity_negative: elbow("continuous", "<limit effort=\"2\" velocity=\"-3\"/>"), line 8,
         Warning::NegativeLimit { .. }, ["negative", "joint elbow"];
-    massive_base: more("").replace("<link name=\"base\"/>", &format!("<link name=\"base\">{INERTIAL}</link>")), line 2,
+    massive_base: more(&format!("<link name=\"other\">{INERTIAL}</link><joint name=\"second\" type=\"continuous\">\
+        <parent link=\"base\"/><child link=\"other\"/></joint>"))
+        .replace("<link name=\"base\"/>", &format!("<link name=\"base\">{INERTIAL}</link>")), line 2,
         Warning::FixedBase { .. }, ["'base'", "2 kg", "held fixed", "floating joint"];
 }
 

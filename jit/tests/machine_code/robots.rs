@@ -6,9 +6,10 @@ use costate::configuration::ConfigurationSpace;
 use costate::hamiltonian::Hamiltonian;
 use costate::robot::{JointSpec, LinkInertia, LoadOptions, Robot};
 use costate_jit::{Backend, Compiled, DEFAULT_LIMIT, JitError, JitLanes, JitModel, JitQuantity};
-use costate_test_support::generic::{State, expected, judge};
+use costate_test_support::generic::{Rounding, State, expected, judge};
 use costate_test_support::properties;
-use costate_test_support::random_robot::{Case, cases, tolerance};
+use costate_test_support::random_robot::{Case, cases};
+use costate_test_support::rounding::At;
 use proptest::prelude::*;
 use std::path::Path;
 
@@ -59,6 +60,11 @@ const LONGEST: usize = 40_000;
 
 /// Every quantity of a robot at states (q, v, u, y), compiled once, and by the evaluator compiled and not.
 fn check(robot: &Robot, states: &[[Vec<f64>; 4]]) -> Result<(), String> {
+    let directions: Vec<Vec<f64>> =
+        states.iter().map(|[.., y]| y.iter().map(|y| 0.3 - y).collect()).collect();
+    let rounding =
+        |([q, v, u, y], d): (&[Vec<f64>; 4], &Vec<f64>)| Rounding::new(robot, At { q, v, u, y, d });
+    let roundings: Vec<Rounding> = states.iter().zip(&directions).map(rounding).collect();
     for (quantity, coordinates) in quantities() {
         let Ok(program) = robot_program(robot, quantity, coordinates, &ProgramOptions::default()) else {
             continue;
@@ -70,29 +76,28 @@ fn check(robot: &Robot, states: &[[Vec<f64>; 4]]) -> Result<(), String> {
         let lanes = Compiled::lanes(&program).map_err(|error| error.to_string())?;
         let mut evaluator = JitQuantity::with_limit(robot, quantity, coordinates, LIMIT).unwrap();
         let mut fallback = JitQuantity::with_limit(robot, quantity, coordinates, 0).unwrap();
-        for [q, v, u, y] in states {
+        for (([q, v, u, y], d), rounding) in states.iter().zip(&directions).zip(&roundings) {
             let p = Hamiltonian::<f64>::new(robot).momentum(q, v).unwrap().to_vec();
             let second = if coordinates == Coordinates::Hamiltonian { p } else { v.clone() };
-            let d = y.iter().map(|y| 0.3 - y).collect();
-            let state = State { q: q.clone(), second, u: u.clone(), y: y.clone(), d };
+            let state = State { q: q.clone(), second, u: u.clone(), y: y.clone(), d: d.clone() };
             let inputs = state.inputs(&program);
-            let expected = expected(robot, quantity, coordinates, &state);
+            let expected = expected(robot, quantity, coordinates, &state, rounding);
             let mut outputs = vec![f64::NAN; compiled.outputs()];
             compiled.call(&inputs, &mut outputs).unwrap();
-            judge(&program, &outputs, &expected, tolerance(robot, q))?;
+            judge(&program, &outputs, &expected)?;
             let four: Vec<[f64; 4]> =
                 inputs.iter().map(|&input| [input, 0.5 * input, input, -input]).collect();
             let mut in_lanes = vec![[f64::NAN; 4]; compiled.outputs()];
             lanes.call(&four, &mut in_lanes).unwrap();
             for lane in [0, 2] {
                 let outputs: Vec<f64> = in_lanes.iter().map(|output| output[lane]).collect();
-                judge(&program, &outputs, &expected, tolerance(robot, q))?;
+                judge(&program, &outputs, &expected)?;
             }
             let mut again = vec![f64::NAN; evaluator.outputs()];
             evaluator.evaluate(&inputs, &mut again).unwrap();
-            judge(&program, &again, &expected, tolerance(robot, q))?;
+            judge(&program, &again, &expected)?;
             fallback.evaluate(&inputs, &mut again).unwrap();
-            judge(&program, &again, &expected, tolerance(robot, q))?;
+            judge(&program, &again, &expected)?;
         }
     }
     Ok(())

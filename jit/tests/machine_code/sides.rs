@@ -4,8 +4,8 @@ use costate::codegen::{Coordinates, ProgramOptions, Quantity, robot_program};
 use costate::hamiltonian::Hamiltonian;
 use costate::robot::{Friction, JointSpec, LinkInertia, Placement, Robot, Spring};
 use costate_jit::{Backend, Compiled, JitError, JitQuantity, limit_of};
-use costate_test_support::generic::{State, expected, judge};
-use costate_test_support::random_robot::tolerance;
+use costate_test_support::generic::{Rounding, State, expected, judge};
+use costate_test_support::rounding::At;
 use fastrand::Rng;
 use nalgebra::Matrix3;
 
@@ -65,6 +65,7 @@ fn check(robot: &Robot, rng: &mut Rng) -> Option<[usize; 2]> {
     let mut vector = |entries: usize| -> Vec<f64> { (0..entries).map(|_| 2.0 * rng.f64() - 1.0).collect() };
     let (q, v, u, y, d) = (vector(n), vector(n), vector(n), vector(2 * n), vector(2 * n));
     let mut steps = [0; 2];
+    let rounding = Rounding::new(robot, At { q: &q, v: &v, u: &u, y: &y, d: &d });
     for coordinates in [Coordinates::Hamiltonian, Coordinates::Lagrangian] {
         let p = Hamiltonian::<f64>::new(robot).momentum(&q, &v).unwrap().to_vec();
         let second = if coordinates == Coordinates::Hamiltonian { p } else { v.clone() };
@@ -78,14 +79,14 @@ fn check(robot: &Robot, rng: &mut Rng) -> Option<[usize; 2]> {
             };
             steps = [steps[0] + compiled.steps(), steps[1] + program.steps()];
             let inputs = state.inputs(&program);
-            let expected = expected(robot, quantity, coordinates, &state);
+            let expected = expected(robot, quantity, coordinates, &state, &rounding);
             let mut outputs = vec![f64::NAN; compiled.outputs()];
             compiled.call(&inputs, &mut outputs).unwrap();
-            judge(&program, &outputs, &expected, tolerance(robot, &q)).unwrap();
+            judge(&program, &outputs, &expected).unwrap();
             let mut guarded = JitQuantity::with_limit(robot, quantity, coordinates, usize::MAX).unwrap();
             outputs.fill(f64::NAN);
             guarded.evaluate(&inputs, &mut outputs).unwrap();
-            judge(&program, &outputs, &expected, tolerance(robot, &q)).unwrap();
+            judge(&program, &outputs, &expected).unwrap();
         }
     }
     Some(steps)

@@ -1,7 +1,7 @@
 //! Floating and spherical joints under constraints of all kinds: F, forces and their derivatives in the
 //! tangent space.
 
-use super::{are_those_of_the_dense_equations, choices, closed, independence, off};
+use super::{Rounding, are_those_of_the_dense_equations, choices, closed, independence};
 use crate::free_joints::{moving, retracted};
 use costate::EvalError;
 use costate::constraints::{ConstrainedHamiltonian, ConstrainedHamiltonianSecondOrder, Constraints};
@@ -10,6 +10,7 @@ use costate::robot::Robot;
 use costate::scalar::Scalar;
 use costate_test_support::properties;
 use costate_test_support::random_robot::{free_cases, tolerance};
+use costate_test_support::rounding::close;
 use nalgebra::DVector;
 use num_dual::Dual64;
 use proptest::prelude::*;
@@ -65,8 +66,9 @@ properties! {
     ) {
         let robot = closed(&case, &choices, true);
         let (n, q, u, y) = (case.n(), &case.q, &case.u, &case.y);
-        let bound = 10.0 * tolerance(&robot.without_constraints(), q) / independence(&robot, q).powi(2);
+        let d: Vec<f64> = y.iter().map(|y| (5.0 * y).sin()).collect();
         let p: Vec<f64> = case.v.iter().zip(u).map(|(v, u)| v + 0.3 * u).collect();
+        let of = Rounding::new(&robot, [q, &p, u, y, &d]);
         let mut ours = ConstrainedHamiltonianSecondOrder::<f64>::new(&robot);
         let all = ours.contract(q, &p, u, y).unwrap();
         let linear = all.linearisation();
@@ -80,33 +82,25 @@ properties! {
         let expected = expected.view().to_nalgebra();
         let last = judge.last();
         let slopes = last.jacobian().view().to_nalgebra();
-        let size = slopes.amax().max(1.0);
-        let f = (&found - DVector::from_column_slice(last.value())).amax();
-        prop_assert!(f <= bound * size.max(found.amax()), "F, mu: {f:.1e}");
-        let of_f = off(&f_x, &slopes.rows(0, 2 * n).into_owned(), size);
-        prop_assert!(of_f <= bound, "F_x: {of_f:.1e} of {bound:.1e}");
-        let of_mu = off(&mu_x, &slopes.rows(2 * n, rows).into_owned(), size);
-        prop_assert!(of_mu <= bound, "mu_x: {of_mu:.1e} of {bound:.1e}");
-        // Two derivatives of a product have four terms.
-        let of_y = off(&y_f_xx, &expected, size);
-        prop_assert!(of_y <= 4.0 * bound, "y'F_xx: {of_y:.1e} of 4 x {bound:.1e}");
-        // Products beside the matrices; lambda is the rate of mu.
+        close("F, mu", found.as_slice(), last.value(), of.f)?;
+        close("F_x", f_x.as_slice(), slopes.rows(0, 2 * n).into_owned().as_slice(), of.f_x)?;
+        close("mu_x", mu_x.as_slice(), slopes.rows(2 * n, rows).into_owned().as_slice(), of.f_x)?;
+        close("y'F_xx", y_f_xx.as_slice(), expected.as_slice(), of.y_f_xx)?;
+        // Products beside the matrices: entries of y and d are at most 1. lambda is the rate of mu.
+        let terms = 2.0 * n as f64;
         let y = DVector::from_column_slice(y);
-        let by_y = DVector::from_column_slice(ours.first().adjoint(q, &p, u, y.as_slice()).unwrap().y_f_x);
-        prop_assert!((by_y - f_x.transpose() * &y).amax() <= bound * size);
-        let d = y.map(|y| (5.0 * y).sin());
-        let product = ours.hessian_product(q, &p, y.as_slice(), d.as_slice()).unwrap();
-        let product = DVector::from_column_slice(product);
-        prop_assert!((product - &y_f_xx * d).amax() <= 4.0 * bound * size.max(y_f_xx.amax()));
+        let by_y = ours.first().adjoint(q, &p, u, y.as_slice()).unwrap().y_f_x;
+        close("y'F_x", by_y, (f_x.transpose() * &y).as_slice(), terms * of.f_x)?;
+        let product = ours.hessian_product(q, &p, y.as_slice(), &d).unwrap();
+        let expected = &y_f_xx * DVector::from_column_slice(&d);
+        close("y'F_xx d", product, expected.as_slice(), of.product.max(terms * of.y_f_xx))?;
         let linear = ours.first().linearise(q, &p, u).unwrap();
-        prop_assert!(off(&linear.matrix().to_nalgebra(), &f_x, size) <= bound);
+        close("F_x alone", linear.matrix().to_nalgebra().as_slice(), f_x.as_slice(), of.f_x)?;
+        // Products with F, of which both factors are rounded.
         let f = found.rows(0, 2 * n);
-        let (of_v, of_mu) = (f_x.rows(0, n) * f, &mu_x * f);
-        let scale = size * f.amax().max(1.0);
-        let lambda = DVector::from_column_slice(linear.lambda());
-        prop_assert!((lambda - of_mu).iter().all(|off| off.abs() <= bound * scale), "lambda");
-        let a = DVector::from_column_slice(linear.acceleration());
-        prop_assert!((a - of_v).amax() <= bound * scale, "a");
+        let bound = terms * (f.amax() * of.f_x + slopes.amax() * of.f);
+        close("lambda", linear.lambda(), (&mu_x * f).as_slice(), bound)?;
+        close("a", linear.acceleration(), (f_x.rows(0, n) * f).as_slice(), bound)?;
     }
 
     /// H_c and g along motions without friction; J is the derivative of g.

@@ -10,12 +10,14 @@ mod poses;
 use crate::free_joints::retracted;
 use costate::configuration::FreeKinematics;
 use costate::constraints::{ConstrainedHamiltonian, ConstrainedHamiltonianSecondOrder, Constraints};
+use costate::derivative::largest;
 use costate::kernels::KernelOne;
 use costate::lagrangian::Lagrangian;
 use costate::robot::{ConstraintFrame, ConstraintRow, ConstraintSpec, Placement, Robot, Tree};
-use costate::scalar::Scalar;
+use costate::scalar::{Count, Scalar};
 use costate_test_support::properties;
 use costate_test_support::random_robot::{Case, cases, tolerance};
+use costate_test_support::rounding::{bound, close, lift, rows};
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use num_dual::{Dual64, HyperDual, HyperDual64};
 use proptest::prelude::*;
@@ -140,9 +142,44 @@ fn hamiltonian<T: Scalar>(robot: &Robot, tree: &Tree, x: &[T]) -> T {
     product(p, &v) - product(&v, &moved).times(0.5) + kernel.potential(tree)
 }
 
-/// `max |a - b|` beside the size of b, at least `size`.
-fn off(a: &DMatrix<f64>, b: &DMatrix<f64>, size: f64) -> f64 {
-    (a - b).amax() / b.amax().max(size)
+/// How far two methods for a robot with constraints may be apart: four times the bounds of the methods by
+/// hand. The dense equations take the same inverses twice, of M and of `J M^-1 J'`.
+///
+/// Where constraints leave nothing to move, what is zero by hand is a difference of products with both
+/// inverses elsewhere. These are of the size of (F, mu) and its derivatives, and round by the condition of M
+/// and the square of that of `J M^-1 J'`; four of them are in a second derivative.
+struct Rounding {
+    /// (F, mu) and their derivatives.
+    f: f64,
+    f_x: f64,
+    y_f_xx: f64,
+    /// y'F_xx d.
+    product: f64,
+}
+
+impl Rounding {
+    fn new(robot: &Robot, [q, p, u, y, d]: [&[f64]; 5]) -> Self {
+        let [q, p, u, y, d] = [q, p, u, y, d].map(lift::<Count>);
+        let bound = |block: &[Count]| 4.0 * bound(block);
+        let mut ours = ConstrainedHamiltonianSecondOrder::<Count>::new(robot);
+        let product = bound(ours.hessian_product(&q, &p, &y, &d).unwrap());
+        let all = ours.contract(&q, &p, &u, &y).unwrap();
+        let linear = all.linearisation();
+        let values = |block: &[Count]| block.iter().map(|entry| entry.value()).collect::<Vec<f64>>();
+        let size = |block: &[Count]| largest(&values(block));
+        let (f_x, mu_x, y_f_xx) = (rows(linear.matrix()), rows(linear.mu_x()), rows(all.matrix()));
+        let at = values(&q);
+        let relative = 10.0 * tolerance(&robot.without_constraints(), &at) / independence(robot, &at).powi(2);
+        let of_first = [size(linear.f()), size(linear.mu()), size(&f_x), size(&mu_x), 1.0];
+        let cancelling = relative * largest(&of_first);
+        let of_second = 4.0 * cancelling.max(relative * size(&y_f_xx));
+        Self {
+            f: bound(linear.f()).max(bound(linear.mu())) + cancelling,
+            f_x: bound(&f_x).max(bound(&mu_x)) + cancelling,
+            y_f_xx: bound(&y_f_xx) + of_second,
+            product: product + of_second,
+        }
+    }
 }
 
 /// Accelerations and forces against the dense equations of motion, with friction; `J a = -(J v)_q v`.
@@ -187,14 +224,12 @@ properties! {
     fn derivatives_are_those_of_the_dense_hamiltonian(case in cases(4), choices in choices(2)) {
         let robot = closed(&case, &choices, false);
         let (n, q, y) = (case.n(), &case.q, &case.y);
-        let independence = independence(&robot, q);
-        let bound = 10.0 * tolerance(&robot.without_constraints(), q) / independence.powi(2);
         let p: Vec<f64> = case.v.iter().zip(&case.u).map(|(v, u)| v + 0.3 * u).collect();
-        let zero = vec![0.0; n];
+        let (zero, d) = (vec![0.0; n], y.iter().map(|y| (5.0 * y).sin()).collect::<Vec<f64>>());
+        let of = Rounding::new(&robot, [q, &p, &zero, y, &d]);
         let mut ours = ConstrainedHamiltonianSecondOrder::<f64>::new(&robot);
         let all = ours.contract(q, &p, &zero, y).unwrap();
         let (f, f_x) = (DVector::from_column_slice(all.linearisation().f()), all.linearisation().matrix().to_nalgebra());
-        let mu_x = all.linearisation().mu_x().to_nalgebra();
         let (y_f_xx, x, tree) = (all.matrix().to_nalgebra(), [&q[..], &p].concat(), Tree::from(&robot));
         // w = (-y_p, y_q): y'F is the derivative of H_c along w.
         let along: Vec<f64> = y[n..].iter().map(|y| -y).chain(y[..n].iter().copied()).collect();
@@ -215,28 +250,30 @@ properties! {
         // F = J grad H_c.
         let of_h = DMatrix::from_fn(2 * n, 2 * n, |i, k| if i < n { hessian[(n + i, k)] } else { -hessian[(i - n, k)] });
         let f_of_h = DVector::from_fn(2 * n, |i, _| if i < n { gradient[n + i] } else { -gradient[i - n] });
-        // Rounding is in proportion to products with mu_x, too.
-        let size = of_h.amax().max(mu_x.amax()).max(1.0);
-        prop_assert!((f - f_of_h).amax() <= bound * size);
-        prop_assert!(off(&f_x, &of_h, size) <= bound, "F_x: {:.1e} of {bound:.1e}", off(&f_x, &of_h, size));
+        // Entries of y and d are at most 1: each of the 2n terms of a product rounds as an entry does.
+        let terms = 2.0 * n as f64;
+        close("F", f.as_slice(), f_of_h.as_slice(), of.f)?;
+        close("F_x", f_x.as_slice(), of_h.as_slice(), of.f_x)?;
         let by_y = f_x.transpose() * DVector::from_column_slice(y);
-        prop_assert!((by_y - adjoint).amax() <= bound * size);
-        let found = off(&y_f_xx, &curvature, size);
-        // Two derivatives of a product have four terms.
-        prop_assert!(found <= 4.0 * bound, "y'F_xx: {found:.1e} of 4 x {bound:.1e}");
+        close("y'F_x", by_y.as_slice(), adjoint.as_slice(), terms * of.f_x)?;
+        close("y'F_xx", y_f_xx.as_slice(), curvature.as_slice(), of.y_f_xx)?;
         let j = DMatrix::from_fn(2 * n, 2 * n, |i, k| if i < n { f_x[(n + i, k)] } else { -f_x[(i - n, k)] });
         prop_assert_eq!(&j, &j.transpose(), "J F_x is symmetric");
         // Products beside the matrices.
-        let d: Vec<f64> = y.iter().map(|y| (5.0 * y).sin()).collect();
-        let product = DVector::from_column_slice(ours.hessian_product(q, &p, y, &d).unwrap());
-        prop_assert!((product - &y_f_xx * DVector::from_vec(d)).amax() <= bound * size.max(y_f_xx.amax()));
+        let product = ours.hessian_product(q, &p, y, &d).unwrap();
+        let expected = &y_f_xx * DVector::from_column_slice(&d);
+        close("y'F_xx d", product, expected.as_slice(), of.product.max(terms * of.y_f_xx))?;
         // H_c and g are constant along motions.
         let mut moving = ConstrainedHamiltonian::<Dual64>::new(&robot);
         let rate: Vec<f64> = ours.first().evaluate(q, &p, &zero).unwrap().f.to_vec();
         let along: Vec<Dual64> = x.iter().zip(&rate).map(|(&x, &rate)| Dual64::new(x, rate)).collect();
         let energy = moving.energy(&along[..n], &along[n..]).unwrap();
-        prop_assert!((energy.kinetic + energy.potential).eps.abs() <= bound * size * (1.0 + energy.kinetic.re));
-        let still = moving.constraints().values().iter().all(|g| g.eps.abs() <= bound * size);
+        // Both are sums of products with F: H_x, whose entries are those of F, and J.
+        let largest = rate.iter().fold(0.0, |most: f64, f| most.max(f.abs()));
+        close("dH/dt", &[(energy.kinetic + energy.potential).eps], &[0.0], 2.0 * terms * largest * of.f)?;
+        let arms = ours.first().constraints().jacobian().view().to_nalgebra().amax();
+        let bound = n as f64 * (1.0 + arms) * of.f;
+        let still = moving.constraints().values().iter().all(|g| g.eps.abs() <= bound);
         prop_assert!(still, "{:?}", moving.constraints().values());
     }
 

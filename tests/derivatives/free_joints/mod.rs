@@ -10,21 +10,11 @@ use costate::lagrangian::LagrangianSecondOrder;
 use costate::robot::{FreeKind, Robot};
 use costate::scalar::Scalar;
 use costate_test_support::properties;
-use costate_test_support::random_robot::{difference_at, free_cases, tolerance};
+use costate_test_support::random_robot::free_cases;
 use costate_test_support::reference::flat;
+use costate_test_support::rounding::{At, Bounds, InverseBounds, close};
 use nalgebra::Vector3;
 use num_dual::Dual64;
-use proptest::prelude::*;
-
-/// `max |a - b|` of each quantity is at most `bound` times its largest entry, or `size` if that is more.
-fn agree(bound: f64, size: f64, pairs: &[(&str, &[f64], &[f64])]) -> Result<(), TestCaseError> {
-    for (name, found, expected) in pairs {
-        prop_assert_eq!(found.len(), expected.len(), "length of {}", name);
-        let off = difference_at(size, found, expected);
-        prop_assert!(off <= bound, "{name} is off by {off:.1e}, more than {bound:.1e}");
-    }
-    Ok(())
-}
 
 /// Row or column `x`, of as many entries as the square matrix has rows, times the matrix.
 fn product(rows: &[f64], x: &[f64], transposed: bool) -> Vec<f64> {
@@ -56,57 +46,59 @@ properties! {
     fn in_momenta_derivatives_are_those_of_hyper_dual_numbers(case in free_cases(3)) {
         let (robot, n) = (case.robot(), case.n());
         let (q, p, u, y) = (&case.q, &case.p(&robot), &case.u, &case.y);
-        let bound = 10.0 * tolerance(&robot, q);
+        let d: Vec<f64> = y.iter().map(|y| (5.0 * y).sin()).collect();
+        let bounds = Bounds::at(&robot, At { q, v: &case.v, u, y, d: &d });
         let mut function = PhaseVelocity::new(&robot).under(u);
         function.set_centre(q).unwrap();
         let mut judge = Hessian::new(function);
         let at = [vec![0.0; n], p.clone()].concat();
         let y_f_xx = judge.contract(&at, y).unwrap().as_slice().to_vec();
         let (f, f_x) = (judge.last().value(), judge.last().jacobian().as_slice());
-        let size = largest(f_x).max(largest(f)).max(1.0);
         let mut second = HamiltonianSecondOrder::<f64>::new(&robot);
         let all = second.contract(q, p, u, y).unwrap();
         let linear = all.linearisation();
-        agree(bound, size, &[("F", linear.f(), f), ("F_x", &flat(linear.matrix()), f_x)])?;
-        // Two derivatives of a product have four terms.
-        agree(4.0 * bound, size * largest(y), &[("y'F_xx", &flat(all.matrix()), &y_f_xx)])?;
+        close("F", linear.f(), f, bounds.f)?;
+        close("F_x", &flat(linear.matrix()), f_x, bounds.f_x)?;
+        close("y'F_xx", &flat(all.matrix()), &y_f_xx, bounds.y_f_xx)?;
         let linear = second.first().linearise(q, p, u).unwrap();
-        agree(bound, size, &[("F of F_x", linear.f(), f), ("F_x alone", &flat(linear.matrix()), f_x)])?;
-        agree(bound, size, &[("F alone", second.first().evaluate(q, p, u).unwrap(), f)])?;
-        let expected = product(f_x, y, true);
+        close("F of F_x", linear.f(), f, bounds.f)?;
+        close("F_x alone", &flat(linear.matrix()), f_x, bounds.f_x)?;
+        close("F alone", second.first().evaluate(q, p, u).unwrap(), f, bounds.f)?;
+        // Entries of y and d are at most 1: each of the 2n terms of a product rounds as an entry of the
+        // matrix.
+        let terms = 2.0 * n as f64;
         let adjoint = second.first().adjoint(q, p, u, y).unwrap().y_f_x;
-        agree(bound, size * largest(y), &[("y'F_x", adjoint, &expected)])?;
-        let d: Vec<f64> = y.iter().map(|y| (5.0 * y).sin()).collect();
-        let expected = product(&y_f_xx, &d, false);
+        close("y'F_x", adjoint, &product(f_x, y, true), bounds.y_f_x.max(terms * bounds.f_x))?;
         let found = second.hessian_product(q, p, y, &d).unwrap();
-        agree(bound, (size * largest(y)).max(largest(&y_f_xx)), &[("y'F_xx d", found, &expected)])?;
+        close("y'F_xx d", found, &product(&y_f_xx, &d, false), bounds.product.max(terms * bounds.y_f_xx))?;
     }
 
     #[test]
     fn in_velocities_derivatives_are_those_of_hyper_dual_numbers(case in free_cases(3)) {
         let (robot, n) = (case.robot(), case.n());
         let (q, v, u, y) = (&case.q, &case.v, &case.u, &case.y[case.n()..]);
-        let bound = 10.0 * tolerance(&robot, q);
+        let bounds = Bounds::new(&robot, [q, v, u, &case.y]);
         let mut function = ForwardDynamics::new(&robot);
         function.set_centre(q).unwrap();
         let mut judge = Hessian::new(function);
         let z = [&vec![0.0; n][..], v, u].concat();
         let y_a_zz = judge.contract(&z, y).unwrap().as_slice().to_vec();
         let (a, a_z) = (judge.last().value(), judge.last().jacobian().as_slice());
-        let size = largest(a_z).max(largest(a)).max(1.0);
         let mut second = LagrangianSecondOrder::<f64>::new(&robot);
         let all = second.contract_forward_dynamics(q, v, u, y).unwrap();
         let linear = all.forward_dynamics();
-        agree(bound, size, &[("a", linear.acceleration(), a), ("a_z", &flat(linear.matrix()), a_z)])?;
-        // Two derivatives of a product have four terms.
-        agree(4.0 * bound, size * largest(y), &[("y'a_zz", all.to_matrix().as_slice(), &y_a_zz)])?;
+        close("a", linear.acceleration(), a, bounds.a)?;
+        close("a_z", &flat(linear.matrix()), a_z, bounds.a_z)?;
+        close("y'a_zz", all.to_matrix().as_slice(), &y_a_zz, bounds.y_a_zz)?;
         let linear = second.first().linearise_forward_dynamics(q, v, u).unwrap();
-        let alone = flat(linear.matrix());
-        agree(bound, size, &[("a of a_z", linear.acceleration(), a), ("a_z alone", &alone, a_z)])?;
-        agree(bound, size, &[("a alone", second.first().forward_dynamics(q, v, u).unwrap(), a)])?;
-        let torque = second.first().inverse_dynamics(q, v, a).unwrap();
+        close("a of a_z", linear.acceleration(), a, bounds.a)?;
+        close("a_z alone", &flat(linear.matrix()), a_z, bounds.a_z)?;
+        close("a alone", second.first().forward_dynamics(q, v, u).unwrap(), a, bounds.a)?;
+        // The error of a comes back as M times it.
+        let torque = second.first().inverse_dynamics(q, v, a).unwrap().to_vec();
         let mass = largest(Hamiltonian::<f64>::new(&robot).mass_matrix(q).unwrap().as_slice());
-        agree(bound, 1.0 + mass * largest(a), &[("tau(q, v, a)", torque, u)])?;
+        let of_tau = InverseBounds::new(&robot, [q, v, a, u]).tau;
+        close("tau(q, v, a)", &torque, u, of_tau + n as f64 * mass * bounds.a)?;
     }
 
     /// `F = (H_p, ad*_v p - H_d + u)` at q (+) d, d = 0, without friction (Euler, Poincare).
@@ -134,8 +126,9 @@ properties! {
                 add(turn, l.cross(&vector(&v, at)));
             }
         }
-        let size = (largest(&p) * largest(&v)).max(1.0);
         let f = Hamiltonian::<f64>::new(&robot).evaluate(q, &p, &case.u).unwrap().to_vec();
-        agree(10.0 * tolerance(&robot, q), size, &[("H_p", &f[..n], &v), ("dp/dt", &f[n..], &rate)])?;
+        let bound = Bounds::new(&robot, [q, &case.v, &case.u, &case.y]).f;
+        close("H_p", &f[..n], &v, bound)?;
+        close("dp/dt", &f[n..], &rate, bound)?;
     }
 }

@@ -1,7 +1,7 @@
 //! Large and small numbers, robots without mass, frames of the world, wrong arguments.
 
+use super::apart;
 use super::judge::{ANGULAR, CENTRE, Judged, POSITION, Quantities};
-use super::{TOLERANCE, apart};
 use costate::kinematics::{Kinematics, ReferenceFrame};
 use costate::robot::{JointSpec, LinkInertia, Robot};
 use nalgebra::Rotation3;
@@ -22,13 +22,15 @@ fn extreme_angles_and_masses_lose_nothing() {
         let (q, v, w) = ([turns, 0.4, 0.7 - turns], [1.0, -0.5, 0.2], [0.3, -1.0, 0.6]);
         let judged = Judged::at(&quantities, &q, &v);
         let mut kinematics = quantities.kinematics(&q, &v);
+        // Three links within 1 m of each other: terms of at most a few, of fewer than 1000 operations.
+        let bound = 1e3 * f64::EPSILON;
         let hessian = kinematics.centre_of_mass_hessian(&w).unwrap().view().to_nalgebra();
-        assert!(apart(&hessian, &judged.contracted_q(CENTRE, &w)) < TOLERANCE);
+        assert!(apart(&hessian, &judged.contracted_q(CENTRE, &w)) < bound);
         let hessian = kinematics.position_hessian(frame, &w).unwrap().view().to_nalgebra();
-        assert!(apart(&hessian, &judged.contracted_q(POSITION, &w)) < TOLERANCE);
+        assert!(apart(&hessian, &judged.contracted_q(POSITION, &w)) < bound);
         let found = kinematics.momentum_hessian(&w, &w).unwrap().view().to_nalgebra() / mass;
         let expected = judged.contracted(ANGULAR, &[w, w].concat()) / mass;
-        assert!(apart(&found, &expected) < 10.0 * TOLERANCE);
+        assert!(apart(&found, &expected) < 10.0 * bound);
     }
 }
 

@@ -7,6 +7,7 @@ use costate::robot::{FrameSpec, Placement, Robot};
 use costate::scalar::Scalar;
 use costate::spatial::Motion;
 use costate_test_support::random_robot::Case;
+use costate_test_support::reach::Reach;
 use nalgebra::{DMatrix, Rotation3, Vector3};
 
 /// Where the outputs of [`Quantities`] begin.
@@ -36,6 +37,11 @@ impl Quantities {
         let frame = robot.frame_index("tool").unwrap();
         let desired = Rotation3::from_scaled_axis(Vector3::new(case.y[0], case.u[0], -case.y[1]));
         Self { robot, frame, desired }
+    }
+
+    /// Magnitudes at a state of the case.
+    pub fn reach(&self, case: &Case) -> Reach {
+        Reach::of_case(&self.robot, case)
     }
 
     pub fn kinematics(&self, q: &[f64], v: &[f64]) -> Kinematics<f64> {

@@ -1,11 +1,13 @@
 //! First and second derivatives of inverse and forward dynamics, judged by dual and hyper-dual numbers.
 
-use super::{CASES, acceleration, dense, flat, force, off, torque_hessian, torques};
-use costate::derivative::{ForwardDynamics, Hessian, Jacobian, NestedHessian, largest};
+use super::{CASES, acceleration, dense, flat, torque_hessian, torques};
+use costate::derivative::{ForwardDynamics, Hessian, Jacobian, NestedHessian};
 use costate::hamiltonian::Hamiltonian;
 use costate::lagrangian::{Lagrangian, LagrangianSecondOrder};
-use costate_test_support::properties;
-use costate_test_support::random_robot::{all_cases, cases, difference, tolerance};
+use costate::scalar::Scalar;
+use costate_test_support::random_robot::{all_cases, cases};
+use costate_test_support::rounding::{Bounds, InverseBounds, apart, close, lift, rows};
+use costate_test_support::{properties, rounding};
 use nalgebra::DMatrix;
 use num_dual::Dual64;
 use proptest::prelude::*;
@@ -19,7 +21,7 @@ properties! {
         let mut lagrangian = Lagrangian::<f64>::new(&robot);
         let linear = lagrangian.linearise_inverse_dynamics(&case.q, &case.v, a).unwrap();
         let z = [case.q.as_slice(), &case.v, a].concat();
-        let natural = force(&robot, &case);
+        let bound = InverseBounds::new(&robot, [&case.q, &case.v, a, &case.u]).tau_z;
         for (block, found) in [linear.tau_q, linear.tau_v, linear.tau_a].into_iter().enumerate() {
             let mut expected = DMatrix::zeros(n, n);
             for k in 0..n {
@@ -28,8 +30,7 @@ properties! {
                 let tau = torques(&robot, &dual[..n], &dual[n..2 * n], &dual[2 * n..]);
                 (0..n).for_each(|i| expected[(i, k)] = tau[i].eps);
             }
-            let worst = largest(&(dense(found.view()) - &expected)) / natural;
-            prop_assert!(worst <= 1e-12, "block {block}: {worst:.2e}");
+            close(&format!("block {block}"), dense(found.view()).as_slice(), expected.as_slice(), bound)?;
         }
     }
 
@@ -41,9 +42,9 @@ properties! {
         let z = [case.q.as_slice(), &case.v, &case.u].concat();
         let mut dual: Jacobian<_> = Jacobian::new(ForwardDynamics::new(&robot));
         let expected = dual.linearise(&z).unwrap();
-        let bound = tolerance(&robot, &case.q);
-        prop_assert!(difference(linear.acceleration(), expected.value) <= bound);
-        prop_assert!(difference(&flat(linear.matrix()), expected.jacobian.as_slice()) <= bound);
+        let bounds = Bounds::new(&robot, [&case.q, &case.v, &case.u, &case.y]);
+        close("a", linear.acceleration(), expected.value, bounds.a)?;
+        close("a_z", &flat(linear.matrix()), expected.jacobian.as_slice(), bounds.a_z)?;
         prop_assert_eq!(dense(linear.a_u()), dense(linear.a_u()).transpose());
     }
 
@@ -56,13 +57,12 @@ properties! {
         let mut hyperdual = Hessian::new(ForwardDynamics::new(&robot));
         let expected = hyperdual.contract(&z, y).unwrap().as_slice().to_vec();
         let mut nested = NestedHessian::new(ForwardDynamics::new(&robot));
-        let bound = tolerance(&robot, &case.q);
-        let natural = 1e-3 * largest(y) * largest(&flat(found.forward_dynamics().matrix()));
-        prop_assert!(off(found.to_matrix().as_slice(), &expected, natural) <= bound);
-        prop_assert!(off(found.to_matrix().as_slice(), nested.contract(&z, y).unwrap().as_slice(), natural) <= bound);
+        let bounds = Bounds::new(&robot, [&case.q, &case.v, &case.u, &case.y]);
+        close("y'a_zz", found.to_matrix().as_slice(), &expected, bounds.y_a_zz)?;
+        close("y'a_zz, nested", found.to_matrix().as_slice(), nested.contract(&z, y).unwrap().as_slice(), bounds.y_a_zz)?;
         let linear = hyperdual.last();
-        prop_assert!(difference(found.forward_dynamics().acceleration(), linear.value()) <= bound);
-        prop_assert!(difference(&flat(found.forward_dynamics().matrix()), linear.jacobian().as_slice()) <= bound);
+        close("a", found.forward_dynamics().acceleration(), linear.value(), bounds.a)?;
+        close("a_z", &flat(found.forward_dynamics().matrix()), linear.jacobian().as_slice(), bounds.a_z)?;
     }
 
     #[test]
@@ -77,28 +77,34 @@ properties! {
         prop_assert!(found.view((2 * n, n), (n, 2 * n)).iter().all(|&entry| entry == 0.0), "w'tau_av = w'tau_aa = 0");
         let expected = torque_hessian(&robot, &z, w);
         prop_assert_eq!(&found, &found.transpose());
-        let natural = largest(&expected).max(largest(w) * force(&robot, &case));
-        prop_assert!(largest(&(found - expected)) <= 1e-12 * natural);
+        let bounds = InverseBounds::new(&robot, [&case.q, &case.v, a, w]);
+        close("w'tau_zz", found.as_slice(), expected.as_slice(), bounds.w_tau_zz)?;
     }
 
     #[test]
     fn contracted_hessian_is_symmetric_linear_in_y_and_without_curvature_in_u(case in cases(8)) {
         let (robot, n) = (case.robot(), case.n());
         let (one, other) = case.y.split_at(n);
-        let both: Vec<f64> = one.iter().zip(other).map(|(a, b)| 2.0 * a - 3.0 * b).collect();
+        rounding!(|S| {
+            let [q, v, u, one, other] = [&case.q[..], &case.v, &case.u, one, other].map(lift::<S>);
+            let combine = |a: S, b: S| a.times(2.0) - b.times(3.0);
+            let both: Vec<S> = one.iter().zip(&other).map(|(&a, &b)| combine(a, b)).collect();
+            let mut second = LagrangianSecondOrder::<S>::new(&robot);
+            let mut of = |y: &[S]| second.contract_forward_dynamics(&q, &v, &u, y).unwrap().to_matrix().as_slice().to_vec();
+            let (h_one, h_other, h_both) = (of(&one), of(&other), of(&both));
+            let off = (0..h_both.len()).map(|k| combine(h_one[k], h_other[k]) - h_both[k]);
+            let mut block = vec![("2 one'a_zz - 3 other'a_zz - both'a_zz", off.collect())];
+            let inverse = Hamiltonian::<S>::new(&robot).inverse_mass_matrix(&q).unwrap().as_slice().to_vec();
+            let linear = second.first().linearise_forward_dynamics(&q, &v, &u).unwrap();
+            block.push(("a_u - M^-1", apart(&rows(linear.a_u()), &inverse)));
+            block
+        })?;
         let mut second = LagrangianSecondOrder::<f64>::new(&robot);
-        let mut of = |y: &[f64]| dense(second.contract_forward_dynamics(&case.q, &case.v, &case.u, y).unwrap().to_matrix().view());
-        let (h_one, h_other, h_both) = (of(one), of(other), of(&both));
-        let size = largest(&h_one).max(largest(&h_other));
-        prop_assert!(largest(&(2.0 * h_one - 3.0 * h_other - &h_both)) <= 10.0 * tolerance(&robot, &case.q) * size);
-        prop_assert_eq!(&h_both, &h_both.transpose());
-        let in_u = h_both.view((2 * n, n), (n, 2 * n));
-        prop_assert!(in_u.iter().all(|&entry| entry == 0.0), "y'a_uv = y'a_uu = 0");
-        let inverse = dense(Hamiltonian::<f64>::new(&robot).inverse_mass_matrix(&case.q).unwrap().view());
         let h = second.contract_forward_dynamics(&case.q, &case.v, &case.u, one).unwrap();
-        let off_inverse = largest(&(dense(h.forward_dynamics().a_u()) - &inverse));
-        prop_assert!(off_inverse <= tolerance(&robot, &case.q) * largest(&inverse));
         let whole = dense(h.to_matrix().view());
+        prop_assert_eq!(&whole, &whole.transpose());
+        let in_u = whole.view((2 * n, n), (n, 2 * n));
+        prop_assert!(in_u.iter().all(|&entry| entry == 0.0), "y'a_uv = y'a_uu = 0");
         prop_assert_eq!(dense(h.xx()), whole.view((0, 0), (2 * n, 2 * n)).clone_owned());
         prop_assert_eq!(dense(h.uq()), whole.view((2 * n, 0), (n, n)).clone_owned());
     }

@@ -6,13 +6,13 @@ mod derivatives;
 mod dynamics;
 mod routes;
 
-use costate::derivative::largest;
 use costate::lagrangian::{Lagrangian, LagrangianSecondOrder};
 use costate::matrix::Block;
 use costate::robot::Robot;
 use costate::scalar::Scalar;
 use costate_test_support::random_robot::Case;
-use nalgebra::{DMatrix, DVector};
+use costate_test_support::rounding::{InverseBounds, close};
+use nalgebra::DMatrix;
 use proptest::prelude::*;
 
 fn flat(block: Block<'_, f64>) -> Vec<f64> {
@@ -23,26 +23,9 @@ fn dense(block: Block<'_, f64>) -> DMatrix<f64> {
     block.to_nalgebra()
 }
 
-fn column(x: &[f64]) -> DVector<f64> {
-    DVector::from_column_slice(x)
-}
-
-/// `a - b` in relation to b or, where b vanishes, to the size of the terms it is made of.
-fn off(a: &[f64], b: &[f64], natural: f64) -> f64 {
-    largest(&(column(a) - column(b))) / largest(b).max(natural).max(f64::MIN_POSITIVE)
-}
-
 /// An acceleration for inverse dynamics: the costate's second half, which is as good as any.
 fn acceleration(case: &Case) -> &[f64] {
     &case.y[case.n()..]
-}
-
-/// The size of the forces on this robot: those of an acceleration, of velocities, weight and springs.
-fn force(robot: &Robot, case: &Case) -> f64 {
-    let mut lagrangian = Lagrangian::<f64>::new(robot);
-    let linear = lagrangian.linearise_inverse_dynamics(&case.q, &case.v, acceleration(case)).unwrap();
-    let sizes = [linear.tau, linear.tau_q.as_slice(), linear.tau_v.as_slice(), linear.tau_a.as_slice()];
-    sizes.into_iter().map(largest).fold(0.0, f64::max)
 }
 
 /// The same robot without friction, armature that couples included.
@@ -74,18 +57,14 @@ pub(crate) fn separate_calls_agree(robot: &Robot, [q, v, a, w]: [&[f64]; 4]) -> 
     let all = second.contract_inverse_dynamics(q, v, a, w).unwrap().inverse_dynamics();
     let tau = first.inverse_dynamics(q, v, a).unwrap().to_vec();
     let linear = first.linearise_inverse_dynamics(q, v, a).unwrap();
-    let natural = [linear.tau, linear.tau_q.as_slice(), linear.tau_v.as_slice(), linear.tau_a.as_slice()]
-        .into_iter()
-        .map(largest)
-        .fold(0.0, f64::max);
-    prop_assert!(off(all.tau, &tau, natural) <= 1e-13, "tau: {:?}, {tau:?}", all.tau);
+    let bounds = InverseBounds::new(robot, [q, v, a, w]);
+    close("tau", all.tau, &tau, bounds.tau)?;
     for (name, found, expected) in [
         ("tau_q", all.tau_q, linear.tau_q),
         ("tau_v", all.tau_v, linear.tau_v),
         ("tau_a", all.tau_a, linear.tau_a),
     ] {
-        let off = off(found.as_slice(), expected.as_slice(), natural);
-        prop_assert!(off <= 1e-12, "{name}: {off:.1e}");
+        close(name, found.as_slice(), expected.as_slice(), bounds.tau_z)?;
     }
     Ok(())
 }

@@ -1,13 +1,14 @@
 //! Derivatives by parameters against dual and hyper-dual numbers as parameters, through programs that the
 //! pipeline records with parameters as arguments.
 
-use super::{TOLERANCE, close};
+use super::{of_acceleration, of_regressor, of_state_equation};
 use costate::codegen::{Coordinates, Program, ProgramOptions, Quantity, parameter_values, robot_program};
 use costate::parameters::{HamiltonianParameters, LagrangianParameters, ParameterSet, Regressor};
 use costate::robot::Robot;
 use costate::scalar::Scalar;
 use costate_test_support::properties;
-use costate_test_support::random_robot::{cases, tolerance};
+use costate_test_support::random_robot::cases;
+use costate_test_support::rounding::close;
 use num_dual::{Dual64, HyperDual64};
 
 /// A quantity with the parameters of the robot as arguments.
@@ -49,12 +50,14 @@ properties! {
         let program = program(&robot, Quantity::InverseDynamics, Coordinates::Lagrangian);
         let expected = by_parameters(&program, &[&case.q, &case.v, &case.u], &robot);
         let tau = regressor.inverse_dynamics(&case.q, &case.v, &case.u).unwrap().as_slice().to_vec();
-        close("tau_theta", &tau, &expected, TOLERANCE)?;
+        let [of_tau, of_w_tau, ..] = of_regressor(&set, [&case.q, &case.v, &case.u, w]);
+        close("tau_theta", &tau, &expected, of_tau)?;
         let along: Vec<f64> = (0..set.len())
             .map(|k| (0..case.n()).map(|i| w[i] * expected[i * set.len() + k]).sum())
             .collect();
         let w_tau = regressor.adjoint(&case.q, &case.v, &case.u, w).unwrap();
-        close("w'tau_theta", w_tau, &along, TOLERANCE)?;
+        // Weights are at most 1: each of the n terms rounds as an entry of tau_theta does.
+        close("w'tau_theta", w_tau, &along, of_w_tau.max(case.n() as f64 * of_tau))?;
     }
 
     #[test]
@@ -65,7 +68,8 @@ properties! {
         let both = by_parameters(&program, &[&case.q, &case.v], &robot);
         let expected: Vec<f64> = (0..set.len()).map(|k| both[k] + both[set.len() + k]).collect();
         let mut regressor = Regressor::<f64>::new(&set);
-        close("E_theta", regressor.energy(&case.q, &case.v).unwrap(), &expected, TOLERANCE)?;
+        let [.., of_energy] = of_regressor(&set, [&case.q, &case.v, &case.u, &case.u]);
+        close("E_theta", regressor.energy(&case.q, &case.v).unwrap(), &expected, of_energy)?;
     }
 
     #[test]
@@ -75,14 +79,14 @@ properties! {
         let mut parameters = LagrangianParameters::<f64>::new(&set);
         let program = program(&robot, Quantity::F, Coordinates::Lagrangian);
         let expected = by_parameters(&program, &[&case.q, &case.v, &case.u], &robot);
-        let tolerance = tolerance(&robot, &case.q);
+        let [of_a, of_y_a] = of_acceleration(&set, [&case.q, &case.v, &case.u, y]);
         let linear = parameters.linearise_forward_dynamics(&case.q, &case.v, &case.u).unwrap();
-        close("a_theta", linear.a_theta.as_slice(), &expected, tolerance)?;
+        close("a_theta", linear.a_theta.as_slice(), &expected, of_a)?;
         let along: Vec<f64> = (0..set.len())
             .map(|k| (0..case.n()).map(|i| y[i] * expected[i * set.len() + k]).sum())
             .collect();
         let y_a = parameters.adjoint_forward_dynamics(&case.q, &case.v, &case.u, y).unwrap();
-        close("y'a_theta", y_a, &along, tolerance)?;
+        close("y'a_theta", y_a, &along, of_y_a.max(case.n() as f64 * of_a))?;
     }
 
     #[test]
@@ -107,13 +111,14 @@ properties! {
             }
             inputs[3 * n + k].eps2 = 0.0;
         }
-        let tolerance = tolerance(&robot, &case.q);
+        let [of_f, of_y_f, of_y_f_x] = of_state_equation(&set, [&case.q, &case.v, &case.y]);
         let mut parameters = HamiltonianParameters::<f64>::new(&set);
         let all = parameters.contract(&case.q, &p, &case.y).unwrap();
-        close("F_theta", all.f_theta().as_slice(), &f_theta, tolerance)?;
-        close("y'F_theta", all.y_f_theta(), &y_f_theta, tolerance)?;
-        close("y'F_x,theta", all.y_f_x_theta().as_slice(), &y_f_x_theta, tolerance)?;
-        close("y'F_theta alone", parameters.adjoint(&case.q, &p, &case.y).unwrap(), &y_f_theta, tolerance)?;
-        close("F_theta alone", parameters.linearise(&case.q, &p).unwrap().as_slice(), &f_theta, tolerance)?;
+        close("F_theta", all.f_theta().as_slice(), &f_theta, of_f)?;
+        let of_y_f = of_y_f.max(2.0 * n as f64 * of_f);
+        close("y'F_theta", all.y_f_theta(), &y_f_theta, of_y_f)?;
+        close("y'F_x,theta", all.y_f_x_theta().as_slice(), &y_f_x_theta, of_y_f_x)?;
+        close("y'F_theta alone", parameters.adjoint(&case.q, &p, &case.y).unwrap(), &y_f_theta, of_y_f)?;
+        close("F_theta alone", parameters.linearise(&case.q, &p).unwrap().as_slice(), &f_theta, of_f)?;
     }
 }

@@ -1,14 +1,17 @@
 //! Relations between derivatives by parameters, and with other robots, for every kind of parameter.
 
-use super::{TOLERANCE, close, column, everything, everything_with_wrenches, last, times, tool};
-use costate::derivative::largest;
+use super::{
+    column, everything, everything_with_wrenches, last, of_regressor, of_state_equation, times, tool,
+};
 use costate::lagrangian::Lagrangian;
 use costate::parameters::{
     DisplacedIn, Displacement, HamiltonianParameters, Parameter, ParameterSet, Regressor,
 };
 use costate::robot::{LinkInertia, Robot};
-use costate_test_support::properties;
-use costate_test_support::random_robot::{Case, all_cases, cases, tolerance};
+use costate::scalar::{Scalar, Tangent};
+use costate_test_support::random_robot::{Case, all_cases, cases};
+use costate_test_support::rounding::{InverseBounds, apart, close, lift, times as product};
+use costate_test_support::{properties, rounding};
 use nalgebra::{DVector, Matrix3, Vector3};
 use num_dual::Dual64;
 use proptest::prelude::*;
@@ -26,6 +29,11 @@ fn with_other_values(case: &Case) -> Case {
         (part.friction[0], part.friction[1]) = (0.4 * shift, 1.0 + shift.sin());
     }
     other
+}
+
+/// Values that move at these rates.
+fn moving<S: Scalar>(values: &[S], rates: &[S]) -> Vec<Tangent<S>> {
+    values.iter().zip(rates).map(|(&value, &rate)| Tangent::new(value, rate)).collect()
 }
 
 /// The tool as a body: its ten parameters at the placement of [`tool`], and the link of the last joint with
@@ -70,21 +78,21 @@ properties! {
         let (ours, theirs) = (linear(&case.robot()), linear(&other));
         prop_assert_eq!(ours.names(), theirs.names());
         prop_assert!(ours.parameters().iter().all(Parameter::is_linear));
-        let mut regressor = Regressor::<f64>::new(&ours);
-        let mut lagrangian = Lagrangian::<f64>::new(&other);
-        let (q, v, a) = (&case.q, &case.v, &case.u);
-        let tau = times(regressor.inverse_dynamics(q, v, a).unwrap(), theirs.values());
-        close("tau", &tau, lagrangian.inverse_dynamics(q, v, a).unwrap(), TOLERANCE)?;
-        let momentum = regressor.momentum(q, v).unwrap();
-        let m = lagrangian.mass_matrix(q).unwrap().view().to_nalgebra();
-        let m_v = m * DVector::from_column_slice(v);
-        close("p", &times(momentum.momentum, theirs.values()), m_v.as_slice(), TOLERANCE)?;
-        let energy = lagrangian.energy(q, v).unwrap();
-        let row = regressor.energy(q, v).unwrap();
-        let sum: f64 = row.iter().zip(theirs.values()).map(|(e, pi)| e * pi).sum();
-        let size: f64 = row.iter().zip(theirs.values()).map(|(e, pi)| (e * pi).abs()).sum();
-        let found = energy.kinetic + energy.potential;
-        prop_assert!((sum - found).abs() <= 1e-13 * size, "energy {} {}", sum, found);
+        rounding!(|S| {
+            let [q, v, a] = [&case.q[..], &case.v, &case.u].map(lift::<S>);
+            let mut regressor = Regressor::<S>::new(&ours);
+            let mut lagrangian = Lagrangian::<S>::new(&other);
+            let tau = times(regressor.inverse_dynamics(&q, &v, &a).unwrap(), theirs.values());
+            let mut blocks = vec![("tau", apart(&tau, lagrangian.inverse_dynamics(&q, &v, &a).unwrap()))];
+            let p = times(regressor.momentum(&q, &v).unwrap().momentum, theirs.values());
+            let m_v = product(lagrangian.mass_matrix(&q).unwrap().as_slice(), &v);
+            blocks.push(("p", apart(&p, &m_v)));
+            let energy = lagrangian.energy(&q, &v).unwrap();
+            let row = regressor.energy(&q, &v).unwrap();
+            let rest = |rest: S, (&e, &pi): (&S, &f64)| rest - e.times(pi);
+            blocks.push(("E", vec![row.iter().zip(theirs.values()).fold(energy.kinetic + energy.potential, rest)]));
+            blocks
+        })?;
     }
 
     /// A payload changes tau by its columns times its ten parameters.
@@ -93,56 +101,55 @@ properties! {
         let (with, parameters) = with_tool(&case);
         let set = everything(&case);
         let start = column(&set, "tool.mass");
-        let mut regressor = Regressor::<f64>::new(&set);
-        let (q, v, a) = (&case.q, &case.v, &case.u);
-        let y = regressor.inverse_dynamics(q, v, a).unwrap();
-        let added: Vec<f64> = (0..case.n())
-            .map(|i| y.row(i)[start..start + 10].iter().zip(parameters).map(|(y, pi)| y * pi).sum())
-            .collect();
-        let tau = |robot: &Robot| Lagrangian::<f64>::new(robot).inverse_dynamics(q, v, a).unwrap().to_vec();
-        let sum: Vec<f64> = tau(&case.robot()).iter().zip(added).map(|(tau, added)| tau + added).collect();
-        close("tau with a tool", &sum, &tau(&with), TOLERANCE)?;
+        let robot = case.robot();
+        rounding!(|S| {
+            let [q, v, a] = [&case.q[..], &case.v, &case.u].map(lift::<S>);
+            let mut regressor = Regressor::<S>::new(&set);
+            let y = regressor.inverse_dynamics(&q, &v, &a).unwrap();
+            let tau = |robot: &Robot| Lagrangian::<S>::new(robot).inverse_dynamics(&q, &v, &a).unwrap().to_vec();
+            let columns = |i: usize| y.row(i)[start..start + 10].iter().zip(parameters);
+            let (bare, with) = (tau(&robot), tau(&with));
+            let off = |i: usize| columns(i).fold(bare[i] - with[i], |sum, (y, pi)| sum + y.times(pi));
+            vec![("tau with a tool", (0..case.n()).map(off).collect())]
+        })?;
     }
 
     /// `tau_theta = D p_theta - (L_q,theta + D_theta)` along (v, a), by dual numbers as positions.
     #[test]
     fn the_regressors_of_momentum_and_of_inverse_dynamics_agree(case in all_cases(5)) {
         let set = everything_with_wrenches(&case);
-        let dual = |x: &[f64], d: &[f64]| x.iter().zip(d).map(|(&x, &d)| Dual64::new(x, d)).collect::<Vec<_>>();
-        let mut along = Regressor::<Dual64>::new(&set);
-        let sides = along.momentum(&dual(&case.q, &case.v), &dual(&case.v, &case.u)).unwrap();
-        let rates = sides.momentum.as_slice().iter().zip(sides.force.as_slice());
-        let expected: Vec<f64> = rates.map(|(p, force)| p.eps - force.re).collect();
-        let mut regressor = Regressor::<f64>::new(&set);
-        let tau = regressor.inverse_dynamics(&case.q, &case.v, &case.u).unwrap();
-        close("tau_theta", tau.as_slice(), &expected, TOLERANCE)?;
+        rounding!(|S| {
+            let [q, v, a] = [&case.q[..], &case.v, &case.u].map(lift::<S>);
+            let mut along = Regressor::<Tangent<S>>::new(&set);
+            let sides = along.momentum(&moving(&q, &v), &moving(&v, &a)).unwrap();
+            let rates = sides.momentum.as_slice().iter().zip(sides.force.as_slice());
+            let expected: Vec<S> = rates.map(|(p, force)| p.eps - force.re).collect();
+            let mut regressor = Regressor::<S>::new(&set);
+            vec![("tau_theta", apart(regressor.inverse_dynamics(&q, &v, &a).unwrap().as_slice(), &expected))]
+        })?;
     }
 
     /// `E = p.v - L`: its derivatives along any (dq, dv) by dual numbers, and those of momentum and force.
     #[test]
     fn the_regressors_of_energy_and_of_momentum_agree(case in all_cases(5)) {
         let (set, n) = (everything(&case), case.n());
-        let (dq, dv) = (&case.y[..n], &case.y[n..]);
-        let dual = |x: &[f64], d: &[f64]| x.iter().zip(d).map(|(&x, &d)| Dual64::new(x, d)).collect::<Vec<_>>();
-        let mut along = Regressor::<Dual64>::new(&set);
-        let (q, v) = (dual(&case.q, dq), dual(&case.v, dv));
-        let energy: Vec<f64> = along.energy(&q, &v).unwrap().iter().map(|e| e.eps).collect();
-        let sides = along.momentum(&q, &v).unwrap();
         let friction = |k: usize| matches!(
             set.parameters()[k],
             Parameter::Viscous { .. } | Parameter::Coulomb { .. } | Parameter::CoulombVelocity { .. }
         );
-        // D E_theta = D p_theta . v - L_q,theta . dq; D is no part of L.
-        let expected: Vec<f64> = (0..set.len())
-            .map(|k| {
-                let term = |i: usize| {
-                    let force = if friction(k) { 0.0 } else { sides.force[(i, k)].re };
-                    sides.momentum[(i, k)].eps * case.v[i] - force * dq[i]
-                };
-                (0..n).map(term).sum()
-            })
-            .collect();
-        close("D E_theta", &energy, &expected, 10.0 * TOLERANCE)?;
+        rounding!(|S| {
+            let [q, v, dq, dv] = [&case.q[..], &case.v, &case.y[..n], &case.y[n..]].map(lift::<S>);
+            let (q_along, v_along) = (moving(&q, &dq), moving(&v, &dv));
+            let mut along = Regressor::<Tangent<S>>::new(&set);
+            let energy: Vec<S> = along.energy(&q_along, &v_along).unwrap().iter().map(|e| e.eps).collect();
+            let sides = along.momentum(&q_along, &v_along).unwrap();
+            // D E_theta = D p_theta . v - L_q,theta . dq; D is no part of L.
+            let rest = |k: usize| (0..n).fold(energy[k], |rest, i| {
+                let rest = rest - sides.momentum[(i, k)].eps * v[i];
+                if friction(k) { rest } else { rest + sides.force[(i, k)].re * dq[i] }
+            });
+            vec![("D E_theta", (0..set.len()).map(rest).collect())]
+        })?;
     }
 
     /// A displacement of a joint along its own axis is that of q, but for its spring.
@@ -165,9 +172,11 @@ properties! {
             found[(i, i)] += joint.spring.stiffness * ratio * ratio;
             found.column_mut(i).axpy(ratio, &by_joints.column(k), 1.0);
         }
-        // At rest without gravity both are rounding errors of products with M.
-        let size = tau_q.amax().max(largest(lagrangian.mass_matrix(q).unwrap().as_slice()));
-        prop_assert!((found - &tau_q).amax() <= TOLERANCE * size);
+        // A column of tau_q is the sum of those of the joints that follow it, times their ratios.
+        let ratios: f64 = robot.joints().iter().map(|joint| joint.mimic.map_or(1.0, |mimic| mimic.ratio.abs())).sum();
+        let [by_regressor, ..] = of_regressor(&set, [q, v, a, a]);
+        let bound = InverseBounds::new(&robot, [q, v, a, a]).tau_z + ratios * by_regressor;
+        close("tau_q", found.as_slice(), tau_q.as_slice(), bound)?;
     }
 
     /// A rotation about an axis of the joint frame is one about the parent's, with a translation.
@@ -188,8 +197,10 @@ properties! {
         let in_joint = by("rotation_x") * axis.x + by("rotation_y") * axis.y + by("rotation_z") * axis.z;
         let along = by("x") * moved.x + by("y") * moved.y + by("z") * moved.z;
         let in_parent = found.column(column(&set, "t")) + &along;
-        let size = in_joint.amax().max(along.amax()).max(found.amax());
-        prop_assert!((in_joint - in_parent).amax() <= TOLERANCE * size.max(1.0));
+        // Three columns each, times components of directions and of an offset.
+        let [of_tau, ..] = of_regressor(&set, [&case.q, &case.v, &case.u, &case.u]);
+        let bound = (4.0 + moved.abs().sum()) * of_tau;
+        close("tau_theta", in_joint.as_slice(), in_parent.as_slice(), bound)?;
     }
 
     /// To rotate everything about an axis of the world is to rotate gravity backwards.
@@ -209,8 +220,10 @@ properties! {
         let turned = tau.columns(3, roots.len()).column_sum();
         let rate = robot.gravity().cross(&axis);
         let expected = tau.columns(0, 3) * rate;
-        let size = tau.amax().max(1.0);
-        prop_assert!((turned - expected).amax() <= TOLERANCE * 10.0 * size);
+        // The sum of so many columns, and three times components of g.
+        let [of_tau, ..] = of_regressor(&set, [&case.q, &case.v, &case.u, &case.u]);
+        let bound = (roots.len() as f64 + rate.abs().sum()) * of_tau;
+        close("tau_theta", turned.as_slice(), expected.as_slice(), bound)?;
     }
 
     /// Every column is the difference of the torques of two robots with other values of its parameter.
@@ -255,14 +268,14 @@ properties! {
             f_theta = along.as_slice().iter().map(|entry| entry.re).collect();
             x[i].eps = 0.0;
         }
-        let tolerance = tolerance(&robot, &case.q);
+        let [of_f, of_y_f, of_y_f_x] = of_state_equation(&set, [&case.q, &case.v, &case.y]);
         let mut parameters = HamiltonianParameters::<f64>::new(&set);
         let all = parameters.contract(&case.q, &p, &case.y).unwrap();
-        close("F_theta", all.f_theta().as_slice(), &f_theta, tolerance)?;
-        close("y'F_x,theta", all.y_f_x_theta().as_slice(), &y_f_x_theta, tolerance)?;
+        close("F_theta", all.f_theta().as_slice(), &f_theta, of_f)?;
+        close("y'F_x,theta", all.y_f_x_theta().as_slice(), &y_f_x_theta, of_y_f_x.max(2.0 * n as f64 * of_f))?;
         let y_f_theta: Vec<f64> = (0..set.len())
             .map(|k| (0..2 * n).map(|j| case.y[j] * f_theta[j * set.len() + k]).sum())
             .collect();
-        close("y'F_theta", all.y_f_theta(), &y_f_theta, tolerance)?;
+        close("y'F_theta", all.y_f_theta(), &y_f_theta, of_y_f.max(2.0 * n as f64 * of_f))?;
     }
 }

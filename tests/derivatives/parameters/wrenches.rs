@@ -1,11 +1,12 @@
 //! Lengths as parameters of robots with wrenches from outside.
 
-use super::{TOLERANCE, close, everything, everything_with_wrenches};
+use super::{everything, everything_with_wrenches, of_acceleration, of_regressor, of_state_equation};
 use costate::kinematics::ExternalForces;
 use costate::parameters::{HamiltonianParameters, LagrangianParameters, Parameter, ParameterSet, Regressor};
 use costate::robot::JointKind;
 use costate_test_support::properties;
-use costate_test_support::random_robot::{all_cases, cases, tolerance};
+use costate_test_support::random_robot::{all_cases, cases};
+use costate_test_support::rounding::{Bounds, InverseBounds, close};
 use nalgebra::{DMatrix, DVector};
 
 /// The exact derivative by parameter `k` of what depends on the generalised forces of robots alone: they are
@@ -47,16 +48,20 @@ properties! {
             by_length(&set, k, |forces| DVector::from_column_slice(forces.evaluate(&case.q).unwrap()))
         });
         let (q, v, a) = (&case.q, &case.v, &case.u);
+        let w = &case.y[..case.n()];
+        // The change of the arms is a difference of forces, which are entries of the columns by the wrenches'
+        // sizes.
+        let bounds = [&set, &without].map(|set| of_regressor(set, [q, v, a, w]));
+        let [of_tau, of_w_tau, _, of_force, _] = [0, 1, 2, 3, 4].map(|k: usize| bounds[0][k] + bounds[1][k]);
         let [mut ours, mut bare] = [&set, &without].map(Regressor::<f64>::new);
         let expected = bare.inverse_dynamics(q, v, a).unwrap().view().to_nalgebra() - &q_theta;
         let found = ours.inverse_dynamics(q, v, a).unwrap().view().to_nalgebra();
-        close("tau_theta", found.as_slice(), expected.as_slice(), 10.0 * TOLERANCE)?;
+        close("tau_theta", found.as_slice(), expected.as_slice(), of_tau)?;
         let force = bare.momentum(q, v).unwrap().force.view().to_nalgebra() + &q_theta;
         let found = ours.momentum(q, v).unwrap().force.view().to_nalgebra();
-        close("force", found.as_slice(), force.as_slice(), 10.0 * TOLERANCE)?;
-        let w = &case.y[..case.n()];
+        close("force", found.as_slice(), force.as_slice(), of_force)?;
         let along = expected.tr_mul(&DVector::from_column_slice(w));
-        close("w'tau_theta", ours.adjoint(q, v, a, w).unwrap(), along.as_slice(), 100.0 * TOLERANCE)?;
+        close("w'tau_theta", ours.adjoint(q, v, a, w).unwrap(), along.as_slice(), of_w_tau.max(case.n() as f64 * of_tau))?;
     }
 
     #[test]
@@ -73,16 +78,18 @@ properties! {
             })
         });
         let [mut ours, mut bare] = [&set, &without].map(HamiltonianParameters::<f64>::new);
-        let (bare, tolerance) = (bare.contract(&case.q, &p, y).unwrap(), tolerance(&case.robot(), &case.q));
+        let bare = bare.contract(&case.q, &p, y).unwrap();
+        let bounds = [&set, &without].map(|set| of_state_equation(set, [&case.q, &case.v, y]));
+        let [of_f, of_y_f, of_y_f_x] = [0, 1, 2].map(|k: usize| bounds[0][k] + bounds[1][k]);
         let mut f_theta = bare.f_theta().view().to_nalgebra();
         f_theta.rows_mut(n, n).zip_apply(&q_theta, |entry, force| *entry += force);
         let mut mixed = bare.y_f_x_theta().view().to_nalgebra();
         mixed.rows_mut(0, n).zip_apply(&y_q_theta, |entry, slope| *entry += slope);
         let product = f_theta.tr_mul(&DVector::from_column_slice(y));
         let found = ours.contract(&case.q, &p, y).unwrap();
-        close("F_theta", found.f_theta().view().to_nalgebra().as_slice(), f_theta.as_slice(), tolerance)?;
-        close("y'F_x,theta", found.y_f_x_theta().view().to_nalgebra().as_slice(), mixed.as_slice(), tolerance)?;
-        close("y'F_theta", found.y_f_theta(), product.as_slice(), 10.0 * tolerance)?;
+        close("F_theta", found.f_theta().view().to_nalgebra().as_slice(), f_theta.as_slice(), of_f)?;
+        close("y'F_x,theta", found.y_f_x_theta().view().to_nalgebra().as_slice(), mixed.as_slice(), of_y_f_x.max(n as f64 * of_f))?;
+        close("y'F_theta", found.y_f_theta(), product.as_slice(), of_y_f.max(2.0 * n as f64 * of_f))?;
     }
 
     /// `M a_theta = -tau_theta` at the acceleration that the wrenches and u cause.
@@ -93,14 +100,19 @@ properties! {
         let mut parameters = LagrangianParameters::<f64>::new(&set);
         let linear = parameters.linearise_forward_dynamics(q, v, u).unwrap();
         let mut lagrangian = costate::lagrangian::Lagrangian::<f64>::new(set.robot());
-        let tolerance = tolerance(set.robot(), q);
-        close("a", linear.acceleration, lagrangian.forward_dynamics(q, v, u).unwrap(), tolerance)?;
+        let bounds = Bounds::new(set.robot(), [q, v, u, &case.y]);
+        close("a", linear.acceleration, lagrangian.forward_dynamics(q, v, u).unwrap(), bounds.a)?;
         let (a, a_theta) = (linear.acceleration.to_vec(), linear.a_theta.view().to_nalgebra());
         let tau_theta = Regressor::<f64>::new(&set).inverse_dynamics(q, v, &a).unwrap().view().to_nalgebra();
         let m = lagrangian.mass_matrix(q).unwrap().view().to_nalgebra();
-        close("M a_theta", (m * &a_theta).as_slice(), (-tau_theta).as_slice(), tolerance)?;
+        let [of_a_theta, of_y_a] = of_acceleration(&set, [q, v, u, &case.y[..n]]);
+        // Rounding of M a_theta: M times that of a_theta, which has the error of a, too.
+        let of_m = InverseBounds::new(set.robot(), [q, v, &a, u]).m;
+        let [of_tau, ..] = of_regressor(&set, [q, v, &a, u]);
+        let bound = of_tau + n as f64 * (m.amax() * of_a_theta + of_m * a_theta.amax());
+        close("M a_theta", (m * &a_theta).as_slice(), (-tau_theta).as_slice(), bound)?;
         let along = a_theta.tr_mul(&DVector::from_column_slice(&case.y[..n]));
         let found = parameters.adjoint_forward_dynamics(q, v, u, &case.y[..n]).unwrap();
-        close("y'a_theta", found, along.as_slice(), 10.0 * tolerance)?;
+        close("y'a_theta", found, along.as_slice(), of_y_a.max(n as f64 * of_a_theta))?;
     }
 }

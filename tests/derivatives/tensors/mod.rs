@@ -12,11 +12,12 @@ use costate::hamiltonian::{DualPass, Hamiltonian, HamiltonianSecondOrder};
 use costate::kernels::{KernelOne, LagrangianHessian};
 use costate::matrix::{Block, Matrix};
 use costate::robot::Tree;
-use costate::scalar::Scalar;
+use costate::scalar::{Count, Scalar};
 use costate::tensors::{Christoffel, ChristoffelKernel};
 use costate_test_support::properties;
 use costate_test_support::random_position::Kind;
-use costate_test_support::random_robot::{Case, all_cases, cases, condition, tolerance};
+use costate_test_support::random_robot::{Case, all_cases, cases, condition};
+use costate_test_support::rounding::{Bounds, bound, close, lift, rows};
 use proptest::prelude::*;
 
 /// Robots a property.
@@ -103,15 +104,13 @@ impl Function for TensorPhaseVelocity {
     }
 }
 
-/// M, F, F_x and y'F_xx: tensors beside analytic and (hyper-)dual.
-///
-/// The tensors round M in another way than the other routes, which share theirs, and M^-1 enters y'F_xx three
-/// times: that may differ by `1e-12 max(1, cond(M) / 100)`.
+/// M, F, F_x and y'F_xx: tensors beside analytic and (hyper-)dual, which round M in another way.
 fn routes_agree(case: &Case) -> Result<(), TestCaseError> {
     let robot = case.robot();
-    let bound = tolerance(&robot, &case.q);
-    let (q, p, u, y, n) = (&case.q, case.p(&robot), &case.u, &case.y, case.n());
+    let (q, p, u, y) = (&case.q, case.p(&robot), &case.u, &case.y);
     let tree = Tree::from(&robot);
+    let bounds = Bounds::new(&robot, [q, &case.v, u, y]);
+    let [of_m, of_f, of_f_x, of_y_f_xx] = rounding_of_tensors(&tree, [q, &p, u, y]);
     let mut tensors = DualPass::<f64, _>::with_route(tree.clone(), Christoffel);
     let mut first = Hamiltonian::<f64, _>::with_route(tree.clone(), Christoffel);
     let mut analytic = HamiltonianSecondOrder::<f64>::from_tree(tree);
@@ -123,30 +122,33 @@ fn routes_agree(case: &Case) -> Result<(), TestCaseError> {
     let linear = first.linearise(q, &p, u).unwrap();
     let by_dual = dual.linearise(&x).unwrap();
     let by_hyperdual = hyperdual.contract(&x, y).unwrap();
-    let f = ours.linearisation().f();
-    let energy = p.iter().zip(f).map(|(p, v)| (p * v).abs()).sum::<f64>() + largest(&f[n..]);
-    let f_x = theirs.linearisation().matrix();
-    let along = energy.max(1e-3 * f_x.iter_rows().map(largest).fold(0.0, f64::max));
-    let within = |bound: f64, what: &str, ours: Block<'_, f64>, theirs: Block<'_, f64>, natural: f64| {
-        let difference = relative_difference(ours, theirs, natural);
-        prop_assert!(difference <= bound, "{what}: {difference:.1e} > {bound:.1e}");
-        Ok(())
-    };
-    let close = |what: &str, ours: Block<'_, f64>, theirs: Block<'_, f64>, natural: f64| {
-        within(bound, what, ours, theirs, natural)
-    };
-    close("M", linear.mass_matrix().view(), theirs.linearisation().mass_matrix().view(), 0.0)?;
-    close("F, analytic", as_rows(linear.f()).view(), as_rows(theirs.linearisation().f()).view(), energy)?;
-    close("F, dual", as_rows(f).view(), as_rows(by_dual.value).view(), energy)?;
-    close("F_x, analytic", linear.matrix(), f_x, energy)?;
-    close("F_x, one sweep", ours.linearisation().matrix(), f_x, energy)?;
-    close("F_x, dual", linear.matrix(), by_dual.jacobian.view(), energy)?;
-    let natural = largest(y) * along;
+    let (m, f_x, y_f_xx) = (linear.mass_matrix(), rows(linear.matrix()), rows(ours.matrix()));
+    close("M", m.as_slice(), theirs.linearisation().mass_matrix().as_slice(), of_m + bounds.m)?;
+    close("F, analytic", linear.f(), theirs.linearisation().f(), of_f + bounds.f)?;
+    close("F, dual", ours.linearisation().f(), by_dual.value, of_f + bounds.f)?;
+    close("F_x, analytic", &f_x, &rows(theirs.linearisation().matrix()), of_f_x + bounds.f_x)?;
+    close("F_x, one sweep", &rows(ours.linearisation().matrix()), &f_x, 2.0 * of_f_x + bounds.f_x)?;
+    close("F_x, dual", &f_x, by_dual.jacobian.as_slice(), of_f_x + bounds.f_x)?;
     let mut own = Hessian::new(TensorPhaseVelocity { tree: first.tree().clone(), u: u.clone() });
-    close("y'F_xx, hyperdual through tensors", ours.matrix(), own.contract(&x, y).unwrap().view(), natural)?;
-    let bound = 1e-12 * (condition(&robot, q) / 100.0).max(1.0);
-    within(bound, "y'F_xx, analytic", ours.matrix(), theirs.matrix(), natural)?;
-    within(bound, "y'F_xx, hyperdual", ours.matrix(), by_hyperdual.view(), natural)
+    close(
+        "y'F_xx, hyperdual through tensors",
+        &y_f_xx,
+        own.contract(&x, y).unwrap().as_slice(),
+        2.0 * of_y_f_xx + bounds.y_f_xx,
+    )?;
+    close("y'F_xx, analytic", &y_f_xx, &rows(theirs.matrix()), of_y_f_xx + bounds.y_f_xx)?;
+    close("y'F_xx, hyperdual", &y_f_xx, by_hyperdual.as_slice(), of_y_f_xx + bounds.y_f_xx)
+}
+
+/// Twice the bounds of M, F, F_x and y'F_xx by tensors.
+fn rounding_of_tensors(tree: &Tree, [q, p, u, y]: [&[f64]; 4]) -> [f64; 4] {
+    let [q, p, u, y] = [q, p, u, y].map(lift::<Count>);
+    let mut tensors = DualPass::<Count, _>::with_route(tree.clone(), Christoffel);
+    let all = tensors.contract(&q, &p, &u, &y).unwrap();
+    let linear = all.linearisation();
+    let m = bound(linear.mass_matrix().as_slice());
+    let bounds = [m, bound(linear.f()), bound(&rows(linear.matrix())), bound(&rows(all.matrix()))];
+    bounds.map(|bound| 2.0 * bound)
 }
 
 properties! {

@@ -217,9 +217,9 @@ impl ModelFamily for Pendulums {
 fn every_scheme_knows_models_that_are_not_affine_in_u() {
     let z = (&[0.7, -1.2][..], &[0.9][..], &[0.4, -0.8][..], 0.1);
     let all = [
-        differences::<_, Classical>(&Pendulums, z).unwrap(),
-        differences::<_, Verlet>(&Pendulums, z).unwrap(),
-        differences::<_, Midpoint>(&Pendulums, z).unwrap(),
+        differences::<_, Classical>(&Pendulums, z, 0.0).unwrap(),
+        differences::<_, Verlet>(&Pendulums, z, 0.0).unwrap(),
+        differences::<_, Midpoint>(&Pendulums, z, 0.0).unwrap(),
     ];
     assert!(all.iter().all(|found| largest(found) < 1e-13), "{all:?}");
 }

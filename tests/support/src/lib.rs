@@ -12,8 +12,10 @@ pub mod generic;
 pub mod random_part;
 pub mod random_position;
 pub mod random_robot;
+pub mod reach;
 pub mod reference;
 pub mod robots;
+pub mod rounding;
 pub mod wrenches;
 
 // Named, though not used, so that rustc takes the instances of generic code that it has compiled.
@@ -66,6 +68,8 @@ pub struct Place {
 ///
 /// The seed of a failure is kept in `NAME.failures.txt` beside the source file `NAME.rs`, together with the
 /// smallest input that fails, and is tried first by every later run.
+///
+/// With the variable `COSTATE_USED` it prints how much of the bounds of [`rounding`](mod@rounding) was used.
 pub fn property<T: Debug>(
     cases: u32,
     place: Place,
@@ -73,8 +77,13 @@ pub fn property<T: Debug>(
     test: &dyn Fn(T) -> Result<(), TestCaseError>,
 ) {
     let mut runner = TestRunner::new(config(cases, place));
+    rounding::take_used();
     if let Err(error) = runner.run(&inputs, test) {
         panic!("{error}\n{runner}");
+    }
+    let used = rounding::take_used();
+    if std::env::var_os("COSTATE_USED").is_some() {
+        println!("{}: comparisons above 1/2, 1/4, .. of their bounds, and all: {used:?}", place.test);
     }
 }
 
@@ -96,6 +105,8 @@ fn config(cases: u32, place: Place) -> Config {
         cases,
         failure_persistence: Some(Box::new(FileFailurePersistence::WithSource("failures.txt"))),
         max_global_rejects: default.max_global_rejects.max(cases),
+        // What fails is kept once it is as small as it gets: in time also where many cases were asked for.
+        max_shrink_iters: default.max_shrink_iters.min(4096),
         source_file: Some(place.source),
         test_name: Some(place.test),
         ..default

@@ -5,7 +5,8 @@ use costate::derivative::largest;
 use costate::dynamics::Dynamics;
 use costate::matrix::Block;
 use costate::robot::{Robot, file};
-use costate_test_support::random_robot::difference_at;
+use costate::scalar::{Count, Scalar};
+use costate_test_support::rounding::{apart, bound, lift};
 
 /// Node-major arrays of a model: what is read and what was written.
 #[derive(Clone, Debug, Default)]
@@ -54,19 +55,20 @@ impl Arrays {
 }
 
 /// What one node has in the arrays of results.
-pub type NodeResults = ([Vec<f64>; 6], [Vec<f64>; 2]);
+pub type NodeResults<S = f64> = ([Vec<S>; 6], [Vec<S>; 2]);
 
-/// The same from single evaluations in f64; columns and blocks that do not exist are zero.
-pub fn one_by_one<D: Dynamics<f64>>(model: &mut D, arrays: &Arrays) -> Vec<NodeResults> {
+/// The same from single evaluations; columns and blocks that do not exist are zero.
+pub fn one_by_one<S: Scalar, D: Dynamics<S>>(model: &mut D, arrays: &Arrays) -> Vec<NodeResults<S>> {
     let (n, m) = (model.states(), model.controls());
-    let flat = |block: Block<'_, f64>| block.iter_rows().flatten().copied().collect::<Vec<_>>();
+    let flat = |block: Block<'_, S>| block.iter_rows().flatten().copied().collect::<Vec<_>>();
+    let [all_x, all_u, all_y] = [&arrays.x, &arrays.u, &arrays.y].map(|values| lift::<S>(values));
     let mut evaluate = |k: usize| {
-        let (x, u, y) = (&arrays.x[k * n..][..n], &arrays.u[k * m..][..m], &arrays.y[k * n..][..n]);
-        let mut adjoint = [vec![0.0; n], vec![0.0; m]];
+        let (x, u, y) = (&all_x[k * n..][..n], &all_u[k * m..][..m], &all_y[k * n..][..n]);
+        let mut adjoint = [vec![S::zero(); n], vec![S::zero(); m]];
         let [y_f_x, y_f_u] = &mut adjoint;
         model.adjoint(x, u, y, y_f_x, y_f_u).unwrap();
         let second = model.contract(x, u, y).unwrap();
-        let (mut ux, mut uu) = (vec![0.0; m * n], vec![0.0; m * m]);
+        let (mut ux, mut uu) = (vec![S::zero(); m * n], vec![S::zero(); m * m]);
         for (row, found) in ux.chunks_mut(n).zip(second.ux.iter().flat_map(Block::iter_rows)) {
             row[..found.len()].copy_from_slice(found);
         }
@@ -79,41 +81,45 @@ pub fn one_by_one<D: Dynamics<f64>>(model: &mut D, arrays: &Arrays) -> Vec<NodeR
     (0..arrays.nodes(n)).map(&mut evaluate).collect()
 }
 
+/// Twice the bounds of the rounding errors of each result of each node, from single evaluations.
+pub fn bounds<D: Dynamics<Count>>(model: &mut D, arrays: &Arrays) -> Vec<[f64; 8]> {
+    let of_node = |(results, adjoint): &NodeResults<Count>| {
+        let mut all = results.iter().chain(adjoint);
+        std::array::from_fn(|_| all.next().map_or(0.0, |block| 2.0 * bound(block)))
+    };
+    one_by_one(model, arrays).iter().map(of_node).collect()
+}
+
 /// Entries of node `k` in a node-major array of so many nodes.
 pub fn node(array: &[f64], k: usize, nodes: usize) -> &[f64] {
     let length = array.len() / nodes;
     &array[k * length..(k + 1) * length]
 }
 
-/// Every result of every node against single evaluations.
+/// Every result of every node against single evaluations, by this part of its largest entry.
 pub fn agree<D: Dynamics<f64>>(model: &mut D, arrays: &Arrays, allowed: f64) {
-    let found = differing(&one_by_one(model, arrays), arrays, allowed);
+    let expected = one_by_one(model, arrays);
+    let of_node = |(results, adjoint): &NodeResults| {
+        let mut all = results.iter().chain(adjoint);
+        std::array::from_fn(|_| all.next().map_or(0.0, |block| allowed * largest(block)))
+    };
+    let allowed: Vec<[f64; 8]> = expected.iter().map(of_node).collect();
+    let found = differing(&expected, arrays, &allowed);
     assert!(found.is_none(), "{}", found.unwrap());
 }
 
-/// The first result that differs by more than this part of its size.
-pub fn differing(expected: &[NodeResults], arrays: &Arrays, allowed: f64) -> Option<String> {
+/// The first result that differs by more than is allowed at its node.
+pub fn differing(expected: &[NodeResults], arrays: &Arrays, allowed: &[[f64; 8]]) -> Option<String> {
     let nodes = expected.len();
     let of_node = |(k, (results, adjoint)): (usize, &NodeResults)| {
         let found = arrays.results.iter().chain(&arrays.adjoint);
         found.zip(results.iter().chain(adjoint)).enumerate().find_map(|(which, (found, expected))| {
-            let least = least_sizes(results, node(&arrays.y, k, nodes))[which];
-            let off = difference_at(least.max(f64::MIN_POSITIVE), node(found, k, nodes), expected);
+            let (off, allowed) = (largest(&apart(node(found, k, nodes), expected)), allowed[k][which]);
             (off.is_nan() || off > allowed)
                 .then(|| format!("result {which} of node {k} of {nodes}: {off:e}, {allowed:e} allowed"))
         })
     };
     expected.iter().enumerate().find_map(of_node)
-}
-
-/// What each result is relative to at least: `max |y| max |f_x|` for y'f_xx, `max |y| max |f_u|` for y'f_ux.
-///
-/// Quaternions turn the axes of f_x and f_u. The derivative of M^-1 by one has a turn of its rows and one of
-/// its columns, each as large as M^-1, and they cancel where M does not depend on the pose: for a body that
-/// floats alone y'f_ux is zero, and what is computed of it is their rounding.
-pub fn least_sizes(results: &[Vec<f64>; 6], y: &[f64]) -> [f64; 8] {
-    let [_, f_x, f_u, ..] = results;
-    [0.0, 0.0, 0.0, largest(f_x) * largest(y), largest(f_u) * largest(y), 0.0, 0.0, 0.0]
 }
 
 pub fn robot(name: &str) -> Robot {

@@ -1,16 +1,16 @@
 //! Models: nodes as if alone, in any number, on any tree, with numbers that carry derivatives.
 
-use crate::arrays::{Arrays, NodeResults, agree, differing, least_sizes, node, one_by_one, robot};
+use crate::arrays::{Arrays, NodeResults, agree, bounds, differing, node, one_by_one, robot};
 use costate::batch::{Batch, FirstOrderArrays, Model, Packed, SecondOrderArrays};
 use costate::configuration::ConfigurationSpace;
-use costate::derivative::{Function, largest};
+use costate::derivative::Function;
 use costate::dynamics::{Automatic, QuaternionDynamics};
 use costate::hamiltonian::HamiltonianSecondOrder;
 use costate::lagrangian::LagrangianSecondOrder;
 use costate::robot::Robot;
-use costate::scalar::{Scalar, Tangent};
+use costate::scalar::{Count, Scalar, Tangent};
 use costate_test_support::properties;
-use costate_test_support::random_robot::{Case, cases, difference, free_cases, tolerance};
+use costate_test_support::random_robot::{Case, cases, difference, free_cases};
 
 /// Any number of nodes, in both coordinates.
 fn every_number_of_nodes<S: Packed<Lane = f64>>(allowed: f64) {
@@ -56,11 +56,12 @@ fn nodes_of(case: &Case, robot: &Robot, nodes: usize) -> Arrays {
 
 fn random_nodes<S: Packed<Lane = f64>>(case: &Case) {
     let robot = case.robot();
-    let allowed = tolerance(&robot, &case.q);
     let mut arrays = nodes_of(case, &robot, S::LANES + 3);
     let mut batch = Batch::<S, _>::new(Model(HamiltonianSecondOrder::new(&robot)));
     assert!(arrays.evaluate(&mut batch).is_empty());
-    agree(&mut HamiltonianSecondOrder::new(&robot), &arrays, allowed);
+    let allowed = bounds(&mut HamiltonianSecondOrder::<Count>::new(&robot), &arrays);
+    let expected = one_by_one(&mut HamiltonianSecondOrder::<f64>::new(&robot), &arrays);
+    assert_eq!(differing(&expected, &arrays, &allowed), None);
 }
 
 /// Another pose at every node, of the same robot with floating and spherical joints: x = (q, p), quaternions
@@ -69,14 +70,12 @@ fn random_nodes_of_free_joints<S: Packed<Lane = f64>>(case: &Case) {
     let robot = case.robot();
     let space = ConfigurationSpace::new(&robot);
     let nodes = S::LANES + 3;
-    let (mut arrays, mut allowed) = (Arrays::default(), 0.0_f64);
+    let mut arrays = Arrays::default();
     for k in 0..nodes {
         let factor = 0.4 * k as f64;
         let step: Vec<f64> = case.u.iter().map(|u| factor * u).collect();
         let mut q = case.q.clone();
         space.integrate(&case.q, &step, &mut q).unwrap();
-        // Two derivatives of a product have four terms.
-        allowed = allowed.max(4.0 * 10.0 * tolerance(&robot, &q));
         arrays.x.extend(&q);
         arrays.x.extend(case.v.iter().map(|v| v * (1.0 - 0.5 * factor)));
         arrays.u.extend(case.u.iter().map(|u| u * factor));
@@ -85,21 +84,23 @@ fn random_nodes_of_free_joints<S: Packed<Lane = f64>>(case: &Case) {
     }
     let mut of_phase = Batch::<S, _>::new(Model(QuaternionDynamics::new(&robot)));
     assert!(arrays.evaluate(&mut of_phase).is_empty());
-    agree(&mut QuaternionDynamics::new(&robot), &arrays, allowed);
+    let allowed = bounds(&mut QuaternionDynamics::<Count>::new(&robot), &arrays);
+    let expected = one_by_one(&mut QuaternionDynamics::<f64>::new(&robot), &arrays);
+    assert_eq!(differing(&expected, &arrays, &allowed), None);
     let mut of_velocity = Batch::<S, _>::new(Model(QuaternionDynamics::in_rates(&robot)));
     assert!(arrays.evaluate(&mut of_velocity).is_empty());
-    agree(&mut QuaternionDynamics::in_rates(&robot), &arrays, allowed);
-    let expected = one_by_one(&mut QuaternionDynamics::in_rates(&robot), &arrays);
-    small_changes_are_found(&expected, &mut arrays, allowed);
+    let allowed = bounds(&mut QuaternionDynamics::<Count, _>::in_rates(&robot), &arrays);
+    let expected = one_by_one(&mut QuaternionDynamics::<f64, _>::in_rates(&robot), &arrays);
+    assert_eq!(differing(&expected, &arrays, &allowed), None);
+    small_changes_are_found(&expected, &mut arrays, &allowed);
 }
 
 /// A change of one entry by three times what is allowed is found, in every result.
-fn small_changes_are_found(expected: &[NodeResults], arrays: &mut Arrays, allowed: f64) {
+fn small_changes_are_found(expected: &[NodeResults], arrays: &mut Arrays, allowed: &[[f64; 8]]) {
     for which in 0..arrays.results.len() {
-        let (results, _) = &expected[0];
-        let least = least_sizes(results, node(&arrays.y, 0, expected.len()))[which];
-        let (before, size) = (arrays.results[which][0], largest(&results[which]).max(least));
-        arrays.results[which][0] = results[which][0] + 3.0 * allowed * if size == 0.0 { 1.0 } else { size };
+        let (before, (results, _)) = (arrays.results[which][0], &expected[0]);
+        arrays.results[which][0] =
+            results[which][0] + if allowed[0][which] == 0.0 { 1.0 } else { 3.0 * allowed[0][which] };
         assert!(differing(expected, arrays, allowed).is_some(), "result {which}");
         arrays.results[which][0] = before;
     }

@@ -1,13 +1,15 @@
 //! Every lane of every quantity is what `f64` gives for the state of that lane, on any tree.
 
 use costate::configuration::ConfigurationSpace;
+use costate::derivative::largest;
 use costate::hamiltonian::{DualPass, Hamiltonian, HamiltonianSecondOrder};
 use costate::lagrangian::{self, LagrangianSecondOrder};
 use costate::matrix::Block;
 use costate::robot::Robot;
-use costate::scalar::{Lanes, Scalar, Tangent, Vector};
+use costate::scalar::{Count, Lanes, Scalar, Tangent, Vector};
 use costate_test_support::properties;
-use costate_test_support::random_robot::{Case, all_cases, condition, difference, free_cases, tolerance};
+use costate_test_support::random_robot::{Case, all_cases, condition, free_cases};
+use costate_test_support::rounding::{apart, bound, lift};
 use costate_test_support::wrenches::pulled;
 use num_dual::Dual;
 use proptest::prelude::*;
@@ -117,46 +119,19 @@ fn packed<V: Vector>(states: &[State], which: usize) -> Vec<Lanes<V>> {
     (0..states[0].0[which].len()).map(|i| Lanes::from_lanes(&lane(i))).collect()
 }
 
-/// How much rounding of q changes each quantity at a state: where that is more than the tolerance, no two
-/// evaluations agree better.
-fn sensitivities_of(state: &State, numbers: impl Fn(&State) -> Quantities<f64>) -> Vec<(&'static str, f64)> {
-    let at = |signs: [f64; 2]| {
-        let mut arguments = state.0.clone();
-        arguments[0]
-            .iter_mut()
-            .zip(signs.iter().cycle())
-            .for_each(|(q, sign)| *q *= 1.0 + sign * f64::EPSILON);
-        numbers(&State(arguments))
-    };
-    let exact = at([0.0; 2]);
-    let moved = [at([1.0, -1.0]), at([-1.0, 1.0]), at([1.0, 1.0])];
-    let largest =
-        |k: usize| moved.iter().map(|moved| difference(&moved[k].1, &exact[k].1)).fold(0.0, f64::max);
-    (0..exact.len()).map(|k| (exact[k].0, largest(k))).collect()
-}
-
-/// Part `of_lanes` of every quantity: lane k of those of all states against the numbers of state k `alone`;
-/// `again` computes these where the state is moved a little.
+/// Part `of_lanes` of every quantity: lane k of those of all states against the numbers of state k `alone`,
+/// by twice the bounds of these, from numbers that are `rounded`.
 fn compare<L>(
-    robot: &Robot,
-    states: &[State],
-    (lanes, of_lanes): (&Quantities<L>, impl Fn(&L, usize) -> f64),
-    (alone, again): (&[Quantities<f64>], impl Fn(usize, &State) -> Quantities<f64>),
+    lanes: &Quantities<L>,
+    of_lanes: impl Fn(&L, usize) -> f64,
+    alone: &[Quantities<f64>],
+    rounded: &[Quantities<Count>],
 ) {
-    for (k, (state, alone)) in states.iter().zip(alone).enumerate() {
-        // Tangents of second derivatives are third ones.
-        let tolerance = 4.0 * tolerance(robot, &state.0[0]);
-        let mut sensitivities = None;
-        for ((name, lanes), (_, expected)) in lanes.iter().zip(alone) {
+    for (k, (alone, rounded)) in alone.iter().zip(rounded).enumerate() {
+        for (((name, lanes), (_, expected)), (_, rounded)) in lanes.iter().zip(alone).zip(rounded) {
             let found: Vec<f64> = lanes.iter().map(|entry| of_lanes(entry, k)).collect();
-            let difference = difference(&found, expected);
-            if difference > tolerance {
-                let all =
-                    sensitivities.get_or_insert_with(|| sensitivities_of(state, |moved| again(k, moved)));
-                let allowed =
-                    8.0 * all.iter().find(|(other, _)| other == name).map_or(0.0, |(_, moved)| *moved);
-                assert!(difference <= allowed, "{name}, lane {k}: {difference:e}, {allowed:e} allowed");
-            }
+            let (difference, allowed) = (largest(&apart(&found, expected)), 2.0 * bound(rounded));
+            assert!(difference <= allowed, "{name}, lane {k}: {difference:e}, {allowed:e} allowed");
         }
     }
 }
@@ -165,9 +140,15 @@ fn lanes_are_states<V: Vector>(case: &Case, robot: &Robot) {
     let states = states(case, robot, V::LANES);
     let packed: [_; 5] = std::array::from_fn(|which| packed::<V>(&states, which));
     let lanes = quantities(robot, packed.each_ref().map(Vec::as_slice));
-    let at = |_: usize, state: &State| quantities::<f64>(robot, state.0.each_ref().map(Vec::as_slice));
-    let alone: Vec<_> = states.iter().enumerate().map(|(k, state)| at(k, state)).collect();
-    compare(robot, &states, (&lanes, |entry: &Lanes<V>, k| entry.lane(k)), (&alone, at));
+    let alone: Vec<_> = states.iter().map(|state| at::<f64>(robot, state)).collect();
+    let rounded: Vec<_> = states.iter().map(|state| at::<Count>(robot, state)).collect();
+    compare(&lanes, |entry: &Lanes<V>, k| entry.lane(k), &alone, &rounded);
+}
+
+/// All that is computed at one state.
+fn at<S: Scalar>(robot: &Robot, state: &State) -> Quantities<S> {
+    let arguments = state.0.each_ref().map(|argument| lift::<S>(argument));
+    quantities(robot, arguments.each_ref().map(Vec::as_slice))
 }
 
 /// Derivatives along one direction, which differs from lane to lane.
@@ -186,28 +167,37 @@ fn derivatives_are_those_of_states<V: Vector>(case: &Case) {
         std::array::from_fn(|which| pairs(which).map(|(x, d)| Dual::new(x, d)).collect());
     let tangents = fewer_quantities(&robot, tangents.each_ref().map(Vec::as_slice));
     let duals = fewer_quantities(&robot, duals.each_ref().map(Vec::as_slice));
-    let at = |k: usize, state: &State| {
-        let lift = |which: usize| -> Vec<_> {
-            let values = state.0[which].iter().enumerate();
-            values.map(|(i, &x)| Tangent::new(x, direction(which, i, k))).collect()
-        };
-        let arguments: [_; 5] = std::array::from_fn(lift);
-        fewer_quantities(&robot, arguments.each_ref().map(Vec::as_slice))
-    };
-    let all: Vec<_> = states.iter().enumerate().map(|(k, state)| at(k, state)).collect();
-    for part in [|entry: &Tangent<f64>| entry.re, |entry: &Tangent<f64>| entry.eps] {
-        let of = |all: &Quantities<Tangent<f64>>| -> Quantities<f64> {
+    let (alone, rounded) =
+        (along::<f64>(&robot, &states, &direction), along::<Count>(&robot, &states, &direction));
+    fn parts<S: Scalar>(all: &[Quantities<Tangent<S>>], part: fn(&Tangent<S>) -> S) -> Vec<Quantities<S>> {
+        let of = |all: &Quantities<Tangent<S>>| {
             all.iter().map(|(name, entries)| (*name, entries.iter().map(part).collect())).collect()
         };
-        let alone: Vec<_> = all.iter().map(of).collect();
-        let again = |k: usize, state: &State| of(&at(k, state));
-        let of_tangents =
-            |entry: &Tangent<Lanes<V>>, k: usize| part(&Tangent::new(entry.re.lane(k), entry.eps.lane(k)));
-        let of_duals =
-            |entry: &Dual<Lanes<V>>, k: usize| part(&Tangent::new(entry.re.lane(k), entry.eps.lane(k)));
-        compare(&robot, &states, (&tangents, of_tangents), (&alone, again));
-        compare(&robot, &states, (&duals, of_duals), (&alone, again));
+        all.iter().map(of).collect()
     }
+    let (values, slopes) = (parts(&alone, |entry| entry.re), parts(&alone, |entry| entry.eps));
+    let (of_values, of_slopes) = (parts(&rounded, |entry| entry.re), parts(&rounded, |entry| entry.eps));
+    compare(&tangents, |entry: &Tangent<Lanes<V>>, k| entry.re.lane(k), &values, &of_values);
+    compare(&tangents, |entry: &Tangent<Lanes<V>>, k| entry.eps.lane(k), &slopes, &of_slopes);
+    compare(&duals, |entry: &Dual<Lanes<V>>, k| entry.re.lane(k), &values, &of_values);
+    compare(&duals, |entry: &Dual<Lanes<V>>, k| entry.eps.lane(k), &slopes, &of_slopes);
+}
+
+/// The first quantities at every state, with their derivatives along its direction.
+fn along<S: Scalar>(
+    robot: &Robot,
+    states: &[State],
+    direction: &dyn Fn(usize, usize, usize) -> f64,
+) -> Vec<Quantities<Tangent<S>>> {
+    let at = |(k, state): (usize, &State)| {
+        let lift = |which: usize| -> Vec<_> {
+            let values = state.0[which].iter().enumerate();
+            values.map(|(i, &x)| Tangent::new(S::from_f64(x), S::from_f64(direction(which, i, k)))).collect()
+        };
+        let arguments: [Vec<Tangent<S>>; 5] = std::array::from_fn(lift);
+        fewer_quantities(robot, arguments.each_ref().map(Vec::as_slice))
+    };
+    states.iter().enumerate().map(at).collect()
 }
 
 /// Cases whose own pose is regular enough for the tolerance to mean something.
