@@ -1,0 +1,4 @@
+//! Where files are.
+
+/// Where the crate lies.
+pub const FOLDER: &str = env!("CARGO_MANIFEST_DIR");
