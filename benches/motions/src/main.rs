@@ -4,6 +4,7 @@
 //! the plots to `docs/`.
 
 mod action;
+mod arms;
 mod clock;
 mod fit;
 mod forms;
@@ -23,7 +24,9 @@ use std::path::{Path, PathBuf};
 
 const HELP: &str = "\
 costate-motions [--action | --forms] [--write] [--short]
+costate-motions arms [--seeds 1,2,3] [--starts 16] [--tolerance T] [--keep FOLDER]
 
+  arms      random tasks of real arms at default options beside the best of several starts; downloads their files
   --action  the table of the action form alone
   --forms   the table of forms of the direct method alone
   --write   puts the tables into BENCHMARKS.md and the plots into docs/
@@ -32,6 +35,9 @@ costate-motions [--action | --forms] [--write] [--short]
 
 fn main() -> Result<(), Failure> {
     let (mut write, mut short, mut only) = (false, false, None);
+    if std::env::args().nth(1).is_some_and(|argument| argument == "arms") {
+        return arms::run(std::env::args().skip(2));
+    }
     for argument in std::env::args().skip(1) {
         match argument.as_str() {
             "--write" => write = true,
