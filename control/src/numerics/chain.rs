@@ -86,6 +86,13 @@ impl ChainMatrix {
         (&mut self.inner_rows[k * inner..(k + 1) * inner], left, right)
     }
 
+    /// The same, to read.
+    pub fn blocks(&self, k: usize) -> (&[f64], &[f64], &[f64]) {
+        let (inner, node) = (self.inner * self.inner_width(), 2 * self.node * self.node);
+        let (left, right) = self.node_rows[k * node..(k + 2) * node].split_at(node);
+        (&self.inner_rows[k * inner..(k + 1) * inner], left, right)
+    }
+
     /// The rows of a node.
     pub fn node_rows(&mut self, k: usize) -> &mut [f64] {
         let length = 2 * self.node * self.node;

@@ -66,6 +66,11 @@ impl Knots {
         }
     }
 
+    /// Times of the knots.
+    pub fn times(&self) -> &[f64] {
+        &self.times
+    }
+
     /// Component `k` at a time, with its first and second derivative.
     pub fn at(&self, time: f64, k: usize) -> [f64; 3] {
         let (width, last) = (self.width, self.times.len() - 1);
