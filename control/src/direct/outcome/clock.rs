@@ -35,13 +35,20 @@ impl<D: PointDynamics> Interior<D> {
         let mut sum = 0.0;
         for (i, &from) in times.iter().enumerate().rev() {
             let to = times.get(i + 1).copied().unwrap_or(end);
-            for (place, weight) in PLACES.iter().zip(WEIGHTS) {
-                let time = from + place * (to - from);
-                let (k, x) = spline.mesh.place(spline.place_of(time));
-                spline.in_interval(k, x, &mut z);
-                // What cannot be evaluated is no motion, and has no H*.
-                let rate = references.contract(time, &z[..spline.dof]).map_or(f64::NAN, |l| l.by_time[0]);
-                sum += (to - from) * weight * rate;
+            let mut left = from;
+            while left < to {
+                // References bend at their knots.
+                let right = references.next_knot(left).min(to);
+                for (place, weight) in PLACES.iter().zip(WEIGHTS) {
+                    let time = left + place * (right - left);
+                    let (k, x) = spline.mesh.place(spline.place_of(time));
+                    spline.in_interval(k, x, &mut z);
+                    // What cannot be evaluated is no motion, and has no H*.
+                    let rate = references.contract(time, &z[..spline.dof]).map_or(f64::NAN, |l| l.by_time[0]);
+                    sum += (right - left) * weight * rate;
+                }
+                // Rounding of times may find a knot once more.
+                left = if right > left { right } else { to };
             }
             ahead[i] = sum;
         }

@@ -7,23 +7,17 @@ use crate::direct::interior::iterate::Interior;
 use crate::direct::points::values::PointDynamics;
 use crate::problem::Problem;
 use crate::result::infeasibility::{Infeasibility, RelaxedLimit};
-use costate::robot::JointKind;
 
 /// What the limits of an elastic iterate give, or at least what a proof says.
 pub(crate) fn with_proof(problem: &Problem, found: Option<Infeasibility>) -> Option<Infeasibility> {
     let Some(short) = problem.too_short() else { return found };
     let limit = || {
         let joint = problem.robot.independent_joints().nth(short.joint)?;
-        let unit = match (joint.kind, short.is_acceleration) {
-            (JointKind::Prismatic, false) => "m/s",
-            (JointKind::Prismatic, true) => "m/s^2",
-            (_, false) => "rad/s",
-            (_, true) => "rad/s^2",
-        };
+        let (kind, unit) = short.kind(joint.kind);
         let ends = problem.ends();
         let forward = ends.last()?.q[short.joint] >= ends.first()?.q[short.joint];
         Some(RelaxedLimit {
-            kind: if short.is_acceleration { "acceleration" } else { "rate" }.into(),
+            kind: kind.into(),
             name: joint.name.clone(),
             side: if forward { "max" } else { "min" }.into(),
             time: 0.0,
@@ -40,6 +34,7 @@ pub(crate) fn with_proof(problem: &Problem, found: Option<Infeasibility>) -> Opt
         ..Infeasibility::default()
     });
     found.is_global = true;
+    found.proof = Some(short.proof(problem));
     found.least_time = Some(short.needed);
     Some(found)
 }

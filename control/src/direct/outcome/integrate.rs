@@ -4,6 +4,7 @@ use crate::constants::direct as constants;
 use crate::direct::motion::spline::Spline;
 use crate::numerics::dormand_prince::{DormandPrince, Stopped};
 use crate::problem::limits::JointLimits;
+use crate::verify::splits::Splits;
 use costate::EvalError;
 use costate::lagrangian::Lagrangian;
 use costate::robot::Robot;
@@ -26,11 +27,12 @@ pub(super) trait Driven {
 
 /// The state (q, v) at the end when the torques of a motion, cut to their limits, move a robot from the start
 /// of the motion, and from its own state at the first node after each `part` (s) again; `at_part` sees the
-/// state that was reached there and that of the motion.
+/// state that was reached there and that of the motion. Steps end where something narrow happens
+/// ([`Splits`]).
 pub(super) fn integrate(
     driven: &mut dyn Driven,
     limits: &[JointLimits],
-    spline: &Spline,
+    (spline, splits): (&Spline, &Splits),
     part: f64,
     stops: &mut dyn FnMut() -> bool,
     at_part: &mut dyn FnMut(&[f64], &[f64]),
@@ -43,17 +45,20 @@ pub(super) fn integrate(
     let mut since = 0.0;
     for k in 0..spline.mesh.intervals() {
         let (length, phase) = (spline.length(k), spline.mesh.phase(k));
-        integrator.integrate_until(&mut x, 0.0..length, |t, x, rate| -> Result<(), Stopped> {
-            if stops() {
-                return Err(Stopped::Interrupted);
-            }
-            spline.in_interval(k, t / length, &mut z);
-            driven.torques(phase, &z, &mut tau)?;
-            for (tau, limit) in tau.iter_mut().zip(limits) {
-                *tau = tau.clamp(limit.torque[0], limit.torque[1]);
-            }
-            Ok(driven.rate(phase, x, &tau, rate)?)
-        })?;
+        for pair in splits.of(k).windows(2) {
+            let time = pair[0] * length..pair[1] * length;
+            integrator.integrate_until(&mut x, time, |t, x, rate| -> Result<(), Stopped> {
+                if stops() {
+                    return Err(Stopped::Interrupted);
+                }
+                spline.in_interval(k, t / length, &mut z);
+                driven.torques(phase, &z, &mut tau)?;
+                for (tau, limit) in tau.iter_mut().zip(limits) {
+                    *tau = tau.clamp(limit.torque[0], limit.torque[1]);
+                }
+                Ok(driven.rate(phase, x, &tau, rate)?)
+            })?;
+        }
         since += length;
         spline.in_interval(k, 1.0, &mut z);
         if k + 1 == spline.mesh.intervals() {

@@ -8,7 +8,7 @@ use crate::task::row::Subject;
 use costate::robot::JointKind;
 
 /// Names and kinds of all coordinates, of which the first ones are joints, and the others multipliers.
-pub(super) struct Coordinates {
+pub(in crate::direct) struct Coordinates {
     names: Vec<String>,
     kinds: Vec<JointKind>,
     joints: usize,
@@ -51,7 +51,7 @@ impl Coordinates {
 }
 
 /// What a side is about, those of rows of tasks too.
-pub(super) fn subject<D>(
+pub(in crate::direct) fn subject<D>(
     interior: &Interior<D>,
     side: &Side,
     end: Option<usize>,
@@ -64,7 +64,11 @@ pub(super) fn subject<D>(
 }
 
 /// What a side limits, as in reports.
-pub(super) fn kind<D>(interior: &Interior<D>, side: &Side, coordinates: &Coordinates) -> &'static str {
+pub(in crate::direct) fn kind<D>(
+    interior: &Interior<D>,
+    side: &Side,
+    coordinates: &Coordinates,
+) -> &'static str {
     match subject(interior, side, None, coordinates) {
         Subject::GroundForce => "ground_force",
         Subject::LandingImpulse => "landing_impulse",
@@ -73,7 +77,7 @@ pub(super) fn kind<D>(interior: &Interior<D>, side: &Side, coordinates: &Coordin
 }
 
 /// The name of a joint, of all, or of a row at an end or along the motion.
-pub(super) fn name<'a, D>(
+pub(in crate::direct) fn name<'a, D>(
     interior: &'a Interior<D>,
     side: &Side,
     end: Option<usize>,
@@ -86,7 +90,7 @@ pub(super) fn name<'a, D>(
 }
 
 /// The joint of a side that is not a row of a task; `None` for all.
-pub(super) fn joint<D>(interior: &Interior<D>, side: &Side) -> Option<usize> {
+pub(in crate::direct) fn joint<D>(interior: &Interior<D>, side: &Side) -> Option<usize> {
     match side.limited {
         Limited::Power | Limited::TorqueSpeed => interior.model.powers.joint(side.joint),
         _ => Some(side.joint),
@@ -95,20 +99,20 @@ pub(super) fn joint<D>(interior: &Interior<D>, side: &Side) -> Option<usize> {
 
 /// Where the torque of a motor is limited by its rate: the rate at z = (q, v, a), and what is to be taken
 /// from value and bound to get a torque and its limit at this rate.
-pub(super) fn rate<D>(interior: &Interior<D>, side: &Side, z: &[f64]) -> Option<(f64, f64)> {
+pub(in crate::direct) fn rate<D>(interior: &Interior<D>, side: &Side, z: &[f64]) -> Option<(f64, f64)> {
     let n = interior.points.dof;
     let joint = joint(interior, side).filter(|_| side.limited == Limited::TorqueSpeed)?;
     Some((z[n + joint], interior.model.powers.line(side.joint, &z[n..2 * n])))
 }
 
 /// The limit of a torque at a [`rate`]; 0 beyond the no-load speed, where the motor has none.
-pub(super) fn torque_limit(side: &Side, rate: Option<(f64, f64)>) -> Option<f64> {
+pub(in crate::direct) fn torque_limit(side: &Side, rate: Option<(f64, f64)>) -> Option<f64> {
     let limit = side.bound - rate?.1;
     Some(if side.sign * limit < 0.0 { limit } else { 0.0 })
 }
 
 /// The unit of a limit.
-pub(super) fn unit<D>(
+pub(in crate::direct) fn unit<D>(
     interior: &Interior<D>,
     side: &Side,
     end: Option<usize>,
@@ -136,7 +140,7 @@ pub(super) fn unit<D>(
 }
 
 /// By how much a limit is exceeded at a distance, in its unit.
-pub(super) fn excess<D>(
+pub(in crate::direct) fn excess<D>(
     interior: &Interior<D>,
     side: &Side,
     end: Option<usize>,

@@ -166,6 +166,7 @@ fn violation(
         name: name.into(),
         time,
         excess,
+        part: side.violation(distance),
         unit: unit.into(),
         value: (side.bound + side.sign * distance) * factor - rate.map_or(0.0, |(_, line)| line),
         limit: torque_limit(side, rate).unwrap_or(side.bound),

@@ -11,6 +11,7 @@ use crate::options::{SolverOptions, Verify};
 use crate::problem::Problem;
 use crate::problem::loop_rows::Loops;
 use crate::result::verify::verification_bound;
+use crate::verify::splits::Splits;
 use std::sync::Arc;
 
 /// A motion integrated again.
@@ -22,6 +23,9 @@ pub(crate) struct Again {
     /// Sum of the distances from the motion at the ends of its parts, each integrated from its own start, in
     /// parts of the largest values along it; infinite if that was not needed.
     pub parts: f64,
+    /// The smaller one of the distances that decide whether the torques lead along the motion, relative to
+    /// the largest values along it: at its end, and the sum over its parts.
+    pub miss: f64,
     /// Whether the torques lead along the motion: to its end, or at least to the end of each part.
     pub leads: bool,
     /// Whether the integration was done, or not needed: not so where the search was stopped.
@@ -31,7 +35,14 @@ pub(crate) struct Again {
 impl Again {
     /// Without an integration.
     pub fn unknown(leads: bool) -> Self {
-        Self { state: None, defect: f64::INFINITY, parts: f64::INFINITY, leads, is_complete: true }
+        Self {
+            state: None,
+            defect: f64::INFINITY,
+            parts: f64::INFINITY,
+            miss: f64::INFINITY,
+            leads,
+            is_complete: true,
+        }
     }
 }
 
@@ -85,20 +96,24 @@ pub(crate) fn integrate_again<D>(
         Some(loops) => Box::new(ClosedTree::new(loops)),
         None => Box::new(OpenTree::new(&problem.robots())),
     };
-    let state = match integrate(&mut *driven, &limits, spline, f64::INFINITY, stops, &mut |_, _| ()) {
+    let places = Splits::new(problem, &spline.path());
+    let motion = (spline, &places);
+    let state = match integrate(&mut *driven, &limits, motion, f64::INFINITY, stops, &mut |_, _| ()) {
         Err(Stopped::Interrupted) => return stopped(),
         state => state.ok(),
     };
-    let mut again = Again::unknown(state.as_ref().is_some_and(|state| distance(state, &last) <= bound));
+    let miss = state.as_ref().map_or(f64::INFINITY, |state| distance(state, &last));
+    let mut again = Again { miss, ..Again::unknown(miss <= bound) };
     if !again.leads {
         let mut parts = 0.0_f64;
         let each = spline.duration() / constants::PARTS;
         let mut add = |x: &[f64], z: &[f64]| parts += distance(x, z);
-        let ended = integrate(&mut *driven, &limits, spline, each, stops, &mut add);
+        let ended = integrate(&mut *driven, &limits, motion, each, stops, &mut add);
         if ended == Err(Stopped::Interrupted) {
             return stopped();
         }
         again.parts = ended.map_or(f64::INFINITY, |state| parts + distance(&state, &last));
+        again.miss = again.miss.min(again.parts);
         again.leads = again.parts <= bound;
     }
     if let Some(state) = &state {
