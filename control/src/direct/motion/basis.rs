@@ -12,7 +12,7 @@ pub(crate) struct Basis {
 }
 
 /// A polynomial on [0, 1], lowest power first.
-type Powers = [f64; 6];
+pub(super) type Powers = [f64; 6];
 
 /// 16 x^2 (1 - x)^2, which is 1 in the middle; then position and first derivative 1 at the left end, then at
 /// the right end, everything else 0 at both ends.
@@ -58,6 +58,20 @@ impl Basis {
             }
         }
         Self { rows }
+    }
+
+    /// Polynomials of the part x of an interval of width `h` that the coefficients are factors of, lowest
+    /// power first.
+    pub fn powers(shape: Shape, h: f64) -> [Powers; MOST_COEFFICIENTS] {
+        let mut all = [[0.0; 6]; MOST_COEFFICIENTS];
+        let (polynomials, degrees): (&[Powers], [i32; MOST_COEFFICIENTS]) = match shape {
+            Shape::Quartic => (&QUARTIC, [0, 0, 1, 0, 1, 0]),
+            Shape::Quintic => (&QUINTIC, [0, 1, 2, 0, 1, 2]),
+        };
+        for ((to, powers), degree) in all.iter_mut().zip(polynomials).zip(degrees) {
+            *to = powers.map(|power| power * h.powi(degree));
+        }
+        all
     }
 
     /// Factors of q, v, a in the coefficients: those of derivatives in s, times 1, 1/T, 1/T^2.

@@ -1,9 +1,13 @@
 //! Positions of tools that a motion begins with.
 
 use super::phase_times::with_guesses;
+use super::way_time::least_time;
+use crate::constants::task::reach::OUTSIDE;
 use crate::problem::Problem;
 use crate::task::build::TaskRows;
+use crate::task::check::phases_at;
 use crate::task::functions::PathFunction;
+use crate::task::reach::branches::{Branch, soonest};
 use crate::task::reach::slide::cheaper;
 use crate::task::reach::{others, reach, reach_near};
 use std::borrow::Cow;
@@ -78,6 +82,45 @@ pub(crate) fn other_positions(
         all.extend(cheaper(&mut rows, q, free, &limits, known, |q| cost(end, q)));
         let others = others(&mut rows, near, &all, free, &limits);
         found.extend(all.into_iter().skip(1).chain(others).map(|q| (end, q)));
+    }
+    found
+}
+
+/// Positions of the joints for the places of tools that are reached soonest, each with the number of its end:
+/// by the least times of the joints from the place before it, or to the place after the start.
+/// Those that do not keep what is kept along the motion come last.
+pub(crate) fn soonest_positions(reached: &Problem, all_rows: &TaskRows) -> Vec<(usize, Branch)> {
+    let joint_limits = reached.joint_limits();
+    let limits: Vec<[f64; 2]> = joint_limits.iter().map(|limits| limits.q).collect();
+    let (ends, last) = (with_guesses(reached), reached.phases());
+    let mut found = Vec::new();
+    for (end, rows) in all_rows.at_ends().enumerate() {
+        let (free, q) = (&ends[end].q_free, &ends[end].q);
+        if rows.is_empty() || free.is_empty() {
+            continue;
+        }
+        let before = &ends[if end == 0 { 1 } else { end - 1 }];
+        let (mut along, still) = (all_rows.along.clone(), vec![0.0; q.len()]);
+        let mut g = vec![0.0; along.rows()];
+        let branch = |q: Vec<f64>| {
+            // What must hold all along the motion holds here too, in the phases that meet here.
+            let mut outside = 0.0_f64;
+            for phase in phases_at(end, last) {
+                along.enter(Some(phase));
+                outside = match along.values(&q, &still, &mut g) {
+                    Err(_) => f64::INFINITY,
+                    Ok(()) => {
+                        let rows = along.bounds().iter().zip(&g);
+                        rows.map(|(row, g)| (row.lower - g).max(g - row.upper) / row.range)
+                            .fold(outside, f64::max)
+                    }
+                };
+            }
+            let time = least_time([before, &ends[end]], &q, &joint_limits);
+            Branch { q, time, penalty: OUTSIDE * outside }
+        };
+        let branches = soonest(&mut rows.clone(), &before.q, q, free, &limits, branch);
+        found.extend(branches.into_iter().map(|branch| (end, branch)));
     }
     found
 }

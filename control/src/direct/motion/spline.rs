@@ -164,6 +164,11 @@ impl Spline {
         self.basis(k, j).in_time(1.0 / self.clock(k))
     }
 
+    /// The same at the part `x` of an interval.
+    pub(crate) fn factors_at(&self, k: usize, x: f64) -> [[f64; MOST_COEFFICIENTS]; 3] {
+        self.basis_at(k, x).in_time(1.0 / self.clock(k))
+    }
+
     /// The basis at one of Gauss's points, where accelerations are continuous.
     pub(crate) fn gauss_basis(&self, k: usize, j: usize) -> Cow<'_, Basis> {
         self.over_unknowns(k, Cow::Borrowed(self.mesh.gauss_basis(k, j)))
@@ -172,6 +177,33 @@ impl Spline {
     /// The same at the part `x` of an interval.
     pub(super) fn basis_at(&self, k: usize, x: f64) -> Cow<'_, Basis> {
         self.over_unknowns(k, Cow::Owned(Basis::at(self.mesh.shape, x, self.mesh.width(k))))
+    }
+
+    /// The change of z = (q, v, a) at a place of interval `k`, which has this basis and this z, by a step of
+    /// the unknowns of the interval and of the time of its phase; 3n numbers.
+    #[inline(always)]
+    pub(crate) fn change(
+        &self,
+        (k, basis): (usize, &Basis),
+        (inner, ends): (&[f64], &[f64]),
+        dt: f64,
+        z: &[f64],
+        dz: &mut [f64],
+    ) {
+        let (n, rate) = (self.dof, 1.0 / self.clock(k));
+        basis.combine(n, inner, ends, dz);
+        // What unknowns that are derivatives in time change by T alone.
+        for TimeDerivative { column, order, first } in self.time_derivatives(k) {
+            for (row, dz) in basis.rows.iter().zip(dz.chunks_exact_mut(n)) {
+                let factor = order * rate * row[column] * dt;
+                let unknowns = &self.unknowns[first..first + n];
+                dz.iter_mut().zip(unknowns).for_each(|(dz, x)| *dz += factor * x);
+            }
+        }
+        for i in 0..n {
+            dz[n + i] = rate * (dz[n + i] - z[n + i] * dt);
+            dz[2 * n + i] = rate * (rate * dz[2 * n + i] - 2.0 * z[2 * n + i] * dt);
+        }
     }
 
     /// q, v, a at all points, 3n numbers a point.
@@ -194,6 +226,25 @@ impl Spline {
     pub fn in_parts(&self, k: usize, x: f64, z: &mut [f64]) {
         let (inner, ends) = self.of_interval(&self.unknowns, k);
         self.basis_at(k, x).combine(self.dof, inner, ends, z);
+    }
+
+    /// Replaces `coefficients` by those of q on interval `k`, as polynomials of the part x of it: lowest
+    /// power first, all of one joint after those of another one. Their number for a joint.
+    pub fn coefficients(&self, k: usize, coefficients: &mut Vec<f64>) -> usize {
+        let (n, count) = (self.dof, self.mesh.shape.coefficients());
+        let mut powers = Basis::powers(self.mesh.shape, self.mesh.width(k));
+        for TimeDerivative { column, order, .. } in self.time_derivatives(k) {
+            powers[column].iter_mut().for_each(|power| *power *= self.clock(k).powf(order));
+        }
+        coefficients.clear();
+        coefficients.resize(n * count, 0.0);
+        let (inner, ends) = self.of_interval(&self.unknowns, k);
+        for (all, powers) in inner.chunks_exact(n).chain(ends.chunks_exact(n)).zip(powers) {
+            for (own, value) in coefficients.chunks_exact_mut(count).zip(all) {
+                own.iter_mut().zip(powers).for_each(|(to, power)| *to += value * power);
+            }
+        }
+        count
     }
 
     /// Derivatives in s become derivatives in time.

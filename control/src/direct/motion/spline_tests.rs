@@ -72,3 +72,22 @@ fn rates_do_not_jump_nor_accelerations_of_quintics() {
         }
     }
 }
+
+#[test]
+fn coefficients_are_those_of_the_motion() {
+    for shape in [Shape::Quartic, Shape::Quintic] {
+        for (spline, _) in motions(shape) {
+            let (mut coefficients, mut z) = (Vec::new(), [0.0; 6]);
+            for k in 0..spline.mesh.intervals() {
+                let count = spline.coefficients(k, &mut coefficients);
+                for x in [0.0, 0.3, 1.0] {
+                    spline.in_interval(k, x, &mut z);
+                    for (own, q) in coefficients.chunks_exact(count).zip(&z) {
+                        let value = own.iter().rev().fold(0.0, |sum, c| sum * x + c);
+                        assert!((value - q).abs() < 1e-13, "{shape:?} {k} {x}: {value} {q}");
+                    }
+                }
+            }
+        }
+    }
+}

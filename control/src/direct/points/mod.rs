@@ -9,6 +9,7 @@
 pub(super) mod closed_points;
 pub(super) mod energy;
 pub(super) mod generic_points;
+pub(super) mod panels;
 pub(super) mod phases;
 #[cfg(feature = "jit")]
 pub(super) mod program_points;

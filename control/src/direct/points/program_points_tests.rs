@@ -1,7 +1,7 @@
 //! Machine code against the generic code.
 
 use super::super::generic_points::RobotPoints;
-use super::super::generic_points::tests::{alike, check, check_lengths, points};
+use super::super::generic_points::tests::{alike, check_lengths, check_rounding, points};
 use super::super::values::PointDynamics;
 use super::{LANES, ProgramPoints};
 use crate::options::MachineCode;
@@ -25,7 +25,7 @@ properties! {
         let robot = case.robot();
         let n = robot.dof();
         let z = [&case.q[..n], &case.v[..n], &case.u[..n]].concat();
-        check(&robot, at_once(&robot), 1 + case.parts.len(), &z, &case.y[..n]);
+        check_rounding(&robot, at_once(&robot), 1 + case.parts.len(), &z, &case.y[..n])?;
     }
 }
 

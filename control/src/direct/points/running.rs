@@ -1,6 +1,7 @@
 //! The running cost of a motion: time, effort, energy, penalties, user terms, tools.
 
 use super::energy::Energy;
+use super::panels::{GAUSS, Panels, next_panel};
 use super::rates::RateCosts;
 use super::values::Points;
 use crate::direct::motion::spline::Spline;
@@ -25,6 +26,8 @@ pub(crate) struct Running {
     terms: UserTerms<f64>,
     tools: ToolCosts,
     pub references: References,
+    /// How references are integrated on each interval.
+    pub panels: Panels,
 }
 
 /// Derivatives of the running cost at a point by the time since the start of the motion, with the weight w of
@@ -57,7 +60,8 @@ impl Running {
         let penalties = Penalties::new(n, problem.penalty.as_ref());
         let energy = Energy::new(&problem.cost);
         let rates = RateCosts::new(&problem.cost);
-        Self { time: problem.cost.time, effort, energy, rates, penalties, terms, tools, references }
+        let (time, panels) = (problem.cost.time, Panels::new(n));
+        Self { time, effort, energy, rates, penalties, terms, tools, references, panels }
     }
 
     /// Changes the value at which a row of a tool costs nothing.
@@ -75,8 +79,55 @@ impl Running {
 
     /// The cost of a motion.
     pub fn cost(&mut self, spline: &Spline, points: &Points) -> f64 {
-        let cost = |p: usize| spline.weight(p) * self.rate(spline.time_of(p), points.z(p), points.tau(p));
-        (0..points.count()).map(cost).sum::<f64>() + points.rates.cost(spline, &self.rates)
+        let rates = points.rates.cost(spline, &self.rates);
+        if !self.split(spline) {
+            let cost = |p: usize| spline.weight(p) * self.rate(spline.time_of(p), points.z(p), points.tau(p));
+            return (0..points.count()).map(cost).sum::<f64>() + rates;
+        }
+        let mut sum = rates;
+        for p in 0..points.count() {
+            sum += spline.weight(p) * self.rate_without_references(points.z(p), points.tau(p));
+            let weight = self.panels.weight(spline, p) * spline.clock(spline.mesh.interval_of(p).0);
+            if weight > 0.0 {
+                sum += weight * self.rate_of_references(spline.time_of(p), points.z(p));
+            }
+        }
+        for k in 0..spline.mesh.intervals() {
+            if self.panels.is_split(k) {
+                sum += spline.length(k) * self.mean_of_references(spline, k, &GAUSS);
+            }
+        }
+        sum
+    }
+
+    /// Finds the intervals that have knots inside. Whether there are any.
+    pub fn split(&mut self, spline: &Spline) -> bool {
+        let Self { panels: Panels { split, .. }, references, .. } = self;
+        split.clear();
+        if !references.any() {
+            return false;
+        }
+        let has_knot = |k: usize| next_panel(references, spline, k, 0.0).is_some_and(|to| to < 1.0);
+        split.extend((0..spline.mesh.intervals()).map(has_knot));
+        split.contains(&true)
+    }
+
+    /// The mean cost of references on an interval per second, with this rule, places and weights on [0, 1],
+    /// on each panel.
+    pub fn mean_of_references(&mut self, spline: &Spline, k: usize, rule: &[[f64; 2]]) -> f64 {
+        let mut z = std::mem::take(&mut self.panels.z);
+        let (mut sum, mut from) = (0.0, 0.0);
+        while let Some(to) = next_panel(&self.references, spline, k, from) {
+            for [place, weight] in rule {
+                let x = from + place * (to - from);
+                spline.in_interval(k, x, &mut z);
+                let time = spline.time_at(spline.mesh.nodes[k]) + x * spline.length(k);
+                sum += weight * (to - from) * self.rate_of_references(time, &z);
+            }
+            from = to;
+        }
+        self.panels.z = z;
+        sum
     }
 
     /// The integral of the magnitudes of those parts that are negative: energy, which its smoothing lets be
@@ -100,16 +151,25 @@ impl Running {
     /// l at a time without the costs of jerks and of rates of torques; infinite where tools cannot be
     /// evaluated.
     pub fn rate(&mut self, time: f64, z: &[f64], tau: &[f64]) -> f64 {
+        self.rate_without_references(z, tau) + self.rate_of_references(time, z)
+    }
+
+    /// What references cost per second; `z` has 3n entries.
+    pub(super) fn rate_of_references(&mut self, time: f64, z: &[f64]) -> f64 {
+        if !self.references.any() {
+            return 0.0;
+        }
+        self.references.evaluate(time, &z[..z.len() / 3]).unwrap_or(f64::INFINITY)
+    }
+
+    /// The same of everything else.
+    pub fn rate_without_references(&mut self, z: &[f64], tau: &[f64]) -> f64 {
         let n = tau.len();
         let (q, v) = (&z[..n], &z[n..2 * n]);
         let effort: f64 = tau.iter().zip(&self.effort).map(|(tau, r)| 0.5 * r * tau * tau).sum();
         let tools = if self.tools.any() { self.tools.evaluate(q, v).unwrap_or(f64::INFINITY) } else { 0.0 };
-        let references = match self.references.any() {
-            true => self.references.evaluate(time, q).unwrap_or(f64::INFINITY),
-            false => 0.0,
-        };
         let energy = self.energy.rate(v, tau);
-        self.time + effort + energy + self.terms.at(q, v) + self.penalty_rate(z) + tools + references
+        self.time + effort + energy + self.terms.at(q, v) + self.penalty_rate(z) + tools
     }
 
     /// The penalties at a point.

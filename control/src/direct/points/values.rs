@@ -71,6 +71,11 @@ impl Points {
         self.rates.evaluate(spline, &self.tau);
     }
 
+    /// Number of phases.
+    pub fn phases(&self) -> usize {
+        self.phases.len()
+    }
+
     /// The points of a phase.
     pub fn phase(&self, phase: usize) -> Range<usize> {
         let first = if phase > 0 { self.phases[phase - 1] } else { 0 };

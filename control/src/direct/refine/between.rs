@@ -25,6 +25,11 @@ pub(super) fn weight(at: usize) -> f64 {
     WEIGHTS[at.min(BETWEEN.len() - 1 - at)]
 }
 
+/// The rule of these places, places and weights.
+pub(super) fn rule() -> [[f64; 2]; BETWEEN.len()] {
+    std::array::from_fn(|at| [BETWEEN[at], weight(at)])
+}
+
 /// Evaluates a motion at these places of each interval.
 pub(super) fn evaluate_places<D: PointDynamics>(
     interior: &mut Interior<D>,

@@ -41,9 +41,16 @@ impl Resolution {
         let share = tolerance / self.errors.len() as f64;
         let mut moves = Vec::new();
         let (mut added, mut moved) = (Vec::new(), vec![false; spline.mesh.nodes.len()]);
+        let mut narrow = Vec::new();
         for k in (0..chosen.len()).filter(|&k| chosen[k]) {
             let (left, width) = (spline.mesh.nodes[k], spline.mesh.width(k));
-            let (cuts, is_narrow) = (self.jumps.cuts(k), width < narrowest);
+            let least = if self.crossings.touches(k) { constants::NARROWER * narrowest } else { narrowest };
+            let (cuts, is_narrow) = (self.jumps.cuts(k), width < least);
+            let crossed = self.crossings.graded(k);
+            if cuts.is_empty() && !crossed.is_empty() {
+                narrow.extend(crossed.into_iter().map(|x| left + width * x));
+                continue;
+            }
             for cut in cuts.iter().filter(|_| smooth || !is_narrow) {
                 let place = left + width * cut.place;
                 // Where accelerations are continuous, nodes move where there is no room for another one.
@@ -78,7 +85,13 @@ impl Resolution {
         }
         let kept = spline.mesh.nodes.iter().zip(&moved).filter(|(_, moved)| !**moved).map(|(node, _)| *node);
         self.moves = moves;
-        with_added(kept.collect(), added, self.closest)
+        // What is narrow needs nodes that are closer; rounding in so few intervals moves the cost by next to
+        // nothing.
+        with_added(
+            with_added(kept.collect(), added, self.closest),
+            narrow,
+            constants::NARROWER * self.closest,
+        )
     }
 
     /// Where an interval is divided at a peak, if it can be: nodes at which torques jump stay.
@@ -122,7 +135,7 @@ impl Resolution {
 
 /// Nodes in their order with those that are added, one after the other, unless they are closer than this to
 /// another one.
-fn with_added(mut nodes: Vec<f64>, mut added: Vec<f64>, closest: f64) -> Vec<f64> {
+pub(super) fn with_added(mut nodes: Vec<f64>, mut added: Vec<f64>, closest: f64) -> Vec<f64> {
     added.sort_by(f64::total_cmp);
     for place in added {
         let right = nodes.partition_point(|&node| node < place);

@@ -108,16 +108,22 @@ impl Resolution {
         let (side, shape, first) = (&sides[i], mesh.shape, mesh.first_point(k));
         let distances = &self.distance[sides.len() * BETWEEN.len() * k..];
         let mut found = Products::default();
-        for (at, &x) in BETWEEN.iter().enumerate() {
+        let mut add = |x: f64, weight: f64, distance: f64| {
             let parts = shape.parts(x);
             let parts = parts[..shape.places().len()].iter().enumerate();
             let density: f64 = parts.map(|(j, part)| part * multipliers.at_point(first + j, i)).sum();
             let density = if side.is_equation { density } else { density.max(0.0) };
-            let part = mesh.width(k) * weight(at) * density;
-            let product = part * distances[sides.len() * at + i];
+            let part = mesh.width(k) * weight * density;
+            let product = part * distance;
             found.signed += product;
             found.unsigned += product.abs();
             found.multipliers += part;
+        };
+        if self.crossings.of(k).is_empty() {
+            let each = BETWEEN.iter().enumerate();
+            each.for_each(|(at, &x)| add(x, weight(at), distances[sides.len() * at + i]));
+        } else {
+            self.crossings.each_distance(k, [i, sides.len()], add);
         }
         found
     }

@@ -5,6 +5,7 @@
 
 pub(super) mod at_ends;
 pub(super) mod between;
+mod crossings;
 mod division;
 mod excess;
 pub(super) mod jumps;
@@ -15,3 +16,4 @@ pub(super) mod peak;
 mod peaks;
 pub(super) mod rates_between;
 pub(super) mod resolution;
+mod seeds;

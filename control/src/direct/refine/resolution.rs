@@ -1,6 +1,7 @@
 //! Where a mesh is too coarse: estimated errors, and limits that are exceeded between points.
 
-use super::between::{BETWEEN, evaluate_places, weight};
+use super::between::{BETWEEN, evaluate_places, rule, weight};
+use super::crossings::Crossings;
 use super::excess::Excess;
 use super::jumps::Jumps;
 use super::overshoots::Overshoots;
@@ -10,6 +11,7 @@ use crate::constants::direct as constants;
 use crate::direct::interior::iterate::Interior;
 use crate::direct::limits::distances::measure;
 use crate::direct::limits::side::{Limited, Side};
+use crate::direct::points::panels::GAUSS;
 use crate::direct::points::rates::RateCosts;
 use crate::direct::points::values::{PointDynamics, Points};
 use costate::EvalError;
@@ -34,6 +36,8 @@ pub(crate) struct Resolution {
     /// Nodes of this mesh that were moved.
     pub(super) moves: Vec<Move>,
     points: Points,
+    /// Where intervals cross something narrow.
+    pub(super) crossings: Crossings,
     pub(super) distance: Vec<f64>,
     pub(super) excess: Excess,
     /// What limits make most of the error of each interval.
@@ -42,7 +46,7 @@ pub(crate) struct Resolution {
     /// Intervals that are narrower are not divided.
     pub narrowest: f64,
     /// New nodes are farther from others.
-    pub(super) closest: f64,
+    pub closest: f64,
 }
 
 /// A node that was moved.
@@ -154,17 +158,23 @@ impl Resolution {
     /// Evaluates the motion between the points.
     fn evaluate_between<D: PointDynamics>(&mut self, interior: &mut Interior<D>) -> Result<(), EvalError> {
         evaluate_places(interior, &BETWEEN, &mut self.points)?;
-        self.rates.evaluate(interior, &BETWEEN, &mut self.points)
+        self.rates.evaluate(interior, &BETWEEN, &mut self.points)?;
+        self.crossings.evaluate(interior)
     }
 
     /// Integrates the running cost by the finer rule: the cost of the motion, and what the points miss of it.
+    /// Where an interval crosses something narrow, or a knot of a reference, the rule is that of each panel
+    /// between these.
     fn compare_costs<D>(&mut self, interior: &mut Interior<D>) {
         let Interior { spline, running, points, .. } = interior;
         self.cost = 0.0;
+        running.split(spline);
         for (k, error) in self.errors.iter_mut().enumerate() {
             let length = spline.length(k);
-            let mut rate = |s: f64, points: &Points, p: usize| {
-                running.rate(spline.time_at(s), points.z(p), points.tau(p))
+            let is_split = running.panels.is_split(k);
+            let mut rate = |s: f64, points: &Points, p: usize| match is_split {
+                false => running.rate(spline.time_at(s), points.z(p), points.tau(p)),
+                true => running.rate_without_references(points.z(p), points.tau(p)),
             };
             let (left, width) = (spline.mesh.nodes[k], spline.mesh.width(k));
             let shape = spline.mesh.shape;
@@ -176,7 +186,18 @@ impl Resolution {
             let coarse: f64 = weights.map(|(j, part)| part * at_point(j)).sum();
             let mut between =
                 |at: usize| rate(left + width * BETWEEN[at], &self.points, BETWEEN.len() * k + at);
-            let fine: f64 = (0..BETWEEN.len()).map(|at| weight(at) * between(at)).sum();
+            let mut fine: f64 = (0..BETWEEN.len()).map(|at| weight(at) * between(at)).sum();
+            let mut coarse = coarse;
+            if is_split {
+                coarse += running.mean_of_references(spline, k, &GAUSS);
+                fine += running.mean_of_references(spline, k, &rule());
+            }
+            if !self.crossings.of(k).is_empty() {
+                fine = self.crossings.mean(k, |z, tau| running.rate_without_references(z, tau));
+                if running.references.any() {
+                    fine += running.mean_of_references(spline, k, &rule());
+                }
+            }
             let [of_rates, finer] = self.rates.costs(k, points, &running.rates);
             let (coarse, fine) = (coarse + of_rates, length * (fine + finer));
             *error += constants::SAFETY * (fine - length * coarse).abs();
@@ -200,6 +221,7 @@ impl Resolution {
         }
         self.distance.resize(sides.len() * self.points.count(), 0.0);
         measure(sides, &self.points, &mut self.distance);
+        self.crossings.measure(sides);
         for (at, distance) in self.distance.chunks_exact(sides.len()).enumerate() {
             let (k, part) =
                 (at / BETWEEN.len(), weight(at % BETWEEN.len()) * interior.spline.clock(at / BETWEEN.len()));
