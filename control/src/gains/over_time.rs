@@ -9,6 +9,9 @@ use serde::{Deserialize, Serialize};
 
 /// Most times.
 const MOST: f64 = 1e5;
+/// Widest interval for gains, as a part of its phase. The error of gains between limits falls with its fourth
+/// power, and where a limit becomes active or inactive they are known to an interval.
+const WIDEST: f64 = 1.0 / 128.0;
 
 /// The optimal feedback of a solved motion over time, and how the motion changes with its limits: what
 /// `costate optimize --feedback` writes.
@@ -17,6 +20,11 @@ const MOST: f64 = 1e5;
 /// `tau + gain_q dq + gain_v dv`, as long as the same limits are active ([`Feedback`](crate::Feedback)).
 /// Where accelerations are continuous the control is the jerk: a state that is off by (dq, dv, da) is led by
 /// `jerk + gain_q dq + gain_v dv + gain_a da`.
+///
+/// [`active`](Self::active) names the limits that are active at each time. Rows of torques (of jerks) at a
+/// limit are zero. While a limit of the state is active gains are zero along its gradient and along that of
+/// its derivative in time: such deviations have no derivative. Towards a given end gains grow without bound;
+/// [`held`](Self::held) says from when on they are held.
 ///
 /// ```
 /// use costate_control::{Gains, Problem, Solver, SolverOptions};
@@ -56,6 +64,12 @@ pub struct Gains {
     /// and djerk/dv then. Else empty.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub gain_a: Vec<Rows>,
+    /// Names of the limits that are active at each time, such as `rate elbow max`.
+    #[serde(default)]
+    pub active: Vec<Vec<String>>,
+    /// For each phase the time from which on its gains are held, and its end (s).
+    #[serde(default)]
+    pub held: Vec<[f64; 2]>,
     /// Derivatives of the cost by the state at the start, (q, v), with continuous accelerations (q, v, a).
     pub cost_by_start: Vec<f64>,
     /// Derivatives of T by the state at the start, the same.
@@ -66,7 +80,9 @@ pub struct Gains {
 
 impl Gains {
     /// At this rate (Hz) and at T, or at the points of the motion. The problem, which is the one that was
-    /// solved, is solved once more, on the mesh of the motion or on equal intervals.
+    /// solved, is solved once more, on the mesh of the motion or on equal intervals; then with intervals in
+    /// halves, no wider than a 128th of a phase. Where that is not solved the gains are those of the first
+    /// mesh.
     ///
     /// # Errors
     /// [`GainError`].
@@ -95,7 +111,7 @@ impl Gains {
             return Err(GainError::FreeTime);
         }
         let mut motion = Resolve::solved_near::<GainError>(problem, solution)?.ok_or(GainError::NotSolved)?;
-        let feedback = motion.feedback()?.cloned().ok_or(GainError::NoMinimum)?;
+        let mut feedback = motion.feedback()?.cloned().ok_or(GainError::NoMinimum)?;
         let (n, m) = (feedback.dof(), feedback.state());
         let time = motion.final_time().unwrap_or(0.0);
         let points: Vec<f64> = (0..feedback.points()).map(|p| feedback.time(p)).collect();
@@ -119,6 +135,8 @@ impl Gains {
             gain_q: Vec::new(),
             gain_v: Vec::new(),
             gain_a: Vec::new(),
+            active: Vec::new(),
+            held: Vec::new(),
             cost_by_start: feedback.cost_gradient().to_vec(),
             final_time_by_start: feedback.time_by_start().to_vec(),
             derivatives: LimitDerivatives {
@@ -127,6 +145,10 @@ impl Gains {
             },
             t,
         };
+        if let Some(finer) = motion.refine(WIDEST)? {
+            feedback.clone_from(finer);
+        }
+        gains.held = feedback.held().collect();
         let (mut z, mut torques, mut gain) = (vec![0.0; 3 * n], vec![0.0; n], vec![0.0; n * m]);
         for &t in &gains.t {
             motion.state_at(t, &mut z)?;
@@ -134,6 +156,7 @@ impl Gains {
             if !feedback.gain(t, &mut gain) {
                 return Err(GainError::NoMinimum);
             }
+            gains.active.push(motion.active_at(t));
             gains.q.push(z[..n].to_vec());
             gains.v.push(z[n..2 * n].to_vec());
             gains.tau.push(torques.clone());

@@ -96,6 +96,16 @@ fn an_arc_at_the_limit_of_the_rate_hides_nothing() {
     }
 }
 
+/// The drift of H* that a tolerance of the cost leaves. A torque that is off by d on an interval of the width
+/// w costs d^2 w, which is at most the tolerance times J, and changes H* at a limit by up to 2 |u| d:
+/// relative to the largest u^2 that is 2 (tolerance T/w)^(1/2). Nodes where a power changes its sign are
+/// close.
+fn drift_allowed(solution: &Solution, tolerance: f64) -> f64 {
+    let times: Vec<f64> = solution.trajectory.t.iter().step_by(3).copied().collect();
+    let narrowest = times.windows(2).fold(f64::INFINITY, |least, t| least.min(t[1] - t[0]));
+    2.0 * (tolerance * solution.motion.final_time / narrowest).sqrt()
+}
+
 /// Energy depends on powers, and torque-speed limits on rates.
 #[test]
 fn energies_and_powers_are_in_the_costates() {
@@ -106,5 +116,6 @@ fn energies_and_powers_are_in_the_costates() {
     };
     let solution = solve(&problem(1.5), 1e-7);
     close(-solution.motion.hamiltonian, slope(problem, 1.5, 2e-3, 1e-7), 1e-3);
-    assert!(solution.motion.hamiltonian_drift < 1e-2, "{}", solution.motion.hamiltonian_drift);
+    let (drift, allowed) = (solution.motion.hamiltonian_drift, drift_allowed(&solution, 1e-7));
+    assert!(drift < allowed, "{drift} of {allowed}");
 }

@@ -9,7 +9,7 @@ use costate_test_support::allocations::allocations;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 pub fn options(nodes: usize, tolerance: f64) -> SolverOptions {
-    let options = SolverOptions::default().with_machine_code(MachineCode::AtOnce);
+    let options = SolverOptions::default().with_tolerance(1e-6).with_machine_code(MachineCode::AtOnce);
     options.with_tolerance(tolerance).with_nodes(nodes)
 }
 

@@ -6,6 +6,7 @@ use costate_test_support::allocations::Counting;
 
 mod costates;
 mod feedback;
+mod gains_again;
 mod kinds;
 mod kinds_feedback;
 mod motion_derivative;

@@ -21,7 +21,8 @@ fn limited() -> Problem {
 
 /// Solves for a wrong start with a budget, then for the right one; what each solve gave until one is solved.
 fn after(problem: &Problem, q: f64, v: f64, budget: Option<Budget>) -> (f64, Vec<(ResolveStatus, f64)>) {
-    let mut motion = Resolve::new(problem, SolverOptions::default().with_nodes(31)).unwrap();
+    let mut motion =
+        Resolve::new(problem, SolverOptions::default().with_tolerance(1e-6).with_nodes(31)).unwrap();
     let first = motion.solve().unwrap();
     assert_eq!(first.status, ResolveStatus::Solved);
     motion.set_start(&[0.0, q], &[v, 0.0]).unwrap();
@@ -58,7 +59,8 @@ fn a_solve_that_failed_is_no_start() {
     let (status, again) = *found.last().unwrap();
     assert!(status == ResolveStatus::Solved && (again / cost - 1.0).abs() < 1e-5, "{found:?}, not {cost}");
     // Without a solved motion there is the first guess.
-    let mut motion = Resolve::new(&limited(), SolverOptions::default().with_nodes(31)).unwrap();
+    let mut motion =
+        Resolve::new(&limited(), SolverOptions::default().with_tolerance(1e-6).with_nodes(31)).unwrap();
     motion.set_start(&[0.0, 0.0], &[50.0, 0.0]).unwrap();
     for _ in 0..3 {
         assert_ne!(motion.solve().unwrap().status, ResolveStatus::Solved);
@@ -71,7 +73,8 @@ fn a_solve_that_failed_is_no_start() {
 
 #[test]
 fn budgets_of_one_step_still_lead_to_the_motion() {
-    let mut motion = Resolve::new(&limited(), SolverOptions::default().with_nodes(31)).unwrap();
+    let mut motion =
+        Resolve::new(&limited(), SolverOptions::default().with_tolerance(1e-6).with_nodes(31)).unwrap();
     motion.solve().unwrap();
     // The start moves far from the solved motion, one step at a time: no way back to it.
     let mut last = motion.solve_again(Budget::steps(1)).unwrap();
@@ -81,14 +84,18 @@ fn budgets_of_one_step_still_lead_to_the_motion() {
         last = motion.solve_again(Budget::steps(1)).unwrap();
     }
     let there = limited().with_start(BoundaryState::fixed(&[-0.6, 0.8], &[0.0, 0.0]));
-    let fresh = Resolve::new(&there, SolverOptions::default().with_nodes(31)).unwrap().solve().unwrap();
+    let fresh = Resolve::new(&there, SolverOptions::default().with_tolerance(1e-6).with_nodes(31))
+        .unwrap()
+        .solve()
+        .unwrap();
     assert!((last.cost / fresh.cost - 1.0).abs() < 1e-4, "{last:?}, not {fresh:?}");
 }
 
 #[test]
 fn reset_begins_at_the_first_guess() {
     for problem in [limited(), limited().with_time(FinalTime::Fixed(1.2)), problem("ur5_limits")] {
-        let mut motion = Resolve::new(&problem, SolverOptions::default().with_nodes(31)).unwrap();
+        let mut motion =
+            Resolve::new(&problem, SolverOptions::default().with_tolerance(1e-6).with_nodes(31)).unwrap();
         let first = motion.solve().unwrap();
         let (mut start, mut end) = (problem.start.clone(), problem.end.clone());
         (start.q[1], end.q[0]) = (start.q[1] + 0.1, end.q[0] - 0.1);
@@ -100,7 +107,10 @@ fn reset_begins_at_the_first_guess() {
         let moved = motion.solve().unwrap();
         // Another guess for the new ends: the same motion.
         let fresh = problem.clone().with_start(start).with_end(end);
-        let fresh = Resolve::new(&fresh, SolverOptions::default().with_nodes(31)).unwrap().solve().unwrap();
+        let fresh = Resolve::new(&fresh, SolverOptions::default().with_tolerance(1e-6).with_nodes(31))
+            .unwrap()
+            .solve()
+            .unwrap();
         assert!((moved.cost / fresh.cost - 1.0).abs() < 1e-5, "{moved:?} {fresh:?}");
         motion.set_start(&problem.start.q, &problem.start.v).unwrap();
         motion.set_end(&problem.end.q, &problem.end.v).unwrap();
@@ -115,7 +125,8 @@ fn reset_begins_at_the_first_guess() {
 fn going_back_keeps_given_times_and_allocates_nothing() {
     let via = Via::at(&[0.4, 0.3]).with_time(0.5);
     for (problem, left) in [(limited().with_via(via), Some(0.9)), (limited(), None)] {
-        let mut motion = Resolve::new(&problem, SolverOptions::default().with_nodes(31)).unwrap();
+        let mut motion =
+            Resolve::new(&problem, SolverOptions::default().with_tolerance(1e-6).with_nodes(31)).unwrap();
         assert_eq!(motion.solve().unwrap().status, ResolveStatus::Solved);
         motion.feedback().unwrap().unwrap();
         let mut z = [0.0; 6];

@@ -12,7 +12,7 @@ use std::ops::ControlFlow;
 use std::time::Duration;
 
 pub fn options(intervals: usize, tolerance: f64) -> SolverOptions {
-    let options = SolverOptions::default().with_machine_code(MachineCode::AtOnce);
+    let options = SolverOptions::default().with_tolerance(1e-6).with_machine_code(MachineCode::AtOnce);
     options.with_tolerance(tolerance).with_nodes(3 * intervals + 1)
 }
 
@@ -27,7 +27,9 @@ fn a_motion_is_the_one_that_the_solver_finds_from_scratch() {
     let mut motion = Resolve::new(&arm, options(20, 1e-7)).unwrap();
     let first = motion.solve().unwrap();
     assert_eq!((first.status, first.keeps_limits()), (ResolveStatus::Solved, true));
-    let solved = Solver::new(&arm, SolverOptions::default().with_polish(Polish::Never)).unwrap().solve();
+    let solved = Solver::new(&arm, SolverOptions::default().with_tolerance(1e-6).with_polish(Polish::Never))
+        .unwrap()
+        .solve();
     assert!((first.cost / solved.total() - 1.0).abs() < 1e-3, "{} {}", first.cost, solved.total());
     // Other ends, step by step: few Newton steps each, and the cost of solving from scratch.
     let (mut start, mut end) = (arm.start.clone(), arm.end.clone());

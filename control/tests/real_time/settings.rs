@@ -16,7 +16,7 @@ const FREE: f64 = f64::INFINITY;
 const AT: [f64; 6] = [0.4, -1.3, 1.6, -1.8, -1.57, 0.3];
 
 fn options(intervals: usize, tolerance: f64) -> SolverOptions {
-    let options = SolverOptions::default().with_machine_code(MachineCode::AtOnce);
+    let options = SolverOptions::default().with_tolerance(1e-6).with_machine_code(MachineCode::AtOnce);
     options.with_tolerance(tolerance).with_nodes(3 * intervals + 1)
 }
 

@@ -90,6 +90,8 @@ impl Resolve {
                 self.differences(set, j, |rows, factor| {
                     let (mut along, mut g) = (rows.along, vec![0.0; slopes.len()]);
                     if along.rows() == g.len() {
+                        // Held rows are equations, which count in all phases, as their gradients do above.
+                        along.enter(None);
                         along.values(&state[..n], &state[n..], &mut g)?;
                     }
                     slopes.iter_mut().zip(&g).for_each(|(slope, g)| *slope += factor * g);
@@ -164,6 +166,7 @@ impl Resolve {
             let (z, weight) = (points.z(p), spline.weight(p));
             let (q, v) = (&z[..n], &z[n..2 * n]);
             if !along.is_empty() {
+                along.enter(Some(spline.mesh.phase(spline.mesh.interval_of(p).0)));
                 along.values(q, v, &mut g)?;
                 sum += dot(&g, &points.g_weights[points.rows * p..][..points.rows]);
             }

@@ -1,47 +1,45 @@
 //! How an optimal motion changes with its ends: what a controller needs near it.
 
 use crate::constants::checks::feedback::HELD;
-use crate::direct::limits::ends::Ends;
 use crate::direct::motion::shape::{PLACES, POINTS};
 use crate::direct::motion::spline::Spline;
-use crate::numerics::chain::ChainMatrix;
+use crate::direct::newton::rests::Rest;
 use crate::numerics::lagrange::values;
+
+/// Where gains are known in an interval: at the node before it and at Gauss's points.
+const KNOWN: [f64; POINTS + 1] = [0.0, PLACES[0], PLACES[1], PLACES[2]];
 
 /// Derivatives of an optimal motion by its start and its end, at its points: neighbouring optimal feedback.
 ///
 /// States x = (q, v) have 2n entries, n joints; where accelerations are continuous x = (q, v, a) with 3n.
 /// Matrices are row by row, m = [`state`](Self::state) entries for a state. A motion that starts at
 /// `x_0 + dx_0` has at the same part of the time of its phase the state `x + X dx_0` and the torques
-/// `tau + tau_x0 dx_0`, and its duration changes by `T_x0 . dx_0`, up to terms in the square of dx_0. So a
-/// state that is off by dx at the time t is led to the end at the least cost by
+/// `tau + tau_x0 dx_0`, and its duration changes by `T_x0 . dx_0`, up to terms in the square of dx_0.
 ///
-/// $$ \Delta\tau = K(t) \Delta x, \qquad K = \frac{\partial \tau}{\partial x_0}
-///    \left( \frac{\partial x}{\partial x_0} \right)^{-1} $$
+/// A state that is off by dx at the time t is led to the end at the least cost by
 ///
-/// with x_0 all of the state at the start of the phase, also where the problem leaves some of it free, and
-/// derivatives at constant time where a later time is given, so that the time that is left matters. The end
-/// of a periodic motion is led to where that of this motion is.
+/// $$ \Delta\tau = K(t) \Delta x, \qquad K(t) = \frac{\partial \tau(t)}{\partial x(t)} $$
 ///
-/// Where accelerations are continuous the control is the jerk: K is that of jerks then, n x 3n, in place of
-/// the torques. It exists where the cost is strictly convex in all jerks: where the jerk or the rate of the
-/// torque of each joint costs something. It is computed in phases behind whose start all times are given
+/// the derivative of the first torques of the problem that starts at t by its start: with what is left of the
+/// time, where one is given, and with all of the state given, also where the problem leaves some of its own
+/// start free. The end of a periodic motion is led to where that of this motion is. Where accelerations are
+/// continuous the control is the jerk: K is that of jerks, n x 3n. It exists where the jerk or the rate of
+/// the torque of each joint costs something, and is computed in phases behind whose start all times are given
 /// ([`Problem::has_gains`](crate::Problem::has_gains)). Without such a cost the Hamiltonian is linear in a
-/// jerk, which is at its limit, where K is zero, or on a singular arc keeps a relation between position, rate
-/// and acceleration. Next to such an arc it goes to the limit on one side or on the other, however small the
-/// deviation is: as a function of the state it jumps, and there is no K. [`gain`](Self::gain) says so.
+/// jerk, which is at its limit or on a singular arc; next to that it jumps with the state, and there is no K.
 ///
 /// All this holds as long as the same limits are active. Limits are those of the barrier problem at the gap
 /// at which the motion was solved, or at a wider one where that is so stiff that rounding would show: an
-/// active limit is an equation to about 1e-5. K next to the ends of arcs at limits is as good as the mesh:
-/// that of a two-link arm with an elbow at its torque limit from the start is that of solving again to 6 % of
-/// its largest entry with tolerances from 1e-4 to 1e-8, where no limit is active to 0.2 %. Where the end is
-/// given, gains grow without bound towards it: [`gain`](Self::gain) holds that of 98 % of the time.
+/// active limit is an equation to about 1e-5. Rows of torques at a limit are zero. While a limit of the state
+/// is active K acts on deviations that keep it, and is zero along its gradient and that of its derivative in
+/// time: such deviations have no derivative. Before such an arc K grows as before a given end. Next to the
+/// ends of arcs K is as good as the mesh: that of a two-link arm with an elbow at its torque limit from the
+/// start is that of solving again to 6 % of its largest entry, where no limit is active to 0.2 %.
 ///
-/// The derivatives come from the factorised equations of Newton's method by a substitution for each column,
-/// without an evaluation of the dynamics. Gains after a via, and those of motions whose start is not all
-/// given, need the equations of the rest of the motion, which are factorised once for each phase; those of
-/// jerks are factorised once for each interval. A. E. Bryson, Y.-C. Ho, Applied Optimal Control, 1975,
-/// section 6.4.
+/// The derivatives by the ends come from the factorised equations of Newton's method by a substitution for
+/// each column, the gains at all nodes from one elimination of them from the end on, without an evaluation of
+/// the dynamics. A. E. Bryson, Y.-C. Ho, Applied Optimal Control, 1975, section 6.4; for the elimination from
+/// the end D. H. Jacobson, D. Q. Mayne, Differential Dynamic Programming, 1970.
 #[derive(Clone, Debug, Default)]
 pub struct Feedback {
     dof: usize,
@@ -56,22 +54,25 @@ pub struct Feedback {
     /// n x m a point.
     pub(super) torques_by: [Vec<f64>; 2],
     pub(super) time_by: [Vec<f64>; 2],
-    /// K, n x m at each of Gauss's points.
+    /// K, n x m at each of Gauss's points, and at the node before each interval.
     pub(super) gains: Vec<f64>,
+    pub(super) node_gains: Vec<f64>,
     pub(super) cost_x: Vec<f64>,
     pub(super) cost_xx: Vec<f64>,
     /// Changes of the unknowns at each end of a phase.
     pub(super) changes: Vec<Vec<f64>>,
-    /// By the start of its phase: X and the control at each of Gauss's points.
+    /// By the state at the node before: X and the control at each of Gauss's points of an interval.
     pub(super) own_states: Vec<f64>,
     pub(super) own_controls: Vec<f64>,
-    /// For each phase, what is given at the ends if its start is.
-    pub(super) given: Vec<Ends>,
-    /// The equations behind a node, and a vector of their unknowns.
-    pub(super) rest: Option<ChainMatrix>,
-    pub(super) tail: Vec<f64>,
-    /// q, v, a and the jerk at a place.
+    /// The equations behind a node, and a step of the unknowns of an interval.
+    pub(super) rest: Option<Rest>,
+    pub(super) step: Vec<f64>,
+    /// q, v, a and the jerk at a place, and their changes.
     pub(super) z: Vec<f64>,
+    pub(super) dz: Vec<f64>,
+    /// Rows of active limits over the state, and gradients at the points of an interval.
+    pub(super) normals: Vec<f64>,
+    pub(super) gradients: Vec<f64>,
     /// m x (m + n).
     pub(super) work: Vec<f64>,
     pub(super) exchanges: Vec<usize>,
@@ -92,17 +93,28 @@ impl Feedback {
             self.time_by[end].resize(m, 0.0);
         }
         self.gains.resize(n * m * gauss_points, 0.0);
-        self.own_states.resize(m * m * gauss_points, 0.0);
-        self.own_controls.resize(n * m * gauss_points, 0.0);
+        self.node_gains.resize(n * m * spline.mesh.intervals(), 0.0);
+        self.own_states.resize(m * m * POINTS, 0.0);
+        self.own_controls.resize(n * m * POINTS, 0.0);
         self.cost_x.resize(m, 0.0);
         self.cost_xx.resize(m * m, 0.0);
-        let inner = spline.mesh.shape.inner() * n;
-        self.rest.get_or_insert_with(|| ChainMatrix::new(m, inner));
         self.changes.resize_with(spline.times.len() + 1, Vec::new);
         self.changes.iter_mut().for_each(|change| change.resize(m, 0.0));
-        self.work.resize(m * (m + n), 0.0);
+        self.work.resize(2 * m * m, 0.0);
         self.exchanges.resize(m, 0);
+        let places = spline.mesh.shape.places().len();
+        self.normals.clear();
+        self.normals.reserve(m * (m + 1));
+        self.gradients.resize(2 * 3 * n * places, 0.0);
         self.z.resize(4 * n, 0.0);
+        self.dz.resize(if spline.mesh.shape.is_smooth() { 4 * n } else { 3 * n }, 0.0);
+    }
+
+    /// Gives an interval these gains.
+    pub(super) fn fill_interval(&mut self, k: usize, value: f64) {
+        let size = self.dof * self.state;
+        self.node_gains[size * k..size * (k + 1)].fill(value);
+        self.gains[size * POINTS * k..size * POINTS * (k + 1)].fill(value);
     }
 
     /// All its numbers one after the other, to keep them or to send them to another process.
@@ -138,15 +150,17 @@ impl Feedback {
             .map(Vec::len)
             .eq([m * m, m * m, n * m, n * m].map(|size| size * points).into_iter().chain([m, m]));
         let is_state = n > 0 && (m == 2 * n || m == 3 * n) && nodes >= 2 && !self.lengths.is_empty();
-        let gains = n * m * POINTS * nodes.saturating_sub(1);
-        is_state && of_ends && [&self.gains, &self.cost_x, &self.cost_xx].map(Vec::len) == [gains, m, m * m]
+        let at_nodes = n * m * nodes.saturating_sub(1);
+        let lists = [&self.gains, &self.node_gains, &self.cost_x, &self.cost_xx];
+        is_state && of_ends && lists.map(Vec::len) == [POINTS * at_nodes, at_nodes, m, m * m]
     }
 
     /// The lists that make it up.
     fn lists(&mut self) -> impl Iterator<Item = &mut Vec<f64>> {
-        let Self { nodes, lengths, times, states_by, torques_by, time_by, gains, cost_x, cost_xx, .. } = self;
+        let Self { nodes, lengths, times, states_by, torques_by, time_by, .. } = self;
         let by_ends = [states_by, torques_by, time_by].into_iter().flatten();
-        [nodes, lengths, times].into_iter().chain(by_ends).chain([gains, cost_x, cost_xx])
+        let others = [&mut self.gains, &mut self.node_gains, &mut self.cost_x, &mut self.cost_xx];
+        [nodes, lengths, times].into_iter().chain(by_ends).chain(others)
     }
 
     /// Number of joints, n.
@@ -216,11 +230,16 @@ impl Feedback {
         (self.state == 2 * self.dof).then(|| self.part(&self.gains, point, self.dof))
     }
 
-    /// Writes K(t), n x m, at time t (s): a parabola through Gauss's points of each interval. False where
-    /// `gain` has not n m entries, t is NaN, or there is no gain; then nothing counts that is in it. t beyond
-    /// the ends counts as that of the end.
+    /// Writes K(t), n x m, at time t (s). False where `gain` has not n m entries, t is NaN, or there is no
+    /// gain; then nothing counts that is in it. t beyond the ends counts as that of the end.
+    ///
+    /// Towards a given end, r before it, the columns of K for q and v grow as r^-2 and r^-1, with continuous
+    /// accelerations those for q, v and a as r^-3, r^-2 and r^-1: the control that leads a deviation to the
+    /// end in the time r. So K times these powers of r is smooth up to the end, and is interpolated by the
+    /// cubic through the node before t and Gauss's points, up to the time when it is [held](Self::held).
     pub fn gain(&self, t: f64, gain: &mut [f64]) -> bool {
-        if self.dof == 0 || gain.len() != self.dof * self.state || t.is_nan() {
+        let (n, m) = (self.dof, self.state);
+        if n == 0 || gain.len() != n * m || t.is_nan() {
             return false;
         }
         let (mut phase, mut rest) = (0, t.max(0.0));
@@ -231,13 +250,35 @@ impl Feedback {
         let s = phase as f64 + (rest / self.lengths[phase]).min(HELD);
         let last = self.nodes.len() - 2;
         let k = self.nodes.partition_point(|&node| node <= s).saturating_sub(1).min(last);
-        let x = (s - self.nodes[k]) / (self.nodes[k + 1] - self.nodes[k]);
+        let width = self.nodes[k + 1] - self.nodes[k];
+        let x = (s - self.nodes[k]) / width;
+        let left = |x: f64| phase as f64 + 1.0 - (self.nodes[k] + x * width);
         gain.fill(0.0);
-        for (j, factor) in values(&PLACES, x).into_iter().enumerate() {
-            let at_point = self.part(&self.gains, POINTS * k + j, self.dof);
-            gain.iter_mut().zip(at_point).for_each(|(to, from)| *to += factor * from);
+        for (j, (place, factor)) in KNOWN.into_iter().zip(values(&KNOWN, x)).enumerate() {
+            let known = match j {
+                0 => &self.node_gains[n * m * k..][..n * m],
+                _ => &self.gains[n * m * (POINTS * k + j - 1)..][..n * m],
+            };
+            let ratio = left(place) / left(x);
+            for (to, from) in gain.chunks_exact_mut(m).zip(known.chunks_exact(m)) {
+                let mut scale = factor;
+                // The highest derivative first.
+                for (to, from) in to.chunks_exact_mut(n).zip(from.chunks_exact(n)).rev() {
+                    scale *= ratio;
+                    to.iter_mut().zip(from).for_each(|(to, from)| *to += scale * from);
+                }
+            }
         }
         gain.iter().all(|entry| entry.is_finite())
+    }
+
+    /// For each phase the time from which on its gain is held, and its end (s).
+    pub fn held(&self) -> impl Iterator<Item = [f64; 2]> {
+        self.lengths.iter().scan(0.0, |end, length| {
+            let start = *end;
+            *end += length;
+            Some([start + HELD * length, *end])
+        })
     }
 
     /// `rows` rows of a point.

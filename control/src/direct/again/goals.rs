@@ -62,6 +62,7 @@ fn rows<'a>(poses: impl Iterator<Item = &'a ToolPose>) -> Vec<Rows> {
         let orientation = pose.orientation.as_ref().map(|_| count);
         count += match pose.orientation {
             None => 0,
+            Some(ToolOrientation::Yaw(_)) => 1,
             Some(ToolOrientation::Axis { .. }) => 2,
             Some(ToolOrientation::Full(_)) => 3,
         };
@@ -85,10 +86,13 @@ mod tests {
             .with_end_tool(pose().with_position([0.1, free, 0.3]).with_axis([1.0, 0.0, 0.0], [0.0, 1.0, 0.0]))
             .with_end_tool(pose().with_axis([1.0, 0.0, 0.0], [0.0, 1.0, 0.0]))
             .with_end_tool(pose().with_position([free, 0.5, 0.6]));
+        let task =
+            task.with_end_tool(pose().with_yaw(0.4)).with_end_tool(pose().with_position([0.7, free, free]));
         let goals = Goals::of(&task);
         let found = |tool: usize| goals.rows("end.tool", 1, tool, &[0.0; 3]);
         assert_eq!(found(0), Ok([Some(0), None, Some(1)]));
         assert_eq!(found(2), Ok([None, Some(6), Some(7)]));
+        assert_eq!((goals.orientation("end.tool", 1, 3), found(4)), (Ok(8), Ok([Some(9), None, None])));
         for tool in [1, 3] {
             assert_eq!(found(tool), Err(ResolveError::NoTool { table: "end.tool", entry: tool }));
         }
@@ -103,6 +107,6 @@ mod tests {
         let problem = Problem::rest_to_rest(robot, &[0.0; 6], &[0.0; 6], 1.0).with_task(task);
         let rows = TaskRows::new(&problem).unwrap();
         let values: Vec<f64> = rows.end.bounds().iter().map(|row| row.lower).collect();
-        assert_eq!((values[0], values[1], values[6], values[7]), (0.1, 0.3, 0.5, 0.6));
+        assert_eq!((values[0], values[1], values[6], values[7], values[9]), (0.1, 0.3, 0.5, 0.6, 0.7));
     }
 }

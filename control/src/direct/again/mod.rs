@@ -3,6 +3,7 @@
 //! A solved motion is the [start](start::Again) of the next one; [`feedback`] is how it changes with its
 //! ends. [`Resolve`](resolve::Resolve) is what users hold.
 
+mod active_rows;
 mod begin;
 pub(super) mod cost_by_robot;
 pub(super) mod feedback;
@@ -14,7 +15,6 @@ pub(super) mod neighbours;
 mod orientations;
 mod other_limits;
 pub(super) mod parameter_columns;
-mod phase_gains;
 mod recovery;
 pub(super) mod resolve;
 pub(super) mod resolve_error;

@@ -13,6 +13,7 @@ use costate::robot::{LinkInertia, Robot};
 /// A number that an optimal motion depends on. Joints are counted from 0.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
+#[expect(clippy::large_enum_variant, reason = "a parameter is named once for each derivative")]
 pub enum MotionParameter {
     /// The least position of a joint (rad, m).
     PositionMin(usize),

@@ -5,7 +5,11 @@ use super::goals::Goals;
 use super::recovery::Recovery;
 use super::resolved::Shown;
 use super::start::Again;
-use crate::direct::interior::iterate::Interior;
+use crate::direct::interior::iterate::{End, Interior};
+use crate::direct::limits::side::Side;
+use crate::direct::motion::mesh::Mesh;
+use crate::direct::motion::shape::{PLACES, POINTS};
+use crate::direct::outcome::named::{Coordinates, kind, name};
 use crate::direct::solve::first::First;
 use crate::direct::solve::prepare::{Dynamics, interior, interior_on};
 use crate::options::{Method, SolverOptions};
@@ -19,6 +23,9 @@ use costate::lagrangian::Lagrangian;
 use costate::robot::Robot;
 use std::fmt;
 use std::time::Duration;
+
+/// Most Newton steps on a finer mesh, which begin at the solution of the one before.
+const MOST_STEPS: usize = 100;
 
 /// A problem that is solved again and again on one mesh, with other starts, ends, goals, references and
 /// places of obstacles.
@@ -206,6 +213,51 @@ impl Resolve {
         self.interior.fill_feedback(&mut self.feedback);
         Ok(Some(&self.feedback))
     }
+
+    /// The feedback of the motion on a finer mesh, whose intervals are halves of those that it has, none
+    /// wider than this part of a phase. `None` where it is not solved there, or no strict minimum. The motion
+    /// stays on the finer mesh, for nothing but its values and its feedback.
+    ///
+    /// # Errors
+    /// [`EvalError`] where the motion cannot be evaluated.
+    pub(crate) fn refine(&mut self, widest: f64) -> Result<Option<&Feedback>, EvalError> {
+        let mut mesh = self.interior.spline.mesh.clone();
+        while (0..mesh.intervals()).any(|k| mesh.width(k) > widest) {
+            mesh = Mesh::new(mesh.halved(widest), mesh.shape);
+        }
+        if mesh.intervals() > self.interior.spline.mesh.intervals() {
+            self.interior.move_to(mesh.nodes.clone())?;
+            let end = self.interior.iterate(self.options.tolerance, MOST_STEPS, |_, _| None)?;
+            if end != End::Solved {
+                return Ok(None);
+            }
+            self.shown.take(&self.interior);
+        }
+        self.feedback()
+    }
+
+    /// Names of the limits that are active at a time of the last motion: what, of which joint or row, and the
+    /// side, such as `rate elbow max`.
+    pub(crate) fn active_at(&self, t: f64) -> Vec<String> {
+        let spline = &self.interior.spline;
+        let (k, x) = spline.mesh.place(spline.place_of(t));
+        let off = |j: &usize| (PLACES[*j] - x).abs();
+        let near = (0..POINTS).min_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(0);
+        let coordinates = Coordinates::of(&self.problem);
+        let sides = self.interior.active_sides(k, near).filter(|side| !side.is_law());
+        sides.map(|side| named(&self.interior, side, &coordinates)).collect()
+    }
+}
+
+/// A side in words.
+fn named(interior: &Interior<Dynamics>, side: &Side, coordinates: &Coordinates) -> String {
+    let own = name(interior, side, None, coordinates);
+    let end = match (side.is_equation, side.sign > 0.0) {
+        (true, _) => "",
+        (false, true) => " min",
+        (false, false) => " max",
+    };
+    format!("{} {own}{end}", kind(interior, side, coordinates))
 }
 
 impl fmt::Debug for Resolve {

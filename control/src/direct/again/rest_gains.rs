@@ -1,75 +1,166 @@
-//! The gains of jerks: each interval is the start of the rest of the motion.
+//! The gains of the optimal feedback: what the rest of a motion makes of a state on its way.
 //!
-//! What corrects an acceleration that is off may be over long before the motion is. The derivatives X by the
-//! start of a phase have forgotten it then, and X^-1 is lost in rounding. So the unknowns of each node are
-//! given in turn, and what follows is factorised: the columns of X and of the jerks at the points of the next
-//! interval are those by its left node. Times are given.
+//! The rest of a motion behind a node is a motion of its own, whose start is given ([`Rest`]). Its control at
+//! the start by its state there is the gain at the node. Inside of an interval, at the part x of it, the
+//! state at the node before leads to one state and one control, and
+//!
+//! $$ K = U(x) X(x)^{-1}, \qquad X(x) = \frac{\partial x(t)}{\partial x_k}, \quad U(x) = \frac{\partial
+//!    u(t)}{\partial x_k} $$
+//!
+//! X is the identity at the node, and within an interval it stays far from singular, unless a limit of the
+//! state becomes active there: such intervals have the gains of their nodes with what is linear between them.
 
 use super::feedback::Feedback;
 use crate::direct::interior::iterate::Interior;
-use crate::direct::motion::shape::POINTS;
+use crate::direct::motion::shape::{PLACES, POINTS};
+use crate::direct::newton::rests::Rest;
 use crate::direct::points::values::PointDynamics;
+use crate::numerics::chain::dot;
+use crate::numerics::lagrange::values;
+use crate::numerics::lu::eliminate;
 
 impl<D: PointDynamics> Interior<D> {
-    /// States and jerks at Gauss's points of a phase, each by the unknowns at the left node of its interval,
-    /// from assembled equations whose times are all given. Whether all of them are positive definite.
-    pub(super) fn take_rests(&mut self, phase: usize, feedback: &mut Feedback) -> bool {
-        let (n, m, mesh) = (self.spline.dof, self.spline.node(), self.spline.mesh.clone());
-        let (nodes, inner) = (m * mesh.nodes.len(), n * mesh.shape.inner());
-        let Feedback { rest: Some(rest), tail, own_states, own_controls, .. } = feedback else {
-            return false;
+    /// Fills the gains. The equations are factorised before and afterwards.
+    pub(super) fn fill_gains(&mut self, feedback: &mut Feedback) {
+        let is_smooth = self.spline.mesh.shape.is_smooth();
+        let Some(mut rest) = feedback.rest.take().filter(|rest| rest.fits(&self.spline)) else {
+            feedback.rest = Some(Rest::new(&self.spline, &self.ends));
+            return self.fill_gains(feedback);
         };
-        for k in mesh.ends()[phase]..mesh.ends()[phase + 1] {
-            if self.system.factorise_behind(k, rest).is_err() {
-                return false;
-            }
-            for j in 0..m {
-                let dx = &mut self.steps[0];
-                dx.clear();
-                dx.resize(self.spline.unknowns.len(), 0.0);
-                match mesh.end_at(k) {
-                    // Its columns are removed.
-                    Some(end) => self.system.at_ends.add_column(end, j, -1.0, dx),
-                    None => self.system.add_node_column(k, j, -1.0, dx),
-                }
-                self.ends.removed(&mesh).for_each(|(node, i)| dx[m * node + i] = 0.0);
-                dx[m * k..m * (k + 1)].fill(0.0);
-                tail.clear();
-                tail.extend_from_slice(&dx[m * k..nodes]);
-                tail.extend_from_slice(&dx[nodes + inner * k..]);
-                rest.solve(tail);
-                dx[m * k..nodes].copy_from_slice(&tail[..nodes - m * k]);
-                dx[nodes + inner * k..].copy_from_slice(&tail[nodes - m * k..]);
-                dx[m * k + j] = 1.0;
-                for p in POINTS * k..POINTS * (k + 1) {
-                    self.change_at_gauss_point(p);
-                    let states = own_states[m * m * p..][..m * m].chunks_exact_mut(m);
-                    states.zip(&self.trial.dz).for_each(|(row, dx)| row[j] = *dx);
-                    let jerks = own_controls[n * m * p..][..n * m].chunks_exact_mut(m);
-                    jerks.zip(&self.trial.rates[0]).for_each(|(row, jerk)| row[j] = *jerk);
-                }
+        let mut is_known = !is_smooth || self.running.rates.cost_all(self.spline.dof);
+        let Self { system, spline, points, barrier, running, .. } = self;
+        system.begin_rests((spline, points, barrier), running, &mut rest);
+        for k in (0..self.spline.mesh.intervals()).rev() {
+            let Self { system, spline, points, barrier, running, ends, .. } = self;
+            is_known = is_known && system.add_to_rest(k, (spline, points, barrier), running, ends, &mut rest);
+            // Gains of jerks are computed for given times.
+            let are_times_given = rest.parameters(self.spline.mesh.phase(k)) == 0;
+            if is_known && rest.is_minimum && (are_times_given || !is_smooth) {
+                self.take_interval(k, &mut rest, feedback);
+            } else {
+                feedback.fill_interval(k, f64::NAN);
             }
         }
-        true
+        feedback.rest = Some(rest);
+        self.assemble();
+        self.factorise(0.0);
     }
 
-    /// Changes of z and of the jerk at one of Gauss's points by the first part of the step at constant times,
-    /// to the trial.
-    fn change_at_gauss_point(&mut self, p: usize) {
-        let (n, k) = (self.spline.dof, p / POINTS);
-        let (rate, basis) = (1.0 / self.spline.clock(k), self.spline.gauss_basis(k, p % POINTS));
-        let (inner, ends) = self.spline.of_interval(&self.steps[0], k);
-        let [jerks, _] = &mut self.trial.rates;
-        jerks.resize(n, 0.0);
-        let mut scale = 1.0;
-        let width = self.spline.mesh.shape.coefficients();
-        for (order, row) in basis.rows.iter().enumerate() {
-            let to = if order < 3 { &mut self.trial.dz[n * order..n * (order + 1)] } else { &mut jerks[..] };
-            to.fill(0.0);
-            for (factor, step) in row[..width].iter().zip(inner.chunks_exact(n).chain(ends.chunks_exact(n))) {
-                to.iter_mut().zip(step).for_each(|(to, step)| *to += scale * factor * step);
+    /// The gains at a node and at Gauss's points of the interval behind it.
+    fn take_interval(&mut self, k: usize, rest: &mut Rest, feedback: &mut Feedback) {
+        let (n, m) = (self.spline.dof, self.spline.node());
+        for j in 0..m {
+            self.take_column(k, j, rest, feedback);
+        }
+        let at_node = values(&PLACES, 0.0);
+        let Feedback { own_controls, node_gains, gains, own_states, work, exchanges, .. } = feedback;
+        let node_gain = &mut node_gains[n * m * k..][..n * m];
+        node_gain.fill(0.0);
+        for (factor, controls) in at_node.into_iter().zip(own_controls.chunks_exact(n * m)) {
+            node_gain.iter_mut().zip(controls).for_each(|(to, from)| *to += factor * from);
+        }
+        let parts = own_states.chunks_exact(m * m).zip(own_controls.chunks_exact(n * m));
+        for (j, (states, controls)) in parts.enumerate() {
+            let gain = &mut gains[n * m * (POINTS * k + j)..][..n * m];
+            if !divide((controls, states), [n, m], work, exchanges, gain) {
+                gain.fill(f64::NAN);
             }
-            scale *= rate;
+        }
+        if self.spline.mesh.shape.is_smooth() && !self.keeps_states(k) {
+            self.take_node_gain(k, feedback);
+        }
+        self.keep_active_rows(k, rest, feedback);
+    }
+
+    /// The gain at the node of an interval from those at Gauss's points, where all of them are finite: the
+    /// parabola through what [`Feedback::gain`] interpolates. A jerk may change within an interval by as much
+    /// as cheap jerks settle, and is then off at the node, while K is smooth.
+    fn take_node_gain(&self, k: usize, feedback: &mut Feedback) {
+        let (mesh, n, m) = (&self.spline.mesh, self.spline.dof, self.spline.node());
+        let size = n * m;
+        let Feedback { gains, node_gains, .. } = feedback;
+        let gains = &gains[size * POINTS * k..size * POINTS * (k + 1)];
+        if gains.iter().any(|entry| !entry.is_finite()) {
+            return;
+        }
+        let node_gain = &mut node_gains[size * k..size * (k + 1)];
+        node_gain.fill(0.0);
+        let left = (mesh.phase(k) + 1) as f64 - mesh.nodes[k];
+        for (j, factor) in values(&PLACES, 0.0).into_iter().enumerate() {
+            let ratio = (left - PLACES[j] * mesh.width(k)) / left;
+            let known = &gains[size * j..size * (j + 1)];
+            for (to, from) in node_gain.chunks_exact_mut(m).zip(known.chunks_exact(m)) {
+                let mut scale = factor;
+                for (to, from) in to.chunks_exact_mut(n).zip(from.chunks_exact(n)).rev() {
+                    scale *= ratio;
+                    to.iter_mut().zip(from).for_each(|(to, from)| *to += scale * from);
+                }
+            }
         }
     }
+
+    /// States and controls at Gauss's points of an interval by entry `j` of the state at its node.
+    fn take_column(&mut self, k: usize, j: usize, rest: &mut Rest, feedback: &mut Feedback) {
+        let (spline, n, m) = (&self.spline, self.spline.dof, self.spline.node());
+        let (inner, rate) = (spline.mesh.shape.inner() * n, 1.0 / spline.clock(k));
+        let phase = spline.mesh.phase(k);
+        let Feedback { step, z, dz, own_states, own_controls, .. } = feedback;
+        let dt = rest.respond(k, j, spline, step);
+        let ends = step.split_at(inner);
+        // What is left of the time matters where a later one is given.
+        let clock = self.ends.times.is_given_after(phase) || self.running.references.any();
+        for (i, &x) in PLACES.iter().enumerate() {
+            if spline.mesh.shape.is_smooth() {
+                let basis = spline.gauss_basis(k, i);
+                spline.change((k, &basis), ends, 0.0, self.points.z(0), dz);
+                dz[3 * n..].iter_mut().for_each(|jerk| *jerk *= rate * rate * rate);
+            } else {
+                let (p, basis) = (POINTS * k + i, spline.basis(k, i));
+                spline.change((k, &basis), ends, dt, self.points.z(p), dz);
+                if clock && dt != 0.0 {
+                    spline.in_interval(k, x, z);
+                    let late = x * spline.mesh.width(k) * dt;
+                    dz.iter_mut().zip(&z[n..]).for_each(|(dz, rate)| *dz -= late * rate);
+                }
+            }
+            let states = own_states[m * m * i..][..m * m].chunks_exact_mut(m);
+            states.zip(&*dz).for_each(|(row, dx)| row[j] = *dx);
+            let controls = own_controls[n * m * i..][..n * m].chunks_exact_mut(m);
+            if spline.mesh.shape.is_smooth() {
+                controls.zip(&dz[3 * n..]).for_each(|(row, jerk)| row[j] = *jerk);
+            } else {
+                let tau_z = self.points.tau_z(POINTS * k + i).chunks_exact(3 * n);
+                controls.zip(tau_z).for_each(|(row, tau_z)| row[j] = dot(tau_z, dz));
+            }
+        }
+    }
+}
+
+/// `K = U X^-1` of n x m and m x m entries. False where X is singular.
+fn divide(
+    (controls, states): (&[f64], &[f64]),
+    [n, m]: [usize; 2],
+    work: &mut [f64],
+    exchanges: &mut [usize],
+    gain: &mut [f64],
+) -> bool {
+    let width = m + n;
+    let rows = &mut work[..m * width];
+    // X'K' = U'.
+    for (i, row) in rows.chunks_exact_mut(width).enumerate() {
+        let (left, right) = row.split_at_mut(m);
+        left.iter_mut().enumerate().for_each(|(l, entry)| *entry = states[m * l + i]);
+        right.iter_mut().enumerate().for_each(|(l, entry)| *entry = controls[m * l + i]);
+    }
+    if !eliminate(rows, width, m, exchanges) {
+        return false;
+    }
+    for l in 0..n {
+        for i in (0..m).rev() {
+            let row = &rows[width * i..width * (i + 1)];
+            let known: f64 = (i + 1..m).map(|k| row[k] * gain[m * l + k]).sum();
+            gain[m * l + i] = (row[m + l] - known) / row[i];
+        }
+    }
+    true
 }

@@ -19,6 +19,9 @@ pub(in crate::direct) struct ByTimes {
     /// Second ones, K x K for K phases. Two phases have some together where the cost depends on the time
     /// since the start of the motion.
     pub second: Vec<f64>,
+    /// Derivatives by a delay of all points: of the gradient in x, and second ones with the time of each
+    /// phase, then with the delay itself.
+    pub delay: [Vec<f64>; 2],
 }
 
 impl ByTimes {
@@ -35,6 +38,10 @@ impl ByTimes {
             column.clear();
             column.resize(size, 0.0);
         }
+        for (list, count) in self.delay.iter_mut().zip([size, phases + 1]) {
+            list.clear();
+            list.resize(count, 0.0);
+        }
     }
 
     /// Adds to the second derivatives by the times of two phases.
@@ -47,19 +54,18 @@ impl ByTimes {
         }
     }
 
-    /// Adds what the clock makes of a point that was [collected](Work::collect), to the derivatives by the
-    /// times of its phase and of those before it.
+    /// Adds what the clock makes of a place s of interval `k` that was [collected](Work::collect), to the
+    /// derivatives by the times of its phase and of those before it.
     #[inline(never)]
     pub fn add_clock(
         &mut self,
-        p: usize,
+        (k, s): (usize, f64),
         spline: &Spline,
         factors: &[[f64; MOST_COEFFICIENTS]; 3],
         work: &Work,
     ) {
-        let (k, clock) = (spline.mesh.interval_of(p).0, &work.clock);
-        let phase = spline.mesh.phase(k);
-        let part = spline.mesh.point(p).0 - phase as f64;
+        let (phase, clock) = (spline.mesh.phase(k), &work.clock);
+        let part = s - phase as f64;
         let mixed = dot(&clock.mixed, &work.z_t);
         // dt/dT of each phase.
         let by = |i: usize| if i == phase { part } else { 1.0 };
@@ -72,6 +78,14 @@ impl ByTimes {
                 self.add_second([i, j], by(i) * by(j) * clock.second);
             }
         }
+        // A delay shifts the clock alone.
+        let (phases, [of_delay, second]) = (self.columns.len(), &mut self.delay);
+        for (i, to) in second[..=phase].iter_mut().enumerate() {
+            *to += by(i) * clock.second;
+        }
+        second[phase] += clock.rate + mixed;
+        second[phases] += clock.second;
+        add_gradient(spline, k, factors, &clock.mixed, of_delay);
         for (i, column) in self.columns[..=phase].iter_mut().enumerate() {
             let scaled = factors.map(|row| row.map(|factor| by(i) * factor));
             add_gradient(spline, k, &scaled, &clock.mixed, column);

@@ -4,7 +4,7 @@ use super::system::System;
 use crate::direct::limits::ends::Ends;
 use crate::direct::motion::spline::Spline;
 use crate::direct::points::values::Points;
-use crate::numerics::chain::{ChainMatrix, NotPositiveDefinite};
+use crate::numerics::chain::NotPositiveDefinite;
 
 impl System {
     /// Factorises, with `damping` times the metric of `weights` added to K.
@@ -32,22 +32,6 @@ impl System {
             true => Ok(()),
             false => Err(NotPositiveDefinite { block: spline.mesh.nodes.len() }),
         }
-    }
-
-    /// Factorises what follows a node whose unknowns are given, at constant times.
-    pub(crate) fn factorise_behind(
-        &self,
-        k: usize,
-        rest: &mut ChainMatrix,
-    ) -> Result<(), NotPositiveDefinite> {
-        rest.copy_intervals(&self.matrix, k..self.matrix.intervals());
-        (0..self.matrix.first_of(1)).for_each(|i| rest.remove(0, i));
-        rest.factorise()
-    }
-
-    /// `to += factor` times the column of the unknown `i` of node `k`, without what is removed.
-    pub(crate) fn add_node_column(&self, k: usize, i: usize, factor: f64, to: &mut [f64]) {
-        self.matrix.add_column(k, i, factor, to);
     }
 
     /// Makes room for the metric of damping.

@@ -13,6 +13,7 @@ pub(super) mod metric;
 pub(super) mod point_terms;
 pub(super) mod rate_rows;
 pub(super) mod rate_terms;
+pub(super) mod rests;
 pub(super) mod side_terms;
 pub(super) mod system;
 pub(super) mod system_rates;

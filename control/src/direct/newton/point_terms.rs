@@ -105,15 +105,10 @@ impl Work {
         let [gradient, _, _, slope] = &mut self.z;
         let mut cost = running.add_terms(z, [weight, time], gradient, slope, &mut self.hessian);
         if running.references.any() {
-            let at = (spline.time_of(p), z);
-            cost += running.add_references(
-                at,
-                [weight, time],
-                gradient,
-                slope,
-                &mut self.hessian,
-                &mut self.clock,
-            );
+            let (at, own) = ((spline.time_of(p), z), running.panels.weight(spline, p));
+            let (hessian, clock) = (&mut self.hessian, &mut self.clock);
+            let value = running.add_references(at, [own, time], gradient, slope, hessian, clock);
+            cost += if own > 0.0 { own / weight * value } else { 0.0 };
         }
         for (i, row) in self.row_z[..n * width].chunks_exact(width).enumerate() {
             let force = running.effort[i] * tau[i];
@@ -143,6 +138,23 @@ impl Work {
             self.hessian[width * i + i] += self.curvature[i];
         }
         (weight, cost)
+    }
+
+    /// The same of references alone at a time since the start of the motion, with this weight in the integral
+    /// over s, in a phase that takes `clock` seconds. Their cost per second.
+    pub fn collect_references(
+        &mut self,
+        (time_since, z): (f64, &[f64]),
+        [weight, clock]: [f64; 2],
+        running: &mut Running,
+    ) -> f64 {
+        self.z.iter_mut().for_each(|vector| vector.fill(0.0));
+        self.hessian.fill(0.0);
+        let ([gradient, at_zero, _, slope], hessian) = (&mut self.z, &mut self.hessian);
+        let at = (time_since, z);
+        let value = running.add_references(at, [weight, clock], gradient, slope, hessian, &mut self.clock);
+        at_zero.copy_from_slice(gradient);
+        value
     }
 
     /// Adds the squares of the rows to the Hessian.

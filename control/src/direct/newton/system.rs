@@ -11,13 +11,15 @@ use super::side_terms::side_terms;
 use crate::direct::limits::at_node::{AtNode, ByTime, NodeValue};
 use crate::direct::limits::barrier::Barrier;
 use crate::direct::limits::ends::Ends;
-use crate::direct::motion::shape::Shape;
+use crate::direct::motion::shape::{MOST_COEFFICIENTS, Shape};
 use crate::direct::motion::spline::Spline;
+use crate::direct::points::panels::{GAUSS, next_panel};
 use crate::direct::points::running::Running;
 use crate::direct::points::values::Points;
 use crate::numerics::chain::{ChainMatrix, dot};
 use crate::numerics::padded::add_rows;
 use crate::numerics::widest::in_widest;
+use std::ops::Range;
 
 /// The equations `[K B; B' C] (dx, dy) = -(g, g_y)`, g = g_0 + mu g_1, for the unknowns x of a spline and
 /// those that are shared, y: parameters of the times of its phases, and states at both ends of a motion whose
@@ -45,11 +47,24 @@ pub(crate) struct System {
     pub(crate) time_correction: Vec<f64>,
     pub(crate) shared_correction: Vec<f64>,
     pub(crate) work: Work,
+    /// q, v, a at a place beside the points.
+    of_place: Vec<f64>,
     /// Whether second derivatives of torques and rows count.
     pub exact: bool,
+    /// Whether only the intervals behind a node are assembled, with gradients at all nodes.
+    pub(super) is_rest: bool,
     interval: IntervalHessian,
     pub(super) metric: Metric,
     pub(crate) rate_rows: RateRows,
+}
+
+/// A place of a motion: its interval, s, and z = (q, v, a).
+struct Place<'a> {
+    k: usize,
+    s: f64,
+    z: &'a [f64],
+    /// Whether its cost depends on the time since the start of the motion.
+    has_clock: bool,
 }
 
 impl System {
@@ -72,7 +87,9 @@ impl System {
             time_correction: Vec::new(),
             shared_correction: Vec::new(),
             work: Work::new(n, rows),
+            of_place: vec![0.0; 3 * n],
             exact: true,
+            is_rest: false,
             interval: IntervalHessian::new(n, shape),
             metric: Metric::new(n, shape),
             rate_rows: RateRows::new(n),
@@ -88,24 +105,18 @@ impl System {
         running: &mut Running,
         ends: &Ends,
     ) {
-        self.matrix.reset(spline.mesh.intervals());
-        self.damping_is_current = false;
-        for vector in &mut self.gradient {
-            vector.clear();
-            vector.resize(spline.unknowns.len(), 0.0);
-        }
-        self.by_times.reset(spline.mesh.phases(), spline.unknowns.len());
-        self.by_times.gradient[0].fill(running.time);
-        self.at_ends.reset(spline.unknowns.len(), spline.mesh.intervals());
+        self.begin(spline, running);
+        self.is_rest = false;
         for p in 0..points.count() {
             self.add_point(p, spline, points, barrier, running);
         }
-        self.add_rates(spline, points);
-        self.add_hulls(spline, points, barrier);
+        self.add_panels(0..spline.mesh.intervals(), spline, running);
+        self.add_rates(0..spline.mesh.intervals(), spline, points);
+        self.add_hulls(0..spline.mesh.intervals(), spline, points, barrier);
         for k in 0..spline.mesh.nodes.len() {
             self.add_node(k, spline, barrier);
         }
-        self.add_ends(spline, points, barrier);
+        self.add_ends(spline, points, barrier, |_| true);
         if ends.times.count() > 0 {
             let cost = running.cost(spline, points).abs() / spline.duration();
             let phases = spline.times.len();
@@ -119,9 +130,23 @@ impl System {
         self.fix(ends, spline);
     }
 
+    /// Zero everywhere, but for what the times cost.
+    pub(super) fn begin(&mut self, spline: &Spline, running: &mut Running) {
+        self.matrix.reset(spline.mesh.intervals());
+        self.damping_is_current = false;
+        for vector in &mut self.gradient {
+            vector.clear();
+            vector.resize(spline.unknowns.len(), 0.0);
+        }
+        self.by_times.reset(spline.mesh.phases(), spline.unknowns.len());
+        self.by_times.gradient[0].fill(running.time);
+        self.at_ends.reset(spline.unknowns.len(), spline.mesh.intervals());
+        running.split(spline);
+    }
+
     /// Adds a point: its gradients and its Hessian in z become those in the unknowns and in the time of its
     /// phase.
-    fn add_point(
+    pub(super) fn add_point(
         &mut self,
         p: usize,
         spline: &Spline,
@@ -130,15 +155,63 @@ impl System {
         running: &mut Running,
     ) {
         let (k, j) = spline.mesh.interval_of(p);
-        let (n, phase, inverse) = (points.dof, spline.mesh.phase(k), 1.0 / spline.clock(k));
         let factors = spline.factors(k, j);
-        let work = &mut self.work;
         let of_hessian = if self.exact { Second::All } else { Second::Squares };
-        let (weight, cost) = work.collect(p, of_hessian, spline, points, barrier, running);
-        work.differentiate_in_time(points.z(p), spline, k, &factors);
+        let (weight, cost) = self.work.collect(p, of_hessian, spline, points, barrier, running);
+        let place =
+            Place { k, s: spline.mesh.point(p).0, z: points.z(p), has_clock: running.references.any() };
+        self.add_gradients(&place, spline, &factors, weight * cost);
+        self.interval.take(j, points.dof, factors, &self.work.hessian);
+        let own = spline.mesh.own_points(k);
+        if j + 1 == own {
+            self.interval.add_to(&mut self.matrix, k, points.dof, own);
+        }
+    }
+
+    /// Adds references on intervals that have knots inside, panel by panel
+    /// ([`crate::direct::points::panels`]).
+    pub(super) fn add_panels(&mut self, intervals: Range<usize>, spline: &Spline, running: &mut Running) {
+        let mut z = std::mem::take(&mut self.of_place);
+        for k in intervals {
+            if !running.panels.is_split(k) {
+                continue;
+            }
+            let (left, width, clock) = (spline.mesh.nodes[k], spline.mesh.width(k), spline.clock(k));
+            let mut from = 0.0;
+            while let Some(to) = next_panel(&running.references, spline, k, from) {
+                for [place, part] in GAUSS {
+                    let (x, weight) = (from + place * (to - from), part * (to - from) * width);
+                    spline.in_interval(k, x, &mut z);
+                    let time = spline.time_at(left) + x * width * clock;
+                    let cost = self.work.collect_references((time, &z), [weight, clock], running);
+                    let factors = spline.factors_at(k, x);
+                    let place = Place { k, s: left + x * width, z: &z, has_clock: true };
+                    self.add_gradients(&place, spline, &factors, weight * cost);
+                    self.interval.take(0, spline.dof, factors, &self.work.hessian);
+                    self.interval.add_to(&mut self.matrix, k, spline.dof, 1);
+                }
+                from = to;
+            }
+        }
+        self.of_place = z;
+    }
+
+    /// Adds the gradients of a place that was collected, and what they are by the time of its phase; `cost`
+    /// is its part of the integral over s.
+    #[inline(always)]
+    fn add_gradients(
+        &mut self,
+        &Place { k, s, z, has_clock }: &Place<'_>,
+        spline: &Spline,
+        factors: &[[f64; MOST_COEFFICIENTS]; 3],
+        cost: f64,
+    ) {
+        let (n, phase, inverse) = (spline.dof, spline.mesh.phase(k), 1.0 / spline.clock(k));
+        let work = &mut self.work;
+        work.differentiate_in_time(z, spline, k, factors);
         let [gradient, at_zero, of_mu, slope] = &mut work.z;
         let by_times = &mut self.by_times;
-        by_times.gradient[0][phase] += weight * cost + dot(at_zero, &work.z_t);
+        by_times.gradient[0][phase] += cost + dot(at_zero, &work.z_t);
         by_times.gradient[1][phase] += dot(of_mu, &work.z_t);
         let mut second = dot(gradient, &work.z_tt) + 2.0 * dot(slope, &work.z_t);
         // H is symmetric.
@@ -151,27 +224,22 @@ impl System {
             slope.for_each(|(slope, gradient)| *slope += factor * gradient);
         }
         by_times.add_second([phase; 2], second);
-        self.interval.take(j, n, factors, &work.hessian);
-        let own = spline.mesh.own_points(k);
-        if j + 1 == own {
-            self.interval.add_to(&mut self.matrix, k, n, own);
-        }
         let column = &mut by_times.columns[phase];
         let targets = self.gradient.iter_mut().chain([&mut *column]);
         for (to, from) in targets.zip(&work.z[1..]) {
-            add_gradient(spline, k, &factors, from, to);
+            add_gradient(spline, k, factors, from, to);
         }
-        add_by_time(spline, k, &factors, &work.z[0], column);
-        if running.references.any() {
-            by_times.add_clock(p, spline, &factors, work);
+        add_by_time(spline, k, factors, &work.z[0], column);
+        if has_clock {
+            by_times.add_clock((k, s), spline, factors, work);
         }
-        if k == 0 || k + 1 == spline.mesh.intervals() {
-            add_gradient(spline, k, &factors, &work.z[0], &mut self.at_ends.gradient);
+        if self.is_rest || k == 0 || k + 1 == spline.mesh.intervals() {
+            add_gradient(spline, k, factors, &work.z[0], &mut self.at_ends.gradient);
         }
     }
 
     /// Adds the limits of positions and rates at a node.
-    fn add_node(&mut self, k: usize, spline: &Spline, barrier: &Barrier) {
+    pub(super) fn add_node(&mut self, k: usize, spline: &Spline, barrier: &Barrier) {
         let (node, at_node) = (spline.node(), AtNode::new(spline, k));
         for at in barrier.at_node(k) {
             let side = barrier.side(at);
@@ -190,15 +258,24 @@ impl System {
         }
     }
 
-    /// Adds the rows at the ends of phases.
+    /// Adds the rows at these ends of phases.
     #[inline(always)]
-    fn add_ends(&mut self, spline: &Spline, points: &Points, barrier: &Barrier) {
+    pub(super) fn add_ends(
+        &mut self,
+        spline: &Spline,
+        points: &Points,
+        barrier: &Barrier,
+        which: impl Fn(usize) -> bool,
+    ) {
         let (n, node, mut done) = (spline.dof, spline.node(), None);
         let has_far = !points.ends.far.is_empty();
         self.across.clear();
         self.across.resize(if has_far { node * node } else { 0 }, 0.0);
         for (number, (at, g_x)) in barrier.at_ends().zip(points.ends.g_x.chunks_exact(2 * n)).enumerate() {
             let end = barrier.end_of(at);
+            if !which(end) {
+                continue;
+            }
             let k = spline.mesh.ends()[end];
             let (parts, sigma) = side_terms(barrier, at, barrier.side(at).sign);
             self.add_row_at(k, parts, sigma, g_x);
@@ -212,7 +289,7 @@ impl System {
                 self.add_hessian_at(k, &points.ends.hessian[end]);
             }
         }
-        if has_far && self.exact {
+        if has_far && self.exact && which(spline.mesh.phases()) {
             let last = points.ends.hessian.len() - 1;
             self.add_hessian_at(spline.mesh.intervals(), &points.ends.hessian[last]);
         }

@@ -10,6 +10,7 @@ use crate::direct::motion::shape::POINTS;
 use crate::direct::motion::spline::{Spline, TimeDerivative};
 use crate::direct::points::rates::Term;
 use crate::direct::points::values::Points;
+use std::ops::Range;
 
 /// How a value y = y(x, T) depends on T beside what the points already have: as a power of 1/T.
 struct InTime {
@@ -24,12 +25,12 @@ struct InTime {
 }
 
 impl System {
-    /// Adds jerks and rates of torques. The points have added what the latter are by torques at constant
-    /// factors 1/(h T) already.
-    pub(super) fn add_rates(&mut self, spline: &Spline, points: &Points) {
+    /// Adds jerks and rates of torques of these intervals. The points have added what the latter are by
+    /// torques at constant factors 1/(h T) already.
+    pub(super) fn add_rates(&mut self, intervals: Range<usize>, spline: &Spline, points: &Points) {
         let mut rows = std::mem::take(&mut self.rate_rows);
         let (has_jerks, has_torques) = (points.rates.has_jerks, points.rates.has_torques);
-        for k in 0..if has_jerks || has_torques { spline.mesh.intervals() } else { 0 } {
+        for k in intervals {
             if has_jerks {
                 self.add_jerks(k, spline, points, &mut rows);
             }
@@ -78,14 +79,20 @@ impl System {
         }
     }
 
-    /// Adds the squares of limits whose coefficients are limited. All else that they add is added by their
-    /// values at the points.
-    pub(super) fn add_hulls(&mut self, spline: &Spline, points: &Points, barrier: &Barrier) {
+    /// Adds the squares of limits whose coefficients are limited, of these intervals. All else that they add
+    /// is added by their values at the points.
+    pub(super) fn add_hulls(
+        &mut self,
+        intervals: Range<usize>,
+        spline: &Spline,
+        points: &Points,
+        barrier: &Barrier,
+    ) {
         if !barrier.has_hulls() {
             return;
         }
         let mut rows = std::mem::take(&mut self.rate_rows);
-        for k in 0..spline.mesh.intervals() {
+        for k in intervals {
             let (mut has_torques, mut number) = (false, 0);
             while number < barrier.all_sides().count() {
                 // Both sides of a limit stand together.

@@ -1,0 +1,218 @@
+//! Limits that are active along a motion, and what the gains of the optimal feedback make of them.
+//!
+//! While a limit of the state g(x) <= 0 is active, motions nearby that are optimal keep g = 0 from where they
+//! are: the gain acts on deviations dx with N dx = 0, N the gradients of the active rows and of their
+//! derivatives in time up to the one that the control moves. The other deviations have no derivative: towards
+//! the outside there is no motion, towards the inside the limit is left for a time that grows as a root of
+//! the deviation. The gain is zero along the rows of N.
+
+use super::feedback::Feedback;
+use crate::direct::interior::iterate::Interior;
+use crate::direct::limits::side::{Limited, Side};
+use crate::direct::motion::shape::{LOBATTO_PLACES, PLACES, POINTS, Shape};
+use crate::direct::newton::rests::Rest;
+use crate::direct::newton::side_terms::add_row;
+use crate::direct::points::values::PointDynamics;
+use crate::numerics::chain::dot;
+use crate::numerics::lagrange::{slopes, values};
+use crate::numerics::lu::eliminate;
+
+/// A row is one of those before it where no more than this part of it is left: rounding of gradients.
+const LEAST_NORMAL: f64 = 1e-9;
+
+impl<D> Interior<D> {
+    /// Whether an entry is active: its multiplier is larger than its slack, both without unit. On the central
+    /// path their product is mu, so that one of them is small.
+    fn is_active(&self, at: usize) -> bool {
+        let barrier = &self.barrier;
+        if !barrier.is_on(at) || barrier.side(at).is_equation {
+            return barrier.is_on(at);
+        }
+        let multiplier = barrier.multiplier[at] / (barrier.weight[at] * barrier.unit[at] * self.figures.size);
+        barrier.is_limit(at) && multiplier > barrier.slack[at] * barrier.unit[at]
+    }
+
+    /// The sides that are active at Gauss's point `j` of interval `k`; where accelerations are continuous at
+    /// Lobatto's point there, which is behind the node.
+    pub(super) fn active_sides(&self, k: usize, j: usize) -> impl Iterator<Item = &Side> {
+        let (mesh, barrier) = (&self.spline.mesh, &self.barrier);
+        let inner = usize::from(mesh.shape.is_smooth());
+        let at_point = barrier.at_point(mesh.first_point(k) + j + inner);
+        let rates = if mesh.shape.is_smooth() { barrier.at_gauss_point(POINTS * k + j) } else { 0..0 };
+        at_point.chain(rates).filter(|at| self.is_active(*at)).map(|at| barrier.side(at))
+    }
+
+    /// Whether a side limits the state, not the control: what it limits cannot jump.
+    fn is_of_state(&self, side: &Side) -> bool {
+        !side.limited.jumps(self.spline.mesh.shape)
+    }
+
+    /// Whether a limit of the state is active somewhere in an interval.
+    pub(super) fn keeps_states(&self, k: usize) -> bool {
+        (0..POINTS).any(|j| self.active_sides(k, j).any(|side| self.is_of_state(side)))
+    }
+}
+
+impl<D: PointDynamics> Interior<D> {
+    /// Restricts the gains of an interval to what active limits leave. Those of the next one are known.
+    pub(super) fn keep_active_rows(&self, k: usize, rest: &mut Rest, feedback: &mut Feedback) {
+        let (n, m, shape) = (self.spline.dof, self.spline.node(), self.spline.mesh.shape);
+        let is_control = |side: &&Side| match side.limited {
+            Limited::Torque => !shape.is_smooth(),
+            Limited::Jerk => true,
+            _ => false,
+        };
+        self.take_normals(k, feedback);
+        let Feedback { node_gains, gains, normals, work, exchanges, .. } = feedback;
+        let node_gain = &mut node_gains[n * m * k..][..n * m];
+        restrict(node_gain, normals, m, rest, work, exchanges);
+        for side in self.active_sides(k, 0).filter(is_control) {
+            node_gain[m * side.joint..m * (side.joint + 1)].fill(0.0);
+        }
+        let size = n * m;
+        if self.keeps_states(k) {
+            let is_end = self.spline.mesh.is_end(k + 1);
+            let next = if is_end { k } else { k + 1 };
+            for (j, x) in PLACES.into_iter().enumerate() {
+                for i in 0..size {
+                    let [a, b] = [k, next].map(|node| node_gains[size * node + i]);
+                    gains[size * (POINTS * k + j) + i] = (1.0 - x) * a + x * b;
+                }
+            }
+        }
+        for j in 0..POINTS {
+            let gain = &mut gains[size * (POINTS * k + j)..][..size];
+            for side in self.active_sides(k, j).filter(is_control) {
+                gain[m * side.joint..m * (side.joint + 1)].fill(0.0);
+            }
+        }
+    }
+
+    /// The gradients of the active rows at a node, with those of their derivatives in time, orthonormal.
+    fn take_normals(&self, k: usize, feedback: &mut Feedback) {
+        let (n, m, mesh) = (self.spline.dof, self.spline.node(), &self.spline.mesh);
+        let Feedback { normals, gradients, .. } = feedback;
+        normals.clear();
+        let (count, first) = (mesh.shape.places().len(), mesh.first_point(k));
+        let rate = 1.0 / self.spline.length(k);
+        for side in self.active_sides(k, 0).filter(|side| self.is_of_state(side)) {
+            // The gradient at all points of the interval, then its derivative in time as one of x.
+            gradients.clear();
+            gradients.resize(2 * 3 * n * count, 0.0);
+            let (own, next) = gradients.split_at_mut(3 * n * count);
+            for (j, own) in own.chunks_exact_mut(3 * n).enumerate() {
+                add_row(&self.points, first + j, side, 1.0, own);
+            }
+            for order in (1..=m / n).rev() {
+                let start = normals.len();
+                normals.resize(start + m, 0.0);
+                let (before, row) = normals.split_at_mut(start);
+                for (j, own) in own.chunks_exact(3 * n).enumerate() {
+                    let factor = at_node(mesh.shape, j);
+                    row.iter_mut().zip(own).for_each(|(to, from)| *to += factor * from);
+                }
+                let size = dot(row, row).sqrt();
+                // Twice, so that rounding does not matter.
+                for earlier in before.chunks_exact(m).chain(before.chunks_exact(m)) {
+                    let part = dot(earlier, row);
+                    row.iter_mut().zip(earlier).for_each(|(to, from)| *to -= part * from);
+                }
+                let left = dot(row, row).sqrt();
+                // The control moves the rate of what depends on the highest derivative in the state.
+                let is_last = own.chunks_exact(3 * n).any(|own| own[m - n..m].iter().any(|x| *x != 0.0));
+                if left > LEAST_NORMAL * size {
+                    row.iter_mut().for_each(|entry| *entry /= left);
+                } else {
+                    normals.truncate(start);
+                }
+                if is_last || order == 1 {
+                    break;
+                }
+                next.fill(0.0);
+                for (j, next) in next.chunks_exact_mut(3 * n).enumerate() {
+                    for (l, own) in own.chunks_exact(3 * n).enumerate() {
+                        let slope = rate * slope_at(mesh.shape, l, j);
+                        next.iter_mut().zip(own).for_each(|(to, from)| *to += slope * from);
+                    }
+                    let own = &own[3 * n * j..3 * n * (j + 1)];
+                    next[n..].iter_mut().zip(own).for_each(|(to, from)| *to += from);
+                }
+                own.copy_from_slice(next);
+            }
+        }
+    }
+}
+
+/// The factor of the value at point `j` in that at the left end of an interval.
+fn at_node(shape: Shape, j: usize) -> f64 {
+    match shape {
+        Shape::Quartic => values(&PLACES, 0.0)[j],
+        Shape::Quintic => values(&LOBATTO_PLACES, 0.0)[j],
+    }
+}
+
+/// The factor of the value at point `l` in the slope at point `j`.
+fn slope_at(shape: Shape, l: usize, j: usize) -> f64 {
+    match shape {
+        Shape::Quartic => slopes(&PLACES, PLACES[j])[l],
+        Shape::Quintic => slopes(&LOBATTO_PLACES, LOBATTO_PLACES[j])[l],
+    }
+}
+
+/// K on the tangent space of the orthonormal rows N, zero along them,
+///
+/// $$ K (1 - N^\top (N S N^\top)^{-1} N S) (1 - N^\top N) $$
+///
+/// S are the second derivatives of the least cost of the rest by the state. The points of a mesh keep a limit
+/// in directions that are those of N up to the error of the mesh; across them K and S are as stiff as the
+/// limit is, and the first factor takes the part of a tangent that is across, where S is least.
+fn restrict(
+    gain: &mut [f64],
+    normals: &[f64],
+    m: usize,
+    rest: &Rest,
+    work: &mut Vec<f64>,
+    exchanges: &mut [usize],
+) {
+    let count = normals.len() / m;
+    if count == 0 {
+        return;
+    }
+    let normal = |i: usize| &normals[m * i..m * (i + 1)];
+    // [N S N', N S].
+    let width = count + m;
+    if work.len() < count * width {
+        work.resize(count * width, 0.0);
+    }
+    let rows = &mut work[..count * width];
+    for (i, row) in rows.chunks_exact_mut(width).enumerate() {
+        let (left, right) = row.split_at_mut(count);
+        for (j, to) in right.iter_mut().enumerate() {
+            *to = (0..m).map(|l| normal(i)[l] * rest.cost_hessian(m, l, j)).sum();
+        }
+        left.iter_mut().enumerate().for_each(|(j, to)| *to = dot(normal(j), right));
+    }
+    if eliminate(rows, width, count, exchanges) {
+        for c in count..width {
+            for i in (0..count).rev() {
+                let known: f64 = (i + 1..count).map(|l| rows[width * i + l] * rows[width * l + c]).sum();
+                rows[width * i + c] = (rows[width * i + c] - known) / rows[width * i + i];
+            }
+        }
+        for gain in gain.chunks_exact_mut(m) {
+            // Products first: all of them are with the gain as it was.
+            for i in 0..count {
+                rows[width * i] = dot(normal(i), gain);
+            }
+            for row in rows.chunks_exact(width) {
+                gain.iter_mut().zip(&row[count..]).for_each(|(to, from)| *to -= row[0] * from);
+            }
+        }
+    }
+    for gain in gain.chunks_exact_mut(m) {
+        for i in 0..count {
+            let part = dot(normal(i), gain);
+            gain.iter_mut().zip(normal(i)).for_each(|(to, from)| *to -= part * from);
+        }
+    }
+}
