@@ -70,7 +70,9 @@ pub enum Status {
     ConvergedSmoothed,
     /// The collocation equations are solved to the tolerance, but integrating the motion again misses its end
     /// by more than the [verification bound](crate::Motion::verification_bound), or the integration stopped.
-    /// This is typical of unstable motions. Of the direct method: not even parts of it end where they should.
+    /// This is typical of unstable motions. Of the direct method: a check failed, as
+    /// [`Solution::verified`](crate::Solution#structfield.verified) says, or, where that is not there, not
+    /// even parts of the motion end where they should.
     /// With [`Verify::Factors`](crate::Verify::Factors) nothing is integrated: rounding errors are amplified
     /// too much, or too much is cut off torques between points.
     NotVerified,
@@ -98,13 +100,17 @@ pub enum Status {
     /// No extremal was found. The motion is that of the direct method from which the search began: it meets
     /// both ends and keeps the bounds, and is not quite optimal.
     PathOnly,
-    /// The direct method found no motion that keeps all hard limits. The motion is the one with which it
-    /// stopped; [`Solution::limits`](crate::Solution::limits) says which limits it exceeds, and by how much.
+    /// No motion was found that keeps all hard limits. The motion is the one with which the search stopped,
+    /// or one that keeps them at its points and not between them;
+    /// [`Solution::limits`](crate::Solution::limits) says which limits it exceeds, and by how much.
     LimitsNotKept,
-    /// No motion nearby keeps all hard limits: at the motion, which exceeds them, what they would have to
-    /// give has a local minimum. [`LimitReport::infeasible`](crate::LimitReport::infeasible) says which,
-    /// when, and by how much.
+    /// It is proven that no motion keeps all hard limits, whatever is free takes as its value.
+    /// [`Infeasibility::proof`](crate::Infeasibility::proof) says why.
     Infeasible,
+    /// No motion was found that keeps all hard limits: at the motion, which exceeds them, the violation has a
+    /// local minimum. [`LimitReport::infeasible`](crate::LimitReport::infeasible) says which limits, when,
+    /// and by how much. Another guess may lead to a motion that keeps them.
+    LocallyInfeasible,
     /// Cancelled by the caller.
     Cancelled,
     /// The time limit was reached.
@@ -129,6 +135,7 @@ impl Status {
             Self::PathOnly => "path_only",
             Self::LimitsNotKept => "limits_not_kept",
             Self::Infeasible => "infeasible",
+            Self::LocallyInfeasible => "locally_infeasible",
             Self::Cancelled => "cancelled",
             Self::TimeLimit => "time_limit",
         }
@@ -146,7 +153,7 @@ impl Status {
 
     /// Whether no motion was found that keeps all limits: the one that is shown exceeds some.
     pub fn exceeds_limits(&self) -> bool {
-        matches!(self, Self::LimitsNotKept | Self::Infeasible)
+        matches!(self, Self::LimitsNotKept | Self::Infeasible | Self::LocallyInfeasible)
     }
 
     /// Whether the best iterate need not be near a solution: Newton's method did not converge.
@@ -171,8 +178,8 @@ impl fmt::Display for Status {
                 "converged, with a smoothed control: the motion has no isolated switching times"
             }
             Self::NotVerified => {
-                "the equations are solved, but their check (solver.verify) failed: integrated again with its torques the \
-                 motion goes elsewhere; lower solver.tolerance"
+                "the equations are solved, but the verification of the motion (solver.verify) failed; raise solver.nodes, or \
+                 lower solver.tolerance"
             }
             Self::NewtonFailed => {
                 "Newton's method found no step that reduces the error; \
@@ -212,7 +219,11 @@ impl fmt::Display for Status {
                  solver.starts"
             }
             Self::Infeasible => {
-                "no motion nearby keeps all limits; relax the limits that are named, or allow more time (time.final, time.guess)"
+                "no motion keeps all limits, which is proven; relax the limits that are named, or allow more time (time.final)"
+            }
+            Self::LocallyInfeasible => {
+                "no motion that keeps all limits was found: at this one the violation has a local minimum; raise \
+                 solver.starts, widen [limits], or allow more time (time.final, time.guess)"
             }
             Self::Cancelled => "cancelled; this is the best iterate so far",
             Self::TimeLimit => "the time limit was reached; raise solver.time_limit or --time-limit",
@@ -231,7 +242,7 @@ impl From<Status> for String {
 }
 
 /// The statuses without a reason of their own.
-const NAMED: [Status; 15] = [
+const NAMED: [Status; 16] = [
     Status::Converged,
     Status::ConvergedSmoothed,
     Status::NotVerified,
@@ -245,6 +256,7 @@ const NAMED: [Status; 15] = [
     Status::PathOnly,
     Status::LimitsNotKept,
     Status::Infeasible,
+    Status::LocallyInfeasible,
     Status::Cancelled,
     Status::TimeLimit,
 ];

@@ -2,8 +2,11 @@
 
 use crate::numbers::{scientific, short};
 use crate::units;
-use costate::robot::{ConstraintKind, printable};
-use costate_control::{Certificate, FinalTime, GaitReport, Method, Motion, Problem, Solution, Verify};
+use costate::robot::{ConstraintKind, escape_hidden, printable};
+use costate_control::{
+    Certificate, Check, CheckOutcome, FinalTime, GaitReport, Method, Motion, Problem, Solution, Verification,
+    Verify,
+};
 
 /// Whether the final time is free.
 pub(crate) fn time_is_free(problem: &Problem) -> bool {
@@ -163,6 +166,7 @@ fn direct_figures(problem: &Problem, solution: &Solution) -> Vec<(&'static str, 
     } else if is_compared && motion.verification == Verify::Full && motion.status.is_converged() {
         figures.push(("finer mesh", "not compared: it takes too many nodes or steps".into()));
     }
+    figures.extend(solution.verified.iter().flat_map(verified));
     if motion.stationarity.is_finite() {
         let stationarity = scientific(motion.stationarity);
         // The method in states has one figure for all conditions of first order.
@@ -190,6 +194,36 @@ fn direct_figures(problem: &Problem, solution: &Solution) -> Vec<(&'static str, 
     if motion.certificate == Certificate::SaddleOnMesh {
         figures.push(("local minimum", format!("no: a saddle {ON_MESH}, motions nearby cost less")));
     }
+    figures
+}
+
+/// What the verification found that does not use the points of the solver: the cost, and what the maximum
+/// principle says; of dynamics and limits only what fails.
+fn verified(verification: &Verification) -> Vec<(&'static str, String)> {
+    let mut figures = Vec::new();
+    let relative = |check: &Check| check.value.map_or_else(|| "unknown".into(), scientific);
+    if let Some(cost) = verification.integrated_cost {
+        let differs = relative(&verification.cost);
+        figures.push((
+            "verified cost",
+            format!("{}, by adaptive quadrature, within {differs}", short(cost, 12)),
+        ));
+    }
+    let optimality = &verification.optimality;
+    let text = match (optimality.outcome, &optimality.subject) {
+        (CheckOutcome::NotVerified, Some(reason)) => format!("not verified: {}", escape_hidden(reason)),
+        (CheckOutcome::NotVerified, None) => "not verified".into(),
+        _ => format!("costs at most {} more than the optimum nearby, relative", relative(optimality)),
+    };
+    figures.push(("optimality", text));
+    let overshoot = &verification.overshoot;
+    if overshoot.fails() {
+        let of =
+            overshoot.subject.as_deref().map_or_else(String::new, |of| format!(", {}", escape_hidden(of)));
+        let text = format!("{} of the range of a limit beside a jump{of}", relative(overshoot));
+        figures.push(("overshoot", text));
+    }
+    figures.extend(verification.reason().map(|reason| ("not verified", escape_hidden(&reason).to_string())));
     figures
 }
 

@@ -19,14 +19,10 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod advice;
-pub mod between;
 mod criterion;
 mod entries;
 pub mod figures;
 mod forces;
-mod laws;
-mod light_joints;
 mod limits;
 pub mod models;
 mod motion;
@@ -35,7 +31,6 @@ mod options;
 mod page;
 mod panels;
 mod plot;
-pub mod remarks;
 mod shape;
 mod soles;
 mod svg;

@@ -1,23 +1,6 @@
 //! Formatted numbers and positions of ticks.
 
-/// At most `digits` significant digits without trailing zeros; very large and very small numbers get an
-/// exponent.
-pub fn short(x: f64, digits: usize) -> String {
-    if x == 0.0 {
-        return "0".into();
-    }
-    if !x.is_finite() {
-        return if x.is_nan() { "-".into() } else { x.to_string() };
-    }
-    let scientific = format!("{x:.*e}", digits.saturating_sub(1));
-    let (mantissa, exponent) = scientific.split_once('e').unwrap_or((&scientific, "0"));
-    let power: i32 = exponent.parse().unwrap_or(0);
-    if (-4..7).contains(&power) {
-        let decimals = (digits as i32 - 1 - power).max(0) as usize;
-        return trimmed(&format!("{x:.decimals$}")).into();
-    }
-    format!("{}e{power}", trimmed(mantissa))
-}
+pub use costate_control::numbers::{scientific, short};
 
 /// `2.5e-2`, `5e-2`.
 pub(crate) fn tick(x: f64) -> String {
@@ -34,16 +17,6 @@ pub fn fixed(x: f64, decimals: usize) -> String {
         Some(digits) if digits.chars().all(|c| matches!(c, '0' | '.')) => digits.into(),
         _ => text,
     }
-}
-
-/// Two digits and an exponent, for a number that should be zero; an exact zero as such.
-pub fn scientific(x: f64) -> String {
-    if x == 0.0 { "0".into() } else { format!("{x:.1e}") }
-}
-
-/// Without trailing zeros of the fraction.
-fn trimmed(number: &str) -> &str {
-    if number.contains('.') { number.trim_end_matches('0').trim_end_matches('.') } else { number }
 }
 
 /// Multiples of 1, 2 or 5 times a power of ten within `low..high`, about `count` of them.
@@ -89,19 +62,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbers_have_at_most_the_given_digits_and_no_trailing_zeros() {
-        for (x, digits, text) in [
-            (145.13113754, 8, "145.13114"),
-            (1.0, 6, "1"),
-            (0.0, 3, "0"),
-            (-0.00012, 3, "-0.00012"),
-            (1.5e-7, 3, "1.5e-7"),
-            (12_345_678.0, 3, "1.23e7"),
-            (0.30000000000000004, 6, "0.3"),
-            (f64::NAN, 3, "-"),
-        ] {
-            assert_eq!(short(x, digits), text);
-        }
+    fn ticks_have_short_exponents() {
         assert_eq!([0.025, 1e-12].map(tick), ["2.5e-2", "1e-12"]);
     }
 

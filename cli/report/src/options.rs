@@ -8,8 +8,6 @@ use crate::models::LinkModel;
 pub struct ReportOptions {
     /// The text of the problem file.
     pub source: String,
-    /// Sentences above the plots: what is unusual about the motion.
-    pub warnings: Vec<String>,
     /// How links look, as [`of_urdf`](crate::models::of_urdf) reads it; links without a model are capsules.
     pub models: Vec<LinkModel>,
 }
@@ -19,12 +17,6 @@ impl ReportOptions {
     #[must_use]
     pub fn with_source(self, source: impl Into<String>) -> Self {
         Self { source: source.into(), ..self }
-    }
-
-    /// With these warnings.
-    #[must_use]
-    pub fn with_warnings(self, warnings: Vec<String>) -> Self {
-        Self { warnings, ..self }
     }
 
     /// With these models of links.

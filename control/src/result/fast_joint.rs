@@ -7,7 +7,9 @@
 //!
 //! is the rate at which deviations grow, or turn. Those of the costates have the same one. A polynomial on an
 //! interval of the length h follows them as long as `rho h` is about one. A link without a rotor that whirls,
-//! or that its heavy neighbours shake, has rates far above those of the robot.
+//! or that its heavy neighbours shake, has rates far above those of the robot. So has a joint that creeps
+//! with dry friction: its force changes by `c/v_t` per rad/s within the transition velocity `v_t`, and rho is
+//! `c/(M v_t)`.
 
 use crate::constants::checks::fast_joint::{BISECTIONS, HELD, PLACES, RESOLVED, SQUARINGS};
 use crate::numerics::cholesky;
@@ -15,6 +17,7 @@ use crate::problem::Problem;
 use crate::result::samples::SampleError;
 use crate::result::solution::Solution;
 use costate::lagrangian::Lagrangian;
+use costate::robot::Robot;
 
 /// A joint that moves faster than the mesh of a motion can follow.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,16 +32,22 @@ pub struct FastJoint {
     /// The length of the interval of the mesh there (s).
     pub interval: f64,
     /// Inertia of a rotor at this joint with which the mesh would follow (kg m^2, kg), the inertias of other
-    /// joints being what they are; `None` where others are as fast.
+    /// joints being what they are; `None` where others are as fast, or dry friction is the reason.
     pub armature: Option<f64>,
+    /// Where dry friction is the reason: the transition velocity of the friction of this joint that the mesh
+    /// would resolve (rad/s, m/s), those of other joints being larger by the same factor.
+    pub coulomb_velocity: Option<f64>,
 }
 
 /// The dynamics near a motion, row by row.
+#[derive(Clone)]
 struct Near {
     n: usize,
     mass: Vec<f64>,
     tau_q: Vec<f64>,
     tau_v: Vec<f64>,
+    /// What dry friction has in the diagonal of tau_v, and the transition velocity of each joint.
+    friction: Vec<[f64; 2]>,
 }
 
 impl Near {
@@ -91,6 +100,34 @@ impl Near {
             a.iter_mut().zip(&square).for_each(|(a, entry)| *a = entry / size);
         }
         Some(unit * f64::exp(logarithm))
+    }
+
+    /// The rate with dry friction divided by this; no friction for an infinite factor.
+    fn rate_with_friction_over(&self, factor: f64) -> Option<f64> {
+        let mut other = self.clone();
+        for (i, [slope, _]) in self.friction.iter().enumerate() {
+            other.tau_v[(self.n + 1) * i] -= (1.0 - 1.0 / factor) * slope;
+        }
+        other.rate(&vec![0.0; self.n])
+    }
+
+    /// Where it is fast by dry friction alone: the joint whose friction is steepest for its inertia, and the
+    /// transition velocity with which it is no faster than `allowed`.
+    fn rubbing_joint(&self, allowed: f64) -> Option<(usize, f64)> {
+        if self.rate_with_friction_over(f64::INFINITY)? > allowed {
+            return None;
+        }
+        let rate = |i: &usize| self.friction[*i][0] / self.mass[(self.n + 1) * i];
+        let joint = (0..self.n).max_by(|a, b| rate(a).total_cmp(&rate(b)))?;
+        let (mut low, mut high) = (1.0, HELD);
+        for _ in 0..BISECTIONS {
+            let middle = (low * high).sqrt();
+            match self.rate_with_friction_over(middle)? <= allowed {
+                true => high = middle,
+                false => low = middle,
+            }
+        }
+        Some((joint, high * self.friction[joint][1]))
     }
 
     /// The joint that makes it fast, and the inertia with which it is no faster than `allowed`.
@@ -159,18 +196,44 @@ impl Solution {
                 mass: entries(&|i, j| torque.tau_a[(i, j)]),
                 tau_q: entries(&|i, j| torque.tau_q[(i, j)]),
                 tau_v: entries(&|i, j| torque.tau_v[(i, j)]),
+                friction: slopes_of_friction(&problem.robot, &point.v),
             };
             let Some(rate) = near.rate(&none) else { continue };
             let steps = rate * interval;
             if steps > RESOLVED && worst.as_ref().is_none_or(|(most, ..)| steps > *most) {
+                let (time_constant, armature, coulomb_velocity) = (1.0 / rate, None, None);
                 let joint =
-                    FastJoint { joint: 0, time: t, time_constant: 1.0 / rate, interval, armature: None };
+                    FastJoint { joint: 0, time: t, time_constant, interval, armature, coulomb_velocity };
                 worst = Some((steps, joint, near));
             }
         }
         Ok(worst.and_then(|(_, fast, near)| {
-            let (joint, armature) = near.joint(RESOLVED / fast.interval)?;
+            let allowed = RESOLVED / fast.interval;
+            if let Some((joint, velocity)) = near.rubbing_joint(allowed) {
+                return Some(FastJoint { joint, coulomb_velocity: Some(velocity), ..fast });
+            }
+            let (joint, armature) = near.joint(allowed)?;
             Some(FastJoint { joint, armature, ..fast })
         }))
     }
+}
+
+/// Derivatives of dry friction by the rates of independent joints, `sum c a^2/v_t sech^2(a v/v_t)` with the
+/// ratios a of the joints that mimic one, and the transition velocity of the steepest.
+fn slopes_of_friction(robot: &Robot, v: &[f64]) -> Vec<[f64; 2]> {
+    let mut slopes = vec![[0.0, 0.0]; v.len()];
+    let mut steepest = vec![0.0; v.len()];
+    for (index, joint) in robot.joints().iter().enumerate().filter(|(_, joint)| joint.friction.coulomb > 0.0)
+    {
+        let (leader, ratio) = joint.mimic.map_or((index, 1.0), |mimic| (mimic.joint, mimic.ratio));
+        let Some(row) = robot.independent_indices().iter().position(|&own| own == leader) else { continue };
+        let width = joint.friction.coulomb_velocity;
+        let slope =
+            joint.friction.coulomb * ratio * ratio / (width * (ratio * v[row] / width).cosh().powi(2));
+        slopes[row][0] += slope;
+        if slope >= steepest[row] {
+            (steepest[row], slopes[row][1]) = (slope, width);
+        }
+    }
+    slopes
 }

@@ -2,28 +2,31 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Why no motion keeps all limits, as far as that was found: which limits would have to be relaxed.
+/// Why no motion keeps all limits, as far as that was found: a proof, or which limits are exceeded where
+/// their violation has a local minimum.
 ///
-/// At a motion that keeps the relaxed limits, the sum of these amounts has a local minimum, each in parts
-/// of its range, or of what it lacks at the start of the search if that is more. Each limit is relaxed by the
-/// same amount all along the motion.
+/// At the motion that was found the sum of these amounts has a local minimum, each relative to its range, or
+/// to what it lacks at the start of the search if that is more. Each limit is relaxed by the same amount all
+/// along the motion.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct Infeasibility {
     /// The limits that are relaxed, the one by the largest part of its range first. Those relaxed by
     /// less than a hundredth of that part are left out.
     pub limits: Vec<RelaxedLimit>,
-    /// A final time (s) with which a motion was found that keeps all limits at its points, if the time is
-    /// fixed and a longer one helps.
+    /// A final time (s) with which the problem was solved, if the time is fixed and a longer one helps.
     #[serde(default)]
     pub final_time: Option<f64>,
     /// A final time (s) below which no motion keeps the limits on rates and accelerations, whatever its
     /// torques are, if that is longer than the one that is given.
     #[serde(default)]
     pub least_time: Option<f64>,
-    /// Whether it is proven that no motion keeps the limits: one of the joints has too little time for its
-    /// way. Else another guess or a finer mesh may find one.
+    /// Whether it is proven that no motion keeps the limits, whatever is free takes as its value. Else
+    /// another guess or a finer mesh may find one.
     pub is_global: bool,
+    /// The proof, in words.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub proof: Option<String>,
 }
 
 /// A limit that has to give.

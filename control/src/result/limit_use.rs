@@ -46,7 +46,8 @@ pub struct LimitReport {
     /// Tools (m, rad, m/s) and clearances (m), at the ends too.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub task: Option<LimitUse>,
-    /// What would have to give, with [`Status::Infeasible`](crate::Status::Infeasible).
+    /// Why no motion keeps all limits, with [`Status::Infeasible`](crate::Status::Infeasible), or which ones
+    /// are exceeded, with [`Status::LocallyInfeasible`](crate::Status::LocallyInfeasible).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub infeasible: Option<Infeasibility>,
 }
@@ -87,6 +88,9 @@ pub struct LimitViolation {
     pub time: f64,
     /// By how much it is exceeded.
     pub excess: f64,
+    /// The same relative to its range, the distance between lower and upper limit.
+    #[serde(default)]
+    pub part: f64,
     /// The unit of `excess`, and of the other two where joints are limited.
     pub unit: String,
     /// The value there; of a tool or a clearance that of the function that is limited.

@@ -33,4 +33,5 @@ pub(crate) mod stage_times;
 pub(crate) mod start;
 pub(crate) mod trajectory;
 pub(crate) mod trajectory_error;
+pub(crate) mod verification;
 pub(crate) mod verify;

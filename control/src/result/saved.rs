@@ -12,6 +12,7 @@ use crate::result::saved_parts::{SavedCostates, SavedStart, SavedViolation, UNIT
 use crate::result::solution::{CostateStart, RobotNames, Solution};
 use crate::result::start::StartResult;
 use crate::result::trajectory_error::{TrajectoryError, VERSION, check_version};
+use crate::result::verification::Verification;
 use crate::status::Status;
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize};
@@ -85,6 +86,8 @@ struct Document {
     gait: Option<GaitReport>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     polish: Option<PolishReport>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    verified: Option<Verification>,
     #[serde(default)]
     starts: Vec<SavedStart>,
     #[serde(default)]
@@ -163,6 +166,7 @@ impl From<&Solution> for Document {
             constraints: solution.constraints.clone(),
             gait: solution.gait.clone(),
             polish: solution.polish.clone(),
+            verified: solution.verified.clone(),
             starts: solution.starts.iter().map(SavedStart::from).collect(),
             options: solution.options.clone(),
             trajectory: Rows::from(&solution.trajectory),
@@ -222,6 +226,7 @@ impl TryFrom<Document> for Solution {
             constraints: document.constraints,
             gait: document.gait,
             polish: document.polish,
+            verified: document.verified,
             stage_times: None,
             options: document.options,
             robot: RobotNames { robot: document.robot, joints },

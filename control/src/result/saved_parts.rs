@@ -28,6 +28,8 @@ pub(super) struct SavedStart {
     total: Option<f64>,
     status: Status,
     #[serde(default)]
+    violation: f64,
+    #[serde(default)]
     guess: GuessKind,
     #[serde(default = "one")]
     looks: usize,
@@ -49,15 +51,15 @@ fn one() -> usize {
 
 impl From<&StartResult> for SavedStart {
     fn from(start: &StartResult) -> Self {
-        let StartResult { total, status, guess, looks } = start.clone();
-        Self { total: finite(total), status, guess, looks }
+        let StartResult { total, status, violation, guess, looks } = start.clone();
+        Self { total: finite(total), status, violation, guess, looks }
     }
 }
 
 impl From<SavedStart> for StartResult {
     fn from(start: SavedStart) -> Self {
-        let SavedStart { total, status, guess, looks } = start;
-        Self { total: total.unwrap_or(f64::INFINITY), status, guess, looks }
+        let SavedStart { total, status, violation, guess, looks } = start;
+        Self { total: total.unwrap_or(f64::INFINITY), status, violation, guess, looks }
     }
 }
 

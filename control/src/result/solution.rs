@@ -12,6 +12,7 @@ use crate::result::stage_times::StageTimes;
 use crate::result::start::StartResult;
 use crate::result::trajectory::Trajectory;
 use crate::result::trajectory_error::TrajectoryError;
+use crate::result::verification::Verification;
 use crate::status::Status;
 use costate::robot::Robot;
 
@@ -37,6 +38,10 @@ pub struct Solution {
     /// Whether the motion is that of the direct method or its polished form, and why; `None` where that was
     /// not asked.
     pub polish: Option<PolishReport>,
+    /// What a verification found that does not use the points of the direct method; `None` without it
+    /// ([`Verify::Full`](crate::Verify::Full)), and for extremals, which are integrated with their costates
+    /// ([`Motion::shooting_defect`]).
+    pub verified: Option<Verification>,
     /// Where the time of the direct method went; `None` unless
     /// [asked for](crate::Solver::with_stage_times). Not saved.
     pub stage_times: Option<StageTimes>,
@@ -166,6 +171,7 @@ impl Solution {
             constraints: Vec::new(),
             gait: None,
             polish: None,
+            verified: None,
             stage_times: None,
             trajectory: Trajectory::default(),
             starts: Vec::new(),

@@ -13,6 +13,8 @@ pub struct StartResult {
     pub total: f64,
     /// How it ended.
     pub status: Status,
+    /// Largest excess of a hard limit, relative to its range; 0 if all are kept.
+    pub violation: f64,
     /// The guess that it began with: the best one of those that it looked at.
     pub guess: GuessKind,
     /// How many guesses it looked at: iterated on a coarse mesh, until it was clear which one is cheapest.
@@ -20,8 +22,8 @@ pub struct StartResult {
 }
 
 impl StartResult {
-    pub(crate) fn of(motion: &Motion, guess: GuessKind, looks: usize) -> Self {
-        Self { total: motion.total(), status: motion.status.clone(), guess, looks }
+    pub(crate) fn of(motion: &Motion, violation: f64, guess: GuessKind, looks: usize) -> Self {
+        Self { total: motion.total(), status: motion.status.clone(), violation, guess, looks }
     }
 }
 

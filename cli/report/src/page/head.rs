@@ -1,15 +1,13 @@
-//! The beginning of the page: robot, task, how it ended, time, cost, limits, what stands out, warnings.
+//! The beginning of the page: robot, task, how it ended, remarks, time, cost, limits.
 
-use crate::between;
 use crate::figures::time_is_free;
 use crate::forces::FORCES;
-use crate::light_joints;
 use crate::motion::Motion;
 use crate::numbers::short;
 use crate::panels;
 use crate::svg::markup::escaped;
 use crate::text;
-use costate_control::LimitViolation;
+use costate_control::{LimitViolation, Remark, Severity};
 
 /// A figure with its name, and whether it is good or bad.
 struct Card {
@@ -19,45 +17,43 @@ struct Card {
     is_good: Option<bool>,
 }
 
-/// Name, status, cards, warnings.
+/// Most warnings that are not folded.
+const MOST_OPEN: usize = 4;
+
+/// Name, status, remarks, cards. The status is green only if no remark is an error.
 pub fn section(motion: &Motion<'_>) -> String {
     let (problem, solution) = (motion.problem, motion.solution);
-    let list = |items: &[String], class: &str| match items {
+    let remarks = solution.remarks(problem);
+    let of = |severity: Severity| -> Vec<&Remark> {
+        remarks.iter().filter(|remark| remark.severity == severity).collect()
+    };
+    let list = |items: &[&Remark], class: &str| match items {
         [] => String::new(),
         items => {
-            let items: String = items.iter().map(|item| format!("<li>{}</li>", escaped(item))).collect();
-            format!("<ul class=\"{class}\">{items}</ul>")
+            let item = |remark: &&Remark| format!("<li>{}.</li>", escaped(&text::sentence(&remark.text)));
+            let list: String = items.iter().map(item).collect();
+            let list = format!("<ul class=\"{class}\">{list}</ul>");
+            match items.len() {
+                count if count > MOST_OPEN => {
+                    format!("<details class=\"folded\"><summary>{count} {class}</summary>{list}</details>")
+                }
+                _ => list,
+            }
         }
     };
-    let sentences = |remarks: &[Option<String>]| -> Vec<String> {
-        remarks.iter().flatten().map(|remark| format!("{}.", text::sentence(remark))).collect()
-    };
-    let remarks = sentences(&[text::explanation(problem, solution), text::skipped_starts(solution)]);
-    let advice = sentences(&[
-        text::saddle(solution),
-        between::exceeded_between(solution),
-        between::cut_between(solution),
-        text::needs_feedback(problem, solution),
-        light_joints::too_sudden(problem, solution),
-    ]);
     let status = &solution.motion.status;
+    let errors = of(Severity::Error);
     let cards: String = cards(motion).iter().map(card).collect();
     format!(
         "<header><h1>{name} <span class=\"status {class}\">{status}</span></h1><p class=\"task\">{task}</p>\
-         {remarks}{advice}<dl class=\"cards\">{cards}</dl>{warnings}</header>\n",
+         {errors}{warnings}{notes}<dl class=\"cards\">{cards}</dl></header>\n",
         name = escaped(motion.robot().name()),
-        class = if status.is_solved() { "good" } else { "bad" },
+        class = if errors.is_empty() { "good" } else { "bad" },
         status = escaped(&text::status(status)),
         task = escaped(&text::sentence(&text::criterion(problem, solution))),
-        remarks = list(&remarks, "remarks"),
-        advice = list(&advice, "warnings"),
-        warnings = match motion.options.warnings.len() {
-            0..=2 => list(&motion.options.warnings, "warnings"),
-            count => {
-                let list = list(&motion.options.warnings, "warnings");
-                format!("<details class=\"folded\"><summary>{count} warnings</summary>{list}</details>")
-            }
-        },
+        errors = list(&errors, "remarks"),
+        warnings = list(&of(Severity::Warning), "warnings"),
+        notes = list(&of(Severity::Note), "warnings"),
     )
 }
 
@@ -69,7 +65,7 @@ fn card(card: &Card) -> String {
     };
     let note =
         if card.note.is_empty() { String::new() } else { format!("<small>{}</small>", escaped(&card.note)) };
-    format!("<div><dt>{}</dt><dd{class}>{}{note}</dd></div>", card.name, escaped(&card.value))
+    format!("<div><dt>{}</dt> <dd{class}>{} {note}</dd></div>\n", card.name, escaped(&card.value))
 }
 
 fn cards(motion: &Motion<'_>) -> Vec<Card> {
@@ -131,7 +127,7 @@ fn limits(motion: &Motion<'_>) -> Card {
     }
     if limits.is_empty() && !motion.problem.limit_warnings(&motion.solution.trajectory).is_empty() {
         let note = "those of the robot are exceeded".into();
-        return Card { name, value: "not asked for".into(), note, is_good: Some(false) };
+        return Card { name, value: "not asked for".into(), note, is_good: None };
     }
     if limits.is_empty() {
         let bounded = motion.problem.bounds.is_some();

@@ -12,11 +12,13 @@ const SMALL: f64 = 1e-5;
 /// The section: figures, iterations, starts; open where something is bad.
 pub fn section(motion: &Motion<'_>) -> String {
     let (problem, solution) = (motion.problem, motion.solution);
-    let mut is_bad = false;
+    // Red belongs to motions with errors: beside a green status warnings say what to know.
+    let is_fit = solution.check(problem).is_ok();
+    let mut is_bad = !is_fit;
     let rows: String = figures(problem, solution)
         .iter()
         .map(|(name, value)| {
-            let good = is_good(motion, name);
+            let good = is_good(motion, name).filter(|good| *good || !is_fit);
             is_bad |= good == Some(false);
             let class = match good {
                 Some(true) => " class=\"good\"",
@@ -27,7 +29,7 @@ pub fn section(motion: &Motion<'_>) -> String {
             format!("<tr><th scope=\"row\">{name}</th><td{class}>{value}</td><td>{meaning}</td></tr>")
         })
         .collect();
-    let open = if is_bad || !solution.motion.status.is_solved() { " open" } else { "" };
+    let open = if is_bad { " open" } else { "" };
     let plots = if motion.exists() { "<div class=\"plots\" id=\"solver-plots\"></div>" } else { "" };
     format!(
         "<details{open}><summary>Solver</summary><div class=\"wide\"><table class=\"figures\"><tbody>{rows}</tbody>\
@@ -97,6 +99,8 @@ fn is_good(motion: &Motion<'_>, name: &str) -> Option<bool> {
         "drift of H*" => Some(figures.hamiltonian_drift < SMALL),
         // The direct method is verified by another bound, by parts where motions forget their torques.
         "end defect" | "shooting defect" if direct => match (checked, figures.status.is_solved()) {
+            // Of an unstable motion parts are verified, not its end.
+            (true, true) if name == "end defect" && figures.shooting_defect.is_finite() => None,
             (true, true) => Some(true),
             (true, false) if figures.status == Status::NotVerified => Some(false),
             _ => None,
@@ -117,7 +121,8 @@ fn is_good(motion: &Motion<'_>, name: &str) -> Option<bool> {
             let kind = limits.unwrap_or("task");
             let kind = kind.replace(['-', ' '], "_");
             let usage = solution.limits.kinds().find(|(name, _)| *name == kind)?.1?;
-            Some(usage.worst.is_none() && usage.worst_between.is_none())
+            // Torques between the points are cut to their limits.
+            Some(usage.worst.is_none() && (usage.worst_between.is_none() || kind == "torque"))
         }
         _ => None,
     }

@@ -158,8 +158,7 @@ const makeScene = () => {
       stageData.payloads.forEach((payload) => {
         const carried = time >= payload.from && time < payload.to;
         const tint = [...rgb(colour("--load")), carried ? 1 : 0.45];
-        const shape = { kind: "box", size: [payload.side, payload.side, payload.side] };
-        all.push({ geometry: ofShape(shape), model: matrixOf(payloadPose(payload, time)), colour: tint });
+        all.push({ geometry: ofShape(payload.shape), model: matrixOf(payloadPose(payload, time)), colour: tint });
       });
     }
     if (shows("obstacles")) all.push(...glassItems(stageData.obstacles, [...rgb(colour("--obstacle")), 0.55]));

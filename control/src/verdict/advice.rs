@@ -1,8 +1,12 @@
 //! What helps where the direct method did not get there: it depends on what costs, and on the robot.
 
-use crate::light_joints::{too_fast, with_rotor, without_rotors};
-use crate::numbers::{scientific, short};
-use costate_control::{Method, Problem, Solution, Status, Verify};
+use super::light_joints::{too_fast, with_narrow_friction, with_rotor, without_rotors};
+use super::numbers::{scientific, short};
+use crate::options::{Method, Verify};
+use crate::problem::Problem;
+use crate::result::solution::Solution;
+use crate::result::verification::Verification;
+use crate::status::Status;
 
 /// Errors of the cost below this, and below so many times the tolerance, miss a tolerance that is finer than
 /// the last one by little.
@@ -17,7 +21,7 @@ const NEAR_TOLERANCE: f64 = 100.0;
 const SMOOTHED: f64 = 1e-2;
 
 /// The reason of a status with what helps this problem; `None` where what the status says is all.
-pub fn advice(problem: &Problem, solution: &Solution) -> Option<String> {
+pub(super) fn advice(problem: &Problem, solution: &Solution) -> Option<String> {
     let status = &solution.motion.status;
     let hard = matches!(
         status,
@@ -31,6 +35,11 @@ pub fn advice(problem: &Problem, solution: &Solution) -> Option<String> {
     }
     if let Some(reason) = empty_phase(problem, solution).or_else(|| nearly(solution)) {
         return Some(reason);
+    }
+    let verified = solution.verified.as_ref().filter(|verified| verified.failure().is_some());
+    let failed = verified.filter(|_| *status == Status::NotVerified);
+    if let Some(verified) = failed.filter(|verified| !verified.dynamics.fails()) {
+        return Some(unverified(verified));
     }
     let energy = problem.cost.has_energy();
     let jumps = jumps(problem);
@@ -51,9 +60,14 @@ pub fn advice(problem: &Problem, solution: &Solution) -> Option<String> {
     let light = match &fast {
         Some(fast) => with_rotor(problem, fast),
         None if is_free => None,
+        None if passes_through(problem, solution) => Some(
+            "a [[via]] beside the obstacle that bodies pass through between points: it is thin for the intervals of the mesh"
+                .into(),
+        ),
+        None if with_narrow_friction(problem, solution).is_some() => with_narrow_friction(problem, solution),
         None => without_rotors(problem)
             .filter(|_| jumps || energy || others)
-            .map(|joints| format!("robot.armature (the inertia of rotors: {joints} without)")),
+            .map(|joints| format!("robot.armature (rotor inertia; {joints} without)")),
     };
     remedies.extend(light);
     match status {
@@ -79,11 +93,42 @@ pub fn advice(problem: &Problem, solution: &Solution) -> Option<String> {
              cut off, than verify = \"factors\" allows (nothing was integrated)"
                 .into()
         }
+        Status::NotVerified => failed.map_or_else(
+            || {
+                "the equations are solved, but integrated again with its torques the motion goes elsewhere".into()
+            },
+            failed_checks,
+        ),
         // What a status says has the form "reason; advice for all problems".
         status => status.to_string().split(';').next().unwrap_or_default().to_owned(),
     };
     let cause = fast.map(|fast| format!("; {}", too_fast(problem, &fast))).unwrap_or_default();
     Some(format!("{reason}{cause}; what may help: {}", remedies.join("; ")))
+}
+
+/// Which checks of a verification failed, by how much, where.
+fn failed_checks(verified: &Verification) -> String {
+    let all = verified.reasons().join(" and ");
+    format!("the equations are solved, but the motion fails its verification: {all}")
+}
+
+/// The same with what helps where torques lead along the motion.
+fn unverified(verified: &Verification) -> String {
+    let Verification { cost, limits, optimality, .. } = verified;
+    let mut remedies = vec!["more solver.nodes".to_owned()];
+    if limits.fails() {
+        remedies.extend(limits.subject.iter().map(|limit| format!("a wider limit ({limit})")));
+    }
+    if cost.fails() || optimality.fails() {
+        remedies.push("another start (solver.starts)".into());
+    }
+    format!("{}; what may help: {}", failed_checks(verified), remedies.join("; "))
+}
+
+/// Whether limits of a task with obstacles are exceeded between the points of the mesh.
+fn passes_through(problem: &Problem, solution: &Solution) -> bool {
+    let is_beyond = solution.limits.task.as_ref().is_some_and(|usage| usage.worst_between.is_some());
+    is_beyond && !problem.task.obstacles.is_empty()
 }
 
 /// The estimated error of the cost, relative to it.
@@ -114,7 +159,11 @@ fn unresolved(solution: &Solution) -> String {
             options.max_nodes
         );
     }
-    format!("the search ended with a mesh of {nodes} nodes: {reached}, or limits are exceeded between points")
+    let beyond = match solution.limits.violations_between().next() {
+        Some(_) => ", and limits are exceeded between points",
+        None => "",
+    };
+    format!("the search ended with a mesh of {nodes} nodes: {reached}{beyond}")
 }
 
 /// That the equations of an indirect method amplify rounding errors too much.
@@ -182,75 +231,4 @@ fn jumps(problem: &Problem) -> bool {
         || limited(&limits.jerk_max)
         || limited(&limits.torque_rate_max);
     (cost.time > 0.0 || cost.has_energy()) && cost.effort.contains(&0.0) && !smooth
-}
-
-#[cfg(test)]
-mod tests {
-    use super::advice;
-    use costate::robot::{LoadOptions, Robot};
-    use costate_control::{
-        FinalTime, Objective, Problem, ProblemFile, Solution, Solver, SolverOptions, Status, Verify,
-    };
-
-    fn arm(robot: Robot, cost: Objective) -> Problem {
-        Problem::rest_to_rest(robot, &[0.0; 2], &[1.0; 2], 1.0).with_cost(cost)
-    }
-
-    /// With another status.
-    fn ended(solution: &Solution, status: Status) -> Solution {
-        let mut solution = solution.clone();
-        solution.motion.status = status;
-        solution
-    }
-
-    #[test]
-    fn what_helps_depends_on_costs_and_rotors() {
-        let light = Robot::from_file("../../robots/two_link.toml").unwrap();
-        let heavy = ["shoulder", "elbow"]
-            .iter()
-            .fold(light.clone(), |robot, joint| robot.with_joint_armature(joint, 0.1).unwrap());
-        let effort = || Objective::new(0.0, vec![1.0; 2]);
-        let solved = Solver::new(&arm(light.clone(), effort()), SolverOptions::default()).unwrap().solve();
-        let told = |robot: &Robot, cost: Objective, status: Status| {
-            let problem = arm(robot.clone(), cost).with_time(FinalTime::Free { guess: 1.0 });
-            advice(&problem, &ended(&solved, status))
-        };
-        assert_eq!(told(&light, effort(), Status::Converged), None);
-        assert_eq!(told(&heavy, effort(), Status::IterationLimit), None);
-        let least_time = told(&heavy, Objective::new(1.0, vec![0.0; 2]), Status::MeshLimit).unwrap();
-        assert!(least_time.ends_with("what may help: a little cost.effort beside cost.time"), "{least_time}");
-        let energy = Objective::new(0.0, vec![0.0; 2]).with_energy(vec![1.0; 2]);
-        let energy = told(&light, energy, Status::IterationLimit).unwrap();
-        for part in
-            ["beside cost.energy", "cost.energy_smoothing", "robot.armature", "all joints are without"]
-        {
-            assert!(energy.contains(part), "{energy}");
-        }
-        let one = light.with_joint_armature("shoulder", 0.1).unwrap();
-        let drifts = told(&one, effort(), Status::NotVerified).unwrap();
-        assert!(
-            drifts.contains("joint 'elbow' is without") && drifts.ends_with("a smaller solver.tolerance")
-        );
-        let fine = told(&light, effort(), Status::MeshLimit).unwrap();
-        assert!(fine.contains("a larger solver.tolerance") && !fine.contains("cost.effort"), "{fine}");
-        let mut coarse = ended(&solved, Status::MeshLimit);
-        coarse.motion.errors = vec![0.64];
-        let coarse = advice(&arm(light.clone(), effort()), &coarse).unwrap();
-        assert!(coarse.contains("do not resolve the motion: the error of its cost is 0.64"), "{coarse}");
-        assert!(!coarse.contains("larger solver.tolerance") && !coarse.contains("armature"), "{coarse}");
-        let file = "../../examples/problems/satellite_arm.toml";
-        let satellite = ProblemFile::read(file, LoadOptions::default()).unwrap();
-        let turned = Solver::new(&satellite.problem, satellite.options).unwrap().solve();
-        for status in [Status::IterationLimit, Status::NewtonFailed] {
-            let told = advice(&satellite.problem, &ended(&turned, status)).unwrap();
-            assert!(
-                told.ends_with("what may help: another start (solver.starts), another time (time.final)"),
-                "{told}"
-            );
-        }
-        let mut cut = ended(&solved, Status::NotVerified);
-        cut.motion.verification = Verify::Factors;
-        let cut = advice(&arm(light, effort()), &cut).unwrap();
-        assert!(cut.contains("cut off") && cut.contains("nothing was integrated"), "{cut}");
-    }
 }
