@@ -25,6 +25,21 @@ const TWO_TURNS: f64 = 4.0 * std::f64::consts::PI;
 /// Larger limits (rad) mean that there is none.
 const UNLIMITED: f64 = 3600.0;
 
+/// Robots that reach less far (m) are not taken for some that are given in millimetres.
+const FAR: f64 = 10.0;
+
+/// Mass over the cube of the length (kg/m^3) below which a robot is lighter than can be: a rod of foam with
+/// 30 kg/m^3, a thousand times as long as thick, has 3e-5. Lengths in mm make the ratio 1e9 times smaller;
+/// real robots have 1e-2 or more.
+const LIGHTEST: f64 = 3e-5;
+
+/// The same for inertias, by the mean radius of gyration: a rod of 1000 kg/m^3. Those in kg mm^2 have a
+/// radius that is a thousand times too long.
+const LIGHTEST_TO_TURN: f64 = 1e-3;
+
+/// How many times longer than the robot its mean radius of gyration must be.
+const TOO_WIDE: f64 = 10.0;
+
 /// A name that can be written in a file or a flag: not blank.
 pub(super) fn name(kind: &'static str, name: &str) -> Result<(), RobotError> {
     match name.trim() {
@@ -167,6 +182,34 @@ fn large_limits(joints: &[Joint]) -> Option<Warning> {
     limits.first().map(|&limit| Warning::LargeLimits { joints, limit })
 }
 
+/// Lengths or inertias that are probably those of millimetres.
+fn millimetres(joints: &[Joint]) -> Option<Warning> {
+    let mass: f64 = joints.iter().map(|joint| joint.inertia.mass).sum();
+    let (mut length, mut farthest) = (0.0, "");
+    let mut reaches: Vec<f64> = Vec::with_capacity(joints.len());
+    for joint in joints {
+        // Where the robot stands says nothing about its size.
+        let reach = joint.parent.map_or(0.0, |parent| reaches[parent] + joint.placement.translation.norm());
+        reaches.push(reach);
+        let own = reach + joint.inertia.com.norm();
+        if own > length {
+            (length, farthest) = (own, &joint.link);
+        }
+    }
+    let too_light = |length: f64, least: f64| mass > 0.0 && mass < least * length.powi(3);
+    let warning = |inertias, length, link: &str| {
+        Some(Warning::Millimetres { inertias, mass, length, link: link.to_owned() })
+    };
+    if length > FAR && too_light(length, LIGHTEST) {
+        return warning(false, length, farthest);
+    }
+    let largest = |joint: &Joint| joint.inertia.inertia.diagonal().amax();
+    let gyration = (joints.iter().map(largest).sum::<f64>() / mass).sqrt();
+    let widest = joints.iter().max_by(|a, b| largest(a).total_cmp(&largest(b)))?;
+    let is_wide = length > 0.0 && gyration > TOO_WIDE * length && too_light(gyration, LIGHTEST_TO_TURN);
+    if is_wide { warning(true, gyration, &widest.link) } else { None }
+}
+
 /// Whether a joint moves a link that has mass or inertia.
 fn moves_mass(joints: &[Joint]) -> Vec<bool> {
     let mut moves_mass: Vec<bool> = joints.iter().map(|joint| !joint.inertia.is_massless()).collect();
@@ -200,6 +243,7 @@ pub(super) fn robot(joints: &[Joint], armature: &Armature, warnings: &mut Vec<Wa
     let moves_mass = moves_mass(joints);
     let mut is_last = vec![true; n];
     warnings.extend(large_limits(joints));
+    warnings.extend(millimetres(joints));
     joints.iter().filter_map(|joint| joint.parent).for_each(|parent| is_last[parent] = false);
     // Of independent joints: whether they, or joints that mimic them, move something; whether any mimics
     // them.

@@ -56,7 +56,7 @@ pub use body::Body;
 pub(crate) use branches::Branches;
 pub use builder::RobotBuilder;
 pub use constraint::{Constraint, ConstraintFrame, ConstraintKind, ConstraintRow, ConstraintSpec};
-pub use edit::{LimitChange, RobotEdit};
+pub use edit::{LargestChange, LimitChange, RobotEdit, SymmetryChange};
 pub use error::{LoopProblem, RobotError};
 pub use format::RobotFormat;
 pub use frame::{Frame, FrameKind, FrameSpec};

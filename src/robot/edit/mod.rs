@@ -7,8 +7,10 @@ mod joints;
 mod limit_change;
 mod lock;
 mod payload;
+mod symmetric;
 
 pub use limit_change::LimitChange;
+pub use symmetric::{LargestChange, SymmetryChange};
 
 use super::checks;
 use super::constraint::ConstraintSpec;

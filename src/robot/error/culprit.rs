@@ -14,6 +14,7 @@ impl RobotError {
             | Self::StillJoint { joint }
             | Self::RepeatedJoint { joint }
             | Self::DependentJoint { joint, .. }
+            | Self::NotMirrored { joint, .. }
             | Self::UnsupportedMimic { joint, .. }
             | Self::UnsupportedJoint { joint, .. }
             | Self::FreeJoint { joint, .. }

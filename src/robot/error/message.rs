@@ -169,6 +169,19 @@ impl fmt::Display for RobotError {
                 printable(master),
                 printable(master)
             ),
+            Self::NotMirrored { joint, other, why } if joint == other => write!(
+                f,
+                "joint '{}' is no mirror image of itself: {why}; check its pair, and whether its sign changes in the \
+                 mirror",
+                printable(joint)
+            ),
+            Self::NotMirrored { joint, other, why } => write!(
+                f,
+                "joints '{}' and '{}' are no mirror images of each other: {why}; check the pairs, and which \
+                 joints change their signs in the mirror",
+                printable(joint),
+                printable(other)
+            ),
             Self::FixedFrame { frame } => write!(
                 f,
                 "no joint moves frame '{}', and a payload there has no effect; name a frame beyond a joint",

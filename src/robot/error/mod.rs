@@ -205,6 +205,15 @@ pub enum RobotError {
         /// The independent joint that it follows.
         master: String,
     },
+    /// Two joints that are not mirror images of each other.
+    NotMirrored {
+        /// The joint.
+        joint: String,
+        /// The joint in whose place it comes; the same one if it keeps its place.
+        other: String,
+        /// What is different.
+        why: &'static str,
+    },
     /// A frame that no joint moves, where a body would have no effect.
     FixedFrame {
         /// The frame.

@@ -73,7 +73,7 @@ use super::joint::{Friction, JointKind, JointSpec};
 use super::link::LinkInertia;
 use super::model::Robot;
 use super::options::LoadOptions;
-use super::printable::printable;
+use super::printable::{printable, printable_number};
 use super::warning::Warning;
 use nalgebra::Vector3;
 use std::collections::HashMap;
@@ -106,7 +106,19 @@ fn built(mut source: Source, options: LoadOptions) -> Result<Robot, RobotError> 
     let bodies = bodies(&source, &attached.links, &mut warnings)?;
     if let Some(root) = attached.root.map(|root| &source.links[root]).filter(|root| root.inertia.mass > 0.0) {
         let (link, mass, line) = (root.name.clone(), root.inertia.mass, root.line);
-        warnings.push(Warning::FixedBase { link, mass, line });
+        let moving =
+            source.joints.iter().zip(&attached.joints).filter(|(joint, _)| joint.kind != JointType::Fixed);
+        let branches = moving.filter(|(_, attachment)| attachment.carrier.is_none()).count();
+        warnings.push(if branches > 1 {
+            Warning::FixedBase { link, mass, line }
+        } else {
+            // The base of an arm: without consequences.
+            let (link, mass) = (printable(&link), printable_number(mass));
+            let text = format!(
+                "the base is held fixed, and the mass of the root link '{link}' (line {line}), {mass} kg, is not used"
+            );
+            Warning::Note { text }
+        });
     }
     let mut lines = HashMap::new();
     let mut builder = Robot::builder(&source.name).options(options);

@@ -180,8 +180,32 @@ impl Unknown {
     pub(super) fn warnings(self) -> impl Iterator<Item = Warning> {
         let more = (self.others > 0)
             .then_some(Warning::MoreUnknownNames { count: self.others, line: self.first_other });
-        self.found.into_iter().map(|(_, warning)| warning).chain(more)
+        let mut found: Vec<(&'static str, Warning)> = Vec::new();
+        for (inside, warning) in self.found {
+            match found.last_mut() {
+                Some((other, last)) if *other == inside && are_together(last, &warning) => {
+                    if let (Warning::UnknownName { name, .. }, Warning::UnknownName { name: next, .. }) =
+                        (last, warning)
+                    {
+                        *name = format!("{name}, {next}");
+                    }
+                }
+                _ => found.push((inside, warning)),
+            }
+        }
+        found.into_iter().map(|(_, warning)| warning).chain(more)
     }
+}
+
+/// Whether two unknown names resemble no known one and stand in the same elements: one warning names both.
+fn are_together(a: &Warning, b: &Warning) -> bool {
+    let place = |warning: &Warning| match warning {
+        Warning::UnknownName { owner, line, others, nearest: None, .. } => {
+            Some((owner.clone(), *line, *others))
+        }
+        _ => None,
+    };
+    place(a).is_some_and(|a| place(b) == Some(a))
 }
 
 #[cfg(test)]

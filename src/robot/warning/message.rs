@@ -52,7 +52,12 @@ impl fmt::Display for Warning {
                     0 => write!(f, ")")?,
                     _ => write!(f, ", and {others} more)")?,
                 }
-                write!(f, " is unknown to URDF and was ignored")?;
+                let is = if name.contains(", ") {
+                    "are unknown to URDF and were"
+                } else {
+                    "is unknown to URDF and was"
+                };
+                write!(f, " {is} ignored")?;
                 match nearest {
                     Some(known) if name.starts_with('<') => write!(f, "; did you mean <{known}>?"),
                     Some(known) => write!(f, "; did you mean {known}?"),
@@ -113,6 +118,22 @@ impl fmt::Display for Warning {
                 printable_number(*lower),
                 printable_number(*upper)
             ),
+            Self::Millimetres { inertias: false, mass, length, link } => write!(
+                f,
+                "link '{}' reaches {} m from the first joint, with a moving mass of {} kg: as a rod a thousand times \
+                 as long as thick, the robot would be lighter than foam; lengths are in m, are these in mm?",
+                printable(link),
+                printable_number(rounded(*length)),
+                printable_number(rounded(*mass))
+            ),
+            Self::Millimetres { inertias: true, mass, length, link } => write!(
+                f,
+                "the inertias are those of a body with a radius of gyration of {} m, that of link '{}' the largest, \
+                 with a moving mass of {} kg and much shorter links; inertias are in kg m^2, are these in kg mm^2?",
+                printable_number(rounded(*length)),
+                printable(link),
+                printable_number(rounded(*mass))
+            ),
             Self::LargeLimits { joints: names, limit } => write!(
                 f,
                 "position limits beyond two turns (the first is {} rad): {}; are they degrees? Limits are in rad",
@@ -137,4 +158,9 @@ impl fmt::Display for Warning {
             Self::Note { text } => sentence(text).fmt(f),
         }
     }
+}
+
+/// Three digits.
+fn rounded(value: f64) -> f64 {
+    format!("{value:.2e}").parse().unwrap_or(value)
 }

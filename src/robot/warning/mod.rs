@@ -50,7 +50,8 @@ pub enum Warning {
     },
     /// An element or attribute that URDF does not know, and that is therefore ignored.
     UnknownName {
-        /// The element, such as `<orign>`, or the attribute, such as `xzy`.
+        /// The element, such as `<orign>`, or the attribute, such as `xzy`; several with commas, if they
+        /// stand in the same elements.
         name: String,
         /// Where it is, such as `joint 'elbow'` or `<origin> of joint 'elbow'`.
         owner: String,
@@ -89,7 +90,9 @@ pub enum Warning {
         /// Line of the first `<limit>`, from 1.
         line: usize,
     },
-    /// The root link of a URDF has mass, which is not used since the base is held fixed.
+    /// The root link of a URDF, which carries several moving joints, has mass, which is not used since the
+    /// base is held fixed: that of a robot that walks or flies would move. Of the base of an arm it is a
+    /// [`Note`](Self::Note).
     FixedBase {
         /// The root link.
         link: String,
@@ -124,6 +127,19 @@ pub enum Warning {
         value: f64,
         /// Its limits (rad, m).
         limits: [f64; 2],
+    },
+    /// Lengths or inertias that are a thousand, or a million times too large for the mass: they may be those
+    /// of millimetres.
+    Millimetres {
+        /// Whether inertias are too large, for the lengths; otherwise lengths for the mass.
+        inertias: bool,
+        /// The moving mass (kg).
+        mass: f64,
+        /// The farthest centre of mass or joint from the first joint (m), or the mean radius of gyration of
+        /// the links (m).
+        length: f64,
+        /// The link.
+        link: String,
     },
     /// Limits of revolute joints beyond two turns: they may be degrees.
     LargeLimits {
@@ -174,6 +190,11 @@ impl Warning {
     /// Whether it says that the principal moments of this body are impossible.
     pub(super) fn is_about_moments_of(&self, of: &Body) -> bool {
         matches!(self, Self::NegativeMoment { body, .. } | Self::TriangleInequality { body, .. } if body == of)
+    }
+
+    /// Whether it says what was done, and suggests no mistake.
+    pub fn is_note(&self) -> bool {
+        !self.is_refused_when_strict()
     }
 
     /// Whether it suggests a mistake in the file; strict loading refuses these.
