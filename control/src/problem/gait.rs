@@ -1,5 +1,7 @@
 //! The gait of a walking robot, as the user gives it.
 
+use costate::robot::SymmetryChange;
+
 /// A gait of a robot that repeats itself mirrored after each step: a walk on two legs,
 /// a trot on four. The motion is one step of it, from one landing to the next.
 ///
@@ -80,6 +82,9 @@ pub struct Gait {
     pub width: f64,
     /// In space, how wide soles are (m), half of it to either side of x of the frames of the feet.
     pub sole_width: f64,
+    /// What was changed of the robot, if it is its mean with its mirror image
+    /// ([`Problem::with_symmetric_robot`](crate::Problem::with_symmetric_robot)).
+    pub symmetrised: Option<SymmetryChange>,
 }
 
 /// How a sole stands on the ground.
@@ -116,6 +121,7 @@ impl Gait {
             flipped: Vec::new(),
             width: 0.0,
             sole_width: 0.0,
+            symmetrised: None,
         }
     }
 

@@ -4,13 +4,10 @@ use super::error::ProblemError;
 use super::gait::Gait;
 use super::gait_error::GaitError;
 use super::key::Key;
-use super::loop_rows::exchanged;
 use super::standing::no_foot;
 use super::{BoundaryState, Problem};
-use crate::constants::checks::gait::{MOST_FRICTION, PLANAR, SYMMETRIC};
-use costate::EvalError;
+use crate::constants::checks::gait::{MOST_FRICTION, PLANAR};
 use costate::constraints::Constraints;
-use costate::lagrangian::Lagrangian;
 use costate::robot::{ConstraintSpec, JointKind, RobotError};
 
 /// Whether the numbers of a gait are in their ranges.
@@ -180,52 +177,5 @@ impl Problem {
             true => Ok(()),
             false => Err(GaitError::NotAlong { joint: gait.along.clone() }.at(Key::GAIT_ALONG)),
         }
-    }
-
-    /// Whether the exchanged robot is the same one, with the feet exchanged.
-    pub(super) fn check_mirror(
-        &self,
-        gait: &Gait,
-        exchange: &[(usize, f64)],
-        q: &[f64],
-        shift: &[f64],
-    ) -> Result<(), ProblemError> {
-        let n = q.len();
-        let failed = |error: EvalError| GaitError::CannotStand { cause: error.into() }.at(Key::START_Q);
-        let some = |first: f64| (0..n).map(|i| (first + 1.7 * i as f64).sin()).collect::<Vec<f64>>();
-        let exchanged = |list: &[f64]| exchanged(exchange, list);
-        let moved = |list: &[f64]| {
-            exchanged(list).iter().zip(shift).map(|(q, shift)| q + shift).collect::<Vec<f64>>()
-        };
-        let (v, a) = (some(0.3), some(2.0));
-        let mut model = Lagrangian::<f64>::new(&self.robot);
-        let tau = exchanged(model.inverse_dynamics(q, &v, &a).map_err(failed)?);
-        let other = model.inverse_dynamics(&moved(q), &exchanged(&v), &exchanged(&a)).map_err(failed)?;
-        let size = tau.iter().fold(0.0_f64, |most, tau| most.max(tau.abs()));
-        let misses = tau.iter().zip(other).map(|(a, b)| (a - b).abs()).enumerate();
-        if let Some((joint, by)) =
-            misses.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, by)| *by > SYMMETRIC * size)
-        {
-            return Err(GaitError::NotSymmetric { joint: self.name(joint), by }.at(Key::GAIT_MIRROR));
-        }
-        let place = |frame: &str, q: &[f64]| -> Result<Vec<f64>, ProblemError> {
-            let robot = self.robot.with_constraint(ConstraintSpec::rigid(frame, frame, "world"));
-            let mut foot = Constraints::<f64>::new(&robot.map_err(no_foot)?);
-            foot.set_position(q).map_err(failed)?;
-            Ok(foot.values().to_vec())
-        };
-        for (swings, stands) in gait.swing.iter().zip(&gait.stance) {
-            let (here, there) = (place(swings, q)?, place(stands, &moved(q))?);
-            let across = if gait.is_in_space() { here[1] + there[1] } else { 0.0 };
-            let miss = (here[0] - gait.length - there[0]).hypot(here[2] - there[2]).hypot(across);
-            if miss > SYMMETRIC * gait.length.max(1.0) {
-                return Err(GaitError::FeetStay { miss }.at(Key::GAIT_MIRROR));
-            }
-            // The sole that swings is flat here.
-            if gait.sole.is_some() && there[3..].iter().any(|angle| angle.abs() > SYMMETRIC) {
-                return Err(GaitError::SolesDiffer { frame: stands.clone() }.at(Key::GAIT_MIRROR));
-            }
-        }
-        Ok(())
     }
 }

@@ -1,6 +1,7 @@
 //! What is wrong with a gait.
 
 use super::key::Key;
+use crate::constants::checks::gait::UNEVEN;
 use costate::constraints::ConstraintError;
 use costate::robot::{RobotError, printable, printable_number as number};
 use std::fmt;
@@ -89,6 +90,15 @@ pub enum GaitError {
         joint: String,
         /// By how much (N m, N).
         by: f64,
+        /// The same in parts of the weight times the length of a leg.
+        share: f64,
+        /// What its mean with the mirror image would change, if the axes show that the pairs are right.
+        changes: Option<String>,
+    },
+    /// Two joints that are no mirror images of each other.
+    NotMirrored {
+        /// Why.
+        cause: Arc<RobotError>,
     },
     /// A joint with another limit, gain or weight than the one whose place it takes in the next step.
     LegsDiffer {
@@ -105,6 +115,8 @@ pub enum GaitError {
     FeetStay {
         /// The distance of the foot that swings from where the other one is in the mirror (m).
         miss: f64,
+        /// Whether this is little beside a leg: the pairs are right, and the file is not exact.
+        is_slight: bool,
     },
     /// No position has both feet on the ground at the distance of a step.
     CannotStand {
@@ -207,14 +219,28 @@ impl fmt::Display for GaitError {
                  turned about z; place another frame there",
                 printable(frame)
             ),
-            Self::NotSymmetric { joint, by } => write!(
+            Self::NotSymmetric { joint, by, share, changes: Some(changes) } => write!(
+                f,
+                "the pairs are right, but the robot is not its own mirror image: the torque at joint '{}' differs by \
+                 {} (N m, N) in a mirrored motion, {:.1} % of the weight times the length of a leg, where {:.0} % \
+                 are taken; gait.symmetrise = true takes the mean of the robot and its mirror image, which \
+                 changes {changes}",
+                printable(joint),
+                number(*by),
+                100.0 * share,
+                100.0 * UNEVEN
+            ),
+            Self::NotSymmetric { joint, by, share, changes: None } => write!(
                 f,
                 "with these pairs exchanged the robot is another one: the torque at joint '{}' differs by {} \
-                 (N m, N) in a mirrored motion; pair each joint of one leg with its counterpart, and in space \
-                 name in gait.flipped all that move along y or turn about x or z",
+                 (N m, N) in a mirrored motion, {:.0} % of the weight times the length of a leg, and axes do \
+                 not agree; pair each joint of one leg with its counterpart, and in space name in gait.flipped \
+                 all that move along y or turn about x or z",
                 printable(joint),
-                number(*by)
+                number(*by),
+                100.0 * share
             ),
+            Self::NotMirrored { cause } => write!(f, "{cause} (gait.mirror, gait.flipped)"),
             Self::LegsDiffer { joint, value, other, expected } if joint == other => write!(
                 f,
                 "joint '{}' has {}, but {} in the mirror, as it has in the next step; give it the same in both \
@@ -232,7 +258,13 @@ impl fmt::Display for GaitError {
                 printable(other),
                 number(*expected)
             ),
-            Self::FeetStay { miss } => write!(
+            Self::FeetStay { miss, is_slight: true } => write!(
+                f,
+                "in the mirror a foot is {} m away from the other one, as the links of both legs differ by a \
+                 little; gait.symmetrise = true takes the mean of the robot and its mirror image",
+                number(*miss)
+            ),
+            Self::FeetStay { miss, is_slight: false } => write!(
                 f,
                 "with these pairs exchanged one foot is {} m away from where the other one was; pair each \
                  joint of one leg with its counterpart, and flip in space what moves along y",
@@ -259,7 +291,7 @@ impl std::error::Error for GaitError {
     fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
         match self {
             Self::CannotStand { cause } => Some(cause),
-            Self::NoFoot { cause } => Some(&**cause),
+            Self::NoFoot { cause } | Self::NotMirrored { cause } => Some(&**cause),
             _ => None,
         }
     }

@@ -7,6 +7,17 @@ pub(crate) fn rounded(number: f64) -> String {
     shown(format!("{number:.3e}").parse().unwrap_or(number))
 }
 
+/// The least number of `digits` significant digits that is not below `x`, which is positive.
+pub(crate) fn rounded_up(x: f64, digits: usize) -> f64 {
+    let shown = |x: f64| format!("{x:.*e}", digits.saturating_sub(1)).parse::<f64>().unwrap_or(x);
+    let nearest = shown(x);
+    if nearest >= x {
+        return nearest;
+    }
+    // One unit of the last digit more.
+    shown(nearest + 10.0_f64.powi(x.log10().floor() as i32 + 1 - digits as i32))
+}
+
 /// A position (rad, m) that can be given as it is shown: to 1e-10.
 pub(crate) fn coordinate(number: f64) -> String {
     shown(format!("{number:.10}").parse().unwrap_or(number))
@@ -28,7 +39,7 @@ fn shown(number: f64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{coordinate, rounded, rounded_range};
+    use super::{coordinate, rounded, rounded_range, rounded_up};
 
     #[test]
     fn four_digits_are_left() {
@@ -38,5 +49,15 @@ mod tests {
         assert_eq!(rounded_range([-2.3e-32, 3.190_999_9]), ["0", "3.191"]);
         assert_eq!(rounded_range([-0.0, 0.0]), ["0", "0"]);
         assert_eq!(rounded_range([f64::NEG_INFINITY, 2.718_254_5]), ["-inf", "2.71825"]);
+    }
+
+    #[test]
+    fn rounded_up_numbers_are_no_smaller_and_shown_whole() {
+        let cases = [(2.00001, 2.001), (2.0, 2.0), (0.99999, 1.0), (12_034.98, 12_040.0), (9.9991, 10.0)];
+        for (x, expected) in cases {
+            let found = rounded_up(x, 4);
+            assert!(found >= x && (found - expected).abs() < 1e-12 * expected, "{x}: {found}");
+            assert_eq!(rounded(found).parse::<f64>().unwrap(), found);
+        }
     }
 }

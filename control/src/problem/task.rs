@@ -1,7 +1,8 @@
 //! What a problem asks beside joints, torques and time.
 
+use super::Payload;
 use super::key::Key;
-use super::obstacles::{Collision, Obstacle};
+use super::obstacles::{BodyPairs, Collision, Obstacle};
 use super::references::Reference;
 use super::tools::{Keep, Kept, ToolCost, ToolPose};
 
@@ -24,12 +25,26 @@ pub struct Task {
     pub obstacles: Vec<Obstacle>,
     /// With what it does not touch them.
     pub collision: Option<Collision>,
+    /// What the robot carries from the start on, whose shapes are bodies too. Masses are those of the robot:
+    /// [`Robot::with_payload`](costate::robot::Robot::with_payload) adds them.
+    pub payloads: Vec<Payload>,
 }
 
 impl Task {
     /// Whether anything is asked.
     pub fn is_empty(&self) -> bool {
-        *self == Self::default()
+        *self == Self { payloads: self.payloads.clone(), ..Self::default() }
+    }
+
+    /// Whether bodies keep away from anything.
+    pub(crate) fn has_collisions(&self) -> bool {
+        let pairs = self.collision.as_ref().map(|collision| &collision.pairs);
+        let has_pairs = match pairs {
+            None | Some(BodyPairs::None) => false,
+            Some(BodyPairs::These(pairs)) => !pairs.is_empty(),
+            Some(BodyPairs::All) => true,
+        };
+        has_pairs || !self.obstacles.is_empty()
     }
 
     /// The key of its first part.
@@ -97,6 +112,14 @@ impl Task {
     #[must_use]
     pub fn with_obstacle(mut self, obstacle: Obstacle) -> Self {
         self.obstacles.push(obstacle);
+        self
+    }
+
+    /// With the body of something that the robot carries from the start on; its mass is that of the robot
+    /// already.
+    #[must_use]
+    pub fn with_payload(mut self, payload: Payload) -> Self {
+        self.payloads.push(payload);
         self
     }
 

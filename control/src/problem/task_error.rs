@@ -1,6 +1,6 @@
 //! What is wrong with a task.
 
-use super::rounded::rounded;
+use super::rounded::{rounded, rounded_up};
 use costate::robot::{printable, printable_number as number};
 use std::fmt;
 
@@ -93,6 +93,8 @@ pub enum TaskError {
     /// A reference that shall take the place of another one, and is of something else: joints, another tool,
     /// other coordinates.
     OtherReference,
+    /// A half-space as the body of a payload.
+    BodyWithoutEnd,
     /// Obstacles or pairs, but no bodies of the robot that could touch them.
     NoBodies,
     /// A name that no body and no obstacle has.
@@ -204,7 +206,7 @@ impl fmt::Display for TaskError {
                  {} s at least, or one of the two out",
                 number(*time),
                 number(*before),
-                rounded(*least)
+                number(rounded_up(*least, 4))
             ),
             Self::WrongCount { what, expected, found } => {
                 write!(f, "needs {expected} entries, one for each {what}, but has {found}")
@@ -225,6 +227,9 @@ impl fmt::Display for TaskError {
                 "is a reference of something else than the one whose place it takes: joints, the tool and the coordinates that \
                  are given stay",
             ),
+            Self::BodyWithoutEnd => {
+                f.write_str("a payload is a sphere, a capsule or a box, and no half-space; give another shape")
+            }
             Self::NoBodies => f.write_str(
                 "the robot has no bodies that could touch anything; give [collision] with capsules = \"auto\" and a radius, \
                  or [[collision.capsule]]",

@@ -1,6 +1,6 @@
 //! What a problem asks of tools.
 
-use nalgebra::{Matrix3, Rotation3};
+use nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion};
 
 /// A point that is fixed to a link, with the axes of a frame: a frame of the robot and an offset.
 #[derive(Clone, Debug, PartialEq)]
@@ -45,6 +45,13 @@ pub enum ToolOrientation {
         /// The direction in the world that it shall have.
         along: [f64; 3],
     },
+    /// The yaw alone (rad): of x of the tool, seen from above, from x of the world. With `a = R e_x`
+    ///
+    /// $$ \operatorname{atan2}(a_y, a_x) = \psi $$
+    ///
+    /// up to whole turns, one equation: roll and pitch are free. Where x of the tool is vertical it has no
+    /// yaw, and the equation no derivatives.
+    Yaw(f64),
 }
 
 /// Where a tool shall be, in the world: a position, an orientation, or both.
@@ -84,6 +91,13 @@ impl ToolPose {
     #[must_use]
     pub fn with_rotation(self, rotation: Rotation3<f64>) -> Self {
         Self { orientation: Some(ToolOrientation::Full(rotation)), ..self }
+    }
+
+    /// With this yaw (rad) alone, of an arm whose joints leave roll and pitch no choice, such as a
+    /// palletiser.
+    #[must_use]
+    pub fn with_yaw(self, yaw: f64) -> Self {
+        Self { orientation: Some(ToolOrientation::Yaw(yaw)), ..self }
     }
 
     /// With an axis of the tool along a direction of the world.
@@ -187,6 +201,18 @@ impl ToolCost {
         Self { pose, position_weight, orientation_weight }
     }
 }
+
+/// The rotation of a quaternion (x, y, z, w) whose length is 1 up to [`ROUNDED`].
+pub(crate) fn rotation_of_quaternion([x, y, z, w]: [f64; 4]) -> Option<Rotation3<f64>> {
+    let quaternion = Quaternion::new(w, x, y, z);
+    // Not true for NaN.
+    let has_length_one = (quaternion.norm() - 1.0).abs() <= ROUNDED;
+    has_length_one.then(|| UnitQuaternion::new_normalize(quaternion).to_rotation_matrix())
+}
+
+/// How far the length of a quaternion may be from 1: that of three digits, (0.707, 0, 0, 0.707), is off by
+/// 1.5e-4.
+const ROUNDED: f64 = 1e-3;
 
 /// A rotation from its matrix, row by row, if it is one to 1e-6: then the nearest exact one.
 pub(crate) fn rotation(rows: [[f64; 3]; 3]) -> Option<Rotation3<f64>> {

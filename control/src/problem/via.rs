@@ -1,5 +1,6 @@
 //! Places on the way, and what the robot carries from there on.
 
+use super::obstacles::Shape;
 use super::parts::BoundaryState;
 use super::tools::ToolPose;
 use costate::robot::LinkInertia;
@@ -131,12 +132,31 @@ pub struct Payload {
     pub frame: String,
     /// Mass, centre of mass and inertia in the axes of the frame.
     pub inertia: LinkInertia,
+    /// Its body, in the axes of the frame: it keeps away from obstacles, and from bodies of the robot where
+    /// these are asked for. `None`: it is not checked for collisions.
+    pub shape: Option<Shape>,
 }
 
 impl Payload {
     /// This body, fixed to a frame.
     pub fn new(frame: impl Into<String>, inertia: LinkInertia) -> Self {
-        Self { frame: frame.into(), inertia }
+        Self { frame: frame.into(), inertia, shape: None }
+    }
+
+    /// With this body in the axes of the frame: a sphere, a capsule or a box. It is called
+    /// [`name`](Self::name).
+    ///
+    /// Clearances are those of spheres and capsules. Corners of a box count exactly with half-spaces; for all
+    /// else capsules along its longest edge contain it, which protrude by less than a fifth of its second
+    /// longest edge.
+    #[must_use]
+    pub fn with_shape(self, shape: Shape) -> Self {
+        Self { shape: Some(shape), ..self }
+    }
+
+    /// The name of its body, for pairs and exceptions of [`Collision`](crate::Collision): "payload of tool0".
+    pub fn name(&self) -> String {
+        format!("payload of {}", self.frame)
     }
 
     /// A point mass (kg) at a place in a frame (m).

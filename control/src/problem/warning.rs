@@ -1,8 +1,9 @@
 //! Valid problems that are probably not meant.
 
+use super::gait_symmetry::told;
 use crate::problem::key::Key;
-use crate::problem::{BodyPairs, Problem};
-use costate::robot::{JointKind, printable, printable_number};
+use crate::problem::{Gait, Problem};
+use costate::robot::{JointKind, SymmetryChange, printable, printable_number};
 use std::fmt;
 
 /// Angles beyond this size (rad) are probably degrees: two turns.
@@ -21,6 +22,27 @@ pub enum ProblemWarning {
         /// The angle (rad).
         value: f64,
     },
+    /// The robot of a gait is not its own mirror image, up to what a gait takes.
+    Uneven {
+        /// The joint whose torque differs most in mirrored motions.
+        joint: String,
+        /// By how much (N m, N).
+        by: f64,
+        /// The same in parts of the weight times the length of a leg.
+        share: f64,
+    },
+    /// The robot of a gait was replaced by its mean with its mirror image.
+    Symmetrised {
+        /// What was changed.
+        change: SymmetryChange,
+    },
+    /// A payload without a shape in a problem with obstacles or pairs of bodies.
+    PayloadWithoutBody {
+        /// The field.
+        key: Key,
+        /// The frame that carries it.
+        frame: String,
+    },
     /// Bodies of the robot with nothing that they keep away from.
     NothingToAvoid {
         /// The field.
@@ -32,8 +54,16 @@ impl ProblemWarning {
     /// The field.
     pub fn key(&self) -> Key {
         match self {
-            Self::LargeAngle { key, .. } | Self::NothingToAvoid { key } => *key,
+            Self::LargeAngle { key, .. }
+            | Self::NothingToAvoid { key }
+            | Self::PayloadWithoutBody { key, .. } => *key,
+            Self::Uneven { .. } | Self::Symmetrised { .. } => Key::GAIT_MIRROR,
         }
+    }
+
+    /// Whether it says what was done, and nothing is odd.
+    pub fn is_note(&self) -> bool {
+        matches!(self, Self::Uneven { .. } | Self::Symmetrised { .. } | Self::PayloadWithoutBody { .. })
     }
 }
 
@@ -48,6 +78,26 @@ impl fmt::Display for ProblemWarning {
                 printable(joint),
                 printable_number(*value),
                 shown(value.to_radians())
+            ),
+            Self::Uneven { joint, by, share } => write!(
+                f,
+                "gait.mirror: the robot is not exactly its own mirror image: in mirrored motions the torque at joint \
+                 '{}' differs by {} (N m, N), {} % of the weight times the length of a leg, and so it does in \
+                 every second step; gait.symmetrise = true takes the mean of the robot and its mirror image",
+                printable(joint),
+                printable_number(*by),
+                printable_number(format!("{:.1e}", 100.0 * share).parse().unwrap_or(100.0 * share))
+            ),
+            Self::Symmetrised { change } => write!(
+                f,
+                "gait.symmetrise: the robot was replaced by its mean with its mirror image; this changed {}",
+                told(change)
+            ),
+            Self::PayloadWithoutBody { key, frame } => write!(
+                f,
+                "{}: the payload of '{}' has no body and is not checked for collisions; give it a shape",
+                key.part(),
+                printable(frame)
             ),
             Self::NothingToAvoid { key } => write!(
                 f,
@@ -64,6 +114,17 @@ fn shown(angle: f64) -> String {
 }
 
 impl Problem {
+    /// What is said about the mirror image of the robot of a gait.
+    fn unevenness(&self, gait: &Gait) -> Option<ProblemWarning> {
+        if let Some(change) = &gait.symmetrised {
+            return Some(ProblemWarning::Symmetrised { change: change.clone() });
+        }
+        let found = self.asymmetry(gait, &self.exchange(gait).ok()?, &self.start.q).ok()?;
+        let joint = self.robot.independent_joints().nth(found.joint)?.name.clone();
+        let share = found.by / found.scale;
+        found.is_real.then_some(ProblemWarning::Uneven { joint, by: found.by, share })
+    }
+
     /// Suspicious values of a valid problem.
     pub fn warnings(&self) -> Vec<ProblemWarning> {
         let mut warnings = Vec::new();
@@ -83,15 +144,22 @@ impl Problem {
                 }
             }
         }
-        if let Some(collision) = &self.task.collision {
-            let has_pairs = match &collision.pairs {
-                BodyPairs::None => false,
-                BodyPairs::These(pairs) => !pairs.is_empty(),
-                BodyPairs::All => true,
-            };
-            if !has_pairs && self.task.obstacles.is_empty() {
-                warnings.push(ProblemWarning::NothingToAvoid { key: Key::entry("collision", "pairs", 0) });
-            }
+        warnings.extend(self.gait.as_ref().and_then(|gait| self.unevenness(gait)));
+        if self.task.collision.is_some() && !self.task.has_collisions() {
+            warnings.push(ProblemWarning::NothingToAvoid { key: Key::entry("collision", "pairs", 0) });
+        }
+        if self.task.has_collisions() {
+            let own = self.task.payloads.iter().enumerate();
+            let own = own.map(|(entry, payload)| (Key::entry("robot.payload", "shape", entry), payload));
+            let vias = self.vias.iter().enumerate().flat_map(|(number, via)| {
+                via.payload.iter().flatten().map(move |payload| (Key::via("payload", number), payload))
+            });
+            let mut bare = own.chain(vias).filter(|(_, payload)| payload.shape.is_none());
+            // Once for all of them.
+            warnings.extend(bare.next().map(|(key, payload)| {
+                let frame = payload.frame.clone();
+                ProblemWarning::PayloadWithoutBody { key, frame }
+            }));
         }
         warnings
     }

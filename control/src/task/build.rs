@@ -121,7 +121,7 @@ impl TaskRows {
         let references = all(references);
         let accelerations = ToolAccelerations::new(&robot, accelerations);
         let mut rows = Self { start, vias, end, along, costs, weights, accelerations, references };
-        collision::push(&robot, task, &mut rows.along)?;
+        collision::push(&robot, problem, &mut rows.along)?;
         Ok(rows)
     }
 }

@@ -44,12 +44,16 @@ pub(crate) fn check_task(problem: &Problem) -> Result<(), ProblemError> {
             return Err(ProblemError::Task { key: Key::entry(table, "frame", number), cause });
         }
     }
+    let mut along = rows.along.clone();
     for (end, poses) in problem.tools_at_ends().enumerate() {
         let (table, _, number) = place(end);
         for (entry, pose) in poses.iter().enumerate() {
             let entry = if table == "via" { number } else { entry };
             within_reach(problem, table, entry, pose)?;
-            outside_obstacles(problem, &rows.along, table, entry, pose)?;
+            for phase in phases_at(end, last) {
+                along.enter(Some(phase));
+                outside_obstacles(problem, &along, table, entry, pose)?;
+            }
         }
     }
     let limits: Vec<[f64; 2]> = problem.joint_limits().iter().map(|limits| limits.q).collect();
@@ -72,14 +76,21 @@ pub(crate) fn check_task(problem: &Problem) -> Result<(), ProblemError> {
         };
         return Err(ProblemError::Task { key: Key::entry(table, "frame", number), cause });
     }
-    let mut along = rows.along.clone();
     states.iter().enumerate().try_for_each(|(end, state)| {
         let key = match place(end) {
             ("via", _, number) => Key::via("q", number),
             _ => [Key::START_Q, Key::END_Q][usize::from(end > 0)],
         };
-        kept_at(&mut along, state, key)
+        phases_at(end, last).try_for_each(|phase| {
+            along.enter(Some(phase));
+            kept_at(&mut along, state, key)
+        })
     })
+}
+
+/// The phases that end or begin at an end of a phase, of which the motion has as many as `last`.
+pub(crate) fn phases_at(end: usize, last: usize) -> std::ops::Range<usize> {
+    end.saturating_sub(1)..(end + 1).min(last)
 }
 
 /// The given coordinates of a tool are no farther from its first joint than its links are long, with what

@@ -4,22 +4,64 @@ use super::bodies::{Link, links, segment};
 use super::clearance::{Body, Clearances, CoreBox, Obstacle as Placed, Other};
 use super::functions::{Part, TaskFunctions};
 use super::given::{Given, direction, finite, length, positive_or_zero};
+use super::payloads::{Against, bodies, loads};
 use super::row::Row;
 use crate::constants::task::MOST_PAIRS;
+use crate::problem::Problem;
 use crate::problem::error::ProblemError;
 use crate::problem::key::Key;
 use crate::problem::obstacles::{BodyPairs, Obstacle, Shape};
-use crate::problem::task::Task;
 use crate::problem::task_error::TaskError;
 use crate::problem::tools;
 use costate::robot::Robot;
 use nalgebra::Vector3;
 use std::collections::{HashMap, HashSet};
 
-/// Adds the clearances of a task.
-pub(super) fn push(robot: &Robot, task: &Task, functions: &mut TaskFunctions) -> Result<(), ProblemError> {
+/// A sphere or capsule of the robot, or of what it carries.
+struct Round {
+    /// The number of the body of which it is a part.
+    of: usize,
+    body: Body,
+    against: Against,
+    /// The phases in which it is there: `None` for all.
+    phases: Option<Vec<bool>>,
+}
+
+/// Adds the clearances of a problem.
+pub(super) fn push(
+    robot: &Robot,
+    problem: &Problem,
+    functions: &mut TaskFunctions,
+) -> Result<(), ProblemError> {
+    let task = &problem.task;
     let collision = task.collision.clone().unwrap_or_default();
-    let own = links(robot, &collision)?;
+    let mut own = links(robot, &collision)?;
+    let whole = |(of, link): (usize, &Link)| Round {
+        of,
+        body: link.body.clone(),
+        against: Against::All,
+        phases: None,
+    };
+    let mut rounds: Vec<Round> = own.iter().enumerate().map(whole).collect();
+    let listed = own.len();
+    if task.has_collisions() {
+        for load in loads(problem) {
+            let parts = bodies(robot, &load)?;
+            let Some((first, _)) = parts.first() else { continue };
+            let named = own[listed..].iter().filter(|link| {
+                let rest = link.name.strip_prefix(&first.name);
+                rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(' '))
+            });
+            let number = named.count() + 1;
+            let name = if number > 1 { format!("{} {number}", first.name) } else { first.name.clone() };
+            let of = own.len();
+            own.push(Link { name, ..first.clone() });
+            rounds.extend(parts.into_iter().map(|(part, against)| {
+                let phases = load.phases.clone();
+                Round { of, body: part.body, against, phases }
+            }));
+        }
+    }
     if own.is_empty() {
         let nothing = task.obstacles.is_empty() && task.collision.is_none();
         let [table, name] =
@@ -27,59 +69,103 @@ pub(super) fn push(robot: &Robot, task: &Task, functions: &mut TaskFunctions) ->
         return if nothing { Ok(()) } else { Err(TaskError::NoBodies.at(Key::entry(table, name, 0))) };
     }
     positive_or_zero(key("margin"), collision.margin)?;
-    let mut bodies: Vec<Body> = own.iter().map(|link| link.body.clone()).collect();
+    let mut bodies: Vec<Body> = rounds.iter().map(|round| round.body.clone()).collect();
     let mut others = Vec::new();
     for (entry, obstacle) in task.obstacles.iter().enumerate() {
         others.push(other(Given { table: "obstacle", entry }, &obstacle.shape, &mut bodies)?);
     }
     let names = Names::new(&own, &task.obstacles)?;
     let except: HashSet<[usize; 2]> = names.pairs(key("except"), &collision.except)?.into_iter().collect();
-    few(own.len() * others.len())?;
-    let mut pairs = Vec::new();
-    for body in 0..own.len() {
-        pairs.extend(others.iter().enumerate().map(|(k, other)| ([body, own.len() + k], other.clone())));
+    few(rounds.len() * others.len())?;
+    let mut pairs: Vec<Between> = Vec::new();
+    for (body, round) in rounds.iter().enumerate() {
+        let counts = |other: &Other| match round.against {
+            Against::All => true,
+            Against::HalfSpaces => matches!(other, Other::HalfSpace { .. }),
+            Against::Others => !matches!(other, Other::HalfSpace { .. }),
+        };
+        pairs.extend(others.iter().enumerate().filter(|(_, other)| counts(other)).map(|(k, other)| {
+            Between {
+                names: [round.of, own.len() + k],
+                body,
+                other: other.clone(),
+                phases: round.phases.clone(),
+            }
+        }));
     }
-    let listed = match &collision.pairs {
+    let asked = match &collision.pairs {
         BodyPairs::None => Vec::new(),
         BodyPairs::All => all_pairs(robot, &own),
         BodyPairs::These(listed) => names.pairs(key("pairs"), listed)?,
     };
-    for [a, b] in listed {
+    let parts = |of: usize| {
+        let all = rounds.iter().enumerate();
+        all.filter(move |(_, round)| round.of == of && round.against != Against::HalfSpaces)
+    };
+    for [a, b] in asked {
         if a >= own.len() || b >= own.len() {
             // A pair with an obstacle, which counts anyway.
             continue;
         }
-        pairs.push(([a, b], Other::Body(b)));
-    }
-    pairs.retain(|(pair, _)| !except.contains(pair));
-    few(pairs.len())?;
-    let mut clearances = Clearances::new(bodies, functions.placed(robot));
-    let mut rows = Vec::new();
-    for (pair, other) in pairs {
-        let [a, b] = pair.map(|k| names.of(k));
-        let is_flat = matches!(other, Other::HalfSpace { .. });
-        let obstacle = pair[1].checked_sub(own.len());
-        match clearances.push(pair[0], other, obstacle, collision.margin, functions.placed(robot)) {
-            Some((_, 0.0)) if !is_flat => {
-                let names = [a, b].map(str::to_owned);
-                return Err(TaskError::NoRadius { names }.at(key("margin")));
-            }
-            Some((count, radius)) => {
-                let row = Row::clearance(radius, is_flat, format!("clearance of '{a}' from '{b}'"));
-                rows.extend(std::iter::repeat_n(row, count));
-            }
-            None if matches!(collision.pairs, BodyPairs::These(_)) && pair[1] < own.len() => {
-                let names = [a, b].map(str::to_owned);
-                return Err(TaskError::FixedPair { names }.at(key("pairs")));
-            }
-            // A link that only turns about its own axis, beside a floor: nothing to keep.
-            None => {}
+        for (body, one) in parts(a) {
+            pairs.extend(parts(b).map(|(k, other)| {
+                let phases = match (&one.phases, &other.phases) {
+                    (Some(a), Some(b)) => Some(a.iter().zip(b).map(|(a, b)| *a && *b).collect()),
+                    (some, None) | (None, some) => some.clone(),
+                };
+                Between { names: [a, b], body, other: Other::Body(k), phases }
+            }));
         }
     }
-    if !rows.is_empty() {
-        functions.push(robot, Part::Clearances(clearances), rows);
+    pairs.retain(|pair| !except.contains(&pair.names));
+    few(pairs.len())?;
+    // Those that are always there, then those of each set of phases.
+    let mut sets: Vec<Option<Vec<bool>>> = vec![None];
+    pairs.iter().for_each(|pair| {
+        if !sets.contains(&pair.phases) {
+            sets.push(pair.phases.clone());
+        }
+    });
+    for phases in sets {
+        let mut clearances = Clearances::new(bodies.clone(), functions.placed(robot));
+        let mut rows = Vec::new();
+        for pair in pairs.iter().filter(|pair| pair.phases == phases) {
+            let [a, b] = pair.names.map(|k| names.of(k));
+            let is_flat = matches!(pair.other, Other::HalfSpace { .. });
+            let obstacle = pair.names[1].checked_sub(own.len());
+            let placed = functions.placed(robot);
+            match clearances.push(pair.body, pair.other.clone(), obstacle, collision.margin, placed) {
+                Some((_, 0.0)) if !is_flat => {
+                    let names = [a, b].map(str::to_owned);
+                    return Err(TaskError::NoRadius { names }.at(key("margin")));
+                }
+                Some((count, radius)) => {
+                    let row = Row::clearance(radius, is_flat, format!("clearance of '{a}' from '{b}'"));
+                    rows.extend(std::iter::repeat_n(row, count));
+                }
+                None if matches!(collision.pairs, BodyPairs::These(_)) && pair.names[1] < own.len() => {
+                    let names = [a, b].map(str::to_owned);
+                    return Err(TaskError::FixedPair { names }.at(key("pairs")));
+                }
+                // A link that only turns about its own axis, beside a floor: nothing to keep.
+                None => {}
+            }
+        }
+        if !rows.is_empty() {
+            functions.push_in(robot, Part::Clearances(clearances), rows, phases);
+        }
     }
     Ok(())
+}
+
+/// A body and what it keeps away from.
+struct Between {
+    /// Their numbers among the names.
+    names: [usize; 2],
+    /// The number of the sphere or capsule.
+    body: usize,
+    other: Other,
+    phases: Option<Vec<bool>>,
 }
 
 fn key(name: &'static str) -> Key {

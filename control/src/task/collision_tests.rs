@@ -1,8 +1,8 @@
 //! Clearances against distances that another program computed.
 
 use super::*;
-use crate::problem::Problem;
 use crate::problem::obstacles::{Collision, LinkCapsule};
+use crate::problem::{Problem, Task};
 use crate::task::build::TaskRows;
 use crate::task::functions::PathFunction;
 use costate::robot::Placement;

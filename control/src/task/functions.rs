@@ -49,6 +49,11 @@ pub(crate) struct TaskFunctions {
     /// `None` without rows: most places of a motion have none.
     placed: Option<Placed>,
     parts: Vec<Part>,
+    /// For each part the phases in which its rows count, `None` for all: bodies of payloads are there while
+    /// they are carried.
+    phases: Vec<Option<Vec<bool>>>,
+    /// The phase that is seen, `None` for all.
+    phase: Option<usize>,
     rows: Vec<Row>,
     moves: bool,
     /// Rates at rest.
@@ -68,16 +73,35 @@ impl TaskFunctions {
     /// No rows yet.
     pub(super) fn new(robot: &Robot) -> Self {
         let still = vec![0.0; robot.dof()];
-        Self { placed: None, parts: Vec::new(), rows: Vec::new(), moves: false, still }
+        let (parts, phases, rows) = (Vec::new(), Vec::new(), Vec::new());
+        Self { placed: None, parts, phases, phase: None, rows, moves: false, still }
     }
 
     /// Adds a part with what holds for its rows.
     pub(super) fn push(&mut self, robot: &Robot, part: Part, rows: impl IntoIterator<Item = Row>) {
+        self.push_in(robot, part, rows, None);
+    }
+
+    /// The same for rows that count in these phases, `None` for all. In the others they are constant, and
+    /// kept by their range.
+    pub(super) fn push_in(
+        &mut self,
+        robot: &Robot,
+        part: Part,
+        rows: impl IntoIterator<Item = Row>,
+        phases: Option<Vec<bool>>,
+    ) {
         self.placed(robot);
+        self.phases.push(phases);
         self.moves |= matches!(&part, Part::Tool(tool) if tool.moves());
         self.rows.extend(rows);
         self.parts.push(part);
         debug_assert_eq!(self.rows.len(), self.parts.iter().map(Part::rows).sum::<usize>());
+    }
+
+    /// Sees the motion in this phase from now on; `None` for any phase, where all rows count.
+    pub fn enter(&mut self, phase: Option<usize>) {
+        self.phase = phase;
     }
 
     /// The robot's workspace, for those who build parts.
@@ -158,10 +182,13 @@ impl TaskFunctions {
         q: &mut [f64],
         mut state: impl FnMut(f64, &mut [f64]),
     ) -> Result<f64, EvalError> {
-        let Self { placed: Some(placed), parts, still, .. } = self else { return Ok(0.0) };
+        let Self { placed: Some(placed), parts, phases, phase, still, .. } = self else { return Ok(0.0) };
         let mut worst = 0.0_f64;
-        for part in parts {
+        for (part, phases) in parts.iter_mut().zip(&*phases) {
             let Part::Clearances(clearances) = part else { continue };
+            if !counts(phases.as_ref(), *phase) {
+                continue;
+            }
             clearances.see_piece(placed, Bounds { positions, rates });
             let mut x = 0.0;
             while x < 1.0 && worst < MEETING {
@@ -180,8 +207,9 @@ impl TaskFunctions {
     pub(super) fn violated_at(&self, robot: &Robot, held: &Held) -> Option<(&Row, f64)> {
         let mut first = 0;
         let mut worst: Option<(&Row, f64)> = None;
-        for part in &self.parts {
+        for (part, phases) in self.parts.iter().zip(&self.phases) {
             if let Part::Clearances(clearances) = part
+                && counts(phases.as_ref(), self.phase)
                 && let Some((row, by)) = clearances.violated_at(robot, held)
                 && worst.is_none_or(|(_, most)| by > most)
             {
@@ -206,6 +234,16 @@ impl TaskFunctions {
     }
 }
 
+/// Whether rows that hold in some phases count in one.
+fn counts(phases: Option<&Vec<bool>>, phase: Option<usize>) -> bool {
+    phases.zip(phase).is_none_or(|(phases, phase)| phases.get(phase).copied().unwrap_or(true))
+}
+
+/// Values of rows that do not count: inside of their bounds by their range.
+fn keep(rows: &[Row], g: &mut [f64]) {
+    g.iter_mut().zip(rows).for_each(|(g, row)| *g = row.lower + row.range);
+}
+
 impl PathFunction for TaskFunctions {
     fn rows(&self) -> usize {
         self.rows.len()
@@ -215,10 +253,12 @@ impl PathFunction for TaskFunctions {
         let Some(placed) = &mut self.placed else { return Ok(()) };
         placed.place(q, v)?;
         let mut first = 0;
-        for part in &mut self.parts {
+        for (part, phases) in self.parts.iter_mut().zip(&self.phases) {
             let count = part.rows();
-            let g = &mut g[first..first + count];
+            let rows = first..first + count;
+            let g = &mut g[rows.clone()];
             match part {
+                _ if !counts(phases.as_ref(), self.phase) => keep(&self.rows[rows], g),
                 Part::Tool(function) => function.values(placed, g)?,
                 Part::Clearances(clearances) => clearances.values(placed, g)?,
             }
@@ -243,11 +283,12 @@ impl PathFunction for TaskFunctions {
         jacobian.fill(0.0);
         let mut hessian = Hessian { entries: hessian, width };
         let mut first = 0;
-        for part in &mut self.parts {
+        for (part, phases) in self.parts.iter_mut().zip(&self.phases) {
             let rows = first..first + part.rows();
             let jacobian = &mut jacobian[width * rows.start..width * rows.end];
             let (w, g) = (&w[rows.clone()], &mut g[rows.clone()]);
             match part {
+                _ if !counts(phases.as_ref(), self.phase) => keep(&self.rows[rows.clone()], g),
                 Part::Tool(function) => function.contract(placed, w, g, jacobian, &mut hessian)?,
                 Part::Clearances(clearances) => {
                     clearances.contract(placed, w, g, jacobian, &mut hessian)?;

@@ -18,6 +18,7 @@ pub(crate) mod functions;
 mod given;
 mod kept;
 pub(crate) mod orient;
+mod payloads;
 mod placed;
 pub(crate) mod reach;
 pub(crate) mod references;

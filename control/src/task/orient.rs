@@ -15,6 +15,8 @@ pub(super) fn oriented(at: Given, orientation: &ToolOrientation) -> Result<Quant
             Ok(Quantity::Orientation(*rotation))
         }
         ToolOrientation::Full(_) => Err(TaskError::NotARotation.at(at.key("rotation"))),
+        ToolOrientation::Yaw(yaw) if yaw.is_finite() => Ok(Quantity::yaw(*yaw)),
+        ToolOrientation::Yaw(_) => Err(TaskError::NotFinite.at(at.key("yaw"))),
         ToolOrientation::Axis { axis, along } => {
             Ok(Quantity::direction(direction(at.key("axis"), *axis)?, direction(at.key("along"), *along)?))
         }

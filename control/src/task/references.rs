@@ -138,6 +138,22 @@ impl References {
         self.tracks.len()
     }
 
+    /// The first knot of any reference after a time since the start of the motion (s); infinite where there
+    /// is none.
+    pub fn next_knot(&self, time: f64) -> f64 {
+        let time = self.start + time;
+        let after = |times: &[f64]| times.get(times.partition_point(|&knot| knot <= time)).copied();
+        let of_track = |track: &Track| match track {
+            Track::Joints { knots, .. } => after(knots.times()),
+            Track::Tool { position, orientation, .. } => {
+                let knots = position.as_ref().and_then(|position| after(position.knots.times()));
+                knots
+                    .or_else(|| orientation.as_ref().and_then(|orientation| after(orientation.turns.times())))
+            }
+        };
+        self.tracks.iter().filter_map(of_track).fold(f64::INFINITY, f64::min) - self.start
+    }
+
     /// Puts a reference, which was checked, in the place of number `k`. Allocates only if it has more knots
     /// than any before it.
     ///

@@ -1,7 +1,7 @@
 //! Functions of the pose and of the velocity of a tool.
 
 use super::placed::{Carried, Hessian, Placed};
-use crate::constants::task::OPPOSITE;
+use crate::constants::task::{OPPOSITE, VERTICAL};
 use costate::EvalError;
 use costate::kinematics::ReferenceFrame;
 use costate::spatial::{Force, Vec3};
@@ -19,6 +19,9 @@ pub(super) enum Quantity {
     /// Two components of the rotation vector that turns the axis a of the tool into the direction d:
     /// `(angle / sin angle) t_k . a` with t_1, t_2 normal to d. Both derivatives exist up to a half turn.
     Direction { axis: Vector3<f64>, along: Vector3<f64>, across: [Vector3<f64>; 2] },
+    /// `atan2(n . a, d . a)` with x of the tool, a = R e_x, the horizontal direction d of a yaw and n = e_z x
+    /// d (rad).
+    Yaw { along: Vector3<f64>, across: Vector3<f64> },
     /// `(m - sum d_k . a_k) / s` for axes a_k of the tool and directions d_k of the world.
     Aligned { pairs: Vec<[Vector3<f64>; 2]>, most: f64, scale: f64 },
     /// `|x'|^2 / (2 s)`: at the speed s it changes as the speed does.
@@ -36,6 +39,12 @@ impl Quantity {
     /// The direction of an axis of the tool.
     pub fn direction(axis: Vector3<f64>, along: Vector3<f64>) -> Self {
         Self::Direction { axis, along, across: Self::across(along) }
+    }
+
+    /// The yaw of x of the tool, less this one (rad).
+    pub fn yaw(yaw: f64) -> Self {
+        let (sin, cos) = yaw.sin_cos();
+        Self::Yaw { along: Vector3::new(cos, sin, 0.0), across: Vector3::new(-sin, cos, 0.0) }
     }
 
     /// Two directions that are normal to one and to each other.
@@ -60,7 +69,7 @@ impl Quantity {
             Self::Position(directions) => directions.len(),
             Self::Orientation(_) => 3,
             Self::Direction { .. } => 2,
-            Self::Distance { .. } | Self::Aligned { .. } | Self::Speed(_) => 1,
+            Self::Yaw { .. } | Self::Distance { .. } | Self::Aligned { .. } | Self::Speed(_) => 1,
         }
     }
 }
@@ -92,6 +101,10 @@ impl ToolFunction {
                 let a = rotation * axis;
                 let [f, ..] = over_sine(&a, along, across);
                 g.iter_mut().zip(across).for_each(|(g, across)| *g = f * across.dot(&a));
+            }
+            Quantity::Yaw { along, across } => {
+                let a = rotation * Vector3::x();
+                g[0] = across.dot(&a).atan2(along.dot(&a));
             }
             Quantity::Aligned { pairs, most, scale } => {
                 let sum: f64 = pairs.iter().map(|[axis, along]| (rotation * axis).dot(along)).sum();
@@ -148,6 +161,19 @@ impl ToolFunction {
                 let mixed = along * t.transpose() * slope;
                 let second = along * along.transpose() * (bend * t.dot(&a)) + mixed + mixed.transpose();
                 placed.add_second(path, &(along * (slope * t.dot(&a)) + t * f), Some(&second), hessian);
+            }
+            Quantity::Yaw { along, across } => {
+                // With s = n . a, c = d . a and r^2 = s^2 + c^2: slopes c / r^2 and -s / r^2.
+                let a = rotation * Vector3::x();
+                placed.see_direction(path, &a);
+                let (s, c) = (across.dot(&a), along.dot(&a));
+                let square = (s * s + c * c).max(VERTICAL);
+                let f = (across * c - along * s) / square;
+                placed.add_gradient(path, &f, jacobian);
+                let mixed = across * along.transpose() * ((s * s - c * c) / (square * square));
+                let own = along * along.transpose() - across * across.transpose();
+                let second = own * (2.0 * s * c / (square * square)) + mixed + mixed.transpose();
+                placed.add_second(path, &(f * w[0]), Some(&(second * w[0])), hessian);
             }
             Quantity::Aligned { pairs, scale, .. } => {
                 for [axis, along] in pairs {

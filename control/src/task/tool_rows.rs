@@ -75,10 +75,11 @@ impl Tools {
         }
         if let Some(orientation) = &pose.orientation {
             let quantity = oriented(at, orientation)?;
-            functions.push(zero(tool, quantity, format!("orientation of the tool '{name}'")));
+            let what = if matches!(orientation, ToolOrientation::Yaw(_)) { "yaw" } else { "orientation" };
+            functions.push(zero(tool, quantity, format!("{what} of the tool '{name}'")));
         }
         if functions.is_empty() {
-            let remedy = "xyz, rpy, rotation or along";
+            let remedy = "xyz, rpy, rotation, quaternion, along or yaw";
             return Err(TaskError::NothingAsked { frame: name.clone(), remedy }.at(at.key("frame")));
         }
         Ok(functions)

@@ -42,6 +42,11 @@ impl Turns {
         turns
     }
 
+    /// Times of the knots.
+    pub fn times(&self) -> &[f64] {
+        &self.times
+    }
+
     /// Takes other knots; allocates only if there are more than ever before.
     pub fn set(&mut self, times: &[f64], knots: &[Rotation3<f64>]) {
         self.times.clear();

@@ -24,6 +24,52 @@ fn full_key(text: &str, place: Range<usize>) -> String {
     header.map_or_else(|| name.into(), |table| format!("{table}.{name}"))
 }
 
+/// What to do where the robot is a file and a table.
+const ROBOT_IS_A_NAME: &str = "names a file further up, and further keys of the robot need a table; write [robot] with \
+                               file = \"...\" in the place of robot = \"...\", before [[robot.payload]] and the \
+                               others";
+
+/// Whether a key or header here belongs to the table of the robot, which the text names as a file before.
+fn extends_robot(text: &str, at: usize) -> bool {
+    let above = text.get(..at).unwrap_or_default();
+    let name = |line: &str| line.trim_start().trim_start_matches('[').trim_start().to_owned();
+    let line = above.rfind('\n').map_or(0, |end| end + 1);
+    let here = name(text.get(line..).and_then(|rest| rest.lines().next()).unwrap_or_default());
+    let is_inner = here.strip_prefix("robot").is_some_and(|rest| rest.trim_start().starts_with(['.', ']']));
+    let is_file = |line: &str| {
+        let value =
+            line.trim_start().strip_prefix("robot").and_then(|rest| rest.trim_start().strip_prefix('='));
+        value.is_some_and(|value| value.trim_start().starts_with(['"', '\'']))
+    };
+    is_inner && above.lines().any(is_file)
+}
+
+/// The message of an error of the syntax; a number without a digit beside its point with what to write.
+fn explained(text: &str, error: &toml::de::Error) -> String {
+    let message = error.message().trim_end().to_owned();
+    let Some(span) = error.span() else { return message };
+    let ends = |c: char| c.is_whitespace() || "=,[]{}#".contains(c);
+    let (before, after) =
+        (text.get(..span.start).unwrap_or_default(), text.get(span.start..).unwrap_or_default());
+    let first =
+        before.rfind(ends).map_or(0, |end| end + before[end..].chars().next().map_or(1, char::len_utf8));
+    let token = [&before[first..], after.split(ends).next().unwrap_or_default()].concat();
+    let sign = token.get(..1).filter(|sign| ["+", "-"].contains(sign)).unwrap_or_default();
+    let Some((whole, fraction)) = token[sign.len()..].split_once('.') else { return message };
+    let exponent = fraction.find(['e', 'E']).unwrap_or(fraction.len());
+    let (fraction, exponent) = fraction.split_at(exponent);
+    let is_number = |digits: &str| digits.chars().all(|c| c.is_ascii_digit() || c == '_');
+    if !is_number(whole) || !is_number(fraction) || (whole.is_empty() == fraction.is_empty()) {
+        return message;
+    }
+    let filled = |digits: &str| if digits.is_empty() { "0".to_owned() } else { digits.to_owned() };
+    let (sign, number) = (if sign == "-" { sign } else { "" }, [filled(whole), filled(fraction)].join("."));
+    format!(
+        "numbers need a digit on either side of the point: write {sign}{number}{exponent}, not {}",
+        costate::robot::printable(&token)
+    )
+}
+
 /// Longest text (bytes). Reading one takes up to a hundred times as much memory; ten lists of 10 000 numbers
 /// fit.
 pub(crate) const MOST_BYTES: usize = 1 << 20;
@@ -42,12 +88,17 @@ impl<'t> Document<'t> {
         let root = DeTable::parse(text).map_err(|error| {
             let line = error.span().map(|span| line_at(text.as_bytes(), span.start));
             match error.span() {
+                Some(span) if extends_robot(text, span.start) => Fault {
+                    line,
+                    key: Some("robot".into()),
+                    cause: Box::new(ProblemFileCause::Conflict(ROBOT_IS_A_NAME)),
+                },
                 Some(span) if error.message() == "duplicate key" => Fault {
                     line,
                     key: Some(full_key(text, span)),
                     cause: Box::new(ProblemFileCause::DuplicateKey),
                 },
-                _ => Fault { line, ..ProblemFileCause::Syntax(error.message().trim_end().into()).into() },
+                _ => Fault { line, ..ProblemFileCause::Syntax(explained(text, &error)).into() },
             }
         })?;
         Ok(Self { text, root })
@@ -112,6 +163,42 @@ mod tests {
             fault.in_file(None).to_string(),
             "problem:2: the text is not UTF-8; save the file as UTF-8"
         );
+    }
+
+    #[test]
+    fn numbers_without_a_digit_and_a_robot_that_is_file_and_table_say_what_to_write() {
+        let message = |text: &str| match Document::parse(text) {
+            Ok(_) => String::new(),
+            Err(fault) => fault.in_file(None).to_string(),
+        };
+        let cases =
+            [(".5", "0.5"), ("5.", "5.0"), ("-.25e3", "-0.25e3"), ("-7.", "-7.0"), ("1.e-3", "1.0e-3")];
+        for (given, expected) in cases {
+            for text in [format!("[time]\nfinal = {given}\n"), format!("[a]\nq = [1.0, {given}, 2]")] {
+                let found = message(&text);
+                let write = format!(
+                    "problem:2: not TOML: numbers need a digit on either side of the point: write \
+                                     {expected}, not {given}"
+                );
+                assert_eq!(found, write, "{text}");
+            }
+        }
+        for text in ["a = 1..2", "a = .", "a = ..5", "a = x.5", "a = .5.5"] {
+            assert!(
+                !message(text).is_empty() && !message(text).contains("write"),
+                "{text}: {}",
+                message(text)
+            );
+        }
+        for more in
+            ["[[robot.payload]]\nmass = 1", "[robot]\ngravity = [0, 0, 0]", "robot.gravity = [0, 0, 0]"]
+        {
+            let found = message(&format!("robot = \"arm.urdf\"\n\n{more}\n"));
+            assert!(found.starts_with("problem:3: robot: names a file further up"), "{found}");
+            assert!(found.contains("write [robot] with file = "), "{found}");
+        }
+        let other = message("robot = \"arm.urdf\"\nrobotic = 1\nrobotic.a = 2\n");
+        assert!(other.contains("not TOML") && !other.contains("[robot]"), "{other}");
     }
 
     #[test]

@@ -20,10 +20,11 @@ const KEYS: &[&str] = &[
     "sole_width",
     "flipped",
     "width",
+    "symmetrise",
 ];
 
-/// Reads `[gait]`.
-pub(super) fn gait(root: &Table<'_>) -> Result<Option<Gait>, Fault> {
+/// Reads `[gait]`: the gait, and whether its robot is replaced by the mean with its mirror image.
+pub(super) fn gait(root: &Table<'_>) -> Result<Option<(Gait, bool)>, Fault> {
     let Some(table) = root.table("gait")? else { return Ok(None) };
     table.only(KEYS)?;
     let feet = |key: &str| -> Result<Vec<String>, Fault> {
@@ -56,7 +57,7 @@ pub(super) fn gait(root: &Table<'_>) -> Result<Option<Gait>, Fault> {
     gait.sole_width = table.number("sole_width")?.unwrap_or(gait.sole_width);
     gait.width = table.number("width")?.unwrap_or(gait.width);
     gait.flipped = table.list("flipped", "a list of joint names", string)?.unwrap_or_default();
-    Ok(Some(gait))
+    Ok(Some((gait, table.flag("symmetrise")?.unwrap_or(false))))
 }
 
 fn contact(value: &DeValue<'_>) -> Option<SoleContact> {

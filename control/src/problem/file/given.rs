@@ -2,9 +2,11 @@
 
 use crate::problem::error::ProblemError;
 use crate::problem::file::joints::indices;
-use crate::problem::file::tables::{Energy, StateTable, Tables};
+use crate::problem::file::per_joint::PerJoint;
+use crate::problem::file::tables::{StateTable, Tables};
 use crate::problem::key::Key;
-use crate::problem::{BoundaryState, MotionLimits, Objective, Problem};
+use crate::problem::{BoundaryState, FinalTime, MotionLimits, Objective, Problem};
+use costate::configuration::ConfigurationSpace;
 use costate::robot::Robot;
 
 impl Tables {
@@ -12,36 +14,37 @@ impl Tables {
     pub fn problem(&self, robot: Robot) -> Result<Problem, ProblemError> {
         let n = robot.dof();
         let fill = |list: &Option<Vec<f64>>, value: f64| list.clone().unwrap_or_else(|| vec![value; n]);
-        let zeros = vec![0.0; n];
-        let from = self.start.q.as_deref().unwrap_or(&zeros);
+        let of = |list: &Option<PerJoint>| list.as_ref().map(|list| list.of_joints(n));
+        let neutral = ConfigurationSpace::new(&robot).neutral();
+        let from = self.start.q.as_deref().unwrap_or(&neutral);
         let fixed = |table: &StateTable| BoundaryState {
             a: table.a.clone(),
             ..BoundaryState::fixed(table.q.as_deref().unwrap_or(from), &fill(&table.v, 0.0))
         };
         let (start, end) = (fixed(&self.start), fixed(&self.end));
-        let mut cost = Objective::new(self.cost_time, fill(&self.effort, 0.0));
-        (cost.torque_rate, cost.jerk) = (self.torque_rate.clone(), self.jerk.clone());
-        cost.energy = self.energy.as_ref().map(|energy| energy.of_joints(n));
+        let mut cost = Objective::new(self.cost_time, fill(&of(&self.effort), 0.0));
+        (cost.torque_rate, cost.jerk) = (of(&self.torque_rate), of(&self.jerk));
+        cost.energy = of(&self.energy);
         if let Some(smoothing) = self.energy_smoothing {
             cost = cost.with_energy_smoothing(smoothing);
         }
         let mut problem = Problem {
             start,
             end,
-            time: self.time,
+            time: self.time.unwrap_or(FinalTime::Free { guess: 1.0 }),
             cost,
             terms: Vec::new(),
-            gain: fill(&self.gain, 1.0),
-            bounds: self.bounds.clone(),
-            penalty: self.penalty.clone(),
-            limits: self.limits.clone().unwrap_or_else(MotionLimits::unsaid),
+            gain: fill(&of(&self.gain), 1.0),
+            bounds: self.bounds.as_ref().map(|bounds| bounds.of(&robot)),
+            penalty: self.penalty.as_ref().map(|penalty| penalty.of_joints(n)),
+            limits: (self.limits.as_ref()).map_or_else(MotionLimits::unsaid, |limits| limits.of(&robot)),
             task: self.task.clone(),
             vias: Vec::new(),
             periodic: self.periodic.as_ref().map(|shift| match shift.is_empty() {
                 true => vec![0.0; n],
                 false => shift.clone(),
             }),
-            gait: self.gait.clone(),
+            gait: self.gait.as_ref().map(|(gait, _)| gait.clone()),
             loops: None,
             robot,
         };
@@ -59,6 +62,18 @@ impl Tables {
             let via = via.of(&problem, number)?;
             problem.vias.push(via);
         }
+        if self.gait.as_ref().is_some_and(|(_, symmetrise)| *symmetrise) {
+            problem = problem.with_symmetric_robot()?;
+        }
+        if self.start.q.is_none() && self.start.has_tools && self.periodic.is_none() {
+            problem = problem.with_guessed_start();
+            if self.end.q.is_none() {
+                problem.end.q.clone_from(&problem.start.q);
+            }
+        }
+        if self.time.is_none() {
+            problem = problem.with_guessed_time();
+        }
         Ok(problem)
     }
 }
@@ -70,16 +85,6 @@ impl StateTable {
             Some(joints) => indices(problem, key, joints),
             None if self.has_tools => Ok((0..problem.robot.dof()).collect()),
             None => Ok(Vec::new()),
-        }
-    }
-}
-
-impl Energy {
-    /// Those of n joints.
-    fn of_joints(&self, n: usize) -> Vec<f64> {
-        match self {
-            Self::Each(weight) => vec![*weight; n],
-            Self::Of(weights) => weights.clone(),
         }
     }
 }

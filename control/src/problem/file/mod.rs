@@ -9,6 +9,8 @@ mod joints;
 mod nested;
 mod obstacles;
 mod parts;
+mod payloads;
+mod per_joint;
 mod phases;
 mod references;
 mod robot;
@@ -166,6 +168,7 @@ impl ProblemFile {
             let urdf = if let Given::Robot(_, urdf) = given { urdf } else { of_file.map(RobotText::as_str) };
             obstacles::add_urdf(&root, urdf, &mut tables.task)?;
         }
+        tables.task.payloads = tables.robot.payloads().to_vec();
         let in_document = |error| document.fault_of(error);
         let problem = tables.problem(robot).map_err(in_document)?;
         problem.check_for(tables.options.method).map_err(in_document)?;
@@ -175,7 +178,7 @@ impl ProblemFile {
             options: tables.options,
             robot_path,
             load,
-            payloads: tables.robot.payloads(),
+            payloads: tables.robot.payloads().to_vec(),
             start_from: tables.start_from.map(|file| folder.join(file)),
             text: text.into(),
             path: path.map(Path::to_path_buf),

@@ -122,3 +122,14 @@ impl<'d> Table<'d> {
         Ok(kind)
     }
 }
+
+/// Three numbers.
+pub(super) fn triple(table: &Table<'_>, name: &str) -> Result<Option<[f64; 3]>, Fault> {
+    let Some(numbers) = table.numbers(name)? else { return Ok(None) };
+    let count = numbers.len();
+    let wrong = |_| {
+        let found = format!("a list of {count}");
+        table.fault(name, ProblemFileCause::WrongType { expected: "a list of 3 numbers", found })
+    };
+    <[f64; 3]>::try_from(numbers).map(Some).map_err(wrong)
+}

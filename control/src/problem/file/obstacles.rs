@@ -2,7 +2,7 @@
 
 use super::error::ProblemFileCause;
 use super::fault::Fault;
-use super::robot::triple;
+use super::nested::triple;
 use super::table::{Table, string};
 use crate::problem::obstacles::{BodyPairs, Collision, LinkCapsule, Obstacle, Shape};
 use crate::problem::task::Task;

@@ -69,7 +69,8 @@ impl Reference {
 }
 
 impl ToolOrientation {
-    /// The orientation of a tool from the text of its keys: `rpy`, `rotation`, or `along` with `axis`.
+    /// The orientation of a tool from the text of its keys: `rpy`, `rotation`, `quaternion`, `along` with
+    /// `axis`, or `yaw`.
     ///
     /// # Errors
     /// As [`Obstacle::from_text`].

@@ -2,12 +2,12 @@
 
 use super::fault::Fault;
 use super::joints::{JointName, indices, joints};
-use super::robot::{PAYLOAD, payload};
+use super::payloads::{PAYLOAD, payload};
 use super::table::Table;
 use super::tools::tools;
 use crate::problem::error::ProblemError;
 use crate::problem::key::Key;
-use crate::problem::{Payload, Problem, Via};
+use crate::problem::{Problem, Via};
 
 const VIA: &[&str] = &["q", "v", "q_free", "v_free", "stop", "time", "tool", "payload"];
 const PERIODIC: &[&str] = &["shift"];
@@ -32,11 +32,7 @@ fn via(table: &Table<'_>) -> Result<ViaTable, Fault> {
     via.tools = tools(table)?;
     if table.has("payload") {
         let loads = table.tables("payload", PAYLOAD)?;
-        let load = |load: &Table<'_>| -> Result<Payload, Fault> {
-            let frame = load.need("frame", load.string("frame")?)?;
-            Ok(Payload::new(frame, payload(load)?))
-        };
-        via.payload = Some(loads.iter().map(load).collect::<Result<_, _>>()?);
+        via.payload = Some(loads.iter().map(payload).collect::<Result<_, _>>()?);
     }
     Ok(ViaTable {
         via,

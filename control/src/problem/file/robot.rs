@@ -2,11 +2,13 @@
 
 use super::error::ProblemFileCause;
 use super::fault::Fault;
+use super::nested::triple;
+use super::payloads::{PAYLOAD, payload};
 use super::table::Table;
 use crate::problem::Payload;
 use costate::robot::{
-    FrameSpec, Friction, Joint, LimitChange, LinkInertia, LoadOptions, Placement, Robot, RobotEdit,
-    RobotError, RobotText, Wrench, WrenchAxes,
+    FrameSpec, Friction, Joint, LimitChange, LoadOptions, Placement, Robot, RobotEdit, RobotError, RobotText,
+    Wrench, WrenchAxes,
 };
 use std::path::Path;
 
@@ -30,8 +32,6 @@ const FRAME: &[&str] = &["name", "parent", "placement"];
 const PLACEMENT: &[&str] = &["xyz", "rpy"];
 const WRENCH: &[&str] = &["frame", "moment", "force", "axes"];
 const AXES: [(&str, WrenchAxes); 2] = [("local", WrenchAxes::Local), ("aligned", WrenchAxes::Aligned)];
-pub(super) const PAYLOAD: &[&str] = &["frame", "mass", "com", "inertia"];
-const INERTIA: &[&str] = &["xx", "yy", "zz", "xy", "xz", "yz"];
 
 /// A robot file, and what is changed of the robot.
 pub(super) struct RobotTable {
@@ -47,6 +47,7 @@ pub(super) struct RobotTable {
     floating_base: Option<bool>,
     quaternions: Option<bool>,
     changes: Vec<Change>,
+    payloads: Vec<Payload>,
 }
 
 /// A change with the key that asks for it.
@@ -82,6 +83,7 @@ pub(super) fn read(root: &Table<'_>, source: Source) -> Result<RobotTable, Fault
             floating_base: None,
             quaternions: None,
             changes: Vec::new(),
+            payloads: Vec::new(),
         });
     }
     let table = root.need("robot", root.table("robot")?)?;
@@ -108,9 +110,11 @@ pub(super) fn read(root: &Table<'_>, source: Source) -> Result<RobotTable, Fault
     for row in table.tables("frame", FRAME)? {
         add("frame", row.start, RobotEdit::Frame(frame(&row)?));
     }
+    let mut payloads = Vec::new();
     for load in table.tables("payload", PAYLOAD)? {
-        let frame = load.need("frame", load.string("frame")?)?;
-        add("payload", load.start, RobotEdit::Payload(frame, payload(&load)?));
+        let carried = payload(&load)?;
+        add("payload", load.start, RobotEdit::Payload(carried.frame.clone(), carried.inertia));
+        payloads.push(carried);
     }
     for row in table.tables("wrench", WRENCH)? {
         let frame = row.need("frame", row.string("frame")?)?;
@@ -139,7 +143,7 @@ pub(super) fn read(root: &Table<'_>, source: Source) -> Result<RobotTable, Fault
     };
     let [floating_base, quaternions] = [of_urdf("floating_base")?, of_urdf("quaternions")?];
     let file_at = ("robot.file", table.start_of("file"));
-    Ok(RobotTable { file, file_at, friction: of_all, floating_base, quaternions, changes })
+    Ok(RobotTable { file, file_at, friction: of_all, floating_base, quaternions, changes, payloads })
 }
 
 fn friction(table: &Table<'_>) -> Result<Friction, Fault> {
@@ -178,31 +182,6 @@ fn wrench(table: &Table<'_>) -> Result<Wrench, Fault> {
     })
 }
 
-/// Mass, centre of mass and inertia of a load.
-pub(super) fn payload(table: &Table<'_>) -> Result<LinkInertia, Fault> {
-    let mass = table.need("mass", table.number("mass")?)?;
-    let com = triple(table, "com")?.unwrap_or_default();
-    let mut entries = [0.0; 6];
-    if let Some(inertia) = table.table("inertia")? {
-        inertia.only(INERTIA)?;
-        for (entry, key) in entries.iter_mut().zip(INERTIA) {
-            *entry = inertia.number(key)?.unwrap_or(0.0);
-        }
-    }
-    Ok(LinkInertia::from_entries(mass, com, entries))
-}
-
-/// Three numbers.
-pub(super) fn triple(table: &Table<'_>, name: &str) -> Result<Option<[f64; 3]>, Fault> {
-    let Some(numbers) = table.numbers(name)? else { return Ok(None) };
-    let count = numbers.len();
-    let wrong = |_| {
-        let found = format!("a list of {count}");
-        table.fault(name, ProblemFileCause::WrongType { expected: "a list of 3 numbers", found })
-    };
-    <[f64; 3]>::try_from(numbers).map(Some).map_err(wrong)
-}
-
 impl RobotTable {
     /// The error of the robot file.
     fn refused(&self, root: &Table<'_>, error: RobotError) -> Fault {
@@ -238,12 +217,8 @@ impl RobotTable {
     }
 
     /// The bodies of `[[robot.payload]]`.
-    pub fn payloads(&self) -> Vec<Payload> {
-        let body = |change: &Change| match &change.edit {
-            RobotEdit::Payload(frame, inertia) => Some(Payload::new(frame.clone(), *inertia)),
-            _ => None,
-        };
-        self.changes.iter().filter_map(body).collect()
+    pub fn payloads(&self) -> &[Payload] {
+        &self.payloads
     }
 
     /// A robot with the changes.

@@ -43,11 +43,13 @@ const COORDINATES: [(&str, Coordinates); 4] = [
 const VERIFICATIONS: [(&str, Verify); 3] =
     [("full", Verify::Full), ("factors", Verify::Factors), ("none", Verify::None)];
 
-/// The options: those of the table, and else the given ones. Another method has its own most steps.
+/// The options: those of the table, and else the given ones. Another method has its own tolerance and most
+/// steps.
 pub(super) fn read(table: &Table<'_>, given: SolverOptions) -> Result<SolverOptions, Fault> {
     let method = table.choice("method", &METHODS)?.unwrap_or(given.method);
     let steps = if method == given.method { &given } else { &SolverOptions::of(method) };
-    let defaults = SolverOptions { method, max_iterations: steps.max_iterations, ..given.clone() };
+    let max_iterations = steps.max_iterations;
+    let defaults = SolverOptions { max_iterations, ..given.clone().with_method(method) };
     let some = |name: &str, default: Option<usize>| -> Result<Option<usize>, Fault> {
         let found = table.whole(name)?;
         Ok(found.map(|count| usize::try_from(count).unwrap_or(usize::MAX)).or(default))

@@ -4,11 +4,13 @@ use crate::options::SolverOptions;
 use crate::problem::file::error::ProblemFileCause;
 use crate::problem::file::fault::Fault;
 use crate::problem::file::joints::{JointName, joints};
+use crate::problem::file::per_joint::PerJoint;
 use crate::problem::file::phases::{self, ViaTable};
 use crate::problem::file::robot::{self, RobotTable, Source};
-use crate::problem::file::table::{Table, number};
+use crate::problem::file::table::Table;
 use crate::problem::file::{gait, solver, task};
 use crate::problem::{Bounds, FinalTime, Gait, MotionLimits, Penalty, Task};
+use costate::robot::Robot;
 
 const ROOT: &[&str] = &[
     "robot",
@@ -56,30 +58,47 @@ pub(super) struct Tables {
     pub robot: RobotTable,
     pub start: StateTable,
     pub end: StateTable,
-    pub time: FinalTime,
+    /// `None`: free, and the guess is not given.
+    pub time: Option<FinalTime>,
     pub cost_time: f64,
-    pub effort: Option<Vec<f64>>,
-    pub energy: Option<Energy>,
+    pub effort: Option<PerJoint>,
+    pub energy: Option<PerJoint>,
     pub energy_smoothing: Option<f64>,
-    pub torque_rate: Option<Vec<f64>>,
-    pub jerk: Option<Vec<f64>>,
-    pub gain: Option<Vec<f64>>,
-    pub bounds: Option<Bounds>,
-    pub penalty: Option<Penalty>,
-    pub limits: Option<MotionLimits>,
+    pub torque_rate: Option<PerJoint>,
+    pub jerk: Option<PerJoint>,
+    pub gain: Option<PerJoint>,
+    pub bounds: Option<BoundsTable>,
+    pub penalty: Option<PenaltyTable>,
+    pub limits: Option<LimitsTable>,
     pub task: Task,
     pub vias: Vec<ViaTable>,
     pub periodic: Option<Vec<f64>>,
-    pub gait: Option<Gait>,
+    /// With whether its robot is replaced by the mean with its mirror image.
+    pub gait: Option<(Gait, bool)>,
     pub start_from: Option<String>,
     pub options: SolverOptions,
 }
 
-/// The cost of a joule.
-pub(super) enum Energy {
-    /// The same for all joints.
-    Each(f64),
-    Of(Vec<f64>),
+/// `[bounds]`.
+pub(super) struct BoundsTable {
+    u_min: PerJoint,
+    u_max: PerJoint,
+}
+
+/// `[penalty]`.
+pub(super) struct PenaltyTable {
+    weight: f64,
+    q_min: Option<PerJoint>,
+    q_max: Option<PerJoint>,
+    v_max: Option<PerJoint>,
+}
+
+/// `[limits]`.
+pub(super) struct LimitsTable {
+    /// In the order of [`JOINT_LIMITS`].
+    lists: [Option<PerJoint>; 10],
+    total_power_max: Option<f64>,
+    from_robot: Option<bool>,
 }
 
 #[derive(Default)]
@@ -115,7 +134,10 @@ pub(super) fn read(root: &Table<'_>, source: Source) -> Result<Tables, Fault> {
         }
         None => {
             let start = needed("start", STATE)?;
-            start.need("q", start.numbers("q")?)?;
+            if start.has("q_free") {
+                // Positions of the other joints are given.
+                start.need("q", start.numbers("q")?)?;
+            }
             (state(&start)?, state(&needed("end", STATE)?)?)
         }
         // All is free that is not given, and the end follows.
@@ -135,24 +157,23 @@ pub(super) fn read(root: &Table<'_>, source: Source) -> Result<Tables, Fault> {
     let start_from = optional("start_from", START_FROM)?;
     let limits = optional("limits", LIMITS)?.as_ref().map(limits).transpose()?;
     let task = task::read(root)?;
-    let energy = cost.map_or(Ok(None), energy)?;
     if let Some(cost) = cost.filter(|cost| cost.has("energy_smoothing") && !cost.has("energy")) {
         let message = "has no effect without cost.energy; add that, or remove this";
         return Err(cost.fault("energy_smoothing", ProblemFileCause::Conflict(message)));
     }
-    let numbers = |name| cost.map_or(Ok(None), |cost| cost.numbers(name));
+    let per_joint = |name| cost.map_or(Ok(None), |cost| cost.per_joint(name));
     Ok(Tables {
         robot,
         start,
         end,
         time,
         cost_time: cost.map_or(Ok(None), |cost| cost.number("time"))?.unwrap_or(0.0),
-        effort: cost.map_or(Ok(None), |cost| cost.numbers("effort"))?,
-        energy,
+        effort: per_joint("effort")?,
+        energy: per_joint("energy")?,
         energy_smoothing: cost.map_or(Ok(None), |cost| cost.number("energy_smoothing"))?,
-        torque_rate: numbers("torque_rate")?,
-        jerk: numbers("jerk")?,
-        gain: actuation.map_or(Ok(None), |actuation| actuation.numbers("gain"))?,
+        torque_rate: per_joint("torque_rate")?,
+        jerk: per_joint("jerk")?,
+        gain: actuation.map_or(Ok(None), |actuation| actuation.per_joint("gain"))?,
         bounds: optional("bounds", BOUNDS)?.as_ref().map(bounds).transpose()?,
         penalty: optional("penalty", PENALTY)?.as_ref().map(penalty).transpose()?,
         limits,
@@ -186,64 +207,105 @@ fn state_if_any(table: &Table<'_>) -> Result<StateTable, Fault> {
     })
 }
 
-fn time(table: &Table<'_>) -> Result<FinalTime, Fault> {
+/// The final time; `None` for a free one whose guess is not given.
+fn time(table: &Table<'_>) -> Result<Option<FinalTime>, Fault> {
     let conflict = |key: &str, message| Err(table.fault(key, ProblemFileCause::Conflict(message)));
     let free = table.flag("free")?.unwrap_or(false);
     match (table.number("final")?, table.number("guess")?) {
         (Some(_), _) if free => conflict("final", "the time is also `free = true`; keep one of the two"),
         (Some(_), Some(_)) => conflict("guess", "only for `free = true`; remove it, or time.final"),
-        (Some(time), None) => Ok(FinalTime::Fixed(time)),
-        (None, Some(guess)) if free => Ok(FinalTime::Free { guess }),
-        (None, None) if free => {
-            conflict("guess", "missing; with `free = true` give a first guess of T, in s")
-        }
-        (None, _) => conflict("final", "missing; give it in s, or `free = true` and `guess`"),
+        (Some(time), None) => Ok(Some(FinalTime::Fixed(time))),
+        (None, Some(guess)) if free => Ok(Some(FinalTime::Free { guess })),
+        (None, None) if free => Ok(None),
+        (None, _) => conflict("final", "missing; give it in s, or `free = true`"),
     }
 }
 
-fn bounds(table: &Table<'_>) -> Result<Bounds, Fault> {
-    Ok(Bounds {
-        u_min: table.need("u_min", table.numbers("u_min")?)?,
-        u_max: table.need("u_max", table.numbers("u_max")?)?,
+fn bounds(table: &Table<'_>) -> Result<BoundsTable, Fault> {
+    Ok(BoundsTable {
+        u_min: table.need("u_min", table.per_joint("u_min")?)?,
+        u_max: table.need("u_max", table.per_joint("u_max")?)?,
     })
 }
 
-fn penalty(table: &Table<'_>) -> Result<Penalty, Fault> {
+impl BoundsTable {
+    /// Those of a robot.
+    pub fn of(&self, robot: &Robot) -> Bounds {
+        Bounds { u_min: self.u_min.of_motors(robot), u_max: self.u_max.of_motors(robot) }
+    }
+}
+
+fn penalty(table: &Table<'_>) -> Result<PenaltyTable, Fault> {
     if !["q_min", "q_max", "v_max"].iter().any(|limit| table.has(limit)) {
         let message = "nothing is penalised; give q_min, q_max or v_max, or remove [penalty]";
         return Err(table.fault("weight", ProblemFileCause::Conflict(message)));
     }
-    Ok(Penalty {
+    Ok(PenaltyTable {
         weight: table.need("weight", table.number("weight")?)?,
-        q_min: table.numbers("q_min")?,
-        q_max: table.numbers("q_max")?,
-        v_max: table.numbers("v_max")?,
+        q_min: table.per_joint("q_min")?,
+        q_max: table.per_joint("q_max")?,
+        v_max: table.per_joint("v_max")?,
     })
 }
 
-fn limits(table: &Table<'_>) -> Result<MotionLimits, Fault> {
-    let none = MotionLimits::default();
-    Ok(MotionLimits {
-        q_min: table.numbers("q_min")?,
-        q_max: table.numbers("q_max")?,
-        v_max: table.numbers("v_max")?,
-        a_max: table.numbers("a_max")?,
-        torque_max: table.numbers("torque_max")?,
-        jerk_max: table.numbers("jerk_max")?,
-        torque_rate_max: table.numbers("torque_rate_max")?,
-        power_max: table.numbers("power_max")?,
-        total_power_max: table.number("total_power_max")?,
-        corner_speed: table.numbers("corner_speed")?,
-        no_load_speed: table.numbers("no_load_speed")?,
-        from_robot: table.flag("from_robot")?.or(none.from_robot),
-    })
-}
-
-/// One cost of energy for all joints, or one for each.
-fn energy(table: &Table<'_>) -> Result<Option<Energy>, Fault> {
-    let expected = "a number or a list of numbers";
-    if table.has_list("energy") {
-        return Ok(table.list("energy", expected, number)?.map(Energy::Of));
+impl PenaltyTable {
+    /// That of n joints.
+    pub fn of_joints(&self, n: usize) -> Penalty {
+        let of = |list: &Option<PerJoint>| list.as_ref().map(|list| list.of_joints(n));
+        Penalty {
+            weight: self.weight,
+            q_min: of(&self.q_min),
+            q_max: of(&self.q_max),
+            v_max: of(&self.v_max),
+        }
     }
-    Ok(table.value("energy", expected, number)?.map(Energy::Each))
+}
+
+/// The limits of joints.
+const JOINT_LIMITS: [&str; 10] = [
+    "q_min",
+    "q_max",
+    "v_max",
+    "a_max",
+    "torque_max",
+    "jerk_max",
+    "torque_rate_max",
+    "power_max",
+    "corner_speed",
+    "no_load_speed",
+];
+
+fn limits(table: &Table<'_>) -> Result<LimitsTable, Fault> {
+    let mut lists: [Option<PerJoint>; 10] = Default::default();
+    for (list, name) in lists.iter_mut().zip(JOINT_LIMITS) {
+        *list = table.per_joint(name)?;
+    }
+    Ok(LimitsTable {
+        lists,
+        total_power_max: table.number("total_power_max")?,
+        from_robot: table.flag("from_robot")?,
+    })
+}
+
+impl LimitsTable {
+    /// Those of a robot.
+    pub fn of(&self, robot: &Robot) -> MotionLimits {
+        let none = MotionLimits::default();
+        let of = |list: &Option<PerJoint>| list.as_ref().map(|list| list.of_joints(robot.dof()));
+        let [q_min, q_max, v_max, a_max, torque, jerk, torque_rate, power, corner, no_load] = &self.lists;
+        MotionLimits {
+            q_min: of(q_min),
+            q_max: of(q_max),
+            v_max: of(v_max),
+            a_max: of(a_max),
+            torque_max: torque.as_ref().map(|list| list.of_motors(robot)),
+            jerk_max: of(jerk),
+            torque_rate_max: of(torque_rate),
+            power_max: of(power),
+            total_power_max: self.total_power_max,
+            corner_speed: of(corner),
+            no_load_speed: of(no_load),
+            from_robot: self.from_robot.or(none.from_robot),
+        }
+    }
 }

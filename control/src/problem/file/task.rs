@@ -2,23 +2,34 @@
 
 use super::error::ProblemFileCause;
 use super::fault::Fault;
+use super::nested::triple;
 use super::obstacles::obstacles;
 use super::references::references;
-use super::robot::triple;
 use super::table::Table;
 use super::tools::{Z, pose, rotation, tool, tools};
 use crate::problem::task::Task;
 use crate::problem::tools::{Keep, Kept, ToolCost};
 
-const COST: &[&str] =
-    &["frame", "offset", "xyz", "rpy", "rotation", "axis", "along", "position_weight", "orientation_weight"];
+const COST: &[&str] = &[
+    "frame",
+    "offset",
+    "xyz",
+    "rpy",
+    "rotation",
+    "quaternion",
+    "axis",
+    "along",
+    "yaw",
+    "position_weight",
+    "orientation_weight",
+];
 /// What a tool can keep, with the keys of each kind.
 const KEPT: [(&str, &[&str]); 7] = [
     ("plane", &["kind", "frame", "offset", "through", "normal", "distance"]),
     ("line", &["kind", "frame", "offset", "through", "along", "distance"]),
     ("box", &["kind", "frame", "offset", "min", "max"]),
     ("axis", &["kind", "frame", "offset", "axis", "along", "angle"]),
-    ("orientation", &["kind", "frame", "offset", "rpy", "rotation", "angle"]),
+    ("orientation", &["kind", "frame", "offset", "rpy", "rotation", "quaternion", "angle"]),
     ("speed", &["kind", "frame", "offset", "speed"]),
     ("acceleration", &["kind", "frame", "offset", "acceleration"]),
 ];
@@ -36,6 +47,7 @@ const KEEP: &[&str] = &[
     "angle",
     "rpy",
     "rotation",
+    "quaternion",
     "speed",
     "acceleration",
 ];
@@ -62,7 +74,7 @@ pub(super) fn read(root: &Table<'_>) -> Result<Task, Fault> {
             let orientation = weight(
                 "orientation_weight",
                 pose.orientation.is_some(),
-                "weighs nothing without an orientation; give rpy, rotation or along, or remove it",
+                "weighs nothing without an orientation; give rpy, rotation, quaternion, along or yaw, or remove it",
             )?;
             tool_costs.push(ToolCost::new(pose, position, orientation));
         }
@@ -70,7 +82,16 @@ pub(super) fn read(root: &Table<'_>) -> Result<Task, Fault> {
     let references = root.table("cost")?.map_or(Ok(Vec::new()), |costs| references(&costs))?;
     let keep = root.tables("keep", KEEP)?.iter().map(keep).collect::<Result<_, _>>()?;
     let (obstacles, collision) = obstacles(root)?;
-    Ok(Task { start_tools, end_tools, keep, tool_costs, references, obstacles, collision })
+    Ok(Task {
+        start_tools,
+        end_tools,
+        keep,
+        tool_costs,
+        references,
+        obstacles,
+        collision,
+        payloads: Vec::new(),
+    })
 }
 
 fn keep(table: &Table<'_>) -> Result<Keep, Fault> {

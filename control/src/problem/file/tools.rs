@@ -2,7 +2,7 @@
 
 use super::error::ProblemFileCause;
 use super::fault::Fault;
-use super::robot::triple;
+use super::nested::triple;
 use super::table::{Table, number};
 use crate::problem::tools::{self, Tool, ToolOrientation, ToolPose};
 use costate::robot::Placement;
@@ -10,9 +10,9 @@ use nalgebra::Rotation3;
 use toml::de::DeValue;
 
 /// The keys of an orientation.
-pub(super) const ORIENTATION: &[&str] = &["rpy", "rotation", "axis", "along"];
+pub(super) const ORIENTATION: &[&str] = &["rpy", "rotation", "quaternion", "axis", "along", "yaw"];
 
-const POSE: &[&str] = &["frame", "offset", "xyz", "rpy", "rotation", "axis", "along"];
+const POSE: &[&str] = &["frame", "offset", "xyz", "rpy", "rotation", "quaternion", "axis", "along", "yaw"];
 
 /// The tools of a state.
 pub(super) fn tools(state: &Table<'_>) -> Result<Vec<ToolPose>, Fault> {
@@ -35,11 +35,18 @@ pub(super) fn orientation(table: &Table<'_>) -> Result<Option<ToolOrientation>, 
     let axis = triple(table, "axis")?;
     let along = triple(table, "along")?;
     let conflict = |key: &str, message| Err(table.fault(key, ProblemFileCause::Conflict(message)));
-    Ok(match (rotation(table)?, axis, along) {
+    let rotation = rotation(table)?;
+    if let Some(yaw) = table.number("yaw")? {
+        if rotation.is_some() || axis.is_some() || along.is_some() {
+            return conflict("yaw", "the orientation is given by another key already; keep one of them");
+        }
+        return Ok(Some(ToolOrientation::Yaw(yaw)));
+    }
+    Ok(match (rotation, axis, along) {
         (Some(_), _, Some(_)) => {
             return conflict(
                 "along",
-                "the orientation is given by rpy or rotation already; keep one of them",
+                "the orientation is given by rpy, rotation or quaternion already; keep one of them",
             );
         }
         (_, Some(_), None) => {
@@ -54,7 +61,7 @@ pub(super) fn orientation(table: &Table<'_>) -> Result<Option<ToolOrientation>, 
 /// The axis of a tool, if none is given.
 pub(super) const Z: [f64; 3] = [0.0, 0.0, 1.0];
 
-/// An orientation by roll, pitch and yaw, or by three rows.
+/// An orientation by roll, pitch and yaw, by three rows, or by a quaternion.
 pub(super) fn rotation(table: &Table<'_>) -> Result<Option<Rotation3<f64>>, Fault> {
     let rows = table.list("rotation", "three lists of three numbers", |row| match row {
         DeValue::Array(entries) => {
@@ -63,6 +70,15 @@ pub(super) fn rotation(table: &Table<'_>) -> Result<Option<Rotation3<f64>>, Faul
         }
         _ => None,
     })?;
+    if let Some(numbers) = table.numbers("quaternion")? {
+        if rows.is_some() || table.has("rpy") {
+            let message = "the orientation is given by rpy or rotation already; keep one of them";
+            return Err(table.fault("quaternion", ProblemFileCause::Conflict(message)));
+        }
+        let wrong = "give [x, y, z, w] of length 1 to 1e-3";
+        let found = <[f64; 4]>::try_from(numbers).ok().and_then(tools::rotation_of_quaternion);
+        return found.map(Some).ok_or_else(|| table.fault("quaternion", ProblemFileCause::Conflict(wrong)));
+    }
     match (triple(table, "rpy")?, rows) {
         (Some(_), Some(_)) => {
             let message = "the orientation is given by rpy already; keep one of the two";

@@ -1,5 +1,6 @@
 //! Positions at which tools are where they shall be.
 
+pub(crate) mod branches;
 pub(crate) mod slide;
 
 use super::functions::{PathFunction, TaskFunctions};
