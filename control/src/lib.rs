@@ -49,6 +49,8 @@ mod solver;
 mod starts;
 mod status;
 mod task;
+mod verdict;
+mod verify;
 
 pub use continuation::{
     Branch, BranchEnd, BranchPoint, Continuation, Parameter, TurningPoint, UnknownParameter,
@@ -107,10 +109,18 @@ pub use result::stage_times::StageTimes;
 pub use result::start::{GuessKind, StartResult};
 pub use result::trajectory::{Trajectory, TrajectoryPoint};
 pub use result::trajectory_error::TrajectoryError;
+pub use result::verification::{Check, CheckOutcome, Verification};
 pub use sensitivity::{CostDerivative, cost_by_parameters};
 pub use solve_extremal::{solve_dynamics, solve_extremal};
 pub use solver::Solver;
 pub use status::{BoundViolation, EvaluationFailure, Status, UnknownStatus};
+pub use verdict::{Remark, RemarkKey, Severity, UnfitMotion};
+
+/// Numbers as remarks show them, for other texts about the same motion.
+#[doc(hidden)]
+pub mod numbers {
+    pub use crate::verdict::numbers::{scientific, short};
+}
 
 #[cfg(test)]
 #[global_allocator]

@@ -5,9 +5,10 @@ use crate::direct::{Direct, Looseness};
 use crate::free_motions;
 use crate::options::{Method, Polish, SolverOptions, Verify};
 use crate::polish::{may_polish, polish, polish_saved, unpolished};
-use crate::problem::Problem;
 use crate::problem::check::CheckedProblem;
 use crate::problem::error::ProblemError;
+use crate::problem::rounded::rounded_up;
+use crate::problem::{FinalTime, Problem};
 use crate::progress::{Cancel, Iteration, Listener};
 use crate::result::polish_report::PolishOutcome;
 use crate::result::solution::Solution;
@@ -20,6 +21,7 @@ use crate::solve::recorder::Stop;
 use crate::starts::{Starts, rough_tolerance, saved as saved_motion};
 use crate::status::Status;
 use crate::task::build::TaskRows;
+use crate::verdict::settled;
 use std::fmt;
 use std::ops::ControlFlow;
 use std::time::Instant;
@@ -113,21 +115,81 @@ impl<'a> Solver<'a> {
         let Self { problem, rows, options, start, listener, cancel, takes_times } = self;
         let mut recorder = Recorder::new(listener, Stop::new(cancel, options.time_limit));
         recorder.takes_times = takes_times;
-        if problem.problem().is_closed() {
-            let found = closed_loops::solve(problem.problem(), &options, start.as_ref(), &mut recorder);
-            return unpolished(found, &options, &problem);
-        }
-        if !problem.robot.free_joints().is_empty() {
-            let found = free_motions::solve(problem.problem(), &options, start.as_ref(), &mut recorder);
-            return unpolished(found, &options, &problem);
-        }
-        if let Some(rows) = rows {
-            return directly(problem, &rows, options, start, &mut recorder);
-        }
-        let starts =
-            Starts { problem, options: &options, saved: start.as_ref().map(saved_motion), alone: false };
-        starts.solve(&mut recorder)
+        let found = solve(problem, rows.as_ref(), &options, start.as_ref(), &mut recorder);
+        let found = with_solved_time(&problem, &options, start.as_ref(), found, &mut recorder);
+        settled(found)
     }
+}
+
+/// By the method that the robot and the options ask for.
+fn solve(
+    problem: CheckedProblem<'_>,
+    rows: Option<&TaskRows>,
+    options: &SolverOptions,
+    start: Option<&Trajectory>,
+    recorder: &mut Recorder<'_>,
+) -> Solution {
+    if problem.problem().is_closed() {
+        let found = closed_loops::solve(problem.problem(), options, start, recorder);
+        return unpolished(found, options, &problem);
+    }
+    if !problem.robot.free_joints().is_empty() {
+        let found = free_motions::solve(problem.problem(), options, start, recorder);
+        return unpolished(found, options, &problem);
+    }
+    if let Some(rows) = rows {
+        return directly(problem, rows, options.clone(), start.cloned(), recorder);
+    }
+    let starts = Starts { problem, options, saved: start.map(saved_motion), alone: false };
+    starts.solve(recorder)
+}
+
+/// Factors of the time that an elastic phase found, which is about the least one: close to it motions have no
+/// room, and are hard to find.
+const LONGER: [f64; 3] = [1.01, 1.1, 1.3];
+/// Work of each trial, Newton steps times nodes, in parts of that of the search, ..
+const WORK: usize = 10;
+/// .. with so much beside it.
+const LEAST_WORK: usize = 10_000;
+/// Digits of the time that is proposed.
+const DIGITS: usize = 4;
+
+/// Replaces the longer final time that an elastic phase found by one with which the problem is solved, with
+/// these options; by none if it is not. What is proposed is tried first.
+fn with_solved_time(
+    problem: &Problem,
+    options: &SolverOptions,
+    start: Option<&Trajectory>,
+    mut found: Solution,
+    recorder: &mut Recorder<'_>,
+) -> Solution {
+    let Some(infeasible) = &mut found.limits.infeasible else { return found };
+    let Some(time) = infeasible.final_time.take() else { return found };
+    let starts = options.starts.map(|_| 1);
+    let alone = SolverOptions { starts, polish: Polish::Never, ..options.clone() };
+    let steps = found.motion.iterations.iter();
+    let most = LEAST_WORK + WORK * steps.map(|step| step.nodes).sum::<usize>();
+    for factor in LONGER {
+        if recorder.interruption().is_some() {
+            break;
+        }
+        let time = rounded_up(factor * time, DIGITS);
+        let longer = problem.clone().with_time(FinalTime::Fixed(time));
+        let Ok(checked) = longer.check_for(options.method) else { continue };
+        let rows = match options.method {
+            Method::Direct if longer.robot.free_joints().is_empty() => TaskRows::new(&longer).ok(),
+            _ => None,
+        };
+        let tried = recorder.within(most, |recorder| solve(checked, rows.as_ref(), &alone, start, recorder));
+        let mut tried = settled(tried);
+        found.newton_iterations += tried.newton_iterations;
+        found.motion.iterations.append(&mut tried.motion.iterations);
+        if tried.motion.status.is_solved() {
+            infeasible.final_time = Some(time);
+            break;
+        }
+    }
+    found
 }
 
 /// By the direct method, with a polish. What a polish makes exact need not be exact before: the direct method
@@ -186,7 +248,9 @@ fn directly(
         iterations = std::mem::take(&mut found.motion.iterations);
         let outcome = found.polish.as_ref().map(|report| report.outcome);
         let is_limited = outcome == Some(PolishOutcome::Limited) && found.motion.status.is_solved();
-        let is_infeasible = found.motion.status == Status::Infeasible && found.trajectory.t.len() > 1;
+        let status = &found.motion.status;
+        let is_infeasible =
+            matches!(status, Status::Infeasible | Status::LocallyInfeasible) && found.trajectory.t.len() > 1;
         kept = (is_limited || is_infeasible).then(|| (std::mem::take(&mut found.starts), found.total()));
         begun = std::mem::take(&mut found.starts);
         start = if found.is_motion() || is_infeasible { Some(found.trajectory) } else { start };

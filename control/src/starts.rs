@@ -44,7 +44,7 @@ pub(crate) struct Starts<'a> {
 }
 
 impl Starts<'_> {
-    /// The best solution of all starts: the cheapest converged one if there is any.
+    /// The best solution of all starts, as [`compare`](crate::verdict::rank::compare) says.
     pub fn solve(&self, recorder: &mut Recorder<'_>) -> Solution {
         let solve = |number, recorder: &mut Recorder<'_>| self.solution_of(number, recorder);
         let missing = || Solution::without_motion(&self.problem, Status::Cancelled);
@@ -214,6 +214,7 @@ pub(crate) fn solution(
         constraints: Vec::new(),
         gait: None,
         polish: None,
+        verified: None,
         stage_times: None,
         trajectory: Trajectory::from_nodes(nodes, v),
         starts: Vec::new(),

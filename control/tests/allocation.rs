@@ -79,7 +79,7 @@ fn newton_steps_of_the_direct_method_for_models_allocate_nothing() {
         .with_state_limits(&none.map(|none| -none), &[none[0], none[1], none[2], 7.0])
         .unwrap();
     let mut count = |steps: usize| {
-        let mut options = SolverOptions::default();
+        let mut options = SolverOptions::default().with_tolerance(1e-6);
         options.max_iterations = steps;
         let mut motion = None;
         let all = allocations(|| motion = Some(task.solve(&options).unwrap()));

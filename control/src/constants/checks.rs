@@ -148,6 +148,13 @@ pub(crate) mod gait {
     /// Torques of mirrored motions are the same up to this part of the largest; places of feet likewise, in
     /// parts of a step or of 1 m if that is more, and limits and weights of both legs in parts of themselves.
     pub const SYMMETRIC: f64 = 1e-8;
+    /// How much the torques of mirrored motions of a robot may differ at rates and accelerations of one unit,
+    /// relative to its weight times the length of a leg: what one fiftieth of its mass makes that is a leg
+    /// away from its mirror image. Published robots differ by 1e-5 (Solo12) to 0.013 (A1).
+    pub const UNEVEN: f64 = 0.02;
+    /// By how much axes may differ from their mirror images where only masses are said to differ: rad, and
+    /// relative to a leg.
+    pub const UNEVEN_AXES: f64 = 0.02;
     /// The impulse of a landing in a guess, in parts of that of the weight during the step.
     pub const GUESSED_IMPULSE: f64 = 0.2;
     /// How high the foot that swings is halfway in a guess, in parts of its clearance and of the step.

@@ -115,6 +115,8 @@ pub const SMOOTHED_ENOUGH: f64 = 1e-2;
 pub const TIMES: i32 = 8;
 /// .. so many powers of two apart.
 pub const OCTAVES: f64 = 0.5;
+/// A joint with a shorter way than this has none (rad, m).
+pub const NEGLIGIBLE_WAY: f64 = 1e-12;
 /// Second derivatives of a guess are differences of its first ones at places that are this part of an
 /// interval away.
 pub const NEIGHBOUR: f64 = 0.25;
@@ -210,6 +212,14 @@ pub const OF_DECREMENT: [f64; 2] = [1.0, 1.0 / 3.0];
 /// cut to their limits, are integrated; relative to the largest values along it. The cost of an
 /// optimal motion is stationary, so its error is about the square of that of the states.
 pub const VERIFIED: f64 = 0.3;
+/// Largest gap of the maximum principle along a motion that is optimal, in parts of the tolerance: so much
+/// the cost may be above that of the optimal motion, to second order. The estimate of the error of the cost,
+/// which is at most the tolerance, was too small by up to four times where torques jump ([`SAFETY`]); twice
+/// that, since costates are known between points only as well as multipliers are.
+pub const GAP: f64 = 10.0;
+/// Largest excess of a limit on what may jump at nodes, between points and relative to its range: next to a
+/// jump polynomials overshoot on any mesh.
+pub const OVERSHOOT: f64 = 0.1;
 /// Where it does not, so many parts of it must end so near together, each integrated from its own start.
 pub const PARTS: f64 = 20.0;
 /// .. where values of a joint are at least this part of those of all joints..
@@ -255,6 +265,14 @@ pub const NARROWEST: f64 = 1e-5;
 pub const ROUNDING_OF_RATES: f64 = 3e-8;
 /// The same of accelerations and torques.
 pub const ROUNDING_OF_TORQUES: f64 = 1e-8;
+/// Where an interval crosses something narrow, the least width is this part of that.
+pub const NARROWER: f64 = 0.1;
+/// Beside what is narrow, a gap between nodes is at most this many times as wide as the one before it, ..
+pub const GRADED: f64 = 4.0;
+/// .. with at most so many nodes in an interval of the mesh before.
+pub const MOST_GRADED: usize = 64;
+/// References are nodes at their knots if those take no more than this part of the nodes that are allowed.
+pub const KNOTS_OF_NODES: usize = 10;
 /// New nodes are farther from others than this part of the narrowest width: close pairs enclose a jump
 /// whose place is known roughly..
 pub const CLOSEST: f64 = 0.1;

@@ -20,3 +20,9 @@ pub const DRAWN: usize = 3;
 pub const DETOURS: usize = 4;
 /// Waves in the joints (rad, m).
 pub const BENDS: [f64; 2] = [0.6, 1.2];
+/// A guess whose time makes this part of its cost is one of least time, ..
+pub const MOSTLY_TIME: f64 = 0.5;
+/// .. of which so many positions are looked at beside its own, those that are reached soonest. ..
+pub const BRANCHES: usize = 8;
+/// .. Positions that differ by less in all joints are the same (rad, m).
+pub const SAME_POSITION: f64 = 1e-2;

@@ -11,6 +11,7 @@
 pub(crate) mod checks;
 pub(crate) mod differences;
 pub(crate) mod direct;
+pub(crate) mod dry_friction;
 pub(crate) mod elastic;
 mod extremals;
 pub(crate) mod free_motions;

@@ -3,6 +3,10 @@
 /// Least square of the sine between an axis and the direction that it shall have, beyond a right angle:
 /// at opposite the rotation between the two is not unique, and its derivatives are infinite.
 pub const OPPOSITE: f64 = 1e-24;
+
+/// Least square of the horizontal part of an axis that has a yaw: the derivatives of that of a vertical one
+/// are infinite.
+pub const VERTICAL: f64 = 1e-24;
 /// What makes the closest places of parallel segments unique, in squares of the sum of radii: the
 /// clearance is lowered by at most a quarter of this, in radii. With less its second derivatives at
 /// parallel segments become large.
@@ -52,6 +56,16 @@ pub mod reach {
     pub const BRANCH_STEPS: usize = 20;
     /// .. which differ by more than this in a joint (rad).
     pub const APART: f64 = 0.5;
+    /// Descents from which positions are ranked by their least time, ..
+    pub const DESCENTS: usize = 160;
+    /// .. every other one from within this distance of the place before (rad, m) ..
+    pub const NEARBY: f64 = 3.0;
+    /// .. or nearer. So many positions are kept, ..
+    pub const MOST_BRANCHES: usize = 16;
+    /// .. which count as so much later where what is kept along the motion is exceeded by its range (s), ..
+    pub const OUTSIDE: f64 = 100.0;
+    /// .. and which differ by this where places leave joints free (rad), as nearer ones slide to each other.
+    pub const APART_ALONG: f64 = 1.0;
     /// Steps along what places leave free to a cheaper position (rad, m), the longer ones first. ..
     pub const SLIDES: [f64; 2] = [0.5, 0.2];
     /// .. So many positions are tried at most.

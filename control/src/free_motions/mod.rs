@@ -76,6 +76,6 @@ fn from_start(
     let iterations = std::mem::take(&mut recorder.iterations);
     let solution = solution(&task, options, &found)?;
     let motion = Motion { iterations, ..solution.motion };
-    let starts = vec![StartResult::of(&motion, kind, 1)];
+    let starts = vec![StartResult::of(&motion, solution.limits.violation(), kind, 1)];
     Ok(Solution { motion, starts, ..solution })
 }

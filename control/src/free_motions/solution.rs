@@ -6,6 +6,7 @@ use crate::direct_states::solution::StateMotion;
 use crate::options::{SolverOptions, Verify};
 use crate::result::motion::Motion;
 use crate::result::solution::{RobotNames, Solution};
+use crate::result::verification::Verification;
 use crate::result::verify::verification_bound;
 use costate::EvalError;
 
@@ -46,6 +47,7 @@ pub(super) fn solution(
         constraints: Vec::new(),
         gait: None,
         polish: None,
+        verified: Some(Verification::skipped("floating or spherical joints: costates of quaternions")),
         stage_times: None,
         trajectory,
         starts: Vec::new(),

@@ -57,7 +57,16 @@ fn usage<F: Fn(&State) -> f64>(
                 if excess > worst * range {
                     worst = excess / range;
                     let (name, unit) = (name.clone(), unit.into());
-                    all.worst = Some(LimitViolation { name, time, excess, unit, value, limit, rate: None });
+                    all.worst = Some(LimitViolation {
+                        name,
+                        time,
+                        excess,
+                        part: worst,
+                        unit,
+                        value,
+                        limit,
+                        rate: None,
+                    });
                 }
             }
             let places = found.t.iter().zip(&at_points);

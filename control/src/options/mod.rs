@@ -14,8 +14,9 @@ use std::time::Duration;
 #[serde(default)]
 #[non_exhaustive]
 pub struct SolverOptions {
-    /// Largest estimated error of a component, relative to the largest value that it takes along the motion;
-    /// of the direct method, of the cost.
+    /// Of the direct method the largest estimated error of the cost, relative to it, 1e-4 by default. Of the
+    /// others that of a component, relative to the largest value that it takes along the motion, 1e-6 by
+    /// default.
     pub tolerance: f64,
     /// How the boundary-value problem is discretised.
     pub method: Method,
@@ -76,7 +77,7 @@ mod seconds {
 impl Default for SolverOptions {
     fn default() -> Self {
         Self {
-            tolerance: 1e-6,
+            tolerance: TOLERANCE,
             method: Method::Direct,
             nodes: 21,
             max_nodes: 6001,
@@ -96,11 +97,21 @@ impl Default for SolverOptions {
     }
 }
 
+/// Default tolerance of the direct method. Limits are kept between the points to the same part of their
+/// ranges ([`direct_method`](crate::direct_method)); a tighter one refines around jumps that change the cost
+/// by less than any robot repeats it.
+const TOLERANCE: f64 = 1e-4;
+/// That of the others, whose error falls with a high power of the number of nodes.
+const TOLERANCE_OF_EXTREMALS: f64 = 1e-6;
+
 impl SolverOptions {
     /// The default options of a method. The direct one takes more and cheaper steps than the others.
     pub fn of(method: Method) -> Self {
-        let max_iterations = if method == Method::Direct { 200 } else { 60 };
-        Self { method, max_iterations, ..Self::default() }
+        let (tolerance, max_iterations) = match method {
+            Method::Direct => (TOLERANCE, 200),
+            Method::Collocation | Method::Shooting => (TOLERANCE_OF_EXTREMALS, 60),
+        };
+        Self { method, tolerance, max_iterations, ..Self::default() }
     }
 }
 
@@ -118,10 +129,13 @@ impl SolverOptions {
         Self { tolerance, ..self }
     }
 
-    /// Sets [`method`](Self#structfield.method).
+    /// Sets [`method`](Self#structfield.method). A tolerance that is the default of the former method becomes
+    /// that of this one.
     #[must_use]
     pub fn with_method(self, method: Method) -> Self {
-        Self { method, ..self }
+        let is_default = self.tolerance == Self::of(self.method).tolerance;
+        let tolerance = if is_default { Self::of(method).tolerance } else { self.tolerance };
+        Self { method, tolerance, ..self }
     }
 
     /// Sets [`nodes`](Self#structfield.nodes).

@@ -22,7 +22,7 @@ fn most(solution: &Solution, problem: &Problem, limits: &[f64], torques: bool) -
 }
 
 fn solve(problem: &Problem) -> Solution {
-    Solver::new(problem, SolverOptions::default()).unwrap().solve()
+    Solver::new(problem, SolverOptions::default().with_tolerance(1e-6)).unwrap().solve()
 }
 
 fn two_link() -> Robot {
@@ -51,7 +51,11 @@ fn jerks_that_jump_are_kept_or_told() {
     }
     for problem in [problem, still] {
         let found = solve(&problem);
-        assert_eq!(found.motion.status, Status::Converged);
+        // More than a tenth is no overshoot of a polynomial beside a jump: the limit is not kept.
+        let worst = found.limits.jerk.as_ref().and_then(|jerk| jerk.worst_between.as_ref());
+        let is_kept = worst.is_none_or(|worst| worst.part <= 0.1);
+        let status = &found.motion.status;
+        assert!(is_kept || !status.is_converged(), "{status}");
         is_told(&found, most(&found, &problem, &[60.0, 80.0], false));
     }
 }

@@ -116,7 +116,7 @@ fn a_time_too_short_for_the_bounds_is_not_converged() {
     let bounds = Bounds::symmetric(vec![3.0]);
     let problem = Problem::rest_to_rest(sledge(), &[0.0], &[1.0], 1.0).with_bounds(bounds);
     let directly = Solver::new(&problem, sharp()).unwrap().solve();
-    assert_eq!(directly.motion.status, Status::Infeasible);
+    assert_eq!(directly.motion.status, Status::LocallyInfeasible);
     let limit = &directly.limits.infeasible.as_ref().unwrap().limits[0];
     assert!(limit.kind == "torque" && (limit.amount - 1.0).abs() < 0.05, "{limit:?}");
     let options = SolverOptions::of(Method::Collocation).with_tolerance(1e-9);

@@ -29,7 +29,7 @@ fn solve_with(problem: &Problem, options: SolverOptions) -> Solution {
 }
 
 pub fn solve(problem: &Problem) -> Solution {
-    solve_with(problem, SolverOptions::default().with_polish(Polish::Never))
+    solve_with(problem, SolverOptions::default().with_tolerance(1e-6).with_polish(Polish::Never))
 }
 
 /// Largest violation at the points among all kinds, each in parts of `ranges`: q, v, a, tau.
@@ -139,7 +139,7 @@ fn limits_of_positions_and_torques() {
     let mut problem = Problem::rest_to_rest(robot("pendulum"), &[0.0], &[PI], 3.0)
         .with_limits(MotionLimits::none().with_q_min(vec![-0.7]));
     problem.cost = Objective::new(0.0, vec![1.0]);
-    let solution = solve_with(&problem, SolverOptions::default().with_starts(4));
+    let solution = solve_with(&problem, SolverOptions::default().with_tolerance(1e-6).with_starts(4));
     let arm = arm_at_its_limits();
     let arm_solution = solve(&arm);
     check(&problem, &solution, 19.4870292, 1e-6);
@@ -169,7 +169,7 @@ fn limits_to_eight_digits() {
         (limited("two_link_least_time", &[0.35, 1.0]), 3.2300988, 2e-8),
         (swing, 19.4870292, 1e-8),
     ] {
-        let options = SolverOptions::default().with_polish(Polish::Never).with_starts(4);
+        let options = SolverOptions::default().with_tolerance(1e-6).with_polish(Polish::Never).with_starts(4);
         let solution = solve_with(&problem, options.with_tolerance(1e-8));
         assert_eq!(solution.motion.status, Status::Converged, "{value}");
         assert!((solution.total() / value - 1.0).abs() < digits, "{value}: {}", solution.total());
@@ -185,7 +185,7 @@ fn limits_of_accelerations_and_torques() {
         problem.time = FinalTime::Free { guess: 3.0 };
         problem.cost = Objective::new(1.0, vec![0.0]);
         problem.bounds = None;
-        Solver::new(&problem, SolverOptions::default()).map(Solver::solve)
+        Solver::new(&problem, SolverOptions::default().with_tolerance(1e-6)).map(Solver::solve)
     };
     let limits = MotionLimits::none();
     // Nothing bounds the control.
@@ -214,15 +214,15 @@ fn a_saved_motion_is_a_start() {
     let saved: Solution = serde_json::from_str(&serde_json::to_string(&solution).unwrap()).unwrap();
     assert_eq!(saved.limits, solution.limits);
     assert_eq!(saved.motion.status, Status::Converged);
-    let solver = Solver::new(&problem, SolverOptions::default()).unwrap();
+    let solver = Solver::new(&problem, SolverOptions::default().with_tolerance(1e-6)).unwrap();
     let again = solver.with_start(&saved.trajectory).unwrap().solve();
     check(&problem, &again, 155.74483972, 1e-6);
     // The pendulum keeps the side from which it starts: the worse motion stays what it is.
     let mut swing = Problem::rest_to_rest(robot("pendulum"), &[0.0], &[PI], 3.0)
         .with_limits(MotionLimits::none().with_q_min(vec![-0.7]));
-    let back = solve_with(&swing, SolverOptions::default().with_starts(4));
+    let back = solve_with(&swing, SolverOptions::default().with_tolerance(1e-6).with_starts(4));
     swing.limits = MotionLimits::none().with_q_min(vec![-0.6]);
-    let solver = Solver::new(&swing, SolverOptions::default()).unwrap();
+    let solver = Solver::new(&swing, SolverOptions::default().with_tolerance(1e-6)).unwrap();
     let warm = solver.with_start(&back.trajectory).unwrap().solve();
     assert_eq!(warm.motion.status, Status::Converged);
     assert!(warm.total() > back.total() && warm.total() < 1.1 * back.total(), "{}", warm.total());
@@ -231,14 +231,16 @@ fn a_saved_motion_is_a_start() {
 #[test]
 fn a_search_that_is_stopped_keeps_its_motion() {
     let problem = limited("two_link", &[INF, 7.0]);
-    let solver = || Solver::new(&problem, SolverOptions::default().with_starts(3)).unwrap();
+    let solver =
+        || Solver::new(&problem, SolverOptions::default().with_tolerance(1e-6).with_starts(3)).unwrap();
     let cancel = Cancel::new();
     cancel.cancel();
     let stopped = solver().with_cancel(cancel).solve();
     assert_eq!(stopped.motion.status, Status::Cancelled);
     assert!(stopped.motion.iterations.is_empty() && stopped.starts.len() == 1);
     assert!(stopped.trajectory.t.len() > 1);
-    let options = |threads| SolverOptions::default().with_starts(3).with_threads(threads);
+    let options =
+        |threads| SolverOptions::default().with_tolerance(1e-6).with_starts(3).with_threads(threads);
     for threads in [1, 2] {
         let mut steps = 0;
         let solver = Solver::new(&problem, options(threads)).unwrap().on_iteration(|step| {

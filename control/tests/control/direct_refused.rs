@@ -51,6 +51,7 @@ fn limits_need_the_direct_method() {
     // Files: the method follows from the limits.
     let file = |limits: &str, solver: &str| {
         let text = std::fs::read_to_string("../examples/problems/two_link.toml").unwrap();
+        let (text, _) = text.split_once("[solver]").unwrap();
         let text = format!("{text}\n[limits]\n{limits}\n[solver]\n{solver}\n");
         ProblemFile::from_text(&text, "../examples/problems", LoadOptions::default())
     };

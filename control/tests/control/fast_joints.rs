@@ -35,6 +35,7 @@ fn solved(robot: &Robot, nodes: usize) -> (Problem, Solution) {
         .with_cost(Objective::new(0.0, vec![1.0, 1.0]))
         .with_limits(MotionLimits::none());
     let options = SolverOptions::default()
+        .with_tolerance(1e-6)
         .with_nodes(nodes)
         .with_max_nodes(nodes)
         .with_polish(Polish::Never)

@@ -89,7 +89,7 @@ fn a_motor_that_is_too_weak_is_named_with_what_it_lacks() {
         let problem = Problem::rest_to_rest(wheel(), &start, &end, 2.0)
             .with_limits(MotionLimits::none().with_torque_max([&[0.0; 6][..], &[most]].concat()));
         let end = problem.end.clone().with_q_free(&[0, 1, 2, 6]);
-        Solver::new(&problem.with_end(end), SolverOptions::default()).unwrap().solve()
+        Solver::new(&problem.with_end(end), SolverOptions::default().with_tolerance(1e-6)).unwrap().solve()
     };
     let solution = turn(1.0);
     assert_eq!(solution.motion.status, Status::LimitsNotKept);
@@ -176,7 +176,11 @@ fn what_is_saved_is_read_again() {
         (solution.trajectory.q.clone(), &solution.trajectory.v)
     );
     let start = Trajectory::from_json(&text, &problem.robot).unwrap();
-    let again = Solver::new(&problem, SolverOptions::default()).unwrap().with_start(&start).unwrap().solve();
+    let again = Solver::new(&problem, SolverOptions::default().with_tolerance(1e-6))
+        .unwrap()
+        .with_start(&start)
+        .unwrap()
+        .solve();
     assert!((again.motion.cost / solution.motion.cost - 1.0).abs() < 1e-5);
     let broken = text.replace("\"position\":0", "\"position\":3");
     assert!(Solution::from_json(&broken).unwrap_err().to_string().contains("free_joints"));

@@ -17,7 +17,7 @@ fn costs_do_not_depend_on_the_guess_of_the_time() {
                 .with_time(FinalTime::Free { guess })
                 .with_cost(Objective::new(1.0, vec![0.01; 2]))
                 .with_limits(limits.clone());
-            let options = SolverOptions::default().with_polish(Polish::Never);
+            let options = SolverOptions::default().with_tolerance(1e-6).with_polish(Polish::Never);
             let solution = Solver::new(&problem, options).unwrap().solve();
             assert_eq!(solution.motion.status, Status::Converged, "{guess}");
             solution.total()

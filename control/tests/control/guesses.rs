@@ -2,8 +2,8 @@
 
 use costate::robot::{LoadOptions, Placement, Robot};
 use costate_control::{
-    Collision, GuessKind, MotionLimits, Obstacle, Polish, Problem, ProblemFile, Shape, Solution, Solver,
-    SolverOptions, Status, Task, Tool, ToolPose,
+    Collision, FinalTime, GuessKind, MotionLimits, Objective, Obstacle, Polish, Problem, ProblemFile, Shape,
+    Solution, Solver, SolverOptions, Status, Task, Tool, ToolPose,
 };
 use std::ops::ControlFlow;
 
@@ -23,7 +23,7 @@ fn to_the_line() -> Problem {
 }
 
 fn options() -> SolverOptions {
-    SolverOptions::default().with_polish(Polish::Never)
+    SolverOptions::default().with_tolerance(1e-6).with_polish(Polish::Never)
 }
 
 fn solve(problem: &Problem, options: SolverOptions) -> Solution {
@@ -140,4 +140,30 @@ fn looks_are_steps_that_can_be_stopped() {
         assert_eq!((&stopped.motion.status, made), (&Status::Cancelled, most));
         assert!(stopped.trajectory.t.len() > 1 && most < steps);
     }
+}
+
+/// The tip of the two-link arm goes to a place with a slow shoulder. The nearer position of the joints lies
+/// 0.65 rad of the shoulder away, the other one 0.25 rad and 1.8 rad of the elbow, which is fast.
+#[test]
+fn least_time_ends_at_the_position_that_is_reached_soonest() {
+    let mut problem = two_link();
+    let [shoulder, elbow] = [0.5, 0.9_f64];
+    problem.start.q = vec![shoulder + 0.25, -elbow];
+    problem.end.q_free = vec![0, 1];
+    problem.end.q = vec![shoulder + elbow, -elbow];
+    problem.time = FinalTime::Free { guess: 3.0 };
+    let tip = Tool::new("joint:elbow").with_offset([1.0, 0.0, 0.0]);
+    let [x, y] = [shoulder.cos() + (shoulder + elbow).cos(), shoulder.sin() + (shoulder + elbow).sin()];
+    let (rate, jerk) = (0.2, 20.0);
+    let limits = MotionLimits::none().with_v_max(vec![rate, 5.0]).with_jerk_max(vec![jerk, 400.0]);
+    let problem = problem
+        .with_cost(Objective::new(1.0, vec![0.0; 2]))
+        .with_task(Task::default().with_end_tool(ToolPose::of(tip).with_position([x, y, FREE])))
+        .with_limits(limits);
+    let solution = solve(&problem, SolverOptions::default());
+    assert_eq!(solution.motion.status, Status::Converged);
+    assert_eq!(solution.starts[0].guess, GuessKind::OtherPosition);
+    // The shoulder speeds up within sqrt(2 V/J) over two thirds of that way, goes at V, and brakes.
+    let ramp = (2.0 * rate / jerk).sqrt();
+    is_about(solution.motion.final_time, 2.0 * ramp + (0.25 - 4.0 / 3.0 * rate * ramp) / rate, 1e-3);
 }

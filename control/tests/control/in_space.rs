@@ -52,7 +52,9 @@ fn keeping(kept: Kept) -> Task {
 }
 
 fn solve(problem: &Problem) -> Solution {
-    Solver::new(problem, SolverOptions::default().with_polish(Polish::Never)).unwrap().solve()
+    Solver::new(problem, SolverOptions::default().with_tolerance(1e-6).with_polish(Polish::Never))
+        .unwrap()
+        .solve()
 }
 
 fn check(problem: &Problem, value: f64, part: f64) -> Solution {
@@ -106,7 +108,7 @@ fn a_direction_and_an_orientation_within_an_angle() {
     ] {
         // From the straight way a minimum of 585.99 is nearest.
         let problem = arm([0.0, 0.0], [FRAC_PI_2, 0.0], keeping(kept));
-        let options = SolverOptions::default().with_polish(Polish::Never).with_starts(4);
+        let options = SolverOptions::default().with_tolerance(1e-6).with_polish(Polish::Never).with_starts(4);
         verdict(&Solver::new(&problem, options).unwrap().solve(), 292.1224, 3e-6);
     }
 }
@@ -142,7 +144,7 @@ fn a_pendulum_with_little_room_behind() {
     let robot = Robot::from_file("../robots/pendulum.toml").unwrap();
     let swing = Problem::rest_to_rest(robot, &[0.0], &[PI], 3.0)
         .with_limits(MotionLimits::none().with_q_min(vec![-0.2]));
-    let options = SolverOptions::default().with_polish(Polish::Never).with_starts(4);
+    let options = SolverOptions::default().with_tolerance(1e-6).with_polish(Polish::Never).with_starts(4);
     let solution = Solver::new(&swing, options).unwrap().solve();
     verdict(&solution, 27.844211, 1e-6);
     let position = solution.limits.position.unwrap();

@@ -15,7 +15,7 @@ fn problem(name: &str) -> Problem {
 }
 
 fn solve(problem: &Problem, polish: Polish) -> Solution {
-    Solver::new(problem, SolverOptions::default().with_polish(polish)).unwrap().solve()
+    Solver::new(problem, SolverOptions::default().with_tolerance(1e-6).with_polish(polish)).unwrap().solve()
 }
 
 fn outcome(solution: &Solution) -> PolishOutcome {

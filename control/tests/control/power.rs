@@ -35,7 +35,7 @@ fn solve_with(problem: &Problem, options: SolverOptions) -> Solution {
 }
 
 fn solve(problem: &Problem) -> Solution {
-    solve_with(problem, SolverOptions::default().with_polish(Polish::Never))
+    solve_with(problem, SolverOptions::default().with_tolerance(1e-6).with_polish(Polish::Never))
 }
 
 /// Solved with this cost.
@@ -136,11 +136,24 @@ fn energy_has_a_cost() {
     assert!(least > 0.0 && least < 0.5 * 2.0 * (1.0 - 0.1), "{least}");
 }
 
+/// The drift of H* that a tolerance of the cost leaves. A torque that is off by d on an interval of the width
+/// w costs d^2 w, which is at most the tolerance times J, and changes H* at a limit by up to 2 |u| d:
+/// relative to the largest u^2 that is 2 (tolerance T/w)^(1/2). Nodes where a power changes its sign are
+/// close.
+fn drift_allowed(solution: &Solution, tolerance: f64) -> f64 {
+    let times: Vec<f64> = solution.trajectory.t.iter().step_by(3).copied().collect();
+    let narrowest = times.windows(2).fold(f64::INFINITY, |least, t| least.min(t[1] - t[0]));
+    2.0 * (tolerance * solution.motion.final_time / narrowest).sqrt()
+}
+
 /// H* is constant, and both H* and the costates are derivatives of the cost.
 #[test]
 fn costates_contain_powers() {
     let sharp = |problem: &Problem| {
-        let options = SolverOptions::default().with_polish(Polish::Never).with_verify(Verify::None);
+        let options = SolverOptions::default()
+            .with_tolerance(1e-6)
+            .with_polish(Polish::Never)
+            .with_verify(Verify::None);
         solve_with(problem, options.with_tolerance(1e-7))
     };
     let limits = none().with_power_max(vec![30.0, 150.0]).with_total_power_max(110.0);
@@ -149,7 +162,8 @@ fn costates_contain_powers() {
     for problem in [with_energy(limits), with_energy(none()), arm(none().with_power_max(vec![INF, 150.0]))] {
         let solution = sharp(&problem);
         let drift = solution.motion.hamiltonian_drift;
-        assert!(drift < 3e-3, "{drift}");
+        let allowed = drift_allowed(&solution, 1e-7);
+        assert!(drift < allowed, "{drift} of {allowed}");
         let slope = |change: &dyn Fn(&mut Problem, f64)| {
             let [above, below] = [step, -step].map(|step| {
                 let mut near = problem.clone();
@@ -170,7 +184,8 @@ fn costates_contain_powers() {
 #[test]
 fn a_polish_keeps_powers_or_is_not_tried() {
     let outcome = |problem: &Problem| {
-        let solution = solve_with(problem, SolverOptions::default().with_polish(Polish::Always));
+        let solution =
+            solve_with(problem, SolverOptions::default().with_tolerance(1e-6).with_polish(Polish::Always));
         (solution.polish.as_ref().unwrap().outcome, solution)
     };
     let motors = none().with_torque_max(vec![20.0, 28.0]).with_torque_speed(vec![3.0, 4.0], vec![8.0, 12.0]);
@@ -204,7 +219,7 @@ fn motors_with_limited_power_and_a_cost_of_energy() {
 #[test]
 fn a_power_that_is_too_small_is_told() {
     let solution = solve(&arm(none().with_total_power_max(1.0)));
-    assert_eq!(solution.motion.status, Status::Infeasible);
+    assert_eq!(solution.motion.status, Status::LocallyInfeasible);
     let worst = solution.limits.power.as_ref().unwrap().worst.as_ref().unwrap();
     assert!(worst.name == "all joints" && worst.unit == "W" && worst.limit.abs() == 1.0, "{worst:?}");
     assert!((worst.value.abs() - 1.0 - worst.excess).abs() < 1e-9, "{worst:?}");

@@ -86,6 +86,7 @@ fn other_methods_refuse_powers_and_energy() {
 fn problem_files_choose_the_direct_method() {
     let file = |cost: &str, limits: &str, solver: &str| {
         let text = std::fs::read_to_string("../examples/problems/two_link.toml").unwrap();
+        let (text, _) = text.split_once("[solver]").unwrap();
         let text = format!("{text}\n{cost}\n[limits]\nfrom_robot = false\n{limits}\n[solver]\n{solver}\n");
         ProblemFile::from_text(&text, "../examples/problems", LoadOptions::default())
     };

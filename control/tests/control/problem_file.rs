@@ -1,6 +1,6 @@
 //! Problem files: every key, defaults, and errors.
 
-use costate::robot::{Friction, LoadOptions, Robot};
+use costate::robot::{Friction, JointSpec, LinkInertia, LoadOptions, Robot};
 use costate_control::{
     BoundaryState, Bounds, Coordinates, FinalTime, JacobianRoute, Key, MachineCode, Method, Objective,
     Penalty, Polish, ProblemFile, ProblemFileCause, SolverOptions, Verify,
@@ -246,6 +246,20 @@ fn levels_of_verification_and_polish_are_read() {
     }
 }
 
+/// The direct method estimates the error of the cost, the others that of each component.
+#[test]
+fn each_method_has_its_own_tolerance() {
+    let tolerance = |text: &str| read(&format!("{LEAST}[solver]\n{text}\n")).unwrap().options.tolerance;
+    assert_eq!(
+        [tolerance(""), tolerance("method = \"collocation\""), tolerance("method = \"shooting\"")],
+        [1e-4, 1e-6, 1e-6]
+    );
+    assert_eq!(tolerance("method = \"shooting\"\ntolerance = 1e-3"), 1e-3);
+    let sharp = SolverOptions::default().with_tolerance(1e-9);
+    assert_eq!(sharp.with_method(Method::Collocation).tolerance, 1e-9, "what was asked for stays");
+    assert_eq!(SolverOptions::of(Method::Collocation).with_method(Method::Direct).tolerance, 1e-4);
+}
+
 #[test]
 fn errors_have_line_key_and_cause() {
     for (from, to, message) in [
@@ -282,4 +296,72 @@ fn errors_have_line_key_and_cause() {
     assert_eq!((error.line, error.key.as_deref(), error.path), (Some(1), Some("robot"), None));
     let file = read(&format!("{LEAST}[start_from]\nfile = \"x\"\n")).unwrap();
     assert_eq!(file.refuse(Key::START_FROM, "empty").to_string(), "problem:11: start_from.file: empty");
+}
+
+/// A number stands for all joints in costs, limits, bounds, penalties and gains; not in positions and rates.
+#[test]
+fn one_number_stands_for_all_joints() {
+    let more = "[limits]\nv_max = 3\na_max = [4, 5]\njerk_max = 200\ntorque_max = 50.0\nfrom_robot = false\n\
+                [actuation]\ngain = 2\n[bounds]\nu_min = -7\nu_max = 8\n";
+    let problem = read(&format!("{}{more}", LEAST.replace("effort = [1, 1]", "effort = 0.5\njerk = 1e-3")))
+        .unwrap()
+        .problem;
+    assert_eq!(problem.cost.effort, [0.5, 0.5]);
+    assert_eq!((problem.cost.jerk, problem.gain), (Some(vec![1e-3; 2]), vec![2.0; 2]));
+    assert_eq!(problem.bounds, Some(Bounds::new(vec![-7.0; 2], vec![8.0; 2])));
+    let limits = problem.limits;
+    assert_eq!((limits.v_max, limits.a_max), (Some(vec![3.0; 2]), Some(vec![4.0, 5.0])));
+    assert_eq!((limits.jerk_max, limits.torque_max), (Some(vec![200.0; 2]), Some(vec![50.0; 2])));
+    let soft = read(&format!("{LEAST}[penalty]\nweight = 1\nq_max = 9\nv_max = inf\n")).unwrap().problem;
+    let penalty = Penalty::new(1.0).with_q_max(vec![9.0; 2]).with_v_max(vec![f64::INFINITY; 2]);
+    assert_eq!(soft.penalty, Some(penalty));
+    let error = read(&LEAST.replace("q = [0, 0]", "q = 0")).unwrap_err();
+    assert_eq!(error, "problem:3: start.q: give a list of numbers, not 0");
+    let error = read(&LEAST.replace("effort = [1, 1]", "effort = true")).unwrap_err();
+    let expected =
+        "problem:9: cost.effort: give a number for all joints, or a list with one for each, not true";
+    assert_eq!(error, expected);
+}
+
+/// What flies or turns freely has no motors by a number that is meant for joints.
+#[test]
+fn one_torque_leaves_out_free_joints() {
+    let body = LinkInertia::from_entries(2.0, [0.1, 0.0, 0.0], [0.1, 0.1, 0.1, 0.0, 0.0, 0.0]);
+    let robot = Robot::builder("flyer")
+        .joint(JointSpec::floating("base").carrying(body))
+        .joint(JointSpec::revolute("arm").on("base").carrying(body))
+        .build()
+        .and_then(|robot| robot.with_gravity([0.0; 3]))
+        .unwrap();
+    let text = "start.q = [0, 0, 0, 0, 0, 0, 1, 0]\nend.q = [0, 0, 0, 0, 0, 0, 1, 1]\n\
+                end.q_free = [\"base_x\", \"base_y\", \"base_z\", \"base_rx\", \"base_ry\", \"base\"]\ntime.final = 1\n\
+                cost.effort = [0, 0, 0, 0, 0, 0, 1]\nlimits.torque_max = 5\n";
+    let problem = ProblemFile::for_robot(text, &robot, "").unwrap().problem;
+    assert_eq!(problem.limits.torque_max, Some(vec![0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 5.0]));
+}
+
+/// A free time needs no guess: that of smooth ways within the limits.
+#[test]
+fn a_free_time_needs_no_guess() {
+    let text = LEAST.replace("final = 2", "free = true").replace("effort = [1, 1]", "effort = 0\ntime = 1");
+    let guess = |more: &str| match read(&format!("{text}{more}")).unwrap().problem.time {
+        FinalTime::Free { guess } => guess,
+        time => panic!("{time:?}"),
+    };
+    let none = "[limits]\nfrom_robot = false\n";
+    // Peaks of the polynomial of degree five: 15/8 D/T, 10/sqrt 3 D/T^2, 60 D/T^3.
+    let by_rate = guess(&format!("{none}v_max = [0.5, 1]\ntorque_max = 1e6\n"));
+    assert!((by_rate - 15.0 / 8.0 / 0.5).abs() < 1e-12, "{by_rate}");
+    let by_acceleration = guess(&format!("{none}a_max = 0.1\ntorque_max = 1e6\n"));
+    assert!((by_acceleration - (10.0 / 3.0_f64.sqrt() / 0.1).sqrt()).abs() < 1e-12, "{by_acceleration}");
+    let by_jerk = guess(&format!("{none}jerk_max = 0.06\ntorque_max = 1e6\n"));
+    assert!((by_jerk - 10.0).abs() < 1e-12, "{by_jerk}");
+    // Twice the torque beyond that of gravity: about the acceleration that it gives.
+    let by_torque = guess(&format!("{none}torque_max = 40\n"));
+    assert!((0.1..10.0).contains(&by_torque), "{by_torque}");
+    assert!(guess("[bounds]\nu_min = -40\nu_max = 40\n") == by_torque);
+    // Dearer efforts take longer: with the fourth root.
+    let by_effort = |weight: &str| read(&text.replace("effort = 0", weight)).unwrap().problem.time.value();
+    let ratio = by_effort("effort = 16") / by_effort("effort = 1");
+    assert!((ratio - 2.0).abs() < 1e-12, "{ratio}");
 }

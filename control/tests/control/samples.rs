@@ -39,7 +39,7 @@ fn check_dynamics(problem: &Problem, samples: &Samples) {
 #[test]
 fn both_methods_give_the_same_samples_and_the_last_is_at_the_end() {
     let problem = problem("puma560_pick_and_place").with_limits(MotionLimits::none());
-    let indirect = solve(&problem, SolverOptions::default());
+    let indirect = solve(&problem, SolverOptions::default().with_tolerance(1e-6));
     let direct = solve(&problem, SolverOptions::default().with_tolerance(1e-9).with_polish(Polish::Never));
     // 1 s is not a multiple of 1/30.7 s.
     let [a, b] = [&indirect, &direct].map(|solution| solution.sample(&problem, 30.7).unwrap());
@@ -65,7 +65,7 @@ fn both_methods_give_the_same_samples_and_the_last_is_at_the_end() {
 #[test]
 fn torques_are_cut_to_their_limits_and_positions_are_those_of_the_spline() {
     let problem = problem("two_link_bounded").with_limits(MotionLimits::none());
-    let solution = solve(&problem, SolverOptions::default().with_polish(Polish::Never));
+    let solution = solve(&problem, SolverOptions::default().with_tolerance(1e-6).with_polish(Polish::Never));
     let samples = solution.sample(&problem, 2000.0).unwrap();
     let bounds = problem.bounds.as_ref().unwrap();
     for u in &samples.u {
@@ -86,7 +86,7 @@ fn torques_are_cut_to_their_limits_and_positions_are_those_of_the_spline() {
 #[test]
 fn what_cannot_be_sampled_is_an_error() {
     let problem = problem("two_link");
-    let solution = solve(&problem, SolverOptions::default());
+    let solution = solve(&problem, SolverOptions::default().with_tolerance(1e-6));
     for rate in [0.0, -1.0, f64::INFINITY, f64::NAN] {
         assert!(matches!(solution.sample(&problem, rate), Err(SampleError::Rate { .. })));
     }
@@ -103,7 +103,7 @@ fn what_cannot_be_sampled_is_an_error() {
 #[test]
 fn samples_at_given_times_are_those_of_a_rate() {
     let problem = problem("two_link_jerk");
-    let solution = solve(&problem, SolverOptions::default());
+    let solution = solve(&problem, SolverOptions::default().with_tolerance(1e-6));
     let regular = solution.sample(&problem, 50.0).unwrap();
     let given = solution.sample_at(&problem, &regular.t).unwrap();
     assert!(given.rate.is_nan());
@@ -125,7 +125,7 @@ fn samples_at_given_times_are_those_of_a_rate() {
 #[test]
 fn rates_are_the_slopes_of_the_samples() {
     let problem = problem("two_link_jerk");
-    let solution = solve(&problem, SolverOptions::default());
+    let solution = solve(&problem, SolverOptions::default().with_tolerance(1e-6));
     let end = solution.motion.final_time;
     let h = 1e-6 * end;
     let times: Vec<f64> = (1..60).map(|k| end * f64::from(k) / 60.3).collect();
@@ -159,6 +159,6 @@ fn rates_are_the_slopes_of_the_samples() {
     }
     // Accelerations of an indirect motion are those of forward dynamics: no polynomial has their slopes.
     let indirect = self::problem("puma560_pick_and_place").with_limits(MotionLimits::none());
-    let indirect = (solve(&indirect, SolverOptions::default()), indirect);
+    let indirect = (solve(&indirect, SolverOptions::default().with_tolerance(1e-6)), indirect);
     assert!(indirect.0.rates_at(&indirect.1, &[0.1]).unwrap().is_none());
 }

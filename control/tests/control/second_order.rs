@@ -77,7 +77,7 @@ fn a_saddle_at_a_limit_is_left() {
     let robot = Robot::from_file("../robots/pendulum.toml").unwrap();
     let problem = Problem::rest_to_rest(robot, &[0.0], &[PI], 3.0)
         .with_limits(MotionLimits::none().with_q_min(vec![-0.0002]));
-    let options = SolverOptions::default().with_polish(Polish::Never);
+    let options = SolverOptions::default().with_tolerance(1e-6).with_polish(Polish::Never);
     let Motion { status, certificate, cost, stationarity, .. } =
         Solver::new(&problem, options).unwrap().solve().motion;
     assert_eq!((status, certificate), (Status::Converged, Certificate::LocalMinimumOnMesh));
@@ -116,7 +116,9 @@ fn minima_with_all_that_a_problem_can_ask_are_known() {
         ("jerk", arm(none().with_jerk_max(vec![60.0, 120.0])), true),
     ] {
         let solution =
-            Solver::new(&problem, SolverOptions::default().with_polish(Polish::Never)).unwrap().solve();
+            Solver::new(&problem, SolverOptions::default().with_tolerance(1e-6).with_polish(Polish::Never))
+                .unwrap()
+                .solve();
         assert_eq!(
             (&solution.motion.status, solution.motion.certificate),
             (&Status::Converged, Certificate::LocalMinimumOnMesh),

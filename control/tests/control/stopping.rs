@@ -4,7 +4,8 @@ use crate::{sharp, sledge};
 use costate::robot::Robot;
 use costate_control::{
     BoundViolation, Bounds, BranchEnd, Cancel, Continuation, FinalTime, Iteration, Method, MotionLimits,
-    Objective, Parameter, Phase, Problem, Solution, Solver, SolverOptions, Status, TrajectoryError, Verify,
+    Objective, Parameter, Phase, Polish, Problem, Solution, Solver, SolverOptions, Status, TrajectoryError,
+    Verify,
 };
 use std::fmt::Debug;
 use std::ops::ControlFlow;
@@ -82,7 +83,7 @@ fn a_time_limit_stops_the_verification() {
     let cost = Objective::new(0.0, vec![4.4e-5, 4.4e-5, 4.4e-5, 1.3e-3, 1.3e-3, 1.3e-3]);
     let mut problem = Problem::rest_to_rest(robot, &ends[0], &ends[1], 1000.0).with_cost(cost);
     problem.limits.from_robot = Some(true);
-    let options = SolverOptions::default().with_time_limit(Duration::from_secs(5));
+    let options = SolverOptions::default().with_tolerance(1e-6).with_time_limit(Duration::from_secs(5));
     let began = Instant::now();
     let solution = Solver::new(&problem, options).unwrap().solve();
     let taken = began.elapsed();
@@ -215,4 +216,49 @@ fn all_threads_stop_together() {
     }
     let none = SolverOptions::default().with_threads(0);
     assert!(Solver::new(&problem, none).unwrap_err().to_string().contains("threads"));
+}
+
+/// The least-time motion of the two-link arm with limited jerks. Its first mesh does not reach the tolerance.
+fn jerk_limited() -> Problem {
+    let mut problem = two_link();
+    problem.time = FinalTime::Free { guess: 2.0 };
+    let limits = MotionLimits::none().with_v_max(vec![2.0; 2]).with_jerk_max(vec![60.0, 80.0]);
+    problem.with_cost(Objective::new(1.0, vec![0.0; 2])).with_limits(limits)
+}
+
+/// The last motion that is solved on its mesh is kept where a later mesh is not, with its accuracy.
+#[test]
+fn a_search_that_stops_on_a_finer_mesh_keeps_the_motion_of_the_coarser_one() {
+    let problem = jerk_limited();
+    let options = SolverOptions::default().with_tolerance(1e-6).with_polish(Polish::Never);
+    let (mut meshes, mut steps) = (vec![], 0);
+    let solver = Solver::new(&problem, options.clone()).unwrap().on_iteration(|iteration| {
+        if meshes.last() != Some(&iteration.nodes) {
+            meshes.push(iteration.nodes);
+        }
+        steps += usize::from(meshes.len() == 3);
+        if steps == 2 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    });
+    let stopped = solver.solve();
+    assert_eq!((meshes.len(), stopped.motion.status.clone()), (3, Status::Cancelled), "{meshes:?}");
+    kept(&stopped, &problem, meshes[1]);
+    // The same as where no finer mesh is allowed.
+    let ended = Solver::new(&problem, options.with_max_nodes(meshes[1])).unwrap().solve();
+    assert_eq!(ended.motion.status, Status::MeshLimit);
+    kept(&ended, &problem, meshes[1]);
+    assert!((ended.total() / stopped.total() - 1.0).abs() < 1e-12, "{} {}", ended.total(), stopped.total());
+    assert_eq!(ended.cost_error(), stopped.cost_error());
+}
+
+/// A motion on so many nodes that keeps all limits at its points, and costs about what the solution costs, as
+/// it says.
+fn kept(found: &Solution, problem: &Problem, nodes: usize) {
+    let options = SolverOptions::default().with_tolerance(1e-8).with_polish(Polish::Never);
+    let exact = Solver::new(problem, options).unwrap().solve().total();
+    let error = found.cost_error().unwrap();
+    assert!(error > 1e-6 && error < 0.1, "{error}");
+    assert!((found.total() / exact - 1.0).abs() < 10.0 * error, "{} {exact} {error}", found.total());
+    assert_eq!(found.mesh_nodes(), nodes);
+    let [rate, jerk] = [&found.limits.rate, &found.limits.jerk].map(|found| found.as_ref().unwrap());
+    assert!(rate.worst.is_none() && jerk.worst.is_none(), "{rate:?} {jerk:?}");
 }

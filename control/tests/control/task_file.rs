@@ -1,11 +1,11 @@
 //! Tools: every key of a problem file, the same in Rust, and errors.
 
-use costate::robot::{LoadOptions, Placement, Robot};
+use costate::robot::{JointSpec, LinkInertia, LoadOptions, Placement, Robot};
 use costate_control::{
     BoundaryState, Keep, Kept, Method, Parameter, Problem, ProblemError, ProblemFile, Solver, SolverOptions,
-    Task, TaskError, Tool, ToolCost, ToolPose,
+    Task, TaskError, Tool, ToolCost, ToolOrientation, ToolPose,
 };
-use nalgebra::Rotation3;
+use nalgebra::{Rotation3, Vector3};
 
 const INF: f64 = f64::INFINITY;
 const START: [f64; 6] = [0.0, -1.6, 1.8, -1.8, -1.57, 0.0];
@@ -207,4 +207,86 @@ fn errors_of_tasks_in_rust_name_the_entry() {
     else {
         panic!("{error}")
     };
+}
+
+#[test]
+fn quaternions_and_yaws_are_orientations() {
+    let pose = |lines: &str| {
+        let file = read(&with_tool(&format!("frame = \"tool0\"\nxyz = [0.4, 0.3, 0.3]\n{lines}\n")));
+        file.map(|file| file.problem.task.end_tools[0].orientation.clone().unwrap())
+    };
+    let half = std::f64::consts::FRAC_1_SQRT_2;
+    // A quarter turn about x: (x, y, z, w), three digits are enough.
+    let Ok(ToolOrientation::Full(found)) = pose("quaternion = [0.707, 0, 0, 0.707]") else { panic!() };
+    let expected = Rotation3::from_axis_angle(&Vector3::x_axis(), std::f64::consts::FRAC_PI_2);
+    assert!((found.matrix() - expected.matrix()).amax() < 1e-15);
+    let Ok(ToolOrientation::Full(found)) = pose(&format!("quaternion = [0, 0, {half}, -{half}]")) else {
+        panic!()
+    };
+    assert!(
+        (found.matrix()
+            - Rotation3::from_axis_angle(&Vector3::z_axis(), -std::f64::consts::FRAC_PI_2).matrix())
+        .amax()
+            < 1e-15
+    );
+    assert_eq!(pose("yaw = 0.3"), Ok(ToolOrientation::Yaw(0.3)));
+    for (lines, expected) in [
+        ("quaternion = [1, 0, 0, 1]", "quaternion: give [x, y, z, w] of length 1 to 1e-3"),
+        ("quaternion = [1, 0, 0]", "quaternion: give [x, y, z, w]"),
+        ("quaternion = [1, 0, 0, 0]\nrpy = [0, 0, 0]", "given by rpy or rotation already"),
+        ("yaw = 0.1\nalong = [0, 0, 1]", "yaw: the orientation is given by another key already"),
+        ("yaw = nan", "must be finite"),
+    ] {
+        let error = pose(lines).unwrap_err();
+        assert!(error.contains(expected), "{lines}: {error}");
+    }
+}
+
+/// A palletiser with four joints is posed by xyz and yaw: as many equations as joints.
+#[test]
+fn four_axes_are_posed_by_position_and_yaw() {
+    let link = |mass: f64| LinkInertia::from_entries(mass, [0.3, 0.0, 0.0], [0.01, 0.1, 0.1, 0.0, 0.0, 0.0]);
+    let at = |xyz: [f64; 3]| Placement::from_xyz_rpy(xyz, [0.0; 3]);
+    let robot = Robot::builder("scara")
+        .joint(JointSpec::revolute("one").carrying(link(4.0)))
+        .joint(JointSpec::revolute("two").on("one").placed(at([0.5, 0.0, 0.0])).carrying(link(2.0)))
+        .joint(JointSpec::prismatic("lift").on("two").placed(at([0.4, 0.0, 0.0])).carrying(link(1.0)))
+        .joint(JointSpec::revolute("turn").on("lift").carrying(link(0.3)))
+        .build()
+        .unwrap();
+    let pose = ToolPose::of("joint:turn").with_position([0.3, 0.6, 0.2]).with_yaw(2.5);
+    let problem = Problem::rest_to_rest(robot, &[0.0, 0.5, 0.0, 0.0], &[0.5, 0.5, 0.0, 0.0], 1.0)
+        .with_task(Task::default().with_end_tool(pose))
+        .with_end(BoundaryState::fixed(&[0.5, 0.5, 0.0, 0.0], &[0.0; 4]).with_q_free(&[0, 1, 2, 3]));
+    let solution = Solver::new(&problem, SolverOptions::default()).unwrap().solve();
+    assert!(solution.motion.status.is_converged(), "{}", solution.motion.status);
+    let q = solution.trajectory.q.last().unwrap();
+    let turned = (q[0] + q[1] + q[3] - 2.5).rem_euclid(std::f64::consts::TAU);
+    assert!(turned.min(std::f64::consts::TAU - turned) < 1e-6 && (q[2] - 0.2).abs() < 1e-6, "{q:?}");
+    let x = [0.5 * q[0].cos() + 0.4 * (q[0] + q[1]).cos(), 0.5 * q[0].sin() + 0.4 * (q[0] + q[1]).sin()];
+    assert!((x[0] - 0.3).hypot(x[1] - 0.6) < 1e-6, "{x:?}");
+}
+
+/// A start with a tool needs no positions: those within the limits at which the tool is there.
+#[test]
+fn a_start_with_a_tool_needs_no_positions() {
+    let start = "[start.tool]\nframe = \"tool0\"\nxyz = [0.4, 0.3, 0.3]\nalong = [0, 0, -1]\n";
+    let text = with_tool("frame = \"tool0\"\nxyz = [0.4, -0.3, 0.3]\nalong = [0, 0, -1]\n")
+        .replace("[start]\nq = [0.0, -1.6, 1.8, -1.8, -1.57, 0.0]\n", start)
+        .replace("[end]\nq = [1.5, -1.0, 1.2, -1.5, -1.57, 0.5]\n", "");
+    let problem = read(&text).unwrap().problem;
+    assert_eq!(problem.start.q_free, [0, 1, 2, 3, 4, 5]);
+    assert_eq!(problem.end.q, problem.start.q);
+    let mut kinematics = costate::kinematics::Kinematics::<f64>::new(&problem.robot);
+    kinematics.set_position(&problem.start.q).unwrap();
+    let x = kinematics.pose(problem.robot.frame_index("tool0").unwrap()).unwrap();
+    let miss = [0.4, 0.3, 0.3].iter().zip(x.position).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(miss < 1e-6 && (x.rotation[2][2] + 1.0).abs() < 1e-9, "{miss} {:?}", x.rotation);
+    for (joint, q) in problem.robot.joints().iter().zip(&problem.start.q) {
+        assert!((joint.limits.lower..=joint.limits.upper).contains(q), "{}: {q}", joint.name);
+    }
+    let error = read(&text.replace(start, "[start]\nv = [0, 0, 0, 0, 0, 0]\n")).unwrap_err();
+    assert!(error.contains("start.q: missing"), "{error}");
+    let given = text.replace(start, &format!("[start]\nq_free = [0]\n{start}"));
+    assert!(read(&given).unwrap_err().contains("start.q: missing"), "{given}");
 }

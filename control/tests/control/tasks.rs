@@ -24,7 +24,7 @@ fn panda() -> Robot {
 const PANDA: [f64; 7] = [0.0, -0.5, 0.0, -2.2, 0.0, 1.7, 0.8];
 
 fn options() -> SolverOptions {
-    SolverOptions::default().with_polish(Polish::Never)
+    SolverOptions::default().with_tolerance(1e-6).with_polish(Polish::Never)
 }
 
 fn solve(problem: &Problem) -> Solution {

@@ -14,7 +14,7 @@ fn a_cart_swings_up_a_pole_that_has_no_motor() {
     let problem = Problem::rest_to_rest(robot, &[0.0, PI], &[1.0, 0.0], 2.0)
         .with_cost(Objective::new(0.0, vec![1.0, 0.0]))
         .with_limits(MotionLimits::none().with_torque_max(vec![20.0, 0.0]));
-    let options = SolverOptions::default().with_polish(Polish::Never);
+    let options = SolverOptions::default().with_tolerance(1e-6).with_polish(Polish::Never);
     let solution = Solver::new(&problem, options).unwrap().solve();
     assert_eq!(solution.motion.status, Status::Converged, "{}", solution.total());
     let error = solution.total() / 31.928_860_223 - 1.0;

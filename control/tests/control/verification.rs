@@ -47,7 +47,7 @@ fn each_level_does_what_it_says() {
 
 /// The direct method alone.
 fn direct(verify: Verify) -> SolverOptions {
-    SolverOptions::default().with_polish(Polish::Never).with_verify(verify)
+    SolverOptions::default().with_tolerance(1e-6).with_polish(Polish::Never).with_verify(verify)
 }
 
 #[test]

@@ -42,7 +42,7 @@ fn what_is_no_step_is_refused_by_name() {
     let (key, found) = cause(with(&|gait| gait.length = 3.0));
     assert!(key == "start.q" && matches!(found, GaitError::CannotStand { .. }), "{found}");
     let (key, found) = cause(with(&|gait| gait.mirror.truncate(1)));
-    assert!(key == "gait.mirror" && matches!(found, GaitError::NotSymmetric { .. }), "{found}");
+    assert!(key == "gait.mirror" && matches!(found, GaitError::NotMirrored { .. }), "{found}");
     let twice = with(&|gait| gait.mirror[1] = gait.mirror[0].clone());
     assert!(matches!(twice, ProblemError::GivenTwice { .. }), "{twice}");
     let unknown = with(&|gait| gait.mirror[1][0] = "left_kne".into());

@@ -18,6 +18,7 @@ use crate::direct::motion::spline::Spline;
 use crate::direct::newton::system::System;
 use crate::direct::points::running::Running;
 use crate::direct::points::values::{PointDynamics, Points};
+use crate::problem::narrow::Narrow;
 use crate::result::stage_times::{Clock, Stage};
 use crate::solve::recorder::Interruption;
 use costate::EvalError;
@@ -38,6 +39,10 @@ pub(crate) struct Interior<D> {
     pub points: Points,
     pub barrier: Barrier,
     pub running: Running,
+    /// What is narrow but knots, where errors are estimated and nodes are added.
+    pub crossed: Narrow,
+    /// Times of the knots of references (s), rising.
+    pub knots: Vec<f64>,
     pub ends: Ends,
     pub model: Model<D>,
     pub figures: Figures,
@@ -114,6 +119,8 @@ impl<D: PointDynamics> Interior<D> {
             points: Points::default(),
             barrier: Barrier::new(sides, &model.tasks.end_sides()),
             running,
+            crossed: Narrow::default(),
+            knots: Vec::new(),
             ends,
             figures: Figures::default(),
             small_cost: None,

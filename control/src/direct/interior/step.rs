@@ -116,24 +116,10 @@ impl<D: PointDynamics> Interior<D> {
     #[inline(never)]
     pub(crate) fn change_of_z(&mut self, p: usize, part: usize) {
         let (k, j) = self.spline.mesh.interval_of(p);
-        let (n, rate) = (self.spline.dof, 1.0 / self.spline.clock(k));
         let dt = self.time_steps[part][self.spline.mesh.phase(k)];
-        let (dz, z) = (&mut self.trial.dz, self.points.z(p));
         let (inner, ends) = self.spline.of_interval(&self.steps[part], k);
         let basis = self.spline.basis(k, j);
-        basis.combine(n, inner, ends, dz);
-        // What unknowns that are derivatives in time change by T alone.
-        for TimeDerivative { column, order, first } in self.spline.time_derivatives(k) {
-            for (row, dz) in basis.rows.iter().zip(dz.chunks_exact_mut(n)) {
-                let factor = order * rate * row[column] * dt;
-                let unknowns = &self.spline.unknowns[first..first + n];
-                dz.iter_mut().zip(unknowns).for_each(|(dz, x)| *dz += factor * x);
-            }
-        }
-        for i in 0..n {
-            dz[n + i] = rate * (dz[n + i] - z[n + i] * dt);
-            dz[2 * n + i] = rate * (rate * dz[2 * n + i] - 2.0 * z[2 * n + i] * dt);
-        }
+        self.spline.change((k, &basis), (inner, ends), dt, self.points.z(p), &mut self.trial.dz);
     }
 
     /// Change of the distances at the nodes by a part of the step.

@@ -124,6 +124,20 @@ impl Powers {
         joints.clone().map(|i| rate * v[i]).sum()
     }
 
+    /// The value of a row at these rates and torques.
+    pub fn value(&self, row: usize, v: &[f64], tau: &[f64]) -> f64 {
+        self.functions[row].value(v, tau)
+    }
+
+    /// Adds `price` times the derivatives of a row by the rates at constant torques, and by the torques.
+    pub fn add_price(&self, row: usize, price: f64, v: &[f64], tau: &[f64], [by_v, by_tau]: [&mut [f64]; 2]) {
+        let function = &self.functions[row];
+        for i in function.joints.clone() {
+            by_v[i] += price * function.by_rate(tau[i]);
+            by_tau[i] += price * function.by_torque(v[i]);
+        }
+    }
+
     /// Largest violation of a limit at these rates and torques, in parts of its range.
     pub fn violation(&self, v: &[f64], tau: &[f64]) -> f64 {
         let of =

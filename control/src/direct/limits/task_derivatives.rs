@@ -73,7 +73,12 @@ impl Tasks {
             return Ok(());
         }
         let (n, rows) = (points.dof, points.rows);
+        let mut phase = 0;
         for p in 0..points.count() {
+            while p >= points.phase(phase).end {
+                phase += 1;
+            }
+            self.along.enter(Some(phase));
             let z = &points.z[3 * n * p..][..3 * n];
             self.hessian.fill(0.0);
             self.along.contract(
@@ -117,6 +122,7 @@ impl Tasks {
     pub fn gradients(&mut self, end: usize, state: &[f64]) -> Result<[Vec<f64>; 2], EvalError> {
         let (q, v) = state.split_at(state.len() / 2);
         let hessian = &mut self.hessian;
+        self.along.enter(None);
         let mut of = |functions: &mut TaskFunctions| -> Result<Vec<f64>, EvalError> {
             let rows = functions.rows();
             let (mut g, mut g_x) = (vec![0.0; rows], vec![0.0; state.len() * rows]);

@@ -167,8 +167,13 @@ impl Tasks {
         if self.along.is_empty() {
             return Ok(());
         }
-        for (z, g) in points.z.chunks_exact(3 * n).zip(points.g.chunks_exact_mut(points.rows)) {
-            self.along.values(&z[..n], &z[n..2 * n], g)?;
+        let rows = points.rows;
+        for phase in 0..points.phases() {
+            self.along.enter(Some(phase));
+            for p in points.phase(phase) {
+                let (z, g) = (&points.z[3 * n * p..][..3 * n], &mut points.g[rows * p..][..rows]);
+                self.along.values(&z[..n], &z[n..2 * n], g)?;
+            }
         }
         Ok(())
     }
@@ -220,6 +225,7 @@ impl Tasks {
             (rates[i], positions[i]) = (most, self.z[i].abs() + most);
         }
         let z = &mut self.z;
+        self.along.enter(Some(spline.mesh.phase(k)));
         self.along.sweep([positions, rates], &mut self.state[..n], |x, q| {
             spline.in_interval(k, x, z);
             q.copy_from_slice(&z[..n]);

@@ -3,8 +3,9 @@
 //! A straight way in the joints may pass an obstacle on the dearer side. The optimal motion without obstacles
 //! often passes it on the other one, or does not meet it at all.
 
+use super::first::First;
 use super::meshes::refine;
-use super::prepare::interior;
+use super::prepare::interior_of;
 use super::refinement::Start;
 use crate::constants::direct as constants;
 use crate::direct::interior::looseness::Looseness;
@@ -33,7 +34,8 @@ pub(super) fn without_obstacles(
     free.task.collision = None;
     // What was checked with obstacles has no fault without them.
     let Ok(free_rows) = TaskRows::new(&free) else { return Ok((None, 0)) };
-    let mut found = interior(&free, &free_rows, options, 0, None);
+    let first = First::new(&free, &free_rows, options, 0, None);
+    let mut found = interior_of(&free, &free_rows, options, &first);
     found.looseness = looseness;
     let roughly = SolverOptions {
         tolerance: options.tolerance.max(constants::FREE_TOLERANCE),

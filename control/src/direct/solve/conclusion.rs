@@ -1,5 +1,6 @@
 //! What a mesh leaves: a status, verified where the motion is accurate.
 
+use super::last_solved::LastSolved;
 use super::refined::Refined;
 use super::refinement::{Judged, Next, Refinement, Solved};
 use crate::constants::direct as constants;
@@ -22,6 +23,8 @@ impl Refinement<'_, '_> {
         let (mut again, error) = (None, judged.error);
         let status = match solved.end {
             End::Interrupted(interruption) => {
+                // Estimates assume that the equations on the mesh are solved.
+                let error = if judged.is_solved { error } else { f64::INFINITY };
                 self.refined = Refined { error, ..Refined::without(interruption.into()) };
                 let interior = &self.interior;
                 let far_off = self.resolution.error() > constants::UNRESOLVED * interior.figures.size;
@@ -64,5 +67,45 @@ impl Refinement<'_, '_> {
             return recorder.interruption().map_or(Status::NotVerified, Status::from);
         }
         if found.leads { Status::Converged } else { Status::NotVerified }
+    }
+
+    /// Keeps this motion if it is solved and the most accurate one so far.
+    pub(super) fn keep_solved(&mut self, judged: &Judged) {
+        if !judged.is_solved || judged.violated {
+            return;
+        }
+        let keeps_limits = judged.beyond.violation <= constants::VIOLATION_BETWEEN;
+        let is_better = |last: &LastSolved| (keeps_limits, -judged.error) >= (last.keeps_limits, -last.error);
+        if self.last_solved.as_ref().is_none_or(is_better) {
+            let snapshot = self.interior.snapshot();
+            let Judged { error, accurate, .. } = *judged;
+            self.last_solved = Some(LastSolved { snapshot, error, keeps_limits, accurate });
+            self.stands_at_last = true;
+        }
+    }
+
+    /// Where the loop did not end with a solution: back to the most accurate motion that was solved, with its
+    /// accuracy.
+    ///
+    /// # Errors
+    /// A motion that cannot be evaluated, which one that was evaluated before is not.
+    pub(super) fn fall_back(&mut self) -> Result<(), EvalError> {
+        let Some(last) = self.last_solved.take() else { return Ok(()) };
+        let Self { interior, resolution, refined, options, .. } = self;
+        let ends_well = refined.status.is_converged() || refined.status == Status::NotVerified;
+        // What no motion nearby keeps is not contradicted by one that exceeds it between its points.
+        let is_refuted =
+            refined.infeasible.as_ref().is_none_or(|found| !found.is_global && last.keeps_limits);
+        if self.stands_at_last || ends_well || refined.gave_up || !is_refuted {
+            return Ok(());
+        }
+        interior.take_again(last.snapshot)?;
+        resolution.measure(interior)?;
+        if !refined.status.is_interruption() {
+            let is_unverified = last.accurate && options.verify != Verify::None;
+            refined.status = if is_unverified { Status::NotVerified } else { Status::MeshLimit };
+        }
+        (refined.error, refined.again, refined.infeasible) = (last.error, None, None);
+        Ok(())
     }
 }

@@ -8,6 +8,7 @@ use super::prepare::{Dynamics, interior_of};
 use super::refined::Refined;
 use super::refinement::Start;
 use super::saddle::leave_saddles;
+use super::verified::verify_and_repair;
 use super::with_effort::{Smoothing, WithEffort, with_effort};
 use crate::constants::direct as constants;
 use crate::constants::{guesses, saddle};
@@ -15,21 +16,24 @@ use crate::direct::interior::inertia::Inertia;
 use crate::direct::interior::iterate::Interior;
 use crate::direct::interior::looseness::Looseness;
 use crate::direct::outcome::found::{self, found};
+use crate::direct::outcome::independent;
 use crate::direct::outcome::report::report;
 use crate::direct::outcome::verify::{Again, integrate_again};
 use crate::direct::refine::at_ends::AtEnds;
 use crate::direct::refine::resolution::Resolution;
 use crate::options::{SolverOptions, Verify};
-use crate::parallel::{best_of_starts, compare};
+use crate::parallel::best_of_starts;
 use crate::problem::check::CheckedProblem;
 use crate::result::motion::{Certificate, Motion};
 use crate::result::solution::{RobotNames, Solution};
 use crate::result::stage_times::{Clock, Stage};
 use crate::result::start::StartResult;
 use crate::result::trajectory::Trajectory;
+use crate::result::verification::Verification;
 use crate::solve::Recorder;
 use crate::status::Status;
 use crate::task::build::TaskRows;
+use crate::verdict::rank::compare;
 use costate::EvalError;
 use std::cmp::Ordering;
 
@@ -46,7 +50,7 @@ pub(crate) struct Direct<'a> {
 }
 
 impl Direct<'_> {
-    /// The best solution of all starts: the cheapest solved one if there is any.
+    /// The best solution of all starts, as [`compare`] says.
     pub fn solve(&self, recorder: &mut Recorder<'_>) -> Solution {
         let missing = |status| Solution::without_motion(&self.problem, status);
         let solve = |number, recorder: &mut Recorder<'_>| {
@@ -113,7 +117,8 @@ impl Direct<'_> {
             }
         }
         solution.newton_iterations += steps;
-        solution.starts = vec![StartResult::of(&solution.motion, guess, looks)];
+        let violation = solution.limits.violation();
+        solution.starts = vec![StartResult::of(&solution.motion, violation, guess, looks)];
         Ok(solution)
     }
 
@@ -166,6 +171,7 @@ impl Direct<'_> {
                 break;
             }
         }
+        verify_and_repair(model, self.options, (&mut interior, &mut resolution, &mut refined), recorder)?;
         self.finish(&mut interior, &resolution, refined, Smoothing::default(), recorder)
     }
 
@@ -174,7 +180,7 @@ impl Direct<'_> {
         &self,
         interior: &mut Interior<Dynamics>,
         resolution: &Resolution,
-        Refined { status, error, finer_mesh, again, infeasible, .. }: Refined,
+        Refined { mut status, error, finer_mesh, again, verified, infeasible, .. }: Refined,
         smoothing: Smoothing,
         recorder: &mut Recorder<'_>,
     ) -> Result<Solution, EvalError> {
@@ -192,6 +198,25 @@ impl Direct<'_> {
                 integrate_again(problem, self.options, interior, resolution, &mut stops)
             }
         });
+        let is_verified = self.options.verify == Verify::Full && is_checked && again.is_complete;
+        let model = (problem, self.rows);
+        let verified = match verified {
+            None if is_verified => {
+                let is_compared = finer_mesh.is_some();
+                let cost = resolution.cost;
+                // Motions with a cost of torques are solved to this tolerance at best.
+                let tolerance = self.options.tolerance.max(constants::EFFORT_TOLERANCE);
+                let eased = self.options.clone().with_tolerance(tolerance);
+                let options = if smoothing.weight > 0.0 { &eased } else { self.options };
+                let found = independent::verify(model, options, interior, cost, Some(&again), is_compared);
+                Some(found.verification)
+            }
+            verified => verified,
+        };
+        if status.is_solved() && verified.as_ref().is_some_and(|verified| verified.failure().is_some()) {
+            status = Status::NotVerified;
+        }
+        let error = verified.as_ref().map_or(error, |verified| error.max(verified.cost_error()));
         let iterations = std::mem::take(&mut recorder.iterations);
         let certificate = match status.is_converged().then(|| interior.inertia()).transpose()? {
             Some(Inertia::Positive) => Certificate::LocalMinimumOnMesh,
@@ -229,6 +254,7 @@ impl Direct<'_> {
             constraints: Vec::new(),
             gait: None,
             polish: None,
+            verified,
             stage_times: interior.clock.times(),
             trajectory,
             starts: Vec::new(),
@@ -239,12 +265,14 @@ impl Direct<'_> {
     }
 }
 
-/// Whether another guess may lead to a better motion: nothing was found, and it is not proven that there is
-/// nothing.
+/// Whether another guess may lead to a better motion: nothing was found, or a motion whose cost is in doubt,
+/// and it is not proven that there is nothing.
 fn fails(solution: &Solution) -> bool {
     let status = &solution.motion.status;
     let is_proven = solution.limits.infeasible.as_ref().is_some_and(|found| found.is_global);
-    !status.is_solved() && !status.is_interruption() && *status != Status::NotVerified && !is_proven
+    let is_in_doubt = solution.verified.as_ref().is_some_and(Verification::doubts_cost);
+    let is_found = status.is_solved() || (*status == Status::NotVerified && !is_in_doubt);
+    !is_found && !status.is_interruption() && !is_proven
 }
 
 /// Keeps the better one of two solutions, with the steps of both. Whether it is the other one.

@@ -47,6 +47,8 @@ pub(super) fn compare_with_finer_mesh(
         interior.clock = clock;
         interior.clock.lap(Stage::Verification);
         refined.finer_mesh = change;
+        // What halving the intervals changes is an error of this mesh that was seen, whatever was estimated.
+        refined.error = refined.error.max(change.unwrap_or(0.0));
         let Some(change) = change.filter(|change| *change > options.tolerance) else {
             return interior.take_again(solved);
         };

@@ -16,9 +16,19 @@ impl<D: PointDynamics> Interior<D> {
     /// steps would lead anywhere.
     pub fn choose_time(&mut self, at: impl Fn(f64) -> Spline) {
         let (first, mut best): (Spline, Option<(Figures, Spline)>) = (self.spline.clone(), None);
-        for k in -constants::TIMES..=constants::TIMES {
+        // What the slowest motion exceeds too says nothing about the time.
+        let mut everywhere = Vec::new();
+        for k in (-constants::TIMES..=constants::TIMES).rev() {
             let spline = at(first.duration() * 2.0_f64.powf(f64::from(k) * constants::OCTAVES));
-            let Some(found) = self.figures_of(&spline) else { continue };
+            let Some(mut found) = self.figures_of(&spline) else { continue };
+            let barrier = &self.barrier;
+            let exceeds = |at: usize| barrier.unit[at] * barrier.distance[at] < 0.0;
+            if k == constants::TIMES {
+                everywhere = (0..barrier.count()).map(exceeds).collect();
+            }
+            if everywhere.contains(&true) {
+                found[0] = self.exceeded(|at| !everywhere.get(at).is_some_and(|exceeds| *exceeds));
+            }
             if best.as_ref().is_none_or(|(least, _)| found < *least) {
                 best = Some((found, spline));
             }
@@ -40,12 +50,16 @@ impl<D: PointDynamics> Interior<D> {
         self.spline.copy_from(spline);
         self.prepare();
         self.evaluate().ok()?;
+        let cost = self.running.cost(&self.spline, &self.points);
+        cost.is_finite().then_some([self.exceeded(|_| true), cost])
+    }
+
+    /// By how much the limits that count are exceeded, or nearly so, in parts of their ranges.
+    fn exceeded(&self, counts: impl Fn(usize) -> bool) -> f64 {
         let barrier = &self.barrier;
-        let limits = (0..barrier.count()).filter(|&at| barrier.weight[at] > 0.0);
+        let limits = (0..barrier.count()).filter(|&at| barrier.weight[at] > 0.0 && counts(at));
         let limits = limits.filter(|&at| !barrier.side(at).is_equation);
         let exceeded = limits.map(|at| constants::FIRST_SLACK - barrier.unit[at] * barrier.distance[at]);
-        let most = exceeded.fold(0.0, f64::max);
-        let cost = self.running.cost(&self.spline, &self.points);
-        cost.is_finite().then_some([most, cost])
+        exceeded.fold(0.0, f64::max)
     }
 }

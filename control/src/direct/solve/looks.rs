@@ -6,8 +6,9 @@
 
 use super::around::without_obstacles;
 use super::candidates::candidates;
+use super::dry_friction::move_within;
 use super::first::First;
-use super::prepare::{Dynamics, interior_of, interior_on};
+use super::prepare::{Dynamics, interior_of, interior_on, seed};
 use super::refinement::{Start, iteration};
 use super::waiting::rest_between;
 use crate::constants::direct as constants;
@@ -84,6 +85,8 @@ impl Looks<'_> {
         if first.kind == GuessKind::Straight {
             // States that cannot be evaluated are told when the iteration begins.
             let _ = rest_between(problem, options, &mut own);
+            seed(options, &mut own);
+            let _ = move_within(problem, options, &mut own);
         }
         own.looseness = looseness;
         let looks_on =
@@ -119,6 +122,11 @@ impl Looks<'_> {
         for candidate in others {
             if recorder.interruption().is_some() {
                 break;
+            }
+            // What can be better by no more than looks resolve is none.
+            let most = |best: f64| best - constants::FIRST_PRECISION * best.abs();
+            if ranking.best.looked.cost.is_some_and(|best| candidate.least >= most(best)) {
+                continue;
             }
             let mut other = interior_on(problem, rows, options, &candidate.first, &nodes);
             other.looseness = looseness;

@@ -1,5 +1,6 @@
 //! From one mesh to the next.
 
+use super::prepare::most_knots;
 use super::refinement::{Judged, Next, Refinement, Solved};
 use crate::constants::direct as constants;
 use crate::direct::interior::iterate::End;
@@ -41,7 +42,7 @@ impl Refinement<'_, '_> {
     }
 
     fn next_nodes(&mut self, solved: &Solved, judged: &Judged) -> Vec<f64> {
-        let Self { interior, resolution, .. } = self;
+        let Self { interior, resolution, options, .. } = self;
         let narrowest = resolution.narrowest;
         let nodes = match (judged.violated, judged.accurate) {
             (true, _) if !solved.unresolved => interior.spline.mesh.halved(narrowest),
@@ -53,7 +54,8 @@ impl Refinement<'_, '_> {
             }
         };
         let same = nodes == interior.spline.mesh.nodes;
-        if same { interior.spline.mesh.halved(narrowest) } else { nodes }
+        let nodes = if same { interior.spline.mesh.halved(narrowest) } else { nodes };
+        interior.with_knots(nodes, most_knots(options, interior.spline.mesh.shape), resolution.closest)
     }
 
     /// Takes an accurate motion again, if there is one.

@@ -15,6 +15,7 @@ use crate::direct::points::robot_points::AnyPoints;
 use crate::direct::points::running::Running;
 use crate::options::SolverOptions;
 use crate::problem::limits::JointLimits;
+use crate::problem::narrow::Narrow;
 use crate::problem::{FinalTime, Problem};
 use crate::result::trajectory::Trajectory;
 use crate::task::build::TaskRows;
@@ -22,7 +23,8 @@ use crate::task::build::TaskRows;
 /// Inverse dynamics of the robots of all phases.
 pub(crate) type Dynamics = PhaseDynamics<AnyPoints>;
 
-/// A problem with the guess of a start; on the mesh of a saved motion, if there is one.
+/// A problem with the guess of a start; on the mesh of a saved motion, if there is one, or on equal
+/// intervals.
 pub(crate) fn interior(
     problem: &Problem,
     rows: &TaskRows,
@@ -30,29 +32,57 @@ pub(crate) fn interior(
     number: usize,
     saved: Option<&Trajectory>,
 ) -> Interior<Dynamics> {
-    interior_of(problem, rows, options, &First::new(problem, rows, options, number, saved))
+    let first = First::new(problem, rows, options, number, saved);
+    let nodes = own_nodes(problem, options, &first).unwrap_or_else(|| even_nodes(problem, options));
+    interior_on(problem, rows, options, &first, &nodes)
 }
 
-/// The same from this guess.
+/// The same from this guess, with nodes at what the problem names and where the guess crosses something
+/// narrow, unless it is on the mesh of a saved motion.
 pub(crate) fn interior_of(
     problem: &Problem,
     rows: &TaskRows,
     options: &SolverOptions,
     first: &First<'_>,
 ) -> Interior<Dynamics> {
+    if let Some(nodes) = own_nodes(problem, options, first) {
+        return interior_on(problem, rows, options, first, &nodes);
+    }
+    let mut interior = interior_on(problem, rows, options, first, &even_nodes(problem, options));
+    seed(options, &mut interior);
+    interior
+}
+
+/// Adds nodes to a guess: at what its problem names, and where it crosses something narrow.
+pub(super) fn seed<D>(options: &SolverOptions, interior: &mut Interior<D>) {
+    let nodes = interior.seeded(most_knots(options, interior.spline.mesh.shape));
+    if nodes.len() > interior.spline.mesh.nodes.len() {
+        interior.spline = interior.spline.on_nodes(nodes);
+    }
+}
+
+/// Most knots of references that are nodes.
+pub(super) fn most_knots(options: &SolverOptions, shape: Shape) -> usize {
+    options.max_nodes / shape.stride() / constants::KNOTS_OF_NODES
+}
+
+/// The nodes of the saved motion of a guess, if it can begin there.
+fn own_nodes(problem: &Problem, options: &SolverOptions, first: &First<'_>) -> Option<Vec<f64>> {
     let (shape, phases) = (Shape::of(problem), problem.phases());
-    let stride = shape.stride();
     // With continuous accelerations a fine mesh does not converge from multipliers that are not known.
     let fits = |nodes: &Vec<f64>| {
         !shape.is_smooth()
             && nodes[nodes.len() - 1] == phases as f64
-            && stride * (nodes.len() - 1) < options.max_nodes
+            && shape.stride() * (nodes.len() - 1) < options.max_nodes
     };
-    let nodes = first.saved.and_then(Trajectory::mesh_nodes).filter(fits).unwrap_or_else(|| {
-        let least = if phases > 1 { constants::INTERVALS_OF_PHASE } else { 1 };
-        Mesh::even(phases, ((options.nodes - 1) / stride / phases).max(least))
-    });
-    interior_on(problem, rows, options, first, &nodes)
+    first.saved.and_then(Trajectory::mesh_nodes).filter(fits)
+}
+
+/// Equal intervals in each phase.
+fn even_nodes(problem: &Problem, options: &SolverOptions) -> Vec<f64> {
+    let (stride, phases) = (Shape::of(problem).stride(), problem.phases());
+    let least = if phases > 1 { constants::INTERVALS_OF_PHASE } else { 1 };
+    Mesh::even(phases, ((options.nodes - 1) / stride / phases).max(least))
 }
 
 /// The same on these nodes.
@@ -63,13 +93,21 @@ pub(crate) fn interior_on(
     first: &First<'_>,
     nodes: &[f64],
 ) -> Interior<Dynamics> {
-    let spline = first.spline(nodes.to_vec(), None);
+    // A free time begins no shorter than its limits allow.
+    let least = match problem.time {
+        FinalTime::Free { guess } if first.saved.is_none() => {
+            Some(problem.shortest_time()).filter(|least| guess < *least)
+        }
+        _ => None,
+    };
+    let spline = first.spline(nodes.to_vec(), least);
     let dynamics = AnyPoints::of_phases(problem, options);
     let powers = Powers::new(problem);
     let tasks = Tasks::new(rows, problem.coordinates(), powers.rows()).with_gait(problem.loops.as_deref());
     let model = Model { dynamics, tasks, powers };
     let (running, ends) = (Running::new(problem, rows), Ends::new(problem));
     let mut interior = Interior::new(spline, sides(problem), model, running, ends);
+    (interior.crossed, interior.knots) = Narrow::of(problem).without_knots();
     // Torques without the forces of constraints, which a guess does not have, say nothing about times.
     let can_choose = matches!(problem.time, FinalTime::Free { .. })
         && problem.vias.iter().all(|via| via.time.is_none())

@@ -4,6 +4,7 @@ use crate::constants::direct as constants;
 use crate::direct::outcome::verify::Again;
 use crate::options::SolverOptions;
 use crate::result::infeasibility::Infeasibility;
+use crate::result::verification::Verification;
 use crate::status::Status;
 
 /// How the refinement ended.
@@ -15,6 +16,8 @@ pub(super) struct Refined {
     pub finer_mesh: Option<f64>,
     /// The motion integrated again, if that was done on its last mesh.
     pub again: Option<Again>,
+    /// What the verification that is independent of the points found, if that was done.
+    pub verified: Option<Verification>,
     /// Why there is no motion that keeps all limits.
     pub infeasible: Option<Infeasibility>,
     /// Whether mesh after mesh did not resolve its motion: another search, from the motion that is left, may
@@ -37,6 +40,14 @@ impl Refined {
 
     /// Without a motion that was solved.
     pub fn without(status: Status) -> Self {
-        Self { status, error: f64::INFINITY, finer_mesh: None, again: None, infeasible: None, gave_up: false }
+        Self {
+            status,
+            error: f64::INFINITY,
+            finer_mesh: None,
+            again: None,
+            verified: None,
+            infeasible: None,
+            gave_up: false,
+        }
     }
 }

@@ -1,5 +1,6 @@
 //! The loop over meshes: each is solved, judged, and mended or divided.
 
+use super::last_solved::LastSolved;
 use super::mending::{Beyond, Mended};
 use super::prepare::Dynamics;
 use super::refined::Refined;
@@ -44,6 +45,10 @@ pub(super) struct Refinement<'a, 'r> {
     pub(super) precision: f64,
     pub(super) least: f64,
     pub(super) mended: Mended,
+    /// The most accurate motion of the meshes before, if one was solved.
+    pub(super) last_solved: Option<LastSolved>,
+    /// Whether the iterate is that one.
+    pub(super) stands_at_last: bool,
     /// Meshes that are done, and of these the last ones that did not resolve their motions.
     pub(super) mesh: usize,
     pub(super) left: usize,
@@ -116,6 +121,8 @@ impl<'a, 'r> Refinement<'a, 'r> {
             precision,
             least,
             mended: Mended::default(),
+            last_solved: None,
+            stands_at_last: false,
             mesh: 0,
             left: 0,
             restorations: 0,
@@ -134,6 +141,7 @@ impl<'a, 'r> Refinement<'a, 'r> {
     /// A motion that cannot be evaluated.
     pub fn run(mut self) -> Result<Refined, EvalError> {
         while self.mesh < constants::MESHES && self.improve()? == Next::Iterate {}
+        self.fall_back()?;
         Ok(self.refined)
     }
 
@@ -149,6 +157,7 @@ impl<'a, 'r> Refinement<'a, 'r> {
         self.resolution.measure(self.interior)?;
         self.interior.clock.lap(Stage::Meshes);
         let judged = self.judge(&solved);
+        self.keep_solved(&judged);
         if self.limits_coefficients(&judged) {
             return Ok(Next::Iterate);
         }
@@ -174,6 +183,7 @@ impl<'a, 'r> Refinement<'a, 'r> {
 
     /// Iterates on this mesh, until it is solved, stuck, or does not resolve the motion.
     fn iterate(&mut self) -> Result<Solved, EvalError> {
+        self.stands_at_last = false;
         let Self { interior, resolution, recorder, .. } = self;
         let first = interior.figures.iterations;
         let mut resolved = interior.spline.clone();
@@ -214,7 +224,7 @@ impl<'a, 'r> Refinement<'a, 'r> {
             Restored::Infeasible(infeasible) => {
                 self.resolution.measure(self.interior)?;
                 let infeasible = Some(infeasible);
-                self.refined = Refined { infeasible, ..Refined::without(Status::Infeasible) };
+                self.refined = Refined { infeasible, ..Refined::without(Status::LocallyInfeasible) };
                 return Ok(Some(Next::Done));
             }
             Restored::Interrupted(interruption) => solved.end = End::Interrupted(interruption),

@@ -57,6 +57,7 @@ pub(super) fn restore<D: PointDynamics>(
         interior.spline = spline;
         interior.start(None).map(|()| interior.figures.violation)
     };
+    let begun = guess.clone();
     let guess = guess.on_nodes(before.mesh.nodes.clone());
     let (far, near) = (from(interior, before.clone())?, from(interior, guess)?);
     if far <= near || far < elastic::WILD {
@@ -87,6 +88,9 @@ pub(super) fn restore<D: PointDynamics>(
             if infeasible.limits.is_empty() {
                 // Nothing but equations at the ends is off, which do not give.
                 break;
+            }
+            if slows_down(problem, interior, &begun)? {
+                return Ok(Restored::Kept);
             }
             infeasible.final_time = later(problem, interior, &infeasible, options, recorder)?;
             return Ok(Restored::Infeasible(infeasible));
@@ -173,6 +177,33 @@ fn steps<D: PointDynamics>(
         (_, Some(interruption)) => End::Interrupted(interruption),
         (end, None) => end,
     })
+}
+
+/// Slows down the motion, or the first guess, until it keeps all limits, if its time is free: the search goes
+/// on there. Whether that is so; the iterate is left as it was otherwise.
+fn slows_down<D: PointDynamics>(
+    problem: &Problem,
+    interior: &mut Interior<D>,
+    guess: &Spline,
+) -> Result<bool, EvalError> {
+    let is_free = matches!(problem.time, FinalTime::Free { .. });
+    if !is_free || problem.vias.iter().any(|via| via.time.is_some()) {
+        return Ok(false);
+    }
+    let before = interior.spline.clone();
+    for spline in [before.clone(), guess.on_nodes(before.mesh.nodes.clone())] {
+        for factor in elastic::SLOWER {
+            interior.spline = spline.clone();
+            interior.slow_down(factor);
+            interior.start(None)?;
+            if interior.figures.violation <= constants::VIOLATION_AT_POINTS {
+                return Ok(true);
+            }
+        }
+    }
+    interior.spline = before;
+    interior.start(None)?;
+    Ok(false)
 }
 
 /// A final time with which a motion keeps all limits, if a longer one helps and is found soon: the motion is

@@ -45,7 +45,7 @@ fn solve_to(problem: &Problem, tolerance: f64) -> Solution {
 }
 
 fn solve(problem: &Problem) -> Solution {
-    solve_to(problem, SolverOptions::default().tolerance)
+    solve_to(problem, 1e-6)
 }
 
 /// Solved with this cost, and driven to the end by its torques.
@@ -207,7 +207,9 @@ fn a_joint_without_a_motor() {
 
 #[test]
 fn a_limit_that_is_too_small_is_told() {
-    let solution = solve(&at_rest(arm(none().with_jerk_max(vec![20.0, 1e4]))));
+    // A limit of the elbow by which its torque rises within some intervals: beside faster jumps polynomials
+    // overshoot, and no final time is told.
+    let solution = solve(&at_rest(arm(none().with_jerk_max(vec![20.0, 200.0]))));
     assert_eq!(solution.motion.status, Status::Infeasible);
     let found = solution.limits.infeasible.as_ref().unwrap();
     // From bound to bound a quarter turn takes (32 d/j)^(1/3).
@@ -250,7 +252,7 @@ fn a_saved_motion_is_a_guess() {
     let solution = solve(&problem);
     let saved: Solution = serde_json::from_str(&serde_json::to_string(&solution).unwrap()).unwrap();
     assert_eq!(saved.limits, solution.limits);
-    let solver = Solver::new(&problem, SolverOptions::default()).unwrap();
+    let solver = Solver::new(&problem, SolverOptions::default().with_tolerance(1e-6)).unwrap();
     let again = solver.with_start(&saved.trajectory).unwrap().solve();
     assert_eq!(again.motion.status, Status::Converged);
     assert!((again.total() / solution.total() - 1.0).abs() < 3e-6);

@@ -75,6 +75,6 @@ fn a_robot_is_a_model_too() {
         .unwrap()
         .with_state_limits(&[-FREE, -FREE, -FREE, -7.0], &[none[0], none[1], none[2], 7.0])
         .unwrap();
-    let motion = task.solve(&SolverOptions::default()).unwrap();
+    let motion = task.solve(&SolverOptions::default().with_tolerance(1e-6)).unwrap();
     costs(&motion, 155.74483972);
 }

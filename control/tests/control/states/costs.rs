@@ -40,7 +40,7 @@ fn a_cross_term_gives_the_value_of_riccati() {
     let cost = AutomaticCost::<Crossed>::running(Crossed, 1);
     let model = Automatic::<Model>::new(Model::Linear(0.3));
     let mut task = DirectDynamics::with_running_cost(model, cost, &problem).unwrap();
-    let motion = told(task.solve(&SolverOptions::default()).unwrap());
+    let motion = told(task.solve(&SolverOptions::default().with_tolerance(1e-6)).unwrap());
     let p = 1.79_f64.sqrt() - 0.2;
     costs(&motion, 0.5 * p * 1.5 * 1.5);
     assert!((motion.u[1][0] + (p + 0.5) * motion.x[1][0]).abs() < 1e-3);
@@ -69,7 +69,7 @@ fn a_model_may_have_no_controls() {
     let mut task =
         DirectDynamics::with_running_cost(Automatic::<Model>::new(Model::Decay), cost, &from(1.0, 1.0, 0))
             .unwrap();
-    let motion = told(task.solve(&SolverOptions::default()).unwrap());
+    let motion = told(task.solve(&SolverOptions::default().with_tolerance(1e-6)).unwrap());
     costs(&motion, 0.25 * (1.0 - (-2.0_f64).exp()));
     assert!(motion.u.iter().all(Vec::is_empty));
 }
@@ -87,7 +87,7 @@ fn a_saddle_has_no_certificate() {
             .unwrap()
             .with_state_limits(&[-1.0], &[1.0])
             .unwrap();
-        let motion = told(task.solve(&SolverOptions::default()).unwrap());
+        let motion = told(task.solve(&SolverOptions::default().with_tolerance(1e-6)).unwrap());
         assert!(motion.status.is_converged() && motion.cost.abs() < 1e-9, "{time}");
         assert_eq!(motion.certificate, certificate);
     }

@@ -87,7 +87,7 @@ fn cart(time: FinalTime) -> DynamicsProblem {
 }
 
 fn solve(task: &mut DirectDynamics<Automatic<Model>>) -> StateMotion {
-    told(task.solve(&SolverOptions::default()).unwrap())
+    told(task.solve(&SolverOptions::default().with_tolerance(1e-6)).unwrap())
 }
 
 /// Printed where a test fails.
