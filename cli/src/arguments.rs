@@ -124,7 +124,7 @@ impl RobotArguments {
     /// As [`load`](Self::load).
     pub fn load_any_and_warn(&self) -> Result<Robot, RobotError> {
         let robot = self.load()?;
-        robot.warnings().iter().for_each(terminal::warning);
+        terminal::about_robot(&robot);
         Ok(robot)
     }
 }

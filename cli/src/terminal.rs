@@ -5,7 +5,7 @@
 
 use anstream::AutoStream;
 use anstyle::{AnsiColor, Style};
-use costate::robot::escape_hidden;
+use costate::robot::{Robot, escape_hidden};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::fmt::Display;
 use std::io::{StdoutLock, Write};
@@ -43,6 +43,13 @@ pub fn warning(message: impl Display) {
 /// Writes `note: message` to standard error.
 pub fn note(message: impl Display) {
     labelled(CYAN, "note", message);
+}
+
+/// Writes what is unusual about a robot to standard error: warnings, and notes on what was done.
+pub fn about_robot(robot: &Robot) {
+    for warning in robot.warnings() {
+        if warning.is_note() { note(warning) } else { self::warning(warning) }
+    }
 }
 
 /// If standard error is closed, there is nobody to tell: the failure to write is ignored.

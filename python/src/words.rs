@@ -31,10 +31,10 @@ const WORDS: [(&str, &str); 23] = [
         "Dynamics, Frame, ConstrainedDynamics.f and its derivatives take them",
     ),
     ("with the Jacobians J of `FreeKinematics`", "with J = Frame.jacobian(q)"),
-    ("in --sample too;", "in sample() too;"),
+    ("in --sample too, so", "in sample() too, so"),
     ("and so does --polish, where", "and so does solver={'polish': True}, where"),
     ("raise solver.time_limit or --time-limit", "raise solver.time_limit"),
-    (", or use gains (--feedback)", ", or use gains()"),
+    (", or use gains (--feedback)", ", or use feedback()"),
     ("(limits.infeasible of --json has all)", "(infeasible has all)"),
     (
         ", or use the generic code or the just-in-time compiler, which need no source text",

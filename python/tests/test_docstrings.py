@@ -4,6 +4,7 @@ import doctest
 import importlib
 import inspect
 import pkgutil
+import re
 
 import costate
 import pytest
@@ -90,3 +91,12 @@ def test_examples_of_private_modules():
     for module in pkgutil.iter_modules(costate.__path__):
         if module.name.startswith("_") and module.name != "_costate":
             assert doctest.testmod(importlib.import_module(f"costate.{module.name}")).failed == 0
+
+
+def test_docstrings_name_no_files_that_the_package_does_not_carry():
+    names = [
+        (name, word)
+        for name, _, thing in public()
+        for word in re.findall(r"[\w./-]+\.(?:md|rst|ipynb)\b", inspect.getdoc(function_of(thing)) or "")
+    ]
+    assert not names

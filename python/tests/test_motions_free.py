@@ -28,7 +28,7 @@ def satellite() -> costate.Robot:
 
 @pytest.fixture(scope="module")
 def folded(satellite) -> costate.Solution:
-    return costate.Problem(satellite, **TABLES).solve().check()
+    return costate.Problem(satellite, **TABLES).solve(tolerance=1e-6).check()
 
 
 def test_a_satellite_by_its_file_and_by_hand(satellite, folded):
@@ -115,7 +115,7 @@ def test_the_least_cost_of_a_body_that_turns_over():
     problem = costate.Problem(
         robot, start=robot.neutral(), end=end, time=2.0, cost=np.ones(7), limits={"torque_max": [np.inf] * 7}
     )
-    solution = problem.solve(starts=3).check()
+    solution = problem.solve(starts=3, tolerance=1e-6).check()
     assert solution.cost == pytest.approx(33.3867199, rel=1e-5)
     assert_close(solution.q[-1], end, 1e-6)
 
@@ -126,7 +126,7 @@ def test_a_ball_joint_turns_by_its_motors():
     robot = builder.spherical("ball", mass=1.0, inertia=[0.2, 0.3, 0.4, 0, 0, 0]).build()
     end = [0.0, 0.0, np.sin(0.6), np.cos(0.6)]
     solution = costate.Problem(robot, start=[0, 0, 0, 1], end=end, time=2.0, cost=[1.0] * 3, limits={"torque_max": [np.inf] * 3})
-    solution = solution.solve().check()
+    solution = solution.solve(tolerance=1e-6).check()
     assert solution.cost == pytest.approx(6 * 0.16 * 1.2**2 / 8, rel=1e-6)
     assert solution.q.shape[1] == 4 and solution.v.shape[1] == 3
 

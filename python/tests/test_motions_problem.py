@@ -19,8 +19,8 @@ def test_problems_as_keywords_tables_and_text(arm):
     )
     assert problem != costate.Problem(arm, start=[0, 0], end=[1, 0.5], time=1.1, cost=[1, 1]) and problem != 1
     assert repr(problem) == "Problem('two_link', n=2)" and problem.robot == arm
-    assert problem.options["tolerance"] == 1e-6
-    assert costate.Problem(arm, tables, solver={"tolerance": 1e-4}).options["tolerance"] == 1e-4
+    assert problem.options["tolerance"] == 1e-4
+    assert costate.Problem(arm, tables, solver={"tolerance": 1e-6}).options["tolerance"] == 1e-6
     with pytest.raises(AttributeError):
         problem.text = ""
     there = problem.text.replace("start", 'robot = "robots/two_link.toml"\nstart', 1)
@@ -33,6 +33,18 @@ def test_changes_of_the_robot(arm):
     assert problem.robot.mass == arm.mass + 1.0 and problem.robot != arm
     again = pickle.loads(pickle.dumps(problem))
     assert again == problem and again.robot == problem.robot == pickle.loads(pickle.dumps(problem.robot))
+
+
+def test_one_number_stands_for_all_joints_and_a_free_time_needs_no_guess(arm):
+    ends = {"start": [0, 0], "end": [1, 0.5]}
+    short = costate.Problem(arm, **ends, time=1.0, cost=1.0, limits={"v_max": 3, "from_robot": False})
+    long = costate.Problem(arm, **ends, time=1.0, cost=[1, 1], limits={"v_max": [3, 3], "from_robot": False})
+    assert short.solve().cost == long.solve().cost
+    free = costate.Problem(arm, **ends, time={"free": True}, cost={"time": 10, "effort": 1.0})
+    given = costate.Problem(arm, **ends, time={"free": True, "guess": 1.0}, cost={"time": 10, "effort": 1.0})
+    assert free.solve().cost == pytest.approx(given.solve().cost, rel=1e-5)
+    with pytest.raises(costate.ProblemError, match="give a list of numbers, not 0"):
+        costate.Problem(arm, start=0.0, end=[1, 0.5], time=1.0, cost=1.0)
 
 
 REFUSED = [

@@ -7,6 +7,7 @@ import re
 import shutil
 import subprocess
 import sys
+from pathlib import Path
 from types import SimpleNamespace
 
 import costate
@@ -208,3 +209,19 @@ def test_licences_of_others_are_up_to_date():
     script = ROBOTS.parent / "python" / "update_licences.py"
     done = subprocess.run([sys.executable, script, "--check"], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
+
+
+def test_an_exception_in_a_thread_fails_the_test_that_runs(tmp_path):
+    """The configuration of these tests, with a test whose thread raises."""
+    test = tmp_path / "test_thread.py"
+    test.write_text(
+        "import threading\n"
+        "def test_thread():\n"
+        "    thread = threading.Thread(target=lambda: 1 / 0)\n"
+        "    thread.start()\n"
+        "    thread.join()\n"
+    )
+    settings = Path(__file__).parents[1] / "pyproject.toml"
+    command = [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "-c", settings, "--rootdir", tmp_path, test]
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert done.returncode == 1 and "PytestUnhandledThreadExceptionWarning" in done.stdout, done.stdout + done.stderr

@@ -130,6 +130,6 @@ def test_messages_name_what_users_call(posed):
 def test_infeasible_motions_have_no_feedback(arm):
     limits = {"torque_max": [1, 1]}
     hurried = costate.Problem(arm, start=[0, 0], end=[3, 0.5], time=0.05, cost=[1, 1], limits=limits).solve()
-    assert hurried.status == "infeasible"
+    assert hurried.status in ("infeasible", "locally_infeasible")
     with pytest.raises(costate.MotionError, match="an infeasible motion has no feedback"):
         hurried.feedback()

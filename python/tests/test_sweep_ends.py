@@ -8,6 +8,7 @@ import threading
 import time
 from collections import Counter
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures import process as futures_process
 from concurrent.futures.process import BrokenProcessPool
 from multiprocessing import connection
 from pathlib import Path
@@ -66,10 +67,38 @@ def test_a_task_that_kills_its_worker_is_the_only_one_that_fails():
     assert [outcome.value for outcome in outcomes] == [k if k != 5 else None for k in range(20)]
     assert isinstance(outcomes[5].error, costate.WorkerDied) and outcomes[5].attempts == 3
     # A pool of the caller is not made again: what it has not computed says so.
-    with ProcessPoolExecutor(1) as pool:
+    with _workers.guarded(ProcessPoolExecutor(1)) as pool:
         outcomes = costate.sweep(killed_always, range(20), pool, chunk=4)
     assert [outcome.value for outcome in outcomes[:4]] == [0, 1, 2, 3]
     assert not any(outcome.ok for outcome in outcomes[4:])
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no signal that kills")
+def test_a_call_that_is_submitted_while_its_pool_breaks_fails(monkeypatch):
+    """The thread that ends a broken pool waits for the submission; so every call has an end."""
+    pool = _workers.new_pool(1)
+    worker = pool.submit(os.getpid).result()
+    waiting = pool.submit(time.sleep, 60)
+    make = futures_process._base.Future
+
+    def late():
+        os.kill(worker, signal.SIGKILL)
+        end = time.monotonic() + 10
+        while not pool._broken and pool._executor_manager_thread.is_alive() and time.monotonic() < end:
+            # From Python 3.12 on the pool is not broken before the submission has ended.
+            if hasattr(futures_process._ExecutorManagerThread, "_terminate_broken") and time.monotonic() > end - 9.5:
+                break
+            time.sleep(0.01)
+        time.sleep(0.2)
+        return make()
+
+    monkeypatch.setattr(futures_process._base, "Future", late)
+    submitted = pool.submit(os.getpid)
+    monkeypatch.undo()
+    for future in (waiting, submitted):
+        assert isinstance(future.exception(timeout=10), BrokenProcessPool)
+    pool._executor_manager_thread.join(10)
+    assert _workers.end(pool)
 
 
 def test_only_a_suspect_that_runs_alone_is_counted():

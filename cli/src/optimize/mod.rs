@@ -17,9 +17,10 @@ use crate::interrupt::{self, Interrupt};
 use crate::{Outcome, terminal};
 pub use arguments::Arguments;
 use costate::robot::{LoadOptions, RobotFormat, printable};
-use costate_control::{BranchEnd, CostDerivative, FinalTime, Method, Samples, Solution, Solver, StageTimes};
+use costate_control::{
+    BranchEnd, CostDerivative, FinalTime, Remark, Samples, Severity, Solution, Solver, StageTimes,
+};
 use costate_report::ReportOptions;
-use costate_report::remarks::remarks;
 use cpu_time::cpu_time;
 use outputs::Outputs;
 use std::error::Error;
@@ -64,8 +65,10 @@ pub fn run(arguments: &Arguments) -> Outcome {
     }
     let format = task.robot_path.as_ref().and_then(|path| RobotFormat::of_path(path).ok());
     warn_of_urdf_flags(format, [arguments.friction, arguments.floating_base, arguments.quaternions]);
-    task.problem.robot.warnings().iter().for_each(terminal::warning);
-    task.problem.warnings().iter().for_each(terminal::warning);
+    terminal::about_robot(&task.problem.robot);
+    for warning in task.problem.warnings() {
+        if warning.is_note() { terminal::note(&warning) } else { terminal::warning(&warning) }
+    }
     if let Some(key) = task.problem.keeps_robot_limits_by() {
         terminal::note(format!(
             "the limits of the robot are kept, since {} is given; limits.from_robot = false leaves them out",
@@ -103,13 +106,8 @@ pub fn run(arguments: &Arguments) -> Outcome {
     let interrupted = interrupt.is_requested();
 
     let problem = &task.problem;
-    // The direct method keeps the limits of the robot, or says which it does not keep.
-    let warnings = match solution.options.method {
-        Method::Direct if problem.keeps_robot_limits() => Vec::new(),
-        _ => problem.limit_warnings(&solution.trajectory),
-    };
-    warnings.iter().for_each(terminal::warning);
-    let options = ReportOptions::default().with_source(&task.text).with_warnings(warnings);
+    let remarks = solution.remarks(problem);
+    let options = ReportOptions::default().with_source(&task.text);
     let options = if arguments.output.is_some() {
         options.with_models(models::read(&task, arguments))
     } else {
@@ -123,7 +121,7 @@ pub fn run(arguments: &Arguments) -> Outcome {
         None
     });
     outputs.write((problem, &solution), &options, samples.as_ref())?;
-    let is_solved = solution.motion.status.is_solved();
+    let is_solved = remarks.iter().all(|remark| !remark.is_error());
     if arguments.feedback.is_some() && !is_solved {
         terminal::warning("--feedback: nothing is written, since the motion is not solved");
     } else if arguments.feedback.is_some() && failed.is_none() {
@@ -144,15 +142,27 @@ pub fn run(arguments: &Arguments) -> Outcome {
         terminal::note("interrupted; the best motion so far was kept");
     }
     if arguments.json || outputs.use_standard_output() {
-        remarks(problem, &solution).iter().for_each(terminal::warning);
+        for remark in &remarks {
+            match remark.severity {
+                Severity::Note => terminal::note(remark),
+                _ => terminal::warning(remark),
+            }
+        }
     }
     if arguments.json {
         let continuation = branch.as_ref().map(continuation::Points::new);
         let samples = samples.as_ref();
         let sensitivities = derivatives.as_deref();
-        let stage_times = solution.stage_times;
-        let printed =
-            Printed { solution: &solution, taken, stage_times, continuation, samples, sensitivities };
+        let (stage_times, warnings) = (solution.stage_times, &remarks[..]);
+        let printed = Printed {
+            solution: &solution,
+            warnings,
+            taken,
+            stage_times,
+            continuation,
+            samples,
+            sensitivities,
+        };
         writeln!(std::io::stdout().lock(), "{}", serde_json::to_string(&printed)?)?;
     } else if !outputs.use_standard_output() {
         let mut out = std::io::stdout().lock();
@@ -188,6 +198,8 @@ pub fn run(arguments: &Arguments) -> Outcome {
 struct Printed<'a> {
     #[serde(flatten)]
     solution: &'a Solution,
+    /// What there is to say about it.
+    warnings: &'a [Remark],
     #[serde(flatten)]
     taken: Taken,
     /// Parts of the time of solving (s).

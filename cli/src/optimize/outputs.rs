@@ -95,7 +95,7 @@ impl Outputs {
         samples: Option<&Samples>,
     ) -> Result<(), Box<dyn Error>> {
         if let Some(saved) = &self.saved {
-            saved.write(&solution.to_json()?)?;
+            saved.write(&solution.to_json_with_remarks(problem)?)?;
         }
         if let (Some(file), Some(samples)) = (&self.samples, samples) {
             file.write(&samples.to_csv(&solution.robot.joints))?;

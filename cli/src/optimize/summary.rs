@@ -2,10 +2,9 @@
 
 use crate::report::{Table, title};
 use costate::robot::escape_hidden;
-use costate_control::{Problem, Solution};
+use costate_control::{Problem, Severity, Solution};
 use costate_report::figures::figures;
 use costate_report::numbers::short;
-use costate_report::remarks::remarks;
 use costate_report::text::{
     ITERATION_HEADER, criterion, iteration_row, sentence, start_header, start_row, status,
 };
@@ -26,15 +25,22 @@ pub fn print(
     }
     table.row(vec!["time of solving".into(), format!("{} s", short(seconds, 3))]);
     let stages = solution.stage_times.as_ref();
-    // Checks of the problem, the line of progress, memory.
+    // Checks of the problem, the line of progress, memory. Threads count each for itself: then all stages
+    // together take longer than the wall clock, and nothing is left.
     let rest = stages.map(|times| ("rest", (seconds - times.total()).max(0.0)));
+    let all = stages.map_or(seconds, |times| times.total().max(seconds));
     for (stage, time) in stages.iter().flat_map(|times| times.named()).chain(rest) {
-        let share = 100.0 * time / seconds;
+        let share = 100.0 * time / all;
         table.row(vec![format!("  {stage}"), format!("{} s, {share:.0} %", short(time, 3))]);
     }
     write!(out, "{table}")?;
-    for remark in remarks(problem, solution) {
-        writeln!(out, "\n  {}.", escape_hidden(&sentence(&remark)))?;
+    for remark in solution.remarks(problem) {
+        let text = match remark.severity {
+            // The first line is about the status.
+            Severity::Error => sentence(&remark.text),
+            severity => format!("{}: {}", sentence(severity.name()), remark.text),
+        };
+        writeln!(out, "\n  {}.", escape_hidden(&text))?;
     }
     if solution.starts.len() > 1 {
         let mut table = Table::new(&start_header(solution), 2);

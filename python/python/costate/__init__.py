@@ -42,6 +42,7 @@ from ._feedback import Feedback, MotionDerivative, Resolved
 from ._outcomes import Outcome, WorkerDied
 from ._pinocchio import JointMap
 from ._problem import Problem
+from ._remarks import Remark
 from ._resolve import Resolve
 from ._run import Iteration
 from ._samples import Gains, Samples, Sensitivity
@@ -74,6 +75,7 @@ __all__ = [
     "Problem",
     "ProblemError",
     "ProblemWarning",
+    "Remark",
     "Resolve",
     "Resolved",
     "Robot",

@@ -78,7 +78,7 @@ def check(robot: Robot, states: int = 5, *, seed: int = 0) -> CheckReport:
     Positions are uniform within the limits of the joints (pi or 1 m around 0 without), velocities, torques and
     costates within 1. Floating and spherical joints move from the neutral configuration by such directions; tensors
     and frames are not compared then. The bound of each difference is 32 standard deviations of the rounding error,
-    propagated through every operation; ``docs/check.md`` has the rule.
+    propagated through every operation.
 
     Parameters
     ----------

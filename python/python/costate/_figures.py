@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from ._costate import _Solution
 from ._errors import MotionError
+from ._remarks import Remark
 from ._run import Iteration
 from ._samples import fixed
 
@@ -36,7 +37,7 @@ class Figures:
 
     @property
     def status(self) -> str:
-        """How it ended: ``"converged"``, ``"infeasible"``, ``"time_limit"``, ...; see ``docs/optimize.md``."""
+        """How it ended: ``"converged"``, ``"locally_infeasible"``, ``"time_limit"``, ...; `message` says what it means."""
         return self._core.status
 
     @property
@@ -55,11 +56,21 @@ class Figures:
         return self.status == "converged"
 
     def check(self) -> Self:
-        """This solution; a `MotionError` with its message unless it is ``solved``. Whether its limits are kept between
-        the points too, `keeps_limits` says.
+        """This solution, if it may be used: it is solved, keeps its hard limits, and repeats when it is integrated again.
+
+        Returns
+        -------
+        Solution
+            Itself.
+
+        Raises
+        ------
+        MotionError
+            With the errors among its `warnings`.
         """
-        if not self.solved:
-            raise MotionError(f"{self.status}: {self.message}")
+        errors = [remark for remark in self.warnings if remark.severity == "error"]
+        if errors:
+            raise MotionError(f"{self.status}: {'; '.join(errors)}")
         return self
 
     # Figures.
@@ -107,6 +118,19 @@ class Figures:
     def finer_mesh(self) -> float:
         """By how much the cost changes on a mesh with halved intervals, relative to it; NaN where not known."""
         return self._number("finer_mesh")
+
+    @property
+    def verified(self) -> dict[str, Any] | None:
+        """What a verification found that does not use the points of the direct method; None without it.
+
+        ``integrated_cost`` is J by adaptive quadrature, ``quadrature_error`` its error. ``cost``, ``dynamics``, ``limits``,
+        ``overshoot`` and ``optimality`` are checks: ``outcome`` is "passed", "failed" or "not_verified", ``value`` is compared with
+        ``allowed`` (both relative), ``time`` (s) and ``subject`` say where. ``stationarity`` is the largest relative
+        derivative of the Hamiltonian by a torque inside its limits, ``costate_defect`` that of integrated costates. See
+        ``docs/optimize.md``.
+        """
+        found: dict[str, Any] | None = self._figures.get("verified")
+        return found
 
     @property
     def end_defect(self) -> float:
@@ -161,7 +185,7 @@ class Figures:
         its duration ``double_support`` (s) and ``standing_impulses`` (N s) on the feet that stay; None of others.
 
         The cost of transport is ``work / weight_times_length``: only where motors drive, after Collins et al., Science 307
-        (2005) 1082. See ``docs/walking.md``.
+        (2005) 1082.
         """
         found: dict[str, Any] | None = self._figures.get("gait")
         return found
@@ -186,9 +210,10 @@ class Figures:
 
     @property
     def infeasible(self) -> dict[str, Any] | None:
-        """With the status "infeasible": the ``limits`` that would have to give (``kind``, ``joint``, ``side``, ``time``,
-        ``amount``, ``unit``, ``limit``), a ``final_time`` with which a motion was found, the ``least_time``, and whether
-        it is proven (``is_global``).
+        """With the status "infeasible" the ``proof`` that no motion keeps all limits, and the ``least_time``; with
+        "locally_infeasible" the ``limits`` that are exceeded where the violation has a local minimum (``kind``, ``joint``,
+        ``side``, ``time``, ``amount``, ``unit``, ``limit``); with both a ``final_time`` with which the problem was solved,
+        and whether it is proven (``is_global``).
         """
         found: dict[str, Any] | None = self._figures.get("limits", {}).get("infeasible")
         return found
@@ -226,7 +251,7 @@ class Figures:
         found = self._core.stage_times()
         return None if found is None else dict(found)
 
-    @property
-    def warnings(self) -> list[str]:
-        """Limits of the robot that the motion exceeds because it was not asked to keep them."""
-        return self._core.warnings()
+    @cached_property
+    def warnings(self) -> list[Remark]:
+        """What there is to say about the motion, errors first: each a text with a ``key``, ``severity`` and numbers."""
+        return [Remark._of(fields) for fields in json.loads(self._core.remarks_json())]

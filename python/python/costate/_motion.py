@@ -100,7 +100,7 @@ class Motion(Figures):
     def feedback(self, rate: float | None = None) -> Gains:
         """The gains of the optimal feedback, and derivatives by limits.
 
-        The problem is solved once more, on the mesh of the motion or on equal intervals.
+        The problem is solved once more, on the mesh of the motion or on equal intervals, then on a finer mesh.
 
         Parameters
         ----------
@@ -123,7 +123,7 @@ class Motion(Figures):
         ----------
         A. E. Bryson, Y.-C. Ho, Applied Optimal Control, 1975, section 6.4.
         """
-        if self._core.status == "infeasible":
+        if self._core.status in ("infeasible", "locally_infeasible"):
             raise MotionError(f"an infeasible motion has no feedback: {self._core.message}")
         return Gains(self._core.gains_json(rate))
 
@@ -138,6 +138,6 @@ class Motion(Figures):
         Raises
         ------
         MotionError
-            For a motion that is not optimal, or with jerks, torque rates, given accelerations, vias.
+            For a motion that is not optimal, a step of a gait, or where given ends hold with this robot alone.
         """
         return {row[0]: Sensitivity._make(row) for row in self._core.sensitivities()}

@@ -53,11 +53,9 @@ class JointMap:
         missing = [name for name in own if name not in names]
         other = [name for name in names[1:] if name not in own]
         if missing or other:
-            raise argument_error(
-                "model",
-                f"the model lacks the joints {missing} of the robot, and the robot the joints {other} of the model; "
-                "lock them in one of the two"
-            )
+            sides = [("the robot has the joints", missing), ("the model has the joints", other)]
+            each = [f"{what} {', '.join(repr(name) for name in names)} alone" for what, names in sides if names]
+            raise argument_error("model", f"{', and '.join(each)}; lock them, or read both with the same joints")
         theirs = [names.index(name) for name in own]
         widths = [int(getattr(model.joints[j], "nq", 1)) for j in theirs]
         for joint, j, width in zip(joints, theirs, widths, strict=True):

@@ -22,14 +22,15 @@ class Problem(Solves):
     """Find the cheapest motion of a robot from its start to its end, within all limits.
 
     A problem has the tables of a problem file of the command ``costate optimize``, as nested dictionaries with the
-    same keys; ``docs/optimize.md`` describes them all. Each of them is a keyword here. Where one number or list says
-    most, it can stand for the table: ``start=q`` and ``end=q`` for positions, ``time=T`` for a fixed final time,
-    ``cost=weights`` for the weights of the squared torques, ``limits=True`` for the limits of the robot. Lists have one
-    entry for each of ``robot.joint_names`` and can be arrays. Units are rad, m, kg, s, N m, N and W.
+    same keys, which stand under Notes. Each of them is a keyword here. Where one number or list says most, it can stand
+    for the table: ``start=q`` and ``end=q`` for positions, ``time=T`` for a fixed final time, ``cost=weights`` for the
+    weights of the squared torques, ``limits=True`` for the limits of the robot. Lists have one entry for each of
+    ``robot.joint_names`` and can be arrays; one number stands for all joints in ``cost``, ``limits``, ``bounds``,
+    ``penalty`` and ``actuation``. Units are rad, m, kg, s, N m, N and W.
 
-    Positions of robots with floating and spherical joints have ``robot.nq`` entries, with unit quaternions, all other
-    lists n. Such a joint has no actuator unless ``limits={"torque_max": ...}`` or ``bounds`` give it forces, and fewer
-    tables are taken: "Robots that fly or turn freely" in ``docs/optimize.md``.
+    Positions of robots with floating and spherical joints have ``robot.nq`` entries, with unit quaternions (x, y, z, w),
+    all other lists n. Such a joint has no actuator unless ``limits={"torque_max": ...}`` or ``bounds`` give it forces;
+    tools, obstacles, vias and limits of rates other than velocities are not taken then.
 
     A problem never changes. Problems with equal robots, tables and options are equal; a pickle contains the robot.
 
@@ -40,9 +41,10 @@ class Problem(Solves):
     tables : dict, optional
         All tables by their names; keywords add to them.
     start, end : dict or array (nq)
-        Where the motion begins and ends: ``q``, ``v`` (0), ``a``, ``q_free``, ``v_free``, ``tool``.
+        Where the motion begins and ends: ``q``, ``v`` (0), ``a``, ``q_free``, ``v_free``, ``tool``. With ``tool`` at the
+        start ``q`` is found.
     time : dict or float
-        ``{"final": T}``, or ``{"free": True, "guess": T}`` for a free final time (s).
+        ``{"final": T}``, or ``{"free": True}`` for a free final time, with a first ``guess`` (s) if there is one.
     cost : dict or array (n)
         ``effort``, ``time``, ``energy``, ``torque_rate``, ``jerk``, ``tool``, ``reference``.
     limits : dict or bool, optional
@@ -63,6 +65,34 @@ class Problem(Solves):
     ------
     ProblemError
         With ``key``, the key at fault.
+
+    Notes
+    -----
+    The keys of the tables, with their defaults in parentheses:
+
+    - ``robot``: ``gravity``, ``armature``, ``friction``, ``limits``, ``frame``, ``payload`` (``frame``, ``mass``,
+      ``com``, ``inertia``, ``shape``), ``wrench``, ``lock``, ``reduced_to``.
+    - ``tool`` of an end or a via, a dict or a list of them: ``frame``, ``offset`` (0), ``xyz`` (m; inf for free), and
+      ``rpy``, ``rotation`` (3 rows), ``quaternion`` (x, y, z, w), ``along`` with ``axis`` ([0, 0, 1]), or ``yaw`` alone.
+    - ``cost``: ``time`` (0), ``effort`` (0), ``energy``, ``energy_smoothing`` (1 W), ``torque_rate``, ``jerk``;
+      ``tool``, with the keys of a tool and ``position_weight`` (1), ``orientation_weight`` (1); ``reference`` with
+      ``times``, ``positions``, ``velocities`` and ``weights``, or those of a tool, ``frame``, ``offset``,
+      ``orientations``, ``position_weight``, ``orientation_weight``.
+    - ``limits``: ``q_min``, ``q_max``, ``v_max``, ``a_max``, ``torque_max``, ``jerk_max``, ``torque_rate_max``,
+      ``power_max``, ``total_power_max``, ``corner_speed``, ``no_load_speed``, ``from_robot``.
+    - ``bounds``: ``u_min``, ``u_max``. ``penalty``: ``weight``, ``q_min``, ``q_max``, ``v_max``. ``actuation``: ``gain``.
+    - ``via``: ``q``, ``v``, ``q_free``, ``v_free``, ``stop`` (False), ``time``, ``tool``, ``payload``, a list.
+      ``periodic``: ``shift`` (0).
+    - ``gait``: ``stance``, ``swing``, ``along``, ``length``, ``friction`` (0.6), ``clearance`` (0), ``mirror``,
+      ``symmetrise`` (False), ``sole``, ``double_support``, ``trailing``, ``flipped``, ``width``, ``sole_width``.
+    - ``keep``: ``kind`` "plane", "line", "box", "axis", "orientation", "speed" or "acceleration", ``frame``,
+      ``offset``, and ``through``, ``normal``, ``along``, ``distance``, ``min``, ``max``, ``axis``, ``angle``, ``rpy``,
+      ``rotation``, ``quaternion``, ``speed``, ``acceleration`` as the kind needs them.
+    - ``obstacle``: ``kind`` "sphere", "capsule", "box" or "half_space", ``name``, and ``xyz``, ``rpy``, ``size``,
+      ``from``, ``to``, ``radius``, ``normal``. ``shape`` of a payload has the first three kinds.
+    - ``collision``: ``capsules`` ("auto" or "urdf"), ``radius``, ``capsule`` (``name``, ``frame``, ``from``, ``to``,
+      ``radius``), ``margin`` (0), ``pairs`` ("all", or pairs of names), ``except``.
+    - ``solver``: the options of `solve`. ``start_from``: ``file``.
 
     Examples
     --------

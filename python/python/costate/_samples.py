@@ -152,6 +152,12 @@ class Gains:
         dtau/dq and dtau/dv; with continuous accelerations those of the jerk.
     gain_a : array (N, n, n) or None
         With continuous accelerations djerk/da.
+    active : list of list of str
+        Names of the limits that are active at ``t``, such as ``rate elbow max``. Rows of torques at a limit are zero;
+        gains are zero along the gradient of an active limit of the state and along that of its derivative in time.
+    held : array (phases, 2)
+        For each phase the time from which on its gains are held, and its end (s): they grow without bound towards a
+        given end.
     cost_by_start, final_time_by_start : array (m)
         dJ/dx and dT/dx, x = (q, v) at the start, m = 2n; with continuous accelerations x = (q, v, a), m = 3n.
     final_time : float
@@ -170,6 +176,8 @@ class Gains:
         self.q, self.v, self.tau = (np.array(found[name]).reshape(-1, n) for name in ("q", "v", "tau"))
         self.gain_q, self.gain_v = (np.array(found[name]).reshape(-1, n, n) for name in ("gain_q", "gain_v"))
         self.gain_a: _Array | None = np.array(found["gain_a"]) if "gain_a" in found else None
+        self.active: list[list[str]] = found["active"]
+        self.held: _Array = np.array(found["held"]).reshape(-1, 2)
         self.cost_by_start, self.final_time_by_start = (
             np.array(found[name]) for name in ("cost_by_start", "final_time_by_start")
         )

@@ -25,6 +25,12 @@ def _rows(solution: Solution) -> list[tuple[str, str]]:
         rows.append(("error of the cost", f"{solution.errors[0]:.1e} relative, estimated"))
     if np.isfinite(solution.finer_mesh):
         rows.append(("finer mesh", f"changes the cost by {solution.finer_mesh:.1e} relative"))
+    for name, check in (solution.verified or {}).items():
+        if isinstance(check, dict) and (check["outcome"] == "failed" or name == "optimality"):
+            value = f" {check['value']:.1e} of {check['allowed']:.1e}" if check["value"] is not None else ""
+            where = f", {check['subject']}" if check.get("subject") else ""
+            where += f" at {check['time']:.4g} s" if check.get("time") is not None else ""
+            rows.append((f"verified {name}", check["outcome"].replace("_", " ") + value + where))
     if np.isfinite(solution.end_defect):
         rows.append(("end defect", f"{solution.end_defect:.1e}"))
     if solution.gait:
@@ -43,25 +49,19 @@ def _rows(solution: Solution) -> list[tuple[str, str]]:
             text += f", between the points by {between:.1e}{where}"
         text += f"; {active} active"
         rows.append((kind.replace("_", " ") + " limits", text))
-    found = solution.infeasible or {}
-    for limit in found.get("limits", []):
-        amount = f"{limit['amount']:.4g} {limit['unit']} at {limit['time']:.4g} s"
-        rows.append(("would have to give", f"{limit['kind']} of {limit['joint']} ({limit['side']}) by {amount}"))
-    if found.get("final_time"):
-        rows.append(("or in a time of", f"{found['final_time']:.4g} s"))
     return [*rows, ("Newton iterations", str(solution.newton_iterations))]
 
 
 def text(solution: Solution) -> str:
-    """Figures line by line, and why it is no solution."""
+    """Figures line by line, and what there is to say."""
     lines = [f"{name:<20}{value}" for name, value in _rows(solution)]
-    return "\n".join(lines if solution.solved else [*lines, solution.message])
+    return "\n".join([*lines, *(f"{remark.severity}: {remark}" for remark in solution.warnings)])
 
 
 def html(solution: Solution) -> str:
     """The same as a table, and the motion as a picture."""
     rows = "".join(f"<tr><th>{escape(name)}</th><td>{escape(value)}</td></tr>" for name, value in _rows(solution))
-    note = "" if solution.solved else f"<p>{escape(solution.message)}</p>"
+    note = "".join(f"<p>{remark.severity}: {escape(remark)}</p>" for remark in solution.warnings)
     picture = ""
     if len(solution.t) > 1:
         times = np.linspace(float(solution.t[0]), float(solution.t[-1]), 101)

@@ -57,10 +57,12 @@ class Solves:
         ----------
         tolerance, starts, seed, threads, nodes, max_nodes, time_limit, method, verify, polish
         machine_code, jacobian, coordinates
-            Options in the place of those of ``[solver]``, which ``docs/optimize.md`` describes: ``tolerance`` of the
-            cost (1e-6), number of guesses ``starts`` that are solved to the end (not given: the best one of several that
-            are looked at roughly), ``time_limit`` in s (inf: none), ``coordinates`` of the indirect methods, "qp"
-            ("hamiltonian") or "qv" ("lagrangian").
+            Options in the place of those of ``[solver]``: ``tolerance`` of the cost (direct method: relative to it, 1e-4;
+            indirect methods 1e-6), number of guesses ``starts`` that are solved to the end (not given: the best one of
+            several that are looked at roughly), ``seed`` of their disturbances and ``threads`` (0: all), ``nodes`` of the
+            first mesh (21) and ``max_nodes`` (6001), ``time_limit`` in s (inf: none), ``method`` ("direct"), ``verify``
+            ("full"), ``polish`` ("auto"), ``machine_code`` of the dynamics ("later"). For comparison, of the indirect
+            methods: ``jacobian`` ("exact"), ``coordinates`` "qp" ("hamiltonian") or "qv" ("lagrangian").
         start_from : Solution or path, optional
             Begins at this motion, of a robot with these joints, or at one that was saved.
         progress : None, True or function
@@ -97,9 +99,9 @@ class Solves:
         solution = Solution._of(found, cast("Problem", self))
         figures = (solution.status, solution.cost, solution.final_time, solution.seconds)
         _run.logger.info("%s, cost %.9g, T %.6g s, solved in %.3g s", *figures)
-        exceeded = solution.warnings
-        for warning in exceeded:
-            _run.logger.warning("%s", warning)
+        for remark in solution.warnings:
+            _run.logger.log(20 if remark.severity == "note" else 30, "%s", remark)
+        exceeded = [remark for remark in solution.warnings if remark.key == "robot_limit"]
         if exceeded:
             # Without numbers, so that Python tells it once of many problems.
             names = ", ".join(warning.split(" runs from")[0] for warning in exceeded)

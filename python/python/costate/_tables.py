@@ -29,7 +29,7 @@ def text_of(tables: Mapping[str, Any]) -> str:
 
 def _key(name: object) -> str:
     if not isinstance(name, str):
-        raise ProblemError(f"the key {name!r} is not a text; give the names of docs/optimize.md")
+        raise ProblemError(f"the key {name!r} is not a text; give the names of tables and keys, which help(costate.Problem) lists")
     plain = name.isascii() and name.replace("_", "a").replace("-", "a").isalnum()
     return name if plain else json.dumps(name)
 

@@ -11,6 +11,7 @@ import time
 import traceback
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures import process as _process
 from contextlib import contextmanager, suppress
 from multiprocessing import connection
 from typing import Any, TypeAlias
@@ -42,7 +43,32 @@ def processes(given: int | None) -> int:
 def new_pool(workers: int) -> ProcessPoolExecutor:
     """Processes that have copied nothing of this one: threads and locks do not survive a fork."""
     context = multiprocessing.get_context("spawn")
-    return ProcessPoolExecutor(workers, mp_context=context, initializer=_begin)
+    return guarded(ProcessPoolExecutor(workers, mp_context=context, initializer=_begin))
+
+
+class _Calls(dict[int, Any]):
+    """The calls that wait in a pool.
+
+    In Python 3.10 and 3.11 the thread that ends a broken pool iterates over them without the lock that `submit` holds. A
+    call submitted in that moment changes the dictionary: the thread ends with a RuntimeError, or nobody fails the call.
+    Here the thread waits for the lock, as in later versions, and iterates over a copy.
+    """
+
+    def __init__(self, lock: Any) -> None:
+        super().__init__()
+        self._lock = lock
+
+    def items(self) -> Any:
+        with self._lock:
+            return self.copy().items()
+
+
+def guarded(pool: ProcessPoolExecutor) -> ProcessPoolExecutor:
+    """The pool, before its first call: a process that dies while a call is submitted fails that call too."""
+    manager = getattr(_process, "_ExecutorManagerThread", None)
+    if not hasattr(manager, "_terminate_broken") and hasattr(pool, "_shutdown_lock"):
+        pool._pending_work_items = _Calls(pool._shutdown_lock)
+    return pool
 
 
 def end(pool: ProcessPoolExecutor, at_once: bool = False) -> bool:

@@ -9,9 +9,9 @@ use crate::look::Look;
 use crate::robot::Robot;
 use crate::words::in_python;
 use costate::robot::{RobotFormat, printable};
-use costate_control::{CostDerivative, Gains, Method, Problem, Solution, Trajectory, cost_by_parameters};
+use costate_control::{CostDerivative, Gains, Problem, Solution, Trajectory, cost_by_parameters};
 use costate_report::models::LinkModel;
-use costate_report::{ReportOptions, report, stage_json, text};
+use costate_report::{ReportOptions, report, stage_json};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use std::path::PathBuf;
@@ -98,8 +98,7 @@ impl SolutionCore {
     /// The status in words; what helps, or would have to give, where the problem is not solved.
     #[getter]
     fn message(&self) -> String {
-        let status = || self.solution.motion.status.to_string();
-        in_python(&text::explanation(&self.problem, &self.solution).unwrap_or_else(status))
+        in_python(&self.solution.message(&self.problem))
     }
 
     /// The report of the motion as HTML, with the visual models of a URDF or of the robot, and what is
@@ -127,10 +126,10 @@ impl SolutionCore {
         Ok((stage_json(&self.problem, &self.solution, &options), warnings))
     }
 
-    /// Whether the motion is a solution of the problem, or of its smoothed form.
+    /// Whether the motion is a solution of the problem, or of its smoothed form: no remark is an error.
     #[getter]
     fn solved(&self) -> bool {
-        self.solution.motion.status.is_solved()
+        self.solution.check(&self.problem).is_ok()
     }
 
     /// J.
@@ -156,10 +155,10 @@ impl SolutionCore {
 
     /// The JSON object of the command line, without what it prints only.
     fn json(&self, py: Python<'_>) -> PyResult<String> {
-        py.detach(|| self.solution.to_json()).map_err(raise::motion)
+        py.detach(|| self.solution.to_json_with_remarks(&self.problem)).map_err(raise::motion)
     }
 
-    /// The same with all that it leaves out, for pickles.
+    /// The solution with all that it leaves out, for pickles.
     fn complete(&self, py: Python<'_>) -> PyResult<String> {
         py.detach(|| self.solution.to_complete_json()).map_err(raise::motion)
     }
@@ -208,12 +207,11 @@ impl SolutionCore {
         Some(self.solution.stage_times?.named().to_vec())
     }
 
-    /// Limits of the robot that the motion exceeds and was not asked to keep.
-    fn warnings(&self) -> Vec<String> {
-        match self.solution.options.method {
-            Method::Direct if self.problem.keeps_robot_limits() => Vec::new(),
-            _ => self.problem.limit_warnings(&self.solution.trajectory),
-        }
+    /// What there is to say about the motion, as a list of JSON objects.
+    fn remarks_json(&self) -> PyResult<String> {
+        let mut remarks = self.solution.remarks(&self.problem);
+        remarks.iter_mut().for_each(|remark| remark.text = in_python(&remark.text));
+        serde_json::to_string(&remarks).map_err(raise::motion)
     }
 
     /// At a rate (Hz).

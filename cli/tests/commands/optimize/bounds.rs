@@ -7,7 +7,7 @@ use crate::child::{costate, root, stderr, stdout};
 fn infeasible() -> String {
     let file = root().join("examples/problems/double_integrator_min_time.toml");
     let text = std::fs::read_to_string(file).unwrap();
-    format!("{text}\n[solver]\nmethod = \"collocation\"\n")
+    text.replace("[solver]\n", "[solver]\nmethod = \"collocation\"\n")
         .replace("free = true\nguess = 3.0", "final = 1.0")
         .replace("time = 1.0", "effort = [1.0]")
         .replace("robots/mass.toml", mass().as_str())

@@ -18,8 +18,9 @@ fn motions_of_a_satellite_are_written_and_drawn() {
     std::fs::write(folder.join("wheel.toml"), ROBOT).unwrap();
     let [csv, page, saved, figures] = ["samples.csv", "page.html", "saved.json", "figures"]
         .map(|name| folder.join(name).to_str().unwrap().to_owned());
+    let sharp = format!("{PROBLEM}[solver]\ntolerance = 1e-6\n");
     let output =
-        optimize("flying", PROBLEM, &["--json", "--sample", "10", "--sample-to", &csv, "--save", &saved]);
+        optimize("flying", &sharp, &["--json", "--sample", "10", "--sample-to", &csv, "--save", &saved]);
     assert!(output.status.success(), "{}", stderr(&output));
     let solution = json(&output);
     // 6 I^2 angle^2/T^3 with I = 4 and the angle 2 asin 0.6.

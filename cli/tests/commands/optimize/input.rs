@@ -35,11 +35,14 @@ fn lists_of_joints_of_a_wrong_form_are_named() {
             ("[2.0]", &["has 1 entry, the robot has 2 joints"]),
             ("[2.0, 2.0, 2.0]", &["has 3 entries, the robot has 2 joints"]),
             ("[2.0, nan]", &["'elbow'"]),
-            ("2.0", &["give a list of numbers, not 2.0"]),
-            ("\"2.0\"", &["give a list of numbers, not the string"]),
-            ("[2.0, \"a\"]", &["give a list of numbers, not the string \"a\""]),
-            ("[[2.0, 2.0]]", &["give a list of numbers, not a list"]),
-            ("{ elbow = 2.0 }", &["give a list of numbers, not a table"]),
+            ("true", &["give a number for all joints, or a list with one for each, not true"]),
+            ("\"2.0\"", &["give a number for all joints, or a list with one for each, not the string"]),
+            (
+                "[2.0, \"a\"]",
+                &["give a number for all joints, or a list with one for each, not the string \"a\""],
+            ),
+            ("[[2.0, 2.0]]", &["give a number for all joints, or a list with one for each, not a list"]),
+            ("{ elbow = 2.0 }", &["give a number for all joints, or a list with one for each, not a table"]),
         ] {
             let parts = [parts, &[&whole]].concat();
             missing.check(&text(&format!("{key} = {value}{other}")), WRONG, Some(line), &parts);
@@ -101,7 +104,7 @@ fn numbers_and_flags_of_limits_times_and_costs_are_checked() {
         (
             with("effort = [1.0, 1.0]", "energy = \"a\""),
             9,
-            &["cost.energy: give a number or a list of numbers"],
+            &["cost.energy: give a number for all joints, or a list with one for each"],
         ),
         (and("limits", "from_robot = 1"), 11, &["limits.from_robot: give true or false, not 1"]),
         (

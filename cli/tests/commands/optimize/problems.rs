@@ -30,7 +30,7 @@ fn bad_problems_are_refused_with_file_line_and_key() {
         (with("final = 1.0", "final = 0.0"), Some(7), &["time.final", "positive"]),
         (with("final = 1.0", "final = -1"), Some(7), &["time.final", "positive"]),
         (with("final = 1.0", "final = \"soon\""), Some(7), &["time.final", "a number", "soon"]),
-        (with("final = 1.0", "free = true"), Some(6), &["time.guess", "missing"]),
+        (with("final = 1.0", "free = true"), Some(7), &["time.free", "cost.time"]),
         (
             with("final = 1.0", "free = true\nguess = 1.0\nfinal = 2.0"),
             Some(9),
