@@ -51,7 +51,7 @@ REFUSED = [
     ({"start": [0]}, {}, "start.q"),
     ({"end": {"q": [0, math.nan]}}, {}, "end.q"),
     ({"time": -1}, {}, "time.final"),
-    ({"time": {"free": True}}, {}, "time.guess"),
+    ({"time": {"free": True}}, {}, "time.free"),
     ({"time": {"final": "1"}}, {}, "time.final"),
     ({"cost": [1, -1]}, {}, "cost.effort"),
     ({"cost": {"efort": [1, 1]}}, {}, "cost.efort"),

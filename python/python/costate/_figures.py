@@ -126,8 +126,8 @@ class Figures:
         ``integrated_cost`` is J by adaptive quadrature, ``quadrature_error`` its error. ``cost``, ``dynamics``, ``limits``,
         ``overshoot`` and ``optimality`` are checks: ``outcome`` is "passed", "failed" or "not_verified", ``value`` is compared with
         ``allowed`` (both relative), ``time`` (s) and ``subject`` say where. ``stationarity`` is the largest relative
-        derivative of the Hamiltonian by a torque inside its limits, ``costate_defect`` that of integrated costates. See
-        ``docs/optimize.md``.
+        derivative of the Hamiltonian by a torque inside its limits, ``costate_defect`` that of integrated
+        costates.
         """
         found: dict[str, Any] | None = self._figures.get("verified")
         return found

@@ -8,10 +8,15 @@ from typing import Any
 class Remark(str):
     """One thing to know about a solution: a text, with what it is about as attributes.
 
+    Parameters
+    ----------
+    text : str
+        The text.
+
     Attributes
     ----------
     key : str
-        "not_solved", "limit_exceeded", "unstable", "saddle", ...; see ``docs/optimize.md``.
+        "not_solved", "limit_exceeded", "unstable", "saddle", ...; a name that stays the same.
     severity : {"error", "warning", "note"}
         With an error the motion is no solution.
     joint, kind : str or None
@@ -33,6 +38,9 @@ class Remark(str):
     limit: float | None
     excess: float | None
     unit: str | None
+
+    def __new__(cls, text: str) -> Remark:
+        return super().__new__(cls, text)
 
     @classmethod
     def _of(cls, fields: dict[str, Any]) -> Remark:
