@@ -30,9 +30,8 @@ pub(crate) fn settled(mut solution: Solution) -> Solution {
 /// counts where that was not asked for.
 ///
 /// Of the direct method the miss of the whole motion, else the sum of the misses of its parts, is compared
-/// with [`VERIFIED`] times the root of the tolerance when the status is found. Of extremals segments with
-/// their costates are integrated too: they must meet within the [verification
-/// bound](Motion::verification_bound).
+/// with [`VERIFIED`] times the root of the tolerance when the status is found. Extremals count as
+/// motions that repeat: their own verification has given them their status.
 pub(crate) fn repeats(solution: &Solution) -> bool {
     let Solution { motion, options, .. } = solution;
     if motion.verification != Verify::Full {
