@@ -7,14 +7,17 @@
 //! [`cost`] integrates the cost, [`motion`] the equations of motion, [`limits`] looks at hard limits,
 //! [`optimality`] bounds what the motion costs too much.
 
+pub(crate) mod adjoint;
 pub(crate) mod cost;
 pub(crate) mod dynamics;
+pub(crate) mod jerk_optimality;
 pub(crate) mod limits;
 pub(crate) mod motion;
 pub(crate) mod optimality;
 pub(crate) mod path;
 pub(crate) mod running;
 pub(crate) mod splits;
+mod torque_optimality;
 
 use costate::EvalError;
 

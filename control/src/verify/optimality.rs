@@ -28,15 +28,16 @@
 //! So the integral of G is an error of the cost, and its tolerance that of the cost. Torques outside U make G
 //! negative: what they gain against the law.
 
+use super::adjoint::{Adjoint, Gaps, Multipliers, Place};
 use super::dynamics::InverseDynamics;
-use super::path::{Path, Piece};
+use super::jerk_optimality::JerkEquations;
+use super::path::Path;
 use super::running::Running;
 use super::splits::Splits;
-use crate::numerics::lu;
-use crate::numerics::radau::{self, Failed, Radau, System};
+use super::torque_optimality::TorqueEquations;
+use crate::numerics::radau::{Failed, Radau};
 use crate::numerics::random::Random;
 use crate::problem::limits::JointLimits;
-use costate::EvalError;
 
 /// Tolerance of a step of the costates, relative to the root of that of the cost: the gap is a square.
 const STEP: f64 = 1e-2;
@@ -52,7 +53,8 @@ const MIDDLE: [f64; 2] = [0.35, 0.65];
 /// Costates of a joint are measured by the largest ones of all joints of this part at least.
 const LEAST_SCALE: f64 = 1e-3;
 
-/// The costates of (q, v) at the ends of the pieces, 2n each, from the solver.
+/// The costates at the ends of the pieces, from the solver: of (q, v), 2n each; of (q, v, a), 3n each, where
+/// accelerations are continuous ([`jerk_optimality`](super::jerk_optimality)).
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Costates {
     /// At the start of each piece, behind what makes them jump there.
@@ -62,34 +64,6 @@ pub(crate) struct Costates {
     /// By what the multipliers of limits at the start of a piece alone make them jump there, if they do:
     /// $-\sum \sigma \eta h_x$. Not at ends of phases, where integrations begin.
     pub jumps: Vec<Option<Vec<f64>>>,
-}
-
-/// What limits with multipliers add at one place.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Prices {
-    /// $-\sum \sigma \eta h_z$, 3n, at constant torques.
-    pub by_z: Vec<f64>,
-    /// The same by the torques, of limits on several torques together alone; others are U.
-    pub by_torque: Vec<f64>,
-    /// $\sum \eta d$.
-    pub slack: f64,
-}
-
-/// The multipliers of all limits but those of single torques.
-pub(crate) trait Multipliers {
-    /// Those at the part x of a piece, added to `to`, at this z and these torques.
-    ///
-    /// # Errors
-    /// States that cannot be evaluated.
-    fn add(&mut self, piece: usize, x: f64, z: &[f64], tau: &[f64], to: &mut Prices)
-    -> Result<(), EvalError>;
-
-    /// Whether the gap counts on a piece. It does not where a multiplier is given as impulses at the ends, as
-    /// those of rates are on an arc: costates are a sawtooth there, and without effort the gap is of first
-    /// order in its height, however good the motion is.
-    fn counts(&self, _piece: usize) -> bool {
-        true
-    }
 }
 
 /// What was found.
@@ -133,14 +107,8 @@ pub(crate) struct Conditions<'a> {
     pub limits: &'a [JointLimits],
 }
 
-/// Integrates the costates backwards, from the end of each phase, by Radau's method on pieces that end at
-/// [splits](Splits) and at random places.
-///
-/// Backwards they are as stable as the motion of the robot is forwards: friction, which damps that, would let
-/// them grow in the other direction, by $e^{c h / m}$ in h seconds with the slope c of a narrow transition.
-/// At a node they take the [jumps](Costates::jumps), and go on with what they have until the
-/// difference has gone through a whole piece and is [large](CARRIED): so a defect shows in the gaps of the
-/// pieces before it, and what an unstable motion makes of small ones does not add up.
+/// Checks the conditions of a motion: those of its torques, or of its jerks where the costates are those of
+/// accelerations too.
 ///
 /// # Errors
 /// States that cannot be evaluated, or at which tau_a is singular.
@@ -150,16 +118,41 @@ pub(crate) fn check(
     tolerance: f64,
     seed: u64,
 ) -> Result<Optimality, Failed> {
-    let Conditions { path, splits, dynamics, running, multipliers, limits } = conditions;
-    let n = path.dof;
-    let root = tolerance.sqrt();
-    let mut radau = Radau::new(2 * n, (STEP * root).clamp(STEPS[0], STEPS[1]));
-    radau.sizes = sizes(costates, n);
-    let mut equations = Equations::new(path, dynamics, running, multipliers, limits);
+    let (path, splits) = (conditions.path, conditions.splits);
+    let is_smooth = costates.left.first().is_some_and(|costate| costate.len() == 3 * path.dof);
+    let Conditions { dynamics, running, multipliers, limits, .. } = conditions;
+    let place = Place::new(path, dynamics, running, multipliers, limits);
+    let breaks = place.multipliers.breaks().to_vec();
+    let of = (path, splits, &breaks[..]);
+    match is_smooth {
+        true => follow(of, &mut JerkEquations::new(place), costates, tolerance, seed),
+        false => follow(of, &mut TorqueEquations::new(place), costates, tolerance, seed),
+    }
+}
+
+/// Integrates the costates backwards, from the end of each phase, by Radau's method on pieces that end at
+/// [splits](Splits), where multipliers jump, and at random places.
+///
+/// Backwards they are as stable as the motion of the robot is forwards: friction, which damps that, would let
+/// them grow in the other direction, by $e^{c h / m}$ in h seconds with the slope c of a narrow transition.
+/// At a node they take the [jumps](Costates::jumps), and go on with what they have until the
+/// difference has gone through a whole piece and is [large](CARRIED): so a defect shows in the gaps of the
+/// pieces before it, and what an unstable motion makes of small ones does not add up.
+fn follow(
+    (path, splits, breaks): (&Path, &Splits, &[f64]),
+    equations: &mut impl Adjoint,
+    costates: &Costates,
+    tolerance: f64,
+    seed: u64,
+) -> Result<Optimality, Failed> {
+    let (n, root) = (path.dof, tolerance.sqrt());
+    let mut costate = costates.right.last().cloned().unwrap_or_default();
+    let mut radau = Radau::new(costate.len(), (STEP * root).clamp(STEPS[0], STEPS[1]));
+    radau.sizes = sizes(costates, n, costate.len());
     let mut random = Random::new(seed);
     let mut found = Optimality { gaps: vec![0.0; path.pieces.len()], ..Optimality::default() };
-    let mut costate = vec![0.0; 2 * n];
     let mut carried = 0;
+    let mut places = Vec::new();
     for (k, piece) in path.pieces.iter().enumerate().rev() {
         let next = path.pieces.get(k + 1);
         if next.is_none_or(|next| next.phase != piece.phase) {
@@ -180,23 +173,28 @@ pub(crate) fn check(
             }
         }
         carried += 1;
-        let mut places = splits.of(k).to_vec();
+        places.clear();
+        places.extend_from_slice(splits.of(k));
+        places.extend_from_slice(breaks);
         if places.len() == 2 {
-            places.insert(1, MIDDLE[0] + (MIDDLE[1] - MIDDLE[0]) * random.uniform());
+            places.push(MIDDLE[0] + (MIDDLE[1] - MIDDLE[0]) * random.uniform());
         }
-        (equations.piece, equations.number, equations.gap) = (piece, k, 0.0);
-        equations.counts = equations.multipliers.counts(k);
+        places.sort_by(f64::total_cmp);
+        places.dedup();
+        equations.enter(k);
         for pair in places.windows(2).rev() {
-            radau.integrate(&mut costate, pair[1]..pair[0], 1.0, &mut equations)?;
+            equations.go_between([pair[0], pair[1]]);
+            radau.integrate(&mut costate, pair[1]..pair[0], 1.0, equations)?;
         }
-        found.gaps[k] = equations.gap;
+        found.gaps[k] = equations.gaps().gap;
     }
     found.gap = found.of_parts(path);
     if let Some(first) = costates.left.first() {
         let parts = costate.iter().zip(first).zip(&radau.sizes);
         found.defect = parts.map(|((a, b), size)| ((a - b) / size).abs()).fold(found.defect, f64::max);
     }
-    let most = equations.worst.iter().zip(&equations.largest).enumerate();
+    let Gaps { worst, largest, .. } = equations.gaps();
+    let most = worst.iter().zip(largest).enumerate();
     for (i, (&(residual, time), largest)) in most.filter(|(_, (_, largest))| **largest > 0.0) {
         if residual / largest > found.stationarity {
             found.stationarity = residual / largest;
@@ -208,8 +206,8 @@ pub(crate) fn check(
 
 /// The largest magnitude of each costate at the nodes, at least [`LEAST_SCALE`] of the largest one of its
 /// kind.
-fn sizes(costates: &Costates, n: usize) -> Vec<f64> {
-    let mut sizes = vec![0.0_f64; 2 * n];
+fn sizes(costates: &Costates, n: usize, count: usize) -> Vec<f64> {
+    let mut sizes = vec![0.0_f64; count];
     for row in costates.left.iter().chain(&costates.right) {
         sizes.iter_mut().zip(row).for_each(|(size, y)| *size = size.max(y.abs()));
     }
@@ -218,186 +216,4 @@ fn sizes(costates: &Costates, n: usize) -> Vec<f64> {
         kind.iter_mut().for_each(|size| *size = size.max(LEAST_SCALE * most));
     }
     sizes
-}
-
-/// The costates of a piece as functions of the part x of it.
-struct Equations<'a> {
-    dynamics: &'a mut dyn InverseDynamics,
-    running: &'a mut Running,
-    multipliers: &'a mut dyn Multipliers,
-    limits: &'a [JointLimits],
-    piece: &'a Piece,
-    number: usize,
-    gap: f64,
-    counts: bool,
-    /// For each coordinate the largest residual H_u inside of the limits with its time, and the largest of
-    /// l_tau and y.
-    worst: Vec<(f64, f64)>,
-    largest: Vec<f64>,
-    z: Vec<f64>,
-    tau: Vec<f64>,
-    tau_z: Vec<f64>,
-    prices: Prices,
-    /// tau_a, its factors, and tau_a^-1 (tau_q, tau_v).
-    mass: Vec<f64>,
-    exchanges: Vec<usize>,
-    solved: Vec<f64>,
-    price: Vec<f64>,
-}
-
-impl<'a> Equations<'a> {
-    fn new(
-        path: &'a Path,
-        dynamics: &'a mut dyn InverseDynamics,
-        running: &'a mut Running,
-        multipliers: &'a mut dyn Multipliers,
-        limits: &'a [JointLimits],
-    ) -> Self {
-        let (n, zeros) = (path.dof, |count: usize| vec![0.0; count]);
-        let prices = Prices { by_z: zeros(3 * n), by_torque: zeros(n), slack: 0.0 };
-        Self {
-            dynamics,
-            running,
-            multipliers,
-            limits,
-            piece: &path.pieces[0],
-            number: 0,
-            gap: 0.0,
-            counts: true,
-            worst: vec![(0.0, 0.0); n],
-            largest: zeros(n),
-            z: zeros(3 * n),
-            tau: zeros(n),
-            tau_z: zeros(3 * n * n),
-            prices,
-            mass: zeros(n * n),
-            exchanges: vec![0; n],
-            solved: zeros(2 * n * n),
-            price: zeros(n),
-        }
-    }
-
-    /// The motion, its torques and what limits make of them, with the factors of tau_a.
-    fn place(&mut self, x: f64) -> Result<(), EvalError> {
-        let n = self.tau.len();
-        self.piece.at(x, &mut self.z);
-        self.dynamics.linearise(self.piece.phase, &self.z, &mut self.tau, &mut self.tau_z)?;
-        self.running.differentiate(self.piece.time(x), &self.z, &self.tau)?;
-        let Prices { by_z, by_torque, slack } = &mut self.prices;
-        by_z.fill(0.0);
-        by_torque.fill(0.0);
-        *slack = 0.0;
-        self.multipliers.add(self.number, x, &self.z, &self.tau, &mut self.prices)?;
-        for (i, row) in self.tau_z.chunks_exact(3 * n).enumerate() {
-            self.mass[n * i..n * (i + 1)].copy_from_slice(&row[2 * n..]);
-        }
-        match lu::eliminate(&mut self.mass, n, n, &mut self.exchanges) {
-            true => Ok(()),
-            false => Err(super::singular()),
-        }
-    }
-
-    /// $y = \tau_a^{-\top} (\lambda_v + \sum \sigma \eta h_a)$; tau_a is symmetric.
-    fn take_price(&mut self, costate: &[f64]) {
-        let n = self.tau.len();
-        for i in 0..n {
-            self.price[i] = costate[n + i] - self.prices.by_z[2 * n + i];
-        }
-        lu::solve(&self.mass, n, &self.exchanges, &mut self.price, 1);
-    }
-
-    /// The torques that a motor can have at a rate.
-    fn range(&self, i: usize, v: f64) -> [f64; 2] {
-        let JointLimits { torque: [mut lower, mut upper], power, speeds: [corner, no_load], .. } =
-            self.limits[i];
-        if no_load.is_finite() {
-            // Where it drives forwards, tau + k v <= k v_0 with k = tau_max/(v_0 - v_c).
-            let of = |most: f64, v: f64| (most * (no_load - v) / (no_load - corner)).min(most);
-            (lower, upper) = (
-                if lower < 0.0 { -of(-lower, -v) } else { lower },
-                if upper > 0.0 { of(upper, v) } else { upper },
-            );
-        }
-        if power.is_finite() && v != 0.0 {
-            let most = power / v.abs();
-            (lower, upper) = (lower.max(-most), upper.min(most));
-        }
-        [lower, upper]
-    }
-
-    /// G, and the residuals of torques inside their limits.
-    fn gap_at(&mut self, x: f64) -> f64 {
-        let n = self.tau.len();
-        let mut gap = self.prices.slack;
-        for i in 0..n {
-            let (v, tau) = (self.z[n + i], self.tau[i]);
-            let price = self.price[i] - self.prices.by_torque[i];
-            let [lower, upper] = self.range(i, v);
-            if let Some(best) = self.running.best_torque(i, v, price, [lower, upper]) {
-                gap += self.running.gain_of(i, v, price, best) - self.running.gain_of(i, v, price, tau);
-            }
-            let slope = self.running.by_torque[i];
-            self.largest[i] =
-                self.largest[i].max(slope.abs()).max(if lower < upper { price.abs() } else { 0.0 });
-            let margin = INSIDE * (upper - lower);
-            let is_inside = !margin.is_finite() || (lower + margin < tau && tau < upper - margin);
-            if lower < upper && is_inside && (price - slope).abs() > self.worst[i].0 {
-                self.worst[i] = ((price - slope).abs(), self.piece.time(x));
-            }
-        }
-        gap
-    }
-}
-
-/// A torque is inside its limits where it is this part of their range away from both.
-const INSIDE: f64 = 1e-2;
-
-impl System for Equations<'_> {
-    fn linearise(
-        &mut self,
-        x: f64,
-        costate: &[f64],
-        rate: &mut [f64],
-        jacobian: &mut [f64],
-    ) -> Result<(), EvalError> {
-        let (n, h) = (self.tau.len(), self.piece.length);
-        self.place(x)?;
-        for (i, row) in self.tau_z.chunks_exact(3 * n).enumerate() {
-            self.solved[2 * n * i..2 * n * (i + 1)].copy_from_slice(&row[..2 * n]);
-        }
-        lu::solve(&self.mass, n, &self.exchanges, &mut self.solved, 2 * n);
-        jacobian.fill(0.0);
-        let (by_z, by_state) = (&self.prices.by_z, &self.running.by_state);
-        for i in 0..2 * n {
-            rate[i] = h * (by_state[i] + by_z[i]);
-            for j in 0..n {
-                let entry = h * self.solved[2 * n * j + i];
-                jacobian[2 * n * i + n + j] = entry;
-                rate[i] += entry * (costate[n + j] - by_z[2 * n + j]);
-            }
-        }
-        for i in 0..n {
-            jacobian[2 * n * (n + i) + i] = -h;
-            rate[n + i] -= h * costate[i];
-        }
-        Ok(())
-    }
-
-    fn is_linear(&self) -> bool {
-        true
-    }
-
-    fn accept(&mut self, from: f64, length: f64, stages: [&[f64]; 3]) -> Result<(), EvalError> {
-        if !self.counts {
-            return Ok(());
-        }
-        for ((place, weight), costate) in radau::PLACES.iter().zip(radau::WEIGHTS).zip(stages) {
-            let x = from + place * length;
-            self.place(x)?;
-            self.take_price(costate);
-            let gap = self.gap_at(x);
-            self.gap += weight * length.abs() * self.piece.length * gap;
-        }
-        Ok(())
-    }
 }

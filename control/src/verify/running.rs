@@ -66,6 +66,16 @@ impl Running {
         !self.torque_rate.is_empty()
     }
 
+    /// w_i.
+    pub fn jerk_weight(&self, joint: usize) -> f64 {
+        self.jerk.get(joint).copied().unwrap_or(0.0)
+    }
+
+    /// z_i.
+    pub fn torque_rate_weight(&self, joint: usize) -> f64 {
+        self.torque_rate.get(joint).copied().unwrap_or(0.0)
+    }
+
     /// l at a time without the penalties, and the penalties; z = (q, v, a, jerk), `rates` of torques where
     /// they cost anything.
     ///

@@ -1,10 +1,11 @@
 //! Motions in closed form pass, and planted faults are found with their size.
 
+use super::adjoint::{Multipliers, Prices};
 use super::cost::cost;
 use super::dynamics::Trees;
 use super::limits::{Quantity, excesses};
 use super::motion::defects;
-use super::optimality::{Conditions, Costates, Multipliers, Optimality, Prices, check};
+use super::optimality::{Conditions, Costates, Optimality, check};
 use super::path::{Path, Piece};
 use super::running::Running;
 use super::splits::Splits;
@@ -177,6 +178,89 @@ fn least_time_has_no_gap_and_the_wrong_sign_has_one() {
     let found = optimality(&problem, &path, &costates(&times, late), &mut NoMultipliers);
     // For 0.1 s the sign is wrong by up to 0.05: 2 u times the triangle.
     assert!((found.gap / (8.0 * 0.5 * 0.1 * 0.05) - 1.0).abs() < 1e-6, "{found:?}");
+}
+
+/// The motion of least squared jerk, q = 10 t^3 - 15 t^4 + 6 t^5: lambda_a = j, lambda_v = -j', lambda_q =
+/// j''. With j + 0.3 d, d = 6 - 48 t + 60 t^2, the gap is `1/2 int (0.3 d)^2` = 0.09 18. The torque of a unit
+/// mass is its acceleration, and the rate of it the jerk.
+#[test]
+fn least_jerk_has_no_gap_and_a_shifted_jerk_has_what_it_costs() {
+    let (free, weights) = (Objective::new(0.0, vec![0.0]), Some(vec![1.0]));
+    let of_jerk = Objective { jerk: weights.clone(), ..free.clone() };
+    let of_torque = Objective { torque_rate: weights, ..free };
+    let motion = |part: f64| {
+        move |t: f64| {
+            let [t2, t3, t4, t5] = [2, 3, 4, 5].map(|power| t.powi(power));
+            vec![[
+                10.0 * t3 - 15.0 * t4 + 6.0 * t5 + part * (t3 - 2.0 * t4 + t5),
+                30.0 * t2 - 60.0 * t3 + 30.0 * t4 + part * (3.0 * t2 - 8.0 * t3 + 5.0 * t4),
+                60.0 * t - 180.0 * t2 + 120.0 * t3 + part * (6.0 * t - 24.0 * t2 + 20.0 * t3),
+                60.0 - 360.0 * t + 360.0 * t2 + part * (6.0 - 48.0 * t + 60.0 * t2),
+            ]]
+        }
+    };
+    let exact = costates(&TIMES, |t| vec![720.0, 360.0 - 720.0 * t, 60.0 - 360.0 * t + 360.0 * t * t]);
+    for cost in [of_jerk, of_torque] {
+        let problem = unit_mass().with_cost(cost);
+        let found = optimality(&problem, &path(&TIMES, 1, motion(0.0)), &exact, &mut NoMultipliers);
+        // Rounding of differences of numbers of 1800, half the square of the largest jerk.
+        assert!(
+            found.gap < 100.0 * 1800.0 * f64::EPSILON && found.stationarity < 1e-10 && found.defect < 1e-10,
+            "{found:?}"
+        );
+        let found = optimality(&problem, &path(&TIMES, 1, motion(0.3)), &exact, &mut NoMultipliers);
+        assert!((found.gap / (0.09 * 18.0) - 1.0).abs() < 1e-6, "{found:?}");
+    }
+}
+
+/// From rest to rest over one metre with |j| <= 32 takes a second: the jerk changes its sign at 1/4 and 3/4,
+/// as lambda_a = c (t - 1/4) (t - 3/4) does.
+#[test]
+fn least_time_with_limited_jerks_has_no_gap_and_late_switches_have_one() {
+    let problem = unit_mass()
+        .with_cost(Objective::new(1.0, vec![0.0]))
+        .with_limits(MotionLimits::none().with_jerk_max(vec![32.0]));
+    let times = [0.0, 0.25, 0.5, 0.6, 0.75, 1.0];
+    let half = |t: f64| match t {
+        t if t <= 0.25 + 1e-13 => [16.0 / 3.0 * t.powi(3), 16.0 * t * t, 32.0 * t, 32.0],
+        t => {
+            let (s, start) = (t - 0.25, [1.0 / 12.0, 1.0, 8.0]);
+            let (s2, s3) = (0.5 * s * s, s.powi(3) / 6.0);
+            [
+                start[0] + start[1] * s + start[2] * s2 - 32.0 * s3,
+                start[1] + start[2] * s - 32.0 * s2,
+                start[2] - 32.0 * s,
+                -32.0,
+            ]
+        }
+    };
+    // The second half is the first one backwards.
+    let motion = |t: f64| {
+        vec![if t <= 0.75 + 1e-13 && t > 0.5 {
+            let [q, v, a, j] = half(1.0 - t);
+            [1.0 - q, v, -a, j]
+        } else if t > 0.75 {
+            let r = 1.0 - t;
+            [1.0 - 16.0 / 3.0 * r.powi(3), 16.0 * r * r, -32.0 * r, 32.0]
+        } else {
+            half(t)
+        }]
+    };
+    let path = path(&times, 1, motion);
+    // H = lambda_a j - 1 = 0 at rest.
+    let c = 1.0 / (32.0 * 0.1875);
+    let costate = |shift: f64| {
+        costates(&times, move |t| vec![2.0 * c, c * (1.0 - 2.0 * t), c * (t - 0.25) * (t - 0.75) + shift])
+    };
+    let found = optimality(&problem, &path, &costate(0.0), &mut NoMultipliers);
+    assert!(found.gap < 1e-9, "{found:?}");
+    // Of the opposite sign between t1 and 1/4, t1 = 1/2 - sqrt(1/16 - shift/c), and behind 3/4 as long.
+    let shift = 0.01 * c;
+    let found = optimality(&problem, &path, &costate(shift), &mut NoMultipliers);
+    let inside = (0.0625_f64 - 0.01).sqrt();
+    let integral = |s: f64| c * (s.powi(3) / 3.0 - 0.0625 * s) + shift * s;
+    let wrong = 2.0 * 64.0 * (integral(0.25) - integral(inside)).abs();
+    assert!((found.gap / wrong - 1.0).abs() < 1e-3, "{found:?} {wrong}");
 }
 
 /// A mass with dry friction of 1 N and the narrow transition w goes through rest with u = -2 + tanh(v/w):

@@ -1,6 +1,6 @@
 //! Hands a motion of the direct method to the verification that does not know it.
 
-use super::costates::costates;
+use super::interval_part::IntervalPart;
 use super::verify::Again;
 use crate::constants::direct as constants;
 use crate::direct::interior::iterate::Interior;
@@ -8,21 +8,26 @@ use crate::direct::limits::at_node::AtNode;
 use crate::direct::limits::barrier::Barrier;
 use crate::direct::limits::power::Powers;
 use crate::direct::limits::side::{Limited, Side};
+use crate::direct::motion::shape::{MOST_POINTS, PLACES, POINTS};
 use crate::direct::motion::spline::Spline;
 use crate::direct::points::closed_points::ClosedPoints;
 use crate::direct::points::values::{PointDynamics, Points};
+use crate::numerics::lagrange;
 use crate::options::{SolverOptions, Verify};
 use crate::problem::Problem;
+use crate::problem::limits::JointLimits;
 use crate::problem::loop_rows::Loops;
 use crate::result::verification::{Check, Verification};
 use crate::task::accelerations::ToolAccelerations;
 use crate::task::build::TaskRows;
 use crate::task::functions::{PathFunction, TaskFunctions};
+use crate::verify::adjoint::{Multipliers, Prices};
 use crate::verify::cost::cost;
 use crate::verify::dynamics::{InverseDynamics, Trees};
+use crate::verify::jerk_optimality::has_controls;
 use crate::verify::limits::{Excess, Quantity, excesses};
 use crate::verify::motion::defects;
-use crate::verify::optimality::{self, Conditions, Multipliers, Prices};
+use crate::verify::optimality::{self, Conditions};
 use crate::verify::running::Running;
 use crate::verify::splits::Splits;
 use costate::EvalError;
@@ -133,15 +138,10 @@ pub(crate) fn verify<D: PointDynamics>(
     }
 
     let mut gaps = Vec::new();
-    match why_not(problem, interior) {
+    match why_not(problem, &limits, &running, interior) {
         Some(reason) => verification.optimality = Check::skipped(reason),
         None => {
-            let found = costates(interior);
-            let costates = optimality::Costates {
-                left: found.at_nodes[..found.before.len()].to_vec(),
-                right: found.before,
-                jumps: (0..interior.spline.mesh.intervals()).map(|k| jump(interior, k)).collect(),
-            };
+            let costates = costates(interior);
             // A cost of torques that was added belongs to the motion.
             let mut running = running.with_effort(interior.running.effort.clone());
             let mut sides = Sides::new(interior, rows);
@@ -227,6 +227,21 @@ fn name_of(excess: &Excess, rows: &TaskRows, names: &[String]) -> String {
     }
 }
 
+/// The costates at both ends of each interval: minus the derivatives of the Lagrange function of what remains
+/// by the state there.
+fn costates<D: PointDynamics>(interior: &mut Interior<D>) -> optimality::Costates {
+    let spline = &interior.spline.clone();
+    let mut part = IntervalPart::new(spline, interior.rows());
+    let mut found = optimality::Costates::default();
+    for k in 0..spline.mesh.intervals() {
+        part.take(interior, k);
+        found.left.push(part.by_node(spline, k, -1.0));
+        found.right.push(part.by_node(spline, k + 1, 1.0));
+        found.jumps.push(jump(interior, k));
+    }
+    found
+}
+
 /// What the multipliers of limits at a node make of the costates there; `None` without multipliers.
 fn jump<D>(interior: &Interior<D>, k: usize) -> Option<Vec<f64>> {
     let Interior { spline, barrier, .. } = interior;
@@ -244,9 +259,14 @@ fn jump<D>(interior: &Interior<D>, k: usize) -> Option<Vec<f64>> {
 }
 
 /// Why the optimality of a motion cannot be verified.
-fn why_not<D>(problem: &Problem, interior: &Interior<D>) -> Option<&'static str> {
-    if interior.spline.mesh.shape.is_smooth() {
-        return Some("continuous accelerations: costates of accelerations are not integrated");
+fn why_not<D>(
+    problem: &Problem,
+    limits: &[JointLimits],
+    running: &Running,
+    interior: &Interior<D>,
+) -> Option<&'static str> {
+    if interior.spline.mesh.shape.is_smooth() && !has_controls(limits, running) {
+        return Some("continuous accelerations: some jerks are neither limited nor cost anything");
     }
     if problem.penalty.is_some() {
         return Some("penalties: costates at nodes do not resolve their corners");
@@ -266,6 +286,22 @@ impl ClosedDynamics {
         let phases = (0..loops.phases.len()).map(|phase| ClosedPoints::new(loops, phase)).collect();
         Self { phases, point: Points::default() }
     }
+
+    /// With the weights of the point.
+    fn contract_point(
+        &mut self,
+        phase: usize,
+        z: &[f64],
+        [tau, tau_z]: [&mut [f64]; 2],
+    ) -> Result<(), EvalError> {
+        let n = tau.len();
+        self.point.resize(n, [0, 0], std::iter::once(1));
+        self.point.z.copy_from_slice(&z[..3 * n]);
+        self.phases[phase].contract_some(&mut self.point, 0..1)?;
+        tau.copy_from_slice(&self.point.tau);
+        tau_z.copy_from_slice(&self.point.tau_z);
+        Ok(())
+    }
 }
 
 impl InverseDynamics for ClosedDynamics {
@@ -280,13 +316,21 @@ impl InverseDynamics for ClosedDynamics {
         tau: &mut [f64],
         tau_z: &mut [f64],
     ) -> Result<(), EvalError> {
-        let n = tau.len();
-        self.point.resize(n, [0, 0], std::iter::once(1));
-        self.point.z.copy_from_slice(&z[..3 * n]);
         self.point.weights.fill(0.0);
-        self.phases[phase].contract_some(&mut self.point, 0..1)?;
-        tau.copy_from_slice(&self.point.tau);
-        tau_z.copy_from_slice(&self.point.tau_z);
+        self.contract_point(phase, z, [tau, tau_z])
+    }
+
+    fn contract(
+        &mut self,
+        phase: usize,
+        z: &[f64],
+        weights: &[f64],
+        [tau, tau_z, hessian]: [&mut [f64]; 3],
+    ) -> Result<(), EvalError> {
+        self.point.weights.clear();
+        self.point.weights.extend_from_slice(weights);
+        self.contract_point(phase, z, [tau, tau_z])?;
+        hessian.copy_from_slice(&self.point.hessian);
         Ok(())
     }
 }
@@ -309,6 +353,11 @@ struct Sides<'a> {
     powers: &'a Powers,
     /// Per second, all sides of one point after the other.
     densities: Vec<f64>,
+    /// Those of jerks and rates of torques at Gauss's points.
+    rate_densities: Vec<f64>,
+    /// With continuous accelerations the parts of an interval between those that a point stands for: as wide
+    /// as its weight. Multipliers are constant there, so that what they add up to is that of the points.
+    breaks: Vec<f64>,
     /// For each interval whether a limit of positions or rates is active at an end of it.
     arcs: Vec<bool>,
     along: TaskFunctions,
@@ -335,6 +384,21 @@ impl<'a> Sides<'a> {
                 densities.push(sum / spline.weight(p));
             }
         }
+        let mut rate_densities = Vec::new();
+        for p in 0..spline.mesh.gauss_points() {
+            let of = |at: usize| if barrier.is_on(at) { barrier.multiplier[at] } else { 0.0 };
+            let weight = spline.mesh.gauss_point(p).1 * spline.clock(p / POINTS);
+            rate_densities.extend(barrier.at_gauss_point(p).map(|at| of(at) / weight));
+        }
+        let mut breaks = Vec::new();
+        if spline.mesh.shape.is_smooth() {
+            let mut sum = 0.0;
+            for weight in spline.mesh.shape.weights() {
+                sum += weight;
+                breaks.push(sum);
+            }
+            breaks.pop();
+        }
         let (along, accelerations) = (rows.along.clone(), rows.accelerations.clone());
         let count = along.rows().max(accelerations.bounds().len());
         Self {
@@ -342,6 +406,8 @@ impl<'a> Sides<'a> {
             barrier,
             powers: &model.powers,
             densities,
+            rate_densities,
+            breaks,
             arcs: (0..spline.mesh.intervals()).map(|k| is_on_arc(interior, k)).collect(),
             along,
             accelerations,
@@ -351,6 +417,18 @@ impl<'a> Sides<'a> {
             hessian: vec![0.0; 9 * n * n],
             own: vec![0.0; n],
         }
+    }
+
+    /// Parts of the values at the points of an interval at `x`: in the quadratic through them, or one of the
+    /// point whose part of the interval it is.
+    fn parts(&self, x: f64) -> [f64; MOST_POINTS] {
+        let shape = self.spline.mesh.shape;
+        if !shape.is_smooth() {
+            return shape.parts(x);
+        }
+        let mut parts = [0.0; MOST_POINTS];
+        parts[self.breaks.partition_point(|&place| place < x)] = 1.0;
+        parts
     }
 
     /// The density of a side at the part x of an interval, between those of its points.
@@ -365,9 +443,25 @@ impl Multipliers for Sides<'_> {
         !self.arcs[piece]
     }
 
+    fn breaks(&self) -> &[f64] {
+        &self.breaks
+    }
+
+    fn add_rates(&mut self, k: usize, x: f64, rates: &[f64], prices: &mut [f64]) -> f64 {
+        let sides = self.barrier.rate_sides();
+        let (parts, mut slack) = (lagrange::values(&PLACES, x), 0.0);
+        for (i, side) in sides.iter().enumerate().filter(|(_, side)| side.limited == Limited::TorqueRate) {
+            let at = |j: usize| self.rate_densities[sides.len() * (POINTS * k + j) + i];
+            let density: f64 = parts.iter().enumerate().map(|(j, part)| part * at(j)).sum();
+            prices[side.joint] -= side.sign * density;
+            slack += density.max(0.0) * side.sign * (rates[side.joint] - side.bound);
+        }
+        slack
+    }
+
     fn add(&mut self, k: usize, x: f64, z: &[f64], tau: &[f64], to: &mut Prices) -> Result<(), EvalError> {
         let (n, shape) = (tau.len(), self.spline.mesh.shape);
-        let parts = shape.parts(x);
+        let parts = self.parts(x);
         let parts = &parts[..shape.places().len()];
         let sides: &[Side] = self.barrier.sides();
         let slack = |side: &Side, density: f64, value: f64| match side.is_equation {
@@ -390,7 +484,7 @@ impl Multipliers for Sides<'_> {
                 Limited::Power | Limited::TorqueSpeed => {
                     let (row, v) = (side.joint, &z[n..2 * n]);
                     // The torque of one joint is within its own range.
-                    let is_own = self.powers.joint(row).is_some();
+                    let is_own = !shape.is_smooth() && self.powers.joint(row).is_some();
                     let by_torque = if is_own { &mut self.own } else { &mut to.by_torque };
                     self.powers.add_price(row, price, v, tau, [&mut to.by_z[n..2 * n], by_torque]);
                     if !is_own {
@@ -399,6 +493,11 @@ impl Multipliers for Sides<'_> {
                 }
                 Limited::Task => has_rows[0] = true,
                 Limited::ToolAcceleration => has_rows[1] = true,
+                // With continuous accelerations torques are functions of the state.
+                Limited::Torque if shape.is_smooth() => {
+                    to.by_torque[side.joint] += price;
+                    to.slack += slack(side, density, tau[side.joint]);
+                }
                 Limited::Torque | Limited::Jerk | Limited::TorqueRate => {}
             }
         }

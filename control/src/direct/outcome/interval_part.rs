@@ -120,12 +120,19 @@ impl IntervalPart {
         }
     }
 
-    /// Derivatives by q and v at a node, 2n, times `sign`, from those by the unknowns: v = x/T.
+    /// Derivatives by q and v at a node, 2n, times `sign`.
     pub fn by_state(&self, spline: &Spline, k: usize, sign: f64) -> Vec<f64> {
-        let (n, time) = (spline.dof, spline.clock_at(k));
-        let scale = |i: usize| if i < n { sign } else { sign * time };
-        let entries = self.gradient[spline.node() * k..][..2 * n].iter().enumerate();
-        entries.map(|(i, g)| scale(i) * g).collect()
+        let mut all = self.by_node(spline, k, sign);
+        all.truncate(2 * spline.dof);
+        all
+    }
+
+    /// Derivatives by q, v and, where it is continuous, a at a node, n each, times `sign`, from those by the
+    /// unknowns: v = x/T, a = x/T^2.
+    pub fn by_node(&self, spline: &Spline, k: usize, sign: f64) -> Vec<f64> {
+        let (n, node, time) = (spline.dof, spline.node(), spline.clock_at(k));
+        let entries = self.gradient[node * k..node * (k + 1)].iter().enumerate();
+        entries.map(|(i, g)| sign * time.powi((i / n) as i32) * g).collect()
     }
 
     /// Derivatives of the Lagrange function per second by (q, v, a) at point `j`.
