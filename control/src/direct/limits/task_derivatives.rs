@@ -14,8 +14,7 @@ impl Tasks {
     /// # Errors
     /// As [`evaluate`](Self::evaluate).
     pub fn contract(&mut self, spline: &Spline, points: &mut Points) -> Result<(), EvalError> {
-        self.contract_points(points)?;
-        self.contract_accelerations(points)?;
+        self.contract_along(points)?;
         self.contract_gait(spline, points)?;
         let (n, mut first) = (spline.dof, 0);
         for (end, functions) in self.ends.iter_mut().enumerate() {
@@ -39,8 +38,13 @@ impl Tasks {
         Ok(())
     }
 
-    /// The rows of a gait. Nothing else is asked of its ends, so they are the first ones there.
-    fn contract_gait(&mut self, spline: &Spline, points: &mut Points) -> Result<(), EvalError> {
+    /// The rows along the motion alone.
+    ///
+    /// # Errors
+    /// As [`evaluate`](Self::evaluate).
+    pub fn contract_along(&mut self, points: &mut Points) -> Result<(), EvalError> {
+        self.contract_points(points)?;
+        self.contract_accelerations(points)?;
         let Some(gait) = &mut self.gait else { return Ok(()) };
         gait.contract_heights(points, self.along.rows())?;
         if let Some(soles) = gait.soles() {
@@ -55,6 +59,12 @@ impl Tasks {
                 );
             }
         }
+        Ok(())
+    }
+
+    /// The rows of a gait at its ends. Nothing else is asked of these, so they are the first ones there.
+    fn contract_gait(&mut self, spline: &Spline, points: &mut Points) -> Result<(), EvalError> {
+        let Some(gait) = &mut self.gait else { return Ok(()) };
         let last = spline.mesh.phases();
         spline.end(0, &mut self.state);
         spline.end(last, &mut self.last);

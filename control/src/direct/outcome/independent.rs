@@ -8,6 +8,7 @@ use crate::direct::limits::at_node::AtNode;
 use crate::direct::limits::barrier::Barrier;
 use crate::direct::limits::power::Powers;
 use crate::direct::limits::side::{Limited, Side};
+use crate::direct::limits::tasks::Tasks;
 use crate::direct::motion::shape::{MOST_POINTS, PLACES, POINTS};
 use crate::direct::motion::spline::Spline;
 use crate::direct::points::closed_points::ClosedPoints;
@@ -18,9 +19,7 @@ use crate::problem::Problem;
 use crate::problem::limits::JointLimits;
 use crate::problem::loop_rows::Loops;
 use crate::result::verification::{Check, Verification};
-use crate::task::accelerations::ToolAccelerations;
 use crate::task::build::TaskRows;
-use crate::task::functions::{PathFunction, TaskFunctions};
 use crate::verify::adjoint::{Multipliers, Prices};
 use crate::verify::cost::cost;
 use crate::verify::dynamics::{InverseDynamics, Trees};
@@ -144,7 +143,7 @@ pub(crate) fn verify<D: PointDynamics>(
             let costates = costates(interior);
             // A cost of torques that was added belongs to the motion.
             let mut running = running.with_effort(interior.running.effort.clone());
-            let mut sides = Sides::new(interior, rows);
+            let mut sides = Sides::new(interior);
             let conditions = Conditions {
                 path: &path,
                 splits: &splits,
@@ -271,8 +270,7 @@ fn why_not<D>(
     if problem.penalty.is_some() {
         return Some("penalties: costates at nodes do not resolve their corners");
     }
-    let walks = problem.loops.as_ref().is_some_and(|loops| loops.walk.is_some());
-    walks.then_some("gaits: multipliers of feet are not integrated")
+    None
 }
 
 /// Inverse dynamics of robots with constraints, one point at a time.
@@ -360,19 +358,15 @@ struct Sides<'a> {
     breaks: Vec<f64>,
     /// For each interval whether a limit of positions or rates is active at an end of it.
     arcs: Vec<bool>,
-    along: TaskFunctions,
-    accelerations: ToolAccelerations,
-    /// Weights of second derivatives, all zero; values and Jacobians of rows.
-    weights: Vec<f64>,
-    g: Vec<f64>,
-    jacobian: Vec<f64>,
-    hessian: Vec<f64>,
+    tasks: Tasks,
+    /// The rows of tasks at one place.
+    point: Points,
     /// What limits of single torques add, which nothing reads.
     own: Vec<f64>,
 }
 
 impl<'a> Sides<'a> {
-    fn new<D>(interior: &'a Interior<D>, rows: &TaskRows) -> Self {
+    fn new<D>(interior: &'a Interior<D>) -> Self {
         let Interior { spline, barrier, model, .. } = interior;
         let n = spline.dof;
         let mut densities = Vec::with_capacity(barrier.sides().len() * spline.mesh.points());
@@ -399,8 +393,6 @@ impl<'a> Sides<'a> {
             }
             breaks.pop();
         }
-        let (along, accelerations) = (rows.along.clone(), rows.accelerations.clone());
-        let count = along.rows().max(accelerations.bounds().len());
         Self {
             spline,
             barrier,
@@ -409,12 +401,8 @@ impl<'a> Sides<'a> {
             rate_densities,
             breaks,
             arcs: (0..spline.mesh.intervals()).map(|k| is_on_arc(interior, k)).collect(),
-            along,
-            accelerations,
-            weights: vec![0.0; count],
-            g: vec![0.0; count],
-            jacobian: vec![0.0; 3 * n * count],
-            hessian: vec![0.0; 9 * n * n],
+            tasks: model.tasks.clone(),
+            point: Points::default(),
             own: vec![0.0; n],
         }
     }
@@ -468,7 +456,7 @@ impl Multipliers for Sides<'_> {
             true => 0.0,
             false => density.max(0.0) * side.sign * (value - side.bound),
         };
-        let mut has_rows = [false; 2];
+        let mut has_rows = false;
         for (i, side) in sides.iter().enumerate() {
             let density = self.density(k, parts, i);
             if density == 0.0 {
@@ -491,8 +479,7 @@ impl Multipliers for Sides<'_> {
                         to.slack += slack(side, density, self.powers.value(row, v, tau));
                     }
                 }
-                Limited::Task => has_rows[0] = true,
-                Limited::ToolAcceleration => has_rows[1] = true,
+                Limited::Task | Limited::ToolAcceleration => has_rows = true,
                 // With continuous accelerations torques are functions of the state.
                 Limited::Torque if shape.is_smooth() => {
                     to.by_torque[side.joint] += price;
@@ -501,39 +488,23 @@ impl Multipliers for Sides<'_> {
                 Limited::Torque | Limited::Jerk | Limited::TorqueRate => {}
             }
         }
-        if has_rows[0] {
-            let (q, v) = (&z[..n], &z[n..2 * n]);
-            let rows = self.along.rows();
-            self.along.enter(Some(self.spline.mesh.phase(k)));
-            self.along.contract(
-                q,
-                v,
-                &self.weights[..rows],
-                &mut self.g[..rows],
-                &mut self.jacobian[..2 * n * rows],
-                &mut self.hessian[..4 * n * n],
-            )?;
-            for (i, side) in sides.iter().enumerate().filter(|(_, side)| side.limited == Limited::Task) {
+        if has_rows {
+            let mesh = &self.spline.mesh;
+            let own = mesh.phase(k);
+            let ends = (0..mesh.phases()).map(|phase| usize::from(phase >= own));
+            self.point.resize(n, self.tasks.rows(), ends);
+            self.point.z.copy_from_slice(z);
+            self.tasks.contract_along(&mut self.point)?;
+            for (i, side) in sides.iter().enumerate().filter(|(_, side)| side.limited.is_task()) {
+                let (value, row) = match side.limited {
+                    Limited::Task => {
+                        (self.point.g[side.joint], &self.point.g_x[2 * n * side.joint..][..2 * n])
+                    }
+                    _ => (self.point.h[side.joint], &self.point.h_z[3 * n * side.joint..][..3 * n]),
+                };
                 let density = self.density(k, parts, i);
-                let row = &self.jacobian[2 * n * side.joint..][..2 * n];
                 to.by_z.iter_mut().zip(row).for_each(|(to, entry)| *to -= side.sign * density * entry);
-                to.slack += slack(side, density, self.g[side.joint]);
-            }
-        }
-        if has_rows[1] {
-            let rows = self.accelerations.bounds().len();
-            let (g, jacobian) = (&mut self.g[..rows], &mut self.jacobian[..3 * n * rows]);
-            self.accelerations.contract(z, &self.weights[..rows], g, jacobian, &mut self.hessian)?;
-            for (i, side) in sides.iter().enumerate() {
-                if side.limited == Limited::ToolAcceleration {
-                    let (density, row) = (self.density(k, parts, i), side.joint - self.powers.rows());
-                    let entries = &self.jacobian[3 * n * row..][..3 * n];
-                    to.by_z
-                        .iter_mut()
-                        .zip(entries)
-                        .for_each(|(to, entry)| *to -= side.sign * density * entry);
-                    to.slack += slack(side, density, self.g[row]);
-                }
+                to.slack += slack(side, density, value);
             }
         }
         Ok(())
