@@ -39,10 +39,14 @@ fn unit_mass() -> Problem {
 
 /// Polynomials between these times through q, v, a and the jerk of each coordinate, one after the other.
 fn path(times: &[f64], n: usize, at: impl Fn(f64) -> Vec<[f64; 4]>) -> Path {
+    path_behind(1e-12, times, n, at)
+}
+
+/// The same with the values so far behind each start, where they may jump.
+fn path_behind(behind: f64, times: &[f64], n: usize, at: impl Fn(f64) -> Vec<[f64; 4]>) -> Path {
     let z = |t: f64| -> Vec<f64> { (0..4).flat_map(|m| at(t).into_iter().map(move |q| q[m])).collect() };
     let pieces = times.windows(2).map(|ends| {
-        // Behind a jump of the acceleration at the start.
-        let (left, right) = (z(ends[0] + 1e-12), z(ends[1]));
+        let (left, right) = (z(ends[0] + behind), z(ends[1]));
         Piece::through(ends[0], ends[1] - ends[0], 0, &left, &right)
     });
     Path { dof: n, pieces: pieces.collect() }
@@ -202,7 +206,8 @@ fn least_jerk_has_no_gap_and_a_shifted_jerk_has_what_it_costs() {
     let exact = costates(&TIMES, |t| vec![720.0, 360.0 - 720.0 * t, 60.0 - 360.0 * t + 360.0 * t * t]);
     for cost in [of_jerk, of_torque] {
         let problem = unit_mass().with_cost(cost);
-        let found = optimality(&problem, &path(&TIMES, 1, motion(0.0)), &exact, &mut NoMultipliers);
+        let found =
+            optimality(&problem, &path_behind(0.0, &TIMES, 1, motion(0.0)), &exact, &mut NoMultipliers);
         // Rounding of differences of numbers of 1800, half the square of the largest jerk.
         assert!(
             found.gap < 100.0 * 1800.0 * f64::EPSILON && found.stationarity < 1e-10 && found.defect < 1e-10,
@@ -220,7 +225,9 @@ fn least_time_with_limited_jerks_has_no_gap_and_late_switches_have_one() {
     let problem = unit_mass()
         .with_cost(Objective::new(1.0, vec![0.0]))
         .with_limits(MotionLimits::none().with_jerk_max(vec![32.0]));
-    let times = [0.0, 0.25, 0.5, 0.6, 0.75, 1.0];
+    // Nodes at the switches, and where a costate that is off by a hundredth of c vanishes.
+    let inside = (0.0625_f64 - 0.01).sqrt();
+    let times = [0.0, 0.25, 0.5 - inside, 0.6, 0.5 + inside, 0.75, 1.0];
     let half = |t: f64| match t {
         t if t <= 0.25 + 1e-13 => [16.0 / 3.0 * t.powi(3), 16.0 * t * t, 32.0 * t, 32.0],
         t => {
@@ -254,13 +261,12 @@ fn least_time_with_limited_jerks_has_no_gap_and_late_switches_have_one() {
     };
     let found = optimality(&problem, &path, &costate(0.0), &mut NoMultipliers);
     assert!(found.gap < 1e-9, "{found:?}");
-    // Of the opposite sign between t1 and 1/4, t1 = 1/2 - sqrt(1/16 - shift/c), and behind 3/4 as long.
+    // Of the wrong sign between 1/4 and that place, and as long before 3/4.
     let shift = 0.01 * c;
     let found = optimality(&problem, &path, &costate(shift), &mut NoMultipliers);
-    let inside = (0.0625_f64 - 0.01).sqrt();
     let integral = |s: f64| c * (s.powi(3) / 3.0 - 0.0625 * s) + shift * s;
     let wrong = 2.0 * 64.0 * (integral(0.25) - integral(inside)).abs();
-    assert!((found.gap / wrong - 1.0).abs() < 1e-3, "{found:?} {wrong}");
+    assert!((found.gap / wrong - 1.0).abs() < 1e-6, "{found:?} {wrong}");
 }
 
 /// A mass with dry friction of 1 N and the narrow transition w goes through rest with u = -2 + tanh(v/w):
