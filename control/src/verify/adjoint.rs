@@ -63,6 +63,9 @@ pub(super) trait Adjoint: System {
 
     /// What was found in the piece so far, and in all.
     fn gaps(&self) -> &Gaps;
+
+    /// Takes other costates that obey the same equations, where these leave smaller gaps of the pieces.
+    fn settle(&mut self, _gaps: &mut [f64]) {}
 }
 
 /// What the stages of all steps have shown.

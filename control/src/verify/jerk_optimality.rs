@@ -18,8 +18,12 @@
 //! Where jerks are neither limited nor cost anything, but rates of torques are or do, these are the controls,
 //! with $s = \tau_a^{-\top} (p - w j)$ in the place of p: what a change d of r gains is
 //! $s d - \tfrac12 z d^2$. The cost is convex in the jerk, so that both are bounds.
+//!
+//! Both bounds are made smaller where jerks are the controls, by what is free in them
+//! ([`Stages`](super::jerk_gaps::Stages)).
 
 use super::adjoint::{Adjoint, Gaps, INSIDE, Place};
+use super::jerk_gaps::{Stage, Stages};
 use super::running::Running;
 use crate::numerics::lu;
 use crate::numerics::radau::{self, System};
@@ -33,7 +37,8 @@ pub(crate) fn has_controls(limits: &[JointLimits], running: &Running) -> bool {
             .all(|(i, limits)| limits.torque_rate.is_finite() || running.torque_rate_weight(i) > 0.0)
 }
 
-fn has_jerks(limits: &[JointLimits], running: &Running) -> bool {
+/// Whether every jerk is limited or costs something: then jerks are the controls.
+pub(crate) fn has_jerks(limits: &[JointLimits], running: &Running) -> bool {
     limits.iter().enumerate().all(|(i, limits)| limits.jerk.is_finite() || running.jerk_weight(i) > 0.0)
 }
 
@@ -52,6 +57,8 @@ pub(super) struct JerkEquations<'a> {
     by_z: Vec<f64>,
     price: Vec<f64>,
     slack: f64,
+    /// Where jerks are the controls, all stages, backwards in time.
+    stages: Stages,
 }
 
 impl<'a> JerkEquations<'a> {
@@ -71,6 +78,7 @@ impl<'a> JerkEquations<'a> {
             by_z: zeros(3 * n),
             price: zeros(n),
             slack: 0.0,
+            stages: Stages::new(n),
             place,
         }
     }
@@ -107,8 +115,10 @@ impl<'a> JerkEquations<'a> {
         Ok(())
     }
 
-    /// G with this lambda_a, and the residuals of controls inside their limits.
-    fn gap_at(&mut self, x: f64, costate: &[f64]) -> f64 {
+    /// G with this lambda_a, and the residuals of controls inside their limits; of a stage with this weight.
+    fn gap_at(&mut self, x: f64, costate: &[f64], stage: f64) -> f64 {
+        let own = costate.len() / 3;
+        let (costate, lambda_v) = (&costate[2 * own..], &costate[own..2 * own]);
         let Place { running, limits, z, tau_z, mass, exchanges, .. } = &self.place;
         let n = self.price.len();
         let jerks = &z[3 * n..];
@@ -116,11 +126,28 @@ impl<'a> JerkEquations<'a> {
         for (row, weight) in tau_z.chunks_exact(3 * n).zip(&self.weights) {
             self.price.iter_mut().zip(&row[2 * n..]).for_each(|(to, tau_a)| *to -= weight * tau_a);
         }
+        let largest = &mut self.found.largest;
         if !self.by_jerks {
             for i in 0..n {
                 self.price[i] -= running.jerk_weight(i) * jerks[i];
             }
             lu::solve(mass, n, exchanges, &mut self.price, 1);
+            largest.iter_mut().zip(&self.weights).for_each(|(most, weight)| *most = most.max(weight.abs()));
+        }
+        if self.by_jerks {
+            self.stages.push(Stage {
+                piece: self.place.number,
+                time: self.place.piece().time(x),
+                weight: stage,
+                slack: self.slack,
+                prices: self.price.clone(),
+                jerks: jerks.to_vec(),
+                rates: (0..n).map(|i| self.by_z[2 * n + i] - lambda_v[i]).collect(),
+                curvature: match self.has_rates {
+                    true => Vec::new(),
+                    false => curvature(&running.effort, tau_z, n),
+                },
+            });
         }
         let mut gap = self.slack;
         for (i, limits) in limits[..n].iter().enumerate() {
@@ -137,7 +164,8 @@ impl<'a> JerkEquations<'a> {
                 true => slope / weight,
                 false => most.copysign(slope) - value,
             };
-            let change = change.clamp((-most - value).min(0.0), (most - value).max(0.0));
+            // Beyond its limit a control gains what it may not.
+            let change = change.clamp(-most - value, most - value);
             if change.is_finite() {
                 gap += slope * change - 0.5 * weight * change * change;
             }
@@ -165,6 +193,25 @@ impl Adjoint for JerkEquations<'_> {
     fn gaps(&self) -> &Gaps {
         &self.found
     }
+
+    fn settle(&mut self, gaps: &mut [f64]) {
+        let Place { path, limits, running, .. } = &self.place;
+        let controls: Vec<[f64; 2]> =
+            limits.iter().enumerate().map(|(i, limits)| [limits.jerk, running.jerk_weight(i)]).collect();
+        self.stages.settle(&controls, |piece| path.pieces[piece].phase, gaps);
+    }
+}
+
+/// $\tau_a^\top r \tau_a$, what the cost of torques is curved by in the accelerations; empty without it.
+fn curvature(effort: &[f64], tau_z: &[f64], n: usize) -> Vec<f64> {
+    let mut found = vec![0.0; if effort.is_empty() { 0 } else { n * n }];
+    for (weight, row) in effort.iter().zip(tau_z.chunks_exact(3 * n)) {
+        let row = &row[2 * n..];
+        for (to, a) in found.chunks_exact_mut(n).zip(row) {
+            to.iter_mut().zip(row).for_each(|(to, b)| *to += weight * a * b);
+        }
+    }
+    found
 }
 
 impl System for JerkEquations<'_> {
@@ -194,12 +241,11 @@ impl System for JerkEquations<'_> {
         if !self.place.counts {
             return Ok(());
         }
-        let n = self.price.len();
         for ((place, weight), costate) in radau::PLACES.iter().zip(radau::WEIGHTS).zip(stages) {
             let x = from + place * length;
             self.take(x)?;
-            let gap = self.gap_at(x, &costate[2 * n..]);
-            self.found.gap += weight * length.abs() * self.place.piece().length * gap;
+            let stage = weight * length.abs() * self.place.piece().length;
+            self.found.gap += stage * self.gap_at(x, costate, stage);
         }
         Ok(())
     }

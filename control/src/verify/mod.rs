@@ -10,6 +10,7 @@
 pub(crate) mod adjoint;
 pub(crate) mod cost;
 pub(crate) mod dynamics;
+mod jerk_gaps;
 pub(crate) mod jerk_optimality;
 pub(crate) mod limits;
 pub(crate) mod motion;

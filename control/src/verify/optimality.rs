@@ -188,6 +188,7 @@ fn follow(
         }
         found.gaps[k] = equations.gaps().gap;
     }
+    equations.settle(&mut found.gaps);
     found.gap = found.of_parts(path);
     if let Some(first) = costates.left.first() {
         let parts = costate.iter().zip(first).zip(&radau.sizes);

@@ -13,6 +13,7 @@ use crate::direct::motion::shape::{MOST_POINTS, PLACES, POINTS};
 use crate::direct::motion::spline::Spline;
 use crate::direct::points::closed_points::ClosedPoints;
 use crate::direct::points::values::{PointDynamics, Points};
+use crate::extremal::penalty::Penalties;
 use crate::numerics::lagrange;
 use crate::options::{SolverOptions, Verify};
 use crate::problem::Problem;
@@ -23,7 +24,7 @@ use crate::task::build::TaskRows;
 use crate::verify::adjoint::{Multipliers, Prices};
 use crate::verify::cost::cost;
 use crate::verify::dynamics::{InverseDynamics, Trees};
-use crate::verify::jerk_optimality::has_controls;
+use crate::verify::jerk_optimality::{has_controls, has_jerks};
 use crate::verify::limits::{Excess, Quantity, excesses};
 use crate::verify::motion::defects;
 use crate::verify::optimality::{self, Conditions};
@@ -137,13 +138,16 @@ pub(crate) fn verify<D: PointDynamics>(
     }
 
     let mut gaps = Vec::new();
-    match why_not(problem, &limits, &running, interior) {
+    match why_not(interior.spline.mesh.shape.is_smooth(), &limits, &running) {
         Some(reason) => verification.optimality = Check::skipped(reason),
         None => {
             let costates = costates(interior);
             // A cost of torques that was added belongs to the motion.
             let mut running = running.with_effort(interior.running.effort.clone());
-            let mut sides = Sides::new(interior);
+            let mut sides = {
+                let penalties = Penalties::new(problem.coordinates(), problem.penalty.as_ref());
+                Sides::new(interior, &penalties, has_jerks(&limits, &running))
+            };
             let conditions = Conditions {
                 path: &path,
                 splits: &splits,
@@ -258,19 +262,9 @@ fn jump<D>(interior: &Interior<D>, k: usize) -> Option<Vec<f64>> {
 }
 
 /// Why the optimality of a motion cannot be verified.
-fn why_not<D>(
-    problem: &Problem,
-    limits: &[JointLimits],
-    running: &Running,
-    interior: &Interior<D>,
-) -> Option<&'static str> {
-    if interior.spline.mesh.shape.is_smooth() && !has_controls(limits, running) {
-        return Some("continuous accelerations: some jerks are neither limited nor cost anything");
-    }
-    if problem.penalty.is_some() {
-        return Some("penalties: costates at nodes do not resolve their corners");
-    }
-    None
+fn why_not(is_smooth: bool, limits: &[JointLimits], running: &Running) -> Option<&'static str> {
+    (is_smooth && !has_controls(limits, running))
+        .then_some("continuous accelerations: some jerks are neither limited nor cost anything")
 }
 
 /// Inverse dynamics of robots with constraints, one point at a time.
@@ -334,14 +328,26 @@ impl InverseDynamics for ClosedDynamics {
 }
 
 /// Whether a limit of positions or rates is active at an end of an interval: its multiplier, without unit, is
-/// larger than its slack.
-fn is_on_arc<D>(interior: &Interior<D>, k: usize) -> bool {
-    let barrier = &interior.barrier;
+/// larger than its slack. With continuous accelerations, any limit at a point of the interval but those of the
+/// controls. Or whether a penalty is above zero there, which is the multiplier of what it stands for.
+fn is_on_arc<D>(interior: &Interior<D>, penalties: &Penalties, has_jerks: bool, k: usize) -> bool {
+    let (barrier, mesh, n) = (&interior.barrier, &interior.spline.mesh, interior.spline.dof);
     let is_active = |at: usize| {
         let unit = barrier.weight[at] * barrier.unit[at] * interior.figures.size;
-        barrier.is_on(at) && barrier.multiplier[at] > barrier.slack[at] * barrier.unit[at] * unit
+        barrier.is_limit(at) && barrier.multiplier[at] > barrier.slack[at] * barrier.unit[at] * unit
+    };
+    let points = mesh.first_point(k)..mesh.first_point(k) + mesh.shape.places().len();
+    let rates = if mesh.shape.is_smooth() { POINTS * k..POINTS * (k + 1) } else { 0..0 };
+    let is_torque_rate = |at: usize| barrier.side(at).limited == Limited::TorqueRate;
+    let is_penalised = |p: usize| {
+        let (q, v) = interior.points.z(p)[..2 * n].split_at(n);
+        (0..n).any(|i| penalties.position(i, q[i]).first != 0.0 || penalties.rate(i, v[i]).first != 0.0)
     };
     barrier.at_node(k).chain(barrier.at_node(k + 1)).any(is_active)
+        || (mesh.shape.is_smooth() && points.clone().flat_map(|p| barrier.at_point(p)).any(is_active))
+        || (has_jerks
+            && rates.flat_map(|p| barrier.at_gauss_point(p)).any(|at| is_active(at) && is_torque_rate(at)))
+        || (penalties.any() && points.clone().any(is_penalised))
 }
 
 /// The multipliers of all limits of an iterate.
@@ -366,23 +372,27 @@ struct Sides<'a> {
 }
 
 impl<'a> Sides<'a> {
-    fn new<D>(interior: &'a Interior<D>) -> Self {
+    fn new<D>(interior: &'a Interior<D>, penalties: &Penalties, has_jerks: bool) -> Self {
         let Interior { spline, barrier, model, .. } = interior;
         let n = spline.dof;
-        let mut densities = Vec::with_capacity(barrier.sides().len() * spline.mesh.points());
+        let sides = barrier.sides().len();
+        let of = |at: usize| if barrier.is_on(at) { barrier.multiplier[at] } else { 0.0 };
+        let mut densities = Vec::with_capacity(sides * spline.mesh.points());
         for p in 0..spline.mesh.points() {
             let place = spline.mesh.interval_of(p);
             for (i, at) in barrier.at_point(p).enumerate() {
-                let of = |at: usize| if barrier.is_on(at) { barrier.multiplier[at] } else { 0.0 };
                 let sum = if barrier.is_hull(i) { barrier.by_value(place, i, of) } else { of(at) };
                 densities.push(sum / spline.weight(p));
             }
         }
         let mut rate_densities = Vec::new();
         for p in 0..spline.mesh.gauss_points() {
-            let of = |at: usize| if barrier.is_on(at) { barrier.multiplier[at] } else { 0.0 };
-            let weight = spline.mesh.gauss_point(p).1 * spline.clock(p / POINTS);
-            rate_densities.extend(barrier.at_gauss_point(p).map(|at| of(at) / weight));
+            let place @ (k, _) = (p / POINTS, p % POINTS);
+            let weight = spline.mesh.gauss_point(p).1 * spline.clock(k);
+            for (number, at) in (sides..).zip(barrier.at_gauss_point(p)) {
+                let sum = if barrier.is_hull(number) { barrier.by_value(place, number, of) } else { of(at) };
+                rate_densities.push(sum / weight);
+            }
         }
         let mut breaks = Vec::new();
         if spline.mesh.shape.is_smooth() {
@@ -400,7 +410,9 @@ impl<'a> Sides<'a> {
             densities,
             rate_densities,
             breaks,
-            arcs: (0..spline.mesh.intervals()).map(|k| is_on_arc(interior, k)).collect(),
+            arcs: (0..spline.mesh.intervals())
+                .map(|k| is_on_arc(interior, penalties, has_jerks, k))
+                .collect(),
             tasks: model.tasks.clone(),
             point: Points::default(),
             own: vec![0.0; n],
