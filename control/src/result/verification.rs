@@ -164,11 +164,11 @@ impl Verification {
         self.checks().into_iter().find(|(_, check)| check.fails())
     }
 
-    /// The errors of the cost that were found, relative to its size: the larger one of the difference of the
-    /// costs and the gap.
-    pub fn cost_error(&self) -> f64 {
+    /// The errors of the cost that were found, relative to its size: the difference of the costs, or the gap
+    /// where that is larger and counts.
+    pub(crate) fn cost_error(&self, with_gap: bool) -> f64 {
         let of = |check: &Check| check.value.unwrap_or(0.0);
-        of(&self.cost).max(of(&self.optimality))
+        of(&self.cost).max(if with_gap { of(&self.optimality) } else { 0.0 })
     }
 }
 

@@ -58,7 +58,12 @@ pub(crate) fn verify<D: PointDynamics>(
     is_compared: bool,
 ) -> Independent {
     let mut found = Independent::default();
-    let gap_allowed = if is_compared { constants::GAP } else { 1.0 } * options.tolerance;
+    let gap_allowed = options.tolerance
+        * match (is_compared, interior.spline.mesh.shape.is_smooth()) {
+            (true, false) => constants::GAP,
+            (true, true) => constants::JERK_GAP,
+            (false, _) => 1.0,
+        };
     if options.verify != Verify::Full {
         return found;
     }
