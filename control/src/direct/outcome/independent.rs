@@ -333,8 +333,8 @@ impl InverseDynamics for ClosedDynamics {
 }
 
 /// Whether a limit of positions or rates is active at an end of an interval: its multiplier, without unit, is
-/// larger than its slack. With continuous accelerations, any limit at a point of the interval but those of the
-/// controls. Or whether a penalty is above zero there, which is the multiplier of what it stands for.
+/// larger than its slack. With continuous accelerations, any limit at a point of the interval but those of
+/// the controls. Or whether a penalty is above zero there, which is the multiplier of what it stands for.
 fn is_on_arc<D>(interior: &Interior<D>, penalties: &Penalties, has_jerks: bool, k: usize) -> bool {
     let (barrier, mesh, n) = (&interior.barrier, &interior.spline.mesh, interior.spline.dof);
     let is_active = |at: usize| {
