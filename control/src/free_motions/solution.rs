@@ -31,7 +31,7 @@ pub(super) fn solution(
         phase_hamiltonians: vec![figures.hamiltonian],
         hamiltonian_drift: figures.drift,
         end_state: end_state.clone(),
-        verification: if end_state.is_some() { Verify::Full } else { Verify::None },
+        verification: if verifies { Verify::Full } else { Verify::None },
         shooting_defect: if by_parts { found.end_error } else { f64::INFINITY },
         stationarity: found.residual,
         certificate: found.certificate,

@@ -35,10 +35,12 @@ const POINTS: usize = 15;
 const ROUNDING: f64 = 50.0 * f64::EPSILON;
 
 /// An integral with its estimated error.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Integral {
     /// The integral.
     pub value: f64,
+    /// That over the segments of each interval.
+    pub parts: Vec<f64>,
     /// Estimate of its error.
     pub error: f64,
     /// Number of evaluations.
@@ -89,11 +91,12 @@ pub(crate) fn integrate<E>(
     most: usize,
     mut f: impl FnMut(usize, f64) -> Result<f64, E>,
 ) -> Result<Integral, E> {
-    let mut heap = BinaryHeap::new();
+    let mut heap = BinaryHeap::<Segment>::new();
     let mut found = Integral::default();
     for (interval, ends) in segments.filter(|(_, [from, to])| to > from) {
         let segment = measure(interval, ends, &mut f)?;
         found.evaluations += POINTS;
+        found.parts.resize(found.parts.len().max(interval + 1), 0.0);
         heap.push(segment);
     }
     loop {
@@ -101,6 +104,7 @@ pub(crate) fn integrate<E>(
         found.error = heap.iter().map(|segment| segment.error).sum();
         let is_done = found.error <= absolute.max(relative * found.value.abs());
         if is_done || !found.error.is_finite() || found.evaluations >= most {
+            heap.iter().for_each(|segment| found.parts[segment.interval] += segment.value);
             return Ok(found);
         }
         // As many as hold nine tenths of the error, so that sums are not added up for each of them.
@@ -181,6 +185,17 @@ mod tests {
         let found = of([0.0, 1.0], at);
         assert!((found.value - exact).abs() <= found.error.max(1e-12), "{found:?} {exact}");
         assert!(found.error < 1e-11 && found.evaluations < 2000, "{found:?}");
+    }
+
+    /// The integrals of x over the three segments of two intervals.
+    #[test]
+    fn each_interval_has_its_part() {
+        let segments = [(0, [0.0, 1.0]), (2, [1.0, 2.0]), (2, [2.0, 4.0])];
+        let found =
+            integrate(segments.into_iter(), [0.0, 1e-12], 1000, |_, x| Ok::<_, Infallible>(x)).unwrap();
+        let expected = [0.5, 0.0, 7.5];
+        assert_eq!(found.parts.len(), 3);
+        assert!(found.parts.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-14), "{found:?}");
     }
 
     #[test]

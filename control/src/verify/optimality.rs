@@ -32,8 +32,9 @@ use super::dynamics::InverseDynamics;
 use super::path::{Path, Piece};
 use super::running::Running;
 use super::splits::Splits;
+use crate::numerics::dormand_prince::Stopped;
 use crate::numerics::lu;
-use crate::numerics::radau::{self, Failed, Radau, System};
+use crate::numerics::radau::{self, Radau, System};
 use crate::numerics::random::Random;
 use crate::problem::limits::JointLimits;
 use costate::EvalError;
@@ -131,6 +132,8 @@ pub(crate) struct Conditions<'a> {
     pub multipliers: &'a mut dyn Multipliers,
     /// Those of all coordinates.
     pub limits: &'a [JointLimits],
+    /// Whether the search is to stop.
+    pub stops: &'a mut dyn FnMut() -> bool,
 }
 
 /// Integrates the costates backwards, from the end of each phase, by Radau's method on pieces that end at
@@ -143,19 +146,19 @@ pub(crate) struct Conditions<'a> {
 /// pieces before it, and what an unstable motion makes of small ones does not add up.
 ///
 /// # Errors
-/// States that cannot be evaluated, or at which tau_a is singular.
+/// States that cannot be evaluated, or at which tau_a is singular; a search that is to stop.
 pub(crate) fn check(
     conditions: Conditions<'_>,
     costates: &Costates,
     tolerance: f64,
     seed: u64,
-) -> Result<Optimality, Failed> {
-    let Conditions { path, splits, dynamics, running, multipliers, limits } = conditions;
+) -> Result<Optimality, Stopped> {
+    let Conditions { path, splits, dynamics, running, multipliers, limits, stops } = conditions;
     let n = path.dof;
     let root = tolerance.sqrt();
     let mut radau = Radau::new(2 * n, (STEP * root).clamp(STEPS[0], STEPS[1]));
     radau.sizes = sizes(costates, n);
-    let mut equations = Equations::new(path, dynamics, running, multipliers, limits);
+    let mut equations = Equations::new(path, (dynamics, stops), running, multipliers, limits);
     let mut random = Random::new(seed);
     let mut found = Optimality { gaps: vec![0.0; path.pieces.len()], ..Optimality::default() };
     let mut costate = vec![0.0; 2 * n];
@@ -223,6 +226,7 @@ fn sizes(costates: &Costates, n: usize) -> Vec<f64> {
 /// The costates of a piece as functions of the part x of it.
 struct Equations<'a> {
     dynamics: &'a mut dyn InverseDynamics,
+    stops: &'a mut dyn FnMut() -> bool,
     running: &'a mut Running,
     multipliers: &'a mut dyn Multipliers,
     limits: &'a [JointLimits],
@@ -248,7 +252,7 @@ struct Equations<'a> {
 impl<'a> Equations<'a> {
     fn new(
         path: &'a Path,
-        dynamics: &'a mut dyn InverseDynamics,
+        (dynamics, stops): (&'a mut dyn InverseDynamics, &'a mut dyn FnMut() -> bool),
         running: &'a mut Running,
         multipliers: &'a mut dyn Multipliers,
         limits: &'a [JointLimits],
@@ -257,6 +261,7 @@ impl<'a> Equations<'a> {
         let prices = Prices { by_z: zeros(3 * n), by_torque: zeros(n), slack: 0.0 };
         Self {
             dynamics,
+            stops,
             running,
             multipliers,
             limits,
@@ -385,6 +390,10 @@ impl System for Equations<'_> {
 
     fn is_linear(&self) -> bool {
         true
+    }
+
+    fn stops(&mut self) -> bool {
+        (self.stops)()
     }
 
     fn accept(&mut self, from: f64, length: f64, stages: [&[f64]; 3]) -> Result<(), EvalError> {

@@ -22,7 +22,7 @@ const BLAMED: f64 = 0.9;
 
 /// Verifies a converged motion. Where a check fails, the intervals that make it fail are divided, and the
 /// search goes on from this motion, a few times; where that leads to no verified motion, the last one that
-/// converged is not verified.
+/// converged is not verified. Where the search is to stop, so does the verification, and the status says so.
 ///
 /// # Errors
 /// A motion that cannot be evaluated.
@@ -38,13 +38,16 @@ pub(super) fn verify_and_repair(
     interior.clock.lap(Stage::Meshes);
     // Meshes are finer than the one that was compared from here on.
     let is_compared = refined.finer_mesh.is_some();
-    let judge = |interior: &mut Interior<Dynamics>, cost: f64, refined: &Refined| {
-        interior.refresh()?;
-        let found = verify((problem, rows), options, interior, cost, refined.again.as_ref(), is_compared);
-        interior.clock.lap(Stage::Verification);
-        Ok::<_, EvalError>(found)
-    };
-    let mut found = judge(interior, resolution.cost, refined)?;
+    let judge =
+        |interior: &mut Interior<Dynamics>, costs: &[f64], refined: &Refined, recorder: &mut Recorder<'_>| {
+            interior.refresh()?;
+            let again = (refined.again.as_ref(), is_compared);
+            let mut stops = || recorder.interruption().is_some();
+            let found = verify((problem, rows), options, interior, costs, again, &mut stops);
+            interior.clock.lap(Stage::Verification);
+            Ok::<_, EvalError>(found)
+        };
+    let mut found = judge(interior, &resolution.costs, refined, recorder)?;
     let mut status = Status::NotVerified;
     for _ in 0..ROUNDS {
         if found.verification.failure().is_none() || recorder.interruption().is_some() {
@@ -59,7 +62,7 @@ pub(super) fn verify_and_repair(
         };
         match next {
             Ok(next) if next.status.is_converged() => {
-                found = judge(interior, finer.cost, &next)?;
+                found = judge(interior, &finer.costs, &next, recorder)?;
                 (*resolution, *refined) = (finer, next);
             }
             next => {
@@ -74,7 +77,9 @@ pub(super) fn verify_and_repair(
             }
         }
     }
-    if found.verification.failure().is_some() {
+    if !found.is_complete {
+        refined.status = recorder.interruption().map_or(Status::NotVerified, Status::from);
+    } else if found.verification.failure().is_some() {
         refined.status = status;
     }
     refined.verified = Some(found.verification);
@@ -82,8 +87,7 @@ pub(super) fn verify_and_repair(
 }
 
 /// Nodes with the intervals divided that make most of what fails, each halved and at the places where
-/// something narrow happens; `None` where that takes too many, or none
-/// can be divided.
+/// something narrow happens; `None` where that takes too many, or none can be divided.
 fn divided(interior: &Interior<Dynamics>, found: &Independent, options: &SolverOptions) -> Option<Vec<f64>> {
     let (mesh, narrowest) = (&interior.spline.mesh, interior.narrowest()[0]);
     let all: f64 = found.blame.iter().sum();
