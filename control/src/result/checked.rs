@@ -69,3 +69,66 @@ impl Solved {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::extremal::hamiltonian::RobotExtremal;
+    use crate::options::{JacobianRoute, Method, Verify};
+    use crate::problem::{FinalTime, Problem};
+    use crate::result::motion::Certificate;
+    use crate::search::Search;
+    use crate::search::guess::Plain;
+    use crate::solve::recorder::Stop;
+    use crate::status::Status;
+    use costate::robot::Robot;
+    use std::time::Duration;
+
+    const TIME: f64 = 1.0;
+
+    /// A pendulum that rises, as an extremal.
+    fn solved(run: impl FnOnce(Solved, &mut RobotExtremal, &SolverOptions)) {
+        let robot = Robot::from_file("../robots/pendulum.toml").unwrap();
+        let problem = Problem::rest_to_rest(robot, &[0.0], &[std::f64::consts::PI], TIME);
+        let options = SolverOptions::of(Method::Collocation);
+        let mut extremal = RobotExtremal::new(problem.check().unwrap(), JacobianRoute::Exact).unwrap();
+        let mut recorder = Recorder::default();
+        let mut guess = Plain(|s: f64, z: &mut [f64]| z[0] = std::f64::consts::PI * s);
+        let time = FinalTime::Fixed(TIME);
+        let search = Search { extremal: &mut extremal, time, guess: &mut guess, recorder: &mut recorder };
+        let found = search.run(&options);
+        assert!(found.is_converged());
+        run(found, &mut extremal, &options);
+    }
+
+    #[test]
+    fn an_extremal_passes_and_a_costate_that_is_wrong_does_not() {
+        solved(|mut found, extremal, options| {
+            let exact = found.checked(extremal, &mut Recorder::default(), options);
+            let Verification { cost, dynamics, optimality, .. } = &exact.verification;
+            assert!(cost.passes() && dynamics.passes() && optimality.passes(), "{:?}", exact.verification);
+            assert!(exact.is_complete && exact.shooting_defect < 1e-7, "{}", exact.shooting_defect);
+            // A costate at one node is off by a thousandth of the largest one: no segment leads through it.
+            let (m, node) = (found.found.equations.m, found.found.equations.mesh.nodes() / 2);
+            found.found.equations.current.nodes[m * node + 3] += 1e-3 * found.found.equations.scale[3];
+            let wrong = found.checked(extremal, &mut Recorder::default(), options);
+            let defect = wrong.shooting_defect;
+            assert!(wrong.verification.optimality.fails(), "{:?}", wrong.verification);
+            // Into the node and out of it.
+            assert!((1e-3..2.5e-3).contains(&defect), "{defect}");
+        });
+    }
+
+    /// A search that is over ends the verification, and the motion is not converged.
+    #[test]
+    fn what_is_stopped_is_neither_verified_nor_converged() {
+        let late = || Recorder::new(None, Stop::new(None, Some(Duration::ZERO)));
+        solved(|mut found, extremal, options| {
+            assert!(!found.checked(extremal, &mut late(), options).is_complete);
+            let (conjugate, certificate) = found.second_variation(extremal, &mut || true);
+            assert_eq!((conjugate, certificate), (None, Certificate::NotChecked));
+            let motion = found.into_solution(extremal, &mut late(), options).motion;
+            assert_eq!((motion.status, motion.verification), (Status::TimeLimit, Verify::None));
+        });
+    }
+}

@@ -2,14 +2,17 @@
 
 use super::advice::advice;
 use super::laws::not_kept;
-use super::remark::RemarkKey;
-use crate::options::{SolverOptions, Verify};
+use super::remark::{RemarkKey, Severity};
+use super::settled;
+use crate::options::{Polish, SolverOptions, Verify};
 use crate::problem::file::ProblemFile;
 use crate::problem::{FinalTime, MotionLimits, Objective, Problem};
 use crate::result::limit_use::LimitViolation;
 use crate::result::motion::Certificate;
+use crate::result::polish_report::PolishOutcome;
 use crate::result::solution::Solution;
 use crate::result::verification::Check;
+use crate::solve::recorder::Interruption;
 use crate::solver::Solver;
 use crate::status::Status;
 use costate::robot::{LoadOptions, Robot};
@@ -175,4 +178,45 @@ fn a_saddle_is_told() {
     solution.motion.certificate = Certificate::SaddleOnMesh;
     let told = remarks(&problem, &solution).join("; ");
     assert!(told.contains("a saddle") && told.contains("solver.starts"), "{told}");
+}
+
+/// A motion that leads elsewhere, or whose verification was not done, is not converged; what stopped the
+/// search is its status then.
+#[test]
+fn only_verified_motions_are_converged() {
+    let robot = Robot::from_file("../robots/two_link.toml").unwrap();
+    let problem = arm(robot, Objective::new(0.0, vec![1.0; 2]));
+    let options = SolverOptions::default().with_polish(Polish::Never);
+    let solved = Solver::new(&problem, options).unwrap().solve();
+    assert_eq!(settled(solved.clone(), None).motion.status, Status::Converged);
+    let limit = Some(Interruption::TimeLimit);
+    assert_eq!(settled(solved.clone(), limit).motion.status, Status::Converged);
+    let mut stopped = solved.clone();
+    stopped.motion.verification = Verify::None;
+    assert_eq!(settled(stopped.clone(), limit).motion.status, Status::TimeLimit);
+    assert_eq!(settled(stopped, None).motion.status, Status::NotVerified);
+    let mut lost = solved;
+    lost.motion.shooting_defect = 0.5;
+    let lost = settled(lost, None);
+    assert!(lost.motion.status == Status::NotVerified && lost.check(&problem).is_err());
+}
+
+/// A polish that is left is a note beside a solution.
+#[test]
+fn a_polish_that_was_left_is_a_note() {
+    let robot = Robot::from_file("../robots/two_link.toml").unwrap();
+    let mut problem = arm(robot, Objective::new(0.0, vec![1.0; 2]));
+    problem.limits.from_robot = Some(false);
+    let mut solution = Solver::new(&problem, SolverOptions::default()).unwrap().solve();
+    let is_note = |solution: &Solution| {
+        let remarks = solution.remarks(&problem);
+        let note = remarks.into_iter().find(|remark| remark.key == RemarkKey::PolishLeft);
+        note.map(|note| (note.severity, note.text.contains("the extremal is not verified (cost")))
+    };
+    assert_eq!(is_note(&solution), None);
+    let report = solution.polish.as_mut().unwrap();
+    report.outcome = PolishOutcome::NotVerified;
+    report.cause = Some("the extremal is not verified (cost: 1.0e-3 relative, 1.0e-4 allowed)".into());
+    assert_eq!(is_note(&solution), Some((Severity::Note, true)));
+    assert!(solution.check(&problem).is_ok());
 }

@@ -120,3 +120,79 @@ fn divided(interior: &Interior<Dynamics>, found: &Independent, options: &SolverO
     let count = mesh.shape.stride() * (nodes.len() - 1) + 1;
     (nodes.len() > mesh.nodes.len() && count <= options.max_nodes).then_some(nodes)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::last_solved::LastSolved;
+    use super::*;
+    use crate::direct::solve::prepare::interior;
+    use crate::options::Polish;
+    use crate::problem::MotionLimits;
+    use costate::robot::Robot;
+
+    fn solved(run: impl FnOnce(&Problem, &SolverOptions, &mut Interior<Dynamics>, Resolution, Refined)) {
+        let robot = Robot::from_file("../robots/two_link.toml").unwrap();
+        let problem =
+            Problem::rest_to_rest(robot, &[0.0, 0.0], &[1.5, 1.5], 1.0).with_limits(MotionLimits::none());
+        let options = SolverOptions::default().with_polish(Polish::Never);
+        let rows = TaskRows::new(&problem).unwrap();
+        let mut interior = interior(&problem, &rows, &options, 0, None);
+        let mut resolution = Resolution::default();
+        let (own, of_own) = (&mut interior, &mut resolution);
+        let mut recorder = Recorder::default();
+        let refined = refine(&problem, &options, Start::Guess, own, of_own, &mut recorder).unwrap();
+        assert!(refined.status.is_converged());
+        run(&problem, &options, &mut interior, resolution, refined);
+    }
+
+    /// The solver has a wrong cost of one interval: that one is divided.
+    #[test]
+    fn an_interval_with_a_wrong_cost_is_blamed_alone() {
+        solved(|problem, options, interior, resolution, refined| {
+            let rows = TaskRows::new(problem).unwrap();
+            let mut costs = resolution.costs.clone();
+            let wrong = costs.len() / 2;
+            costs[wrong] += 10.0 * options.tolerance * interior.figures.size;
+            interior.refresh().unwrap();
+            let again = (refined.again.as_ref(), true);
+            let found = verify((problem, &rows), options, interior, &costs, again, &mut || false);
+            assert!(found.verification.cost.fails() && !found.verification.dynamics.fails(), "{found:?}");
+            assert!((found.blame[wrong] / 10.0 - 1.0).abs() < 0.1, "{:?}", found.blame);
+            let nodes = divided(interior, &found, options).unwrap();
+            assert_eq!(nodes.len(), interior.spline.mesh.nodes.len() + 1);
+        });
+    }
+
+    /// Where the search is over the verification is not done, and the motion is not converged.
+    #[test]
+    fn a_search_that_is_over_leaves_its_motion_unverified() {
+        solved(|problem, options, interior, mut resolution, mut refined| {
+            let rows = TaskRows::new(problem).unwrap();
+            let mut recorder = Recorder::default();
+            recorder.cancel();
+            let iterate = (interior, &mut resolution, &mut refined);
+            verify_and_repair((problem, &rows), options, iterate, &mut recorder).unwrap();
+            assert_eq!(refined.status, Status::Cancelled);
+        });
+    }
+
+    /// What was left behind after a mesh that does not resolve its motion is the motion that was solved before.
+    #[test]
+    fn the_last_solved_motion_is_taken_again() {
+        solved(|_, options, interior, mut resolution, _| {
+            let (nodes, cost) = (interior.spline.mesh.nodes.clone(), resolution.cost);
+            let last = LastSolved {
+                snapshot: interior.snapshot(),
+                error: 1e-3,
+                keeps_limits: true,
+                accurate: false,
+            };
+            interior.move_to(interior.spline.mesh.halved(0.0)).unwrap();
+            let mut refined = Refined::without(Status::MeshLimit);
+            refined.fall_back_to(last, (&mut *interior, &mut resolution), options).unwrap();
+            assert_eq!(interior.spline.mesh.nodes, nodes);
+            assert!((resolution.cost / cost - 1.0).abs() < 1e-12 && refined.error == 1e-3);
+            assert_eq!(refined.status, Status::MeshLimit);
+        });
+    }
+}
