@@ -147,7 +147,7 @@ fn solve(
 /// Factors of the time that an elastic phase found, which is about the least one: close to it motions have no
 /// room, and are hard to find.
 const LONGER: [f64; 3] = [1.01, 1.1, 1.3];
-/// Work of each trial, Newton steps times nodes, in parts of that of the search, ..
+/// Work of each trial, Newton steps times nodes, relative to that of the search, ..
 const WORK: usize = 10;
 /// .. with so much beside it.
 const LEAST_WORK: usize = 10_000;

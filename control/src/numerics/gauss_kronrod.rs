@@ -31,7 +31,7 @@ const GAUSS: [f64; 4] =
     [0.129_484_966_168_869_7, 0.279_705_391_489_276_64, 0.381_830_050_505_118_9, 0.417_959_183_673_469_4];
 /// Evaluations for one segment.
 const POINTS: usize = 15;
-/// Rounding of a sum of 15 terms, in parts of the integral of magnitudes.
+/// Rounding of a sum of 15 terms, relative to the integral of magnitudes.
 const ROUNDING: f64 = 50.0 * f64::EPSILON;
 
 /// An integral with its estimated error.

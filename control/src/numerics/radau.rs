@@ -25,7 +25,7 @@ const ERROR: [f64; STAGES] = [-(13.0 + 7.0 * ROOT) / 3.0, (-13.0 + 7.0 * ROOT) /
 const MOST_STEPS: usize = 20_000;
 /// Most iterations of Newton's method in a step.
 const ITERATIONS: usize = 8;
-/// Newton's method ends where a correction is this small, in parts of the tolerance.
+/// Newton's method ends where a correction is this small, relative to the tolerance.
 const CORRECTION: f64 = 0.01;
 
 /// The right-hand side of x' = f(t, x).
@@ -223,7 +223,7 @@ impl Radau {
         Ok(false)
     }
 
-    /// The estimated error of a step in parts of the tolerance.
+    /// The estimated error of a step, relative to the tolerance.
     fn estimate(&mut self, h: f64, x: &[f64]) -> f64 {
         let n = x.len();
         let (f, jacobian) = (&self.slopes[STAGES * n..], &self.jacobians[STAGES * n * n..]);

@@ -117,7 +117,7 @@ fn the_gap_of_a_shifted_torque_is_what_it_costs() {
 }
 
 /// A costate of the solver that jumps at a node by 0.1 where nothing makes it jump: carried on over a piece
-/// of 0.25 s it costs 1/2 0.1^2 0.25 there, and as much on the next one, until the defect has told.
+/// of 0.25 s it costs 1/2 0.1^2 0.25 there, and as much on the next one, until the defect shows.
 #[test]
 fn a_defect_of_the_costates_is_a_gap() {
     let path = path(&TIMES, 1, |t| vec![least_effort(t)]);

@@ -37,8 +37,8 @@ pub(crate) struct Independent {
     pub verification: Verification,
     /// Whether it was not stopped.
     pub is_complete: bool,
-    /// For each interval what it adds to the largest value that fails, in parts of its tolerance; empty where
-    /// nothing fails.
+    /// What each interval adds to the values that fail, relative to their tolerances; empty without a
+    /// verification.
     pub blame: Vec<f64>,
     /// Places in s at which something narrow happens.
     pub narrow: Vec<f64>,

@@ -176,7 +176,7 @@ mod tests {
         });
     }
 
-    /// What was left behind after a mesh that does not resolve its motion is the motion that was solved before.
+    /// After a mesh that does not resolve its motion, the one that was solved before takes its place.
     #[test]
     fn the_last_solved_motion_is_taken_again() {
         solved(|_, options, interior, mut resolution, _| {
