@@ -2,11 +2,12 @@
 
 use super::task::FreeTask;
 use super::{rows, uses, verify};
+use crate::constants::direct::VERIFIED;
 use crate::direct_states::solution::StateMotion;
 use crate::options::{SolverOptions, Verify};
 use crate::result::motion::Motion;
 use crate::result::solution::{RobotNames, Solution};
-use crate::result::verification::Verification;
+use crate::result::verification::{Check, Verification};
 use crate::result::verify::verification_bound;
 use costate::EvalError;
 
@@ -47,7 +48,11 @@ pub(super) fn solution(
         constraints: Vec::new(),
         gait: None,
         polish: None,
-        verified: Some(Verification::skipped("floating or spherical joints: costates of quaternions")),
+        verified: verifies.then(|| Verification {
+            // The end, or the sum over parts, as the status was found.
+            dynamics: Check::of(found.end_error, VERIFIED * options.tolerance.sqrt()),
+            ..Verification::skipped("floating and spherical joints: verified by their integration alone")
+        }),
         stage_times: None,
         trajectory,
         starts: Vec::new(),
