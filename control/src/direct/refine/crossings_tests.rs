@@ -59,7 +59,7 @@ fn a_transition_between_the_points_is_seen_by_the_estimate_alone() {
     let missing = dry * dry * transition / (60.0 / 16.0);
     let [[error, cost], [blind, of_points]] = estimates(&mut interior);
     assert!(((of_points - cost) / missing - 1.0).abs() < 1e-2, "{cost} {of_points} {missing}");
-    // The estimate is that with its factor: torques without friction are linear, which the points see exactly.
+    // The estimate is that with its factor: torques without friction are linear, as the points see them.
     let estimate = SAFETY * missing;
     assert!((error / estimate - 1.0).abs() < 1e-2 && blind < 1e-6 * error, "{error} {estimate} {blind}");
 }
