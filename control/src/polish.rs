@@ -4,6 +4,7 @@
 //! limits as bounds on u. Newton's method finds it from the motion, its costates and its mesh in a few steps,
 //! with switching times as unknowns. What the direct method found is kept if that fails or costs more.
 
+use crate::bvp::collocation::error::defined;
 use crate::constants::direct::{ACTIVE, VIOLATION_ACCEPTED};
 use crate::constants::polish::{
     BESIDE_STEPS, NODE, PLACES, SHARE, SHARP_ENOUGH, SHARPER, SLACK, SLACK_UNSOLVED,
@@ -18,6 +19,7 @@ use crate::result::motion::{Certificate, Motion};
 use crate::result::polish_report::{PolishOutcome, PolishReport};
 use crate::result::solution::Solution;
 use crate::result::trajectory::Trajectory;
+use crate::result::verification::{Check, Verification};
 use crate::search::guess::SavedMotion;
 use crate::solve::Recorder;
 use crate::starts::{Starts, of_direct};
@@ -59,8 +61,13 @@ pub(crate) fn polish(
     let unverified = |status: &Status| *status == Status::NotVerified && options.verify == Verify::None;
     let solved = found.motion.status.is_solved() || unverified(&found.motion.status);
     let slack = if solved { SLACK * found.options.tolerance } else { SLACK_UNSOLVED };
+    let excess = excess(&limits, &powers, &problem.gain, &polished.trajectory);
+    let polished = with_limits(polished, excess);
     let outcome = match &polished.motion.status {
         status if status.is_interruption() => PolishOutcome::OutOfTime,
+        Status::NotVerified if solved && polished.motion.verification == Verify::Full => {
+            PolishOutcome::NotVerified
+        }
         // Solved equations are more than a motion that is not solved either.
         status
             if !(status.is_solved() || unverified(status) || (*status == Status::NotVerified && !solved)) =>
@@ -68,11 +75,22 @@ pub(crate) fn polish(
             PolishOutcome::Failed
         }
         _ if polished.total() > found.total() + slack * found.total().abs() => PolishOutcome::CostsMore,
-        _ if !keeps(&limits, &powers, &problem.gain, &polished.trajectory) => PolishOutcome::BeyondLimits,
+        _ if excess > VIOLATION_ACCEPTED => PolishOutcome::BeyondLimits,
         _ => PolishOutcome::Polished,
     };
     let usage = usage(&found.limits, &problem, (&limits, &powers), &polished.trajectory);
-    with_report(found, outcome, None, Some((polished, usage)))
+    let reasons = polished.verified.as_ref().filter(|_| outcome == PolishOutcome::NotVerified);
+    let cause = reasons
+        .and_then(Verification::reason)
+        .map(|reason| format!("the extremal is not verified ({reason})"));
+    with_report(found, outcome, cause, Some((polished, usage)))
+}
+
+/// With the largest excess of a limit on positions, rates or powers, relative to its size, as a check.
+fn with_limits(polished: Solution, excess: f64) -> Solution {
+    let limits = Check::of(excess, VIOLATION_ACCEPTED);
+    let verified = polished.verified.map(|verified| Verification { limits, ..verified });
+    Solution { verified, ..polished }
 }
 
 /// The options of a polish: of a method of high order more digits cost little.
@@ -91,8 +109,9 @@ pub(crate) fn polish_saved(
     let (limits, powers) = (problem.joint_limits(), Powers::new(problem));
     let bounded = with_bounds(problem, &limits);
     let found = extremal_near(&bounded, &indirect(options), saved, recorder)?;
-    let kept = keeps(&limits, &powers, &problem.gain, &found.trajectory);
-    (found.motion.status.is_converged() && kept).then(|| {
+    let excess = excess(&limits, &powers, &problem.gain, &found.trajectory);
+    let found = with_limits(found, excess);
+    (found.motion.status.is_converged() && excess <= VIOLATION_ACCEPTED).then(|| {
         let any = |finite: fn(&JointLimits) -> bool| limits.iter().any(finite).then(LimitUse::default);
         let limited = LimitReport {
             position: any(|limits| limits.q.iter().any(|q| q.is_finite())),
@@ -221,18 +240,18 @@ fn between_nodes(motion: &Trajectory) -> impl Iterator<Item = [Vec<f64>; 3]> {
     between.map(|point| [point.q, point.v, point.u])
 }
 
-/// Whether a motion keeps the limits on positions, rates and powers.
-fn keeps(limits: &[JointLimits], powers: &Powers, gain: &[f64], motion: &Trajectory) -> bool {
-    let within = |x: f64, [low, high]: [f64; 2]| {
-        let slack = VIOLATION_ACCEPTED * (1.0 + x.abs());
-        x >= low - slack && x <= high + slack
-    };
-    at_nodes(motion).chain(between_nodes(motion)).all(|[q, v, u]| {
+/// By how much a motion exceeds the limits on positions, rates and powers most, relative to the sizes of
+/// positions and rates and to the ranges of powers.
+fn excess(limits: &[JointLimits], powers: &Powers, gain: &[f64], motion: &Trajectory) -> f64 {
+    let beyond = |x: f64, [low, high]: [f64; 2]| defined((x - high).max(low - x).max(0.0) / (1.0 + x.abs()));
+    let of_state = |[q, v, u]: [Vec<f64>; 3]| {
         let tau: Vec<f64> = u.iter().zip(gain).map(|(u, gain)| gain * u).collect();
-        let mut joints = limits.iter().zip(q.iter().zip(&v));
-        joints.all(|(limits, (&q, &v))| within(q, limits.q) && within(v, [-limits.v, limits.v]))
-            && powers.violation(&v, &tau) <= VIOLATION_ACCEPTED
-    })
+        let joints = limits.iter().zip(q.iter().zip(&v));
+        let of_joints =
+            joints.map(|(limits, (&q, &v))| beyond(q, limits.q).max(beyond(v, [-limits.v, limits.v])));
+        of_joints.fold(defined(powers.violation(&v, &tau)), f64::max)
+    };
+    at_nodes(motion).chain(between_nodes(motion)).map(of_state).fold(0.0, f64::max)
 }
 
 /// By how much states exceed limits most, in their units: of positions, rates, torques, powers, and of

@@ -17,7 +17,7 @@ use crate::result::start::StartResult;
 use crate::result::trajectory::Trajectory;
 use crate::result::trajectory_error::TrajectoryError;
 use crate::solve::Recorder;
-use crate::solve::recorder::Stop;
+use crate::solve::recorder::{Interruption, Stop};
 use crate::starts::{Starts, rough_tolerance, saved as saved_motion};
 use crate::status::Status;
 use crate::task::build::TaskRows;
@@ -117,7 +117,7 @@ impl<'a> Solver<'a> {
         recorder.takes_times = takes_times;
         let found = solve(problem, rows.as_ref(), &options, start.as_ref(), &mut recorder);
         let found = with_solved_time(&problem, &options, start.as_ref(), found, &mut recorder);
-        settled(found)
+        settled(found, recorder.interruption())
     }
 }
 
@@ -147,7 +147,7 @@ fn solve(
 /// Factors of the time that an elastic phase found, which is about the least one: close to it motions have no
 /// room, and are hard to find.
 const LONGER: [f64; 3] = [1.01, 1.1, 1.3];
-/// Work of each trial, Newton steps times nodes, in parts of that of the search, ..
+/// Work of each trial, Newton steps times nodes, relative to that of the search, ..
 const WORK: usize = 10;
 /// .. with so much beside it.
 const LEAST_WORK: usize = 10_000;
@@ -181,7 +181,7 @@ fn with_solved_time(
             _ => None,
         };
         let tried = recorder.within(most, |recorder| solve(checked, rows.as_ref(), &alone, start, recorder));
-        let mut tried = settled(tried);
+        let mut tried = settled(tried, recorder.interruption());
         found.newton_iterations += tried.newton_iterations;
         found.motion.iterations.append(&mut tried.motion.iterations);
         if tried.motion.status.is_solved() {
@@ -239,9 +239,13 @@ fn directly(
         times.polish += (began.elapsed() - taken).as_secs_f64();
         found.motion.iterations.splice(0..0, iterations);
         let polished = found.polish.as_ref().is_some_and(|report| report.outcome.is_polished());
-        let is_last = std::ptr::eq(stage, &options) || recorder.interruption().is_some();
+        let (is_rough, interruption) = (!std::ptr::eq(stage, &options), recorder.interruption());
+        let is_last = !is_rough || interruption.is_some();
         steps += found.newton_iterations;
         if polished || is_last {
+            if let Some(interruption) = interruption.filter(|_| is_rough && !polished) {
+                stop_short(&mut found, interruption);
+            }
             let stage_times = recorder.takes_times.then_some(times);
             return Solution { newton_iterations: steps, stage_times, options: options.clone(), ..found };
         }
@@ -256,6 +260,16 @@ fn directly(
         start = if found.is_motion() || is_infeasible { Some(found.trajectory) } else { start };
     }
     Solution::without_motion(&problem, Status::Cancelled)
+}
+
+/// The motions of a rough stage after which the search was stopped: they are solved, but neither as exactly
+/// as they were asked for, nor verified.
+fn stop_short(found: &mut Solution, interruption: Interruption) {
+    let statuses = found.starts.iter_mut().map(|start| &mut start.status);
+    for status in statuses.chain([&mut found.motion.status]).filter(|status| status.is_solved()) {
+        *status = interruption.into();
+    }
+    found.motion.verification = Verify::None;
 }
 
 impl fmt::Debug for Solver<'_> {

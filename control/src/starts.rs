@@ -182,7 +182,8 @@ pub(crate) fn rough_tolerance(problem: &Problem, options: &SolverOptions) -> f64
 fn unpolished(iterate: Solution, found: Solution) -> Solution {
     let iterations = iterate.motion.iterations;
     let motion = Motion { status: Status::PathOnly, iterations, ..found.motion };
-    Solution { motion, trajectory: found.trajectory, end_defect: f64::INFINITY, ..iterate }
+    let Solution { trajectory, verified, .. } = found;
+    Solution { motion, trajectory, verified, end_defect: f64::INFINITY, ..iterate }
 }
 
 /// The solution of a problem from that of its extremal: adds the velocities at the nodes and the largest
@@ -193,7 +194,7 @@ pub(crate) fn solution(
     found: ExtremalSolution,
     extremal: &mut RobotExtremal,
 ) -> Solution {
-    let ExtremalSolution { motion, nodes, .. } = found;
+    let ExtremalSolution { motion, nodes, verified } = found;
     let n = problem.robot.dof();
     let mut velocities = |x: &[f64]| extremal.velocity(x).map_or_else(|_| vec![f64::NAN; n], <[f64]>::to_vec);
     let v = nodes.z.iter().map(|z| velocities(&z[..2 * n])).collect();
@@ -214,7 +215,7 @@ pub(crate) fn solution(
         constraints: Vec::new(),
         gait: None,
         polish: None,
-        verified: None,
+        verified,
         stage_times: None,
         trajectory: Trajectory::from_nodes(nodes, v),
         starts: Vec::new(),

@@ -60,19 +60,18 @@ pub struct BoundViolation {
 #[serde(into = "String", try_from = "String")]
 #[non_exhaustive]
 pub enum Status {
-    /// The conditions of the problem hold, the estimated error is below the tolerance, and integrating the
-    /// state equation again with the control that was found leads to the same end within the [verification
-    /// bound](crate::Motion::verification_bound).
+    /// The conditions of the problem hold, the estimated error is below the tolerance, and the verification
+    /// that was asked for ([`Verify`](crate::Verify)) passed:
+    /// [`Solution::verified`](crate::Solution#structfield.verified) says what it found.
     Converged,
     /// The same for a smoothed control, with a tolerance of at least 1e-8; the last reduction of the
     /// smoothing, to about a third, changed the cost by less than a relative 2e-5. The motion has no isolated
     /// switching times. The weight of the smoothing is [`Motion::smoothing`](crate::Motion::smoothing).
     ConvergedSmoothed,
-    /// The collocation equations are solved to the tolerance, but integrating the motion again misses its end
-    /// by more than the [verification bound](crate::Motion::verification_bound), or the integration stopped.
-    /// This is typical of unstable motions. Of the direct method: a check failed, as
-    /// [`Solution::verified`](crate::Solution#structfield.verified) says, or, where that is not there, not
-    /// even parts of the motion end where they should.
+    /// The equations are solved to the tolerance, but a check failed, as
+    /// [`Solution::verified`](crate::Solution#structfield.verified) says; of extremals that is typical of
+    /// unstable motions. Of the direct method, where that is not there, not even parts of the motion end
+    /// where they should.
     /// With [`Verify::Factors`](crate::Verify::Factors) nothing is integrated: rounding errors are amplified
     /// too much, or too much is cut off torques between points.
     NotVerified,

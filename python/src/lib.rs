@@ -7,8 +7,8 @@
 //! is computed of the dynamics, `configuration` of q (+) d, `kinematics` of frames, `schemes` of time steps,
 //! `constraints` of robots with loops. `robot` with `edits`, `builder` and its `recipe`, `dynamics`,
 //! `constrained`, `frame` and `time_step` are the classes that Python sees, `look` their visual models;
-//! `words` says in Python what messages advise on the command line. `motions` is what its classes for optimal
-//! motions are made of, `casadi` exports functions to CasADi.
+//! `words` says in Python what messages advise on the command line, `notes` logs what is no warning.
+//! `motions` is what its classes for optimal motions are made of, `casadi` exports functions to CasADi.
 
 #![deny(unsafe_op_in_unsafe_fn, clippy::undocumented_unsafe_blocks)]
 
@@ -44,6 +44,7 @@ mod kinematics;
 mod look;
 mod methods;
 mod motions;
+mod notes;
 mod plan;
 mod properties;
 mod quantities;

@@ -4,6 +4,7 @@ use crate::configuration::Functions;
 use crate::descriptions::triple;
 use crate::errors::{self, RobotWarning, argument};
 use crate::look::Look;
+use crate::notes::note;
 use crate::recipe::{Recipe, is_rebuilding, named};
 use crate::refusals::refuse_floating_base;
 use crate::table;
@@ -60,7 +61,8 @@ impl Robot {
         self.inner.clone()
     }
 
-    /// A robot that was made by these calls; warns of what is unusual about it and was not `known`.
+    /// A robot that was made by these calls; warns of what is unusual about it and was not `known`. What was
+    /// done to load it is logged.
     pub fn warned(
         py: Python<'_>,
         robot: robot::Robot,
@@ -69,8 +71,12 @@ impl Robot {
     ) -> PyResult<Self> {
         let new = |warning: &&robot::Warning| !is_rebuilding() && !known.contains(warning);
         for warning in robot.warnings().iter().filter(new) {
-            let text =
-                CString::new(in_python(&format!("robot '{}': {warning}", robot.name())).replace('\0', " "))?;
+            let text = in_python(&format!("robot '{}': {warning}", robot.name()));
+            if warning.is_note() {
+                note(py, &text)?;
+                continue;
+            }
+            let text = CString::new(text.replace('\0', " "))?;
             PyErr::warn(py, &py.get_type::<RobotWarning>(), &text, 1)?;
         }
         Ok(Self { inner: Arc::new(robot), recipe: Arc::new(recipe), look: None, functions: Arc::default() })

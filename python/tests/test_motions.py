@@ -41,9 +41,8 @@ def test_the_file_of_the_two_link_arm(arm):
     assert np.isnan(solution.cost_error) and abs(direct.cost / 145.13113754 - 1) < direct.cost_error < 1e-6
     # H* is constant, and J T^3 is: dJ/dT = -3 J/T = -H*.
     assert abs(solution.hamiltonian_mean - 3 * 145.13113754) < 1e-5 and solution.hamiltonian_drift < 1e-6
-    # The file asks for a tolerance.
-    posed = costate.Problem(arm, start=[0, 0], end=[QUARTER, QUARTER], time=1, cost=[1.0, 1.0])
-    assert posed.solve(tolerance=1e-6).cost == solution.cost
+    tables = {"start": [0, 0], "end": [QUARTER, QUARTER], "time": 1, "cost": [1.0, 1.0]}
+    assert problem == costate.Problem(arm, **tables, solver={"tolerance": 1e-6}) != costate.Problem(arm, **tables)
     assert_close(arrives(arm, solution, 400), [QUARTER, QUARTER, 0, 0], 1e-6)
     # y(0) = -dJ/dx(0), and u = y_p.
     assert_close(solution.costates[:, 2:], solution.tau, 1e-9)
@@ -158,7 +157,9 @@ def test_everything_that_is_said_is_one_list(arm):
     slow = costate.Problem(arm, start=[0, 0], end=[QUARTER, QUARTER], time=1.0, cost=[1, 1], limits=limits).solve()
     [remark] = slow.warnings
     assert remark == slow.message and (remark.key, remark.severity) == ("not_solved", "error")
-    assert (remark.joint, remark.kind, remark.unit) == ("elbow", "rate", "rad/s") and remark.limit == 0.5
+    # Both joints need as long: the proof names the first one, and so do the numbers.
+    assert (remark.joint, remark.kind, remark.unit) == ("shoulder", "rate", "rad/s") and remark.limit == 0.5
+    assert "joint 'shoulder' needs" in remark
     with pytest.raises(costate.MotionError) as raised:
         slow.check()
     assert remark in str(raised.value) and remark in str(slow) and escape(remark) in slow._repr_html_()

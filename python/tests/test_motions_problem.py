@@ -108,4 +108,5 @@ def test_errors_of_tables_and_files(arm, tmp_path):
 
 def test_odd_problems_get_a_warning(arm):
     with pytest.warns(costate.ProblemWarning, match="degrees"):
-        costate.Problem(arm, start=[0, 0], end=[90, 0], time=1.0, cost=[1, 1])
+        problem = costate.Problem(arm, start=[0, 0], end=[90, 0], time=1.0, cost=[1, 1])
+    assert len(problem.warnings) == 1 and "degrees" in problem.warnings[0]

@@ -85,6 +85,8 @@ pub(crate) mod verify {
     pub const DRAWS: usize = 4;
     /// Tolerance of a motion that is solved again because its integration missed the end.
     pub const SHARP: f64 = 1e-9;
+    /// Error of the quadrature of the cost, relative to the difference of costs that is allowed.
+    pub const OF_COST: f64 = 1e-2;
 }
 
 /// What of a solution is read off.

@@ -212,8 +212,8 @@ pub const OF_DECREMENT: [f64; 2] = [1.0, 1.0 / 3.0];
 /// cut to their limits, are integrated; relative to the largest values along it. The cost of an
 /// optimal motion is stationary, so its error is about the square of that of the states.
 pub const VERIFIED: f64 = 0.3;
-/// Largest gap of the maximum principle along a motion that is optimal, in parts of the tolerance: so much
-/// the cost may be above that of the optimal motion, to second order. The estimate of the error of the cost,
+/// Largest gap of the maximum principle along an optimal motion, relative to the tolerance: the cost may be
+/// above that of the optimal motion by that much, to second order. The estimate of the error of the cost,
 /// which is at most the tolerance, was too small by up to four times where torques jump ([`SAFETY`]); twice
 /// that, since costates are known between points only as well as multipliers are.
 pub const GAP: f64 = 10.0;

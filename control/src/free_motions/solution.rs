@@ -2,11 +2,12 @@
 
 use super::task::FreeTask;
 use super::{rows, uses, verify};
+use crate::constants::direct::VERIFIED;
 use crate::direct_states::solution::StateMotion;
 use crate::options::{SolverOptions, Verify};
 use crate::result::motion::Motion;
 use crate::result::solution::{RobotNames, Solution};
-use crate::result::verification::Verification;
+use crate::result::verification::{Check, Verification};
 use crate::result::verify::verification_bound;
 use costate::EvalError;
 
@@ -31,7 +32,7 @@ pub(super) fn solution(
         phase_hamiltonians: vec![figures.hamiltonian],
         hamiltonian_drift: figures.drift,
         end_state: end_state.clone(),
-        verification: if end_state.is_some() { Verify::Full } else { Verify::None },
+        verification: if verifies { Verify::Full } else { Verify::None },
         shooting_defect: if by_parts { found.end_error } else { f64::INFINITY },
         stationarity: found.residual,
         certificate: found.certificate,
@@ -47,7 +48,11 @@ pub(super) fn solution(
         constraints: Vec::new(),
         gait: None,
         polish: None,
-        verified: Some(Verification::skipped("floating or spherical joints: costates of quaternions")),
+        verified: verifies.then(|| Verification {
+            // The end, or the sum over parts, as the status was found.
+            dynamics: Check::of(found.end_error, VERIFIED * options.tolerance.sqrt()),
+            ..Verification::skipped("floating and spherical joints: verified by their integration alone")
+        }),
         stage_times: None,
         trajectory,
         starts: Vec::new(),

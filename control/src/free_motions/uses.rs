@@ -62,6 +62,7 @@ fn usage<F: Fn(&State) -> f64>(
                         time,
                         excess,
                         part: worst,
+                        jumps: false,
                         unit,
                         value,
                         limit,

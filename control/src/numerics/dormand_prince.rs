@@ -30,12 +30,12 @@ pub(crate) struct DormandPrince {
     sizes: Vec<f64>,
 }
 
-/// The integration stopped before its end.
+/// An integration stopped before its end.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Stopped {
     Evaluation(EvalError),
     TooManySteps,
-    /// By who asked for it.
+    /// The search is to stop.
     Interrupted,
 }
 

@@ -1,5 +1,6 @@
 //! Radau's method IIA of order five with adaptive steps, for stiff and unstable equations.
 
+use super::dormand_prince::Stopped;
 use super::lu;
 use costate::EvalError;
 use std::ops::Range;
@@ -24,7 +25,7 @@ const ERROR: [f64; STAGES] = [-(13.0 + 7.0 * ROOT) / 3.0, (-13.0 + 7.0 * ROOT) /
 const MOST_STEPS: usize = 20_000;
 /// Most iterations of Newton's method in a step.
 const ITERATIONS: usize = 8;
-/// Newton's method ends where a correction is this small, in parts of the tolerance.
+/// Newton's method ends where a correction is this small, relative to the tolerance.
 const CORRECTION: f64 = 0.01;
 
 /// The right-hand side of x' = f(t, x).
@@ -46,18 +47,10 @@ pub(crate) trait System {
     fn accept(&mut self, _from: f64, _length: f64, _stages: [&[f64]; STAGES]) -> Result<(), EvalError> {
         Ok(())
     }
-}
 
-/// The integration stopped before its end.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Failed {
-    Evaluation(EvalError),
-    TooManySteps,
-}
-
-impl From<EvalError> for Failed {
-    fn from(error: EvalError) -> Self {
-        Self::Evaluation(error)
+    /// Whether to end before the next step.
+    fn stops(&mut self) -> bool {
+        false
     }
 }
 
@@ -108,14 +101,15 @@ impl Radau {
     /// inverse of A. E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, section IV.8.
     ///
     /// # Errors
-    /// States that cannot be evaluated; steps that become too short or too many.
+    /// States that cannot be evaluated; steps that become too short or too many; a system that
+    /// [stops](System::stops) it.
     pub fn integrate(
         &mut self,
         x: &mut [f64],
         time: Range<f64>,
         first: f64,
         system: &mut impl System,
-    ) -> Result<(), Failed> {
+    ) -> Result<(), Stopped> {
         let Range { start, end } = time;
         let (mut t, mut h, n) = (start, first * (end - start), x.len());
         let least = 1e-13 * (end - start).abs();
@@ -123,6 +117,9 @@ impl Radau {
         for _ in 0..MOST_STEPS {
             if (end - t).abs() <= least {
                 return Ok(());
+            }
+            if system.stops() {
+                return Err(Stopped::Interrupted);
             }
             if h.abs() * (1.0 + 1e-9) > (end - t).abs() {
                 h = end - t;
@@ -135,8 +132,8 @@ impl Radau {
             let solved = match self.solve_step(t, h, x, system) {
                 Ok(solved) => solved,
                 // A shorter step does not go where nothing can be evaluated.
-                Err(Failed::Evaluation(_)) if h.abs() > 1e3 * least && !system.is_linear() => false,
-                Err(failed) => return Err(failed),
+                Err(Stopped::Evaluation(_)) if h.abs() > 1e3 * least && !system.is_linear() => false,
+                Err(stopped) => return Err(stopped),
             };
             let error = if solved { self.estimate(h, x) } else { f64::INFINITY };
             if error <= 1.0 {
@@ -154,16 +151,16 @@ impl Radau {
                     is_known = false;
                 }
             } else if h.abs() <= least {
-                return Err(Failed::TooManySteps);
+                return Err(Stopped::TooManySteps);
             }
             let factor = 0.9 * error.powf(-0.25);
             h *= if factor.is_nan() { 0.2 } else { factor.clamp(0.2, 5.0) };
         }
-        Err(Failed::TooManySteps)
+        Err(Stopped::TooManySteps)
     }
 
     /// Solves the equations of a step; false where Newton's method does not converge.
-    fn solve_step(&mut self, t: f64, h: f64, x: &[f64], system: &mut impl System) -> Result<bool, Failed> {
+    fn solve_step(&mut self, t: f64, h: f64, x: &[f64], system: &mut impl System) -> Result<bool, Stopped> {
         let (n, all) = (x.len(), STAGES * x.len());
         for stage in self.stages.chunks_exact_mut(n) {
             stage.copy_from_slice(x);
@@ -226,7 +223,7 @@ impl Radau {
         Ok(false)
     }
 
-    /// The estimated error of a step in parts of the tolerance.
+    /// The estimated error of a step, relative to the tolerance.
     fn estimate(&mut self, h: f64, x: &[f64]) -> f64 {
         let n = x.len();
         let (f, jacobian) = (&self.slopes[STAGES * n..], &self.jacobians[STAGES * n * n..]);

@@ -52,8 +52,8 @@ pub struct SolverOptions {
     pub machine_code: MachineCode,
     /// Seed of the disturbances.
     pub seed: u64,
-    /// Longest time that solving may take, all starts together; it is checked before each Newton step and
-    /// before each point of a continuation. The best iterate is kept, with
+    /// Longest time that solving may take, all starts together; it is checked before each Newton step, before
+    /// each point of a continuation, and during verifications. The best iterate is kept, with
     /// [`Status::TimeLimit`](crate::Status::TimeLimit). In files in seconds.
     #[serde(with = "seconds")]
     pub time_limit: Option<Duration>,

@@ -90,7 +90,7 @@ pub enum GaitError {
         joint: String,
         /// By how much (N m, N).
         by: f64,
-        /// The same in parts of the weight times the length of a leg.
+        /// The same relative to the weight times the length of a leg.
         share: f64,
         /// What its mean with the mirror image would change, if the axes show that the pairs are right.
         changes: Option<String>,

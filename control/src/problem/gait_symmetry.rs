@@ -110,7 +110,7 @@ impl Problem {
                 let length = found.scale / self.weight();
                 let fits = place <= UNEVEN_AXES * length && direction <= UNEVEN_AXES;
                 let (joint, by, share) = (self.name(found.joint), found.by, found.by / found.scale);
-                let changes = fits.then(|| told(&change));
+                let changes = fits.then(|| in_words(&change));
                 return Err(GaitError::NotSymmetric { joint, by, share, changes }.at(Key::GAIT_MIRROR));
             }
         }
@@ -141,7 +141,7 @@ impl Problem {
 }
 
 /// The largest changes as text.
-pub(super) fn told(change: &SymmetryChange) -> String {
+pub(super) fn in_words(change: &SymmetryChange) -> String {
     let kinds = [
         (&change.mass, "masses", "kg"),
         (&change.com, "centres of mass", "m"),

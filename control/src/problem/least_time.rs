@@ -166,13 +166,33 @@ impl TooShort {
     }
 }
 
-/// The least time from rest to rest without accelerations at the ends, with |v| <= V, |a| <= A, |j| <= J.
-fn rest_to_rest(way: f64, [fastest, most, jerk]: [f64; 3]) -> f64 {
+/// The fastest way from rest to a rate with no acceleration left.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Ramp {
+    pub time: f64,
+    pub way: f64,
+}
+
+impl Ramp {
+    /// From rest without acceleration to a rate with |a| <= A, |j| <= J: the acceleration rises at J, perhaps
+    /// stays at A, and falls at J. The mean rate is half of the last one.
+    pub fn from_zero(rate: f64, [most, jerk]: [f64; 2]) -> Self {
+        let time = match rate * jerk < most * most {
+            true => 2.0 * (rate / jerk).sqrt(),
+            false => most / jerk + rate / most,
+        };
+        Self { time, way: 0.5 * rate * time }
+    }
+}
+
+/// The least time from rest to rest without accelerations at the ends, with |v| <= V, |a| <= A, |j| <= J;
+/// with an infinite J accelerations jump there.
+pub(crate) fn rest_to_rest(way: f64, [fastest, most, jerk]: [f64; 3]) -> f64 {
+    if most.is_infinite() && jerk.is_infinite() {
+        return way / fastest;
+    }
     // Until V, and the way of both ramps.
-    let ramp = match fastest * jerk < most * most {
-        true => 2.0 * (fastest / jerk).sqrt(),
-        false => most / jerk + fastest / most,
-    };
+    let ramp = Ramp::from_zero(fastest, [most, jerk]).time;
     if way >= fastest * ramp {
         return ramp + way / fastest;
     }
@@ -292,6 +312,8 @@ mod tests {
             |found: f64, expected: f64| assert!((found / expected - 1.0).abs() < 1e-12, "{found} {expected}");
         close(rest_to_rest(20_000.0, [1.0, 2.7, 1.0]), 20_002.0);
         close(rest_to_rest(1.0, [INF, INF, 10.0]), 3.2_f64.cbrt());
+        close(rest_to_rest(3.0, [1.0, 2.0, INF]), 3.0 + 0.5);
+        close(rest_to_rest(3.0, [2.0, INF, INF]), 1.5);
         // Where one case ends the next one begins.
         for (fastest, most, jerk) in [(1.0, 2.0, 5.0), (3.0, 1.0, 2.0)] {
             for way in [1e-3_f64, 0.08, 0.5, 0.8, 2.0, 4.0, 10.5, 11.0] {

@@ -1,6 +1,6 @@
 //! Valid problems that are probably not meant.
 
-use super::gait_symmetry::told;
+use super::gait_symmetry::in_words;
 use crate::problem::key::Key;
 use crate::problem::{Gait, Problem};
 use costate::robot::{JointKind, SymmetryChange, printable, printable_number};
@@ -28,7 +28,7 @@ pub enum ProblemWarning {
         joint: String,
         /// By how much (N m, N).
         by: f64,
-        /// The same in parts of the weight times the length of a leg.
+        /// The same relative to the weight times the length of a leg.
         share: f64,
     },
     /// The robot of a gait was replaced by its mean with its mirror image.
@@ -91,7 +91,7 @@ impl fmt::Display for ProblemWarning {
             Self::Symmetrised { change } => write!(
                 f,
                 "gait.symmetrise: the robot was replaced by its mean with its mirror image; this changed {}",
-                told(change)
+                in_words(change)
             ),
             Self::PayloadWithoutBody { key, frame } => write!(
                 f,

@@ -23,7 +23,7 @@
 use crate::bvp::mesh::Span;
 use crate::constants::checks::conjugate::{LEAST_PART, LOCATED, LOOSE, PIECES, TOLERANCE};
 use crate::extremal::Extremal;
-use crate::numerics::dormand_prince::DormandPrince;
+use crate::numerics::dormand_prince::{DormandPrince, Stopped};
 use crate::result::along::Along;
 use crate::result::collocated::Collocated;
 use crate::result::disconjugate::{Reach, Sample, ordered};
@@ -46,23 +46,31 @@ impl Solved {
     /// The first conjugate time up to T, and what the count of all of them says about the motion.
     ///
     /// Only for ends that fix all states and controls that stay within their bounds; else
-    /// [`Certificate::NotChecked`].
-    pub(crate) fn second_variation(&self, extremal: &mut dyn Extremal) -> (Option<Conjugate>, Certificate) {
+    /// [`Certificate::NotChecked`], also where the search is to stop.
+    pub(crate) fn second_variation(
+        &self,
+        extremal: &mut dyn Extremal,
+        stops: &mut dyn FnMut() -> bool,
+    ) -> (Option<Conjugate>, Certificate) {
         let bounded = self.found.arcs.sides.iter().any(Option::is_some) || self.found.excess(extremal) >= 1.0;
         if bounded || !extremal.ends_are_fixed() {
             return (None, Certificate::NotChecked);
         }
-        match self.first_conjugate(extremal) {
+        match self.first_conjugate(extremal, stops) {
             Ok(None) => (None, Certificate::LocalMinimum),
             Ok(found) => (found, Certificate::NotMinimal),
             Err(Undecided) => (None, Certificate::NotChecked),
         }
     }
 
-    fn first_conjugate(&self, extremal: &mut dyn Extremal) -> Result<Option<Conjugate>, Undecided> {
+    fn first_conjugate(
+        &self,
+        extremal: &mut dyn Extremal,
+        stops: &mut dyn FnMut() -> bool,
+    ) -> Result<Option<Conjugate>, Undecided> {
         let durations = self.found.durations(2 * extremal.states());
         let collocated = Some(Collocated::new(&self.found.equations.scale[..2 * extremal.states()]));
-        let mut transitions = Transitions { solved: self, durations, tolerance: LOOSE, collocated };
+        let mut transitions = Transitions { solved: self, durations, tolerance: LOOSE, collocated, stops };
         if transitions.show_none(extremal) {
             return Ok(None);
         }
@@ -109,6 +117,8 @@ struct Transitions<'a> {
     tolerance: f64,
     /// For a first look.
     collocated: Option<Collocated>,
+    /// Whether the search is to stop: then nothing is decided.
+    stops: &'a mut dyn FnMut() -> bool,
 }
 
 impl Transitions<'_> {
@@ -138,7 +148,7 @@ impl Transitions<'_> {
 
     /// The conjugate time after cut `k`; `before` is the transition from the cut of `fields` to it.
     fn locate(
-        &self,
+        &mut self,
         extremal: &mut dyn Extremal,
         k: usize,
         all: &Fields,
@@ -182,6 +192,9 @@ impl Transitions<'_> {
             let h = length * self.durations[arc];
             let mut part = Part { span, from: 0.0, to: h };
             while part.from < h {
+                if (self.stops)() {
+                    return Err(Undecided);
+                }
                 let Sampled { over, rough, samples } = self.sampled(extremal, part)?;
                 let cut = fields.over.len();
                 let mut next = reach.clone().over(&samples);
@@ -241,18 +254,22 @@ impl Transitions<'_> {
 
     /// The transition matrix over a part of a mesh interval. `sample` is given each Jacobian.
     fn transition(
-        &self,
+        &mut self,
         extremal: &mut dyn Extremal,
         Part { span, from, to }: Part,
         mut sample: impl FnMut(f64, &[f64]),
     ) -> Result<DMatrix<f64>, Undecided> {
         let size = 2 * extremal.states();
-        let mut along = Along::new(self.solved, extremal, span, &self.durations).ok_or(Undecided)?;
+        let Self { solved, durations, stops, .. } = self;
+        let mut along = Along::new(solved, extremal, span, durations).ok_or(Undecided)?;
         let mut jacobian = vec![0.0; size * size];
         let mut matrix = DMatrix::<f64>::identity(size, size);
         let mut integrator = DormandPrince::new(size * size, self.tolerance);
         integrator
-            .integrate(matrix.as_mut_slice(), from..to, |t, columns, rates| {
+            .integrate_until(matrix.as_mut_slice(), from..to, |t, columns, rates| {
+                if stops() {
+                    return Err(Stopped::Interrupted);
+                }
                 along.jacobian(t, &mut jacobian)?;
                 sample(t, &jacobian);
                 for (column, rate) in columns.chunks_exact(size).zip(rates.chunks_exact_mut(size)) {

@@ -1,5 +1,6 @@
 //! How far a found motion is from one that is integrated.
 
+use crate::bvp::collocation::error::defined;
 use crate::bvp::mesh::Span;
 use crate::constants::checks::defect::SEGMENTS;
 use crate::extremal::Extremal;
@@ -7,33 +8,64 @@ use crate::numerics::dormand_prince::{DormandPrince, Stopped};
 use crate::solve::Solved;
 
 impl Solved {
-    /// Shoots over segments from the values found at their borders, `z' = g(z)` with its costates, and gives
-    /// the largest mismatch at the next border, in parts of the size of the component. `tolerance` is that of
-    /// a step of the integration, in the same parts.
+    /// The largest mismatch of state and costates over segments, relative to the size of each component.
+    ///
+    /// Where that is above `bound`, the sum of the mismatches over all intervals of the mesh if it is less:
+    /// narrow friction lets costates grow within a segment by more than any mesh makes good, so that segments
+    /// say nothing about the motion. What is off at one node moves what follows by about as much, so it is
+    /// their sum that has to be small.
     pub(crate) fn shooting_defect(
         &self,
         extremal: &mut dyn Extremal,
-        tolerance: f64,
+        [tolerance, bound]: [f64; 2],
+        stops: &mut dyn FnMut() -> bool,
     ) -> Result<f64, Stopped> {
+        let of_segments = match self.mismatches(extremal, tolerance, SEGMENTS, stops) {
+            Err(Stopped::Interrupted) => return Err(Stopped::Interrupted),
+            found => found.map(|found| found.into_iter().fold(0.0, f64::max)),
+        };
+        if of_segments.as_ref().is_ok_and(|defect| *defect <= bound) {
+            return of_segments;
+        }
+        let of_intervals = self.mismatches(extremal, tolerance, usize::MAX, stops)?;
+        let sum: f64 = of_intervals.into_iter().sum();
+        Ok(of_segments.map_or(sum, |largest| largest.min(sum)))
+    }
+
+    /// Shoots over segments, at most so many on an arc, from the values found at their borders, `z' = g(z)`
+    /// with its costates: the mismatch at the next border of each, relative to the size of the component.
+    /// `tolerance` is that of a step of the integration, relative to the same.
+    fn mismatches(
+        &self,
+        extremal: &mut dyn Extremal,
+        tolerance: f64,
+        most: usize,
+        stops: &mut dyn FnMut() -> bool,
+    ) -> Result<Vec<f64>, Stopped> {
         let equations = &self.found.equations;
         let mut timed = self.found.timed(extremal);
-        let (m, (segments, parts)) = (equations.m, equations.mesh.coarsened(SEGMENTS));
+        let (m, (segments, parts)) = (equations.m, equations.mesh.coarsened(most));
         let mut integrator = DormandPrince::new(m, tolerance);
         integrator.sizes_mut().copy_from_slice(&equations.scale);
-        let (mut w, mut left, mut largest) = (vec![0.0; m], 0, 0.0_f64);
+        let (mut w, mut left, mut mismatches) = (vec![0.0; m], 0, Vec::new());
         for (segment, parts) in segments.spans.iter().zip(parts) {
             let right = left + parts.len().max(1);
             if let Span::Interval { arc, length } = *segment {
                 w.copy_from_slice(&equations.current.nodes[left * m..(left + 1) * m]);
-                integrator
-                    .integrate(&mut w, 0.0..length, |_, w, rate| timed.evaluate(w, arc, rate).map(|_| ()))?;
+                integrator.integrate_until(&mut w, 0.0..length, |_, w, rate| {
+                    if stops() {
+                        return Err(Stopped::Interrupted);
+                    }
+                    timed.evaluate(w, arc, rate)?;
+                    Ok(())
+                })?;
                 let found = &equations.current.nodes[right * m..(right + 1) * m];
-                for ((found, w), scale) in found.iter().zip(&w).zip(&equations.scale) {
-                    largest = largest.max((found - w).abs() / scale);
-                }
+                let parts = found.iter().zip(&w).zip(&equations.scale);
+                let parts = parts.map(|((found, w), scale)| defined((found - w).abs() / scale));
+                mismatches.push(parts.fold(0.0, f64::max));
             }
             left = right;
         }
-        Ok(largest)
+        Ok(mismatches)
     }
 }

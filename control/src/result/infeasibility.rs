@@ -11,8 +11,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct Infeasibility {
-    /// The limits that are relaxed, the one by the largest part of its range first. Those relaxed by
-    /// less than a hundredth of that part are left out.
+    /// The limits that are relaxed, the one by the largest part of its range first, but before all the one
+    /// that a proof is about. Those relaxed by less than a hundredth of that part are left out.
     pub limits: Vec<RelaxedLimit>,
     /// A final time (s) with which the problem was solved, if the time is fixed and a longer one helps.
     #[serde(default)]

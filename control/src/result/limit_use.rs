@@ -91,6 +91,10 @@ pub struct LimitViolation {
     /// The same relative to its range, the distance between lower and upper limit.
     #[serde(default)]
     pub part: f64,
+    /// Whether what is limited may jump along the motion, as accelerations do where torques are not limited
+    /// in their rates: between the points its polynomial overshoots beside a jump.
+    #[serde(default)]
+    pub jumps: bool,
     /// The unit of `excess`, and of the other two where joints are limited.
     pub unit: String,
     /// The value there; of a tool or a clearance that of the function that is limited.

@@ -1,6 +1,7 @@
 //! What a solve gives: figures, values over time, and their JSON form.
 
 pub(crate) mod along;
+pub(crate) mod checked;
 pub(crate) mod collocated;
 pub(crate) mod complete;
 pub(crate) mod conjugate;
@@ -13,6 +14,7 @@ mod forward;
 pub(crate) mod free_entries;
 pub(crate) mod gait;
 pub(crate) mod infeasibility;
+pub(crate) mod integrated_cost;
 pub(crate) mod jacobi_fields;
 pub(crate) mod limit_use;
 pub(crate) mod limits;

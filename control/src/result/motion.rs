@@ -3,6 +3,7 @@
 use crate::options::Verify;
 use crate::progress::Iteration;
 use crate::result::nodes::Nodes;
+use crate::result::verification::Verification;
 use crate::result::verify::verification_bound;
 use crate::status::{BoundViolation, Status};
 use serde::{Deserialize, Serialize};
@@ -84,8 +85,9 @@ pub struct Motion {
     /// of its largest value, when the equations of all intervals change by independent errors of size 1;
     /// NaN unless verified by [`Verify::Factors`].
     pub conditioning: f64,
-    /// Largest relative mismatch when segments of the motion, costates included, are integrated again from
-    /// their starts; infinite where the integration stopped, or for a motion that is not converged. Of the
+    /// Largest relative mismatch when 20 segments of the motion, costates included, are integrated again from
+    /// their starts, or the sum of the mismatches of all intervals of the mesh where that is too large;
+    /// infinite where the integration stopped, or for a motion that is not converged. Of the
     /// direct method the sum over 20 parts of the motion, without costates, where it misses its end
     /// integrated once through; infinite where that was not needed.
     pub shooting_defect: f64,
@@ -182,6 +184,8 @@ pub struct ExtremalSolution {
     pub motion: Motion,
     /// The values at the nodes.
     pub nodes: Nodes,
+    /// What its verification found; `None` without [`Verify::Full`], or where nothing was solved.
+    pub verified: Option<Verification>,
 }
 
 impl ExtremalSolution {

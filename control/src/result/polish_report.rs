@@ -15,7 +15,8 @@ pub struct PolishReport {
     /// Cost and penalties of the polished motion, if there is one.
     #[serde(default)]
     pub polished_total: Option<f64>,
-    /// What keeps the motion from being polished, with [`PolishOutcome::Limited`].
+    /// What keeps the motion from being polished, with [`PolishOutcome::Limited`], or from being shown, with
+    /// [`PolishOutcome::NotVerified`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cause: Option<String>,
     /// How the polish ended, if it was tried.
@@ -51,6 +52,9 @@ pub enum PolishOutcome {
     NoMotion,
     /// The polish found no extremal.
     Failed,
+    /// The extremal is not verified: integrated again, with its costates, it leads elsewhere, or its cost is
+    /// another one. [`PolishReport::cause`] says which check failed.
+    NotVerified,
     /// The polish was stopped, or took its share: ten times the work of the direct method, Newton steps times
     /// nodes.
     OutOfTime,
@@ -74,6 +78,7 @@ impl PolishOutcome {
             Self::Phases => "direct: vias or a periodic motion",
             Self::NoMotion => "direct: there was no motion to polish",
             Self::Failed => "direct: the polish found no extremal",
+            Self::NotVerified => "direct: the extremal is not verified",
             Self::OutOfTime => "direct: the polish was stopped or took too long",
             Self::CostsMore => "direct: the extremal costs more",
             Self::BeyondLimits => "direct: the extremal exceeds a limit",

@@ -38,9 +38,8 @@ pub struct Solution {
     /// Whether the motion is that of the direct method or its polished form, and why; `None` where that was
     /// not asked.
     pub polish: Option<PolishReport>,
-    /// What a verification found that does not use the points of the direct method; `None` without it
-    /// ([`Verify::Full`](crate::Verify::Full)), and for extremals, which are integrated with their costates
-    /// ([`Motion::shooting_defect`]).
+    /// What a verification found that does not use the points of the solver; `None` without it
+    /// ([`Verify::Full`](crate::Verify::Full)), and where there was nothing to verify.
     pub verified: Option<Verification>,
     /// Where the time of the direct method went; `None` unless
     /// [asked for](crate::Solver::with_stage_times). Not saved.

@@ -6,15 +6,10 @@ use crate::extremal::{Extremal, Relaxation};
 use crate::options::{SolverOptions, Verify};
 use crate::result::motion::{Certificate, ExtremalSolution, Motion};
 use crate::result::nodes::{Interpolant, Nodes};
-use crate::result::verify::integration_tolerance;
 use crate::solve::{Recorder, Solved};
 use crate::status::Status;
 
-/// The status of a converged motion with this defect; undefined defects are not verified.
-pub(crate) fn verified(defect: f64, smoothed: bool, tolerance: f64) -> Status {
-    solved_if(defect <= Motion::verification_bound(tolerance), smoothed)
-}
-
+/// The status of a converged motion.
 fn solved_if(verified: bool, smoothed: bool) -> Status {
     match (verified, smoothed) {
         (true, false) => Status::Converged,
@@ -36,7 +31,7 @@ impl Solved {
             let missing = Motion::missing(self.status, f64::NAN);
             let iterations = std::mem::take(&mut recorder.iterations);
             let motion = Motion { iterations, bound_violation: self.violation, ..missing };
-            return ExtremalSolution { motion, nodes: Nodes::default() };
+            return ExtremalSolution { motion, nodes: Nodes::default(), verified: None };
         }
         extremal.set_relaxation(self.relaxation);
         let values = self.found.equations.current.clone();
@@ -48,18 +43,24 @@ impl Solved {
         }
         let converged = self.status.is_converged();
         let verifiable = converged || self.status == Status::SwitchesNotRefined;
-        let verification = if verifiable { options.verify } else { Verify::None };
+        let mut verification = if verifiable { options.verify } else { Verify::None };
+        let mut verified = None;
         let smoothed = self.relaxation != Relaxation::NONE;
         let (mut end_state, mut shooting_defect, mut conditioning) = (None, f64::INFINITY, f64::NAN);
         match verification {
             Verify::Full => {
-                end_state = self.integrated_or_sharper(extremal, recorder, options);
-                let tolerance = integration_tolerance(options.tolerance);
-                shooting_defect = self.shooting_defect(extremal, tolerance).unwrap_or(f64::INFINITY);
-                if converged {
-                    let end = self.end_defect(extremal, end_state.as_deref());
-                    self.status = verified(end, smoothed, options.tolerance);
+                let checked = self.checked(extremal, recorder, options);
+                (end_state, shooting_defect) = (checked.end_state, checked.shooting_defect);
+                if !checked.is_complete {
+                    verification = Verify::None;
                 }
+                if converged {
+                    self.status = match recorder.ended().filter(|_| !checked.is_complete) {
+                        Some(interruption) => interruption.into(),
+                        None => solved_if(checked.verification.failure().is_none(), smoothed),
+                    };
+                }
+                verified = Some(checked.verification);
             }
             Verify::Factors => {
                 conditioning = self.conditioning(extremal).unwrap_or(f64::INFINITY);
@@ -74,7 +75,7 @@ impl Solved {
             (self.found.final_time(extremal), self.found.costs(extremal));
         // A motion that is not verified, or belongs to a smoothed problem, gets no certificate.
         let (conjugate, certificate) = if verification == Verify::Full && self.status.is_converged() {
-            self.second_variation(extremal)
+            self.second_variation(extremal, &mut || recorder.ended().is_some())
         } else {
             (None, Certificate::NotChecked)
         };
@@ -109,7 +110,7 @@ impl Solved {
             switches,
             bound_violation: None,
         };
-        ExtremalSolution { motion, nodes }
+        ExtremalSolution { motion, nodes, verified }
     }
 
     /// Values at the nodes with the collocation polynomial, and the times of the switches between arcs.

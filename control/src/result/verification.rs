@@ -68,6 +68,10 @@ impl Check {
 /// A verification of a motion that uses its polynomials, its torques by inverse dynamics and the costates at
 /// its nodes, and none of the points at which it was optimised.
 ///
+/// Extremals are solved for a tolerance of each component; what is allowed is the [verification
+/// bound](crate::Motion::verification_bound) of that, relative to the size of each component and to that of
+/// the cost.
+///
 /// Times at which something narrow happens split the motion: a rate that crosses zero or three transition
 /// velocities of dry friction to either side, or the corner or no-load speed of a motor; knots of references.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -86,12 +90,14 @@ pub struct Verification {
     /// The torques lead along the motion. Of robots whose joints are all driven: the largest miss of an
     /// integration from the start, or of the sum over parts of the motion; of others the sum over the nodes
     /// of the misses by an implicit method that begins at the node before. Relative to the largest values of
-    /// positions and rates.
+    /// positions and rates. Of extremals the miss of the state at the end, integrated with the controls of
+    /// the costates that were found.
     #[serde(default)]
     pub dynamics: Check,
     /// Hard limits at the extrema of the motion and at random times: the largest excess relative to the range
     /// of the limit, of what does not jump along the motion: positions, rates, tools, clearances; with
-    /// continuous accelerations those and torques too.
+    /// continuous accelerations those and torques too. Of polished motions positions, rates and powers, at
+    /// nodes and between them.
     #[serde(default)]
     pub limits: Check,
     /// The same of what may jump: accelerations and powers, or jerks and rates of torques. Polynomials
@@ -101,7 +107,9 @@ pub struct Verification {
     pub overshoot: Check,
     /// The gap $\int G\\, dt$ of the maximum principle, relative to the size of the cost: by how much the
     /// cost may be above that of the optimal motion nearby, to second order. See
-    /// [`direct_method`](crate::direct_method).
+    /// [`direct_method`](crate::direct_method). Of extremals the [mismatch](crate::Motion::shooting_defect)
+    /// of segments integrated again with their costates: along these the Hamiltonian is maximal by
+    /// construction.
     #[serde(default)]
     pub optimality: Check,
     /// The largest $|H_u| = |y_\tau - l_\tau|$ of a torque inside its limits at random times, relative to the
@@ -109,7 +117,7 @@ pub struct Verification {
     #[serde(default)]
     pub stationarity: Option<f64>,
     /// The largest difference of the integrated costates at a node from those of the solver, relative to the
-    /// largest ones.
+    /// largest ones; of extremals that of the states too.
     #[serde(default)]
     pub costate_defect: Option<f64>,
 }

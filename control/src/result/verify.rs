@@ -22,7 +22,7 @@ pub(crate) fn integration_tolerance(tolerance: f64) -> f64 {
 }
 
 impl Solved {
-    /// x(T) of the motion integrated again; `None` where the integration stopped.
+    /// x(T) of the motion integrated again.
     ///
     /// The integration amplifies errors along the motion. If it misses the end of a motion with a loose
     /// tolerance, the motion is solved once more to a sharp one.
@@ -31,14 +31,15 @@ impl Solved {
         extremal: &mut dyn Extremal,
         recorder: &mut Recorder<'_>,
         options: &SolverOptions,
-    ) -> Option<Vec<f64>> {
+    ) -> Result<Vec<f64>, Stopped> {
         let tolerance = integration_tolerance(options.tolerance);
-        let end = self.integrated_again(extremal, tolerance).ok();
+        let end = self.integrated_again(extremal, tolerance, &mut || recorder.ended().is_some());
         let misses = |solved: &Self, end: Option<&[f64]>, extremal: &dyn Extremal| {
             solved.end_defect(extremal, end) > verification_bound(options.tolerance)
         };
         let sharper = self.status.is_converged() && options.tolerance > 10.0 * SHARP;
-        if !sharper || !misses(self, end.as_deref(), extremal) {
+        let was_stopped = end == Err(Stopped::Interrupted);
+        if !sharper || was_stopped || !misses(self, end.as_deref().ok(), extremal) {
             return end;
         }
         let phase = if let Clock::Free = self.found.clock { Phase::FreeTime } else { Phase::FixedTime };
@@ -48,7 +49,8 @@ impl Solved {
             return end;
         }
         *self = sharp;
-        self.integrated_again(extremal, integration_tolerance(SHARP)).ok()
+        let tolerance = integration_tolerance(SHARP);
+        self.integrated_again(extremal, tolerance, &mut || recorder.ended().is_some())
     }
 
     /// x(T) integrated from x(0), with the controls that belong to the collocation polynomial of the
@@ -57,6 +59,7 @@ impl Solved {
         &self,
         extremal: &mut dyn Extremal,
         tolerance: f64,
+        stops: &mut dyn FnMut() -> bool,
     ) -> Result<Vec<f64>, Stopped> {
         let (states, m) = (extremal.states(), self.found.equations.m);
         let durations = self.found.durations(2 * states);
@@ -67,7 +70,10 @@ impl Solved {
         for (k, span) in self.found.equations.mesh.spans.iter().enumerate() {
             if let Span::Interval { arc, length } = *span {
                 let (law, h) = (self.found.arcs.law(arc), length * durations[arc]);
-                integrator.integrate(&mut x, 0.0..h, |t, x, f| {
+                integrator.integrate_until(&mut x, 0.0..h, |t, x, f| {
+                    if stops() {
+                        return Err(Stopped::Interrupted);
+                    }
                     self.found.equations.polynomial(k, t / h, &mut w);
                     if u.is_empty() {
                         // Without controls the first half of z' = g(z), with these costates, is the state
@@ -78,7 +84,7 @@ impl Solved {
                         return Ok(());
                     }
                     extremal.controls_at(&w[..2 * states], law, &mut u);
-                    extremal.state_rate(x, &u, f)
+                    Ok(extremal.state_rate(x, &u, f)?)
                 })?;
             }
         }

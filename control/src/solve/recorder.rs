@@ -60,11 +60,18 @@ impl Stop {
 
     /// Whether to stop, and why.
     pub fn check(&mut self) -> Option<Interruption> {
+        if self.ended().is_none() && self.work == Some(0) {
+            self.interruption = Some(Interruption::TimeLimit);
+        }
+        self.interruption
+    }
+
+    /// Whether the caller or the time stops the search, and which.
+    pub fn ended(&mut self) -> Option<Interruption> {
         if self.interruption.is_none() {
             if self.all.is_cancelled() || self.cancel.as_ref().is_some_and(Cancel::is_cancelled) {
                 self.interruption = Some(Interruption::Cancelled);
-            } else if self.work == Some(0) || self.deadline.is_some_and(|deadline| Instant::now() >= deadline)
-            {
+            } else if self.deadline.is_some_and(|deadline| Instant::now() >= deadline) {
                 self.interruption = Some(Interruption::TimeLimit);
             }
         }
@@ -86,6 +93,11 @@ impl<'a> Recorder<'a> {
     /// Whether to stop, and why.
     pub fn interruption(&mut self) -> Option<Interruption> {
         self.stop.check()
+    }
+
+    /// The same for what is not counted as work: the verification of what was solved.
+    pub fn ended(&mut self) -> Option<Interruption> {
+        self.stop.ended()
     }
 
     /// Stops the search.

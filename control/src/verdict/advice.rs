@@ -31,7 +31,7 @@ pub(super) fn advice(problem: &Problem, solution: &Solution) -> Option<String> {
         return None;
     }
     if solution.options.method != Method::Direct {
-        return amplified(solution);
+        return amplified(solution).or_else(|| unverified_extremal(solution));
     }
     if let Some(reason) = empty_phase(problem, solution).or_else(|| nearly(solution)) {
         return Some(reason);
@@ -175,6 +175,17 @@ fn amplified(solution: &Solution) -> Option<String> {
             "the equations are solved, but they amplify rounding errors by {}, too much for solver.tolerance (nothing \
              was integrated); what may help: a larger solver.tolerance; solver.method = \"direct\"",
             scientific(motion.conditioning)
+        )
+    })
+}
+
+/// Which checks of the verification of an extremal failed.
+fn unverified_extremal(solution: &Solution) -> Option<String> {
+    let verified = solution.verified.as_ref().filter(|verified| verified.failure().is_some())?;
+    (solution.motion.status == Status::NotVerified).then(|| {
+        format!(
+            "{}; what may help: more solver.nodes; a smaller solver.tolerance; solver.method = \"direct\"",
+            failed_checks(verified)
         )
     })
 }

@@ -9,18 +9,18 @@
 //! | `not_solved` | error | the status is no solution: why, and what to do |
 //! | `limit_exceeded` | error | a hard limit is exceeded at the points of the motion |
 //! | `limit_exceeded_between` | error | a hard limit is exceeded between them; a warning beside a jump |
-//! | `not_repeated` | error | the motion leads elsewhere when it is integrated again |
-//! | `unstable` | warning | so do torques from the start; parts of the motion are verified |
+//! | `unstable` | warning | torques from the start lead elsewhere; parts of the motion are verified |
 //! | `saddle` | warning | the motion is stationary, no local minimum |
 //! | `not_minimal` | warning | a conjugate time lies before the end |
 //! | `torque_cut` | warning | torques are cut to their limits between points |
 //! | `robot_limit` | warning | limits of the robot are exceeded that the problem does not ask for |
 //! | `sudden_acceleration` | warning | an acceleration that no arm with gears reaches |
 //! | `dearer_converged` | warning | the motion beats the best converged one: what that one costs |
+//! | `polish_left` | note | a polish led to an extremal that is not verified |
 //! | `skipped_starts` | note | the search ended before all starts were tried |
 //!
-//! A solution with an error is not solved: [`settled`] gives what breaks hard limits, or does not repeat, the
-//! status that says so.
+//! A solution with an error is not solved: [`settled`] gives what breaks hard limits, does not repeat, or was
+//! not verified the status that says so.
 
 mod advice;
 mod between;
@@ -62,7 +62,6 @@ impl Solution {
         let mut all = Vec::new();
         all.extend(words::not_solved(problem, self));
         all.extend(words::exceeded_limits(problem, self));
-        all.extend(words::not_repeated(self));
         all.extend(words::unstable(problem, self));
         all.extend(words::saddle(self));
         all.extend(words::not_minimal(self));
@@ -70,6 +69,7 @@ impl Solution {
         all.extend(words::robot_limits(problem, self));
         all.extend(light_joints::too_sudden(problem, self));
         all.extend(words::dearer_converged(self));
+        all.extend(words::left_polish(self));
         all.extend(words::skipped_starts(self));
         all
     }

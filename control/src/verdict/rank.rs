@@ -146,6 +146,7 @@ mod tests {
             value: 1.0 + part,
             limit: 1.0,
             part,
+            jumps: false,
             rate: None,
         };
         solution.limits.torque = Some(LimitUse { worst: Some(worst), ..LimitUse::default() });

@@ -39,8 +39,6 @@ pub enum RemarkKey {
     LimitExceeded,
     /// A hard limit is exceeded between them.
     LimitExceededBetween,
-    /// The motion leads elsewhere when it is integrated again.
-    NotRepeated,
     /// Torques lead elsewhere from the start, and along each part of the motion.
     Unstable,
     /// A saddle among the motions of its mesh.
@@ -55,6 +53,8 @@ pub enum RemarkKey {
     SuddenAcceleration,
     /// The motion beats the best converged one.
     DearerConverged,
+    /// A polish led to an extremal that is not verified: the motion of the direct method is shown.
+    PolishLeft,
     /// The search ended before all starts were tried.
     SkippedStarts,
 }
@@ -66,7 +66,6 @@ impl RemarkKey {
             Self::NotSolved => "not_solved",
             Self::LimitExceeded => "limit_exceeded",
             Self::LimitExceededBetween => "limit_exceeded_between",
-            Self::NotRepeated => "not_repeated",
             Self::Unstable => "unstable",
             Self::Saddle => "saddle",
             Self::NotMinimal => "not_minimal",
@@ -74,6 +73,7 @@ impl RemarkKey {
             Self::RobotLimit => "robot_limit",
             Self::SuddenAcceleration => "sudden_acceleration",
             Self::DearerConverged => "dearer_converged",
+            Self::PolishLeft => "polish_left",
             Self::SkippedStarts => "skipped_starts",
         }
     }

@@ -6,11 +6,13 @@ use crate::result::limit_use::{LimitReport, LimitViolation};
 use crate::result::motion::Motion;
 use crate::result::solution::Solution;
 use crate::result::trajectory::Trajectory;
+use crate::solve::recorder::Interruption;
 use crate::status::Status;
 
-/// Gives a solved motion that exceeds hard limits, or does not repeat, the status that says so; its starts
-/// too. What [`Solution::remarks`] finds wrong with a solved motion is no remark beside its status then.
-pub(crate) fn settled(mut solution: Solution) -> Solution {
+/// Gives a solved motion that exceeds hard limits, does not repeat, or was not verified as it was asked for
+/// the status that says so; its starts too. What [`Solution::remarks`] finds wrong with a solved motion is no
+/// remark beside its status then. `interruption` is what stopped the search.
+pub(crate) fn settled(mut solution: Solution, interruption: Option<Interruption>) -> Solution {
     for start in &mut solution.starts {
         if start.status.is_solved() && start.violation > 0.0 {
             start.status = Status::LimitsNotKept;
@@ -19,6 +21,8 @@ pub(crate) fn settled(mut solution: Solution) -> Solution {
     if solution.motion.status.is_solved() {
         if solution.limits.violation() > 0.0 {
             solution.motion.status = Status::LimitsNotKept;
+        } else if solution.options.verify == Verify::Full && solution.motion.verification != Verify::Full {
+            solution.motion.status = interruption.map_or(Status::NotVerified, Status::from);
         } else if !repeats(&solution) {
             solution.motion.status = Status::NotVerified;
         }
@@ -30,16 +34,15 @@ pub(crate) fn settled(mut solution: Solution) -> Solution {
 /// counts where that was not asked for.
 ///
 /// Of the direct method the miss of the whole motion, else the sum of the misses of its parts, is compared
-/// with [`VERIFIED`] times the root of the tolerance when the status is found. Extremals count as
-/// motions that repeat: their own verification has given them their status.
+/// with [`VERIFIED`] times the root of the tolerance when the status is found. Extremals have the status of
+/// their own [verification](Solution::verified): that of a polish which fails is not shown.
 pub(crate) fn repeats(solution: &Solution) -> bool {
     let Solution { motion, options, .. } = solution;
     if motion.verification != Verify::Full {
         return true;
     }
-    // Their own verification has integrated them; costates of good ones may be unstable over a segment.
     if solution.is_extremal() {
-        return true;
+        return solution.verified.as_ref().is_none_or(|verified| verified.failure().is_none());
     }
     let bound = bound(options.tolerance);
     match motion.shooting_defect {
@@ -62,12 +65,8 @@ fn bound(tolerance: f64) -> f64 {
 
 /// Whether an excess between the points is what a polynomial overshoots beside a jump: of a quantity that may
 /// jump, by at most a [tenth](OVERSHOOT) of its range. No mesh makes that smaller, only narrower.
-pub(super) fn is_overshoot(kind: &str, worst: &LimitViolation) -> bool {
-    let may_jump =
-        ["acceleration", "jerk", "torque_rate", "power", "torque_speed", "ground_force"].contains(&kind);
-    // Of the functions of a task accelerations of tools may jump.
-    let may_jump = may_jump || (kind == "task" && worst.unit == "m/s^2");
-    may_jump && worst.part > 0.0 && worst.part <= OVERSHOOT
+pub(super) fn is_overshoot(worst: &LimitViolation) -> bool {
+    worst.jumps && worst.part > 0.0 && worst.part <= OVERSHOOT
 }
 
 impl LimitReport {
@@ -75,7 +74,7 @@ impl LimitReport {
     /// 1e-4; 0 if all limits are kept. Torques between the points are cut to their limits and do not count,
     /// nor does the overshoot of a polynomial beside a jump.
     pub fn violation(&self) -> f64 {
-        let between = self.violations_between().filter(|(kind, worst)| !is_overshoot(kind, worst));
+        let between = self.violations_between().filter(|(_, worst)| !is_overshoot(worst));
         let all = self.violations().chain(between);
         // Files of earlier versions do not have the part.
         let part = |part: f64| if part > 0.0 { part } else { f64::MIN_POSITIVE };

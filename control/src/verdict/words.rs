@@ -6,12 +6,13 @@ use super::laws;
 use super::limit_words::{of_ground, quantity, whose};
 use super::numbers::{apart, scientific, short};
 use super::remark::{Remark, RemarkKey, Severity};
-use super::settled::{is_overshoot, repeats};
+use super::settled::is_overshoot;
 use crate::options::{Method, SolverOptions, Verify};
 use crate::problem::{FinalTime, Problem};
 use crate::result::infeasibility::{Infeasibility, RelaxedLimit};
 use crate::result::limit_use::LimitViolation;
-use crate::result::motion::{Certificate, Motion};
+use crate::result::motion::Certificate;
+use crate::result::polish_report::PolishOutcome;
 use crate::result::solution::Solution;
 use crate::status::Status;
 use costate::robot::{JointKind, printable};
@@ -147,7 +148,7 @@ pub(super) fn exceeded_limits(problem: &Problem, solution: &Solution) -> Vec<Rem
         let key = if is_between { RemarkKey::LimitExceededBetween } else { RemarkKey::LimitExceeded };
         let mut text = violation_text(problem, violation);
         let mut severity = Severity::Error;
-        if is_between && is_overshoot(kind, worst) {
+        if is_between && is_overshoot(worst) {
             text.push_str(", beside a jump that its polynomial does not follow");
             severity = Severity::Warning;
         }
@@ -180,23 +181,11 @@ fn exceeded(problem: &Problem, kind: &str, worst: &LimitViolation) -> String {
     )
 }
 
-/// That a solved motion leads elsewhere when it is integrated again.
-pub(super) fn not_repeated(solution: &Solution) -> Option<Remark> {
-    let motion = &solution.motion;
-    (motion.status.is_solved() && !repeats(solution)).then(|| {
-        let bound = Motion::verification_bound(solution.options.tolerance);
-        let text = match motion.shooting_defect {
-            defect if defect.is_finite() => format!(
-                "segments of the motion, costates included, miss their ends by {} relative when they are integrated \
-                 again, more than {}; lower solver.tolerance",
-                scientific(defect),
-                scientific(bound)
-            ),
-            _ => "segments of the motion cannot be integrated again with their costates; lower solver.tolerance"
-                .into(),
-        };
-        Remark::new(RemarkKey::NotRepeated, Severity::Error, text).comparing(motion.shooting_defect, bound)
-    })
+/// That a polish led to an extremal that is not verified: the motion of the direct method is shown.
+pub(super) fn left_polish(solution: &Solution) -> Option<Remark> {
+    let report = solution.polish.as_ref().filter(|report| report.outcome == PolishOutcome::NotVerified)?;
+    let text = format!("polish left, the motion is that of the direct method: {}", report.cause.as_ref()?);
+    Some(Remark::new(RemarkKey::PolishLeft, Severity::Note, text))
 }
 
 /// That the torques of a solution do not lead the robot to its end without feedback.

@@ -3,6 +3,7 @@
 use super::dynamics::InverseDynamics;
 use super::path::{Path, Piece};
 use super::running::Running;
+use super::splits::Splits;
 use crate::numerics::lu;
 use crate::numerics::radau::System;
 use crate::problem::limits::JointLimits;
@@ -53,6 +54,19 @@ pub(crate) trait Multipliers {
     }
 }
 
+/// What the conditions are checked for.
+pub(crate) struct Conditions<'a> {
+    pub path: &'a Path,
+    pub splits: &'a Splits,
+    pub dynamics: &'a mut dyn InverseDynamics,
+    pub running: &'a mut Running,
+    pub multipliers: &'a mut dyn Multipliers,
+    /// Those of all coordinates.
+    pub limits: &'a [JointLimits],
+    /// Whether the search is to stop.
+    pub stops: &'a mut dyn FnMut() -> bool,
+}
+
 /// Costates as functions of the part x of a piece, with the gap that they leave.
 pub(super) trait Adjoint: System {
     /// Goes on in another piece, with a gap of zero.
@@ -86,6 +100,7 @@ pub(super) struct Place<'a> {
     pub running: &'a mut Running,
     pub multipliers: &'a mut dyn Multipliers,
     pub limits: &'a [JointLimits],
+    pub stops: &'a mut dyn FnMut() -> bool,
     pub number: usize,
     pub counts: bool,
     /// The places between which the motion is looked at, rising: multipliers are those inside of them.
@@ -101,13 +116,8 @@ pub(super) struct Place<'a> {
 }
 
 impl<'a> Place<'a> {
-    pub fn new(
-        path: &'a Path,
-        dynamics: &'a mut dyn InverseDynamics,
-        running: &'a mut Running,
-        multipliers: &'a mut dyn Multipliers,
-        limits: &'a [JointLimits],
-    ) -> Self {
+    pub fn new(conditions: Conditions<'a>) -> Self {
+        let Conditions { path, dynamics, running, multipliers, limits, stops, .. } = conditions;
         let (n, zeros) = (path.dof, |count: usize| vec![0.0; count]);
         Self {
             path,
@@ -115,6 +125,7 @@ impl<'a> Place<'a> {
             running,
             multipliers,
             limits,
+            stops,
             number: 0,
             counts: true,
             inside: [0.0, 1.0],

@@ -4,8 +4,8 @@ use super::dynamics::InverseDynamics;
 use super::path::Path;
 use super::running::Running;
 use super::splits::Splits;
+use crate::numerics::dormand_prince::Stopped;
 use crate::numerics::gauss_kronrod::{Integral, integrate};
-use costate::EvalError;
 
 /// Error of the quadrature, relative to the tolerance of the motion: it is the motion that is judged.
 const SHARPER: f64 = 1e-2;
@@ -21,14 +21,15 @@ const EVALUATIONS: usize = 20_000;
 /// evaluations.
 ///
 /// # Errors
-/// States that cannot be evaluated.
+/// States that cannot be evaluated; `stops`, which says whether the search is to stop.
 pub(crate) fn cost(
     path: &Path,
     splits: &Splits,
     dynamics: &mut dyn InverseDynamics,
     running: &mut Running,
     [tolerance, size]: [f64; 2],
-) -> Result<[Integral; 2], EvalError> {
+    stops: &mut dyn FnMut() -> bool,
+) -> Result<[Integral; 2], Stopped> {
     let n = path.dof;
     let (mut z, mut tau) = (vec![0.0; 4 * n], vec![0.0; n]);
     let mut rates = vec![0.0; if running.costs_torque_rates() { n } else { 0 }];
@@ -36,7 +37,10 @@ pub(crate) fn cost(
     let asked = [(SHARPER * tolerance).max(SHARPEST) * size, 0.0];
     let most = EVALUATIONS + OF_PIECE * path.pieces.len();
     let mut penalties = false;
-    let mut at = |k: usize, x: f64, running: &mut Running| -> Result<[f64; 2], EvalError> {
+    let mut at = |k: usize, x: f64, running: &mut Running| -> Result<[f64; 2], Stopped> {
+        if stops() {
+            return Err(Stopped::Interrupted);
+        }
         let piece = &path.pieces[k];
         piece.at(x, &mut z);
         if rates.is_empty() {
@@ -53,10 +57,10 @@ pub(crate) fn cost(
     let cost = integrate(splits.segments(), asked, most, |k, x| {
         let [cost, penalty] = at(k, x, running)?;
         penalties |= penalty != 0.0;
-        Ok::<_, EvalError>(cost)
+        Ok::<_, Stopped>(cost)
     })?;
     let penalty = match penalties {
-        true => integrate(splits.segments(), asked, most, |k, x| Ok::<_, EvalError>(at(k, x, running)?[1]))?,
+        true => integrate(splits.segments(), asked, most, |k, x| Ok::<_, Stopped>(at(k, x, running)?[1]))?,
         false => Integral::default(),
     };
     Ok([cost, penalty])

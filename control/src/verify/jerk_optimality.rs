@@ -237,6 +237,10 @@ impl System for JerkEquations<'_> {
         true
     }
 
+    fn stops(&mut self) -> bool {
+        (self.place.stops)()
+    }
+
     fn accept(&mut self, from: f64, length: f64, stages: [&[f64]; 3]) -> Result<(), EvalError> {
         if !self.place.counts {
             return Ok(());

@@ -3,12 +3,12 @@
 use super::dynamics::InverseDynamics;
 use super::path::Path;
 use super::splits::Splits;
+use crate::numerics::dormand_prince::Stopped;
 use crate::numerics::random::Random;
 use crate::problem::Problem;
 use crate::problem::limits::JointLimits;
 use crate::task::build::TaskRows;
 use crate::task::functions::PathFunction;
-use costate::EvalError;
 
 /// Random times in each piece, one in each of so many equal parts, beside the extrema of positions and their
 /// derivatives.
@@ -51,7 +51,7 @@ pub(crate) struct Excess {
 /// else is evaluated there, at both ends of each segment between [splits](Splits), and at random times.
 ///
 /// # Errors
-/// States that cannot be evaluated.
+/// States that cannot be evaluated; `stops`, which says whether the search is to stop.
 pub(crate) fn excesses(
     problem: &Problem,
     (path, splits): (&Path, &Splits),
@@ -59,7 +59,8 @@ pub(crate) fn excesses(
     rows: &TaskRows,
     joints: usize,
     seed: u64,
-) -> Result<Vec<Excess>, EvalError> {
+    stops: &mut dyn FnMut() -> bool,
+) -> Result<Vec<Excess>, Stopped> {
     let n = path.dof;
     let limits = problem.joint_limits();
     let mut along = rows.along.clone();
@@ -77,6 +78,9 @@ pub(crate) fn excesses(
     let mut found = Found::default();
     let mut places = Vec::new();
     for (k, piece) in path.pieces.iter().enumerate() {
+        if stops() {
+            return Err(Stopped::Interrupted);
+        }
         along.enter(Some(piece.phase));
         places.clear();
         places.extend_from_slice(splits.of(k));

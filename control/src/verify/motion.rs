@@ -3,8 +3,9 @@
 use super::dynamics::InverseDynamics;
 use super::path::{Path, Piece};
 use super::splits::Splits;
+use crate::numerics::dormand_prince::Stopped;
 use crate::numerics::lu;
-use crate::numerics::radau::{Failed, Radau, System};
+use crate::numerics::radau::{Radau, System};
 use crate::problem::limits::JointLimits;
 use costate::EvalError;
 
@@ -38,7 +39,8 @@ impl Defects {
 /// piece alone. `sizes` are those of (q, v), `joints` the number of coordinates that count.
 ///
 /// # Errors
-/// States that cannot be evaluated; steps that become too short.
+/// States that cannot be evaluated; steps that become too short; `stops`, which says whether the search is to
+/// stop.
 pub(crate) fn defects(
     (path, splits): (&Path, &Splits),
     dynamics: &mut dyn InverseDynamics,
@@ -46,7 +48,8 @@ pub(crate) fn defects(
     sizes: &[f64],
     joints: usize,
     bound: f64,
-) -> Result<Defects, Failed> {
+    stops: &mut dyn FnMut() -> bool,
+) -> Result<Defects, Stopped> {
     let n = path.dof;
     let mut radau = Radau::new(2 * n, (STEP * bound).clamp(STEPS[0], STEPS[1]));
     radau.sizes.copy_from_slice(sizes);
@@ -56,6 +59,7 @@ pub(crate) fn defects(
     let zeros = |count: usize| vec![0.0; count];
     let mut equations = Driven {
         dynamics,
+        stops,
         limits,
         piece: &path.pieces[0],
         z: zeros(3 * n),
@@ -88,6 +92,7 @@ pub(crate) fn defects(
 /// A robot under the torques of a piece, over the part x of it.
 struct Driven<'a> {
     dynamics: &'a mut dyn InverseDynamics,
+    stops: &'a mut dyn FnMut() -> bool,
     limits: &'a [JointLimits],
     piece: &'a Piece,
     z: Vec<f64>,
@@ -138,5 +143,9 @@ impl System for Driven<'_> {
 
     fn is_linear(&self) -> bool {
         false
+    }
+
+    fn stops(&mut self) -> bool {
+        (self.stops)()
     }
 }

@@ -28,16 +28,14 @@
 //! So the integral of G is an error of the cost, and its tolerance that of the cost. Torques outside U make G
 //! negative: what they gain against the law.
 
-use super::adjoint::{Adjoint, Gaps, Multipliers, Place};
-use super::dynamics::InverseDynamics;
+use super::adjoint::{Adjoint, Conditions, Gaps, Place};
 use super::jerk_optimality::JerkEquations;
 use super::path::Path;
-use super::running::Running;
 use super::splits::Splits;
 use super::torque_optimality::TorqueEquations;
-use crate::numerics::radau::{Failed, Radau};
+use crate::numerics::dormand_prince::Stopped;
+use crate::numerics::radau::Radau;
 use crate::numerics::random::Random;
-use crate::problem::limits::JointLimits;
 
 /// Tolerance of a step of the costates, relative to the root of that of the cost: the gap is a square.
 const STEP: f64 = 1e-2;
@@ -96,32 +94,20 @@ impl Optimality {
     }
 }
 
-/// What the conditions are checked for.
-pub(crate) struct Conditions<'a> {
-    pub path: &'a Path,
-    pub splits: &'a Splits,
-    pub dynamics: &'a mut dyn InverseDynamics,
-    pub running: &'a mut Running,
-    pub multipliers: &'a mut dyn Multipliers,
-    /// Those of all coordinates.
-    pub limits: &'a [JointLimits],
-}
-
 /// Checks the conditions of a motion: those of its torques, or of its jerks where the costates are those of
 /// accelerations too.
 ///
 /// # Errors
-/// States that cannot be evaluated, or at which tau_a is singular.
+/// States that cannot be evaluated, or at which tau_a is singular; a search that is to stop.
 pub(crate) fn check(
     conditions: Conditions<'_>,
     costates: &Costates,
     tolerance: f64,
     seed: u64,
-) -> Result<Optimality, Failed> {
+) -> Result<Optimality, Stopped> {
     let (path, splits) = (conditions.path, conditions.splits);
     let is_smooth = costates.left.first().is_some_and(|costate| costate.len() == 3 * path.dof);
-    let Conditions { dynamics, running, multipliers, limits, .. } = conditions;
-    let place = Place::new(path, dynamics, running, multipliers, limits);
+    let place = Place::new(conditions);
     let breaks = place.multipliers.breaks().to_vec();
     let of = (path, splits, &breaks[..]);
     match is_smooth {
@@ -144,7 +130,7 @@ fn follow(
     costates: &Costates,
     tolerance: f64,
     seed: u64,
-) -> Result<Optimality, Failed> {
+) -> Result<Optimality, Stopped> {
     let (n, root) = (path.dof, tolerance.sqrt());
     let mut costate = costates.right.last().cloned().unwrap_or_default();
     let mut radau = Radau::new(costate.len(), (STEP * root).clamp(STEPS[0], STEPS[1]));

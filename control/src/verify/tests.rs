@@ -1,14 +1,15 @@
 //! Motions in closed form pass, and planted faults are found with their size.
 
-use super::adjoint::{Multipliers, Prices};
+use super::adjoint::{Conditions, Multipliers, Prices};
 use super::cost::cost;
 use super::dynamics::Trees;
 use super::limits::{Quantity, excesses};
 use super::motion::defects;
-use super::optimality::{Conditions, Costates, Optimality, check};
+use super::optimality::{Costates, Optimality, check};
 use super::path::{Path, Piece};
 use super::running::Running;
 use super::splits::Splits;
+use crate::numerics::dormand_prince::Stopped;
 use crate::problem::{Bounds, MotionLimits, Objective, Problem};
 use crate::task::build::TaskRows;
 use costate::EvalError;
@@ -78,6 +79,7 @@ fn optimality(
         running: &mut running,
         multipliers,
         limits: &problem.joint_limits(),
+        stops: &mut || false,
     };
     check(conditions, costates, TOLERANCE, 7).unwrap()
 }
@@ -120,7 +122,7 @@ fn the_gap_of_a_shifted_torque_is_what_it_costs() {
 }
 
 /// A costate of the solver that jumps at a node by 0.1 where nothing makes it jump: carried on over a piece
-/// of 0.25 s it costs 1/2 0.1^2 0.25 there, and as much on the next one, until the defect has told.
+/// of 0.25 s it costs 1/2 0.1^2 0.25 there, and as much on the next one, until the defect shows.
 #[test]
 fn a_defect_of_the_costates_is_a_gap() {
     let path = path(&TIMES, 1, |t| vec![least_effort(t)]);
@@ -283,7 +285,8 @@ fn a_narrow_transition_is_in_the_cost() {
         assert_eq!(splits.of(0).len(), 5, "{splits:?}");
         let mut running = Running::new(&problem, &rows);
         let mut trees = Trees::new(&problem.robots());
-        let [found, _] = cost(&path, &splits, &mut trees, &mut running, [TOLERANCE, 1.0]).unwrap();
+        let asked = [TOLERANCE, 1.0];
+        let [found, _] = cost(&path, &splits, &mut trees, &mut running, asked, &mut || false).unwrap();
         let exact = 0.25 * (10.0 - 2.0 * width);
         // Beyond three transition velocities friction differs from 1 by 0.005 and less, within about one.
         let tail = 5e-3 * width;
@@ -308,7 +311,7 @@ fn an_undriven_row_that_is_off_is_found() {
         let splits = Splits::new(&problem, &path);
         let limits = problem.joint_limits();
         let mut trees = Trees::new(&problem.robots());
-        defects((&path, &splits), &mut trees, &limits, &[1.0; 4], 2, 1e-3).unwrap()
+        defects((&path, &splits), &mut trees, &limits, &[1.0; 4], 2, 1e-3, &mut || false).unwrap()
     };
     assert!(defects_of(0.0).sum() < 1e-9);
     let found = defects_of(1e-3);
@@ -325,7 +328,7 @@ fn stiff_axes_are_followed() {
     let path = path(&TIMES, 1, |t| vec![least_effort(t)]);
     let (splits, limits) = (Splits::new(&problem, &path), problem.joint_limits());
     let mut trees = Trees::new(&problem.robots());
-    let found = defects((&path, &splits), &mut trees, &limits, &[1.0; 2], 1, 1e-3).unwrap();
+    let found = defects((&path, &splits), &mut trees, &limits, &[1.0; 2], 1, 1e-3, &mut || false).unwrap();
     assert!(found.sum() < 1e-6, "{found:?}");
 }
 
@@ -338,7 +341,8 @@ fn excesses_between_nodes_are_found_with_their_time() {
     let rows = TaskRows::new(&problem).unwrap();
     let excesses_of = |path: &Path| {
         let splits = Splits::new(&problem, path);
-        excesses(&problem, (path, &splits), &mut Trees::new(&problem.robots()), &rows, 1, 5).unwrap()
+        let mut trees = Trees::new(&problem.robots());
+        excesses(&problem, (path, &splits), &mut trees, &rows, 1, 5, &mut || false).unwrap()
     };
     let of = |found: &[super::limits::Excess], quantity| {
         found.iter().find(|excess| excess.quantity == quantity).unwrap().clone()
@@ -355,4 +359,32 @@ fn excesses_between_nodes_are_found_with_their_time() {
     assert!((jerk.part - 6.0 / 24.0).abs() < 1e-9 && (jerk.time - 1.0).abs() < 1e-9, "{jerk:?}");
     let rate = of(&excesses_of(&path(&[0.0, 0.3, 0.65, 1.0], 1, |t| vec![least_effort(t)])), Quantity::Rate);
     assert!((rate.part - 0.1 / 2.8).abs() < 1e-9 && (rate.time - 0.5).abs() < 1e-6, "{rate:?}");
+}
+
+/// Each part of a verification ends where the search is to stop.
+#[test]
+fn a_search_that_stops_ends_its_verification() {
+    let problem = unit_mass().with_limits(MotionLimits::none().with_v_max(vec![2.0]));
+    let rows = TaskRows::new(&problem).unwrap();
+    let path = path(&TIMES, 1, |t| vec![least_effort(t)]);
+    let (splits, limits) = (Splits::new(&problem, &path), problem.joint_limits());
+    let (mut running, mut trees) = (Running::new(&problem, &rows), Trees::new(&problem.robots()));
+    let mut stops = || true;
+    let of_cost = cost(&path, &splits, &mut trees, &mut running, [TOLERANCE, 1.0], &mut stops);
+    assert_eq!(of_cost.unwrap_err(), Stopped::Interrupted);
+    let of_motion = defects((&path, &splits), &mut trees, &limits, &[1.0; 2], 1, 1e-3, &mut stops);
+    assert_eq!(of_motion.unwrap_err(), Stopped::Interrupted);
+    let of_limits = excesses(&problem, (&path, &splits), &mut trees, &rows, 1, 5, &mut stops);
+    assert_eq!(of_limits.unwrap_err(), Stopped::Interrupted);
+    let conditions = Conditions {
+        path: &path,
+        splits: &splits,
+        dynamics: &mut trees,
+        running: &mut running,
+        multipliers: &mut NoMultipliers,
+        limits: &limits,
+        stops: &mut stops,
+    };
+    let exact = costates(&TIMES, |t| vec![12.0, 6.0 - 12.0 * t]);
+    assert_eq!(check(conditions, &exact, TOLERANCE, 7).unwrap_err(), Stopped::Interrupted);
 }

@@ -129,6 +129,10 @@ impl System for TorqueEquations<'_> {
         true
     }
 
+    fn stops(&mut self) -> bool {
+        (self.place.stops)()
+    }
+
     fn accept(&mut self, from: f64, length: f64, stages: [&[f64]; 3]) -> Result<(), EvalError> {
         if !self.place.counts {
             return Ok(());

@@ -1,4 +1,4 @@
-//! The error of the cost that is told, against that of known values with limits that are active.
+//! The error of the cost that is stated, against that of known values with limits that are active.
 
 use crate::direct::{INF, arm_at_its_limits, limited, robot};
 use crate::tasks::around_a_disc;
@@ -16,14 +16,17 @@ fn is_told(problem: &Problem, value: f64, digits: f64, tolerances: &[f64]) {
     for &tolerance in tolerances {
         let options = SolverOptions::default().with_tolerance(1e-6).with_polish(Polish::Never).with_starts(4);
         let solution = Solver::new(problem, options.with_tolerance(tolerance)).unwrap().solve();
-        let (error, told) = ((solution.total() / value - 1.0).abs(), solution.cost_error().unwrap());
-        println!("{value} at {tolerance:.0e}: {} nodes, error {error:.2e} told {told:.2e}", solution.nodes());
+        let (error, stated) = ((solution.total() / value - 1.0).abs(), solution.cost_error().unwrap());
+        println!(
+            "{value} at {tolerance:.0e}: {} nodes, error {error:.2e} stated {stated:.2e}",
+            solution.nodes()
+        );
         assert_eq!(solution.motion.status, Status::Converged, "{value} at {tolerance}");
-        // The gap of the maximum principle may be ten times the tolerance, all else that is told one.
+        // The gap of the maximum principle may be ten times the tolerance, all else that is stated one.
         let gap = solution.verified.as_ref().and_then(|verified| verified.optimality.value).unwrap_or(0.0);
-        let most = if told <= gap { 10.0 * tolerance } else { tolerance };
-        assert!(told <= most, "{value} at {tolerance}: {told}, gap {gap}");
-        assert!(error <= 2.0 * told + digits, "{value} at {tolerance}: {error}, told {told}");
+        let most = if stated <= gap { 10.0 * tolerance } else { tolerance };
+        assert!(stated <= most, "{value} at {tolerance}: {stated}, gap {gap}");
+        assert!(error <= 2.0 * stated + digits, "{value} at {tolerance}: {error}, stated {stated}");
     }
 }
 

@@ -92,6 +92,27 @@ fn a_time_limit_stops_the_verification() {
     assert!(solution.end_defect.is_infinite(), "{}", solution.end_defect);
 }
 
+/// Before a polish the direct method is rough: where the polish is stopped, its motion is none that was asked
+/// for.
+#[test]
+fn a_rough_motion_is_no_solution_where_its_polish_is_stopped() {
+    let problem = two_link();
+    for starts in [1, 3] {
+        let options = sharp().with_starts(starts).with_threads(1);
+        let solver = Solver::new(&problem, options).unwrap();
+        let mut polishes = false;
+        let solution = solver.on_iteration(|step| {
+            polishes |= step.phase == Phase::Polish;
+            if polishes { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        });
+        let solution = solution.solve();
+        stopped(&solution, Status::Cancelled);
+        assert_eq!(solution.motion.verification, Verify::None);
+        assert!(solution.starts.iter().all(|start| !start.status.is_solved()), "{:?}", solution.starts);
+        assert!(solution.check(&problem).is_err());
+    }
+}
+
 #[test]
 fn a_continuation_stops_at_a_point() {
     let robot = Robot::from_file("../robots/pendulum.toml").unwrap();

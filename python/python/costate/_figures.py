@@ -121,13 +121,13 @@ class Figures:
 
     @property
     def verified(self) -> dict[str, Any] | None:
-        """What a verification found that does not use the points of the direct method; None without it.
+        """What a verification found that does not use the points of the solver; None without it.
 
         ``integrated_cost`` is J by adaptive quadrature, ``quadrature_error`` its error. ``cost``, ``dynamics``, ``limits``,
         ``overshoot`` and ``optimality`` are checks: ``outcome`` is "passed", "failed" or "not_verified", ``value`` is compared with
         ``allowed`` (both relative), ``time`` (s) and ``subject`` say where. ``stationarity`` is the largest relative
         derivative of the Hamiltonian by a torque inside its limits, ``costate_defect`` that of integrated
-        costates.
+        costates. Of extremals ``optimality`` is the mismatch of segments integrated again with their costates.
         """
         found: dict[str, Any] | None = self._figures.get("verified")
         return found

@@ -240,6 +240,11 @@ class Problem(Solves):
         return self._core.text
 
     @property
+    def warnings(self) -> list[str]:
+        """What is odd about it, a `ProblemWarning` each, and what was done to pose it, which is logged alone."""
+        return self._core.warnings
+
+    @property
     def options(self) -> dict[str, Any]:
         """The options of the solver, all of them."""
         options: dict[str, Any] = json.loads(self._core.options_json())

@@ -5,6 +5,7 @@ use super::resolve::ResolveCore;
 use super::run::{Range, Run, Work};
 use super::solution::SolutionCore;
 use crate::errors;
+use crate::notes::note;
 use crate::recipe::{Recipe, is_rebuilding, named};
 use crate::robot::Robot;
 use costate::robot::LoadOptions;
@@ -62,7 +63,12 @@ impl ProblemCore {
             warn(py, warning)?;
         }
         for warning in file.problem.warnings() {
-            warn(py, &warning.to_string())?;
+            let text = warning.to_string();
+            match warning.is_note() {
+                true if is_rebuilding() => {}
+                true => note(py, &text)?,
+                false => warn(py, &text)?,
+            }
         }
         let start = start.or(saved.map(|saved| saved.trajectory)).map(Arc::new);
         let ProblemFile { problem, options, text, .. } = file;
@@ -144,6 +150,12 @@ impl ProblemCore {
     #[getter]
     fn text(&self) -> &str {
         &self.text
+    }
+
+    /// What is odd about it, and what was done to pose it.
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.problem.warnings().iter().map(ToString::to_string).collect()
     }
 
     /// The robot that moves, with the changes of the problem.

@@ -15,23 +15,12 @@ use crate::direct::newton::side_terms::add_row;
 use crate::direct::points::values::PointDynamics;
 use crate::numerics::chain::dot;
 use crate::numerics::lagrange::{slopes, values};
-use crate::numerics::lu::eliminate;
+use crate::numerics::lu;
 
 /// A row is one of those before it where no more than this part of it is left: rounding of gradients.
 const LEAST_NORMAL: f64 = 1e-9;
 
 impl<D> Interior<D> {
-    /// Whether an entry is active: its multiplier is larger than its slack, both without unit. On the central
-    /// path their product is mu, so that one of them is small.
-    fn is_active(&self, at: usize) -> bool {
-        let barrier = &self.barrier;
-        if !barrier.is_on(at) || barrier.side(at).is_equation {
-            return barrier.is_on(at);
-        }
-        let multiplier = barrier.multiplier[at] / (barrier.weight[at] * barrier.unit[at] * self.figures.size);
-        barrier.is_limit(at) && multiplier > barrier.slack[at] * barrier.unit[at]
-    }
-
     /// The sides that are active at Gauss's point `j` of interval `k`; where accelerations are continuous at
     /// Lobatto's point there, which is behind the node.
     pub(super) fn active_sides(&self, k: usize, j: usize) -> impl Iterator<Item = &Side> {
@@ -179,33 +168,25 @@ fn restrict(
         return;
     }
     let normal = |i: usize| &normals[m * i..m * (i + 1)];
-    // [N S N', N S].
-    let width = count + m;
-    if work.len() < count * width {
-        work.resize(count * width, 0.0);
+    // N S N' and N S.
+    if work.len() < count * (count + m) {
+        work.resize(count * (count + m), 0.0);
     }
-    let rows = &mut work[..count * width];
-    for (i, row) in rows.chunks_exact_mut(width).enumerate() {
-        let (left, right) = row.split_at_mut(count);
-        for (j, to) in right.iter_mut().enumerate() {
+    let (left, right) = work[..count * (count + m)].split_at_mut(count * count);
+    for (i, row) in right.chunks_exact_mut(m).enumerate() {
+        for (j, to) in row.iter_mut().enumerate() {
             *to = (0..m).map(|l| normal(i)[l] * rest.cost_hessian(m, l, j)).sum();
         }
-        left.iter_mut().enumerate().for_each(|(j, to)| *to = dot(normal(j), right));
+        (0..count).for_each(|j| left[count * i + j] = dot(normal(j), row));
     }
-    if eliminate(rows, width, count, exchanges) {
-        for c in count..width {
-            for i in (0..count).rev() {
-                let known: f64 = (i + 1..count).map(|l| rows[width * i + l] * rows[width * l + c]).sum();
-                rows[width * i + c] = (rows[width * i + c] - known) / rows[width * i + i];
-            }
-        }
+    if lu::eliminate(left, count, count, exchanges) {
+        lu::solve(left, count, exchanges, right, m);
+        let products = &mut left[..count];
         for gain in gain.chunks_exact_mut(m) {
             // Products first: all of them are with the gain as it was.
-            for i in 0..count {
-                rows[width * i] = dot(normal(i), gain);
-            }
-            for row in rows.chunks_exact(width) {
-                gain.iter_mut().zip(&row[count..]).for_each(|(to, from)| *to -= row[0] * from);
+            products.iter_mut().enumerate().for_each(|(i, product)| *product = dot(normal(i), gain));
+            for (product, row) in products.iter().zip(right.chunks_exact(m)) {
+                gain.iter_mut().zip(row).for_each(|(to, from)| *to -= product * from);
             }
         }
     }

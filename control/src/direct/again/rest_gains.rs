@@ -17,7 +17,7 @@ use crate::direct::newton::rests::Rest;
 use crate::direct::points::values::PointDynamics;
 use crate::numerics::chain::dot;
 use crate::numerics::lagrange::values;
-use crate::numerics::lu::eliminate;
+use crate::numerics::lu;
 
 impl<D: PointDynamics> Interior<D> {
     /// Fills the gains. The equations are factorised before and afterwards.
@@ -144,23 +144,18 @@ fn divide(
     exchanges: &mut [usize],
     gain: &mut [f64],
 ) -> bool {
-    let width = m + n;
-    let rows = &mut work[..m * width];
     // X'K' = U'.
-    for (i, row) in rows.chunks_exact_mut(width).enumerate() {
-        let (left, right) = row.split_at_mut(m);
-        left.iter_mut().enumerate().for_each(|(l, entry)| *entry = states[m * l + i]);
-        right.iter_mut().enumerate().for_each(|(l, entry)| *entry = controls[m * l + i]);
+    let (left, right) = work[..m * (m + n)].split_at_mut(m * m);
+    for i in 0..m {
+        (0..m).for_each(|l| left[m * i + l] = states[m * l + i]);
+        (0..n).for_each(|l| right[n * i + l] = controls[m * l + i]);
     }
-    if !eliminate(rows, width, m, exchanges) {
+    if !lu::eliminate(left, m, m, exchanges) {
         return false;
     }
-    for l in 0..n {
-        for i in (0..m).rev() {
-            let row = &rows[width * i..width * (i + 1)];
-            let known: f64 = (i + 1..m).map(|k| row[k] * gain[m * l + k]).sum();
-            gain[m * l + i] = (row[m + l] - known) / row[i];
-        }
+    lu::solve(left, m, exchanges, right, n);
+    for (l, row) in gain.chunks_exact_mut(m).enumerate() {
+        row.iter_mut().enumerate().for_each(|(i, entry)| *entry = right[n * i + l]);
     }
     true
 }

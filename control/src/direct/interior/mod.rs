@@ -5,6 +5,7 @@
 //! directions ([`step`], [`corrector`]), the search along them with its [`filter`], the elastic phase, warm
 //! starts.
 
+mod active;
 pub(super) mod corrector;
 pub(super) mod elastic;
 pub(super) mod figures;

@@ -2,6 +2,7 @@
 
 use crate::constants::direct::NEGLIGIBLE_WAY;
 use crate::problem::BoundaryState;
+use crate::problem::least_time::{self, Ramp};
 use crate::problem::limits::JointLimits;
 
 /// The least time of the slowest joint (s):
@@ -30,6 +31,10 @@ pub(crate) fn least_time([from, to]: [&BoundaryState; 2], q: &[f64], limits: &[J
 /// rest of the way at that rate, and a ramp down. `from_zero` says at which ends the acceleration is zero; it
 /// is free at the others.
 fn rest_to_rest(way: f64, limits: &JointLimits, from_zero: [bool; 2]) -> f64 {
+    let JointLimits { v, a, jerk, .. } = *limits;
+    if jerk.is_infinite() || from_zero == [true; 2] {
+        return least_time::rest_to_rest(way, [v, a, jerk]);
+    }
     let ramps = |rate: f64| from_zero.map(|zero| ramp(rate, limits, zero));
     let room = |rate: f64| ramps(rate).iter().map(|ramp| ramp.way).sum::<f64>() <= way;
     let mut rate = limits.v;
@@ -54,24 +59,11 @@ fn rest_to_rest(way: f64, limits: &JointLimits, from_zero: [bool; 2]) -> f64 {
     time + (way - used).max(0.0) / rate
 }
 
-/// The fastest way from rest to a rate with no acceleration left.
-struct Ramp {
-    time: f64,
-    way: f64,
-}
-
-/// With |a| <= A, |j| <= J. From zero acceleration that rises at J, perhaps stays at A, and falls at J; else
-/// it begins with that from which it falls to zero.
+/// With |a| <= A, |j| <= J. Where the first acceleration is free, it is the one from which it falls to zero.
 fn ramp(rate: f64, limits: &JointLimits, from_zero: bool) -> Ramp {
     let JointLimits { a: most, jerk, .. } = *limits;
-    if jerk.is_infinite() {
-        let time = rate / most;
-        return Ramp { time, way: 0.5 * rate * time };
-    }
     if from_zero {
-        let time =
-            if rate * jerk <= most * most { 2.0 * (rate / jerk).sqrt() } else { rate / most + most / jerk };
-        return Ramp { time, way: 0.5 * rate * time };
+        return Ramp::from_zero(rate, [most, jerk]);
     }
     if 2.0 * rate * jerk <= most * most {
         let time = (2.0 * rate / jerk).sqrt();

@@ -14,7 +14,6 @@ use crate::direct::points::running::Running;
 use crate::direct::points::values::Points;
 use crate::numerics::chain_end::ChainEnd;
 use crate::numerics::cholesky;
-use crate::numerics::lu::eliminate;
 
 /// The rest of a motion behind a node.
 #[derive(Clone, Debug)]
@@ -27,9 +26,8 @@ pub(crate) struct Rest {
     kept: Vec<f64>,
     /// Second derivatives of the least cost by state and parameters.
     hessian: Vec<f64>,
-    /// Parameters by the state, as the elimination leaves them: `[S_pp S_px]`.
+    /// Minus the derivatives of the parameters by the state, `S_pp^-1 S_px`, column by column.
     parameters: Vec<f64>,
-    exchanges: Vec<usize>,
     column: Vec<f64>,
     /// For each phase the times that are free behind its start.
     times: Vec<FreeTimes>,
@@ -50,8 +48,7 @@ impl Rest {
             corner: vec![0.0; (phases + 1) * (phases + 1)],
             kept: vec![0.0; kept * free],
             hessian: vec![0.0; free * free],
-            parameters: vec![0.0; phases * free],
-            exchanges: vec![0; phases],
+            parameters: vec![0.0; phases * node],
             column: vec![0.0; kept],
             times: (0..phases).map(|phase| ends.times.after(phase)).collect(),
             is_minimum: true,
@@ -82,9 +79,8 @@ impl Rest {
         let free = self.parameters(phase);
         let width = m + free;
         for (to, row) in self.column.iter_mut().zip(self.kept.chunks_exact(width)) {
-            let by_parameters = row[m..].iter().enumerate();
-            let sum: f64 =
-                by_parameters.map(|(i, entry)| entry * self.parameters[width * i + free + j]).sum();
+            let by_state = &self.parameters[free * j..free * (j + 1)];
+            let sum: f64 = row[m..].iter().zip(by_state).map(|(entry, change)| entry * change).sum();
             *to = row[j] - sum;
         }
         let inner = spline.mesh.shape.inner() * spline.dof;
@@ -211,43 +207,32 @@ impl System {
                 }
             }
         }
-        let Rest { parameters, hessian, exchanges, .. } = rest;
-        for (i, row) in parameters.chunks_exact_mut(width).take(free).enumerate() {
-            let from = &hessian[width * (m + i)..width * (m + i + 1)];
-            row[..free].copy_from_slice(&from[m..]);
-            row[free..].copy_from_slice(&from[..m]);
+        let Rest { parameters, hessian, .. } = rest;
+        for j in 0..m {
+            (0..free).for_each(|i| parameters[free * j + i] = hessian[width * (m + i) + j]);
         }
-        // The times of a minimum have a positive definite block, whose rows of `hessian` are free now.
-        let block = &mut hessian[width * m..][..free * free];
-        for (to, from) in block.chunks_exact_mut(free.max(1)).zip(parameters.chunks_exact(width)) {
-            to.copy_from_slice(&from[..free]);
+        // The rows of the parameters in `hessian` are not needed any more: their block comes to the front.
+        let of_parameters = &mut hessian[width * m..];
+        for i in 0..free {
+            of_parameters.copy_within(width * i + m..width * (i + 1), free * i);
         }
-        let is_minimum = cholesky::factorise(block, free);
-        if free > 0 && !(is_minimum && solve(&mut parameters[..width * free], width, free, exchanges)) {
+        let block = &mut of_parameters[..free * free];
+        // The times of a minimum have a positive definite block.
+        if !cholesky::factorise(block, free) {
             return false;
+        }
+        for column in parameters[..free * m].chunks_exact_mut(free.max(1)) {
+            cholesky::solve(block, free, column);
         }
         // Those by the state alone, one after the other at the front.
         for i in 0..m {
             for j in 0..m {
-                let times: f64 =
-                    (0..free).map(|l| hessian[width * i + m + l] * parameters[width * l + free + j]).sum();
+                let by_parameters = hessian[width * i + m..width * (i + 1)].iter();
+                let changes = &parameters[free * j..free * (j + 1)];
+                let times: f64 = by_parameters.zip(changes).map(|(entry, change)| entry * change).sum();
                 hessian[m * i + j] = hessian[width * i + j] - times;
             }
         }
         true
     }
-}
-
-/// Turns `[A B]` into `[.. A^-1 B]`, with `columns` of A. False if A is singular.
-fn solve(rows: &mut [f64], width: usize, columns: usize, exchanges: &mut [usize]) -> bool {
-    if !eliminate(rows, width, columns, exchanges) {
-        return false;
-    }
-    for c in columns..width {
-        for i in (0..columns).rev() {
-            let known: f64 = (i + 1..columns).map(|l| rows[width * i + l] * rows[width * l + c]).sum();
-            rows[width * i + c] = (rows[width * i + c] - known) / rows[width * i + i];
-        }
-    }
-    true
 }

@@ -14,6 +14,7 @@ use crate::direct::motion::spline::Spline;
 use crate::direct::points::closed_points::ClosedPoints;
 use crate::direct::points::values::{PointDynamics, Points};
 use crate::extremal::penalty::Penalties;
+use crate::numerics::dormand_prince::Stopped;
 use crate::numerics::lagrange;
 use crate::options::{SolverOptions, Verify};
 use crate::problem::Problem;
@@ -21,13 +22,13 @@ use crate::problem::limits::JointLimits;
 use crate::problem::loop_rows::Loops;
 use crate::result::verification::{Check, Verification};
 use crate::task::build::TaskRows;
-use crate::verify::adjoint::{Multipliers, Prices};
+use crate::verify::adjoint::{Conditions, Multipliers, Prices};
 use crate::verify::cost::cost;
 use crate::verify::dynamics::{InverseDynamics, Trees};
 use crate::verify::jerk_optimality::{has_controls, has_jerks};
 use crate::verify::limits::{Excess, Quantity, excesses};
 use crate::verify::motion::defects;
-use crate::verify::optimality::{self, Conditions};
+use crate::verify::optimality;
 use crate::verify::running::Running;
 use crate::verify::splits::Splits;
 use costate::EvalError;
@@ -39,25 +40,28 @@ const SEED: u64 = 43;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Independent {
     pub verification: Verification,
-    /// For each interval what it adds to the largest value that fails, in parts of its tolerance; empty where
-    /// nothing fails.
+    /// Whether it was not stopped.
+    pub is_complete: bool,
+    /// What each interval adds to the values that fail, relative to their tolerances; empty without a
+    /// verification.
     pub blame: Vec<f64>,
     /// Places in s at which something narrow happens.
     pub narrow: Vec<f64>,
 }
 
 /// Verifies a motion whose points are contracted. `size` is that of the cost, `again` its integration by an
-/// explicit method, where that was done. Unless the cost `is_compared` with that on a finer mesh, the gap
-/// alone says what the mesh costs: it must be within the tolerance then.
+/// explicit method, where that was done; `costs` are those of the intervals, as the solver has them. Unless
+/// the cost `is_compared` with that on a finer mesh, the gap alone says what the mesh costs: it must be
+/// within the tolerance then. It ends early where the search is to stop, as `stops` says.
 pub(crate) fn verify<D: PointDynamics>(
     (problem, rows): (&Problem, &TaskRows),
     options: &SolverOptions,
     interior: &mut Interior<D>,
-    solver_cost: f64,
-    again: Option<&Again>,
-    is_compared: bool,
+    costs: &[f64],
+    (again, is_compared): (Option<&Again>, bool),
+    stops: &mut dyn FnMut() -> bool,
 ) -> Independent {
-    let mut found = Independent::default();
+    let mut found = Independent { is_complete: true, ..Independent::default() };
     let gap_allowed = options.tolerance
         * match (is_compared, interior.spline.mesh.shape.is_smooth()) {
             (true, false) => constants::GAP,
@@ -81,17 +85,30 @@ pub(crate) fn verify<D: PointDynamics>(
     let (limits, joints) = (problem.joint_limits(), problem.robot.dof());
     let names = problem.named_coordinates().0;
     let verification = &mut found.verification;
-    let unknown = |error: &EvalError| Check::skipped(error.to_string());
+    let is_complete = &mut found.is_complete;
+    let mut unknown = |stopped: &Stopped, allowed: f64| match stopped {
+        Stopped::Evaluation(error) => Check::skipped(error.to_string()),
+        Stopped::TooManySteps => Check::of(f64::INFINITY, allowed),
+        Stopped::Interrupted => {
+            *is_complete = false;
+            Check::skipped("the search was stopped")
+        }
+    };
 
-    match cost(&path, &splits, &mut *dynamics, &mut running, [tolerance, size]) {
+    let mut of_cost = Vec::new();
+    match cost(&path, &splits, &mut *dynamics, &mut running, [tolerance, size], stops) {
         Ok([own, penalty]) => {
+            let solver_cost: f64 = costs.iter().sum();
             let error = (own.error + penalty.error) / size;
             verification.integrated_cost = Some(own.value);
             verification.quadrature_error = Some(error);
             let difference = (own.value + penalty.value - solver_cost).abs() / size + error;
             verification.cost = Check::of(difference, tolerance);
+            of_cost = costs.iter().zip(&own.parts).map(|(cost, own)| own - cost).collect();
+            of_cost.iter_mut().zip(&penalty.parts).for_each(|(to, penalty)| *to += penalty);
+            of_cost.iter_mut().for_each(|difference: &mut f64| *difference = difference.abs());
         }
-        Err(error) => verification.cost = unknown(&error),
+        Err(stopped) => verification.cost = unknown(&stopped, tolerance),
     }
 
     let sizes = path.sizes(constants::LEAST_SCALE, constants::REST, joints);
@@ -102,24 +119,20 @@ pub(crate) fn verify<D: PointDynamics>(
         verification.dynamics = Check::of(again.miss, bound);
     }
     if !verification.dynamics.passes() {
-        match defects((&path, &splits), &mut *dynamics, &limits, &sizes, joints, bound) {
+        match defects((&path, &splits), &mut *dynamics, &limits, &sizes, joints, bound, stops) {
             Ok(defects) => {
                 let time = defects.worst.map(|(k, _)| path.pieces[k].start + path.pieces[k].length);
                 let subject = defects.worst.map(|(_, i)| names[i].clone());
                 verification.dynamics = Check::of(defects.sum(), bound).at(time, subject);
                 of_nodes = defects.pieces;
             }
-            Err(_) if verification.dynamics.fails() => {}
-            Err(crate::numerics::radau::Failed::Evaluation(error)) => {
-                verification.dynamics = unknown(&error);
-            }
-            Err(crate::numerics::radau::Failed::TooManySteps) => {
-                verification.dynamics = Check::of(f64::INFINITY, bound);
-            }
+            // That it fails is known already.
+            Err(Stopped::Evaluation(_) | Stopped::TooManySteps) if verification.dynamics.fails() => {}
+            Err(stopped) => verification.dynamics = unknown(&stopped, bound),
         }
     }
 
-    let excesses = excesses(problem, (&path, &splits), &mut *dynamics, rows, joints, SEED);
+    let excesses = excesses(problem, (&path, &splits), &mut *dynamics, rows, joints, SEED, stops);
     let mut of_limits = None;
     match &excesses {
         Ok(all) => {
@@ -139,7 +152,7 @@ pub(crate) fn verify<D: PointDynamics>(
             verification.overshoot = check(worst(true), constants::OVERSHOOT);
             of_limits = worst(false).map(|worst| worst.piece);
         }
-        Err(error) => verification.limits = unknown(error),
+        Err(stopped) => verification.limits = unknown(stopped, 2.0 * constants::VIOLATION_BETWEEN),
     }
 
     let mut gaps = Vec::new();
@@ -160,6 +173,7 @@ pub(crate) fn verify<D: PointDynamics>(
                 running: &mut running,
                 multipliers: &mut sides,
                 limits: &limits,
+                stops,
             };
             match optimality::check(conditions, &costates, tolerance, SEED) {
                 Ok(found) => {
@@ -172,12 +186,7 @@ pub(crate) fn verify<D: PointDynamics>(
                     verification.costate_defect = Some(found.defect);
                     gaps = found.gaps.iter().map(|gap| gap.abs()).collect();
                 }
-                Err(crate::numerics::radau::Failed::Evaluation(error)) => {
-                    verification.optimality = unknown(&error);
-                }
-                Err(crate::numerics::radau::Failed::TooManySteps) => {
-                    verification.optimality = Check::of(f64::INFINITY, gap_allowed);
-                }
+                Err(stopped) => verification.optimality = unknown(&stopped, gap_allowed),
             }
         }
     }
@@ -186,6 +195,9 @@ pub(crate) fn verify<D: PointDynamics>(
     let mut blame = |parts: &[f64], scale: f64| {
         found.blame.iter_mut().zip(parts).for_each(|(to, part)| *to += part / scale);
     };
+    if found.verification.cost.fails() {
+        blame(&of_cost, tolerance * size);
+    }
     if found.verification.optimality.fails() {
         blame(&gaps, gap_allowed * size);
     }
@@ -337,10 +349,7 @@ impl InverseDynamics for ClosedDynamics {
 /// the controls. Or whether a penalty is above zero there, which is the multiplier of what it stands for.
 fn is_on_arc<D>(interior: &Interior<D>, penalties: &Penalties, has_jerks: bool, k: usize) -> bool {
     let (barrier, mesh, n) = (&interior.barrier, &interior.spline.mesh, interior.spline.dof);
-    let is_active = |at: usize| {
-        let unit = barrier.weight[at] * barrier.unit[at] * interior.figures.size;
-        barrier.is_limit(at) && barrier.multiplier[at] > barrier.slack[at] * barrier.unit[at] * unit
-    };
+    let is_active = |at: usize| barrier.is_limit(at) && interior.is_active(at);
     let points = mesh.first_point(k)..mesh.first_point(k) + mesh.shape.places().len();
     let rates = if mesh.shape.is_smooth() { POINTS * k..POINTS * (k + 1) } else { 0..0 };
     let is_torque_rate = |at: usize| barrier.side(at).limited == Limited::TorqueRate;

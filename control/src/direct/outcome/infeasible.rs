@@ -8,7 +8,8 @@ use crate::direct::points::values::PointDynamics;
 use crate::problem::Problem;
 use crate::result::infeasibility::{Infeasibility, RelaxedLimit};
 
-/// What the limits of an elastic iterate give, or at least what a proof says.
+/// What the limits of an elastic iterate give, or at least what a proof says: the limit that it is about
+/// comes first.
 pub(crate) fn with_proof(problem: &Problem, found: Option<Infeasibility>) -> Option<Infeasibility> {
     let Some(short) = problem.too_short() else { return found };
     let limit = || {
@@ -29,10 +30,14 @@ pub(crate) fn with_proof(problem: &Problem, found: Option<Infeasibility>) -> Opt
             no_load_speed: None,
         })
     };
-    let mut found = found.unwrap_or_else(|| Infeasibility {
-        limits: limit().into_iter().collect(),
-        ..Infeasibility::default()
-    });
+    let mut found = found.unwrap_or_default();
+    if let Some(own) = limit() {
+        let is_own = |limit: &RelaxedLimit| limit.name == own.name && limit.kind == own.kind;
+        match found.limits.iter().position(is_own) {
+            Some(at) => found.limits[..=at].rotate_right(1),
+            None => found.limits.insert(0, own),
+        }
+    }
     found.is_global = true;
     found.proof = Some(short.proof(problem));
     found.least_time = Some(short.needed);

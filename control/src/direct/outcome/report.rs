@@ -4,7 +4,7 @@ use super::named::{Coordinates, excess, name, rate, subject, torque_limit, unit}
 use crate::constants::direct::{ACTIVE, VIOLATION_ACCEPTED, VIOLATION_BETWEEN};
 use crate::direct::interior::iterate::Interior;
 use crate::direct::limits::side::{Limited, Side};
-use crate::direct::motion::shape::POINTS;
+use crate::direct::motion::shape::{POINTS, Shape};
 use crate::direct::refine::at_ends::AtEnds;
 use crate::direct::refine::peak::{self, WITH_ENDS};
 use crate::direct::refine::resolution::Resolution;
@@ -55,7 +55,7 @@ fn usage<D>(
     (resolution, ends): (&Resolution, &AtEnds),
 ) -> Option<LimitUse> {
     let (spline, barrier, limited) = (&interior.spline, &interior.barrier, what.limited);
-    let is_rate = limited >= Limited::Jerk;
+    let (is_rate, shape) = (limited >= Limited::Jerk, spline.mesh.shape);
     let (sides, distances) = match is_rate {
         true => (barrier.rate_sides(), [resolution.rate_distances(), ends.rate_distance()]),
         false => (barrier.sides(), [resolution.distances(), &ends.distance]),
@@ -77,7 +77,7 @@ fn usage<D>(
             usage.between = usage.between.max(excess(interior, side, None, distance, coordinates));
             let part = side.violation(distance);
             // Equations that may jump cannot be kept around a jump.
-            let counts = !(side.is_equation && side.limited.jumps(spline.mesh.shape));
+            let counts = !(side.is_equation && side.limited.jumps(shape));
             if part > worst_between && counts {
                 worst_between = part;
                 spline.in_interval(k, place, &mut z);
@@ -87,8 +87,14 @@ fn usage<D>(
                     (name(interior, side, None, coordinates), unit(interior, side, None, coordinates));
                 let excess = excess(interior, side, None, distance, coordinates);
                 let factor = coordinates.factor(side);
-                usage.worst_between =
-                    Some(violation(side, (distance, factor), named, (spline.time_at(s), excess), rate));
+                usage.worst_between = Some(violation(
+                    side,
+                    shape,
+                    (distance, factor),
+                    named,
+                    (spline.time_at(s), excess),
+                    rate,
+                ));
             }
         }
         if matches!(side.limited, Limited::Position | Limited::Rate) {
@@ -125,7 +131,7 @@ fn usage<D>(
             let time = spline.time_at(barrier.place(at, spline));
             let (excess, factor) =
                 (excess(interior, side, end, distance, coordinates), coordinates.factor(side));
-            usage.worst = Some(violation(side, (distance, factor), named, (time, excess), rate));
+            usage.worst = Some(violation(side, shape, (distance, factor), named, (time, excess), rate));
         }
     }
     found
@@ -157,6 +163,7 @@ fn least(side: &Side, count: usize, i: usize, k: usize, [between, ends]: [&[f64]
 /// Where a limit is exceeded: name and unit, time and excess, and the rate of a motor.
 fn violation(
     side: &Side,
+    shape: Shape,
     (distance, factor): (f64, f64),
     (name, unit): (&str, &str),
     (time, excess): (f64, f64),
@@ -167,6 +174,7 @@ fn violation(
         time,
         excess,
         part: side.violation(distance),
+        jumps: side.limited.jumps(shape),
         unit: unit.into(),
         value: (side.bound + side.sign * distance) * factor - rate.map_or(0.0, |(_, line)| line),
         limit: torque_limit(side, rate).unwrap_or(side.bound),

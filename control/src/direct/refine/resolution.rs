@@ -30,8 +30,9 @@ pub(crate) struct Resolution {
     pub overshoots: Overshoots,
     /// Time integral of what limits cut off torques in each interval, in parts of their ranges (s).
     pub cut: Vec<f64>,
-    /// The cost of the motion, by a finer rule than that of its points.
+    /// The cost of the motion, by a finer rule than that of its points, and that of each interval.
     pub cost: f64,
+    pub costs: Vec<f64>,
     pub(super) jumps: Jumps,
     /// Nodes of this mesh that were moved.
     pub(super) moves: Vec<Move>,
@@ -168,6 +169,7 @@ impl Resolution {
     fn compare_costs<D>(&mut self, interior: &mut Interior<D>) {
         let Interior { spline, running, points, .. } = interior;
         self.cost = 0.0;
+        self.costs.clear();
         running.split(spline);
         for (k, error) in self.errors.iter_mut().enumerate() {
             let length = spline.length(k);
@@ -202,6 +204,7 @@ impl Resolution {
             let (coarse, fine) = (coarse + of_rates, length * (fine + finer));
             *error += constants::SAFETY * (fine - length * coarse).abs();
             self.cost += fine;
+            self.costs.push(fine);
         }
     }
 

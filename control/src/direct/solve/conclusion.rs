@@ -75,37 +75,26 @@ impl Refinement<'_, '_> {
             return;
         }
         let keeps_limits = judged.beyond.violation <= constants::VIOLATION_BETWEEN;
-        let is_better = |last: &LastSolved| (keeps_limits, -judged.error) >= (last.keeps_limits, -last.error);
-        if self.last_solved.as_ref().is_none_or(is_better) {
+        let Judged { error, accurate, .. } = *judged;
+        if self.last_solved.as_ref().is_none_or(|last| (keeps_limits, -error) >= last.rank()) {
             let snapshot = self.interior.snapshot();
-            let Judged { error, accurate, .. } = *judged;
             self.last_solved = Some(LastSolved { snapshot, error, keeps_limits, accurate });
             self.stands_at_last = true;
         }
     }
 
     /// Where the loop did not end with a solution: back to the most accurate motion that was solved, with its
-    /// accuracy.
+    /// accuracy. Where it gave up, another search may lead on first.
     ///
     /// # Errors
     /// A motion that cannot be evaluated, which one that was evaluated before is not.
     pub(super) fn fall_back(&mut self) -> Result<(), EvalError> {
-        let Some(last) = self.last_solved.take() else { return Ok(()) };
-        let Self { interior, resolution, refined, options, .. } = self;
-        let ends_well = refined.status.is_converged() || refined.status == Status::NotVerified;
-        // What no motion nearby keeps is not contradicted by one that exceeds it between its points.
-        let is_refuted =
-            refined.infeasible.as_ref().is_none_or(|found| !found.is_global && last.keeps_limits);
-        if self.stands_at_last || ends_well || refined.gave_up || !is_refuted {
+        let Some(last) = self.last_solved.take().filter(|_| !self.stands_at_last) else { return Ok(()) };
+        if self.refined.gave_up {
+            self.refined.last_solved = Some(last);
             return Ok(());
         }
-        interior.take_again(last.snapshot)?;
-        resolution.measure(interior)?;
-        if !refined.status.is_interruption() {
-            let is_unverified = last.accurate && options.verify != Verify::None;
-            refined.status = if is_unverified { Status::NotVerified } else { Status::MeshLimit };
-        }
-        (refined.error, refined.again, refined.infeasible) = (last.error, None, None);
-        Ok(())
+        let Self { interior, resolution, refined, options, .. } = self;
+        refined.fall_back_to(last, (interior, resolution), options)
     }
 }

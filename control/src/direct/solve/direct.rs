@@ -132,12 +132,17 @@ impl Direct<'_> {
         let most = if eases { constants::NODES_OF_LEAST_TIME } else { usize::MAX };
         let few = self.options.clone().with_max_nodes(self.options.max_nodes.min(most));
         let mut refined = refine(problem, &few, start, &mut interior, &mut resolution, recorder)?;
+        let mut last_solved = refined.last_solved.take();
         for _ in 0..constants::SEARCHES_FROM_UNRESOLVED {
             let gave_up = refined.gave_up && refined.status == Status::MeshLimit;
             if !gave_up || eases || recorder.interruption().is_some() {
                 break;
             }
             refined = refine(problem, &few, Start::Saved, &mut interior, &mut resolution, recorder)?;
+            let found = refined.last_solved.take();
+            let better =
+                found.filter(|found| last_solved.as_ref().is_none_or(|last| found.rank() > last.rank()));
+            last_solved = better.or(last_solved);
         }
         let is_hard = !(refined.status.is_converged() || refined.status.is_interruption())
             && refined.infeasible.is_none();
@@ -155,6 +160,9 @@ impl Direct<'_> {
                 eased.clock = std::mem::take(&mut interior.clock);
                 return self.finish(&mut eased, &resolution, refined, smoothing, recorder);
             }
+        }
+        if let Some(last) = last_solved.filter(|last| last.error < refined.error) {
+            refined.fall_back_to(last, (&mut interior, &mut resolution), self.options)?;
         }
         let model = (problem, self.rows);
         for round in 0..=saddle::FROM_FINER_MESHES {
@@ -200,19 +208,26 @@ impl Direct<'_> {
         });
         let is_verified = self.options.verify == Verify::Full && is_checked && again.is_complete;
         let model = (problem, self.rows);
+        let mut is_complete = again.is_complete;
         let verified = match verified {
             None if is_verified => {
                 let is_compared = finer_mesh.is_some();
-                let cost = resolution.cost;
                 // Motions with a cost of torques are solved to this tolerance at best.
                 let tolerance = self.options.tolerance.max(constants::EFFORT_TOLERANCE);
                 let eased = self.options.clone().with_tolerance(tolerance);
                 let options = if smoothing.weight > 0.0 { &eased } else { self.options };
-                let found = independent::verify(model, options, interior, cost, Some(&again), is_compared);
+                let mut stops = || recorder.interruption().is_some();
+                let again = (Some(&again), is_compared);
+                let costs = &resolution.costs;
+                let found = independent::verify(model, options, interior, costs, again, &mut stops);
+                is_complete = found.is_complete;
                 Some(found.verification)
             }
             verified => verified,
         };
+        if status.is_solved() && !is_complete {
+            status = recorder.interruption().map_or(Status::NotVerified, Status::from);
+        }
         if status.is_solved() && verified.as_ref().is_some_and(|verified| verified.failure().is_some()) {
             status = Status::NotVerified;
         }
@@ -241,7 +256,7 @@ impl Direct<'_> {
             duality_gap: interior.figures.gap / interior.figures.size,
             stationarity,
             newton_decrement: interior.figures.decrement.abs() / interior.figures.size,
-            verification: if is_checked && again.is_complete { self.options.verify } else { Verify::None },
+            verification: if is_checked && is_complete { self.options.verify } else { Verify::None },
             certificate,
             errors: vec![error],
             iterations,

@@ -54,7 +54,7 @@ impl<D: PointDynamics> Interior<D> {
         cost.is_finite().then_some([self.exceeded(|_| true), cost])
     }
 
-    /// By how much the limits that count are exceeded, or nearly so, in parts of their ranges.
+    /// By how much the limits that count are exceeded, or nearly so, relative to their ranges.
     fn exceeded(&self, counts: impl Fn(usize) -> bool) -> f64 {
         let barrier = &self.barrier;
         let limits = (0..barrier.count()).filter(|&at| barrier.weight[at] > 0.0 && counts(at));

@@ -12,3 +12,10 @@ pub(super) struct LastSolved {
     /// Whether it was as accurate as it was asked for, so that nothing but its verification failed.
     pub accurate: bool,
 }
+
+impl LastSolved {
+    /// The larger one is the better one: whether it keeps its limits between the points, then its accuracy.
+    pub fn rank(&self) -> (bool, f64) {
+        (self.keeps_limits, -self.error)
+    }
+}

@@ -1,11 +1,16 @@
 //! How the refinement of a mesh ended.
 
+use super::last_solved::LastSolved;
+use super::prepare::Dynamics;
 use crate::constants::direct as constants;
+use crate::direct::interior::iterate::Interior;
 use crate::direct::outcome::verify::Again;
-use crate::options::SolverOptions;
+use crate::direct::refine::resolution::Resolution;
+use crate::options::{SolverOptions, Verify};
 use crate::result::infeasibility::Infeasibility;
 use crate::result::verification::Verification;
 use crate::status::Status;
+use costate::EvalError;
 
 /// How the refinement ended.
 pub(super) struct Refined {
@@ -23,6 +28,8 @@ pub(super) struct Refined {
     /// Whether mesh after mesh did not resolve its motion: another search, from the motion that is left, may
     /// lead on.
     pub gave_up: bool,
+    /// The most accurate motion that was solved before it gave up, if it is not the one that is left.
+    pub last_solved: Option<LastSolved>,
 }
 
 impl Refined {
@@ -48,6 +55,34 @@ impl Refined {
             verified: None,
             infeasible: None,
             gave_up: false,
+            last_solved: None,
         }
+    }
+
+    /// Falls back to the most accurate motion that was solved, with its accuracy, unless it ended with a
+    /// solution, or with what says more.
+    ///
+    /// # Errors
+    /// A motion that cannot be evaluated, which one that was evaluated before is not.
+    pub fn fall_back_to(
+        &mut self,
+        last: LastSolved,
+        (interior, resolution): (&mut Interior<Dynamics>, &mut Resolution),
+        options: &SolverOptions,
+    ) -> Result<(), EvalError> {
+        let ends_well = self.status.is_converged() || self.status == Status::NotVerified;
+        // What no motion nearby keeps is not contradicted by one that exceeds it between its points.
+        let is_refuted = self.infeasible.as_ref().is_none_or(|found| !found.is_global && last.keeps_limits);
+        if ends_well || !is_refuted {
+            return Ok(());
+        }
+        interior.take_again(last.snapshot)?;
+        resolution.measure(interior)?;
+        if !self.status.is_interruption() {
+            let is_unverified = last.accurate && options.verify != Verify::None;
+            self.status = if is_unverified { Status::NotVerified } else { Status::MeshLimit };
+        }
+        (self.error, self.again, self.infeasible) = (last.error, None, None);
+        Ok(())
     }
 }

@@ -37,6 +37,7 @@ const COST: &[&str] =
     &["time", "effort", "energy", "energy_smoothing", "torque_rate", "jerk", "tool", "reference"];
 const ACTUATION: &[&str] = &["gain"];
 const BOUNDS: &[&str] = &["u_min", "u_max"];
+/// Lists of joints come first, [`JOINT_LIMITS`] of them.
 const LIMITS: &[&str] = &[
     "q_min",
     "q_max",
@@ -46,11 +47,12 @@ const LIMITS: &[&str] = &[
     "jerk_max",
     "torque_rate_max",
     "power_max",
-    "total_power_max",
     "corner_speed",
     "no_load_speed",
+    "total_power_max",
     "from_robot",
 ];
+const JOINT_LIMITS: usize = 10;
 const PENALTY: &[&str] = &["weight", "q_min", "q_max", "v_max"];
 const START_FROM: &[&str] = &["file"];
 /// The values of a problem file, before its robot is known.
@@ -95,8 +97,8 @@ pub(super) struct PenaltyTable {
 
 /// `[limits]`.
 pub(super) struct LimitsTable {
-    /// In the order of [`JOINT_LIMITS`].
-    lists: [Option<PerJoint>; 10],
+    /// In the order of [`LIMITS`].
+    lists: [Option<PerJoint>; JOINT_LIMITS],
     total_power_max: Option<f64>,
     from_robot: Option<bool>,
 }
@@ -261,23 +263,9 @@ impl PenaltyTable {
     }
 }
 
-/// The limits of joints.
-const JOINT_LIMITS: [&str; 10] = [
-    "q_min",
-    "q_max",
-    "v_max",
-    "a_max",
-    "torque_max",
-    "jerk_max",
-    "torque_rate_max",
-    "power_max",
-    "corner_speed",
-    "no_load_speed",
-];
-
 fn limits(table: &Table<'_>) -> Result<LimitsTable, Fault> {
-    let mut lists: [Option<PerJoint>; 10] = Default::default();
-    for (list, name) in lists.iter_mut().zip(JOINT_LIMITS) {
+    let mut lists: [Option<PerJoint>; JOINT_LIMITS] = Default::default();
+    for (list, name) in lists.iter_mut().zip(LIMITS) {
         *list = table.per_joint(name)?;
     }
     Ok(LimitsTable {
