@@ -150,7 +150,7 @@ const LONGER: [f64; 3] = [1.01, 1.1, 1.3];
 /// Work of each trial, Newton steps times nodes, relative to that of the search, ..
 const WORK: usize = 10;
 /// .. with so much beside it.
-const LEAST_WORK: usize = 10_000;
+const LEAST_WORK: usize = 30_000;
 /// Digits of the time that is proposed.
 const DIGITS: usize = 4;
 

@@ -64,9 +64,9 @@ pub(crate) fn verify<D: PointDynamics>(
     let mut found = Independent { is_complete: true, ..Independent::default() };
     let gap_allowed = options.tolerance
         * match (is_compared, interior.spline.mesh.shape.is_smooth()) {
+            (_, true) => constants::JERK_GAP,
             (true, false) => constants::GAP,
-            (true, true) => constants::JERK_GAP,
-            (false, _) => 1.0,
+            (false, false) => 1.0,
         };
     if options.verify != Verify::Full {
         return found;
