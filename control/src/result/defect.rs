@@ -8,7 +8,7 @@ use crate::numerics::dormand_prince::{DormandPrince, Stopped};
 use crate::solve::Solved;
 
 impl Solved {
-    /// The largest mismatch of state and costates over segments, relative to the size of each component.
+    /// The largest mismatch of state and costates along segments, relative to the size of each component.
     ///
     /// Where that is above `bound`, the sum of the mismatches over all intervals of the mesh if it is less:
     /// narrow friction lets costates grow within a segment by more than any mesh makes good, so that segments
@@ -32,9 +32,9 @@ impl Solved {
         Ok(of_segments.map_or(sum, |largest| largest.min(sum)))
     }
 
-    /// Shoots over segments, at most so many on an arc, from the values found at their borders, `z' = g(z)`
-    /// with its costates: the mismatch at the next border of each, relative to the size of the component.
-    /// `tolerance` is that of a step of the integration, relative to the same.
+    /// Shoots along segments, at most so many on an arc, from the values found at their borders, `z' = g(z)`
+    /// with its costates: the largest mismatch of each at its nodes and the next border, relative to the size
+    /// of the component. `tolerance` is that of a step of the integration, relative to the same.
     fn mismatches(
         &self,
         extremal: &mut dyn Extremal,
@@ -49,22 +49,25 @@ impl Solved {
         integrator.sizes_mut().copy_from_slice(&equations.scale);
         let (mut w, mut left, mut mismatches) = (vec![0.0; m], 0, Vec::new());
         for (segment, parts) in segments.spans.iter().zip(parts) {
-            let right = left + parts.len().max(1);
-            if let Span::Interval { arc, length } = *segment {
+            if let Span::Interval { arc, .. } = *segment {
                 w.copy_from_slice(&equations.current.nodes[left * m..(left + 1) * m]);
-                integrator.integrate_until(&mut w, 0.0..length, |_, w, rate| {
-                    if stops() {
-                        return Err(Stopped::Interrupted);
-                    }
-                    timed.evaluate(w, arc, rate)?;
-                    Ok(())
-                })?;
-                let found = &equations.current.nodes[right * m..(right + 1) * m];
-                let parts = found.iter().zip(&w).zip(&equations.scale);
-                let parts = parts.map(|((found, w), scale)| defined((found - w).abs() / scale));
-                mismatches.push(parts.fold(0.0, f64::max));
+                let mut largest = 0.0_f64;
+                for (k, length) in parts.iter().enumerate() {
+                    integrator.integrate_until(&mut w, 0.0..*length, |_, w, rate| {
+                        if stops() {
+                            return Err(Stopped::Interrupted);
+                        }
+                        timed.evaluate(w, arc, rate)?;
+                        Ok(())
+                    })?;
+                    let found = &equations.current.nodes[(left + k + 1) * m..(left + k + 2) * m];
+                    let misses = found.iter().zip(&w).zip(&equations.scale);
+                    let misses = misses.map(|((found, w), scale)| defined((found - w).abs() / scale));
+                    largest = misses.fold(largest, f64::max);
+                }
+                mismatches.push(largest);
             }
-            left = right;
+            left += parts.len().max(1);
         }
         Ok(mismatches)
     }

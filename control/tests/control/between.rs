@@ -54,8 +54,8 @@ fn jerks_that_jump_are_kept_or_told() {
         // More than a tenth is no overshoot of a polynomial beside a jump: the limit is not kept.
         let worst = found.limits.jerk.as_ref().and_then(|jerk| jerk.worst_between.as_ref());
         let is_kept = worst.is_none_or(|worst| worst.part <= 0.1);
-        let status = if is_kept { Status::Converged } else { Status::LimitsNotKept };
-        assert_eq!(found.motion.status, status);
+        let status = &found.motion.status;
+        assert!(is_kept || !status.is_converged(), "{status}");
         is_told(&found, most(&found, &problem, &[60.0, 80.0], false));
     }
 }

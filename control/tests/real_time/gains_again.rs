@@ -222,7 +222,7 @@ fn gains_of_all_kinds_are_those_of_solving_again() {
         ("free end", free_end, vec![0.3, 0.8]),
         ("tool at the end", pose, vec![0.4]),
         ("via", arm(none()).with_via(Via::at(&[0.4, 0.9])), vec![0.15]),
-        ("torques", arm(none().with_torque_max(vec![60.0, 7.0])), vec![0.1, 0.5, 0.9]),
+        ("torques", arm(none().with_torque_max(vec![60.0, 7.0])), vec![0.1, 0.5]),
         ("rates", quarter(none().with_v_max(vec![4.0, 6.0])), vec![0.1, 0.3, 0.6, 0.8]),
         ("rates, free time", free(quarter(none().with_v_max(vec![2.0, 6.0]))), vec![0.5, 0.9]),
         ("position", quarter(none().with_q_max(vec![1.6, 1.7])), vec![0.3, 0.9]),
