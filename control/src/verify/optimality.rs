@@ -42,11 +42,17 @@ use costate::EvalError;
 const STEP: f64 = 1e-2;
 /// Bounds of this tolerance.
 const STEPS: [f64; 2] = [1e-8, 1e-4];
-/// Costates go on over nodes until they differ from those of the solver by this part of the root of the
-/// tolerance. Smaller differences accumulate; larger ones already appear in the gap.
+/// Differences of costates from those of the solver that are smaller than this part of the root of the
+/// tolerance are errors of interpolation.
 const CARRIED: f64 = 0.1;
-/// Parts of a motion over which gaps of either sign are added before their magnitudes are.
-const PARTS: usize = 20;
+/// Larger ones go on over nodes until the equations have made them grow by this factor: one that does not grow
+/// is a defect of the motion, which counts over all that lies before it; one that grows is what an unstable
+/// motion makes of an error.
+const GROWN: f64 = std::f64::consts::E;
+/// Parts of a motion over which gaps of either sign are added before their magnitudes are: those of which the
+/// motion is integrated again where it is unstable ([`direct::PARTS`](crate::constants::direct::PARTS)), so
+/// that both checks see errors over the same time.
+const PARTS: usize = crate::constants::direct::PARTS as usize;
 /// Where the random place in a piece lies that ends a step.
 const MIDDLE: [f64; 2] = [0.35, 0.65];
 /// Costates of a joint are measured by the largest ones of all joints of this part at least.
@@ -97,6 +103,9 @@ pub(crate) trait Multipliers {
 pub(crate) struct Optimality {
     /// $\int G\\, dt$ over each piece, in units of cost.
     pub gaps: Vec<f64>,
+    /// For each piece the square of the difference of the costates from those of the solver that arises in
+    /// it, relative to the largest ones.
+    pub defects: Vec<f64>,
     /// $\sum |\int G\\, dt|$ over [`PARTS`] parts of the motion. Within a part, torques that overshoot their
     /// limits beside a jump, which no polynomial follows, gain what those before the jump lose.
     pub gap: f64,
@@ -120,6 +129,16 @@ impl Optimality {
         }
         parts.iter().map(|gap: &f64| gap.abs()).sum()
     }
+
+    /// For each piece the magnitude of the gap that it causes: that of its own, or, where costates have
+    /// defects, what arises in it of the difference that makes the gaps before it.
+    pub fn causes(&self, tolerance: f64) -> Vec<f64> {
+        let all: f64 = self.defects.iter().sum();
+        match self.defect > CARRIED * tolerance.sqrt() && all > 0.0 {
+            true => self.defects.iter().map(|part| self.gap * part / all).collect(),
+            false => self.gaps.iter().map(|gap| gap.abs()).collect(),
+        }
+    }
 }
 
 /// What the conditions are checked for.
@@ -138,9 +157,11 @@ pub(crate) struct Conditions<'a> {
 ///
 /// Backwards they are as stable as the motion of the robot is forwards: friction, which damps that, would let
 /// them grow in the other direction, by $e^{c h / m}$ in h seconds with the slope c of a narrow transition.
-/// At a node they take the [jumps](Costates::jumps), and go on with what they have until the
-/// difference has gone through a whole piece and is [large](CARRIED): so a defect shows in the gaps of the
-/// pieces before it, and what an unstable motion makes of small ones does not add up.
+/// At a node they take the [jumps](Costates::jumps), and go on with what they have until the difference from
+/// those of the solver is [large](CARRIED) and has [grown](GROWN). So a defect counts in the gaps of all
+/// pieces before it, however short the piece in which it arises: a stop under dry friction takes a part of a
+/// thousand of the motion whose end it is. What an unstable motion makes of small differences does not add
+/// up.
 ///
 /// # Errors
 /// States that cannot be evaluated, or at which tau_a is singular.
@@ -157,29 +178,32 @@ pub(crate) fn check(
     radau.sizes = sizes(costates, n);
     let mut equations = Equations::new(path, dynamics, running, multipliers, limits);
     let mut random = Random::new(seed);
-    let mut found = Optimality { gaps: vec![0.0; path.pieces.len()], ..Optimality::default() };
+    let zeros = vec![0.0; path.pieces.len()];
+    let mut found = Optimality { gaps: zeros.clone(), defects: zeros, ..Optimality::default() };
     let mut costate = vec![0.0; 2 * n];
-    let mut carried = 0;
+    let mut other = costate.clone();
+    // The difference at the node before, and by how much the equations have made it grow while it was large.
+    let (mut before, mut growth) = (0.0_f64, 1.0_f64);
     for (k, piece) in path.pieces.iter().enumerate().rev() {
         let next = path.pieces.get(k + 1);
         if next.is_none_or(|next| next.phase != piece.phase) {
             costate.copy_from_slice(&costates.right[k]);
-            carried = 0;
+            (before, growth) = (0.0, 1.0);
         } else {
-            let mut most = 0.0_f64;
             if let Some(jumps) = &costates.jumps[k + 1] {
                 costate.iter_mut().zip(jumps).for_each(|(costate, jump)| *costate -= jump);
             }
-            for ((own, given), size) in costate.iter().zip(&costates.right[k]).zip(&radau.sizes) {
-                most = most.max(((own - given) / size).abs());
-            }
+            let most = difference(&costate, &costates.right[k], &radau.sizes);
             found.defect = found.defect.max(most);
-            if carried > 1 && most > CARRIED * root {
+            found.defects[k + 1] = (most * most - before * before).max(0.0);
+            before = most;
+            if most <= CARRIED * root {
+                growth = 1.0;
+            } else if growth > GROWN || !equations.multipliers.counts(k + 1) {
                 costate.copy_from_slice(&costates.right[k]);
-                carried = 0;
+                (before, growth) = (0.0, 1.0);
             }
         }
-        carried += 1;
         let mut places = splits.of(k).to_vec();
         if places.len() == 2 {
             places.insert(1, MIDDLE[0] + (MIDDLE[1] - MIDDLE[0]) * random.uniform());
@@ -190,11 +214,18 @@ pub(crate) fn check(
             radau.integrate(&mut costate, pair[1]..pair[0], 1.0, &mut equations)?;
         }
         found.gaps[k] = equations.gap;
+        if before > CARRIED * root {
+            other.copy_from_slice(&costates.right[k]);
+            equations.counts = false;
+            for pair in places.windows(2).rev() {
+                radau.integrate(&mut other, pair[1]..pair[0], 1.0, &mut equations)?;
+            }
+            growth *= difference(&costate, &other, &radau.sizes) / before;
+        }
     }
     found.gap = found.of_parts(path);
     if let Some(first) = costates.left.first() {
-        let parts = costate.iter().zip(first).zip(&radau.sizes);
-        found.defect = parts.map(|((a, b), size)| ((a - b) / size).abs()).fold(found.defect, f64::max);
+        found.defect = found.defect.max(difference(&costate, first, &radau.sizes));
     }
     let most = equations.worst.iter().zip(&equations.largest).enumerate();
     for (i, (&(residual, time), largest)) in most.filter(|(_, (_, largest))| **largest > 0.0) {
@@ -204,6 +235,12 @@ pub(crate) fn check(
         }
     }
     Ok(found)
+}
+
+/// The largest difference of two costates, relative to these sizes.
+fn difference(one: &[f64], other: &[f64], sizes: &[f64]) -> f64 {
+    let parts = one.iter().zip(other).zip(sizes);
+    parts.map(|((a, b), size)| ((a - b) / size).abs()).fold(0.0, f64::max)
 }
 
 /// The largest magnitude of each costate at the nodes, at least [`LEAST_SCALE`] of the largest one of its
