@@ -166,7 +166,7 @@ fn direct_figures(problem: &Problem, solution: &Solution) -> Vec<(&'static str, 
     } else if is_compared && motion.verification == Verify::Full && motion.status.is_converged() {
         figures.push(("finer mesh", "not compared: it takes too many nodes or steps".into()));
     }
-    figures.extend(solution.verified.iter().flat_map(verified));
+    figures.extend(solution.verified.iter().flat_map(|found| verified(found, motion.certificate)));
     if motion.stationarity.is_finite() {
         let stationarity = scientific(motion.stationarity);
         // The method in states has one figure for all conditions of first order.
@@ -199,7 +199,7 @@ fn direct_figures(problem: &Problem, solution: &Solution) -> Vec<(&'static str, 
 
 /// What the verification found that does not use the points of the solver: the cost, and what the maximum
 /// principle says; of dynamics and limits only what fails.
-fn verified(verification: &Verification) -> Vec<(&'static str, String)> {
+fn verified(verification: &Verification, certificate: Certificate) -> Vec<(&'static str, String)> {
     let mut figures = Vec::new();
     let relative = |check: &Check| check.value.map_or_else(|| "unknown".into(), scientific);
     if let Some(cost) = verification.integrated_cost {
@@ -213,6 +213,9 @@ fn verified(verification: &Verification) -> Vec<(&'static str, String)> {
     let text = match (optimality.outcome, &optimality.subject) {
         (CheckOutcome::NotVerified, Some(reason)) => format!("not verified: {}", escape_hidden(reason)),
         (CheckOutcome::NotVerified, None) => "not verified".into(),
+        _ if certificate == Certificate::SaddleOnMesh => {
+            format!("costs at least {} more than a motion nearby, relative", relative(optimality))
+        }
         _ => format!("costs at most {} more than the optimum nearby, relative", relative(optimality)),
     };
     figures.push(("optimality", text));

@@ -22,7 +22,8 @@ pub const DETOURS: usize = 4;
 pub const BENDS: [f64; 2] = [0.6, 1.2];
 /// A guess whose time makes this part of its cost is one of least time, ..
 pub const MOSTLY_TIME: f64 = 0.5;
-/// .. of which so many positions are looked at beside its own, those that are reached soonest. ..
+/// .. of which so many positions are looked at beside its own, those that are reached soonest: as many as the
+/// signs of shoulder, elbow and wrist of an arm with a spherical wrist make. ..
 pub const BRANCHES: usize = 8;
 /// .. Positions that differ by less in all joints are the same (rad, m).
 pub const SAME_POSITION: f64 = 1e-2;

@@ -141,6 +141,13 @@ impl Narrow {
         Self { features: self.features.iter().filter(is_friction).copied().collect() }
     }
 
+    /// What rates cross: dry friction, and speeds of motors.
+    pub fn of_rates(&self) -> Self {
+        let is_of_rates =
+            |feature: &&Feature| matches!(feature.kind, Kind::Friction { .. } | Kind::Motor { .. });
+        Self { features: self.features.iter().filter(is_of_rates).copied().collect() }
+    }
+
     /// Whether anything has places along a motion.
     pub fn has_places(&self) -> bool {
         let has = |feature: &Feature| !matches!(feature.kind, Kind::Spring { .. } | Kind::Obstacle { .. });

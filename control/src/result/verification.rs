@@ -133,6 +133,14 @@ impl Verification {
         ]
     }
 
+    /// A motion nearby costs less by this part of the cost at least.
+    pub(crate) fn take_saddle(&mut self, part: f64, allowed: f64) {
+        if self.optimality.value.is_none_or(|gap| gap < part) {
+            let subject = Some("the motion is a saddle, one beside it costs less".into());
+            self.optimality = Check::of(part, allowed).at(None, subject);
+        }
+    }
+
     /// Nothing was checked, for a reason.
     pub(crate) fn skipped(reason: &str) -> Self {
         let [cost, dynamics, limits, overshoot, optimality] = [(); 5].map(|()| Check::skipped(reason));

@@ -5,7 +5,7 @@ use super::clearance::{Body, Clearances, CoreBox, Obstacle as Placed, Other};
 use super::functions::{Part, TaskFunctions};
 use super::given::{Given, direction, finite, length, positive_or_zero};
 use super::payloads::{Against, bodies, loads};
-use super::row::Row;
+use super::row::{CLEARANCE, Row};
 use crate::constants::task::MOST_PAIRS;
 use crate::problem::Problem;
 use crate::problem::error::ProblemError;
@@ -140,7 +140,7 @@ pub(super) fn push(
                     return Err(TaskError::NoRadius { names }.at(key("margin")));
                 }
                 Some((count, radius)) => {
-                    let row = Row::clearance(radius, is_flat, format!("clearance of '{a}' from '{b}'"));
+                    let row = Row::clearance(radius, is_flat, format!("{CLEARANCE}'{a}' from '{b}'"));
                     rows.extend(std::iter::repeat_n(row, count));
                 }
                 None if matches!(collision.pairs, BodyPairs::These(_)) && pair.names[1] < own.len() => {

@@ -122,10 +122,14 @@ fn a_body_does_not_pass_through_a_plate_unseen() {
             looks += 1;
             q.copy_from_slice(&[3.0 * x, 0.0]);
         };
-        let worst = along.sweep([&[3.0, 0.0], &[3.0, 0.0]], &mut [0.0; 2], state).unwrap();
+        let found = along.sweep([&[3.0, 0.0], &[3.0, 0.0]], &mut [0.0; 2], state).unwrap();
+        let worst = found.part;
         // Cores that meet are at -0.59 R, and deeper inside of the plate.
         assert_eq!(worst > 0.1, is_hit, "{worst}");
         assert!(is_hit || worst == 0.0);
+        // At x the rod has turned by 3 x, and reaches the plate at a quarter of a turn, or a little before.
+        assert!(!is_hit || (0.4..0.53).contains(&found.place), "{found:?}");
+        assert!(found.row < along.rows());
         assert!((2..2000).contains(&looks), "{looks}");
     }
 }

@@ -1,6 +1,6 @@
 //! Rows g(q, v) with their bounds and derivatives.
 
-use super::clearance::{Bounds, Clearances, Held, Obstacle};
+use super::clearance::{Bounds, Clearances, Held, Look, Obstacle};
 use super::placed::{Hessian, Placed};
 use super::row::Row;
 use super::tool::{Quantity, ToolFunction};
@@ -34,6 +34,17 @@ pub(crate) trait PathFunction {
         jacobian: &mut [f64],
         hessian: &mut [f64],
     ) -> Result<(), EvalError>;
+}
+
+/// The largest violation of a clearance on a piece of a motion.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Swept {
+    /// In parts of its range; 0 where all are kept. Not the deepest one where bodies meet: the search ends
+    /// there.
+    pub part: f64,
+    /// The part of the piece before it.
+    pub place: f64,
+    pub row: usize,
 }
 
 /// One or several rows that are computed together.
@@ -172,7 +183,7 @@ impl TaskFunctions {
 
     /// Goes along a piece of a motion, over x in [0, 1], in steps so short that no two bodies pass
     /// through each other unseen. `positions` and `rates` are the largest |q| and |dq/dx| on it; `state`
-    /// writes q at x, `q` has room for it. The largest violation of a clearance, in parts of its range.
+    /// writes q at x, `q` has room for it. The largest violation of a clearance.
     ///
     /// # Errors
     /// Positions that are not finite.
@@ -181,21 +192,26 @@ impl TaskFunctions {
         [positions, rates]: [&[f64]; 2],
         q: &mut [f64],
         mut state: impl FnMut(f64, &mut [f64]),
-    ) -> Result<f64, EvalError> {
-        let Self { placed: Some(placed), parts, phases, phase, still, .. } = self else { return Ok(0.0) };
-        let mut worst = 0.0_f64;
+    ) -> Result<Swept, EvalError> {
+        let mut worst = Swept::default();
+        let Self { placed: Some(placed), parts, phases, phase, still, .. } = self else { return Ok(worst) };
+        let mut first = 0;
         for (part, phases) in parts.iter_mut().zip(&*phases) {
+            let own = first;
+            first += part.rows();
             let Part::Clearances(clearances) = part else { continue };
             if !counts(phases.as_ref(), *phase) {
                 continue;
             }
             clearances.see_piece(placed, Bounds { positions, rates });
             let mut x = 0.0;
-            while x < 1.0 && worst < MEETING {
+            while x < 1.0 && worst.part < MEETING {
                 state(x, q);
                 placed.place(q, still)?;
-                let (violation, step) = clearances.look(placed)?;
-                worst = worst.max(violation);
+                let Look { violation, row, step } = clearances.look(placed)?;
+                if violation > worst.part {
+                    worst = Swept { part: violation, place: x, row: own + row };
+                }
                 x += step;
             }
         }

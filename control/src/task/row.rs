@@ -2,6 +2,9 @@
 
 use std::f64::consts::SQRT_2;
 
+/// How names of clearances begin.
+pub(crate) const CLEARANCE: &str = "clearance of ";
+
 /// What holds for a row: `lower <= g <= upper`, an equation where both are one number.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Row {

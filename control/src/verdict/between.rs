@@ -3,8 +3,10 @@
 use super::limit_words::{of_ground, quantity, whose};
 use super::numbers::short;
 use super::remark::{Remark, RemarkKey, Severity};
+use crate::constants::task::MEETING;
 use crate::result::limit_use::LimitViolation;
 use crate::result::solution::Solution;
+use crate::task::row::CLEARANCE;
 
 /// Torques that are cut by less than this part of their limit are not worth a remark.
 const NOTICED: f64 = 0.01;
@@ -13,7 +15,10 @@ const NOTICED: f64 = 0.01;
 pub(super) fn between(kind: &str, worst: &LimitViolation) -> String {
     let (by, unit, time) = (short(worst.excess, 2), &worst.unit, short(worst.time, 4));
     match (kind, of_ground(kind)) {
-        ("task", _) => format!("between its points the {} is off by {by} {unit} at t = {time} s", worst.name),
+        ("task", _) => {
+            let through = if meets(worst) { ": the motion passes through" } else { "" };
+            format!("between its points the {} is off by {by} {unit} at t = {time} s{through}", worst.name)
+        }
         (_, Some(what)) => {
             let name = &worst.name;
             format!(
@@ -27,6 +32,11 @@ pub(super) fn between(kind: &str, worst: &LimitViolation) -> String {
             short(worst.limit, 4)
         ),
     }
+}
+
+/// Whether the bodies of a clearance pass through each other.
+fn meets(worst: &LimitViolation) -> bool {
+    worst.part >= MEETING && worst.name.starts_with(CLEARANCE)
 }
 
 /// Which torque is cut to its limit between the points of a motion, where most, by how much, and what that

@@ -69,8 +69,11 @@ pub(crate) struct Conditions<'a> {
 
 /// Costates as functions of the part x of a piece, with the gap that they leave.
 pub(super) trait Adjoint: System {
-    /// Goes on in another piece, with a gap of zero.
-    fn enter(&mut self, piece: usize);
+    /// Goes on in another piece, with a gap of zero; whether the gap counts there.
+    fn enter(&mut self, piece: usize) -> bool;
+
+    /// Lets what follows in this piece not count.
+    fn look_away(&mut self);
 
     /// Goes on between two neighbouring places of the piece.
     fn go_between(&mut self, places: [f64; 2]);
@@ -142,8 +145,9 @@ impl<'a> Place<'a> {
         &self.path.pieces[self.number]
     }
 
-    pub fn enter(&mut self, piece: usize) {
+    pub fn enter(&mut self, piece: usize) -> bool {
         (self.number, self.counts) = (piece, self.multipliers.counts(piece));
+        self.counts
     }
 
     /// The motion, its torques and what limits make of them, with the factors of tau_a.

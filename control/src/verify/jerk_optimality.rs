@@ -181,9 +181,13 @@ impl<'a> JerkEquations<'a> {
 }
 
 impl Adjoint for JerkEquations<'_> {
-    fn enter(&mut self, piece: usize) {
-        self.place.enter(piece);
+    fn enter(&mut self, piece: usize) -> bool {
         self.found.gap = 0.0;
+        self.place.enter(piece)
+    }
+
+    fn look_away(&mut self) {
+        self.place.counts = false;
     }
 
     fn go_between(&mut self, places: [f64; 2]) {

@@ -1,7 +1,7 @@
 //! Hard limits between the points of the solver.
 
 use super::dynamics::InverseDynamics;
-use super::path::Path;
+use super::path::{Path, Piece};
 use super::splits::Splits;
 use crate::numerics::dormand_prince::Stopped;
 use crate::numerics::random::Random;
@@ -49,6 +49,7 @@ pub(crate) struct Excess {
 ///
 /// Positions, rates, accelerations and jerks are polynomials: their extrema are found exactly. Everything
 /// else is evaluated there, at both ends of each segment between [splits](Splits), and at random times.
+/// Clearances are looked at in steps so short that no two bodies pass through each other between them.
 ///
 /// # Errors
 /// States that cannot be evaluated; `stops`, which says whether the search is to stop.
@@ -77,11 +78,20 @@ pub(crate) fn excesses(
     let mut random = Random::new(seed);
     let mut found = Found::default();
     let mut places = Vec::new();
+    let (mut most, mut rates) = (vec![0.0; n], vec![0.0; n]);
     for (k, piece) in path.pieces.iter().enumerate() {
         if stops() {
             return Err(Stopped::Interrupted);
         }
         along.enter(Some(piece.phase));
+        bound_piece(piece, [&mut most, &mut rates]);
+        let swept = along.sweep([&most, &rates], &mut z[..n], |x, q| piece.at(x, q))?;
+        if let Some(row) = along.bounds().get(swept.row).filter(|_| swept.part > 0.0) {
+            let (quantity, index, time) = (Quantity::Task, Some(swept.row), piece.time(swept.place));
+            let value = row.lower - swept.part * row.range;
+            let excess = Excess { quantity, index, time, piece: k, value, limit: 0.0, part: 0.0 };
+            found.add(excess, [row.lower, row.upper], Some(row.range));
+        }
         places.clear();
         places.extend_from_slice(splits.of(k));
         places.extend((0..TIMES).map(|at| (at as f64 + random.uniform()) / TIMES as f64));
@@ -158,6 +168,23 @@ pub(crate) fn excesses(
         }
     }
     Ok(found.0)
+}
+
+/// The largest |q| and |dq/dx| of each coordinate of a piece, x the part of it.
+fn bound_piece(piece: &Piece, [most, rates]: [&mut [f64]; 2]) {
+    let (n, mut extrema) = (most.len(), Vec::new());
+    let mut z = vec![0.0; 2 * n];
+    for i in 0..n {
+        (most[i], rates[i]) = (0.0, 0.0);
+        extrema.clear();
+        piece.add_extrema(i, 0, &mut extrema);
+        piece.add_extrema(i, 1, &mut extrema);
+        for &x in &extrema {
+            piece.at(x, &mut z);
+            most[i] = most[i].max(z[i].abs());
+            rates[i] = rates[i].max(piece.length * z[n + i].abs());
+        }
+    }
 }
 
 /// The largest excess of each quantity.

@@ -41,11 +41,17 @@ use crate::numerics::random::Random;
 const STEP: f64 = 1e-2;
 /// Bounds of this tolerance.
 const STEPS: [f64; 2] = [1e-8, 1e-4];
-/// Costates go on over nodes until they differ from those of the solver by this part of the root of the
-/// tolerance. Smaller differences accumulate; larger ones already appear in the gap.
+/// Differences of costates from those of the solver that are smaller than this part of the root of the
+/// tolerance are errors of interpolation.
 const CARRIED: f64 = 0.1;
-/// Parts of a motion over which gaps of either sign are added before their magnitudes are.
-const PARTS: usize = 20;
+/// Larger ones go on over nodes until the equations have made them grow by this factor: one that does not grow
+/// is a defect of the motion, which counts over all that lies before it; one that grows is what an unstable
+/// motion makes of an error.
+const GROWN: f64 = std::f64::consts::E;
+/// Parts of a motion over which gaps of either sign are added before their magnitudes are: those of which the
+/// motion is integrated again where it is unstable ([`direct::PARTS`](crate::constants::direct::PARTS)), so
+/// that both checks see errors over the same time.
+const PARTS: usize = crate::constants::direct::PARTS as usize;
 /// Where the random place in a piece lies that ends a step.
 const MIDDLE: [f64; 2] = [0.35, 0.65];
 /// Costates of a joint are measured by the largest ones of all joints of this part at least.
@@ -69,6 +75,9 @@ pub(crate) struct Costates {
 pub(crate) struct Optimality {
     /// $\int G\\, dt$ over each piece, in units of cost.
     pub gaps: Vec<f64>,
+    /// For each piece the square of the difference of the costates from those of the solver that arises in
+    /// it, relative to the largest ones.
+    pub defects: Vec<f64>,
     /// $\sum |\int G\\, dt|$ over [`PARTS`] parts of the motion. Within a part, torques that overshoot their
     /// limits beside a jump, which no polynomial follows, gain what those before the jump lose.
     pub gap: f64,
@@ -91,6 +100,16 @@ impl Optimality {
             parts[(part as usize).min(PARTS - 1)] += gap;
         }
         parts.iter().map(|gap: &f64| gap.abs()).sum()
+    }
+
+    /// For each piece the magnitude of the gap that it causes: that of its own, or, where costates have
+    /// defects, what arises in it of the difference that makes the gaps before it.
+    pub fn causes(&self, tolerance: f64) -> Vec<f64> {
+        let all: f64 = self.defects.iter().sum();
+        match self.defect > CARRIED * tolerance.sqrt() && all > 0.0 {
+            true => self.defects.iter().map(|part| self.gap * part / all).collect(),
+            false => self.gaps.iter().map(|gap| gap.abs()).collect(),
+        }
     }
 }
 
@@ -121,9 +140,11 @@ pub(crate) fn check(
 ///
 /// Backwards they are as stable as the motion of the robot is forwards: friction, which damps that, would let
 /// them grow in the other direction, by $e^{c h / m}$ in h seconds with the slope c of a narrow transition.
-/// At a node they take the [jumps](Costates::jumps), and go on with what they have until the
-/// difference has gone through a whole piece and is [large](CARRIED): so a defect shows in the gaps of the
-/// pieces before it, and what an unstable motion makes of small ones does not add up.
+/// At a node they take the [jumps](Costates::jumps), and go on with what they have until the difference from
+/// those of the solver is [large](CARRIED) and has [grown](GROWN). So a defect counts in the gaps of all
+/// pieces before it, however short the piece in which it arises: a stop under dry friction takes a part of a
+/// thousand of the motion whose end it is. What an unstable motion makes of small differences does not add
+/// up.
 fn follow(
     (path, splits, breaks): (&Path, &Splits, &[f64]),
     equations: &mut impl Adjoint,
@@ -136,29 +157,34 @@ fn follow(
     let mut radau = Radau::new(costate.len(), (STEP * root).clamp(STEPS[0], STEPS[1]));
     radau.sizes = sizes(costates, n, costate.len());
     let mut random = Random::new(seed);
-    let mut found = Optimality { gaps: vec![0.0; path.pieces.len()], ..Optimality::default() };
-    let mut carried = 0;
+    let zeros = vec![0.0; path.pieces.len()];
+    let mut found = Optimality { gaps: zeros.clone(), defects: zeros, ..Optimality::default() };
+    let mut other = costate.clone();
+    // The difference at the node before, and by how much the equations have made it grow while it was large.
+    let (mut before, mut growth) = (0.0_f64, 1.0_f64);
+    // Whether the piece behind counts.
+    let mut counted = true;
     let mut places = Vec::new();
     for (k, piece) in path.pieces.iter().enumerate().rev() {
         let next = path.pieces.get(k + 1);
         if next.is_none_or(|next| next.phase != piece.phase) {
             costate.copy_from_slice(&costates.right[k]);
-            carried = 0;
+            (before, growth) = (0.0, 1.0);
         } else {
-            let mut most = 0.0_f64;
             if let Some(jumps) = &costates.jumps[k + 1] {
                 costate.iter_mut().zip(jumps).for_each(|(costate, jump)| *costate -= jump);
             }
-            for ((own, given), size) in costate.iter().zip(&costates.right[k]).zip(&radau.sizes) {
-                most = most.max(((own - given) / size).abs());
-            }
+            let most = difference(&costate, &costates.right[k], &radau.sizes);
             found.defect = found.defect.max(most);
-            if carried > 1 && most > CARRIED * root {
+            found.defects[k + 1] = (most * most - before * before).max(0.0);
+            before = most;
+            if most <= CARRIED * root {
+                growth = 1.0;
+            } else if growth > GROWN || !counted {
                 costate.copy_from_slice(&costates.right[k]);
-                carried = 0;
+                (before, growth) = (0.0, 1.0);
             }
         }
-        carried += 1;
         places.clear();
         places.extend_from_slice(splits.of(k));
         places.extend_from_slice(breaks);
@@ -167,18 +193,26 @@ fn follow(
         }
         places.sort_by(f64::total_cmp);
         places.dedup();
-        equations.enter(k);
+        counted = equations.enter(k);
         for pair in places.windows(2).rev() {
             equations.go_between([pair[0], pair[1]]);
             radau.integrate(&mut costate, pair[1]..pair[0], 1.0, equations)?;
         }
         found.gaps[k] = equations.gaps().gap;
+        if before > CARRIED * root {
+            other.copy_from_slice(&costates.right[k]);
+            equations.look_away();
+            for pair in places.windows(2).rev() {
+                equations.go_between([pair[0], pair[1]]);
+                radau.integrate(&mut other, pair[1]..pair[0], 1.0, equations)?;
+            }
+            growth *= difference(&costate, &other, &radau.sizes) / before;
+        }
     }
     equations.settle(&mut found.gaps);
     found.gap = found.of_parts(path);
     if let Some(first) = costates.left.first() {
-        let parts = costate.iter().zip(first).zip(&radau.sizes);
-        found.defect = parts.map(|((a, b), size)| ((a - b) / size).abs()).fold(found.defect, f64::max);
+        found.defect = found.defect.max(difference(&costate, first, &radau.sizes));
     }
     let Gaps { worst, largest, .. } = equations.gaps();
     let most = worst.iter().zip(largest).enumerate();
@@ -189,6 +223,12 @@ fn follow(
         }
     }
     Ok(found)
+}
+
+/// The largest difference of two costates, relative to these sizes.
+fn difference(one: &[f64], other: &[f64], sizes: &[f64]) -> f64 {
+    let parts = one.iter().zip(other).zip(sizes);
+    parts.map(|((a, b), size)| ((a - b) / size).abs()).fold(0.0, f64::max)
 }
 
 /// The largest magnitude of each costate at the nodes, at least [`LEAST_SCALE`] of the largest one of its

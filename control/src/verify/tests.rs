@@ -121,8 +121,8 @@ fn the_gap_of_a_shifted_torque_is_what_it_costs() {
     assert!(found.worst.is_some_and(|(_, joint)| joint == 0) && found.stationarity > 0.03, "{found:?}");
 }
 
-/// A costate of the solver that jumps at a node by 0.1 where nothing makes it jump: carried on over a piece
-/// of 0.25 s it costs 1/2 0.1^2 0.25 there, and as much on the next one, until the defect shows.
+/// A costate of the solver that jumps at a node by 0.1 where nothing makes it jump: carried on to the start it
+/// costs 1/2 0.1^2 a second, however short the piece is in which it arises.
 #[test]
 fn a_defect_of_the_costates_is_a_gap() {
     let path = path(&TIMES, 1, |t| vec![least_effort(t)]);
@@ -131,7 +131,35 @@ fn a_defect_of_the_costates_is_a_gap() {
     let found = optimality(&unit_mass(), &path, &wrong, &mut NoMultipliers);
     assert!((found.gaps[2] / (0.005 * 0.45) - 1.0).abs() < 1e-6, "{found:?}");
     assert!((found.gaps[1] / (0.005 * 0.25) - 1.0).abs() < 1e-6, "{found:?}");
+    assert!((found.gaps[0] / (0.005 * 0.3) - 1.0).abs() < 1e-6, "{found:?}");
     assert!((found.defect - 0.1 / 6.0).abs() < 1e-9, "{found:?}");
+}
+
+/// A torque that is larger by 0.1 up to 0.549 s, with costates of the solver that say so, and exact ones from
+/// there on: 1/2 0.1^2 a second before the jump, though no costate is off by more than a millisecond after it.
+#[test]
+fn a_jump_between_exact_costates_counts_over_all_before_it() {
+    let times = [0.0, 0.3, 0.549, 0.55, 1.0];
+    let [from, more] = [times[2], 0.1];
+    let offset = |t: f64| match t <= from {
+        true => [0.5 * more * t * t, more * t, more, 0.0],
+        false => [more * from * (t - 0.5 * from), more * from, 0.0, 0.0],
+    };
+    let motion = |t: f64| {
+        let (exact, offset) = (least_effort(t), offset(t));
+        vec![std::array::from_fn(|order| exact[order] + offset[order])]
+    };
+    let path = path(&times, 1, motion);
+    let mut given = costates(&times, |t| vec![12.0, 6.0 - 12.0 * t]);
+    for k in 0..2 {
+        given.left[k][1] += more;
+        given.right[k][1] += more;
+    }
+    let found = optimality(&unit_mass(), &path, &given, &mut NoMultipliers);
+    assert!((found.gap / (0.005 * from) - 1.0).abs() < 1e-6, "{found:?}");
+    // Where it arises, not where it counts.
+    let causes = found.causes(TOLERANCE);
+    assert!(causes[2] > 0.99 * found.gap, "{causes:?}");
 }
 
 /// A multiplier of a rate that is not at its limit.

@@ -78,9 +78,13 @@ impl<'a> TorqueEquations<'a> {
 }
 
 impl Adjoint for TorqueEquations<'_> {
-    fn enter(&mut self, piece: usize) {
-        self.place.enter(piece);
+    fn enter(&mut self, piece: usize) -> bool {
         self.found.gap = 0.0;
+        self.place.enter(piece)
+    }
+
+    fn look_away(&mut self) {
+        self.place.counts = false;
     }
 
     fn go_between(&mut self, places: [f64; 2]) {

@@ -100,7 +100,7 @@ impl Shown {
     pub fn sweep(&self, tasks: &mut Tasks) -> Result<f64, EvalError> {
         let mut worst = 0.0_f64;
         for k in 0..self.spline.mesh.intervals() {
-            let violation = tasks.sweep(&self.spline, k)?;
+            let violation = tasks.sweep(&self.spline, k)?.part;
             worst = if violation.is_nan() { f64::INFINITY } else { worst.max(violation) };
         }
         Ok(worst)

@@ -15,6 +15,9 @@ pub(crate) struct Figures {
     pub equations: f64,
     /// Newton decrement: twice the change of cost that the next step promises.
     pub decrement: f64,
+    /// The same without second derivatives of torques, of a solved motion whose torques cost something: by
+    /// about as much it may cost too much; 0 where that is not known.
+    pub shortfall: f64,
     pub iterations: usize,
     /// Whether the matrix of the last step, with exact second derivatives, was positive definite without
     /// damping.

@@ -71,9 +71,9 @@ impl<D: PointDynamics> Interior<D> {
     }
 
     /// A motion near a saddle that costs less, with the limits as their multipliers price them: along a
-    /// direction in which the matrix of [`inertia`](Self::inertia) is negative. The iterate stays; `None`
-    /// where no such motion was found.
-    pub fn below_saddle(&mut self) -> Option<Spline> {
+    /// direction in which the matrix of [`inertia`](Self::inertia) is negative; and by how much. The iterate
+    /// stays; `None` where no such motion was found.
+    pub fn below_saddle(&mut self) -> Option<(Spline, f64)> {
         self.find_negative_direction()?;
         let n = self.spline.dof;
         let (mut moved, mut extent) = (0.0_f64, constants::SMALL_MOTION);
@@ -99,8 +99,8 @@ impl<D: PointDynamics> Interior<D> {
                     best = Some((value, self.trial.spline.clone()));
                 }
             }
-            if let Some((_, spline)) = best {
-                return Some(spline);
+            if let Some((value, spline)) = best {
+                return Some((spline, now - value));
             }
             part *= 0.5;
         }

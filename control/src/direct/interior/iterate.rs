@@ -6,7 +6,7 @@ use super::looseness::Looseness;
 use super::relaxation::Relaxation;
 use super::small_cost::SmallCost;
 use super::softer::Softer;
-use super::squares::Squares;
+use super::squares::{Squares, Stall};
 use crate::constants::direct as constants;
 use crate::direct::limits::barrier::Barrier;
 use crate::direct::limits::ends::Ends;
@@ -180,7 +180,8 @@ impl<D: PointDynamics> Interior<D> {
         self.softer = Softer::default();
         self.short_steps = 0;
         self.figures.is_minimum = false;
-        let mut at_rounding = 0;
+        self.figures.shortfall = 0.0;
+        let (mut at_rounding, mut stall) = (0, Stall::default());
         for _ in 0..most {
             self.figures.iterations += 1;
             let equations = self.figures.equations;
@@ -202,9 +203,16 @@ impl<D: PointDynamics> Interior<D> {
                     let near = damping <= constants::SOLVED_DAMPING;
                     at_rounding = if near && self.is_at_rounding(tolerance) { at_rounding + 1 } else { 0 };
                     if near && (self.is_solved(tolerance) || at_rounding > constants::STEPS_AT_ROUNDING) {
-                        self.figures.is_minimum = damping == 0.0 && self.system.exact;
-                        self.damping = 0.0;
-                        return Ok(End::Solved);
+                        if squares {
+                            self.measure_shortfall(damping);
+                        }
+                        let Figures { shortfall, size, cost, iterations, .. } = self.figures;
+                        let least = tolerance * size;
+                        if shortfall <= least || stall.is_over(iterations, cost, least) {
+                            self.figures.is_minimum = damping == 0.0 && self.system.exact;
+                            self.damping = 0.0;
+                            return Ok(End::Solved);
+                        }
                     }
                     let longest = self.correct();
                     self.clock.lap(Stage::Limits);

@@ -18,6 +18,7 @@ pub(super) mod relaxation;
 mod relaxation_border;
 pub(super) mod rounding;
 pub(super) mod search;
+mod shortfall;
 mod small_cost;
 pub(super) mod snapshot;
 mod soften_equations;

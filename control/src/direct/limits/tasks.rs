@@ -10,7 +10,7 @@ use crate::problem::{Shape, TaskError, ToolOrientation};
 use crate::task::accelerations::ToolAccelerations;
 use crate::task::build::TaskRows;
 use crate::task::collision::move_obstacle;
-use crate::task::functions::{PathFunction, TaskFunctions};
+use crate::task::functions::{PathFunction, Swept, TaskFunctions};
 use crate::task::orient::orient;
 use crate::task::row::Row;
 use costate::EvalError;
@@ -202,14 +202,13 @@ impl Tasks {
         Ok(())
     }
 
-    /// The largest violation of a clearance on interval `k`, in parts of its range; no two bodies pass
-    /// through each other unseen.
+    /// The largest violation of a clearance on interval `k`; no two bodies pass through each other unseen.
     ///
     /// # Errors
     /// As [`evaluate`](Self::evaluate).
-    pub fn sweep(&mut self, spline: &Spline, k: usize) -> Result<f64, EvalError> {
+    pub fn sweep(&mut self, spline: &Spline, k: usize) -> Result<Swept, EvalError> {
         if self.along.is_empty() {
-            return Ok(0.0);
+            return Ok(Swept::default());
         }
         let n = spline.dof;
         // dq/dx is a quartic, or a cubic.

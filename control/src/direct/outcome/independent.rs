@@ -184,7 +184,7 @@ pub(crate) fn verify<D: PointDynamics>(
                     verification.optimality = Check::of(found.gap / size, gap_allowed).at(time, subject);
                     verification.stationarity = Some(found.stationarity);
                     verification.costate_defect = Some(found.defect);
-                    gaps = found.gaps.iter().map(|gap| gap.abs()).collect();
+                    gaps = found.causes(tolerance);
                 }
                 Err(stopped) => verification.optimality = unknown(&stopped, gap_allowed),
             }

@@ -73,7 +73,16 @@ fn usage<D>(
     for (i, side) in sides.iter().enumerate().filter(|(_, side)| is_this(side, None)) {
         let usage = found.get_or_insert_default();
         for k in 0..spline.mesh.intervals() {
-            let (place, distance) = least(side, sides.len(), i, k, distances);
+            let (mut place, mut distance) = least(side, sides.len(), i, k, distances);
+            // What is thin lies between these places too.
+            let swept = resolution.swept(k);
+            if limited == Limited::Task
+                && side.limited == limited
+                && side.joint == swept.row
+                && swept.part > side.violation(distance)
+            {
+                (place, distance) = (swept.place, -swept.part * side.range);
+            }
             usage.between = usage.between.max(excess(interior, side, None, distance, coordinates));
             let part = side.violation(distance);
             // Equations that may jump cannot be kept around a jump.

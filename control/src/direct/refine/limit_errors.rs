@@ -48,7 +48,7 @@ impl Resolution {
     fn passes_through(&self, sides: &[Side]) -> bool {
         let is_row = |side: &Side| side.limited == Limited::Task && !side.is_equation;
         let tasks = || (0..sides.len()).filter(|&i| is_row(&sides[i]));
-        let most = |k: usize| tasks().map(|i| self.excess.of(k, i)).fold(self.swept[k], f64::max);
+        let most = |k: usize| tasks().map(|i| self.excess.of(k, i)).fold(self.swept[k].part, f64::max);
         (0..self.errors.len()).any(|k| most(k) > constants::MOST_MOVED)
     }
 

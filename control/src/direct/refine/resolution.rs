@@ -14,6 +14,7 @@ use crate::direct::limits::side::{Limited, Side};
 use crate::direct::points::panels::GAUSS;
 use crate::direct::points::rates::RateCosts;
 use crate::direct::points::values::{PointDynamics, Points};
+use crate::task::functions::Swept;
 use costate::EvalError;
 
 /// What a mesh does not resolve.
@@ -24,8 +25,8 @@ pub(crate) struct Resolution {
     /// Largest violation of a limit inside of each interval, in parts of its range; of those whose values do
     /// not jump at nodes.
     pub violations: Vec<f64>,
-    /// By how much bodies pass through each other in each interval, in parts of the range.
-    pub(super) swept: Vec<f64>,
+    /// The largest violation of a clearance in each interval.
+    pub(super) swept: Vec<Swept>,
     /// Violations of those whose values may jump there.
     pub overshoots: Overshoots,
     /// Time integral of what limits cut off torques in each interval, in parts of their ranges (s).
@@ -74,6 +75,11 @@ impl Resolution {
         &self.distance
     }
 
+    /// The largest violation of a clearance in an interval, wherever it is between the points.
+    pub fn swept(&self, interval: usize) -> Swept {
+        self.swept.get(interval).copied().unwrap_or_default()
+    }
+
     /// How far the motion goes beyond a side between the points, in parts of its range.
     pub fn exceeded_by(&self, side: usize) -> f64 {
         (0..self.violations.len()).map(|k| self.excess.of(k, side)).fold(0.0, f64::max)
@@ -106,7 +112,7 @@ impl Resolution {
             self.swept.push(interior.model.tasks.sweep(&interior.spline, k)?);
         }
         self.look_between(interior);
-        self.violations.iter_mut().zip(&self.swept).for_each(|(most, swept)| *most = most.max(*swept));
+        self.violations.iter_mut().zip(&self.swept).for_each(|(most, swept)| *most = most.max(swept.part));
         Ok(())
     }
 

@@ -4,6 +4,7 @@ use super::crossings::{Room, graded};
 use super::division::with_added;
 use crate::constants::direct as constants;
 use crate::direct::interior::iterate::Interior;
+use crate::problem::narrow::Narrow;
 
 impl<D> Interior<D> {
     /// These nodes with those at the knots of references, at the times of this motion. References with more
@@ -23,11 +24,21 @@ impl<D> Interior<D> {
     /// where the guess crosses the transition of dry friction, at most about `most` of them. What else is
     /// narrow bends a motion where it is: a guess does not know that.
     pub fn seeded(&self, most: usize) -> Vec<f64> {
+        self.with_crossings(&self.crossed.friction(), most)
+    }
+
+    /// The same where this motion, which is solved, crosses the transition of dry friction or a speed of a
+    /// motor.
+    pub fn crossed(&self, most: usize) -> Vec<f64> {
+        self.with_crossings(&self.crossed.of_rates(), most)
+    }
+
+    fn with_crossings(&self, narrow: &Narrow, most: usize) -> Vec<f64> {
         let closest = constants::CLOSEST * constants::NARROWEST;
         let mesh = &self.spline.mesh;
-        let (mut room, mut added, friction) = (Room::default(), Vec::new(), self.crossed.friction());
-        for k in 0..if friction.has_places() { mesh.intervals() } else { 0 } {
-            let (places, _) = room.find(&friction, &self.spline, None, k);
+        let (mut room, mut added) = (Room::default(), Vec::new());
+        for k in 0..if narrow.has_places() { mesh.intervals() } else { 0 } {
+            let (places, _) = room.find(narrow, &self.spline, None, k);
             if added.len() + places.len() > most {
                 break;
             }

@@ -1,17 +1,16 @@
 //! From a problem to a motion: starts, meshes, verification.
 
-use super::finer_mesh::compare_with_finer_mesh;
 use super::first::First;
 use super::looks::{Found, Looked, Looks};
 use super::meshes::refine;
 use super::prepare::{Dynamics, interior_of};
 use super::refined::Refined;
 use super::refinement::Start;
-use super::saddle::leave_saddles;
+use super::settle::settle;
 use super::verified::verify_and_repair;
 use super::with_effort::{Smoothing, WithEffort, with_effort};
 use crate::constants::direct as constants;
-use crate::constants::{guesses, saddle};
+use crate::constants::guesses;
 use crate::direct::interior::inertia::Inertia;
 use crate::direct::interior::iterate::Interior;
 use crate::direct::interior::looseness::Looseness;
@@ -165,20 +164,7 @@ impl Direct<'_> {
             refined.fall_back_to(last, (&mut interior, &mut resolution), self.options)?;
         }
         let model = (problem, self.rows);
-        for round in 0..=saddle::FROM_FINER_MESHES {
-            // What is a minimum on a mesh may be a saddle on a finer one.
-            let (own, other) = (&mut interior, &mut resolution);
-            let was_left = leave_saddles(model, self.options, own, other, &mut refined, recorder)?;
-            if round > 0 && !was_left {
-                break;
-            }
-            let intervals = interior.spline.mesh.intervals();
-            let iterate = (&mut interior, &mut resolution, &mut refined);
-            compare_with_finer_mesh(problem, self.options, iterate, recorder)?;
-            if interior.spline.mesh.intervals() == intervals {
-                break;
-            }
-        }
+        settle(model, self.options, (&mut interior, &mut resolution, &mut refined), recorder)?;
         verify_and_repair(model, self.options, (&mut interior, &mut resolution, &mut refined), recorder)?;
         self.finish(&mut interior, &resolution, refined, Smoothing::default(), recorder)
     }
@@ -209,7 +195,7 @@ impl Direct<'_> {
         let is_verified = self.options.verify == Verify::Full && is_checked && again.is_complete;
         let model = (problem, self.rows);
         let mut is_complete = again.is_complete;
-        let verified = match verified {
+        let mut verified = match verified {
             None if is_verified => {
                 let is_compared = finer_mesh.is_some();
                 // Motions with a cost of torques are solved to this tolerance at best.
@@ -228,19 +214,28 @@ impl Direct<'_> {
         if status.is_solved() && !is_complete {
             status = recorder.interruption().map_or(Status::NotVerified, Status::from);
         }
-        if status.is_solved() && verified.as_ref().is_some_and(|verified| verified.failure().is_some()) {
+        let below = match status.is_converged().then(|| interior.inertia()).transpose()? {
+            Some(Inertia::Positive) => Err(Certificate::LocalMinimumOnMesh),
+            Some(Inertia::Negative) => interior.below_saddle().ok_or(Certificate::NotChecked),
+            Some(Inertia::Unknown) | None => Err(Certificate::NotChecked),
+        };
+        // What costs less along that direction is known.
+        if let (Ok((_, gain)), Some(verified)) = (&below, &mut verified) {
+            verified.take_saddle(gain / interior.figures.size, constants::GAP * self.options.tolerance);
+        }
+        let is_doubted = verified.as_ref().is_some_and(|verified| verified.failure().is_some());
+        if status.is_solved() && is_doubted {
             status = Status::NotVerified;
         }
+        let certificate = match below {
+            Ok(_) => Certificate::SaddleOnMesh,
+            Err(_) if is_doubted => Certificate::NotChecked,
+            Err(certificate) => certificate,
+        };
         // The bound is loose there, and the change on a finer mesh is not.
         let is_loose = interior.spline.mesh.shape.is_smooth() && finer_mesh.is_some();
         let error = verified.as_ref().map_or(error, |verified| error.max(verified.cost_error(!is_loose)));
         let iterations = std::mem::take(&mut recorder.iterations);
-        let certificate = match status.is_converged().then(|| interior.inertia()).transpose()? {
-            Some(Inertia::Positive) => Certificate::LocalMinimumOnMesh,
-            // What costs less was found along that direction.
-            Some(Inertia::Negative) if interior.below_saddle().is_some() => Certificate::SaddleOnMesh,
-            Some(Inertia::Negative | Inertia::Unknown) | None => Certificate::NotChecked,
-        };
         let penalty_cost = interior.running.penalty_cost(&interior.spline, &interior.points);
         let motion = Motion {
             cost: resolution.cost - penalty_cost,

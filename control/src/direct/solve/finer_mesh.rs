@@ -1,17 +1,19 @@
 //! A solved motion beside the one on a finer mesh.
 //!
 //! Estimates of errors assume that torques are smooth inside of the intervals. So a motion that is verified
-//! in full is solved once more with all intervals halved, from its own multipliers, which takes a few steps:
+//! in full is solved once more with nodes where it crosses the transition of dry friction or a speed
+//! of a motor, and with all intervals halved, from its own multipliers, which takes a few steps:
 //! what the cost changes by is the error that the mesh had, less that of the finer one. Limits that were
 //! moved inside stand at their own places there, so what it costs to move them is in the change.
 
 use super::meshes::refine;
-use super::prepare::Dynamics;
+use super::prepare::{Dynamics, most_knots};
 use super::refined::Refined;
 use super::refinement::{Start, iteration};
 use crate::constants::checks::finer_mesh;
 use crate::constants::direct as constants;
 use crate::direct::interior::iterate::{End, Interior};
+use crate::direct::motion::mesh::Mesh;
 use crate::direct::refine::resolution::Resolution;
 use crate::options::{SolverOptions, Verify};
 use crate::problem::Problem;
@@ -71,9 +73,9 @@ pub(super) fn compare_with_finer_mesh(
     Ok(())
 }
 
-/// Solves on halved intervals: by how much the cost differs from `cost`, relative to it. `None` where that
-/// is not known: too many nodes, nothing to halve, or not solved in a few steps. The iterate is on the finer
-/// mesh then or on its own one.
+/// Solves on halved intervals: by how much the cost differs from `cost`, relative to it, or at least does if
+/// it is not solved in a few steps. `None` where that is not known: too many nodes, nothing to halve, or no
+/// motion that costs less. The iterate is on the finer mesh then or on its own one.
 fn change_on_finer_mesh(
     options: &SolverOptions,
     interior: &mut Interior<Dynamics>,
@@ -81,7 +83,8 @@ fn change_on_finer_mesh(
     recorder: &mut Recorder<'_>,
 ) -> Result<Option<f64>, EvalError> {
     let mesh = &interior.spline.mesh;
-    let nodes = mesh.halved(interior.narrowest()[0]);
+    let crossed = interior.crossed(most_knots(options, mesh.shape));
+    let nodes = Mesh::new(crossed, mesh.shape).halved(interior.narrowest()[0]);
     let count = mesh.shape.stride() * (nodes.len() - 1) + 1;
     if nodes == mesh.nodes || count > options.max_nodes || recorder.interruption().is_some() {
         return Ok(None);
@@ -94,14 +97,16 @@ fn change_on_finer_mesh(
     };
     let precision = interior.looseness.between(constants::PART_OF_TOLERANCE) * options.tolerance;
     let end = interior.iterate(precision, finer_mesh::STEPS.min(options.max_iterations), watch)?;
-    if end != End::Solved {
-        return Ok(None);
+    let is_solved = end == End::Solved;
+    if is_solved {
+        interior.take_last_step();
     }
-    interior.take_last_step();
     let mut finer = Resolution::default();
     finer.measure(interior)?;
-    let change = (finer.cost - cost).abs() / interior.figures.size;
-    Ok(change.is_finite().then_some(change))
+    let change = (finer.cost - cost) / interior.figures.size;
+    // A motion that is not solved and costs less says by how much at least.
+    let is_less = change < -options.tolerance && interior.figures.violation <= constants::VIOLATION_ACCEPTED;
+    Ok((change.is_finite() && (is_solved || is_less)).then_some(change.abs()))
 }
 
 #[cfg(test)]

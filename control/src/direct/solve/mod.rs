@@ -23,6 +23,7 @@ mod refinement;
 mod rest_pose;
 pub(super) mod restore;
 mod saddle;
+mod settle;
 pub(super) mod smoothing;
 mod verified;
 mod waiting;

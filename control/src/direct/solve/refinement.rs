@@ -235,7 +235,7 @@ impl<'a, 'r> Refinement<'a, 'r> {
 
     fn judge(&self, solved: &Solved) -> Judged {
         let (figures, resolution) = (&self.interior.figures, &self.resolution);
-        let error = (resolution.error() + figures.gap) / figures.size;
+        let error = (resolution.error() + figures.gap + figures.shortfall) / figures.size;
         let tolerance = self.options.tolerance;
         let mut beyond = Beyond::new(resolution, figures.size, error);
         if self.options.verify == Verify::None {

@@ -35,7 +35,7 @@ pub(super) fn leave_saddles(
         if !goes_on || interior.inertia()? != Inertia::Negative {
             break;
         }
-        let Some(spline) = interior.below_saddle() else { break };
+        let Some((spline, _)) = interior.below_saddle() else { break };
         let mut other = interior_on(
             problem,
             rows,

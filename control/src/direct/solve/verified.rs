@@ -4,6 +4,7 @@ use super::meshes::refine;
 use super::prepare::Dynamics;
 use super::refined::Refined;
 use super::refinement::Start;
+use super::settle::settle;
 use crate::direct::interior::iterate::Interior;
 use crate::direct::outcome::independent::{Independent, verify};
 use crate::direct::refine::resolution::Resolution;
@@ -21,8 +22,9 @@ const ROUNDS: usize = 3;
 const BLAMED: f64 = 0.9;
 
 /// Verifies a converged motion. Where a check fails, the intervals that make it fail are divided, and the
-/// search goes on from this motion, a few times; where that leads to no verified motion, the last one that
-/// converged is not verified. Where the search is to stop, so does the verification, and the status says so.
+/// search goes on from this motion, a few times, each new one [settled](settle) as the first one was; where
+/// that leads to no verified motion, the last one that converged is not verified. Where the search is to stop,
+/// so does the verification, and the status says so.
 ///
 /// # Errors
 /// A motion that cannot be evaluated.
@@ -36,12 +38,10 @@ pub(super) fn verify_and_repair(
         return Ok(());
     }
     interior.clock.lap(Stage::Meshes);
-    // Meshes are finer than the one that was compared from here on.
-    let is_compared = refined.finer_mesh.is_some();
     let judge =
         |interior: &mut Interior<Dynamics>, costs: &[f64], refined: &Refined, recorder: &mut Recorder<'_>| {
             interior.refresh()?;
-            let again = (refined.again.as_ref(), is_compared);
+            let again = (refined.again.as_ref(), refined.finer_mesh.is_some());
             let mut stops = || recorder.interruption().is_some();
             let found = verify((problem, rows), options, interior, costs, again, &mut stops);
             interior.clock.lap(Stage::Verification);
@@ -56,11 +56,7 @@ pub(super) fn verify_and_repair(
         let Some(nodes) = divided(interior, &found, options) else { break };
         let solved = interior.snapshot();
         let mut finer = Resolution::default();
-        let next = match interior.move_to(nodes) {
-            Ok(()) => refine(problem, options, Start::Solved, interior, &mut finer, recorder),
-            Err(error) => Err(error),
-        };
-        match next {
+        match solve_on(nodes, (problem, rows), options, (interior, &mut finer), recorder) {
             Ok(next) if next.status.is_converged() => {
                 found = judge(interior, &finer.costs, &next, recorder)?;
                 (*resolution, *refined) = (finer, next);
@@ -84,6 +80,20 @@ pub(super) fn verify_and_repair(
     }
     refined.verified = Some(found.verification);
     Ok(())
+}
+
+/// Goes on from this motion on these nodes, to one that is settled as the first one was.
+fn solve_on(
+    nodes: Vec<f64>,
+    (problem, rows): (&Problem, &TaskRows),
+    options: &SolverOptions,
+    (interior, resolution): (&mut Interior<Dynamics>, &mut Resolution),
+    recorder: &mut Recorder<'_>,
+) -> Result<Refined, EvalError> {
+    interior.move_to(nodes)?;
+    let mut refined = refine(problem, options, Start::Solved, interior, resolution, recorder)?;
+    settle((problem, rows), options, (interior, resolution, &mut refined), recorder)?;
+    Ok(refined)
 }
 
 /// Nodes with the intervals divided that make most of what fails, each halved and at the places where

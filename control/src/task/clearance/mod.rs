@@ -32,7 +32,7 @@ mod sweep;
 mod tests;
 
 pub(in crate::task) use cores::CoreBox;
-pub(in crate::task) use pair::{Body, Bounds, Held, Obstacle, Other};
+pub(in crate::task) use pair::{Body, Bounds, Held, Look, Obstacle, Other};
 
 use super::placed::{Hessian, Placed};
 use cores::Core;

@@ -61,6 +61,15 @@ pub(in crate::task) struct Bounds<'a> {
     pub rates: &'a [f64],
 }
 
+/// Clearances at a place of a motion.
+pub(in crate::task) struct Look {
+    /// The largest violation, in parts of ranges, and its row; zero and the first row where there is none.
+    pub violation: f64,
+    pub row: usize,
+    /// How far the motion may go on before two cores could meet.
+    pub step: f64,
+}
+
 /// A point that is fixed to a link, and where it is in the world; a coordinate that is infinite is free.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::task) struct Held {

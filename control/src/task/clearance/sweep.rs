@@ -5,7 +5,7 @@
 //! times the rate of the joint. A step that is shorter than the distance over the sum of these speeds cannot
 //! make the cores meet.
 
-use super::pair::{Bounds, Other, Pair};
+use super::pair::{Bounds, Look, Other, Pair};
 use super::{Body, Clearances, rows};
 use crate::constants::task::SHORTEST_STEP;
 use crate::task::placed::Placed;
@@ -25,24 +25,30 @@ impl Clearances {
         }
     }
 
-    /// The largest violation at a place, in parts of ranges, and how far the motion may go on before two
-    /// cores could meet.
+    /// The largest violation at a place.
     ///
     /// # Errors
     /// As [`PathFunction::values`](crate::task::functions::PathFunction::values).
-    pub fn look(&mut self, placed: &Placed) -> Result<(f64, f64), EvalError> {
+    pub fn look(&mut self, placed: &Placed) -> Result<Look, EvalError> {
         self.place(placed)?;
-        let (mut worst, mut step) = (0.0_f64, f64::INFINITY);
+        let mut found = Look { violation: 0.0, row: 0, step: f64::INFINITY };
+        let mut row = 0;
         for (pair, speed) in self.pairs.iter().zip(&self.speeds) {
+            let own = row;
+            row += self.rows_of(pair);
             if matches!(pair.other, Other::HalfSpace { .. }) {
                 // Nothing is beyond it.
                 continue;
             }
             let (clearance, distance) = self.distance(pair);
-            worst = worst.max(-clearance / pair.radius);
-            step = step.min(distance / speed.max(f64::MIN_POSITIVE));
+            let violation = -clearance / pair.radius;
+            if violation > found.violation {
+                (found.violation, found.row) = (violation, own);
+            }
+            found.step = found.step.min(distance / speed.max(f64::MIN_POSITIVE));
         }
-        Ok((worst, step.max(SHORTEST_STEP)))
+        found.step = found.step.max(SHORTEST_STEP);
+        Ok(found)
     }
 
     /// The clearance of a pair, and the distance of its cores.

@@ -1,0 +1,39 @@
+//! A solved motion is made a minimum, and compared with that on a finer mesh.
+
+use super::finer_mesh::compare_with_finer_mesh;
+use super::prepare::Dynamics;
+use super::refined::Refined;
+use super::saddle::leave_saddles;
+use crate::constants::saddle;
+use crate::direct::interior::iterate::Interior;
+use crate::direct::refine::resolution::Resolution;
+use crate::options::SolverOptions;
+use crate::problem::Problem;
+use crate::solve::Recorder;
+use crate::task::build::TaskRows;
+use costate::EvalError;
+
+/// Leaves saddles, and compares with a finer mesh, where the search may go on; a few times, as what is a
+/// minimum on a mesh may be a saddle on a finer one. A motion that is not converged stays.
+///
+/// # Errors
+/// A motion that cannot be evaluated.
+pub(super) fn settle(
+    (problem, rows): (&Problem, &TaskRows),
+    options: &SolverOptions,
+    (interior, resolution, refined): (&mut Interior<Dynamics>, &mut Resolution, &mut Refined),
+    recorder: &mut Recorder<'_>,
+) -> Result<(), EvalError> {
+    for round in 0..=saddle::FROM_FINER_MESHES {
+        let was_left = leave_saddles((problem, rows), options, interior, resolution, refined, recorder)?;
+        if round > 0 && !was_left {
+            break;
+        }
+        let intervals = interior.spline.mesh.intervals();
+        compare_with_finer_mesh(problem, options, (interior, resolution, refined), recorder)?;
+        if interior.spline.mesh.intervals() == intervals {
+            break;
+        }
+    }
+    Ok(())
+}
