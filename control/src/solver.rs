@@ -150,7 +150,7 @@ const LONGER: [f64; 3] = [1.01, 1.1, 1.3];
 /// Work of each trial, Newton steps times nodes, relative to that of the search, ..
 const WORK: usize = 10;
 /// .. with so much beside it.
-const LEAST_WORK: usize = 30_000;
+const LEAST_WORK: usize = 10_000;
 /// Digits of the time that is proposed.
 const DIGITS: usize = 4;
 
@@ -166,7 +166,9 @@ fn with_solved_time(
     let Some(infeasible) = &mut found.limits.infeasible else { return found };
     let Some(time) = infeasible.final_time.take() else { return found };
     let starts = options.starts.map(|_| 1);
-    let alone = SolverOptions { starts, polish: Polish::Never, ..options.clone() };
+    // That a motion keeps all limits is what is tried: a smaller tolerance of its cost makes that no truer.
+    let tolerance = options.tolerance.max(SolverOptions::default().tolerance);
+    let alone = SolverOptions { starts, polish: Polish::Never, tolerance, ..options.clone() };
     let steps = found.motion.iterations.iter();
     let most = LEAST_WORK + WORK * steps.map(|step| step.nodes).sum::<usize>();
     for factor in LONGER {

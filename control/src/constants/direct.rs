@@ -225,8 +225,8 @@ pub const JERK_GAP: f64 = 100.0;
 /// jump polynomials overshoot on any mesh.
 pub const OVERSHOOT: f64 = 0.1;
 /// Where it does not, so many parts of it must end so near together, each integrated from its own start.
-/// Errors of an unstable motion grow by e in its time constant: by exp(3), 20 times, over one of 20 parts of a
-/// motion that takes 60 of these, which `exp(60)` leaves nothing of when it is integrated at once.
+/// Errors of an unstable motion grow by e in its time constant: by exp(3), 20 times, over one of 20 parts
+/// of a motion that takes 60 of these, which `exp(60)` leaves nothing of when it is integrated at once.
 pub const PARTS: f64 = 20.0;
 /// .. where values of a joint are at least this part of those of all joints..
 pub const LEAST_SCALE: f64 = 0.01;

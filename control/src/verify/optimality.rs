@@ -44,9 +44,9 @@ const STEPS: [f64; 2] = [1e-8, 1e-4];
 /// Differences of costates from those of the solver that are smaller than this part of the root of the
 /// tolerance are errors of interpolation.
 const CARRIED: f64 = 0.1;
-/// Larger ones go on over nodes until the equations have made them grow by this factor: one that does not grow
-/// is a defect of the motion, which counts over all that lies before it; one that grows is what an unstable
-/// motion makes of an error.
+/// Larger ones go on over nodes until the equations have made them grow by this factor: one that does not
+/// grow is a defect of the motion, which counts over all that lies before it; one that grows is what an
+/// unstable motion makes of an error.
 const GROWN: f64 = std::f64::consts::E;
 /// Parts of a motion over which gaps of either sign are added before their magnitudes are: those of which the
 /// motion is integrated again where it is unstable ([`direct::PARTS`](crate::constants::direct::PARTS)), so

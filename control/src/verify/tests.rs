@@ -121,8 +121,8 @@ fn the_gap_of_a_shifted_torque_is_what_it_costs() {
     assert!(found.worst.is_some_and(|(_, joint)| joint == 0) && found.stationarity > 0.03, "{found:?}");
 }
 
-/// A costate of the solver that jumps at a node by 0.1 where nothing makes it jump: carried on to the start it
-/// costs 1/2 0.1^2 a second, however short the piece is in which it arises.
+/// A costate of the solver that jumps at a node by 0.1 where nothing makes it jump: carried on to the start
+/// it costs 1/2 0.1^2 a second, however short the piece is in which it arises.
 #[test]
 fn a_defect_of_the_costates_is_a_gap() {
     let path = path(&TIMES, 1, |t| vec![least_effort(t)]);
@@ -135,8 +135,9 @@ fn a_defect_of_the_costates_is_a_gap() {
     assert!((found.defect - 0.1 / 6.0).abs() < 1e-9, "{found:?}");
 }
 
-/// A torque that is larger by 0.1 up to 0.549 s, with costates of the solver that say so, and exact ones from
-/// there on: 1/2 0.1^2 a second before the jump, though no costate is off by more than a millisecond after it.
+/// A torque that is larger by 0.1 up to 0.549 s, with costates of the solver that say so, and exact ones
+/// from there on: 1/2 0.1^2 a second before the jump, though no costate is off by more than a millisecond
+/// after it.
 #[test]
 fn a_jump_between_exact_costates_counts_over_all_before_it() {
     let times = [0.0, 0.3, 0.549, 0.55, 1.0];

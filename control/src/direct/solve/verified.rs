@@ -23,8 +23,8 @@ const BLAMED: f64 = 0.9;
 
 /// Verifies a converged motion. Where a check fails, the intervals that make it fail are divided, and the
 /// search goes on from this motion, a few times, each new one [settled](settle) as the first one was; where
-/// that leads to no verified motion, the last one that converged is not verified. Where the search is to stop,
-/// so does the verification, and the status says so.
+/// that leads to no verified motion, the last one that converged is not verified. Where the search is to
+/// stop, so does the verification, and the status says so.
 ///
 /// # Errors
 /// A motion that cannot be evaluated.

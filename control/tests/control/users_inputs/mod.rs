@@ -129,9 +129,9 @@ fn a_spindle_with_dry_friction_waits() {
     }));
 }
 
-/// A unit mass that rests for nine tenths of the time, and stops within a thousandth of it: where the mesh does
-/// not resolve the stop, what all of the motion before costs too much is said. The transition of 1 mm/s makes
-/// the cost of sharp friction less by `2 c M v ln 2`, up to its square, below 5e-6.
+/// A unit mass that rests for nine tenths of the time, and stops within a thousandth of it: where the mesh
+/// does not resolve the stop, what all of the motion before costs too much is said. The transition of 1
+/// mm/s makes the cost of sharp friction less by `2 c M v ln 2`, up to its square, below 5e-6.
 #[test]
 fn a_stop_under_dry_friction_is_resolved_or_its_error_is_said() {
     let transition = 1e-3;
@@ -300,8 +300,8 @@ fn a_point_goes_over_a_thin_wall() {
     }));
 }
 
-/// A wall of a tenth of a millimetre lies between all points of the mesh: the motion through it is not solved,
-/// and what is said names the wall, when it is passed, and by how much it is not kept clear of.
+/// A wall of a tenth of a millimetre lies between all points of the mesh: the motion through it is not
+/// solved, and what is said names the wall, when it is passed, and by how much it is not kept clear of.
 #[test]
 fn a_wall_between_all_points_of_the_mesh_is_named() {
     all([1e-3, 1e-4, 1e-5].map(|radius| {
