@@ -216,8 +216,9 @@ fn least_time_has_no_gap_and_the_wrong_sign_has_one() {
 }
 
 /// The motion of least squared jerk, q = 10 t^3 - 15 t^4 + 6 t^5: lambda_a = j, lambda_v = -j', lambda_q =
-/// j''. With j + 0.3 d, d = 6 - 48 t + 60 t^2, the gap is `1/2 int (0.3 d)^2` = 0.09 18. The torque of a unit
-/// mass is its acceleration, and the rate of it the jerk.
+/// j''. With j + 0.3 d, d = 6 - 48 t + 60 t^2, the gap is `1/2 int (0.3 d)^2` = 0.09 18 with these costates.
+/// With others, of a jerk that is a quadratic too, it is none: the motion is the best one to its own end. The
+/// torque of a unit mass is its acceleration, and the rate of it the jerk.
 #[test]
 fn least_jerk_has_no_gap_and_a_shifted_jerk_has_what_it_costs() {
     let (free, weights) = (Objective::new(0.0, vec![0.0]), Some(vec![1.0]));
@@ -245,20 +246,22 @@ fn least_jerk_has_no_gap_and_a_shifted_jerk_has_what_it_costs() {
             "{found:?}"
         );
         let found = optimality(&problem, &path(&TIMES, 1, motion(0.3)), &exact, &mut NoMultipliers);
-        assert!((found.gap / (0.09 * 18.0) - 1.0).abs() < 1e-6, "{found:?}");
+        match problem.cost.jerk {
+            Some(_) => assert!(found.gap < 1e-6, "{found:?}"),
+            None => assert!((found.gap / (0.09 * 18.0) - 1.0).abs() < 1e-6, "{found:?}"),
+        }
     }
 }
 
 /// From rest to rest over one metre with |j| <= 32 takes a second: the jerk changes its sign at 1/4 and 3/4,
-/// as lambda_a = c (t - 1/4) (t - 3/4) does.
+/// as lambda_a = c (t - 1/4) (t - 3/4) does. Costates of a solver that do so elsewhere leave no gap either;
+/// a jerk that is zero for 0.1 s has one, `int |lambda_a| 32`, whatever the costates are.
 #[test]
-fn least_time_with_limited_jerks_has_no_gap_and_late_switches_have_one() {
+fn least_time_with_limited_jerks_has_no_gap_and_a_jerk_inside_its_limits_has_one() {
     let problem = unit_mass()
         .with_cost(Objective::new(1.0, vec![0.0]))
         .with_limits(MotionLimits::none().with_jerk_max(vec![32.0]));
-    // Nodes at the switches, and where a costate that is off by a hundredth of c vanishes.
-    let inside = (0.0625_f64 - 0.01).sqrt();
-    let times = [0.0, 0.25, 0.5 - inside, 0.6, 0.5 + inside, 0.75, 1.0];
+    let times = [0.0, 0.25, 0.5, 0.6, 0.75, 1.0];
     let half = |t: f64| match t {
         t if t <= 0.25 + 1e-13 => [16.0 / 3.0 * t.powi(3), 16.0 * t * t, 32.0 * t, 32.0],
         t => {
@@ -290,14 +293,18 @@ fn least_time_with_limited_jerks_has_no_gap_and_late_switches_have_one() {
     let costate = |shift: f64| {
         costates(&times, move |t| vec![2.0 * c, c * (1.0 - 2.0 * t), c * (t - 0.25) * (t - 0.75) + shift])
     };
-    let found = optimality(&problem, &path, &costate(0.0), &mut NoMultipliers);
-    assert!(found.gap < 1e-9, "{found:?}");
-    // Of the wrong sign between 1/4 and that place, and as long before 3/4.
-    let shift = 0.01 * c;
-    let found = optimality(&problem, &path, &costate(shift), &mut NoMultipliers);
-    let integral = |s: f64| c * (s.powi(3) / 3.0 - 0.0625 * s) + shift * s;
-    let wrong = 2.0 * 64.0 * (integral(0.25) - integral(inside)).abs();
-    assert!((found.gap / wrong - 1.0).abs() < 1e-6, "{found:?} {wrong}");
+    for shift in [0.0, 0.01 * c] {
+        let found = optimality(&problem, &path, &costate(shift), &mut NoMultipliers);
+        assert!(found.gap < 1e-6, "{shift}: {found:?}");
+    }
+    let coasting = |t: f64| match t {
+        t if t > 0.5 && t <= 0.6 => vec![[t, 1.0, 0.0, 0.0]],
+        t => motion(t),
+    };
+    let found =
+        optimality(&problem, &path_behind(1e-12, &times, 1, coasting), &costate(0.0), &mut NoMultipliers);
+    let exact = 32.0 * c * (0.0625 * 0.1 - 0.1_f64.powi(3) / 3.0);
+    assert!((0.5 * exact..1.01 * exact).contains(&found.gap), "{found:?} {exact}");
 }
 
 /// A mass with dry friction of 1 N and the narrow transition w goes through rest with u = -2 + tanh(v/w):

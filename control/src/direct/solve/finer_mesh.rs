@@ -1,9 +1,9 @@
 //! A solved motion beside the one on a finer mesh.
 //!
 //! Estimates of errors assume that torques are smooth inside of the intervals. So a motion that is verified
-//! in full is solved once more with nodes where it crosses the transition of dry friction or a speed
-//! of a motor, and with all intervals halved, from its own multipliers, which takes a few steps:
-//! what the cost changes by is the error that the mesh had, less that of the finer one. Limits that were
+//! in full is solved once more with nodes where it crosses the transition of dry friction or a speed of a
+//! motor, and with all intervals halved, from its own multipliers, which takes a few steps: what the cost
+//! changes by is the error that the mesh had, less that of the finer one. Limits that were
 //! moved inside stand at their own places there, so what it costs to move them is in the change.
 
 use super::meshes::refine;
@@ -155,15 +155,15 @@ mod tests {
         assert!((resolution.cost / cost - 1.0).abs() < TOLERANCE, "{} {cost}", resolution.cost);
     }
 
-    /// Without steps for the finer mesh nothing is known, and the motion stays what it was. Where the search
-    /// may not go on from it either, the change is the error.
+    /// Without steps for the finer mesh nothing is known of a motion that costs less than there, and it stays
+    /// what it was. Where the search may not go on from it either, the change is the error.
     #[test]
     fn the_motion_stays_where_the_finer_mesh_is_not_solved() {
         let problem = problem();
         let (mut interior, mut resolution, mut refined) = solved(&problem);
         let (unknowns, mu) = (interior.spline.unknowns.clone(), interior.mu);
         let one_step = SolverOptions { max_iterations: 1, ..options() };
-        resolution.cost *= 1.001;
+        resolution.cost *= 0.999;
         let of = (&mut interior, &mut resolution, &mut refined);
         compare_with_finer_mesh(&problem, &one_step, of, &mut Recorder::default()).unwrap();
         assert!(refined.status.is_converged() && refined.finer_mesh.is_none());
