@@ -11,8 +11,8 @@ use costate::parameters::{
 };
 use costate::robot::{FrameSpec, Placement, Robot, Wrench, WrenchAxes};
 use costate::scalar::{Count, Scalar};
-use costate_test_support::random_robot::{Case, tolerance};
-use costate_test_support::rounding::{bound, lift, of_joints, size};
+use costate_test_support::random_robot::Case;
+use costate_test_support::rounding::{bound, lift, of_joints, size, tolerance};
 
 /// Bounds of the regressors of a set, each twice that of the method by hand: tau_theta, w'tau_theta, p_theta,
 /// the force, E_theta. Columns that are zero by hand are sums of terms that cancel elsewhere, of the size of

@@ -10,7 +10,7 @@ use costate::step::{
 };
 use costate_test_support::properties;
 use costate_test_support::random_robot::{Case, cases};
-use costate_test_support::rounding::{bound, close, lift, rows};
+use costate_test_support::rounding::{explained, lift, rows};
 use proptest::prelude::*;
 use std::any::type_name;
 use std::ops::Range;
@@ -77,8 +77,6 @@ pub fn by_numbers<F: ModelFamily + Clone, M: Scheme<F>, S: InnerNumber>(
     ])
 }
 
-/// By the rounding of the derivatives of the scheme, and where that does not explain a difference, that of
-/// hyper-dual numbers besides: most of the work, as in `costate check`.
 fn derivatives_agree<F: ModelFamily + Clone, M: Scheme<F>>(
     case: &Case,
     family: &F,
@@ -88,19 +86,9 @@ fn derivatives_agree<F: ModelFamily + Clone, M: Scheme<F>>(
     solved::<F, M>(family, [x, &case.u], 0.01)?;
     let found = made(by_scheme::<F, M, f64>(family, at))?;
     let expected = made(by_numbers::<F, M, f64>(family, at))?;
-    let compare = |bounds: &[f64; 7]| -> Result<(), TestCaseError> {
-        let all = NAMES.iter().zip(bounds).zip(found.iter().zip(&expected));
-        all.map(|((name, bound), (found, expected))| {
-            close(&format!("{name} of {}", type_name::<M>()), found, expected, *bound)
-        })
-        .collect()
-    };
-    let of_scheme = made(by_scheme::<F, M, Count>(family, at))?.map(|block| bound(&block));
-    if compare(&of_scheme).is_ok() {
-        return Ok(());
-    }
-    let of_numbers = made(by_numbers::<F, M, Count>(family, at))?.map(|block| bound(&block));
-    compare(&std::array::from_fn(|k| of_scheme[k] + of_numbers[k]))
+    let of_scheme = made(by_scheme::<F, M, Count>(family, at))?;
+    explained(NAMES, [&found, &expected], &of_scheme, || made(by_numbers::<F, M, Count>(family, at)))
+        .map_err(|error| TestCaseError::fail(format!("{}: {error}", type_name::<M>())))
 }
 
 /// Robots a property.
