@@ -87,8 +87,12 @@ fn derivatives_agree<F: ModelFamily + Clone, M: Scheme<F>>(
     let found = made(by_scheme::<F, M, f64>(family, at))?;
     let expected = made(by_numbers::<F, M, f64>(family, at))?;
     let of_scheme = made(by_scheme::<F, M, Count>(family, at))?;
-    explained(NAMES, [&found, &expected], &of_scheme, || made(by_numbers::<F, M, Count>(family, at)))
-        .map_err(|error| TestCaseError::fail(format!("{}: {error}", type_name::<M>())))
+    explained(NAMES, [&found, &expected], &of_scheme, || made(by_numbers::<F, M, Count>(family, at))).map_err(
+        |error| match error {
+            TestCaseError::Fail(reason) => TestCaseError::fail(format!("{}: {reason}", type_name::<M>())),
+            reject => reject,
+        },
+    )
 }
 
 /// Robots a property.
