@@ -62,7 +62,8 @@ fn by_differences(
 }
 
 /// Standard deviations of the rounding errors of g, `w'g_x` and `w'g_xx`, the largest of each: how far they
-/// are from their linear change at neighbouring numbers. Places and sums of differences are rounded, too.
+/// are from their linear change at neighbouring numbers. Places, sums of differences and the ones under a
+/// Hessian are rounded, too.
 fn rounding(functions: &mut TaskFunctions, x: &[f64], w: &[f64]) -> [f64; 3] {
     let mut random = fastrand::Rng::with_seed(1);
     let (g, jacobian, hessian) = contracted(functions, x, w);
@@ -85,7 +86,7 @@ fn rounding(functions: &mut TaskFunctions, x: &[f64], w: &[f64]) -> [f64; 3] {
     let size = |values: &[f64], slopes: &[f64]| {
         largest(values) + x.iter().map(|x| x.abs()).sum::<f64>() * largest(slopes)
     };
-    let once = [size(&g, &jacobian), size(&weighted, &hessian), largest(&hessian)];
+    let once = [size(&g, &jacobian), size(&weighted, &hessian), 1.0 + largest(&hessian)];
     std::array::from_fn(|k| largest(&squares[k]).sqrt().max(UNIT * once[k]))
 }
 
