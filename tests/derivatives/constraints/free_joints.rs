@@ -13,7 +13,6 @@ use costate_test_support::rounding::{
     apart, explained, lift, lift_rounded, moving, rows, times, transposed_times,
 };
 use costate_test_support::{properties, rounding};
-use proptest::prelude::*;
 
 /// `(d, p) -> (F, mu)` at q (+) d.
 struct Held<'a> {
