@@ -4,7 +4,6 @@ use super::super::row::Row;
 use super::*;
 use costate::robot::{FrameSpec, Placement, Robot};
 use costate_test_support::properties;
-use costate_test_support::proptest::prelude::*;
 use costate_test_support::random_robot::{Case, all_cases};
 
 /// A random robot with a frame in general position on its last link.

@@ -1,18 +1,20 @@
 //! Floating and spherical joints under constraints of all kinds: F, forces and their derivatives in the
 //! tangent space.
 
-use super::{are_those_of_the_dense_equations, choices, closed, constants_of_motion};
-use crate::free_joints::retracted;
+use super::{are_those_of_the_dense_equations, choices, closed, independence};
+use crate::free_joints::{moving, retracted};
 use costate::EvalError;
 use costate::constraints::{ConstrainedHamiltonian, ConstrainedHamiltonianSecondOrder, Constraints};
 use costate::derivative::{Function, Hessian, InnerNumber};
 use costate::robot::Robot;
-use costate::scalar::{Count, Scalar, Tangent};
+use costate::scalar::{Count, Scalar};
 use costate_test_support::random_robot::free_cases;
 use costate_test_support::rounding::{
-    apart, explained, lift, lift_rounded, moving, rows, times, transposed_times,
+    apart, explained, lift, lift_rounded, rows, times, tolerance, transposed_times,
 };
 use costate_test_support::{properties, rounding};
+use num_dual::Dual64;
+use proptest::prelude::*;
 
 /// `(d, p) -> (F, mu)` at q (+) d.
 struct Held<'a> {
@@ -128,17 +130,29 @@ properties! {
     #[test]
     fn energy_and_constraints_stay(case in free_cases(4), choices in choices(3)) {
         let robot = closed(&case, &choices, false);
+        let (n, q) = (case.n(), &case.q);
+        let bound = 10.0 * tolerance(&robot.without_constraints(), q) / independence(&robot, q).powi(2);
         let p: Vec<f64> = case.v.iter().zip(&case.u).map(|(v, u)| v + 0.3 * u).collect();
-        rounding!(|S| constants_of_motion(&robot, &case.q, &lift::<S>(&p)))?;
-        rounding!(|S| {
-            let (q, v) = (lift_rounded::<S>(&case.q), lift::<S>(&case.v));
-            let rest = vec![S::zero(); v.len()];
-            let mut first = ConstrainedHamiltonian::<S>::new(&robot);
-            let mut rows = Constraints::<Tangent<S>>::new(&robot);
-            rows.set_position(&retracted(&robot, &case.q, &moving(&rest, &v))).unwrap();
-            let rates: Vec<S> = rows.values().iter().map(|g| g.eps).collect();
-            vec![("J v - dg/dt", apart(first.constraint_rate(&q, &v).unwrap(), &rates))]
-        })?;
+        let mut first = ConstrainedHamiltonian::<f64>::new(&robot);
+        let f = first.evaluate(q, &p, &vec![0.0; n]).unwrap().f.to_vec();
+        let step = retracted(&robot, q, &moving(&vec![0.0; n], &f[..n]));
+        let mut along = ConstrainedHamiltonian::<Dual64>::new(&robot);
+        let energy = along.energy(&step, &moving(&p, &f[n..])).unwrap();
+        // The power of every force is lost to rounding alone.
+        let power: f64 = f[..n].iter().zip(&f[n..]).map(|(v, rate)| (v * rate).abs()).sum();
+        let change = (energy.kinetic + energy.potential).eps;
+        prop_assert!(change.abs() <= bound * (1.0 + energy.kinetic.re + power), "{change:.1e}");
+        let speed = f[..n].iter().fold(1.0, |most: f64, v| most.max(v.abs()));
+        let far = q.iter().fold(1.0, |most: f64, q| most.max(q.abs()));
+        // Distances are products of two arms.
+        let far = far * far * speed;
+        let still = along.constraints().values().iter().all(|g| g.eps.abs() <= bound * far);
+        prop_assert!(still, "{:?}", along.constraints().values());
+        let mut rows = Constraints::<Dual64>::new(&robot);
+        rows.set_position(&retracted(&robot, q, &moving(&vec![0.0; n], &case.v))).unwrap();
+        for (g, rate) in rows.values().iter().zip(first.constraint_rate(q, &case.v).unwrap()) {
+            prop_assert!((g.eps - rate).abs() <= 1e-13 * far, "{g} {rate}");
+        }
     }
 
     #[test]

@@ -9,7 +9,7 @@ use crate::task::row::Row;
 use costate::robot::{JointSpec, LinkInertia, Placement, Robot};
 use costate_test_support::properties;
 use costate_test_support::proptest::prelude::*;
-use costate_test_support::random_robot::{Case, all_cases};
+use costate_test_support::random_robot::all_cases;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
 type V = Vector3<f64>;
