@@ -219,7 +219,7 @@ pub fn of_joints(robot: &Robot, size: f64) -> f64 {
 
 /// The same relative to products with M^-1. Factors and solutions of n equations lose (3n + 1) u of the
 /// condition of M (Higham, Accuracy and Stability of Numerical Algorithms, 2002, theorem 10.4).
-pub fn tolerance(robot: &Robot, q: &[f64]) -> f64 {
+pub fn of_inverse(robot: &Robot, q: &[f64]) -> f64 {
     of_joints(robot, 1.0) + terms(3 * robot.dof() + 1, &[condition(robot, q)])
 }
 
@@ -288,7 +288,7 @@ impl InverseBounds {
 }
 
 /// The same of quantities with M^-1, at (q, v) where M is regular; p = M v with its rounding error. The terms
-/// that cancel are of the size of the results, and round as [`tolerance`] says.
+/// that cancel are of the size of the results, and round as [`of_inverse`] says.
 #[derive(Clone, Copy, Debug)]
 pub struct Bounds {
     pub m: f64,
@@ -334,7 +334,7 @@ impl Bounds {
         // Terms that cancel: what is zero by hand is a difference of products with M^-1 elsewhere. They are
         // of the size of f and its derivatives.
         let of_m = of_mass_matrix(robot, &m, v.len());
-        let relative = tolerance(robot, &q.iter().map(|q| q.value()).collect::<Vec<_>>());
+        let relative = of_inverse(robot, &q.iter().map(|q| q.value()).collect::<Vec<_>>());
         let of_f = relative * size(&f_x).max(size(&f)).max(1.0);
         let of_second = (of_f * size(&y)).max(relative * size(&y_f_xx));
         let of_a = relative * size(&a_z).max(size(&a)).max(1.0);
