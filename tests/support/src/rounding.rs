@@ -54,9 +54,9 @@ macro_rules! rounding {
     }};
 }
 
-/// What constants that `f64` prepares before anything is counted may leave: [`Count`] takes what they make zero
-/// as exact. Those of random robots (masses, lengths, cosines) are of size one, and are put together as the
-/// terms past one joint are.
+/// What constants that `f64` prepares before anything is counted may leave: [`Count`] takes what they make
+/// zero as exact. Those of random robots (masses, lengths, cosines) are of size one, and are put together as
+/// the terms past one joint are.
 const CONSTANTS: f64 = 2.0 * UNIT * OPERATIONS as f64;
 
 /// Whether every block of differences is at most its bound.
