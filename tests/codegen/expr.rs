@@ -15,8 +15,8 @@ pub fn recorded(function: impl FnOnce(Expr, Expr, Expr) -> Vec<Expr>) -> Program
 }
 
 /// The results at these inputs.
-pub fn at(program: &Program, inputs: &[f64]) -> Vec<f64> {
-    let mut outputs = vec![0.0; program.outputs()];
+pub fn at<S: Scalar>(program: &Program, inputs: &[S]) -> Vec<S> {
+    let mut outputs = vec![S::zero(); program.outputs()];
     program.evaluate(inputs, &mut outputs, &mut Vec::new()).unwrap();
     outputs
 }

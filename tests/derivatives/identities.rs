@@ -3,24 +3,13 @@
 use costate::derivative::largest;
 use costate::hamiltonian::{Hamiltonian, HamiltonianSecondOrder};
 use costate::robot::{Robot, Tree};
-use costate::scalar::{Count, Scalar};
-use costate_test_support::random_robot::{all_cases, cases, tolerance};
-use costate_test_support::rounding::{bound, close, lift, rows, terms};
+use costate::scalar::{Count, Scalar, Tangent};
+use costate_test_support::random_robot::{all_cases, cases};
+use costate_test_support::rounding::{
+    apart, bound, close, lift, moving, product, rows, terms, times, within,
+};
 use costate_test_support::{properties, rounding};
-use nalgebra::{DMatrix, DVector, Vector3};
-use num_dual::Dual64;
 use proptest::prelude::*;
-
-/// `J = [0 1; -1 0]`.
-fn j(n: usize) -> DMatrix<f64> {
-    DMatrix::from_fn(2 * n, 2 * n, |i, j| f64::from(u8::from(i + n == j)) - f64::from(u8::from(j + n == i)))
-}
-
-fn jacobian(hamiltonian: &mut Hamiltonian<f64>, x: &[f64]) -> (DVector<f64>, DMatrix<f64>) {
-    let n = hamiltonian.dof();
-    let linear = hamiltonian.linearise(&x[..n], &x[n..], &vec![0.0; n]).unwrap();
-    (DVector::from_column_slice(linear.f()), linear.matrix().to_nalgebra())
-}
 
 /// One step of the classical Runge-Kutta method.
 fn runge_kutta<X: Clone>(
@@ -38,8 +27,9 @@ fn runge_kutta<X: Clone>(
 }
 
 /// A time step that is short for every motion of the robot at x, from the size of high powers of F_x.
-fn short_step(hamiltonian: &mut Hamiltonian<f64>, x: &[f64]) -> f64 {
-    let f_x = jacobian(hamiltonian, x).1;
+fn short_step(robot: &Robot, x: &[f64]) -> f64 {
+    let (n, mut hamiltonian) = (robot.dof(), Hamiltonian::<f64>::new(robot));
+    let f_x = hamiltonian.linearise(&x[..n], &x[n..], &vec![0.0; n]).unwrap().matrix().to_nalgebra();
     let eighth = (0..3).fold(f_x, |power, _| &power * &power);
     let rate = largest(&eighth).powf(0.125).max(1.0);
     0.004 / rate
@@ -48,30 +38,53 @@ fn short_step(hamiltonian: &mut Hamiltonian<f64>, x: &[f64]) -> f64 {
 /// Steps of one trajectory.
 const STEPS: usize = 20;
 
-/// Where x goes in [`STEPS`] steps, and the variational matrix along it: S' = F_x S, S = 1 in the beginning.
-fn flow(robot: &Robot, x: &[f64], h: f64) -> (DVector<f64>, DMatrix<f64>) {
-    let mut hamiltonian = Hamiltonian::<f64>::new(robot);
-    let mut rate = |(x, s): &(DVector<f64>, DMatrix<f64>)| {
-        let (f, f_x) = jacobian(&mut hamiltonian, x.as_slice());
-        (f, f_x * s)
+/// Of a method of fourth order: by how much the error of a step exceeds the change by half of the step, 16 /
+/// 15, and as much for higher orders.
+const ERROR: f64 = 2.0;
+
+/// Where x goes in so many steps, and the variational matrix along it, row by row: S' = F_x S, S = 1 in the
+/// beginning.
+fn flow<S: Scalar>(robot: &Robot, x: &[f64], h: f64, steps: usize) -> (Vec<S>, Vec<S>) {
+    let (n, states) = (robot.dof(), x.len());
+    let (mut hamiltonian, rest) = (Hamiltonian::<S>::new(robot), vec![S::zero(); n]);
+    let mut rate = |state: &Vec<S>| {
+        let (x, s) = state.split_at(states);
+        let linear = hamiltonian.linearise(&x[..n], &x[n..], &rest).unwrap();
+        [linear.f(), &product(&rows(linear.matrix()), s, states)].concat()
     };
-    let start = (DVector::from_column_slice(x), DMatrix::identity(x.len(), x.len()));
-    (0..STEPS).fold(start, |state, _| {
-        runge_kutta(&state, h, &mut rate, &|(x, s), h, (f, s_rate)| (x + f * h, s + s_rate * h))
-    })
+    let one = (0..states * states).map(|k| f64::from(u8::from(k % (states + 1) == 0)));
+    let start = lift::<S>(&x.iter().copied().chain(one).collect::<Vec<_>>());
+    let mut end =
+        (0..steps).fold(start, |state, _| runge_kutta(&state, h, &mut rate, &|x, h, f| moved(x, h, f)));
+    let s = end.split_off(states);
+    (end, s)
+}
+
+/// `x + h f`.
+fn moved<S: Scalar>(x: &[S], h: f64, f: &[S]) -> Vec<S> {
+    x.iter().zip(f).map(|(&x, f)| x + f.times(h)).collect()
 }
 
 /// Derivative along d of where x goes, by dual numbers through F and the same steps.
-fn flow_derivative(robot: &Robot, x: &[f64], d: &[f64], h: f64) -> Vec<f64> {
+fn flow_derivative<S: Scalar>(robot: &Robot, x: &[f64], d: &[S], h: f64) -> Vec<S> {
     let n = robot.dof();
-    let mut hamiltonian = Hamiltonian::<Dual64>::new(robot);
-    let rest = vec![Dual64::zero(); n];
-    let mut rate = |x: &Vec<Dual64>| hamiltonian.evaluate(&x[..n], &x[n..], &rest).unwrap().to_vec();
-    let start: Vec<_> = x.iter().zip(d).map(|(&x, &d)| Dual64::new(x, d)).collect();
-    let end = (0..STEPS).fold(start, |state, _| {
-        runge_kutta(&state, h, &mut rate, &|x, h, f| x.iter().zip(f).map(|(&x, &f)| x + f.times(h)).collect())
-    });
+    let mut hamiltonian = Hamiltonian::<Tangent<S>>::new(robot);
+    let rest = vec![Tangent::new(S::zero(), S::zero()); n];
+    let mut rate = |x: &Vec<Tangent<S>>| hamiltonian.evaluate(&x[..n], &x[n..], &rest).unwrap().to_vec();
+    let start = moving(&lift::<S>(x), d);
+    let end = (0..STEPS).fold(start, |state, _| runge_kutta(&state, h, &mut rate, &|x, h, f| moved(x, h, f)));
     end.iter().map(|x| x.eps).collect()
+}
+
+/// `S'JS - J` of a matrix row by row.
+fn symplectic_defect<S: Scalar>(s: &[S], n: usize) -> Vec<S> {
+    let at = |i: usize, k: usize| s[2 * n * i + k];
+    let entry = |k: usize, l: usize| {
+        let j = f64::from(u8::from(k + n == l)) - f64::from(u8::from(l + n == k));
+        let add = |sum: S, i: usize| sum + at(i, k) * at(n + i, l) - at(n + i, k) * at(i, l);
+        (0..n).fold(S::from_f64(-j), add)
+    };
+    (0..4 * n * n).map(|k| entry(k / (2 * n), k % (2 * n))).collect()
 }
 
 /// Robots a property.
@@ -115,13 +128,15 @@ properties! {
     #[test]
     fn eigenvalues_of_the_jacobian_come_in_pairs_of_opposite_sign(case in cases(8)) {
         let robot = case.robot().without_friction();
-        let x = case.x(&robot);
-        let (_, f_x) = jacobian(&mut Hamiltonian::new(&robot), &x);
+        let (p, mut hamiltonian) = (case.p(&robot), Hamiltonian::<f64>::new(&robot));
+        let f_x = hamiltonian.linearise(&case.q, &p, &vec![0.0; case.n()]).unwrap().matrix().to_nalgebra();
         let (size, square) = (f_x.abs(), &f_x * &f_x);
         let (mut power, mut size_of_power) = (f_x.clone(), size.clone());
         for k in 0..case.n() {
             let odd = 2 * k + 1;
-            prop_assert!(power.trace().abs() <= 1e-13 * size_of_power.trace(), "trace of power {odd}");
+            // So many products, and the trace, of sums of 2n terms each.
+            let bound = terms(2 * case.n() * odd, &[size_of_power.trace()]);
+            close(&format!("trace of power {odd}"), &[power.trace()], &[0.0], bound)?;
             power = &power * &square;
             size_of_power = &size_of_power * &size * &size;
         }
@@ -146,19 +161,19 @@ properties! {
     }
 
     /// `S'JS = J` for the variational matrix S along the flow (u = D = 0): S' = F_x S by the classical
-    /// Runge-Kutta method, twenty steps of 0.004 of the fastest time constant, so that its error is about
-    /// 1e-10.
+    /// Runge-Kutta method, twenty steps of 0.004 of the fastest time constant.
     #[test]
     fn flow_is_symplectic(case in cases(4)) {
-        let robot = case.robot().without_friction();
+        let (robot, n) = (case.robot().without_friction(), case.n());
         let x = case.x(&robot);
-        let h = short_step(&mut Hamiltonian::new(&robot), &x);
-        let (_, s) = flow(&robot, &x, h);
-        let j = j(case.n());
-        let size = s.abs().transpose() * j.abs() * s.abs();
-        let off = s.transpose() * &j * &s - &j;
-        let rounding = 10.0 * tolerance(&robot, &case.q);
-        prop_assert!(largest(&off) <= 1e-8_f64.max(rounding) * largest(&size), "{:.2e}", largest(&off) / largest(&size));
+        let h = short_step(&robot, &x);
+        let (_, s) = flow::<f64>(&robot, &x, h, STEPS);
+        let (_, finer) = flow::<f64>(&robot, &x, 0.5 * h, 2 * STEPS);
+        let (_, rounded) = flow::<Count>(&robot, &x, h, STEPS);
+        // An error E of S changes S'JS by E'JS + S'JE, sums of 2n terms each.
+        let of_steps = ERROR * 4.0 * n as f64 * largest(&apart(&s, &finer)) * largest(&s);
+        let bound = of_steps + bound(&symplectic_defect(&rounded, n));
+        within("S'JS - J", &symplectic_defect(&s, n), bound)?;
     }
 
     /// The variational matrix is the derivative of the flow: both by the same steps, so that only rounding is
@@ -167,31 +182,29 @@ properties! {
     fn variational_matrix_is_the_derivative_of_the_flow(case in cases(4)) {
         let robot = case.robot();
         let x = case.x(&robot);
-        let h = short_step(&mut Hamiltonian::new(&robot), &x);
-        let (_, s) = flow(&robot, &x, h);
-        let expected = flow_derivative(&robot, &x, &case.y, h);
-        let found = s.clone() * DVector::from_column_slice(&case.y);
-        let size = s.abs() * DVector::from_column_slice(&case.y).abs();
-        let off = largest(&(found - DVector::from_column_slice(&expected)));
-        prop_assert!(off <= 10.0 * tolerance(&robot, &case.q) * largest(&size), "{:.2e}", off / largest(&size));
+        let h = short_step(&robot, &x);
+        rounding!(|S| {
+            let (y, (_, s)) = (lift::<S>(&case.y), flow::<S>(&robot, &x, h, STEPS));
+            vec![("S y", apart(&times(&s, &y), &flow_derivative(&robot, &x, &y, h)))]
+        })?;
     }
 
     /// `H(x(t)) = H(x(0))` when nothing drives and nothing rubs, to the accuracy of the steps.
     #[test]
     fn energy_is_constant_along_the_flow(case in cases(6)) {
+        fn drift<S: Scalar>(robot: &Robot, x: &[f64], h: f64, steps: usize) -> S {
+            let (n, mut hamiltonian) = (robot.dof(), Hamiltonian::<S>::new(robot));
+            let mut energy = |x: &[S]| {
+                let energy = hamiltonian.energy(&x[..n], &x[n..]).unwrap();
+                energy.kinetic + energy.potential
+            };
+            energy(&flow::<S>(robot, x, h, steps).0) - energy(&lift(x))
+        }
         let robot = case.robot().without_friction();
-        let (x, n) = (case.x(&robot), case.n());
-        let mut hamiltonian = Hamiltonian::<f64>::new(&robot);
-        let h = short_step(&mut hamiltonian, &x);
-        let (end, _) = flow(&robot, &x, h);
-        let before = hamiltonian.energy(&x[..n], &x[n..]).unwrap();
-        let after = hamiltonian.energy(&end.as_slice()[..n], &end.as_slice()[n..]).unwrap();
-        let reach: f64 = case.parts.iter().map(|part| 1.0 + Vector3::from(part.xyz).norm()).sum();
-        let weight: f64 = robot.joints().iter().map(|joint| joint.inertia.mass).sum::<f64>();
-        let springs: f64 = case.parts.iter().map(|part| 20.0 * part.spring[0]).sum();
-        let size = before.kinetic + after.kinetic + springs + weight * reach * largest(&case.gravity);
-        let drift = (before.kinetic - after.kinetic) + (before.potential - after.potential);
-        let rounding = 10.0 * tolerance(&robot, &case.q);
-        prop_assert!(drift.abs() <= 1e-9_f64.max(rounding) * size.max(1e-3), "{:.2e}", drift / size);
+        let x = case.x(&robot);
+        let h = short_step(&robot, &x);
+        let found = drift::<f64>(&robot, &x, h, STEPS);
+        let of_steps = ERROR * (found - drift::<f64>(&robot, &x, 0.5 * h, 2 * STEPS)).abs();
+        within("drift of H", &[found], of_steps + bound(&[drift::<Count>(&robot, &x, h, STEPS)]))?;
     }
 }

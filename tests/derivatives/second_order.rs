@@ -8,8 +8,8 @@ use costate::matrix::Matrix;
 use costate::robot::Robot;
 use costate::scalar::{Count, Scalar};
 use costate::{EvalError, LengthError};
-use costate_test_support::random_robot::{cases, tolerance};
-use costate_test_support::rounding::{apart, bound, close, lift, rows, times, transposed_times};
+use costate_test_support::random_robot::cases;
+use costate_test_support::rounding::{apart, bound, close, lift, of_inverse, rows, times, transposed_times};
 use costate_test_support::{properties, rounding};
 use nalgebra::DMatrix;
 use proptest::prelude::*;
@@ -94,7 +94,7 @@ properties! {
         let rounded = rounded.hessian_tensor(&q, &p).unwrap();
         let counted = bound(&triples().map(|(k, i, j)| rounded.entry(k, i, j)).collect::<Vec<Count>>());
         let size = largest(expected.jacobian().as_slice()).max(largest(&theirs)).max(1.0);
-        close("F_xx", &ours, &theirs, 2.0 * counted + tolerance(&robot, &case.q) * size)?;
+        close("F_xx", &ours, &theirs, 2.0 * counted + of_inverse(&robot, &case.q) * size)?;
         let without_friction = robot.joints().iter().all(|joint| joint.friction.is_none());
         for (a, b, c) in triples() {
             let entry = tensor.third(a, b, c);

@@ -9,7 +9,7 @@ use costate::scalar::{Count, Scalar, Tangent};
 use costate_test_support::random_position::Kind;
 use costate_test_support::random_robot::{Case, all_cases, cases, condition};
 use costate_test_support::rounding::{
-    Bounds, InverseBounds, apart, bound, close, lift, rows, terms, times, transposed_times,
+    Bounds, InverseBounds, apart, bound, close, lift, moving, rows, terms, times, transposed_times,
 };
 use costate_test_support::{properties, rounding};
 use nalgebra::{Matrix3, Vector3};
@@ -23,11 +23,6 @@ fn kernel<S: Scalar>(robot: &Robot, q: &[S], v: &[S]) -> KernelOne<S> {
     kernel.set_velocity(&tree, v).unwrap();
     kernel.second_order(&tree);
     kernel
-}
-
-/// Values that move at these rates.
-fn moving<S: Scalar>(values: &[S], rates: &[S]) -> Vec<Tangent<S>> {
-    values.iter().zip(rates).map(|(&value, &rate)| Tangent::new(value, rate)).collect()
 }
 
 /// The trace of a square matrix with these rows, `size` entries each.

@@ -6,7 +6,8 @@ use costate::constraints::Constraints;
 use costate::robot::{ConstraintFrame, ConstraintKind, ConstraintRow, Robot};
 use costate_test_support::properties;
 use costate_test_support::random_robot::{Case, cases, free_cases};
-use nalgebra::{Rotation3, UnitQuaternion};
+use costate_test_support::rounding::{close, of_joints};
+use nalgebra::{Rotation3, UnitQuaternion, Vector3};
 use proptest::prelude::*;
 
 /// Position of a joint of one degree of freedom.
@@ -25,8 +26,13 @@ fn are_relative_poses(robot: &Robot, case: &Case) -> Result<(), TestCaseError> {
     kinematics.set_position(&case.q).unwrap();
     let placed = |seat: &ConstraintFrame| placed(&kinematics, seat);
     let mut values = constraints.values().iter();
+    // No sum along the joints is farther from the origin than the farthest frame.
+    let places =
+        (0..robot.frames().len()).map(|k| Vector3::from(kinematics.pose(k).unwrap().position).norm());
+    let farthest = places.fold(0.0, f64::max);
+    let far = |seat: &ConstraintFrame| farthest + seat.placement.translation.norm();
     for constraint in robot.constraints() {
-        // Rounding is in proportion to what is subtracted.
+        // The size of what is added: rotations have entries of at most 1, psi is twice a quaternion.
         let (expected, terms): (Vec<f64>, f64) = match &constraint.kind {
             ConstraintKind::Frames { frame, to, rows } => {
                 let ((ra, xa), (rb, xb)) = (placed(frame), placed(to));
@@ -42,28 +48,27 @@ fn are_relative_poses(robot: &Robot, case: &Case) -> Result<(), TestCaseError> {
                     ConstraintRow::TurnY => psi.y,
                     ConstraintRow::TurnZ => psi.z,
                 };
-                (rows.iter().map(component).collect(), xa.norm() + xb.norm())
+                (rows.iter().map(component).collect(), 2.0 + far(frame) + far(to))
             }
             ConstraintKind::Distance { frame, to, length } => {
                 let (xa, xb) = (placed(frame).1, placed(to).1);
                 let square = (xa - xb).norm_squared();
-                let size = (xa.norm() + xb.norm()).powi(2) / length;
+                let size = (far(frame) + far(to)).powi(2) / length + length;
                 (vec![(square - length * length) / (2.0 * length)], size)
             }
             ConstraintKind::Coupling { terms, constant } => {
                 let number = |joint: usize| robot.joints()[joint].name[1..].parse().unwrap();
                 let of = |&(joint, factor): &(usize, f64)| factor * position(case, number(joint));
-                (vec![terms.iter().map(of).sum::<f64>() - constant], 0.0)
+                // The offset of a mimic joint is at most 1.
+                let size = |term: &(usize, f64)| of(term).abs() + term.1.abs();
+                let added = terms.iter().map(size).sum::<f64>() + constant.abs();
+                (vec![terms.iter().map(of).sum::<f64>() - constant], added)
             }
             _ => (Vec::new(), 0.0),
         };
         for expected in expected {
             let found = values.next().unwrap();
-            prop_assert!(
-                (found - expected).abs() < 1e-12 * (1.0 + expected.abs()) + 1e-14 * terms,
-                "{}: {found} {expected}",
-                constraint.name
-            );
+            close(&constraint.name, &[*found], &[expected], of_joints(robot, terms))?;
         }
     }
     prop_assert!(values.next().is_none());

@@ -12,7 +12,7 @@ use costate::scalar::Scalar;
 use costate_test_support::properties;
 use costate_test_support::random_robot::free_cases;
 use costate_test_support::reference::flat;
-use costate_test_support::rounding::{At, Bounds, InverseBounds, close};
+use costate_test_support::rounding::{At, Bounds, InverseBounds, close, lift_rounded};
 use nalgebra::Vector3;
 use num_dual::Dual64;
 
@@ -26,9 +26,9 @@ fn product(rows: &[f64], x: &[f64], transposed: bool) -> Vec<f64> {
     rows.chunks(n).map(|row| row.iter().zip(x).map(|(a, x)| a * x).sum()).collect()
 }
 
-/// q (+) d.
+/// q (+) d, q rounded once.
 pub(crate) fn retracted<S: Scalar>(robot: &Robot, q: &[f64], d: &[S]) -> Vec<S> {
-    let q: Vec<S> = q.iter().map(|&q| S::from_f64(q)).collect();
+    let q = lift_rounded::<S>(q);
     let mut moved = q.clone();
     ConfigurationSpace::new(robot).integrate(&q, d, &mut moved).unwrap();
     moved

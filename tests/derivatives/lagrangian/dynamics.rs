@@ -5,7 +5,7 @@ use costate::hamiltonian::Hamiltonian;
 use costate::lagrangian::Lagrangian;
 use costate::scalar::{Scalar, Tangent};
 use costate_test_support::random_robot::{all_cases, cases};
-use costate_test_support::rounding::{apart, lift, times};
+use costate_test_support::rounding::{apart, lift, moving, times};
 use costate_test_support::{properties, rounding};
 use proptest::prelude::*;
 
@@ -18,11 +18,6 @@ fn slopes<S: Scalar>(q: &[S], mut function: impl FnMut(&[Tangent<S>]) -> Vec<Tan
             .collect()
     };
     (0..q.len()).map(|k| function(&along(k)).iter().map(|value| value.eps).collect()).collect()
-}
-
-/// Values that move at these rates.
-fn moving<S: Scalar>(values: &[S], rates: &[S]) -> Vec<Tangent<S>> {
-    values.iter().zip(rates).map(|(&value, &rate)| Tangent::new(value, rate)).collect()
 }
 
 /// Values that stay.

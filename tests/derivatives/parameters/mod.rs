@@ -11,8 +11,8 @@ use costate::parameters::{
 };
 use costate::robot::{FrameSpec, Placement, Robot, Wrench, WrenchAxes};
 use costate::scalar::{Count, Scalar};
-use costate_test_support::random_robot::{Case, tolerance};
-use costate_test_support::rounding::{bound, lift, of_joints, size};
+use costate_test_support::random_robot::Case;
+use costate_test_support::rounding::{bound, lift, of_inverse, of_joints, size};
 
 /// Bounds of the regressors of a set, each twice that of the method by hand: tau_theta, w'tau_theta, p_theta,
 /// the force, E_theta. Columns that are zero by hand are sums of terms that cancel elsewhere, of the size of
@@ -32,7 +32,7 @@ fn of_regressor(set: &ParameterSet, [q, v, a, w]: [&[f64]; 4]) -> [f64; 5] {
 
 /// The same of F_theta, y'F_theta and y'F_x,theta, p = M v rounded; terms that cancel are products with M^-1.
 fn of_state_equation(set: &ParameterSet, [q, v, y]: [&[f64]; 3]) -> [f64; 3] {
-    let relative = tolerance(set.robot(), q);
+    let relative = of_inverse(set.robot(), q);
     let [q, v, y] = [q, v, y].map(lift::<Count>);
     let p = costate::hamiltonian::Hamiltonian::<Count>::new(set.robot()).momentum(&q, &v).unwrap().to_vec();
     let mut parameters = HamiltonianParameters::<Count>::new(set);
@@ -45,7 +45,7 @@ fn of_state_equation(set: &ParameterSet, [q, v, y]: [&[f64]; 3]) -> [f64; 3] {
 
 /// The same of a_theta and y'a_theta.
 fn of_acceleration(set: &ParameterSet, [q, v, u, y]: [&[f64]; 4]) -> [f64; 2] {
-    let relative = tolerance(set.robot(), q);
+    let relative = of_inverse(set.robot(), q);
     let [q, v, u, y] = [q, v, u, y].map(lift::<Count>);
     let mut parameters = LagrangianParameters::<Count>::new(set);
     let linear = parameters.linearise_forward_dynamics(&q, &v, &u).unwrap();

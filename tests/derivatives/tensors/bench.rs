@@ -7,6 +7,7 @@ use costate::num_dual::{Dual64, HyperDual64};
 use costate::robot::{JointSpec, LinkInertia, Placement, Robot, Tree};
 use costate::tensors::MassMatrixDerivatives;
 use costate_test_support::random_robot::Case;
+use costate_test_support::rounding::{OPERATIONS, close, terms};
 use proptest::prelude::*;
 
 /// Coefficients of one robot, and independent numbers to judge them by.
@@ -91,7 +92,7 @@ impl Bench {
         0.5 * (self.m(i, j, k) + self.m(i, k, j) - self.m(j, k, i))
     }
 
-    /// Two numbers are the same to 1e-12 of the largest of their kind.
+    /// Two sums of up to four numbers of this kind, which are themselves sums over joints, are the same.
     pub fn same(
         &self,
         kind: &[f64],
@@ -100,9 +101,8 @@ impl Bench {
         what: &str,
         at: &[usize],
     ) -> Result<(), TestCaseError> {
-        let difference = (found - expected).abs() / largest(kind).max(self.natural);
-        prop_assert!(difference <= 1e-12, "{what} at {at:?}: {found} is not {expected}, {difference:.1e}");
-        Ok(())
+        let bound = 4.0 * terms(OPERATIONS * self.n(), &[largest(kind).max(self.natural)]);
+        close(&format!("{what} at {at:?}"), &[found], &[expected], bound)
     }
 
     pub fn first_is(&self, found: f64, expected: f64, what: &str, at: &[usize]) -> Result<(), TestCaseError> {

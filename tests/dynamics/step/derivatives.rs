@@ -1,77 +1,98 @@
 //! Contracted Hessians and Jacobians of steps against hyper-dual numbers through the step.
 
-use super::{filled, flat, made, off};
-use costate::derivative::{ByCalls, DerivativeError, Hessian, largest};
-use costate::dynamics::Dynamics;
-use costate::matrix::Matrix;
-use costate::robot::Robot;
+use super::{made, solved};
+use costate::derivative::{ByCalls, DerivativeError, Hessian, InnerNumber};
+use costate::matrix::Block;
+use costate::scalar::{Count, Scalar};
 use costate::step::{
     Classical, HamiltonianRobot, LagrangianRobot, Midpoint, ModelFamily, OneStep, Scheme, SemiImplicit, Step,
     StepError, Verlet,
 };
 use costate_test_support::properties;
-use costate_test_support::random_robot::{Case, cases, condition};
-use costate_test_support::rounding::Bounds;
+use costate_test_support::random_robot::{Case, cases};
+use costate_test_support::rounding::{explained, lift, rows};
 use proptest::prelude::*;
 use std::any::type_name;
 use std::ops::Range;
 
-/// Phi, `Phi_x`, `Phi_u`, `Phi_h`, and the blocks of y'Phi_zz against hyper-dual numbers: the worst of each.
-///
-/// Natural sizes: `h max |y|` times a thousandth of `max |f_x|` for the blocks of y'Phi_zz, `curvature` h if
-/// that is more, times `max |Phi_u|` for each u; a thousandth of `max |f_x|` for `Phi_h`. `curvature` is the
-/// size of the terms of y'f_xx, as far as their rounding is known.
-pub fn differences<F: ModelFamily + Clone, M: Scheme<F>>(
+/// What is compared: Phi, `Phi_x`, `Phi_u`, `Phi_h`, and the blocks of y'Phi_zz.
+const NAMES: [&str; 7] = ["Phi", "Phi_x", "Phi_u", "Phi_h", "xx", "ux", "uu"];
+
+/// x, u, y and h.
+type At<'a> = (&'a [f64], &'a [f64], &'a [f64], f64);
+
+/// A block with the zeros that are so by structure, `rows` x `columns`.
+pub fn filled<S: Scalar>(block: Option<Block<'_, S>>, rows: usize, columns: usize) -> Vec<S> {
+    let Some(block) = block else { return vec![S::zero(); rows * columns] };
+    block.iter_rows().flat_map(|row| [row, &vec![S::zero(); columns - row.len()]].concat()).collect()
+}
+
+/// The blocks of [`NAMES`] by the derivatives of the scheme.
+pub fn by_scheme<F: ModelFamily, M: Scheme<F>, S: Scalar>(
     family: &F,
-    (x, u, y, h): (&[f64], &[f64], &[f64], f64),
-    curvature: f64,
-) -> Result<[f64; 7], StepError<F::Error>> {
+    (x, u, y, h): At<'_>,
+) -> Result<[Vec<S>; 7], StepError<F::Error>> {
+    let (states, controls) = (x.len(), u.len());
+    let mut step = M::step::<S>(family.model());
+    let [x, u, y] = [x, u, y].map(lift::<S>);
+    let found = step.contract(&x, &u, S::from_f64(h), &y)?;
+    let first = &found.first;
+    Ok([
+        first.next.to_vec(),
+        rows(first.phi_x),
+        rows(first.phi_u),
+        first.phi_h.to_vec(),
+        rows(found.xx),
+        filled(found.ux, controls, states),
+        filled(found.uu, controls, controls),
+    ])
+}
+
+/// The same by hyper-dual numbers through the step.
+pub fn by_numbers<F: ModelFamily + Clone, M: Scheme<F>, S: InnerNumber>(
+    family: &F,
+    (x, u, y, h): At<'_>,
+) -> Result<[Vec<S>; 7], StepError<F::Error>> {
     let (states, inputs) = (x.len(), x.len() + u.len());
-    let mut judge = Hessian::new(ByCalls(OneStep::<F, M>::new(family.clone())));
-    let whole = match judge.contract(&[x, u, &[h]].concat(), y) {
+    let mut judge = Hessian::<_, S>::over(ByCalls(OneStep::<F, M>::new(family.clone())));
+    let whole = match judge.contract(&lift(&[x, u, &[h]].concat()), &lift(y)) {
         Ok(whole) => whole.clone(),
         Err(DerivativeError::Function(error)) => return Err(error),
         Err(error) => panic!("{error}"),
     };
-    let jacobian = judge.last().jacobian();
-    let columns = |rows: Range<usize>, columns: Range<usize>, of: &Matrix<f64>| {
-        rows.flat_map(|i| of.row(i)[columns.clone()].to_vec()).collect::<Vec<_>>()
+    let part = |matrix: Block<'_, S>, rows: Range<usize>, columns: Range<usize>| -> Vec<S> {
+        rows.flat_map(|i| matrix.row(i)[columns.clone()].to_vec()).collect()
     };
-    let f_x = flat(family.model::<f64>().linearise(x, u).unwrap().f_x);
-    let natural = h.abs() * (1e-3 * largest(y) * largest(&f_x)).max(curvature);
-    let mut step = M::step::<f64>(family.model());
-    let found = step.contract(x, u, h, y)?;
-    let controls = inputs - states;
-    let in_u = largest(&flat(found.first.phi_u));
-    let states_and = |rest| columns(0..states, rest, jacobian);
+    let slope = |columns| part(judge.last().jacobian().view(), 0..states, columns);
+    let bend = |rows, columns| part(whole.view(), rows, columns);
+    let (in_x, in_u) = (0..states, states..inputs);
     Ok([
-        off(found.first.next, judge.last().value(), 0.0),
-        off(&flat(found.first.phi_x), &states_and(0..states), 0.0),
-        off(&flat(found.first.phi_u), &states_and(states..inputs), 0.0),
-        off(found.first.phi_h, &states_and(inputs..inputs + 1), 1e-3 * largest(&f_x)),
-        off(&flat(found.xx), &columns(0..states, 0..states, &whole), natural),
-        off(&filled(found.ux, controls, states), &columns(states..inputs, 0..states, &whole), natural * in_u),
-        off(
-            &filled(found.uu, controls, controls),
-            &columns(states..inputs, states..inputs, &whole),
-            natural * in_u * in_u,
-        ),
+        judge.last().value().to_vec(),
+        slope(in_x.clone()),
+        slope(in_u.clone()),
+        slope(inputs..inputs + 1),
+        bend(in_x.clone(), in_x.clone()),
+        bend(in_u.clone(), in_x),
+        bend(in_u.clone(), in_u),
     ])
 }
 
 fn derivatives_agree<F: ModelFamily + Clone, M: Scheme<F>>(
     case: &Case,
-    robot: &Robot,
     family: &F,
     x: &[f64],
-    rounding: f64,
 ) -> Result<(), TestCaseError> {
-    let tolerance = 1e-11 * (condition(robot, &case.q) / 1000.0).max(1.0);
-    // A step adds y'f_xx of up to four stages, each of which may round so.
-    let found = made(differences::<F, M>(family, (x, &case.u, &case.y, 0.01), 4.0 * rounding / tolerance))?;
-    let worst = largest(&found);
-    prop_assert!(worst <= tolerance, "{}: {worst:.2e} > {tolerance:.2e}: {found:?}", type_name::<M>());
-    Ok(())
+    let at = (x, &case.u[..], &case.y[..], 0.01);
+    solved::<F, M>(family, [x, &case.u], 0.01)?;
+    let found = made(by_scheme::<F, M, f64>(family, at))?;
+    let expected = made(by_numbers::<F, M, f64>(family, at))?;
+    let of_scheme = made(by_scheme::<F, M, Count>(family, at))?;
+    explained(NAMES, [&found, &expected], &of_scheme, || made(by_numbers::<F, M, Count>(family, at))).map_err(
+        |error| match error {
+            TestCaseError::Fail(reason) => TestCaseError::fail(format!("{}: {reason}", type_name::<M>())),
+            reject => reject,
+        },
+    )
 }
 
 /// Robots a property.
@@ -84,20 +105,18 @@ properties! {
     fn derivatives_agree_with_hyper_dual_numbers_in_hamiltonian_coordinates(case in cases(6)) {
         let robot = case.robot();
         let (family, x) = (HamiltonianRobot::from(&robot), case.x(&robot));
-        let rounding = Bounds::new(&robot, [&case.q, &case.v, &case.u, &case.y]).y_f_xx;
-        derivatives_agree::<_, Classical>(&case, &robot, &family, &x, rounding)?;
-        derivatives_agree::<_, Verlet>(&case, &robot, &family, &x, rounding)?;
-        derivatives_agree::<_, Midpoint>(&case, &robot, &family, &x, rounding)?;
+        derivatives_agree::<_, Classical>(&case, &family, &x)?;
+        derivatives_agree::<_, Verlet>(&case, &family, &x)?;
+        derivatives_agree::<_, Midpoint>(&case, &family, &x)?;
     }
 
     #[test]
     fn derivatives_agree_with_hyper_dual_numbers_in_lagrangian_coordinates(case in cases(6)) {
         let robot = case.robot();
         let (family, x) = (LagrangianRobot::from(&robot), [case.q.as_slice(), &case.v].concat());
-        let rounding = Bounds::new(&robot, [&case.q, &case.v, &case.u, &case.y]).y_a_zz;
-        derivatives_agree::<_, Classical>(&case, &robot, &family, &x, rounding)?;
-        derivatives_agree::<_, SemiImplicit>(&case, &robot, &family, &x, rounding)?;
-        derivatives_agree::<_, Verlet>(&case, &robot, &family, &x, rounding)?;
-        derivatives_agree::<_, Midpoint>(&case, &robot, &family, &x, rounding)?;
+        derivatives_agree::<_, Classical>(&case, &family, &x)?;
+        derivatives_agree::<_, SemiImplicit>(&case, &family, &x)?;
+        derivatives_agree::<_, Verlet>(&case, &family, &x)?;
+        derivatives_agree::<_, Midpoint>(&case, &family, &x)?;
     }
 }

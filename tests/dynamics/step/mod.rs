@@ -8,17 +8,13 @@ mod structure;
 use costate::derivative::largest;
 use costate::matrix::Block;
 use costate::robot::Robot;
-use costate::step::StepError;
+use costate::scalar::{Count, Scalar, Tangent};
+use costate::step::{ModelFamily, Scheme, Step, StepError};
+use costate_test_support::rounding::{apart, bound, lift};
 use proptest::test_runner::TestCaseError;
 
 fn flat(block: Block<'_, f64>) -> Vec<f64> {
     block.iter_rows().flatten().copied().collect()
-}
-
-/// A block with the zeros that are so by structure, `rows` x `columns`.
-fn filled(block: Option<Block<'_, f64>>, rows: usize, columns: usize) -> Vec<f64> {
-    let Some(block) = block else { return vec![0.0; rows * columns] };
-    block.iter_rows().flat_map(|row| [row, &vec![0.0; columns - row.len()]].concat()).collect()
 }
 
 /// `max |a - b| / max(max |b|, natural)`.
@@ -36,6 +32,30 @@ fn made<T, E: std::error::Error>(step: Result<T, StepError<E>>) -> Result<T, Tes
         StepError::NotConverged { .. } => TestCaseError::reject("a shorter step is needed"),
         error => TestCaseError::fail(error.to_string()),
     })
+}
+
+/// The end of a step whose equations are solved to rounding: dual numbers take one more iteration of Newton's
+/// method, which changes nothing else. As in `costate check`, other cases say nothing.
+fn solved<F: ModelFamily, M: Scheme<F>>(
+    family: &F,
+    [x, u]: [&[f64]; 2],
+    h: f64,
+) -> Result<Vec<f64>, TestCaseError> {
+    fn end<F: ModelFamily, M: Scheme<F>, S: Scalar>(
+        family: &F,
+        [x, u]: [&[f64]; 2],
+        h: f64,
+    ) -> Result<Vec<S>, TestCaseError> {
+        let mut step = M::step::<S>(family.model());
+        Ok(made(step.evaluate(&lift(x), &lift(u), S::from_f64(h)))?.to_vec())
+    }
+    let found = end::<F, M, f64>(family, [x, u], h)?;
+    let again: Vec<f64> = end::<F, M, Tangent<f64>>(family, [x, u], h)?.iter().map(|x| x.re).collect();
+    let rounded = end::<F, M, Count>(family, [x, u], h)?;
+    if largest(&apart(&found, &again)) <= 2.0 * bound(&rounded) {
+        return Ok(found);
+    }
+    Err(TestCaseError::reject("the step is not solved to rounding"))
 }
 
 fn robot(name: &str) -> Robot {

@@ -1,7 +1,7 @@
 //! Orders of convergence, and a scheme against another way to write it.
 
-use super::derivatives::differences;
-use super::{filled, flat, off, robot};
+use super::derivatives::{by_numbers, by_scheme, filled};
+use super::{flat, off, robot};
 use costate::derivative::{Function, largest};
 use costate::dynamics::{Automatic, Contraction, Dynamics, Linearisation, Structure};
 use costate::hamiltonian::{Hamiltonian, HamiltonianSecondOrder};
@@ -10,8 +10,8 @@ use costate::matrix::Matrix;
 use costate::robot::Robot;
 use costate::scalar::Scalar;
 use costate::step::{
-    AutomaticStep, Classical, ImplicitMidpoint, Midpoint, ModelFamily, RungeKutta4, SemiImplicitEuler, Step,
-    StoermerVerlet, Verlet,
+    AutomaticStep, Classical, ImplicitMidpoint, Midpoint, ModelFamily, RungeKutta4, Scheme,
+    SemiImplicitEuler, Step, StoermerVerlet, Verlet,
 };
 use std::convert::Infallible;
 
@@ -215,11 +215,13 @@ impl ModelFamily for Pendulums {
 /// A model that is not affine in u, f_u of which depends on part of the state.
 #[test]
 fn every_scheme_knows_models_that_are_not_affine_in_u() {
-    let z = (&[0.7, -1.2][..], &[0.9][..], &[0.4, -0.8][..], 0.1);
-    let all = [
-        differences::<_, Classical>(&Pendulums, z, 0.0).unwrap(),
-        differences::<_, Verlet>(&Pendulums, z, 0.0).unwrap(),
-        differences::<_, Midpoint>(&Pendulums, z, 0.0).unwrap(),
-    ];
-    assert!(all.iter().all(|found| largest(found) < 1e-13), "{all:?}");
+    fn off_most<M: Scheme<Pendulums>>() -> f64 {
+        let z = (&[0.7, -1.2][..], &[0.9][..], &[0.4, -0.8][..], 0.1);
+        let found = by_scheme::<_, M, f64>(&Pendulums, z).unwrap();
+        let expected = by_numbers::<_, M, f64>(&Pendulums, z).unwrap();
+        let all = found.iter().zip(&expected).map(|(found, expected)| off(found, expected, 0.0));
+        all.fold(0.0, f64::max)
+    }
+    let all = [off_most::<Classical>(), off_most::<Verlet>(), off_most::<Midpoint>()];
+    assert!(largest(&all) < 1e-13, "{all:?}");
 }

@@ -1,17 +1,19 @@
 //! What schemes keep: the symplectic form, reversibility, rest, the identity.
 
-use super::{FREE, SWING, flat, made, off, robot};
+use super::{FREE, SWING, flat, off, robot, solved};
 use costate::derivative::largest;
 use costate::dynamics::Dynamics;
 use costate::hamiltonian::{Hamiltonian, HamiltonianSecondOrder};
 use costate::lagrangian::{Lagrangian, LagrangianSecondOrder};
 use costate::robot::{JointSpec, LinkInertia, Placement, Robot};
+use costate::scalar::Scalar;
 use costate::step::{
     HamiltonianRobot, ImplicitMidpoint, LagrangianRobot, Midpoint, ModelFamily, RungeKutta4, Scheme,
     SemiImplicitEuler, Step, StoermerVerlet, Verlet,
 };
-use costate_test_support::properties;
-use costate_test_support::random_robot::{Case, cases, condition};
+use costate_test_support::random_robot::{Case, cases};
+use costate_test_support::rounding::{apart, lift};
+use costate_test_support::{properties, rounding};
 use nalgebra::DMatrix;
 use proptest::prelude::*;
 
@@ -32,11 +34,19 @@ fn defect(phi_x: &DMatrix<f64>) -> f64 {
 }
 
 fn is_symplectic<M: Scheme<HamiltonianRobot>>(case: &Case, robot: &Robot) -> Result<(), TestCaseError> {
-    let mut step = M::step::<f64>(HamiltonianRobot::from(robot).model());
-    let found = defect(&made(step.linearise(&case.x(robot), &case.u, 0.02))?.phi_x.to_nalgebra());
-    let tolerance = 1e-12 * (condition(robot, &case.q) / 1000.0).max(1.0);
-    prop_assert!(found <= tolerance, "{found:.2e} > {tolerance:.2e}");
-    Ok(())
+    let (family, x) = (HamiltonianRobot::from(robot), case.x(robot));
+    solved::<_, M>(&family, [&x, &case.u], 0.02)?;
+    rounding!(|S| {
+        let mut step = M::step::<S>(family.model());
+        let linear = step.linearise(&lift(&x), &lift(&case.u), S::from_f64(0.02)).unwrap();
+        let (n, phi_x) = (case.n(), |i: usize, k: usize| linear.phi_x.row(i)[k]);
+        let entry = |k: usize, l: usize| {
+            let j = f64::from(u8::from(k + n == l)) - f64::from(u8::from(l + n == k));
+            let add = |sum: S, i: usize| sum + phi_x(i, k) * phi_x(n + i, l) - phi_x(n + i, k) * phi_x(i, l);
+            (0..n).fold(S::from_f64(-j), add)
+        };
+        vec![("Phi_x' J Phi_x - J", (0..4 * n * n).map(|k| entry(k / (2 * n), k % (2 * n))).collect())]
+    })
 }
 
 /// A step of negative duration after one of positive duration leads back.
@@ -45,13 +55,13 @@ fn is_symmetric<F: ModelFamily, M: Scheme<F>>(
     family: &F,
     x: &[f64],
 ) -> Result<(), TestCaseError> {
-    let mut step = M::step::<f64>(family.model());
-    let there = made(step.evaluate(x, &case.u, 0.005))?.to_vec();
-    let back = made(step.evaluate(&there, &case.u, -0.005))?;
-    let found = off(back, x, largest(&there));
-    let tolerance = 1e-12 * (condition(&case.robot(), &case.q) / 1000.0).max(1.0);
-    prop_assert!(found <= tolerance, "{found:.2e} > {tolerance:.2e}");
-    Ok(())
+    let there = solved::<_, M>(family, [x, &case.u], 0.005)?;
+    solved::<_, M>(family, [&there, &case.u], -0.005)?;
+    rounding!(|S| {
+        let (mut step, x, u) = (M::step::<S>(family.model()), lift::<S>(x), lift::<S>(&case.u));
+        let there = step.evaluate(&x, &u, S::from_f64(0.005)).unwrap().to_vec();
+        vec![("there and back", apart(step.evaluate(&there, &u, S::from_f64(-0.005)).unwrap(), &x))]
+    })
 }
 
 properties! {
@@ -78,15 +88,19 @@ properties! {
     #[test]
     fn verlet_is_reversible(case in cases(6).prop_map(without_friction)) {
         let robot = case.robot();
-        let (x, n) = (case.x(&robot), case.n());
-        let mut step = StoermerVerlet::new(HamiltonianSecondOrder::<f64>::new(&robot));
-        let mut turned = made(step.evaluate(&x, &case.u, 0.01))?.to_vec();
-        let size = largest(&turned);
-        turned[n..].iter_mut().for_each(|p| *p = -*p);
-        let mut back = made(step.evaluate(&turned, &case.u, 0.01))?.to_vec();
-        back[n..].iter_mut().for_each(|p| *p = -*p);
-        let tolerance = 1e-12 * (condition(&robot, &case.q) / 1000.0).max(1.0);
-        prop_assert!(off(&back, &x, size) <= tolerance, "{:.2e}", off(&back, &x, size));
+        let (family, x, n) = (HamiltonianRobot::from(&robot), case.x(&robot), case.n());
+        fn turned<S: Scalar>(x: &[S], n: usize) -> Vec<S> {
+            x[..n].iter().copied().chain(x[n..].iter().map(|&p| -p)).collect()
+        }
+        let there = solved::<_, Verlet>(&family, [&x, &case.u], 0.01)?;
+        solved::<_, Verlet>(&family, [&turned(&there, n), &case.u], 0.01)?;
+        rounding!(|S| {
+            let mut step = StoermerVerlet::new(HamiltonianSecondOrder::<S>::new(&robot));
+            let (x, u, h) = (lift::<S>(&x), lift::<S>(&case.u), S::from_f64(0.01));
+            let there = turned(step.evaluate(&x, &u, h).unwrap(), n);
+            let back = turned(step.evaluate(&there, &u, h).unwrap(), n);
+            vec![("there and back", apart(&back, &x))]
+        })?;
     }
 
     /// h = 0: Phi = x, Phi_x = 1, Phi_u = 0, Phi_h = f, no second derivatives.

@@ -71,9 +71,9 @@ impl Following<'_> {
         let last = pieces.len() - 1;
         equation(0, &[(0, 0.0, 1.0)], self.ends[0]);
         equation(1, &[(0, 0.0, 1.0)], 0.0);
-        for p in 0..last {
+        for (p, piece) in pieces[..last].iter().enumerate() {
             for k in 0..4 {
-                equation(k, &[(p, pieces[p].length, 1.0), (p + 1, 0.0, -1.0)], 0.0);
+                equation(k, &[(p, piece.length, 1.0), (p + 1, 0.0, -1.0)], 0.0);
             }
         }
         equation(0, &[(last, pieces[last].length, 1.0)], self.ends[1]);
