@@ -38,9 +38,9 @@ fn turned(case: &Case, choice: usize, axis: [f64; 3], angle: f64) -> Option<Robo
     (independence(&closed, &case.q) > 1e-3).then_some(closed)
 }
 
-/// Operations on the way of an entry of psi, each with numbers of at most 2: rotations of three joints and two
-/// frames, of five operations each, that by an axis and an angle, and the quaternion of a matrix, of eight
-/// each.
+/// Operations on the way of an entry of psi, each with numbers of at most 2: rotations of three joints
+/// and two frames, of five operations each, that by an axis and an angle, and the quaternion of a matrix,
+/// of eight each.
 const PSI: usize = 5 * 5 + 8 + 8;
 
 properties! {
