@@ -217,10 +217,13 @@ pub const VERIFIED: f64 = 0.3;
 /// which is at most the tolerance, was too small by up to four times where torques jump ([`SAFETY`]); twice
 /// that, since costates are known between points only as well as multipliers are.
 pub const GAP: f64 = 8.0;
-/// The same of motions whose jerks are limited, where the bound is loose: a junction that a mesh does not
-/// resolve counts with the third power of its width, and costs as much as with the fifth. It was 4 to 50
-/// times the true error on nine motions of two joints. What halving the mesh changes is their error.
+/// The same of motions whose jerks are limited, and no less than [`LEAST_JERK_GAP`]. The bound is loose
+/// there: a junction that a mesh does not resolve counts with the third power of its width, and costs as
+/// much as with the fifth. It was 4 to 50 times the true error on nine motions of two joints. What halving
+/// the mesh changes is their error.
 pub const JERK_GAP: f64 = 100.0;
+/// .. a hundredth of the cost.
+pub const LEAST_JERK_GAP: f64 = 0.01;
 /// Largest excess of a limit on what may jump at nodes, between points and relative to its range: next to a
 /// jump polynomials overshoot on any mesh.
 pub const OVERSHOOT: f64 = 0.1;

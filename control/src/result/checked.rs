@@ -44,20 +44,20 @@ impl Solved {
         let tolerance = integration_tolerance(options.tolerance);
         let segments = self.shooting_defect(extremal, [tolerance, bound], &mut stops);
         let (cost, penalty) = self.found.costs(extremal);
-        // Controls below the tolerance of their costates cost its square: their costates are errors.
-        let optimality = match cost.abs() + penalty.abs() <= options.tolerance * options.tolerance {
-            true => Check::skipped("costates of a motion that costs nothing are below their tolerance"),
-            false => check(segments.as_ref().copied()),
-        };
+        // Controls below the tolerance of their costates cost its square: cost and costates are errors.
+        let is_nothing = cost.abs() + penalty.abs() <= options.tolerance * options.tolerance;
+        let nothing = || Check::skipped("the motion costs nothing: its cost and costates are rounding");
+        let optimality = if is_nothing { nothing() } else { check(segments.as_ref().copied()) };
         let integrated = self.integrated_cost(extremal, OF_COST * bound, &mut stops);
         let difference = integrated
             .as_ref()
             .map(|found| (found.cost + found.penalty - cost - penalty).abs() / found.size + found.error);
+        let of_cost = if is_nothing { nothing() } else { check(difference) };
         let found = integrated.as_ref().ok();
         let verification = Verification {
             integrated_cost: found.map(|found| found.cost),
             quadrature_error: found.map(|found| found.error),
-            cost: check(difference),
+            cost: of_cost,
             dynamics,
             limits: Check::skipped("extremals: nothing is limited but controls, which their law bounds"),
             overshoot: Check::skipped("extremals: their controls do not overshoot"),

@@ -62,12 +62,11 @@ pub(crate) fn verify<D: PointDynamics>(
     stops: &mut dyn FnMut() -> bool,
 ) -> Independent {
     let mut found = Independent { is_complete: true, ..Independent::default() };
-    let gap_allowed = options.tolerance
-        * match (is_compared, interior.spline.mesh.shape.is_smooth()) {
-            (_, true) => constants::JERK_GAP,
-            (true, false) => constants::GAP,
-            (false, false) => 1.0,
-        };
+    let gap_allowed = match (is_compared, interior.spline.mesh.shape.is_smooth()) {
+        (_, true) => (constants::JERK_GAP * options.tolerance).max(constants::LEAST_JERK_GAP),
+        (true, false) => constants::GAP * options.tolerance,
+        (false, false) => options.tolerance,
+    };
     if options.verify != Verify::Full {
         return found;
     }
