@@ -27,7 +27,7 @@ pub(super) fn closest(core: &Core, other: &Other, cores: &[Core], radius: f64) -
 }
 
 /// The points of a core whose depths inside of a box count.
-pub(super) fn points(core: &Core) -> impl Iterator<Item = Vector3<f64>> {
+fn points(core: &Core) -> impl Iterator<Item = Vector3<f64>> {
     let count = if core.is_segment { DEPTHS } else { 1 };
     (0..count).map(move |k| core.at(k as f64 / (DEPTHS - 1) as f64))
 }
