@@ -128,8 +128,8 @@ impl<'a> JerkEquations<'a> {
         }
         let largest = &mut self.found.largest;
         if !self.by_jerks {
-            for i in 0..n {
-                self.price[i] -= running.jerk_weight(i) * jerks[i];
+            for (i, (price, jerk)) in self.price.iter_mut().zip(jerks).enumerate() {
+                *price -= running.jerk_weight(i) * jerk;
             }
             lu::solve(mass, n, exchanges, &mut self.price, 1);
             largest.iter_mut().zip(&self.weights).for_each(|(most, weight)| *most = most.max(weight.abs()));
