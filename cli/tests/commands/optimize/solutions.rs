@@ -48,6 +48,7 @@ fn json_has_the_documented_keys_and_the_cost_of_the_swing_up() {
         "trajectory",
         "units",
         "verification",
+        "verified",
         "warnings",
     ];
     assert_eq!(keys, expected);
