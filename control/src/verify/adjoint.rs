@@ -20,13 +20,14 @@ const EDGE: f64 = 1e-9;
 pub(crate) struct Prices {
     /// $-\sum \sigma \eta h_z$, 3n, at constant torques.
     pub by_z: Vec<f64>,
-    /// The same by the torques, of limits on several torques together alone; others are U.
+    /// The same by the torques. With torques as controls of limits on several of them together alone, others
+    /// being U; with jerks of all.
     pub by_torque: Vec<f64>,
     /// $\sum \eta d$.
     pub slack: f64,
 }
 
-/// The multipliers of all limits but those of single torques.
+/// The multipliers of all limits but those of the controls.
 pub(crate) trait Multipliers {
     /// Those at the part x of a piece, added to `to`, at this z and these torques.
     ///

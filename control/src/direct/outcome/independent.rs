@@ -375,7 +375,7 @@ struct Sides<'a> {
     /// With continuous accelerations the parts of an interval between those that a point stands for: as wide
     /// as its weight. Multipliers are constant there, so that what they add up to is that of the points.
     breaks: Vec<f64>,
-    /// For each interval whether a limit of positions or rates is active at an end of it.
+    /// For each interval whether it [is on an arc](is_on_arc), where the gap does not count.
     arcs: Vec<bool>,
     tasks: Tasks,
     /// The rows of tasks at one place.
