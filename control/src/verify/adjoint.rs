@@ -5,7 +5,7 @@ use super::path::{Path, Piece};
 use super::running::Running;
 use super::splits::Splits;
 use crate::numerics::lu;
-use crate::numerics::radau::System;
+use crate::numerics::radau::{self, System};
 use crate::problem::limits::JointLimits;
 use costate::EvalError;
 
@@ -69,18 +69,8 @@ pub(crate) struct Conditions<'a> {
 }
 
 /// Costates as functions of the part x of a piece, with the gap that they leave.
-pub(super) trait Adjoint: System {
-    /// Goes on in another piece, with a gap of zero; whether the gap counts there.
-    fn enter(&mut self, piece: usize) -> bool;
-
-    /// Lets what follows in this piece not count.
-    fn look_away(&mut self);
-
-    /// Goes on between two neighbouring places of the piece.
-    fn go_between(&mut self, places: [f64; 2]);
-
-    /// What was found in the piece so far, and in all.
-    fn gaps(&self) -> &Gaps;
+pub(super) trait Adjoint<'a>: System {
+    fn place(&mut self) -> &mut Place<'a>;
 
     /// Takes other costates that obey the same equations, where these leave smaller gaps of the pieces.
     fn settle(&mut self, _gaps: &mut [f64]) {}
@@ -117,6 +107,7 @@ pub(super) struct Place<'a> {
     /// tau_a and its factors.
     pub mass: Vec<f64>,
     pub exchanges: Vec<usize>,
+    pub found: Gaps,
 }
 
 impl<'a> Place<'a> {
@@ -139,6 +130,7 @@ impl<'a> Place<'a> {
             prices: Prices { by_z: zeros(3 * n), by_torque: zeros(n), slack: 0.0 },
             mass: zeros(n * n),
             exchanges: vec![0; n],
+            found: Gaps { gap: 0.0, worst: vec![(0.0, 0.0); n], largest: zeros(n) },
         }
     }
 
@@ -146,7 +138,17 @@ impl<'a> Place<'a> {
         &self.path.pieces[self.number]
     }
 
+    /// The stages of a step that goes so far from a part of the piece: their parts, and what they count in
+    /// the integral over time (s); none where the gap does not count.
+    pub fn stages(&self, from: f64, length: f64) -> impl Iterator<Item = [f64; 2]> + use<> {
+        let whole = length.abs() * self.piece().length;
+        let all = radau::PLACES.iter().zip(radau::WEIGHTS).take(if self.counts { 3 } else { 0 });
+        all.map(move |(place, weight)| [from + place * length, weight * whole])
+    }
+
+    /// Goes on in another piece, with a gap of zero; whether the gap counts there.
     pub fn enter(&mut self, piece: usize) -> bool {
+        self.found.gap = 0.0;
         (self.number, self.counts) = (piece, self.multipliers.counts(piece));
         self.counts
     }

@@ -26,7 +26,7 @@ use super::adjoint::{Adjoint, Gaps, INSIDE, Place};
 use super::jerk_gaps::{Stage, Stages};
 use super::running::Running;
 use crate::numerics::lu;
-use crate::numerics::radau::{self, System};
+use crate::numerics::radau::System;
 use crate::problem::limits::JointLimits;
 use costate::EvalError;
 
@@ -45,7 +45,6 @@ pub(crate) fn has_jerks(limits: &[JointLimits], running: &Running) -> bool {
 /// The costates of (q, v, a), with jerks as controls, or rates of torques.
 pub(super) struct JerkEquations<'a> {
     place: Place<'a>,
-    found: Gaps,
     /// Whether every jerk is limited or costs something; else every rate of a torque is or does.
     by_jerks: bool,
     has_rates: bool,
@@ -69,7 +68,6 @@ impl<'a> JerkEquations<'a> {
         let has_rates =
             running.costs_torque_rates() || limits.iter().any(|limits| limits.torque_rate.is_finite());
         Self {
-            found: Gaps { gap: 0.0, worst: vec![(0.0, 0.0); n], largest: zeros(n) },
             by_jerks,
             has_rates,
             rates: zeros(n),
@@ -119,25 +117,18 @@ impl<'a> JerkEquations<'a> {
     fn gap_at(&mut self, x: f64, costate: &[f64], stage: f64) -> f64 {
         let own = costate.len() / 3;
         let (costate, lambda_v) = (&costate[2 * own..], &costate[own..2 * own]);
-        let Place { running, limits, z, tau_z, mass, exchanges, .. } = &self.place;
+        let time = self.place.piece().time(x);
+        let Place { running, limits, z, tau_z, mass, exchanges, found, number, .. } = &mut self.place;
         let n = self.price.len();
         let jerks = &z[3 * n..];
         self.price.copy_from_slice(costate);
         for (row, weight) in tau_z.chunks_exact(3 * n).zip(&self.weights) {
             self.price.iter_mut().zip(&row[2 * n..]).for_each(|(to, tau_a)| *to -= weight * tau_a);
         }
-        let largest = &mut self.found.largest;
-        if !self.by_jerks {
-            for (i, (price, jerk)) in self.price.iter_mut().zip(jerks).enumerate() {
-                *price -= running.jerk_weight(i) * jerk;
-            }
-            lu::solve(mass, n, exchanges, &mut self.price, 1);
-            largest.iter_mut().zip(&self.weights).for_each(|(most, weight)| *most = most.max(weight.abs()));
-        }
         if self.by_jerks {
             self.stages.push(Stage {
-                piece: self.place.number,
-                time: self.place.piece().time(x),
+                piece: *number,
+                time,
                 weight: stage,
                 slack: self.slack,
                 prices: self.price.clone(),
@@ -148,6 +139,13 @@ impl<'a> JerkEquations<'a> {
                     false => curvature(&running.effort, tau_z, n),
                 },
             });
+        } else {
+            for (i, (price, jerk)) in self.price.iter_mut().zip(jerks).enumerate() {
+                *price -= running.jerk_weight(i) * jerk;
+            }
+            lu::solve(mass, n, exchanges, &mut self.price, 1);
+            let largest = found.largest.iter_mut().zip(&self.weights);
+            largest.for_each(|(most, weight)| *most = most.max(weight.abs()));
         }
         let mut gap = self.slack;
         for (i, limits) in limits[..n].iter().enumerate() {
@@ -169,33 +167,20 @@ impl<'a> JerkEquations<'a> {
             if change.is_finite() {
                 gap += slope * change - 0.5 * weight * change * change;
             }
-            let Gaps { worst, largest, .. } = &mut self.found;
+            let Gaps { worst, largest, .. } = &mut *found;
             largest[i] = largest[i].max(price.abs()).max((price - slope).abs());
             let is_inside = most.is_infinite() || value.abs() < (1.0 - 2.0 * INSIDE) * most;
             if is_inside && slope.abs() > worst[i].0 {
-                worst[i] = (slope.abs(), self.place.piece().time(x));
+                worst[i] = (slope.abs(), time);
             }
         }
         gap
     }
 }
 
-impl Adjoint for JerkEquations<'_> {
-    fn enter(&mut self, piece: usize) -> bool {
-        self.found.gap = 0.0;
-        self.place.enter(piece)
-    }
-
-    fn look_away(&mut self) {
-        self.place.counts = false;
-    }
-
-    fn go_between(&mut self, places: [f64; 2]) {
-        self.place.inside = places;
-    }
-
-    fn gaps(&self) -> &Gaps {
-        &self.found
+impl<'a> Adjoint<'a> for JerkEquations<'a> {
+    fn place(&mut self) -> &mut Place<'a> {
+        &mut self.place
     }
 
     fn settle(&mut self, gaps: &mut [f64]) {
@@ -246,14 +231,9 @@ impl System for JerkEquations<'_> {
     }
 
     fn accept(&mut self, from: f64, length: f64, stages: [&[f64]; 3]) -> Result<(), EvalError> {
-        if !self.place.counts {
-            return Ok(());
-        }
-        for ((place, weight), costate) in radau::PLACES.iter().zip(radau::WEIGHTS).zip(stages) {
-            let x = from + place * length;
+        for ([x, weight], costate) in self.place.stages(from, length).zip(stages) {
             self.take(x)?;
-            let stage = weight * length.abs() * self.place.piece().length;
-            self.found.gap += stage * self.gap_at(x, costate, stage);
+            self.place.found.gap += weight * self.gap_at(x, costate, weight);
         }
         Ok(())
     }

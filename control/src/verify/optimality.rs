@@ -145,9 +145,9 @@ pub(crate) fn check(
 /// pieces before it, however short the piece in which it arises: a stop under dry friction takes a part of a
 /// thousand of the motion whose end it is. What an unstable motion makes of small differences does not add
 /// up.
-fn follow(
+fn follow<'a>(
     (path, splits, breaks): (&Path, &Splits, &[f64]),
-    equations: &mut impl Adjoint,
+    equations: &mut impl Adjoint<'a>,
     costates: &Costates,
     tolerance: f64,
     seed: u64,
@@ -193,17 +193,17 @@ fn follow(
         }
         places.sort_by(f64::total_cmp);
         places.dedup();
-        counted = equations.enter(k);
+        counted = equations.place().enter(k);
         for pair in places.windows(2).rev() {
-            equations.go_between([pair[0], pair[1]]);
+            equations.place().inside = [pair[0], pair[1]];
             radau.integrate(&mut costate, pair[1]..pair[0], 1.0, equations)?;
         }
-        found.gaps[k] = equations.gaps().gap;
+        found.gaps[k] = equations.place().found.gap;
         if before > CARRIED * root {
             other.copy_from_slice(&costates.right[k]);
-            equations.look_away();
+            equations.place().counts = false;
             for pair in places.windows(2).rev() {
-                equations.go_between([pair[0], pair[1]]);
+                equations.place().inside = [pair[0], pair[1]];
                 radau.integrate(&mut other, pair[1]..pair[0], 1.0, equations)?;
             }
             growth *= difference(&costate, &other, &radau.sizes) / before;
@@ -214,7 +214,7 @@ fn follow(
     if let Some(first) = costates.left.first() {
         found.defect = found.defect.max(difference(&costate, first, &radau.sizes));
     }
-    let Gaps { worst, largest, .. } = equations.gaps();
+    let Gaps { worst, largest, .. } = &equations.place().found;
     let most = worst.iter().zip(largest).enumerate();
     for (i, (&(residual, time), largest)) in most.filter(|(_, (_, largest))| **largest > 0.0) {
         if residual / largest > found.stationarity {

@@ -3,14 +3,13 @@
 
 use super::adjoint::{Adjoint, Gaps, INSIDE, Place};
 use crate::numerics::lu;
-use crate::numerics::radau::{self, System};
+use crate::numerics::radau::System;
 use crate::problem::limits::JointLimits;
 use costate::EvalError;
 
 /// The costates of (q, v), with torques as controls.
 pub(super) struct TorqueEquations<'a> {
     place: Place<'a>,
-    found: Gaps,
     /// tau_a^-1 (tau_q, tau_v), and y.
     solved: Vec<f64>,
     price: Vec<f64>,
@@ -19,8 +18,7 @@ pub(super) struct TorqueEquations<'a> {
 impl<'a> TorqueEquations<'a> {
     pub fn new(place: Place<'a>) -> Self {
         let n = place.tau.len();
-        let found = Gaps { gap: 0.0, worst: vec![(0.0, 0.0); n], largest: vec![0.0; n] };
-        Self { place, found, solved: vec![0.0; 2 * n * n], price: vec![0.0; n] }
+        Self { place, solved: vec![0.0; 2 * n * n], price: vec![0.0; n] }
     }
 
     /// $y = \tau_a^{-\top} (\lambda_v + \sum \sigma \eta h_a)$; tau_a is symmetric.
@@ -55,7 +53,7 @@ impl<'a> TorqueEquations<'a> {
     /// G, and the residuals of torques inside their limits.
     fn gap_at(&mut self, x: f64) -> f64 {
         let n = self.price.len();
-        let mut gap = self.place.prices.slack;
+        let (mut gap, time) = (self.place.prices.slack, self.place.piece().time(x));
         for i in 0..n {
             let (v, tau) = (self.place.z[n + i], self.place.tau[i]);
             let price = self.price[i] - self.place.prices.by_torque[i];
@@ -65,34 +63,21 @@ impl<'a> TorqueEquations<'a> {
                 gap += running.gain_of(i, v, price, best) - running.gain_of(i, v, price, tau);
             }
             let slope = running.by_torque[i];
-            let Gaps { worst, largest, .. } = &mut self.found;
+            let Gaps { worst, largest, .. } = &mut self.place.found;
             largest[i] = largest[i].max(slope.abs()).max(if lower < upper { price.abs() } else { 0.0 });
             let margin = INSIDE * (upper - lower);
             let is_inside = !margin.is_finite() || (lower + margin < tau && tau < upper - margin);
             if lower < upper && is_inside && (price - slope).abs() > worst[i].0 {
-                worst[i] = ((price - slope).abs(), self.place.piece().time(x));
+                worst[i] = ((price - slope).abs(), time);
             }
         }
         gap
     }
 }
 
-impl Adjoint for TorqueEquations<'_> {
-    fn enter(&mut self, piece: usize) -> bool {
-        self.found.gap = 0.0;
-        self.place.enter(piece)
-    }
-
-    fn look_away(&mut self) {
-        self.place.counts = false;
-    }
-
-    fn go_between(&mut self, places: [f64; 2]) {
-        self.place.inside = places;
-    }
-
-    fn gaps(&self) -> &Gaps {
-        &self.found
+impl<'a> Adjoint<'a> for TorqueEquations<'a> {
+    fn place(&mut self) -> &mut Place<'a> {
+        &mut self.place
     }
 }
 
@@ -138,15 +123,10 @@ impl System for TorqueEquations<'_> {
     }
 
     fn accept(&mut self, from: f64, length: f64, stages: [&[f64]; 3]) -> Result<(), EvalError> {
-        if !self.place.counts {
-            return Ok(());
-        }
-        for ((place, weight), costate) in radau::PLACES.iter().zip(radau::WEIGHTS).zip(stages) {
-            let x = from + place * length;
+        for ([x, weight], costate) in self.place.stages(from, length).zip(stages) {
             self.place.take(x)?;
             self.take_price(costate);
-            let gap = self.gap_at(x);
-            self.found.gap += weight * length.abs() * self.place.piece().length * gap;
+            self.place.found.gap += weight * self.gap_at(x);
         }
         Ok(())
     }
