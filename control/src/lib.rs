@@ -59,6 +59,7 @@ pub use direct::{
     Budget, Feedback, MotionDerivative, MotionParameter, Resolve, ResolveError, ResolveStatus, Resolved,
     SensitivityError,
 };
+pub use direct_states::independent::StateVerification;
 pub use direct_states::problem::{DirectDynamics, DirectDynamicsError};
 pub use direct_states::solution::{StateMotion, StateStep};
 pub use extremal::dynamics::DynamicsExtremal;

@@ -47,9 +47,9 @@ fn check_passes_and_fails_by_its_tolerance() {
         |seed| stdout(&costate(&["check", "robots/panda.urdf", "--samples", "3", "--seed", seed], b""));
     assert_eq!(again("7"), again("7"));
     assert_ne!(again("7"), again("8"));
-    let friction = costate(&["check", "tests/fixtures/friction_tree.toml", "--samples", "20"], b"");
+    let friction = costate(&["check", "tests/fixtures/friction_tree.toml", "--samples", "4"], b"");
     assert!(friction.status.success(), "{}", stdout(&friction));
-    let wrenches = costate(&["check", "tests/fixtures/pulled_arm.toml", "--samples", "20"], b"");
+    let wrenches = costate(&["check", "tests/fixtures/pulled_arm.toml", "--samples", "4"], b"");
     assert!(wrenches.status.success(), "{}", stdout(&wrenches));
 }
 
@@ -87,7 +87,7 @@ fn check_passes_on_planar_and_floating_joints() {
         };
         let joints: String = kinds.iter().enumerate().map(joint).collect();
         let text = format!(r#"<robot name="mobile"><link name="world"/>{joints}</robot>"#);
-        let output = costate(&["check", "-", "--samples", "30"], text.as_bytes());
+        let output = costate(&["check", "-", "--samples", "4"], text.as_bytes());
         let table = stdout(&output);
         assert!(output.status.success() && !table.contains("NaN"), "{table}");
         assert!(table.lines().all(|line| line.chars().count() <= 110), "{table}");

@@ -30,7 +30,7 @@
 //! | [`search`] | the part of a step that is taken, and its corrections of second order |
 //! | [`refine`], [`cost_error`] | estimated errors, the next mesh |
 //! | [`solve`] | from a problem to a motion |
-//! | [`outcome`] | verification |
+//! | [`outcome`], [`independent`] | verification: integrated again, and between the points |
 //! | [`solution`] | the motion |
 //!
 //! The filter is that of [`direct`](crate::direct). Its loop is not: that one is written for distances of
@@ -41,6 +41,7 @@ mod cost_error;
 mod ends;
 mod evaluate;
 mod guess;
+pub(crate) mod independent;
 mod interior;
 mod interval;
 mod iterate;

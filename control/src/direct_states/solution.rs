@@ -1,5 +1,6 @@
 //! A motion of a model in its states.
 
+use super::independent::StateVerification;
 use super::points::{POINTS, Radau};
 use crate::numerics::lagrange;
 use crate::result::motion::Certificate;
@@ -48,6 +49,8 @@ pub struct StateMotion {
     /// parts of the motion miss, each integrated from its own start; relative to the largest value of the
     /// component. Infinite if the integration stops, or the time limit is reached.
     pub end_error: f64,
+    /// What was found between the points of the solver.
+    pub verified: StateVerification,
     /// What is known of second order.
     pub certificate: Certificate,
     /// Error of the conditions of first order on the last mesh: of stationarity and complementarity, in parts
@@ -98,6 +101,7 @@ impl StateMotion {
             largest_violation: f64::INFINITY,
             cost_change: f64::INFINITY,
             end_error: f64::INFINITY,
+            verified: StateVerification::unknown(),
             certificate: Certificate::NotChecked,
             residual: f64::INFINITY,
             steps: Vec::new(),

@@ -1,5 +1,7 @@
 //! From a problem to a motion.
 
+#[cfg(doc)]
+use super::independent::StateVerification;
 use super::interior::Interior;
 use super::points::Layout;
 use super::problem::{DirectDynamics, DirectDynamicsError};
@@ -30,7 +32,11 @@ impl<D: Dynamics<f64>, C: Cost<f64>> DirectDynamics<D, C> {
     ///   relative to the largest values along the motion: the cost is stationary. So is what the end is
     ///   missed by when u is integrated independently, or else the sum of what 20 parts of the motion miss,
     ///   each integrated from its own start: errors of unstable motions grow exponentially;
-    /// - limits of x are exceeded halfway between the points by less than 1e-4 of the largest value.
+    /// - limits of x are exceeded halfway between the points, and at random times, by less than 1e-4 of the
+    ///   largest value;
+    /// - the cost by adaptive quadrature differs by less than the tolerance, and the gap of the maximum
+    ///   principle, with the costates integrated along the motion, is less than eight times the tolerance:
+    ///   [`StateVerification`].
     ///
     /// With any other status the motion is the last iterate; [`StateMotion::defect`] and
     /// [`StateMotion::end_missed`] tell what it does not meet.
@@ -63,8 +69,14 @@ impl<D: Dynamics<f64>, C: Cost<f64>> DirectDynamics<D, C> {
         motion.status =
             self.refine(&mut mesh, &mut motion, options, recorder).err().unwrap_or(Status::Converged);
         motion.end_error = self.verify(&mesh, accuracy(options), recorder);
+        if motion.status.is_converged() {
+            motion.verified = self.look_between(&mesh, options.tolerance, recorder);
+        }
         // Not true for NaN.
-        let is_verified = motion.end_error <= accuracy(options);
+        let is_verified = motion.end_error <= accuracy(options)
+            && motion.verified.cost_difference <= options.tolerance
+            && motion.verified.gap <= shared::GAP * options.tolerance
+            && motion.verified.excess <= constants::EXCESS;
         if motion.status.is_converged() && !is_verified {
             motion.status = recorder.interruption().map_or(Status::NotVerified, Status::from);
         }

@@ -2,7 +2,8 @@
 
 use super::task::FreeTask;
 use super::{rows, uses, verify};
-use crate::constants::direct::VERIFIED;
+use crate::constants::direct::{GAP, VERIFIED};
+use crate::constants::states::EXCESS;
 use crate::direct_states::solution::StateMotion;
 use crate::options::{SolverOptions, Verify};
 use crate::result::motion::Motion;
@@ -48,15 +49,40 @@ pub(super) fn solution(
         constraints: Vec::new(),
         gait: None,
         polish: None,
-        verified: verifies.then(|| Verification {
-            // The end, or the sum over parts, as the status was found.
-            dynamics: Check::of(found.end_error, VERIFIED * options.tolerance.sqrt()),
-            ..Verification::skipped("floating and spherical joints: verified by their integration alone")
-        }),
+        verified: verifies.then(|| verification(task, options, found)),
         stage_times: None,
         trajectory,
         starts: Vec::new(),
         options: options.clone(),
         robot: RobotNames::of(&problem.robot),
     })
+}
+
+/// What was found between the points of the solver; of a motion that did not converge its integration alone.
+fn verification(task: &FreeTask<'_>, options: &SolverOptions, found: &StateMotion) -> Verification {
+    let (between, tolerance) = (&found.verified, options.tolerance);
+    // The end, or the sum over parts, as the status was found.
+    let dynamics = Check::of(found.end_error, VERIFIED * tolerance.sqrt());
+    if !found.status.is_converged() && between.cost.is_nan() {
+        return Verification { dynamics, ..Verification::skipped("the motion did not converge") };
+    }
+    let (robot, names) = (&task.problem.robot, task.problem.named_coordinates().0);
+    let position = |entry: usize| robot.plain_entries().find(|(at, _)| *at == entry).map(|(_, i)| i);
+    let at = |place: Option<(f64, usize)>, coordinate: &dyn Fn(usize) -> Option<usize>| {
+        let name = place.and_then(|(_, k)| coordinate(k)).map(|i| names[i].clone());
+        (place.map(|(time, _)| time), name)
+    };
+    let (limit_time, limited) = at(between.excess_at, &position);
+    let (gap_time, driven) = at(between.stationarity_at, &|k| task.driven.get(k).copied());
+    Verification {
+        integrated_cost: between.cost.is_finite().then_some(between.cost),
+        cost: Check::of(between.cost_difference, tolerance),
+        dynamics,
+        limits: Check::of(between.excess, EXCESS).at(limit_time, limited),
+        overshoot: Check::skipped("torques are controls, which are cut to their limits"),
+        optimality: Check::of(between.gap, GAP * tolerance).at(gap_time, driven),
+        stationarity: Some(between.stationarity).filter(|_| between.gap.is_finite()),
+        costate_defect: Some(between.costate_defect).filter(|_| between.gap.is_finite()),
+        ..Verification::default()
+    }
 }

@@ -10,7 +10,7 @@ use crate::problem::limits::JointLimits;
 use costate::EvalError;
 
 /// A control is inside its limits where it is this part of their range away from both.
-pub(super) const INSIDE: f64 = 1e-2;
+pub(crate) const INSIDE: f64 = 1e-2;
 
 /// So far from an end of a segment, relative to its length, multipliers are those of its inside.
 const EDGE: f64 = 1e-9;

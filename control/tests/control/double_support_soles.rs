@@ -228,7 +228,7 @@ fn a_step_integrated_comes_back_to_its_start() {
 #[test]
 fn first_meshes_lead_to_the_same_step() {
     let (problem, best) = walk();
-    let options = file().options.with_tolerance(1e-5);
+    let options = file().options.with_tolerance(1e-5).with_verify(Verify::Factors);
     let other = solve(problem, options.clone().with_nodes(97));
     assert!((other.total() / best.total() - 1.0).abs() < 1e-5, "{}", other.total());
     let short = solve(&with(gait().with_double_support(0.1)), options);
@@ -238,7 +238,8 @@ fn first_meshes_lead_to_the_same_step() {
 /// With a price of time, both phases stretch in proportion to the best duration.
 #[test]
 fn the_best_duration_is_found() {
-    let (problem, options) = (least_energy(&walk().0, 0.8), file().options.with_tolerance(1e-4));
+    let (problem, options) =
+        (least_energy(&walk().0, 0.8), file().options.with_tolerance(1e-4).with_verify(Verify::Factors));
     let free = solve(&problem, options.clone());
     assert!((lift_off(&free) - 0.2 * free.motion.final_time).abs() < 1e-12);
     is_best_duration(&problem, &options, &free);
@@ -248,7 +249,7 @@ fn the_best_duration_is_found() {
 #[test]
 fn a_foot_that_stays_flat_costs_more() {
     let flat = with(gait().with_trailing(SoleContact::Flat));
-    let flat = solve(&flat, file().options.with_tolerance(1e-4).with_nodes(49));
+    let flat = solve(&flat, file().options.with_tolerance(1e-4).with_nodes(49).with_verify(Verify::Factors));
     assert!(flat.total() > 2.0 * walk().1.total(), "{}", flat.total());
     assert_eq!(flat.constraints[1].multipliers[0].len(), 3);
 }

@@ -14,7 +14,7 @@ fn solve(problem: &Problem, options: &SolverOptions) -> Solution {
 #[test]
 fn a_biped_finds_the_speed_of_its_least_cost_of_transport() {
     let file = example("biped_best_speed");
-    let (problem, options) = (file.problem, file.options);
+    let (problem, options) = (file.problem, file.options.with_verify(Verify::Factors));
     let best = solve(&problem, &options);
     assert_eq!(best.motion.certificate, Certificate::LocalMinimumOnMesh);
     check(&problem, &best);
@@ -24,7 +24,6 @@ fn a_biped_finds_the_speed_of_its_least_cost_of_transport() {
     // The motors' work is a part of all that is spent.
     assert!(gait.cost_of_transport > 0.0 && gait.cost_of_transport < least, "{gait:?} {least}");
     println!("{} m/s, J/(m g L) {least}, cost of transport {}", gait.speed, gait.cost_of_transport);
-    let options = options.with_verify(Verify::Factors);
     for factor in [0.93, 1.07] {
         let at = problem.clone().with_time(FinalTime::Fixed(time / factor));
         let other = solve(&at, &options);
