@@ -5,6 +5,8 @@
 pub const INTERVALS: usize = 20;
 /// Most meshes.
 pub const MESHES: usize = 14;
+/// How often a motion that fails between its points is solved again on a finer mesh.
+pub const ROUNDS: usize = 3;
 /// The problem on a mesh is solved to this part of the tolerance.
 pub const PART_OF_TOLERANCE: f64 = 0.05;
 /// First barrier, in parts of the size of the cost along the guess, ..

@@ -20,7 +20,8 @@
 use super::interior::Interior;
 use super::points::{Layout, POINTS};
 use super::problem::DirectDynamics;
-use crate::constants::direct::{ACTIVE, PARTS};
+use crate::constants::direct::{ACTIVE, GAP, NARROWEST, PARTS};
+use crate::constants::states::EXCESS;
 use crate::extremal::dynamics::response::eval_error;
 use crate::numerics::dormand_prince::Stopped;
 use crate::numerics::gauss_kronrod::integrate;
@@ -48,6 +49,11 @@ const STEP: f64 = 1e-2;
 const STEPS: [f64; 2] = [1e-8, 1e-4];
 /// Where the random place in an interval lies that ends a step.
 const MIDDLE: [f64; 2] = [0.35, 0.65];
+/// The intervals that together make this part of what fails are divided ..
+const BLAMED: f64 = 0.9;
+/// .. into so many parts. A control that reaches its limit inside of an interval is wrong by the second power
+/// of its width, its cost by the third: by 1/27.
+const PARTS_OF_BLAMED: usize = 3;
 /// Costates of a component are measured by the largest ones of all components of this part at least.
 const LEAST_SCALE: f64 = 1e-3;
 
@@ -73,14 +79,41 @@ pub struct StateVerification {
     pub excess: f64,
     /// The time of that (s), and the component.
     pub excess_at: Option<(f64, usize)>,
+    /// What each interval adds to cost, gap and limits that are not within their tolerances, in parts of them.
+    pub(super) blame: Vec<f64>,
     /// Whether the search was stopped meanwhile.
-    pub is_interrupted: bool,
+    pub(super) is_interrupted: bool,
 }
 
 impl StateVerification {
     /// Nothing known yet.
     pub(super) fn unknown() -> Self {
         Self { cost: f64::NAN, cost_difference: f64::INFINITY, gap: f64::INFINITY, ..Self::default() }
+    }
+
+    /// Whether all is within the tolerance of the cost and the limits.
+    pub(super) fn passes(&self, tolerance: f64) -> bool {
+        // Not true for NaN.
+        self.cost_difference <= tolerance && self.gap <= GAP * tolerance && self.excess <= EXCESS
+    }
+
+    /// Into how many parts each interval is divided where this does not pass: those that together make
+    /// [`BLAMED`] of the blame. `None` where nothing can be divided.
+    pub(super) fn parts(&self, widths: &[f64]) -> Option<Vec<usize>> {
+        let all: f64 = self.blame.iter().sum();
+        let mut order: Vec<usize> = (0..widths.len()).collect();
+        order.sort_by(|a, b| self.blame[*b].total_cmp(&self.blame[*a]));
+        let (mut parts, mut sum) = (vec![1; widths.len()], 0.0);
+        for k in order {
+            if sum >= BLAMED * all || !all.is_finite() {
+                break;
+            }
+            sum += self.blame[k];
+            if widths[k] > PARTS_OF_BLAMED as f64 * NARROWEST {
+                parts[k] = PARTS_OF_BLAMED;
+            }
+        }
+        parts.iter().any(|&parts| parts > 1).then_some(parts)
     }
 }
 
@@ -93,7 +126,8 @@ impl<D: Dynamics<f64>, C: Cost<f64>> DirectDynamics<D, C> {
         recorder: &mut Recorder<'_>,
     ) -> StateVerification {
         let mut found = StateVerification::unknown();
-        (found.excess, found.excess_at) = excess(mesh);
+        found.blame = vec![0.0; mesh.layout.intervals];
+        (found.excess, found.excess_at) = excess(mesh, &mut found.blame);
         let outcome = self.integrate_cost(mesh, tolerance, recorder, &mut found).and_then(|()| {
             let mut costates = Costates::new(self, mesh, recorder);
             costates.follow(tolerance, &mut found)
@@ -125,24 +159,42 @@ impl<D: Dynamics<f64>, C: Cost<f64>> DirectDynamics<D, C> {
         let cost = own.value + self.time_weight() * mesh.time();
         found.cost = self.reference * cost;
         found.cost_difference = ((cost - mesh.cost).abs() + own.error) / mesh.cost_size();
+        if found.cost_difference > tolerance {
+            let allowed = tolerance * mesh.cost_size();
+            for (k, (blame, own)) in found.blame.iter_mut().zip(&own.parts).enumerate() {
+                *blame += (own - self.cost_of(mesh, k)?).abs() / allowed;
+            }
+        }
         Ok(())
+    }
+
+    /// What the solver adds up for the running cost of an interval.
+    fn cost_of(&mut self, mesh: &Interior, k: usize) -> Result<f64, EvalError> {
+        let Layout { n, m, .. } = mesh.layout;
+        let mut sum = 0.0;
+        for (j, weight) in mesh.radau.weights.iter().enumerate() {
+            let (x, u) = mesh.w[mesh.layout.point(k, j)..][..n + m].split_at(n);
+            sum += mesh.widths[k] * mesh.time() * weight * self.running(x, u)?;
+        }
+        Ok(sum)
     }
 }
 
 /// The largest excess of a limit of x at random times of each interval, relative to the size of the
 /// component, its time (s) and the component.
-fn excess(mesh: &Interior) -> (f64, Option<(f64, usize)>) {
-    let Layout { n, intervals, .. } = mesh.layout;
+fn excess(mesh: &Interior, blame: &mut [f64]) -> (f64, Option<(f64, usize)>) {
+    let n = mesh.layout.n;
     let (sizes, mut random) = (mesh.sizes(), Random::new(SEED));
     let (mut x, mut slope) = (vec![0.0; n], vec![0.0; n]);
     let (mut most, mut at, mut start) = (0.0, None, 0.0);
-    for k in 0..intervals {
+    for (k, blame) in blame.iter_mut().enumerate() {
         for _ in 0..TIMES {
             let s = random.uniform();
             mesh.state(k, s, &mut x, &mut slope);
             let first = mesh.layout.point(k, 0);
             for (i, x) in x.iter().enumerate() {
                 let excess = (mesh.low[first + i] - x).max(x - mesh.high[first + i]) / sizes[i];
+                *blame = blame.max(if excess > EXCESS { excess / EXCESS } else { 0.0 });
                 if excess > most {
                     (most, at) = (excess, Some(((start + s * mesh.widths[k]) * mesh.time(), i)));
                 }
@@ -229,6 +281,7 @@ impl<'a, 'r, D: Dynamics<f64>, C: Cost<f64>> Costates<'a, 'r, D, C> {
         }
         let mut random = Random::new(SEED);
         let mut costate = nodes[intervals].clone();
+        let mut gaps = vec![0.0; intervals];
         let (mut end, mut last, mut of_part, mut all) = (1.0, None, 0.0_f64, 0.0);
         for k in (0..intervals).rev() {
             let width = self.mesh.widths[k];
@@ -243,6 +296,7 @@ impl<'a, 'r, D: Dynamics<f64>, C: Cost<f64>> Costates<'a, 'r, D, C> {
             radau.integrate(&mut costate, 1.0..middle, 1.0, self)?;
             radau.integrate(&mut costate, middle..0.0, 1.0, self)?;
             of_part += self.gap;
+            gaps[k] = self.gap.abs();
             if counts {
                 let parts = costate.iter().zip(&nodes[k]).zip(&radau.sizes);
                 let defect = parts.map(|((a, b), size)| ((a - b) / size).abs()).fold(0.0, f64::max);
@@ -251,6 +305,11 @@ impl<'a, 'r, D: Dynamics<f64>, C: Cost<f64>> Costates<'a, 'r, D, C> {
             (end, last) = (end - width, counts.then_some(part));
         }
         found.gap = (all + of_part.abs()) / self.mesh.cost_size();
+        let allowed = GAP * tolerance;
+        if found.gap > allowed {
+            let allowed = allowed * self.mesh.cost_size();
+            found.blame.iter_mut().zip(&gaps).for_each(|(blame, gap)| *blame += gap / allowed);
+        }
         for (i, (&(residual, time), largest)) in self.worst.iter().zip(&self.largest).enumerate() {
             if residual > found.stationarity * largest {
                 (found.stationarity, found.stationarity_at) = (residual / largest, Some((time, i)));

@@ -68,15 +68,12 @@ impl<D: Dynamics<f64>, C: Cost<f64>> DirectDynamics<D, C> {
         let mut motion = StateMotion::new();
         motion.status =
             self.refine(&mut mesh, &mut motion, options, recorder).err().unwrap_or(Status::Converged);
-        motion.end_error = self.verify(&mesh, accuracy(options), recorder);
         if motion.status.is_converged() {
-            motion.verified = self.look_between(&mesh, options.tolerance, recorder);
+            self.look_and_divide(&mut mesh, &mut motion, options, recorder);
         }
+        motion.end_error = self.verify(&mesh, accuracy(options), recorder);
         // Not true for NaN.
-        let is_verified = motion.end_error <= accuracy(options)
-            && motion.verified.cost_difference <= options.tolerance
-            && motion.verified.gap <= shared::GAP * options.tolerance
-            && motion.verified.excess <= constants::EXCESS;
+        let is_verified = motion.end_error <= accuracy(options) && motion.verified.passes(options.tolerance);
         if motion.status.is_converged() && !is_verified {
             motion.status = recorder.interruption().map_or(Status::NotVerified, Status::from);
         }
@@ -84,6 +81,39 @@ impl<D: Dynamics<f64>, C: Cost<f64>> DirectDynamics<D, C> {
             motion.certificate = Certificate::LocalMinimumOnMesh;
         }
         Ok(self.report(&mut mesh, motion))
+    }
+
+    /// Looks at a motion that converged between its points. Where that fails, the intervals that make it fail
+    /// are divided and the problem is solved again, a few times; the last motion that was solved stays.
+    fn look_and_divide(
+        &mut self,
+        mesh: &mut Interior,
+        motion: &mut StateMotion,
+        options: &SolverOptions,
+        recorder: &mut Recorder<'_>,
+    ) {
+        for round in 0..=constants::ROUNDS {
+            motion.verified = self.look_between(mesh, options.tolerance, recorder);
+            if motion.verified.passes(options.tolerance) || round == constants::ROUNDS {
+                break;
+            }
+            let parts = motion.verified.parts(&mesh.widths);
+            let Some(parts) = parts.filter(|parts| parts.iter().sum::<usize>() < options.max_nodes) else {
+                break;
+            };
+            let finer = mesh.divided(self, &parts);
+            let solved = std::mem::replace(mesh, finer);
+            let precision = constants::PART_OF_TOLERANCE * options.tolerance;
+            let between = mesh
+                .solve(self, precision, options, recorder, &mut motion.steps)
+                .ok()
+                .and_then(|()| mesh.between(self).ok());
+            let Some(between) = between else {
+                *mesh = solved;
+                break;
+            };
+            (motion.error, motion.largest_violation) = (largest(&between.errors), largest(&between.excess));
+        }
     }
 
     /// Solves on finer and finer meshes. An error if the tolerance is not met.
@@ -96,7 +126,6 @@ impl<D: Dynamics<f64>, C: Cost<f64>> DirectDynamics<D, C> {
     ) -> Result<(), Status> {
         let accuracy = accuracy(options);
         let failed = |error: EvalError| Status::EvaluationFailed(error.into());
-        let largest = |errors: &[f64]| errors.iter().fold(0.0, |most: f64, error| most.max(defined(*error)));
         let (mut is_halved, mut last, mut parts) = (false, f64::INFINITY, Vec::new());
         for number in 0..constants::MESHES {
             if number > 0 {
@@ -131,4 +160,9 @@ impl<D: Dynamics<f64>, C: Cost<f64>> DirectDynamics<D, C> {
 /// Largest relative error of x.
 fn accuracy(options: &SolverOptions) -> f64 {
     shared::VERIFIED * options.tolerance.sqrt()
+}
+
+/// Infinite if a value is not a number.
+fn largest(errors: &[f64]) -> f64 {
+    errors.iter().fold(0.0, |most: f64, error| most.max(defined(*error)))
 }

@@ -15,7 +15,7 @@ use costate::kinematics::Kinematics;
 use costate::robot::{LoadOptions, Placement};
 use costate_control::{
     Gait, GaitError, Problem, ProblemError, ProblemFile, SoleContact, Solution, Solver, SolverOptions,
-    Status, Trajectory,
+    Status, Trajectory, Verify,
 };
 use std::sync::OnceLock;
 

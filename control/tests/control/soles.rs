@@ -135,7 +135,7 @@ fn centres_of_pressure(solution: &Solution) -> [f64; 2] {
 fn first_meshes_lead_to_the_same_step() {
     let (problem, best) = walk();
     for nodes in [145, 193] {
-        let other = solve(problem, file().options.with_nodes(nodes).with_verify(Verify::Factors));
+        let other = solve(problem, file().options.with_nodes(nodes));
         assert!((other.total() / best.total() - 1.0).abs() < 1e-5, "{nodes}: {}", other.total());
     }
 }
@@ -145,7 +145,7 @@ fn first_meshes_lead_to_the_same_step() {
 fn a_short_sole_is_used_from_heel_to_toe() {
     let (heel, toe) = (-0.01, 0.005);
     let short = walk().0.clone().with_gait(gait().with_sole(heel, toe));
-    let [least, most] = centres_of_pressure(&solve(&short, file().options.with_verify(Verify::Factors)));
+    let [least, most] = centres_of_pressure(&solve(&short, file().options));
     assert!((least - heel).abs() < 1e-5 && (most - toe).abs() < 1e-5, "{least} {most}");
 }
 
