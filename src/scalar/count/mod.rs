@@ -209,6 +209,17 @@ mod tests {
     }
 
     #[test]
+    fn a_zero_of_rounded_constants_passes_its_error_on() {
+        let (x, c) = (Count::variable(2.0), Count::from_f64(0.3).times(3.0));
+        let zero = c - c;
+        assert!(zero.value() == 0.0 && zero.rounding() > 0.0);
+        for (product, factor) in [(zero * x, 2.0), (x * zero, 2.0), (zero / x, 0.5), (zero * c, c.value())] {
+            assert!(product.value() == 0.0 && (product.rounding() / zero.rounding() - factor).abs() < 1e-15);
+        }
+        assert_eq!((Count::zero() * c).rounding(), 0.0);
+    }
+
+    #[test]
     fn counts_nest() {
         let x = Count::variable(2.0);
         let (inner, outer) = count_with(Constants::Kept, || {

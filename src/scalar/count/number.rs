@@ -23,7 +23,7 @@ use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 /// ```
 ///
 /// What is exact in floating-point arithmetic makes no error: sums with 0, products with 0 and with 1/2, 1, 2
-/// and their negatives. A rotation keeps variances: they do not grow from joint to joint as sums of absolute
+/// and their negatives. (A 0 that rounded terms leave is not exact.) A rotation keeps variances: they do not grow from joint to joint as sums of absolute
 /// values do.
 #[derive(Clone, Copy, Debug)]
 pub struct Count {
@@ -103,6 +103,12 @@ impl Count {
         Self { value: a * b, variance: b * b * self.variance + a * a * other.variance + own, constant }
     }
 
+    /// Part of the variance of the product that is due to this factor, if it is a constant 0: one that was
+    /// rounded (`c - c` of rounded c) passes its error on.
+    fn variance_of_zero_times(self, other: Self) -> f64 {
+        if self.is(0.0) && self.variance != 0.0 { other.value * other.value * self.variance } else { 0.0 }
+    }
+
     /// Whether it is 0, without error.
     fn is_exactly_zero(self) -> bool {
         self.value == 0.0 && self.variance == 0.0
@@ -153,7 +159,8 @@ impl Mul for Count {
         let constant = self.constant && other.constant;
         tally(constant || self.is_trivial_factor() || other.is_trivial_factor(), Kind::Mul);
         if self.is(0.0) || other.is(0.0) {
-            return Self::constant(0.0);
+            let variance = self.variance_of_zero_times(other) + other.variance_of_zero_times(self);
+            return Self { value: 0.0, variance, constant: true };
         }
         self.product(other, constant)
     }
@@ -170,7 +177,7 @@ impl Div for Count {
         } else {
             tally(free, Kind::Div);
         }
-        if self.is(0.0) {
+        if self.is(0.0) && self.variance == 0.0 {
             return self;
         }
         let (value, reciprocal) = (self.value / other.value, 1.0 / other.value);

@@ -1,19 +1,18 @@
 //! Floating and spherical joints under constraints of all kinds: F, forces and their derivatives in the
 //! tangent space.
 
-use super::{Rounding, are_those_of_the_dense_equations, choices, closed, independence};
-use crate::free_joints::{moving, retracted};
+use super::{are_those_of_the_dense_equations, choices, closed, constants_of_motion};
+use crate::free_joints::retracted;
 use costate::EvalError;
 use costate::constraints::{ConstrainedHamiltonian, ConstrainedHamiltonianSecondOrder, Constraints};
-use costate::derivative::{Function, Hessian};
+use costate::derivative::{Function, Hessian, InnerNumber};
 use costate::robot::Robot;
-use costate::scalar::Scalar;
-use costate_test_support::properties;
-use costate_test_support::random_robot::{free_cases, tolerance};
-use costate_test_support::rounding::close;
-use nalgebra::DVector;
-use num_dual::Dual64;
-use proptest::prelude::*;
+use costate::scalar::{Count, Scalar, Tangent};
+use costate_test_support::random_robot::free_cases;
+use costate_test_support::rounding::{
+    apart, explained, lift, lift_rounded, moving, rows, times, transposed_times,
+};
+use costate_test_support::{properties, rounding};
 
 /// `(d, p) -> (F, mu)` at q (+) d.
 struct Held<'a> {
@@ -56,6 +55,29 @@ impl Function for Held<'_> {
     }
 }
 
+/// (F, mu), its Jacobian, and y'F_xx.
+type Derivatives<S> = [Vec<S>; 3];
+
+/// By hyper-dual numbers.
+fn reference<S: InnerNumber>(held: Held<'_>, p: &[f64], y: &[f64]) -> Derivatives<S> {
+    let weights = lift::<S>(&[y, &vec![0.0; held.rows]].concat());
+    let at = lift::<S>(&[&vec![0.0; p.len()][..], p].concat());
+    let mut judge = Hessian::<_, S>::over(held);
+    let y_f_xx = judge.contract(&at, &weights).unwrap().as_slice().to_vec();
+    let last = judge.last();
+    [last.value().to_vec(), last.jacobian().as_slice().to_vec(), y_f_xx]
+}
+
+/// By hand.
+fn by_hand<S: Scalar>(robot: &Robot, [q, p, u, y]: [&[f64]; 4]) -> Derivatives<S> {
+    let (q, [p, u, y]) = (lift_rounded::<S>(q), [p, u, y].map(lift::<S>));
+    let mut ours = ConstrainedHamiltonianSecondOrder::<S>::new(robot);
+    let all = ours.contract(&q, &p, &u, &y).unwrap();
+    let linear = all.linearisation();
+    let slopes = [rows(linear.matrix()), rows(linear.mu_x())].concat();
+    [[linear.f(), linear.mu()].concat(), slopes, rows(all.matrix())]
+}
+
 properties! {
     48;
 
@@ -65,71 +87,58 @@ properties! {
         choices in choices(2),
     ) {
         let robot = closed(&case, &choices, true);
-        let (n, q, u, y) = (case.n(), &case.q, &case.u, &case.y);
-        let d: Vec<f64> = y.iter().map(|y| (5.0 * y).sin()).collect();
+        let (q, u, y) = (&case.q, &case.u, &case.y);
         let p: Vec<f64> = case.v.iter().zip(u).map(|(v, u)| v + 0.3 * u).collect();
-        let of = Rounding::new(&robot, [q, &p, u, y, &d]);
-        let mut ours = ConstrainedHamiltonianSecondOrder::<f64>::new(&robot);
-        let all = ours.contract(q, &p, u, y).unwrap();
-        let linear = all.linearisation();
-        let rows = linear.mu().len();
-        let found = DVector::from_vec([linear.f(), linear.mu()].concat());
-        let (f_x, mu_x) = (linear.matrix().to_nalgebra(), linear.mu_x().to_nalgebra());
-        let y_f_xx = all.matrix().to_nalgebra();
-        let mut judge = Hessian::new(Held { robot: &robot, q, u, rows });
-        let at = [vec![0.0; n], p.clone()].concat();
-        let expected = judge.contract(&at, &[&y[..], &vec![0.0; rows]].concat()).unwrap();
-        let expected = expected.view().to_nalgebra();
-        let last = judge.last();
-        let slopes = last.jacobian().view().to_nalgebra();
-        close("F, mu", found.as_slice(), last.value(), of.f)?;
-        close("F_x", f_x.as_slice(), slopes.rows(0, 2 * n).into_owned().as_slice(), of.f_x)?;
-        close("mu_x", mu_x.as_slice(), slopes.rows(2 * n, rows).into_owned().as_slice(), of.f_x)?;
-        close("y'F_xx", y_f_xx.as_slice(), expected.as_slice(), of.y_f_xx)?;
-        // Products beside the matrices: entries of y and d are at most 1. lambda is the rate of mu.
-        let terms = 2.0 * n as f64;
-        let y = DVector::from_column_slice(y);
-        let by_y = ours.first().adjoint(q, &p, u, y.as_slice()).unwrap().y_f_x;
-        close("y'F_x", by_y, (f_x.transpose() * &y).as_slice(), terms * of.f_x)?;
-        let product = ours.hessian_product(q, &p, y.as_slice(), &d).unwrap();
-        let expected = &y_f_xx * DVector::from_column_slice(&d);
-        close("y'F_xx d", product, expected.as_slice(), of.product.max(terms * of.y_f_xx))?;
-        let linear = ours.first().linearise(q, &p, u).unwrap();
-        close("F_x alone", linear.matrix().to_nalgebra().as_slice(), f_x.as_slice(), of.f_x)?;
-        // Products with F, of which both factors are rounded.
-        let f = found.rows(0, 2 * n);
-        let bound = terms * (f.amax() * of.f_x + slopes.amax() * of.f);
-        close("lambda", linear.lambda(), (&mu_x * f).as_slice(), bound)?;
-        close("a", linear.acceleration(), (f_x.rows(0, n) * f).as_slice(), bound)?;
+        let found = by_hand::<f64>(&robot, [q, &p, u, y]);
+        let held = || Held { robot: &robot, q, u, rows: found[0].len() - 2 * case.n() };
+        let expected = reference::<f64>(held(), &p, y);
+        let of_hand = by_hand::<Count>(&robot, [q, &p, u, y]);
+        explained(["F, mu", "F_x, mu_x", "y'F_xx"], [&found, &expected], &of_hand, || {
+            Ok(reference::<Count>(held(), &p, y))
+        })?;
+    }
+
+    /// Products beside the matrices, and what follows from them: lambda is the rate of mu, a that of v.
+    #[test]
+    fn products_are_those_with_the_matrices(case in free_cases(3), choices in choices(2)) {
+        let robot = closed(&case, &choices, true);
+        let n = case.n();
+        rounding!(|S| {
+            let (q, [v, u, y]) = (lift_rounded::<S>(&case.q), [&case.v[..], &case.u, &case.y].map(lift::<S>));
+            let p: Vec<S> = v.iter().zip(&u).map(|(&v, u)| v + u.times(0.3)).collect();
+            let d: Vec<S> = y.iter().map(|y| y.times(5.0).sin_cos().0).collect();
+            let mut ours = ConstrainedHamiltonianSecondOrder::<S>::new(&robot);
+            let by_y = ours.first().adjoint(&q, &p, &u, &y).unwrap().y_f_x.to_vec();
+            let by_d = ours.hessian_product(&q, &p, &y, &d).unwrap().to_vec();
+            let linear = ours.first().linearise(&q, &p, &u).unwrap();
+            let (f, f_x, mu_x) = (linear.f().to_vec(), rows(linear.matrix()), rows(linear.mu_x()));
+            let (lambda, a) = (linear.lambda().to_vec(), linear.acceleration().to_vec());
+            let all = ours.contract(&q, &p, &u, &y).unwrap();
+            vec![
+                ("y'F_x", apart(&by_y, &transposed_times(&f_x, &y))),
+                ("y'F_xx d", apart(&by_d, &times(&rows(all.matrix()), &d))),
+                ("F_x alone", apart(&f_x, &rows(all.linearisation().matrix()))),
+                ("lambda", apart(&lambda, &times(&mu_x, &f))),
+                ("a", apart(&a, &times(&f_x[..2 * n * n], &f))),
+            ]
+        })?;
     }
 
     /// H_c and g along motions without friction; J is the derivative of g.
     #[test]
     fn energy_and_constraints_stay(case in free_cases(4), choices in choices(3)) {
         let robot = closed(&case, &choices, false);
-        let (n, q) = (case.n(), &case.q);
-        let bound = 10.0 * tolerance(&robot.without_constraints(), q) / independence(&robot, q).powi(2);
         let p: Vec<f64> = case.v.iter().zip(&case.u).map(|(v, u)| v + 0.3 * u).collect();
-        let mut first = ConstrainedHamiltonian::<f64>::new(&robot);
-        let f = first.evaluate(q, &p, &vec![0.0; n]).unwrap().f.to_vec();
-        let step = retracted(&robot, q, &moving(&vec![0.0; n], &f[..n]));
-        let mut along = ConstrainedHamiltonian::<Dual64>::new(&robot);
-        let energy = along.energy(&step, &moving(&p, &f[n..])).unwrap();
-        // The power of every force is lost to rounding alone.
-        let power: f64 = f[..n].iter().zip(&f[n..]).map(|(v, rate)| (v * rate).abs()).sum();
-        let change = (energy.kinetic + energy.potential).eps;
-        prop_assert!(change.abs() <= bound * (1.0 + energy.kinetic.re + power), "{change:.1e}");
-        let speed = f[..n].iter().fold(1.0, |most: f64, v| most.max(v.abs()));
-        let far = q.iter().fold(1.0, |most: f64, q| most.max(q.abs()));
-        // Distances are products of two arms.
-        let far = far * far * speed;
-        let still = along.constraints().values().iter().all(|g| g.eps.abs() <= bound * far);
-        prop_assert!(still, "{:?}", along.constraints().values());
-        let mut rows = Constraints::<Dual64>::new(&robot);
-        rows.set_position(&retracted(&robot, q, &moving(&vec![0.0; n], &case.v))).unwrap();
-        for (g, rate) in rows.values().iter().zip(first.constraint_rate(q, &case.v).unwrap()) {
-            prop_assert!((g.eps - rate).abs() <= 1e-13 * far, "{g} {rate}");
-        }
+        rounding!(|S| constants_of_motion(&robot, &case.q, &lift::<S>(&p)))?;
+        rounding!(|S| {
+            let (q, v) = (lift_rounded::<S>(&case.q), lift::<S>(&case.v));
+            let rest = vec![S::zero(); v.len()];
+            let mut first = ConstrainedHamiltonian::<S>::new(&robot);
+            let mut rows = Constraints::<Tangent<S>>::new(&robot);
+            rows.set_position(&retracted(&robot, &case.q, &moving(&rest, &v))).unwrap();
+            let rates: Vec<S> = rows.values().iter().map(|g| g.eps).collect();
+            vec![("J v - dg/dt", apart(first.constraint_rate(&q, &v).unwrap(), &rates))]
+        })?;
     }
 
     #[test]

@@ -1,16 +1,12 @@
 //! Impacts, and accelerations with forces, on random trees with random constraints.
 
-use super::{choices, closed, independence};
+use super::{choices, closed};
 use costate::constraints::{ConstrainedLagrangian, ConstrainedLagrangianSecondOrder, Impact};
-use costate_test_support::properties;
-use costate_test_support::random_robot::{cases, tolerance};
-use nalgebra::DVector;
-use num_dual::HyperDual64;
+use costate::scalar::{Scalar, Tangent};
+use costate_test_support::random_robot::cases;
+use costate_test_support::rounding::{apart, lift, rows, times};
+use costate_test_support::{properties, rounding};
 use proptest::prelude::*;
-
-fn largest<'a>(values: impl IntoIterator<Item = &'a f64>) -> f64 {
-    values.into_iter().fold(0.0, |most, value| most.max(value.abs()))
-}
 
 properties! {
     96;
@@ -19,25 +15,27 @@ properties! {
     #[test]
     fn impacts_balance_and_lose_energy(case in cases(8), choices in choices(3)) {
         let robot = closed(&case, &choices, true);
-        let bound = 10.0 * tolerance(&robot.without_constraints(), &case.q) / independence(&robot, &case.q);
+        rounding!(|S| {
+            let [q, v] = [&case.q[..], &case.v].map(lift::<S>);
+            let mut impact = Impact::<S>::new(&robot);
+            let p = impact.hamiltonian().momentum(&q, &v).unwrap().to_vec();
+            let after = impact.evaluate(&q, &p).unwrap();
+            let (v_after, p_after, loss) = (after.velocity.to_vec(), after.momentum.to_vec(), after.loss);
+            let moved = apart(&p_after, impact.hamiltonian().momentum(&q, &v_after).unwrap());
+            let rates = impact.hamiltonian().constraint_rate(&q, &v_after).unwrap().to_vec();
+            // Half of the product of the change of the velocity and of the impulse.
+            let twice = |sum: S, (&p, &v): (&S, &S)| sum + p * v;
+            let before = p.iter().zip(&v).fold(S::zero(), twice);
+            let lost = before - p_after.iter().zip(&v_after).fold(S::zero(), twice);
+            vec![("p+ - M v+", moved), ("J v+", rates), ("loss", vec![lost.times(0.5) - loss])]
+        })?;
         let mut impact = Impact::<f64>::new(&robot);
-        let p = DVector::from_column_slice(impact.hamiltonian().momentum(&case.q, &case.v).unwrap());
-        let after = impact.evaluate(&case.q, p.as_slice()).unwrap();
-        let (v, impulse, loss) = (after.velocity.to_vec(), after.impulse.to_vec(), after.loss);
-        let momentum = DVector::from_column_slice(after.momentum);
-        let size = largest(&v).max(largest(&p)).max(largest(&impulse)).max(1.0);
+        let p = impact.hamiltonian().momentum(&case.q, &case.v).unwrap().to_vec();
+        let loss = impact.evaluate(&case.q, &p).unwrap().loss;
         prop_assert!(loss >= 0.0, "{loss}");
-        let expected = DVector::from_column_slice(impact.hamiltonian().momentum(&case.q, &v).unwrap());
-        prop_assert!((&momentum - &expected).amax() <= bound * size, "p+ = M v+");
-        let rate = largest(impact.hamiltonian().constraint_rate(&case.q, &v).unwrap());
-        prop_assert!(rate <= bound * size, "J v+ = {rate}");
-        // Half of the product of the change of the velocity and of the impulse.
-        let kinetic = |p: &DVector<f64>, v: &[f64]| 0.5 * p.dot(&DVector::from_column_slice(v));
-        let lost = kinetic(&p, &case.v) - kinetic(&momentum, &v);
-        prop_assert!((lost - loss).abs() <= bound * size * size, "{lost} {loss}");
     }
 
-    /// First and second derivatives along two directions.
+    /// First and second derivatives along two directions, by dual numbers in dual numbers.
     #[test]
     fn accelerations_and_forces_have_exact_derivatives(
         case in cases(6),
@@ -45,38 +43,35 @@ properties! {
         seed in 0.0..10.0_f64,
     ) {
         let robot = closed(&case, &choices, true);
-        let independence = independence(&robot, &case.q);
-        let bound = 10.0 * tolerance(&robot.without_constraints(), &case.q) / independence.powi(3);
         let n = robot.dof();
         let wave = |from: f64, count: usize| -> Vec<f64> {
             (0..count).map(|i| (from + seed + 1.3 * i as f64).sin()).collect()
         };
-        let mut second = ConstrainedLagrangianSecondOrder::<f64>::new(&robot);
-        let k = second.constrained().constraints().count();
-        let (e, c) = (wave(0.2, n), wave(1.2, k));
-        let (along, across) = (wave(2.1, 3 * n), wave(0.7, 3 * n));
-        let z = [&case.q[..], &case.v, &case.u].concat();
-        let all = second.contract([&case.q, &case.v, &case.u], &e, &c).unwrap();
-        let linear = all.linearisation();
-        let (a_z, lambda_z) = (linear.a_z().to_nalgebra(), linear.lambda_z().to_nalgebra());
-        let (found, zz) = (linear.acceleration().iter().chain(linear.lambda()).copied().collect::<Vec<_>>(), all.matrix().to_nalgebra());
-        let seeds: Vec<HyperDual64> =
-            (0..3 * n).map(|i| HyperDual64::new(z[i], along[i], across[i], 0.0)).collect();
-        let mut judge = ConstrainedLagrangian::<HyperDual64>::new(&robot);
-        let (a, lambda) = judge.evaluate(&seeds[..n], &seeds[n..2 * n], &seeds[2 * n..]).unwrap();
-        let expected: Vec<HyperDual64> = a.iter().chain(lambda).copied().collect();
-        let (along, across) = (DVector::from_vec(along), DVector::from_vec(across));
-        let slopes = [&a_z * &along, &lambda_z * &along];
-        let slopes: Vec<f64> = slopes.iter().flat_map(|slopes| slopes.iter().copied()).collect();
-        let weights = [&e[..], &c].concat();
-        let size = largest(&found).max(largest(a_z.iter())).max(largest(lambda_z.iter())).max(1.0);
-        for (i, expected) in expected.iter().enumerate() {
-            prop_assert!((found[i] - expected.re).abs() <= bound * size, "{i}");
-            prop_assert!((slopes[i] - expected.eps1).abs() <= bound * size * n as f64, "{i}");
-        }
-        let curvature: f64 = expected.iter().zip(&weights).map(|(x, w)| x.eps1eps2 * w).sum();
-        let difference = (along.dot(&(&zz * across)) - curvature).abs();
-        let size = size.max(zz.amax());
-        prop_assert!(difference <= 4.0 * bound * size * (n * n) as f64, "{difference:.1e} of {size:.1e}");
+        rounding!(|S| {
+            let z = lift::<S>(&[&case.q[..], &case.v, &case.u].concat());
+            let mut second = ConstrainedLagrangianSecondOrder::<S>::new(&robot);
+            let k = second.constrained().constraints().count();
+            let [e, c, along, across] =
+                [(0.2, n), (1.2, k), (2.1, 3 * n), (0.7, 3 * n)].map(|(from, count)| lift::<S>(&wave(from, count)));
+            let all = second.contract([&z[..n], &z[n..2 * n], &z[2 * n..]], &e, &c).unwrap();
+            let linear = all.linearisation();
+            let found = [linear.acceleration(), linear.lambda()].concat();
+            let slopes = times(&[rows(linear.a_z()), rows(linear.lambda_z())].concat(), &along);
+            let bent = times(&rows(all.matrix()), &across);
+            let seed = |i: usize| Tangent::new(Tangent::new(z[i], along[i]), Tangent::new(across[i], S::zero()));
+            let seeds: Vec<_> = (0..3 * n).map(seed).collect();
+            let mut judge = ConstrainedLagrangian::<Tangent<Tangent<S>>>::new(&robot);
+            let (a, lambda) = judge.evaluate(&seeds[..n], &seeds[n..2 * n], &seeds[2 * n..]).unwrap();
+            let expected = [a, lambda].concat();
+            let of = |part: fn(&Tangent<Tangent<S>>) -> S| expected.iter().map(part).collect::<Vec<S>>();
+            let weights = [e, c].concat();
+            let curvature = along.iter().zip(&bent).fold(S::zero(), |sum, (&d, &bent)| sum + d * bent);
+            let bends = of(|x| x.eps.eps).into_iter().zip(&weights);
+            vec![
+                ("a, lambda", apart(&found, &of(|x| x.re.re))),
+                ("a_z d, lambda_z d", apart(&slopes, &of(|x| x.re.eps))),
+                ("d'(e'a + c'lambda)_zz d", vec![bends.fold(curvature, |rest, (x, &w)| rest - x * w)]),
+            ]
+        })?;
     }
 }

@@ -1,5 +1,5 @@
-//! Constraints of all kinds on random trees: F, F_x and y'F_xx against numbers of num-dual through a dense
-//! version of H_c, accelerations and forces against the dense equations of motion.
+//! Constraints of all kinds on random trees: F, F_x and y'F_xx against dual numbers through a dense version
+//! of H_c, accelerations and forces in the dense equations of motion.
 
 mod exceptions;
 mod free_joints;
@@ -10,16 +10,16 @@ mod poses;
 use crate::free_joints::retracted;
 use costate::configuration::FreeKinematics;
 use costate::constraints::{ConstrainedHamiltonian, ConstrainedHamiltonianSecondOrder, Constraints};
-use costate::derivative::largest;
 use costate::kernels::KernelOne;
 use costate::lagrangian::Lagrangian;
 use costate::robot::{ConstraintFrame, ConstraintRow, ConstraintSpec, Placement, Robot, Tree};
-use costate::scalar::{Count, Scalar};
-use costate_test_support::properties;
-use costate_test_support::random_robot::{Case, cases, tolerance};
-use costate_test_support::rounding::{bound, close, lift, rows};
-use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
-use num_dual::{Dual64, HyperDual, HyperDual64};
+use costate::scalar::{Scalar, Tangent};
+use costate_test_support::random_robot::{Case, cases};
+use costate_test_support::rounding::{
+    Differences, apart, lift, lift_rounded, moving, rows, times, transposed_times,
+};
+use costate_test_support::{properties, rounding};
+use nalgebra::{DMatrix, Matrix3, Vector3};
 use proptest::prelude::*;
 
 /// What one constraint is made of.
@@ -142,79 +142,75 @@ fn hamiltonian<T: Scalar>(robot: &Robot, tree: &Tree, x: &[T]) -> T {
     product(p, &v) - product(&v, &moved).times(0.5) + kernel.potential(tree)
 }
 
-/// How far two methods for a robot with constraints may be apart: four times the bounds of the methods by
-/// hand. The dense equations take the same inverses twice, of M and of `J M^-1 J'`.
-///
-/// Where constraints leave nothing to move, what is zero by hand is a difference of products with both
-/// inverses elsewhere. These are of the size of (F, mu) and its derivatives, and round by the condition of M
-/// and the square of that of `J M^-1 J'`; four of them are in a second derivative.
-struct Rounding {
-    /// (F, mu) and their derivatives.
-    f: f64,
-    f_x: f64,
-    y_f_xx: f64,
-    /// y'F_xx d.
-    product: f64,
-}
-
-impl Rounding {
-    fn new(robot: &Robot, [q, p, u, y, d]: [&[f64]; 5]) -> Self {
-        let [q, p, u, y, d] = [q, p, u, y, d].map(lift::<Count>);
-        let bound = |block: &[Count]| 4.0 * bound(block);
-        let mut ours = ConstrainedHamiltonianSecondOrder::<Count>::new(robot);
-        let product = bound(ours.hessian_product(&q, &p, &y, &d).unwrap());
-        let all = ours.contract(&q, &p, &u, &y).unwrap();
-        let linear = all.linearisation();
-        let values = |block: &[Count]| block.iter().map(|entry| entry.value()).collect::<Vec<f64>>();
-        let size = |block: &[Count]| largest(&values(block));
-        let (f_x, mu_x, y_f_xx) = (rows(linear.matrix()), rows(linear.mu_x()), rows(all.matrix()));
-        let at = values(&q);
-        let relative = 10.0 * tolerance(&robot.without_constraints(), &at) / independence(robot, &at).powi(2);
-        let of_first = [size(linear.f()), size(linear.mu()), size(&f_x), size(&mu_x), 1.0];
-        let cancelling = relative * largest(&of_first);
-        let of_second = 4.0 * cancelling.max(relative * size(&y_f_xx));
-        Self {
-            f: bound(linear.f()).max(bound(linear.mu())) + cancelling,
-            f_x: bound(&f_x).max(bound(&mu_x)) + cancelling,
-            y_f_xx: bound(&y_f_xx) + of_second,
-            product: product + of_second,
+/// F, F_x, y'F_x and y'F_xx of the dense Hamiltonian, `F = J grad H_c`, by dual numbers in dual numbers.
+fn of_dense_hamiltonian<S: Scalar>(robot: &Robot, x: &[S], y: &[S]) -> [Vec<S>; 4] {
+    let (tree, n) = (Tree::from(robot), y.len() / 2);
+    let zero = Tangent::new(S::zero(), S::zero());
+    let one = |on: bool| if on { Tangent::new(S::one(), S::zero()) } else { zero };
+    // w = (-y_p, y_q): y'F is the derivative of H_c along w.
+    let w: Vec<S> = y[n..].iter().map(|&y| -y).chain(y[..n].iter().copied()).collect();
+    let [mut f, mut y_f_x] = [(); 2].map(|()| vec![S::zero(); 2 * n]);
+    let [mut f_x, mut y_f_xx] = [(); 2].map(|()| vec![S::zero(); 4 * n * n]);
+    // J moves and signs the rows of the derivatives of H_c.
+    let signed = |i: usize, x: S| if i < n { (n + i, -x) } else { (i - n, x) };
+    for i in 0..2 * n {
+        for j in 0..=i {
+            let number = |l: usize| {
+                let along = Tangent::new(Tangent::new(x[l], w[l]), one(l == i));
+                Tangent::new(along, Tangent::new(one(l == j), zero))
+            };
+            let h = hamiltonian(robot, &tree, &(0..2 * n).map(number).collect::<Vec<_>>());
+            let (row, slope) = signed(i, h.re.eps.re);
+            (f[row], y_f_x[i]) = (slope, h.re.eps.eps);
+            for (i, j) in [(i, j), (j, i)] {
+                let (row, bend) = signed(i, h.eps.eps.re);
+                f_x[row * 2 * n + j] = bend;
+                y_f_xx[i * 2 * n + j] = h.eps.eps.eps;
+            }
         }
     }
+    [f, f_x, y_f_x, y_f_xx]
 }
 
-/// Accelerations and forces against the dense equations of motion, with friction; `J a = -(J v)_q v`.
+/// H_c and g along the motion from (q, p) at which nothing drives and nothing rubs: their rates vanish.
+fn constants_of_motion<S: Scalar>(robot: &Robot, q: &[f64], p: &[S]) -> Differences<S> {
+    let (n, rest) = (p.len(), vec![S::zero(); p.len()]);
+    let mut first = ConstrainedHamiltonian::<S>::new(robot);
+    let f = first.evaluate(&lift_rounded::<S>(q), p, &rest).unwrap().f.to_vec();
+    let mut along = ConstrainedHamiltonian::<Tangent<S>>::new(robot);
+    let energy = along.energy(&retracted(robot, q, &moving(&rest, &f[..n])), &moving(p, &f[n..])).unwrap();
+    let rates = along.constraints().values().iter().map(|g| g.eps).collect();
+    vec![("dH/dt", vec![(energy.kinetic + energy.potential).eps]), ("dg/dt", rates)]
+}
+
+/// Accelerations and forces in the equations of motion, with friction: `tau(q, v, a) = u + J'lambda` of the
+/// robot without constraints, and `J a = -(J v)_q v`.
 fn are_those_of_the_dense_equations(robot: &Robot, case: &Case) -> Result<(), TestCaseError> {
-    let (n, q, u) = (case.n(), &case.q, &case.u);
-    let independence = independence(robot, q);
-    let bound = 10.0 * tolerance(&robot.without_constraints(), q) / independence.powi(2);
+    let (open, p) = (robot.without_constraints(), case.v.iter().map(|v| 2.0 * v).collect::<Vec<_>>());
     let mut constrained = ConstrainedHamiltonian::<f64>::new(robot);
-    let p: Vec<f64> = case.v.iter().map(|v| 2.0 * v).collect();
-    let linear = constrained.linearise(q, &p, u).unwrap();
-    let (v, found) = (linear.velocity().to_vec(), [linear.acceleration(), linear.lambda()].concat());
-    let f = linear.f().iter().fold(0.0, |most: f64, f| most.max(f.abs()));
-    let terms = f * linear.matrix().to_nalgebra().amax().max(linear.mu_x().to_nalgebra().amax());
-    let k = found.len() - n;
+    constrained.evaluate(&case.q, &p, &case.u).unwrap();
     prop_assert!(constrained.counted().iter().all(|&counts| counts == 1.0));
-    // The curve q (+) v t has the velocity v throughout.
-    let mut moving = Constraints::<HyperDual64>::new(robot);
-    let along: Vec<_> = v.iter().map(|&v| HyperDual64::new(0.0, v, v, 0.0)).collect();
-    moving.set_position(&retracted(robot, q, &along)).unwrap();
-    let mut open = Lagrangian::<f64>::new(&robot.without_constraints());
-    let m = open.mass_matrix(q).unwrap().view().to_nalgebra();
-    let bias = open.inverse_dynamics(q, &v, &vec![0.0; n]).unwrap();
-    let mut dense = DMatrix::zeros(n + k, n + k);
-    dense.view_mut((0, 0), (n, n)).copy_from(&m);
-    let j = constrained.constraints().jacobian().view().to_nalgebra();
-    dense.view_mut((n, 0), (k, n)).copy_from(&j);
-    dense.view_mut((0, n), (n, k)).copy_from(&-j.transpose());
-    let rhs =
-        DVector::from_fn(n + k, |i, _| if i < n { u[i] - bias[i] } else { -moving.values()[i - n].eps1eps2 });
-    let expected = dense.lu().solve(&rhs).unwrap();
-    // Rounding is in proportion to the terms of (v, mu)_x F.
-    let size = terms.max(expected.amax()).max(rhs.amax());
-    let worst = (DVector::from_vec(found) - expected).amax();
-    prop_assert!(worst <= bound * size, "{:.1e} of {bound:.1e}", worst / size);
-    Ok(())
+    rounding!(|S| {
+        let (q, [p, u]) = (lift_rounded::<S>(&case.q), [&p[..], &case.u].map(lift::<S>));
+        let mut constrained = ConstrainedHamiltonian::<S>::new(robot);
+        let linear = constrained.linearise(&q, &p, &u).unwrap();
+        let (v, a, lambda) =
+            (linear.velocity().to_vec(), linear.acceleration().to_vec(), linear.lambda().to_vec());
+        let j = constrained.constraints().jacobian();
+        let force = |i: usize| (0..lambda.len()).fold(u[i], |sum, k| sum + j[(k, i)] * lambda[k]);
+        let forces: Vec<S> = (0..u.len()).map(force).collect();
+        let tau = apart(Lagrangian::<S>::new(&open).inverse_dynamics(&q, &v, &a).unwrap(), &forces);
+        // The curve q (+) v t has the velocity v throughout.
+        let along = |&v: &S| Tangent::new(Tangent::new(S::zero(), v), Tangent::new(v, S::zero()));
+        let mut moved = Constraints::<Tangent<Tangent<S>>>::new(robot);
+        moved.set_position(&retracted(robot, &case.q, &v.iter().map(along).collect::<Vec<_>>())).unwrap();
+        let bends = moved
+            .values()
+            .iter()
+            .enumerate()
+            .map(|(k, g)| j.row(k).iter().zip(&a).fold(g.eps.eps, |sum, (&j, &a)| sum + j * a));
+        vec![("tau - u - J'lambda", tau), ("J a + (J v)_q v", bends.collect())]
+    })
 }
 
 properties! {
@@ -223,58 +219,27 @@ properties! {
     #[test]
     fn derivatives_are_those_of_the_dense_hamiltonian(case in cases(4), choices in choices(2)) {
         let robot = closed(&case, &choices, false);
-        let (n, q, y) = (case.n(), &case.q, &case.y);
+        let (n, q) = (case.n(), &case.q);
         let p: Vec<f64> = case.v.iter().zip(&case.u).map(|(v, u)| v + 0.3 * u).collect();
-        let (zero, d) = (vec![0.0; n], y.iter().map(|y| (5.0 * y).sin()).collect::<Vec<f64>>());
-        let of = Rounding::new(&robot, [q, &p, &zero, y, &d]);
-        let mut ours = ConstrainedHamiltonianSecondOrder::<f64>::new(&robot);
-        let all = ours.contract(q, &p, &zero, y).unwrap();
-        let (f, f_x) = (DVector::from_column_slice(all.linearisation().f()), all.linearisation().matrix().to_nalgebra());
-        let (y_f_xx, x, tree) = (all.matrix().to_nalgebra(), [&q[..], &p].concat(), Tree::from(&robot));
-        // w = (-y_p, y_q): y'F is the derivative of H_c along w.
-        let along: Vec<f64> = y[n..].iter().map(|y| -y).chain(y[..n].iter().copied()).collect();
-        let (mut gradient, mut adjoint) = (DVector::zeros(2 * n), DVector::zeros(2 * n));
-        let (mut hessian, mut curvature) = (DMatrix::zeros(2 * n, 2 * n), DMatrix::zeros(2 * n, 2 * n));
-        for i in 0..2 * n {
-            for j in 0..=i {
-                let one = |on: bool| Dual64::from_re(f64::from(u8::from(on)));
-                let seeds: Vec<HyperDual<Dual64>> = (0..2 * n)
-                    .map(|l| HyperDual::new(Dual64::new(x[l], along[l]), one(l == i), one(l == j), one(false)))
-                    .collect();
-                let h = hamiltonian(&robot, &tree, &seeds);
-                (gradient[i], adjoint[i]) = (h.eps1.re, h.eps1.eps);
-                (hessian[(i, j)], hessian[(j, i)]) = (h.eps1eps2.re, h.eps1eps2.re);
-                (curvature[(i, j)], curvature[(j, i)]) = (h.eps1eps2.eps, h.eps1eps2.eps);
-            }
-        }
-        // F = J grad H_c.
-        let of_h = DMatrix::from_fn(2 * n, 2 * n, |i, k| if i < n { hessian[(n + i, k)] } else { -hessian[(i - n, k)] });
-        let f_of_h = DVector::from_fn(2 * n, |i, _| if i < n { gradient[n + i] } else { -gradient[i - n] });
-        // Entries of y and d are at most 1: each of the 2n terms of a product rounds as an entry does.
-        let terms = 2.0 * n as f64;
-        close("F", f.as_slice(), f_of_h.as_slice(), of.f)?;
-        close("F_x", f_x.as_slice(), of_h.as_slice(), of.f_x)?;
-        let by_y = f_x.transpose() * DVector::from_column_slice(y);
-        close("y'F_x", by_y.as_slice(), adjoint.as_slice(), terms * of.f_x)?;
-        close("y'F_xx", y_f_xx.as_slice(), curvature.as_slice(), of.y_f_xx)?;
+        rounding!(|S| {
+            let [q, p, y] = [&q[..], &p, &case.y].map(lift::<S>);
+            let d: Vec<S> = y.iter().map(|&y| y.times(5.0).sin_cos().0).collect();
+            let mut ours = ConstrainedHamiltonianSecondOrder::<S>::new(&robot);
+            let by_d = ours.hessian_product(&q, &p, &y, &d).unwrap().to_vec();
+            let all = ours.contract(&q, &p, &vec![S::zero(); n], &y).unwrap();
+            let (f_x, y_f_xx) = (rows(all.linearisation().matrix()), rows(all.matrix()));
+            let [f, dense_f_x, y_f_x, dense] = of_dense_hamiltonian(&robot, &[&q[..], &p].concat(), &y);
+            let mut blocks = vec![("F", apart(all.linearisation().f(), &f)), ("F_x", apart(&f_x, &dense_f_x))];
+            blocks.push(("y'F_x", apart(&transposed_times(&f_x, &y), &y_f_x)));
+            blocks.push(("y'F_xx", apart(&y_f_xx, &dense)));
+            blocks.push(("y'F_xx d", apart(&by_d, &times(&y_f_xx, &d))));
+            blocks
+        })?;
+        rounding!(|S| constants_of_motion(&robot, q, &lift::<S>(&p)))?;
+        let mut ours = ConstrainedHamiltonian::<f64>::new(&robot);
+        let f_x = ours.linearise(q, &p, &vec![0.0; n]).unwrap().matrix().to_nalgebra();
         let j = DMatrix::from_fn(2 * n, 2 * n, |i, k| if i < n { f_x[(n + i, k)] } else { -f_x[(i - n, k)] });
         prop_assert_eq!(&j, &j.transpose(), "J F_x is symmetric");
-        // Products beside the matrices.
-        let product = ours.hessian_product(q, &p, y, &d).unwrap();
-        let expected = &y_f_xx * DVector::from_column_slice(&d);
-        close("y'F_xx d", product, expected.as_slice(), of.product.max(terms * of.y_f_xx))?;
-        // H_c and g are constant along motions.
-        let mut moving = ConstrainedHamiltonian::<Dual64>::new(&robot);
-        let rate: Vec<f64> = ours.first().evaluate(q, &p, &zero).unwrap().f.to_vec();
-        let along: Vec<Dual64> = x.iter().zip(&rate).map(|(&x, &rate)| Dual64::new(x, rate)).collect();
-        let energy = moving.energy(&along[..n], &along[n..]).unwrap();
-        // Both are sums of products with F: H_x, whose entries are those of F, and J.
-        let largest = rate.iter().fold(0.0, |most: f64, f| most.max(f.abs()));
-        close("dH/dt", &[(energy.kinetic + energy.potential).eps], &[0.0], 2.0 * terms * largest * of.f)?;
-        let arms = ours.first().constraints().jacobian().view().to_nalgebra().amax();
-        let bound = n as f64 * (1.0 + arms) * of.f;
-        let still = moving.constraints().values().iter().all(|g| g.eps.abs() <= bound);
-        prop_assert!(still, "{:?}", moving.constraints().values());
     }
 
     #[test]

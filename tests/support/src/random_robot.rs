@@ -218,11 +218,6 @@ pub fn condition(robot: &Robot, q: &[f64]) -> f64 {
     values.max() / values.min()
 }
 
-/// `1e-12 max(1, cond(M) / 1000)`: what two routes may differ by in double precision.
-pub fn tolerance(robot: &Robot, q: &[f64]) -> f64 {
-    1e-12 * (condition(robot, q) / 1000.0).max(1.0)
-}
-
 /// `max |a - b| / max |b|`; the entries of a quantity are judged together.
 pub fn difference(a: &[f64], b: &[f64]) -> f64 {
     assert_eq!(a.len(), b.len());
