@@ -39,6 +39,14 @@ pub(crate) mod finer_mesh {
     pub const MESHES: usize = 3;
 }
 
+/// A motion that is solved once more without its multipliers.
+pub(crate) mod once_more {
+    /// It is taken if it costs less by this many tolerances at least.
+    pub const CHEAPER: f64 = 1.0;
+    /// How often.
+    pub const TIMES: usize = 3;
+}
+
 /// Joints that a mesh does not follow.
 pub(crate) mod fast_joint {
     /// `rho h` above which a mesh does not follow.

@@ -33,6 +33,11 @@ impl<D> Interior<D> {
         self.with_crossings(&self.crossed.of_rates(), most)
     }
 
+    /// The same where it crosses anything narrow, signs of powers among that.
+    pub fn crossed_anywhere(&self, most: usize) -> Vec<f64> {
+        self.with_crossings(&self.crossed, most)
+    }
+
     fn with_crossings(&self, narrow: &Narrow, most: usize) -> Vec<f64> {
         let closest = constants::CLOSEST * constants::NARROWEST;
         let mesh = &self.spline.mesh;

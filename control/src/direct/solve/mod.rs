@@ -17,6 +17,7 @@ mod looks;
 mod mending;
 mod meshes;
 mod next_mesh;
+mod once_more;
 pub(super) mod prepare;
 pub(super) mod refined;
 mod refinement;
