@@ -162,11 +162,18 @@ impl Mesh {
 
     /// Nodes with all intervals in two that are not too narrow.
     pub fn halved(&self, narrowest: f64) -> Vec<f64> {
-        let parts = self.nodes.windows(2).flat_map(|ends| {
-            let middle = (ends[1] - ends[0] > narrowest).then_some(0.5 * (ends[0] + ends[1]));
-            middle.into_iter().chain([ends[1]])
+        self.divided(2, narrowest)
+    }
+
+    /// Nodes with all intervals divided into so many parts, those that are at most this wide not.
+    pub fn divided(&self, parts: usize, narrowest: f64) -> Vec<f64> {
+        let inner = self.nodes.windows(2).flat_map(|ends| {
+            let width = ends[1] - ends[0];
+            let parts = if width > narrowest { parts } else { 1 };
+            let inside = (1..parts).map(move |part| ends[0] + width * (part as f64 / parts as f64));
+            inside.chain([ends[1]])
         });
-        std::iter::once(self.nodes[0]).chain(parts).collect()
+        std::iter::once(self.nodes[0]).chain(inner).collect()
     }
 
     /// The interval that holds s, and the part of it before s.

@@ -40,7 +40,7 @@ pub(super) fn solve_once_more(
     if crossed == mesh.nodes {
         return Ok(false);
     }
-    let nodes = Mesh::new(crossed, mesh.shape).halved(interior.narrowest()[0]);
+    let nodes = Mesh::new(crossed, mesh.shape).divided(constants::PARTS, interior.narrowest()[0]);
     if mesh.shape.stride() * (nodes.len() - 1) + 1 > options.max_nodes {
         return Ok(false);
     }
