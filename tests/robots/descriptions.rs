@@ -126,10 +126,10 @@ fn angle() -> impl Strategy<Value = f64> {
 /// How much more constants of robots from text are rounded, while bounds start from one rounding each: by the
 /// square root of the number of roundings, at most 64, which are independent.
 ///
-/// A rotation from angles is rounded 9 times: sines and cosines (2 each, of three), two products, a sum. Those
-/// of a table (5) become three angles, up to pi, with errors of 11 u each, and a rotation again: 5 + 33 + 9.
-/// The inertia of a piece is turned from both sides and back, 2 (9 + 3) each, scaled, displaced (5), and added
-/// to those of two other links (5 each): 64.
+/// A rotation from angles is rounded 9 times: sines and cosines (2 each, of three), two products, a sum.
+/// Those of a table (5) become three angles, up to pi, with errors of 11 u each, and a rotation again:
+/// 5 + 33 + 9. The inertia of a piece is turned from both sides and back, 2 (9 + 3) each, scaled, displaced
+/// (5), and added to those of two other links (5 each): 64.
 const CONSTANTS: f64 = 8.0;
 
 properties! {

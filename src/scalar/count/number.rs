@@ -23,8 +23,8 @@ use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 /// ```
 ///
 /// What is exact in floating-point arithmetic makes no error: sums with 0, products with 0 and with 1/2, 1, 2
-/// and their negatives. (A 0 that rounded terms leave is not exact.) A rotation keeps variances: they do not grow from joint to joint as sums of absolute
-/// values do.
+/// and their negatives. A 0 that rounded terms leave is not exact. A rotation keeps variances: they do not
+/// grow from joint to joint as sums of absolute values do.
 #[derive(Clone, Copy, Debug)]
 pub struct Count {
     pub(super) value: f64,
