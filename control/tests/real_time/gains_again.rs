@@ -335,8 +335,8 @@ fn random_problem(random: &mut fastrand::Rng) -> Option<(Problem, String)> {
     Some((problem.with_limits(limits), kind))
 }
 
-/// 300 gains at random times of random motions. Prints those that are off, and the worst ratios to what is
-/// allowed:
+/// 300 gains at random times of random motions. Prints those that are off, with the seed that begins at their
+/// motion (`GAINS_SEED`, with `GAINS=3`), and the worst ratios to what is allowed:
 ///
 ///     cargo test --release -p costate-control --test real_time -- --ignored random_gains --nocapture
 #[test]
@@ -348,6 +348,7 @@ fn random_gains() {
     let (mut done, mut agree, mut at_switch, mut skipped) = (0, 0, 0, [0; 2]);
     let mut ratios = Vec::new();
     while done < count {
+        let replay = random.get_seed();
         let Some((problem, kind)) = random_problem(&mut random) else { continue };
         let n = problem.robot.dof();
         let Some((_, gains)) = gains(&problem) else {
@@ -376,7 +377,8 @@ fn random_gains() {
                 at_switch += usize::from(is_switch);
                 let active = gains.active[k].join(", ");
                 println!(
-                    "{kind}: t = {:.3} of {:.3} s [{active}] off by {:.1e} of {:.1e}, allowed {:.1e}{}",
+                    "GAINS_SEED={replay} {kind}: t = {:.3} of {:.3} s [{active}] off by {:.1e} of {:.1e}, \
+                     allowed {:.1e}{}",
                     gains.t[k],
                     gains.final_time,
                     off,

@@ -26,6 +26,10 @@ use std::time::Duration;
 
 /// Most Newton steps on a finer mesh, which begin at the solution of the one before.
 const MOST_STEPS: usize = 100;
+/// Tolerance to which it is solved at least. Which limits are active is known where their multipliers, or
+/// their distances, are more than about the root of it, both without unit: where these grow from zero to one
+/// along an arc that is a hundredth of an interval of a 128th of a phase.
+const SHARP: f64 = 1e-8;
 
 /// A problem that is solved again and again on one mesh, with other starts, ends, goals, references and
 /// places of obstacles.
@@ -215,25 +219,40 @@ impl Resolve {
     }
 
     /// The feedback of the motion on a finer mesh, whose intervals are halves of those that it has, none
-    /// wider than this part of a phase. `None` where it is not solved there, or no strict minimum. The motion
-    /// stays on the finer mesh, for nothing but its values and its feedback.
+    /// wider than this part of a phase, and solved there to a sharp tolerance where that succeeds. `None`
+    /// where it is not solved there at all, and the motion is what it was, or where it is no strict minimum.
+    /// Else it stays on the finer mesh, for nothing but its values and its feedback.
     ///
     /// # Errors
     /// [`EvalError`] where the motion cannot be evaluated.
     pub(crate) fn refine(&mut self, widest: f64) -> Result<Option<&Feedback>, EvalError> {
+        let (coarse, tolerance) = (self.interior.spline.mesh.nodes.clone(), self.options.tolerance);
         let mut mesh = self.interior.spline.mesh.clone();
         while (0..mesh.intervals()).any(|k| mesh.width(k) > widest) {
             mesh = Mesh::new(mesh.halved(widest), mesh.shape);
         }
-        if mesh.intervals() > self.interior.spline.mesh.intervals() {
+        if mesh.nodes.len() > coarse.len() || tolerance > SHARP {
+            self.recovery.other.take(&self.interior);
             self.interior.move_to(mesh.nodes.clone())?;
-            let end = self.interior.iterate(self.options.tolerance, MOST_STEPS, |_, _| None)?;
-            if end != End::Solved {
-                return Ok(None);
+            if self.interior.iterate(tolerance, MOST_STEPS, |_, _| None)? != End::Solved {
+                self.interior.move_to(coarse)?;
+                return self.put_back().map(|()| None);
+            }
+            if tolerance > SHARP {
+                self.recovery.other.take(&self.interior);
+                if self.interior.iterate(SHARP, MOST_STEPS, |_, _| None)? != End::Solved {
+                    self.put_back()?;
+                }
             }
             self.shown.take(&self.interior);
         }
         self.feedback()
+    }
+
+    /// Makes the motion that was put aside, on this mesh, the iterate.
+    fn put_back(&mut self) -> Result<(), EvalError> {
+        self.recovery.other.put(&mut self.interior);
+        self.interior.evaluate()
     }
 
     /// Names of the limits that are active at a time of the last motion: what, of which joint or row, and the
