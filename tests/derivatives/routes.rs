@@ -1,7 +1,7 @@
 //! Properties: all methods for derivatives agree on random trees.
 
 use costate::configuration::ConfigurationSpace;
-use costate::derivative::{Directional, Function, Hessian, Jacobian, PhaseVelocity, Routes, Verdict};
+use costate::derivative::{Directional, Figure, Function, Hessian, Jacobian, PhaseVelocity, Routes, Verdict};
 use costate::hamiltonian::{Hamiltonian, HamiltonianSecondOrder};
 use costate::matrix::Block;
 use costate::robot::Robot;
@@ -9,7 +9,7 @@ use costate::scalar::Scalar;
 use costate::step::{StepError, StepRoutes};
 use costate_test_support::properties;
 use costate_test_support::random_robot::{Case, cases, free_cases};
-use costate_test_support::rounding::{Bounds, close, terms};
+use costate_test_support::rounding::{Bounds, close, of_inverse, terms};
 use proptest::prelude::*;
 use std::convert::Infallible;
 
@@ -17,11 +17,19 @@ fn flat(block: Block<'_, f64>) -> Vec<f64> {
     block.iter_rows().flatten().copied().collect()
 }
 
-/// Everything that [`Routes`] compares, by the bound that it states.
+/// Whether a figure exceeds the bound that it states, and what the constants of a robot leave, which are taken
+/// as exact there: a rotation that is orthogonal to rounding alone makes routes differ that turn a body and
+/// that do not.
+fn exceeds(figure: &Figure, of_constants: f64) -> bool {
+    figure.verdict(1.0) == Verdict::Differs && figure.difference > figure.bound + of_constants
+}
+
+/// Everything that [`Routes`] compares.
 fn routes_agree(case: &Case) -> Result<(), TestCaseError> {
     let robot = case.robot();
     let report = Routes::new(&robot).compare(&case.x(&robot), &case.u, &case.y).unwrap();
-    let failures: Vec<_> = report.failures(1.0).collect();
+    let of_constants = of_inverse(&robot, &case.q);
+    let failures: Vec<_> = report.failures(1.0).filter(|figure| exceeds(figure, of_constants)).collect();
     prop_assert!(failures.is_empty(), "{failures:#?}");
     Ok(())
 }
@@ -36,7 +44,8 @@ fn steps_agree(case: &Case) -> Result<(), TestCaseError> {
         }
         Err(error) => prop_assert!(false, "{error}"),
     }
-    figures.retain(|figure| figure.verdict(1.0) == Verdict::Differs);
+    let of_constants = of_inverse(&robot, &case.q);
+    figures.retain(|figure| exceeds(figure, of_constants));
     prop_assert!(figures.is_empty(), "{figures:#?}");
     Ok(())
 }
