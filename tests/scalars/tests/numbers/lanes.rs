@@ -9,7 +9,7 @@ use costate::robot::Robot;
 use costate::scalar::{Count, Lanes, Scalar, Tangent, Vector};
 use costate_test_support::properties;
 use costate_test_support::random_robot::{Case, all_cases, condition, free_cases};
-use costate_test_support::rounding::{apart, bound, lift};
+use costate_test_support::rounding::{apart, bound, lift, of_inverse};
 use costate_test_support::wrenches::pulled;
 use num_dual::Dual;
 use proptest::prelude::*;
@@ -121,16 +121,24 @@ fn packed<V: Vector>(states: &[State], which: usize) -> Vec<Lanes<V>> {
 
 /// Part `of_lanes` of every quantity: lane k of those of all states against the numbers of state k `alone`,
 /// by twice the bounds of these, from numbers that are `rounded`.
+///
+/// A number of another type may take another way through a tree: what is zero along one is a difference of
+/// products with M^-1 along the other. They are of the size of the results, as in `rounding::Bounds`.
 fn compare<L>(
+    robot: &Robot,
+    states: &[State],
     lanes: &Quantities<L>,
     of_lanes: impl Fn(&L, usize) -> f64,
     alone: &[Quantities<f64>],
     rounded: &[Quantities<Count>],
 ) {
     for (k, (alone, rounded)) in alone.iter().zip(rounded).enumerate() {
+        let relative = of_inverse(robot, &states[k].0[0]);
         for (((name, lanes), (_, expected)), (_, rounded)) in lanes.iter().zip(alone).zip(rounded) {
             let found: Vec<f64> = lanes.iter().map(|entry| of_lanes(entry, k)).collect();
-            let (difference, allowed) = (largest(&apart(&found, expected)), 2.0 * bound(rounded));
+            let cancelling = relative * largest(expected).max(1.0);
+            let (difference, allowed) =
+                (largest(&apart(&found, expected)), 2.0 * bound(rounded) + cancelling);
             assert!(difference <= allowed, "{name}, lane {k}: {difference:e}, {allowed:e} allowed");
         }
     }
@@ -142,7 +150,7 @@ fn lanes_are_states<V: Vector>(case: &Case, robot: &Robot) {
     let lanes = quantities(robot, packed.each_ref().map(Vec::as_slice));
     let alone: Vec<_> = states.iter().map(|state| at::<f64>(robot, state)).collect();
     let rounded: Vec<_> = states.iter().map(|state| at::<Count>(robot, state)).collect();
-    compare(&lanes, |entry: &Lanes<V>, k| entry.lane(k), &alone, &rounded);
+    compare(robot, &states, &lanes, |entry: &Lanes<V>, k| entry.lane(k), &alone, &rounded);
 }
 
 /// All that is computed at one state.
@@ -177,10 +185,17 @@ fn derivatives_are_those_of_states<V: Vector>(case: &Case) {
     }
     let (values, slopes) = (parts(&alone, |entry| entry.re), parts(&alone, |entry| entry.eps));
     let (of_values, of_slopes) = (parts(&rounded, |entry| entry.re), parts(&rounded, |entry| entry.eps));
-    compare(&tangents, |entry: &Tangent<Lanes<V>>, k| entry.re.lane(k), &values, &of_values);
-    compare(&tangents, |entry: &Tangent<Lanes<V>>, k| entry.eps.lane(k), &slopes, &of_slopes);
-    compare(&duals, |entry: &Dual<Lanes<V>>, k| entry.re.lane(k), &values, &of_values);
-    compare(&duals, |entry: &Dual<Lanes<V>>, k| entry.eps.lane(k), &slopes, &of_slopes);
+    compare(&robot, &states, &tangents, |entry: &Tangent<Lanes<V>>, k| entry.re.lane(k), &values, &of_values);
+    compare(
+        &robot,
+        &states,
+        &tangents,
+        |entry: &Tangent<Lanes<V>>, k| entry.eps.lane(k),
+        &slopes,
+        &of_slopes,
+    );
+    compare(&robot, &states, &duals, |entry: &Dual<Lanes<V>>, k| entry.re.lane(k), &values, &of_values);
+    compare(&robot, &states, &duals, |entry: &Dual<Lanes<V>>, k| entry.eps.lane(k), &slopes, &of_slopes);
 }
 
 /// The first quantities at every state, with their derivatives along its direction.
