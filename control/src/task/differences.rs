@@ -1,9 +1,35 @@
 //! Derivatives against differences, for the tests of all functions.
 
 use super::functions::{PathFunction, TaskFunctions};
+use costate::robot::Robot;
+use costate_test_support::proptest::prelude::TestCaseError;
+use costate_test_support::reach::Reach;
+use costate_test_support::rounding::{of_joints, within};
 
-/// Step of the differences: their error is its fourth power, or rounding over it.
-const STEP: f64 = 2e-4;
+/// Step of the finer differences (rad, m); the coarser ones take twice as much.
+const STEP: f64 = 1e-4;
+
+/// Weights of the values at -4, .., 4 steps; the differences are the sums over 12 steps, all of fourth order.
+type Weights = [f64; 9];
+
+const COARSE: Weights = [0.5, 0.0, -4.0, 0.0, 0.0, 0.0, 4.0, 0.0, -0.5];
+const FINE: Weights = [0.0, 0.0, 1.0, -8.0, 0.0, 8.0, -1.0, 0.0, 0.0];
+const AHEAD: Weights = [0.0, 0.0, 0.0, 0.0, -25.0, 48.0, -36.0, 16.0, -3.0];
+const BEHIND: Weights = [3.0, -16.0, 36.0, -48.0, 25.0, 0.0, 0.0, 0.0, 0.0];
+
+/// A derivative by finer differences of values with this rounding error, and a bound of its error.
+///
+/// In smooth functions the error is 1/15 of the difference from the coarser ones. Where the slope jumps by
+/// D at a distance of t steps, the error is `(6 - 7t) D / 12` for t < 1 and `(t - 2) D / 12` for t < 2. The
+/// bound is larger: by 3.36 to 2.64 at least, at t = 12/25, where both one-sided differences agree by
+/// chance. Where the function itself jumps, they differ by more than three times the error.
+fn slope(values: &[f64; 9], rounding: f64) -> [f64; 2] {
+    let by = |weights: Weights| {
+        weights.iter().zip(values).map(|(weight, value)| weight * value).sum::<f64>() / (12.0 * STEP)
+    };
+    let (fine, of_rounding) = (by(FINE), 18.0 / (12.0 * STEP) * rounding);
+    [fine, 2.0 * (by(COARSE) - fine).abs() + (by(AHEAD) - by(BEHIND)).abs() + of_rounding]
+}
 
 /// g, the Jacobian and `w'g_xx`, on top of a Hessian that holds ones before.
 pub(super) fn contracted(
@@ -28,46 +54,48 @@ fn values(functions: &mut TaskFunctions, x: &[f64]) -> Vec<f64> {
     g
 }
 
-/// Of rows with a weight: largest differences of the Jacobian and of the Hessian from those by differences of
-/// g and of `w'g_x`, each relative to the largest entry or 1, and of the Hessian from its transpose.
-pub(super) fn errors(functions: &mut TaskFunctions, q: &[f64], v: &[f64], w: &[f64]) -> [f64; 3] {
+/// Whether the Jacobian of the rows with a weight is that by differences of g, and `w'g_xx` that of `w'g_x`
+/// and symmetric.
+pub(super) fn are_those_by_differences(
+    robot: &Robot,
+    functions: &mut TaskFunctions,
+    [q, v]: [&[f64]; 2],
+    w: &[f64],
+) -> Result<(), TestCaseError> {
     let x = [q, v].concat();
-    let (rows, width) = (functions.rows(), x.len());
+    let width = x.len();
     let (g, jacobian, hessian) = contracted(functions, &x, w);
     assert_eq!(g, values(functions, &x), "both calls have one value");
-    let mut largest = [0.0_f64; 3];
-    let size = |values: &[f64]| values.iter().fold(1.0_f64, |size, value| size.max(value.abs()));
-    let counts = |i: usize| w[i] != 0.0;
-    let of_rows = (0..rows).filter(|&i| counts(i)).map(|i| size(&jacobian[width * i..width * (i + 1)]));
-    let (first, second) = (of_rows.fold(1.0, f64::max), size(&hessian));
+    let weighted = |jacobian: &[f64], j: usize| {
+        jacobian.chunks_exact(width).zip(w).map(|(row, w)| w * row[j]).sum::<f64>()
+    };
+    // Positions are rounded as sums past all joints are, and change a function by its derivatives.
+    let reach = Reach::new(robot, [q, v, v], 1.0);
+    let far = reach.length * (1.0 + reach.rate);
+    let size = |values: &[f64]| values.iter().fold(0.0_f64, |size, value| size.max(value.abs()));
+    let rounding = |value: f64, slopes: f64| of_joints(robot, value.abs() + far * (1.0 + slopes));
+    let terms = jacobian.chunks_exact(width).zip(w).map(|(row, w)| (w * size(row)).abs()).sum();
+    let of_gradient = rounding(terms, size(&hessian));
     for j in 0..width {
-        let moved = |steps: f64| {
+        let moved = [-4.0, -3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0, 4.0].map(|steps| {
             let mut x = x.clone();
             x[j] += steps * STEP;
-            x
-        };
-        // Fourth order: 8 f(h) - 8 f(-h) - f(2h) + f(-2h) over 12 h.
-        let stencil = [(1.0, 8.0), (-1.0, -8.0), (2.0, -1.0), (-2.0, 1.0)];
-        let (mut slope, mut bend) = (vec![0.0; rows], vec![0.0; width]);
-        for (steps, factor) in stencil {
-            let x = moved(steps);
-            let g = values(functions, &x);
-            slope.iter_mut().zip(&g).for_each(|(slope, g)| *slope += factor * g / (12.0 * STEP));
             let (_, jacobian, _) = contracted(functions, &x, w);
-            for (row, w) in jacobian.chunks_exact(width).zip(w) {
-                bend.iter_mut()
-                    .zip(row)
-                    .for_each(|(bend, entry)| *bend += factor * w * entry / (12.0 * STEP));
-            }
+            (values(functions, &x), jacobian)
+        });
+        for i in (0..w.len()).filter(|&i| w[i] != 0.0) {
+            let row = &jacobian[width * i..width * (i + 1)];
+            let along = std::array::from_fn(|k| moved[k].0[i]);
+            let [expected, bound] = slope(&along, rounding(g[i], size(row)));
+            within(&format!("g_x[{i}][{j}]"), &[row[j] - expected], bound)?;
         }
-        for (i, slope) in slope.iter().enumerate().filter(|&(i, _)| counts(i)) {
-            largest[0] = largest[0].max((jacobian[width * i + j] - slope).abs() / first);
-        }
-        for (i, bend) in bend.iter().enumerate() {
-            largest[1] = largest[1].max((hessian[width * i + j] - bend).abs() / second);
-            let across = (hessian[width * i + j] - hessian[width * j + i]).abs();
-            largest[2] = largest[2].max(across / second);
+        for i in 0..width {
+            let entry = hessian[width * i + j];
+            let along = std::array::from_fn(|k| weighted(&moved[k].1, i));
+            let [expected, bound] = slope(&along, of_gradient);
+            within(&format!("w'g_xx[{i}][{j}]"), &[entry - expected], bound)?;
+            within("w'g_xx and its transpose", &[entry - hessian[width * j + i]], of_gradient)?;
         }
     }
-    largest
+    Ok(())
 }

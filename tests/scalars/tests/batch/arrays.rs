@@ -6,7 +6,7 @@ use costate::dynamics::Dynamics;
 use costate::matrix::Block;
 use costate::robot::{Robot, file};
 use costate::scalar::{Count, Scalar};
-use costate_test_support::rounding::{apart, bound, lift};
+use costate_test_support::rounding::{apart, bound, lift, of_inverse, size};
 
 /// Node-major arrays of a model: what is read and what was written.
 #[derive(Clone, Debug, Default)]
@@ -82,12 +82,19 @@ pub fn one_by_one<S: Scalar, D: Dynamics<S>>(model: &mut D, arrays: &Arrays) -> 
 }
 
 /// Twice the bounds of the rounding errors of each result of each node, from single evaluations.
-pub fn bounds<D: Dynamics<Count>>(model: &mut D, arrays: &Arrays) -> Vec<[f64; 8]> {
-    let of_node = |(results, adjoint): &NodeResults<Count>| {
+///
+/// Several lanes may take another way through a tree: what is zero along one is a difference of products with
+/// M^-1 along the other. They are of the size of the results, as in `rounding::Bounds`.
+pub fn bounds<D: Dynamics<Count>>(robot: &Robot, model: &mut D, arrays: &Arrays) -> Vec<[f64; 8]> {
+    let all = one_by_one(model, arrays);
+    let states = arrays.x.chunks(arrays.x.len() / all.len());
+    let of_node = |((results, adjoint), x): (&NodeResults<Count>, &[f64])| {
+        let relative = of_inverse(robot, &x[..robot.nq()]);
+        let of = |block: &Vec<Count>| 2.0 * bound(block) + relative * size(block).max(1.0);
         let mut all = results.iter().chain(adjoint);
-        std::array::from_fn(|_| all.next().map_or(0.0, |block| 2.0 * bound(block)))
+        std::array::from_fn(|_| all.next().map_or(0.0, of))
     };
-    one_by_one(model, arrays).iter().map(of_node).collect()
+    all.iter().zip(states).map(of_node).collect()
 }
 
 /// Entries of node `k` in a node-major array of so many nodes.

@@ -59,7 +59,7 @@ fn random_nodes<S: Packed<Lane = f64>>(case: &Case) {
     let mut arrays = nodes_of(case, &robot, S::LANES + 3);
     let mut batch = Batch::<S, _>::new(Model(HamiltonianSecondOrder::new(&robot)));
     assert!(arrays.evaluate(&mut batch).is_empty());
-    let allowed = bounds(&mut HamiltonianSecondOrder::<Count>::new(&robot), &arrays);
+    let allowed = bounds(&robot, &mut HamiltonianSecondOrder::<Count>::new(&robot), &arrays);
     let expected = one_by_one(&mut HamiltonianSecondOrder::<f64>::new(&robot), &arrays);
     assert_eq!(differing(&expected, &arrays, &allowed), None);
 }
@@ -84,12 +84,12 @@ fn random_nodes_of_free_joints<S: Packed<Lane = f64>>(case: &Case) {
     }
     let mut of_phase = Batch::<S, _>::new(Model(QuaternionDynamics::new(&robot)));
     assert!(arrays.evaluate(&mut of_phase).is_empty());
-    let allowed = bounds(&mut QuaternionDynamics::<Count>::new(&robot), &arrays);
+    let allowed = bounds(&robot, &mut QuaternionDynamics::<Count>::new(&robot), &arrays);
     let expected = one_by_one(&mut QuaternionDynamics::<f64>::new(&robot), &arrays);
     assert_eq!(differing(&expected, &arrays, &allowed), None);
     let mut of_velocity = Batch::<S, _>::new(Model(QuaternionDynamics::in_rates(&robot)));
     assert!(arrays.evaluate(&mut of_velocity).is_empty());
-    let allowed = bounds(&mut QuaternionDynamics::<Count, _>::in_rates(&robot), &arrays);
+    let allowed = bounds(&robot, &mut QuaternionDynamics::<Count, _>::in_rates(&robot), &arrays);
     let expected = one_by_one(&mut QuaternionDynamics::<f64, _>::in_rates(&robot), &arrays);
     assert_eq!(differing(&expected, &arrays, &allowed), None);
     small_changes_are_found(&expected, &mut arrays, &allowed);

@@ -120,19 +120,23 @@ fn packed<V: Vector>(states: &[State], which: usize) -> Vec<Lanes<V>> {
 }
 
 /// Part `of_lanes` of every quantity: lane k of those of all states against the numbers of state k `alone`,
-/// by twice the bounds of these, from numbers that are `rounded`, and what a lane that rounds the constants of
-/// a robot once more, which numbers that are counted take as exact, makes of that by M^-1.
+/// by twice the bounds of these, from numbers that are `rounded`.
+///
+/// A number of another type may take another way through a tree: what is zero along one is a difference of
+/// products with M^-1 along the other. They are of the size of the results, as in `rounding::Bounds`.
 fn compare<L>(
+    robot: &Robot,
+    states: &[State],
     lanes: &Quantities<L>,
     of_lanes: impl Fn(&L, usize) -> f64,
     alone: &[Quantities<f64>],
     rounded: &[Quantities<Count>],
-    of_constants: &[f64],
 ) {
     for (k, (alone, rounded)) in alone.iter().zip(rounded).enumerate() {
+        let relative = of_inverse(robot, &states[k].0[0]);
         for (((name, lanes), (_, expected)), (_, rounded)) in lanes.iter().zip(alone).zip(rounded) {
             let found: Vec<f64> = lanes.iter().map(|entry| of_lanes(entry, k)).collect();
-            let cancelling = of_constants[k] * largest(expected).max(1.0);
+            let cancelling = relative * largest(expected).max(1.0);
             let (difference, allowed) =
                 (largest(&apart(&found, expected)), 2.0 * bound(rounded) + cancelling);
             assert!(difference <= allowed, "{name}, lane {k}: {difference:e}, {allowed:e} allowed");
@@ -146,11 +150,7 @@ fn lanes_are_states<V: Vector>(case: &Case, robot: &Robot) {
     let lanes = quantities(robot, packed.each_ref().map(Vec::as_slice));
     let alone: Vec<_> = states.iter().map(|state| at::<f64>(robot, state)).collect();
     let rounded: Vec<_> = states.iter().map(|state| at::<Count>(robot, state)).collect();
-    compare(&lanes, |entry: &Lanes<V>, k| entry.lane(k), &alone, &rounded, &of_constants(robot, &states));
-}
-
-fn of_constants(robot: &Robot, states: &[State]) -> Vec<f64> {
-    states.iter().map(|state| of_inverse(robot, &state.0[0])).collect()
+    compare(robot, &states, &lanes, |entry: &Lanes<V>, k| entry.lane(k), &alone, &rounded);
 }
 
 /// All that is computed at one state.
@@ -185,11 +185,17 @@ fn derivatives_are_those_of_states<V: Vector>(case: &Case) {
     }
     let (values, slopes) = (parts(&alone, |entry| entry.re), parts(&alone, |entry| entry.eps));
     let (of_values, of_slopes) = (parts(&rounded, |entry| entry.re), parts(&rounded, |entry| entry.eps));
-    let floors = of_constants(&robot, &states);
-    compare(&tangents, |entry: &Tangent<Lanes<V>>, k| entry.re.lane(k), &values, &of_values, &floors);
-    compare(&tangents, |entry: &Tangent<Lanes<V>>, k| entry.eps.lane(k), &slopes, &of_slopes, &floors);
-    compare(&duals, |entry: &Dual<Lanes<V>>, k| entry.re.lane(k), &values, &of_values, &floors);
-    compare(&duals, |entry: &Dual<Lanes<V>>, k| entry.eps.lane(k), &slopes, &of_slopes, &floors);
+    compare(&robot, &states, &tangents, |entry: &Tangent<Lanes<V>>, k| entry.re.lane(k), &values, &of_values);
+    compare(
+        &robot,
+        &states,
+        &tangents,
+        |entry: &Tangent<Lanes<V>>, k| entry.eps.lane(k),
+        &slopes,
+        &of_slopes,
+    );
+    compare(&robot, &states, &duals, |entry: &Dual<Lanes<V>>, k| entry.re.lane(k), &values, &of_values);
+    compare(&robot, &states, &duals, |entry: &Dual<Lanes<V>>, k| entry.eps.lane(k), &slopes, &of_slopes);
 }
 
 /// The first quantities at every state, with their derivatives along its direction.
