@@ -17,9 +17,9 @@ fn flat(block: Block<'_, f64>) -> Vec<f64> {
     block.iter_rows().flatten().copied().collect()
 }
 
-/// Whether a figure exceeds the bound that it states, and what the constants of a robot leave, which are taken
-/// as exact there: a rotation that is orthogonal to rounding alone makes routes differ that turn a body and
-/// that do not.
+/// Whether a figure exceeds the bound that it states, and what the constants of a robot leave, which are
+/// taken as exact there: a rotation that is orthogonal to rounding alone makes routes differ that turn a
+/// body and that do not.
 fn exceeds(figure: &Figure, of_constants: f64) -> bool {
     figure.verdict(1.0) == Verdict::Differs && figure.difference > figure.bound + of_constants
 }

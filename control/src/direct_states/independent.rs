@@ -1,16 +1,17 @@
 //! Cost, limits and the conditions of first order of a motion between the points of the solver.
 //!
-//! The cost is $\int l\\, dt$ by adaptive quadrature along the polynomials of x and u, limits of x are looked at
-//! at random times, and the costates are integrated backwards along the motion, with adaptive steps:
+//! The cost is $\int l\\, dt$ by adaptive quadrature along the polynomials of x and u, limits of x are
+//! looked at at random times, and the costates are integrated backwards along the motion, with adaptive
+//! steps:
 //!
 //! $$ \dot y = -f_x^\top y + l_x, \qquad G(t) = \sum_i \max_{w} \left( H_{u,i} (w - u_i)
 //!    - \tfrac12 l_{uu,ii} (w - u_i)^2 \right), \qquad H_u = f_u^\top y - l_u $$
 //!
-//! over all w within the limits of the control. G is zero where the maximum principle holds. With f linear in
-//! u and a cost that is a sum over the controls, at most quadratic in each, no motion nearby costs less than
-//! $J - \int G\\, dt$ but for terms of third order ([`crate::verify::optimality`]). Where f is not linear in
-//! u, the curvature is that of $l - y^\top f$, controls for which it is not positive do not count, and neither
-//! does what couples two controls.
+//! over all w within the limits of the control. G is zero where the maximum principle holds. With f linear
+//! in u and a cost that is a sum over the controls, at most quadratic in each, no motion nearby costs less
+//! than $J - \int G\\, dt$ but for terms of third order ([`crate::verify::optimality`]). Where f is not
+//! linear in u, the curvature is that of $l - y^\top f$, controls for which it is not positive do not
+//! count, and neither does what couples two controls.
 //!
 //! Costates begin at those of the solver at the end of each of [`PARTS`] parts of the motion, and go on over
 //! the nodes of a part: what they differ by from those of the solver there counts in the gap of all that lies
@@ -68,7 +69,8 @@ pub struct StateVerification {
     pub cost_difference: f64,
     /// $\sum |\int G\\, dt|$ over the parts of the motion.
     pub gap: f64,
-    /// The largest $|H_{u,i}|$ of a control inside its limits, relative to the largest of what it consists of.
+    /// The largest $|H_{u,i}|$ of a control inside its limits, relative to the largest of what it consists
+    /// of.
     pub stationarity: f64,
     /// The time of that (s), and the control.
     pub stationarity_at: Option<(f64, usize)>,
@@ -79,7 +81,8 @@ pub struct StateVerification {
     pub excess: f64,
     /// The time of that (s), and the component.
     pub excess_at: Option<(f64, usize)>,
-    /// What each interval adds to cost, gap and limits that are not within their tolerances, in parts of them.
+    /// What each interval adds to cost, gap and limits that are not within their tolerances, in parts of
+    /// them.
     pub(super) blame: Vec<f64>,
     /// Whether the search was stopped meanwhile.
     pub(super) is_interrupted: bool,
@@ -371,8 +374,8 @@ impl<'a, 'r, D: Dynamics<f64>, C: Cost<f64>> Costates<'a, 'r, D, C> {
     }
 }
 
-/// The largest $g d - \tfrac12 r d^2$ for a step d within these ends, which lie to either side of 0. A control
-/// without curvature and without limits gains what a step of its own size would: none counts.
+/// The largest $g d - \tfrac12 r d^2$ for a step d within these ends, which lie to either side of 0. A
+/// control without curvature and without limits gains what a step of its own size would: none counts.
 fn gain(slope: f64, curvature: f64, [low, high]: [f64; 2]) -> f64 {
     let free = if curvature > 0.0 { slope / curvature } else { f64::INFINITY.copysign(slope) };
     let step = if slope == 0.0 { 0.0 } else { free.max(low).min(high) };
@@ -489,7 +492,8 @@ mod tests {
         assert!((found.stationarity - 0.3 / 6.3).abs() < 1e-3, "{found:?}");
     }
 
-    /// Another y_v, which obeys the equations of the costates as well: the control is not the best one for it.
+    /// Another y_v, which obeys the equations of the costates as well: the control is not the best one for
+    /// it.
     #[test]
     fn wrong_costates_leave_a_gap() {
         let found = looked(|_, lambda, weight| *lambda += 0.3 * weight);

@@ -81,8 +81,8 @@ pub struct Gains {
 impl Gains {
     /// At this rate (Hz) and at T, or at the points of the motion. The problem, which is the one that was
     /// solved, is solved once more, on the mesh of the motion or on equal intervals; then with intervals in
-    /// halves, no wider than a 128th of a phase, and to a tolerance of at least 1e-8, which shows where limits
-    /// become active. Where that is not solved the gains are those of the first mesh or tolerance.
+    /// halves, no wider than a 128th of a phase, and to a tolerance of at least 1e-8, which shows where
+    /// limits become active. Where that is not solved the gains are those of the first mesh or tolerance.
     ///
     /// # Errors
     /// [`GainError`].

@@ -153,20 +153,18 @@ fn of_dense_hamiltonian<S: Scalar>(robot: &Robot, x: &[S], y: &[S]) -> [Vec<S>; 
     let [mut f_x, mut y_f_xx] = [(); 2].map(|()| vec![S::zero(); 4 * n * n]);
     // J moves and signs the rows of the derivatives of H_c.
     let signed = |i: usize, x: S| if i < n { (n + i, -x) } else { (i - n, x) };
-    for i in 0..2 * n {
-        for j in 0..=i {
-            let number = |l: usize| {
-                let along = Tangent::new(Tangent::new(x[l], w[l]), one(l == i));
-                Tangent::new(along, Tangent::new(one(l == j), zero))
-            };
-            let h = hamiltonian(robot, &tree, &(0..2 * n).map(number).collect::<Vec<_>>());
-            let (row, slope) = signed(i, h.re.eps.re);
-            (f[row], y_f_x[i]) = (slope, h.re.eps.eps);
-            for (i, j) in [(i, j), (j, i)] {
-                let (row, bend) = signed(i, h.eps.eps.re);
-                f_x[row * 2 * n + j] = bend;
-                y_f_xx[i * 2 * n + j] = h.eps.eps.eps;
-            }
+    for (i, j) in (0..2 * n).flat_map(|i| (0..=i).map(move |j| (i, j))) {
+        let number = |l: usize| {
+            let along = Tangent::new(Tangent::new(x[l], w[l]), one(l == i));
+            Tangent::new(along, Tangent::new(one(l == j), zero))
+        };
+        let h = hamiltonian(robot, &tree, &(0..2 * n).map(number).collect::<Vec<_>>());
+        let (row, slope) = signed(i, h.re.eps.re);
+        (f[row], y_f_x[i]) = (slope, h.re.eps.eps);
+        for (i, j) in [(i, j), (j, i)] {
+            let (row, bend) = signed(i, h.eps.eps.re);
+            f_x[row * 2 * n + j] = bend;
+            y_f_xx[i * 2 * n + j] = h.eps.eps.eps;
         }
     }
     [f, f_x, y_f_x, y_f_xx]
