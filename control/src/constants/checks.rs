@@ -41,7 +41,8 @@ pub(crate) mod finer_mesh {
 
 /// A motion that is solved once more without its multipliers.
 pub(crate) mod once_more {
-    /// Parts of an interval on the mesh for that: from one of halves two of three such motions led no lower.
+    /// Parts of an interval on the mesh for that: that of the judge of random motions, whose cheaper
+    /// motions it finds; halves led no lower in one of two.
     pub const PARTS: usize = 3;
     /// It is taken if it costs less by this many tolerances at least.
     pub const CHEAPER: f64 = 1.0;

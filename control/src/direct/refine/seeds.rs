@@ -20,9 +20,9 @@ impl<D> Interior<D> {
         with_added(nodes, places, closest)
     }
 
-    /// The nodes of a first mesh: those of this guess, those at the knots of references, and graded ones
-    /// where the guess crosses the transition of dry friction, at most about `most` of them. What else is
-    /// narrow bends a motion where it is: a guess does not know that.
+    /// These nodes, those at the knots of references, and graded ones where this motion crosses the
+    /// transition of dry friction, at most about `most` of them: those of a first mesh. What else is narrow
+    /// bends a motion where it is: a guess does not know that.
     pub fn seeded(&self, most: usize) -> Vec<f64> {
         self.with_crossings(&self.crossed.friction(), most)
     }
@@ -31,11 +31,6 @@ impl<D> Interior<D> {
     /// motor.
     pub fn crossed(&self, most: usize) -> Vec<f64> {
         self.with_crossings(&self.crossed.of_rates(), most)
-    }
-
-    /// The same where it crosses anything narrow, signs of powers among that.
-    pub fn crossed_anywhere(&self, most: usize) -> Vec<f64> {
-        self.with_crossings(&self.crossed, most)
     }
 
     fn with_crossings(&self, narrow: &Narrow, most: usize) -> Vec<f64> {

@@ -1,10 +1,10 @@
 //! A solved motion with dry friction, solved once more from itself alone.
 //!
 //! Where a joint starts, stops or turns a little later, friction bends torques within its narrow transition.
-//! So motions with dry friction, or with a price of powers of either sign, have many local minima near each
-//! other, and multipliers of a solved one hold the iteration where it is. A search that begins at the motion
-//! without them, with a wide barrier, on a mesh with nodes where it crosses transitions and signs, goes over
-//! what separates neighbouring minima: where it ends at a motion that costs less, that one is taken.
+//! So motions with dry friction have many local minima near each other, and multipliers of a solved one hold
+//! the iteration where it is. A search that begins at the motion without them, with a wide barrier, on a mesh
+//! with nodes where it crosses transitions, goes over what separates neighbouring minima: where it ends at a
+//! motion that costs less, that one is taken.
 
 use super::meshes::refine;
 use super::prepare::{Dynamics, most_knots};
@@ -20,7 +20,7 @@ use crate::result::stage_times::Stage;
 use crate::solve::Recorder;
 use costate::EvalError;
 
-/// Solves a motion that is to be verified in full once more, where it crosses something narrow; whether the
+/// Solves a motion that is to be verified in full once more, where it crosses a transition; whether the
 /// one that is found costs less, and is the iterate. Else that stays.
 ///
 /// # Errors
@@ -36,7 +36,7 @@ pub(super) fn solve_once_more(
         return Ok(false);
     }
     let mesh = &interior.spline.mesh;
-    let crossed = interior.crossed_anywhere(most_knots(options, mesh.shape));
+    let crossed = interior.seeded(most_knots(options, mesh.shape));
     if crossed == mesh.nodes {
         return Ok(false);
     }

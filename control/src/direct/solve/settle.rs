@@ -16,8 +16,8 @@ use crate::task::build::TaskRows;
 use costate::EvalError;
 
 /// Leaves saddles, and compares with a finer mesh, where the search may go on; a few times, as what is a
-/// minimum on a mesh may be a saddle on a finer one. Then a motion that crosses something narrow is
-/// [solved once more](super::once_more). A motion that is not converged stays.
+/// minimum on a mesh may be a saddle on a finer one. Then a motion that crosses the transition of dry
+/// friction is [solved once more](super::once_more). A motion that is not converged stays.
 ///
 /// # Errors
 /// A motion that cannot be evaluated.
