@@ -275,6 +275,7 @@ fn a_search_that_stops_on_a_finer_mesh_keeps_the_motion_of_the_coarser_one() {
 /// it says.
 fn kept(found: &Solution, problem: &Problem, nodes: usize) {
     let options = SolverOptions::default().with_tolerance(1e-8).with_polish(Polish::Never);
+    let options = options.with_verify(Verify::Factors);
     let exact = Solver::new(problem, options).unwrap().solve().total();
     let error = found.cost_error().unwrap();
     assert!(error > 1e-6 && error < 0.1, "{error}");

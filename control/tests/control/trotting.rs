@@ -9,7 +9,7 @@ use costate::contacts::{Contact, Stance};
 use costate::hamiltonian::Hamiltonian;
 use costate::kinematics::Kinematics;
 use costate::robot::Robot;
-use costate_control::{Gait, Problem, ProblemFile, Solution, Status};
+use costate_control::{Gait, Problem, ProblemFile, Solution, SolverOptions, Status, Verify};
 use std::sync::OnceLock;
 
 const N: usize = 11;
@@ -23,6 +23,11 @@ const EXCHANGE: [usize; N] = [0, 1, 2, 5, 6, 3, 4, 9, 10, 7, 8];
 
 fn file() -> ProblemFile {
     example("quadruped_trot")
+}
+
+/// Those of the example, without what is integrated again.
+fn options() -> SolverOptions {
+    file().options.with_verify(Verify::Factors)
 }
 
 /// The motion of the example, solved once for all tests.
@@ -182,7 +187,7 @@ fn the_other_diagonal_stands() {
     let mut other = problem.clone();
     let gait = other.gait.as_mut().unwrap();
     std::mem::swap(&mut gait.stance, &mut gait.swing);
-    let left = solved(&other, file().options);
+    let left = solved(&other, options());
     assert_eq!(left.motion.status, Status::Converged);
     assert!((left.total() / right.total() - 1.0).abs() < 2e-6, "{} {}", left.total(), right.total());
     let times: Vec<f64> = (0..=50).map(|k| 0.3 * f64::from(k) / 50.0).collect();
@@ -202,10 +207,10 @@ fn meshes_and_guesses_lead_to_the_same_trot() {
         let q = [&[0.0, 0.2, 0.0][..], &bent, &bent, &bent, &bent].concat();
         let mut low = problem.clone();
         low.start.q = q;
-        (low, file().options)
+        (low, options())
     };
-    let coarse = (problem.clone(), file().options.with_nodes(9));
-    let fine = (problem.clone(), file().options.with_nodes(61));
+    let coarse = (problem.clone(), options().with_nodes(9));
+    let fine = (problem.clone(), options().with_nodes(61));
     for (problem, options) in [low, coarse, fine] {
         let solution = solved(&problem, options);
         assert_eq!(solution.motion.status, Status::Converged);
@@ -225,7 +230,7 @@ fn other_steps_converge() {
     let (problem, best) = trot();
     let with = |change: fn(Gait) -> Gait| {
         let gait = change(problem.gait.clone().unwrap());
-        let solution = solved(&problem.clone().with_gait(gait), file().options);
+        let solution = solved(&problem.clone().with_gait(gait), options());
         assert_eq!(solution.motion.status, Status::Converged);
         solution.total()
     };
