@@ -9,7 +9,7 @@ use costate::robot::Robot;
 use costate::scalar::{Count, Lanes, Scalar, Tangent, Vector};
 use costate_test_support::properties;
 use costate_test_support::random_robot::{Case, all_cases, condition, free_cases};
-use costate_test_support::rounding::{apart, bound, lift, lift_rounded, of_inverse, terms};
+use costate_test_support::rounding::{apart, bound, lift, of_inverse, terms};
 use costate_test_support::wrenches::pulled;
 use num_dual::Dual;
 use proptest::prelude::*;
@@ -167,11 +167,9 @@ fn lanes_are_states<V: Vector>(case: &Case, robot: &Robot) {
     compare(robot, &states, &lanes, |entry: &Lanes<V>, k| entry.lane(k), &alone, &rounded);
 }
 
-/// All that is computed at one state. Lanes take whole turns from an angle with the error of one rounding of
-/// it, so positions count as rounded.
+/// All that is computed at one state.
 fn at<S: Scalar>(robot: &Robot, state: &State) -> Quantities<S> {
-    let mut arguments = state.0.each_ref().map(|argument| lift::<S>(argument));
-    arguments[0] = lift_rounded(&state.0[0]);
+    let arguments = state.0.each_ref().map(|argument| lift::<S>(argument));
     quantities(robot, arguments.each_ref().map(Vec::as_slice))
 }
 
@@ -223,12 +221,7 @@ fn along<S: Scalar>(
     let at = |(k, state): (usize, &State)| {
         let lift = |which: usize| -> Vec<_> {
             let values = state.0[which].iter().enumerate();
-            values
-                .map(|(i, &x)| {
-                    let x = if which == 0 { S::zero().plus(x) } else { S::from_f64(x) };
-                    Tangent::new(x, S::from_f64(direction(which, i, k)))
-                })
-                .collect()
+            values.map(|(i, &x)| Tangent::new(S::from_f64(x), S::from_f64(direction(which, i, k)))).collect()
         };
         let arguments: [Vec<Tangent<S>>; 5] = std::array::from_fn(lift);
         fewer_quantities(robot, arguments.each_ref().map(Vec::as_slice))
