@@ -43,6 +43,7 @@ pub use again::resolve::Resolve;
 pub use again::resolve_error::ResolveError;
 pub use again::resolved::{Budget, ResolveStatus, Resolved};
 pub use again::sensitivity_error::SensitivityError;
+pub(crate) use again::undecided::OneSided;
 pub(crate) use interior::filter::{Figure, Filter, is_better};
 pub(crate) use interior::looseness::Looseness;
 pub(crate) use limits::power::Powers;

@@ -2,7 +2,7 @@
 
 use super::derivatives::{LimitDerivatives, Rows, parameters};
 use super::error::GainError;
-use crate::direct::Resolve;
+use crate::direct::{OneSided, Resolve};
 use crate::problem::{Payload, Problem};
 use crate::result::solution::{RobotNames, Solution};
 use serde::{Deserialize, Serialize};
@@ -12,6 +12,9 @@ const MOST: f64 = 1e5;
 /// Widest interval for gains, as a part of its phase. The error of gains between limits falls with its fourth
 /// power, and where a limit becomes active or inactive they are known to an interval.
 const WIDEST: f64 = 1.0 / 128.0;
+/// By more than this part of the largest entry for q, v or a one-sided derivatives differ: what the stiffness
+/// of limits leaves of them.
+const ONE_SIDED: f64 = 0.01;
 
 /// The optimal feedback of a solved motion over time, and how the motion changes with its limits: what
 /// `costate optimize --feedback` writes.
@@ -23,8 +26,9 @@ const WIDEST: f64 = 1.0 / 128.0;
 ///
 /// [`active`](Self::active) names the limits that are active at each time. Rows of torques (of jerks) at a
 /// limit are zero. While a limit of the state is active gains are zero along its gradient and along that of
-/// its derivative in time: such deviations have no derivative. Towards a given end gains grow without bound;
-/// [`held`](Self::held) says from when on they are held.
+/// its derivative in time: such deviations have no derivative. A motion that only just touches a limit has two
+/// one-sided derivatives, the gain lies between them, and [`undecided`](Self::undecided) names the limit.
+/// Towards a given end gains grow without bound; [`held`](Self::held) says from when on they are held.
 ///
 /// ```
 /// use costate_control::{Gains, Problem, Solver, SolverOptions};
@@ -67,6 +71,11 @@ pub struct Gains {
     /// Names of the limits that are active at each time, such as `rate elbow max`.
     #[serde(default)]
     pub active: Vec<Vec<String>>,
+    /// At each time the names of the limits, now or later, of which the motion does not show whether they are
+    /// active: multiplier and distance are both nearly zero. Named where it matters: where the gains with
+    /// all of these limits kept and with all of them left out differ by more than 1 % of the largest gain.
+    #[serde(default)]
+    pub undecided: Vec<Vec<String>>,
     /// For each phase the time from which on its gains are held, and its end (s).
     #[serde(default)]
     pub held: Vec<[f64; 2]>,
@@ -136,6 +145,7 @@ impl Gains {
             gain_v: Vec::new(),
             gain_a: Vec::new(),
             active: Vec::new(),
+            undecided: Vec::new(),
             held: Vec::new(),
             cost_by_start: feedback.cost_gradient().to_vec(),
             final_time_by_start: feedback.time_by_start().to_vec(),
@@ -149,6 +159,7 @@ impl Gains {
             feedback.clone_from(finer);
         }
         gains.held = feedback.held().collect();
+        let mut one_sided = OneSided::of(&mut motion)?;
         let (mut z, mut torques, mut gain) = (vec![0.0; 3 * n], vec![0.0; n], vec![0.0; n * m]);
         for &t in &gains.t {
             motion.state_at(t, &mut z)?;
@@ -157,6 +168,8 @@ impl Gains {
                 return Err(GainError::NoMinimum);
             }
             gains.active.push(motion.active_at(t));
+            let undecided = one_sided.as_mut().map(|sides| sides.names(&motion, t, ONE_SIDED));
+            gains.undecided.push(undecided.unwrap_or_default());
             gains.q.push(z[..n].to_vec());
             gains.v.push(z[n..2 * n].to_vec());
             gains.tau.push(torques.clone());

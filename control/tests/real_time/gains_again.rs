@@ -75,6 +75,8 @@ impl Again {
 struct Slope {
     value: Vec<f64>,
     error: Vec<f64>,
+    /// The torques that it is the derivative of.
+    torques: Vec<f64>,
 }
 
 /// Central differences of two steps on two meshes: Richardson's extrapolation on the finer mesh. Its error is
@@ -93,11 +95,12 @@ fn slope(problem: &Problem, direction: &[f64], step: f64, intervals: usize) -> O
             let kink = (near[0][i] - 2.0 * middle[i] + near[1][i]) / step;
             ((4.0 * d - wide) / 3.0, (d - wide).abs() / 3.0 + 0.5 * kink.abs())
         });
-        found.push(slopes.collect::<Vec<_>>());
+        found.push((slopes.collect::<Vec<_>>(), middle));
     }
-    let pairs = found[0].iter().zip(&found[1]);
+    let (finer, torques) = found.pop()?;
+    let pairs = found[0].0.iter().zip(&finer);
     let error = pairs.map(|((a, _), (b, of_steps))| (a - b).abs() + of_steps).collect();
-    Some(Slope { value: found[1].iter().map(|(value, _)| *value).collect(), error })
+    Some(Slope { value: finer.iter().map(|(value, _)| *value).collect(), error, torques })
 }
 
 /// Gains at a thousand times a second.
@@ -156,10 +159,15 @@ fn rest_at(problem: &Problem, gains: &Gains, k: usize) -> Problem {
 }
 
 /// How far K w is from solving again, and how far it may be: three times the error that differences and
-/// meshes show, and a thousandth of the largest slope for the mesh of the gains.
+/// meshes show, and a thousandth of the largest slope for the mesh of the gains; and the largest slope. `None`
+/// where it is not solved again, or where that finds another minimum, whose torques are others.
 fn compare(problem: &Problem, gains: &Gains, k: usize, direction: &[f64], step: f64) -> Option<[f64; 3]> {
     let slope = slope(&rest_at(problem, gains, k), direction, step, 40)?;
     let largest = |list: &[f64]| list.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+    let others: Vec<f64> = gains.tau[k].iter().zip(&slope.torques).map(|(a, b)| a - b).collect();
+    if largest(&others) > 0.01 * gains.tau.iter().map(|tau| largest(tau)).fold(0.0, f64::max) {
+        return None;
+    }
     let off: Vec<f64> = product(gains, k, direction).iter().zip(&slope.value).map(|(a, b)| a - b).collect();
     let size = largest(&slope.value);
     Some([largest(&off), 3.0 * largest(&slope.error) + 1e-3 * size, size])
@@ -193,6 +201,51 @@ fn gains_of_a_unit_mass_are_exact_at_all_times() {
         let off = (q * r * r / -6.0 - 1.0).abs().max((v * r / -4.0 - 1.0).abs());
         assert!(off < rounding, "{t}: {q} {v}, {rounding}");
         assert!(gains.active[k].is_empty());
+    }
+}
+
+/// The same body with a limit of its rate that the cubic only just reaches, 1.5 in the middle. In the time
+/// tau before that the gain is between that of the cubic without the limit, -6/r^2 and -4/r, and that of two
+/// cubics with this rate in the middle, h = 1/2 before the end, whose position there costs least:
+///
+/// $$ -\frac{6}{\tau^2 h^3 S}, \quad -\frac{4}{\tau} + \frac{3}{\tau^4 S}, \qquad
+///    S = \frac{1}{h^3} + \frac{1}{\tau^3} $$
+///
+/// Limits that are kept for a while, or not reached, are decided.
+#[test]
+fn a_limit_that_is_only_touched_is_undecided() {
+    let motion = |v_max: f64| {
+        let joint = JointSpec::prismatic("x").axis([1.0, 0.0, 0.0]);
+        let body = LinkInertia::about_com(1.0, [0.0; 3], nalgebra::Matrix3::identity());
+        let robot = Robot::builder("slider").gravity([0.0; 3]).joint(joint.carrying(body)).build().unwrap();
+        let limits = MotionLimits::none().with_v_max(vec![v_max]);
+        gains(&Problem::rest_to_rest(robot, &[0.0], &[1.0], 1.0).with_limits(limits)).unwrap().1
+    };
+    let gains = motion(1.5);
+    // Where both are the same what is between them is off by the stiffness of limits.
+    let between = |x: f64, a: f64, b: f64| {
+        let off = 1e-4 * a.abs();
+        x > a.min(b) - off && x < a.max(b) + off
+    };
+    for (k, t) in gains.t.iter().enumerate() {
+        let (q, v) = (gains.gain_q[k][0][0], gains.gain_v[k][0][0]);
+        let (r, tau, h) = (1.0 - t.min(gains.held[0][0]), 0.5 - t, 0.5_f64);
+        let left = [-6.0 / (r * r), -4.0 / r];
+        if k < 480 {
+            let s = h.powi(-3) + tau.powi(-3);
+            let kept = [-6.0 / (tau * tau * h.powi(3) * s), -4.0 / tau + 3.0 / (tau.powi(4) * s)];
+            assert_eq!(gains.undecided[k], ["rate x max"], "{t}");
+            assert!(between(q, left[0], kept[0]) && between(v, left[1], kept[1]), "{t}: {q} {v}");
+        } else if k > 550 {
+            assert!(gains.undecided[k].is_empty(), "{t}");
+            assert!((q / left[0] - 1.0).abs().max((v / left[1] - 1.0).abs()) < 1e-6, "{t}: {q} {v}");
+        }
+    }
+    for v_max in [1.3, 1.45, 1.49, 1.51, 1.6] {
+        let decided = motion(v_max);
+        let all: Vec<_> =
+            decided.t.iter().zip(&decided.undecided).filter(|(_, names)| !names.is_empty()).collect();
+        println!("{v_max}: {} {:?}", all.len(), all.first());
     }
 }
 
@@ -345,7 +398,7 @@ fn random_gains() {
     let seed = std::env::var("GAINS_SEED").ok().and_then(|seed| seed.parse().ok()).unwrap_or(43);
     let count = std::env::var("GAINS").ok().and_then(|count| count.parse().ok()).unwrap_or(300);
     let mut random = fastrand::Rng::with_seed(seed);
-    let (mut done, mut agree, mut at_switch, mut skipped) = (0, 0, 0, [0; 2]);
+    let (mut done, mut agree, mut at_switch, mut skipped) = (0, 0, 0, [0; 3]);
     let mut ratios = Vec::new();
     while done < count {
         let replay = random.get_seed();
@@ -361,6 +414,10 @@ fn random_gains() {
             let direction =
                 (0..2 * n).map(|i| (random.f64() - 0.5) * if i < n { 2.0 } else { 6.0 }).collect();
             let direction = tangent(&gains, k, direction);
+            if !gains.undecided[k].is_empty() {
+                skipped[2] += 1;
+                continue;
+            }
             let Some([off, allowed, size]) = compare(&problem, &gains, k, &direction, 1e-3) else {
                 skipped[1] += 1;
                 continue;
@@ -394,12 +451,15 @@ fn random_gains() {
     relative.sort_by(f64::total_cmp);
     println!(
         "{agree} of {done} agree; of the others {at_switch} are within an interval of a change of the active limits. \
-         Worst ratios {:.2?}. Relative differences: median {:.1e}, 95 % below {:.1e}. Not solved: {} motions, {} rests.",
+         Worst ratios {:.2?}. Relative differences: median {:.1e}, 95 % below {:.1e}. Not solved: {} motions, {} rests; \
+         {} undecided.",
         ratios.iter().take(5).map(|(ratio, _)| *ratio).collect::<Vec<_>>(),
         relative[done / 2],
         relative[done * 95 / 100],
         skipped[0],
-        skipped[1]
+        skipped[1],
+        skipped[2]
     );
-    assert!(agree * 100 >= done * 90, "{agree} of {done}");
+    assert_eq!(agree, done);
+    assert!(skipped[2] * 20 < done, "{} undecided", skipped[2]);
 }

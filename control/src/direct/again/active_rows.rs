@@ -51,10 +51,14 @@ impl<D: PointDynamics> Interior<D> {
             Limited::Jerk => true,
             _ => false,
         };
-        self.take_normals(k, feedback);
+        let exact = self.take_normals(k, feedback);
         let Feedback { node_gains, gains, normals, work, exchanges, .. } = feedback;
         let node_gain = &mut node_gains[n * m * k..][..n * m];
-        restrict(node_gain, normals, m, rest, work, exchanges);
+        let (exact, others) = normals.split_at(exact);
+        keep_others(node_gain, others, m, rest, work, exchanges);
+        for normal in exact.chunks_exact(m).chain(others.chunks_exact(m)) {
+            take_off(node_gain, normal);
+        }
         for side in self.active_sides(k, 0).filter(is_control) {
             node_gain[m * side.joint..m * (side.joint + 1)].fill(0.0);
         }
@@ -77,14 +81,19 @@ impl<D: PointDynamics> Interior<D> {
         }
     }
 
-    /// The gradients of the active rows at a node, with those of their derivatives in time, orthonormal.
-    fn take_normals(&self, k: usize, feedback: &mut Feedback) {
+    /// The gradients of the active rows at a node, with those of their derivatives in time, orthonormal. First
+    /// those of coordinates, which a spline keeps exactly; returns the number of their entries.
+    fn take_normals(&self, k: usize, feedback: &mut Feedback) -> usize {
         let (n, m, mesh) = (self.spline.dof, self.spline.node(), &self.spline.mesh);
         let Feedback { normals, gradients, .. } = feedback;
         normals.clear();
         let (count, first) = (mesh.shape.places().len(), mesh.first_point(k));
         let rate = 1.0 / self.spline.length(k);
-        for side in self.active_sides(k, 0).filter(|side| self.is_of_state(side)) {
+        let is_coordinate =
+            |side: &&Side| matches!(side.limited, Limited::Position | Limited::Rate | Limited::Acceleration);
+        let of_state = || self.active_sides(k, 0).filter(|side| self.is_of_state(side));
+        let mut exact = 0;
+        for side in of_state().filter(is_coordinate).chain(of_state().filter(|side| !is_coordinate(side))) {
             // The gradient at all points of the interval, then its derivative in time as one of x.
             gradients.clear();
             gradients.resize(2 * 3 * n * count, 0.0);
@@ -128,7 +137,11 @@ impl<D: PointDynamics> Interior<D> {
                 }
                 own.copy_from_slice(next);
             }
+            if is_coordinate(&side) {
+                exact = normals.len();
+            }
         }
+        exact
     }
 }
 
@@ -148,14 +161,14 @@ fn slope_at(shape: Shape, l: usize, j: usize) -> f64 {
     }
 }
 
-/// K on the tangent space of the orthonormal rows N, zero along them,
+/// K on the tangent space of the orthonormal rows N of tasks, before it is made zero along them,
 ///
-/// $$ K (1 - N^\top (N S N^\top)^{-1} N S) (1 - N^\top N) $$
+/// $$ K (1 - N^\top (N S N^\top)^{-1} N S) $$
 ///
-/// S are the second derivatives of the least cost of the rest by the state. The points of a mesh keep a limit
-/// in directions that are those of N up to the error of the mesh; across them K and S are as stiff as the
-/// limit is, and the first factor takes the part of a tangent that is across, where S is least.
-fn restrict(
+/// S are the second derivatives of the least cost of the rest by the state. The points of a mesh keep a row in
+/// directions that are those of N up to the error of the mesh; across them K and S are as stiff as the limit
+/// is, and this factor takes the part of a tangent that is across, where S is least.
+fn keep_others(
     gain: &mut [f64],
     normals: &[f64],
     m: usize,
@@ -179,21 +192,24 @@ fn restrict(
         }
         (0..count).for_each(|j| left[count * i + j] = dot(normal(j), row));
     }
-    if lu::eliminate(left, count, count, exchanges) {
-        lu::solve(left, count, exchanges, right, m);
-        let products = &mut left[..count];
-        for gain in gain.chunks_exact_mut(m) {
-            // Products first: all of them are with the gain as it was.
-            products.iter_mut().enumerate().for_each(|(i, product)| *product = dot(normal(i), gain));
-            for (product, row) in products.iter().zip(right.chunks_exact(m)) {
-                gain.iter_mut().zip(row).for_each(|(to, from)| *to -= product * from);
-            }
+    if !lu::eliminate(left, count, count, exchanges) {
+        return;
+    }
+    lu::solve(left, count, exchanges, right, m);
+    let products = &mut left[..count];
+    for gain in gain.chunks_exact_mut(m) {
+        // Products first: all of them are with the gain as it was.
+        products.iter_mut().enumerate().for_each(|(i, product)| *product = dot(normal(i), gain));
+        for (product, row) in products.iter().zip(right.chunks_exact(m)) {
+            gain.iter_mut().zip(row).for_each(|(to, from)| *to -= product * from);
         }
     }
-    for gain in gain.chunks_exact_mut(m) {
-        for i in 0..count {
-            let part = dot(normal(i), gain);
-            gain.iter_mut().zip(normal(i)).for_each(|(to, from)| *to -= part * from);
-        }
+}
+
+/// Makes a gain zero along a row of unit length.
+fn take_off(gain: &mut [f64], normal: &[f64]) {
+    for gain in gain.chunks_exact_mut(normal.len()) {
+        let part = dot(normal, gain);
+        gain.iter_mut().zip(normal).for_each(|(to, from)| *to -= part * from);
     }
 }

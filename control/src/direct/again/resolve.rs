@@ -269,7 +269,7 @@ impl Resolve {
 }
 
 /// A side in words.
-fn named(interior: &Interior<Dynamics>, side: &Side, coordinates: &Coordinates) -> String {
+pub(super) fn named(interior: &Interior<Dynamics>, side: &Side, coordinates: &Coordinates) -> String {
     let own = name(interior, side, None, coordinates);
     let end = match (side.is_equation, side.sign > 0.0) {
         (true, _) => "",

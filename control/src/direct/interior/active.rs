@@ -10,7 +10,22 @@ impl<D> Interior<D> {
         if !barrier.is_on(at) || barrier.side(at).is_equation {
             return barrier.is_on(at);
         }
+        self.activity(at) > 1.0
+    }
+
+    /// The multiplier of an entry by its slack, both without unit; 0 for what is no limit.
+    pub(crate) fn activity(&self, at: usize) -> f64 {
+        if !self.barrier.is_limit(at) {
+            return 0.0;
+        }
+        let [multiplier, slack] = self.without_unit(at);
+        multiplier / slack
+    }
+
+    /// Multiplier and slack of an entry, both without unit.
+    pub(crate) fn without_unit(&self, at: usize) -> [f64; 2] {
+        let barrier = &self.barrier;
         let multiplier = barrier.multiplier[at] / (barrier.weight[at] * barrier.unit[at] * self.figures.size);
-        barrier.is_limit(at) && multiplier > barrier.slack[at] * barrier.unit[at]
+        [multiplier, barrier.slack[at] * barrier.unit[at]]
     }
 }

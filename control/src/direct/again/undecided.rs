@@ -1,0 +1,133 @@
+//! Limits of which a motion does not show whether they are active, and what they make of its gains.
+//!
+//! On the central path slack and multiplier of a limit have a product that is nearly zero. Where a motion only
+//! just touches a limit both are nearly zero themselves. States that are off to one side then lead to a motion
+//! that keeps the limit for a while, those to the other to one that does not reach it: the control has two
+//! one-sided derivatives, and that of the barrier lies between them.
+
+use super::feedback::Feedback;
+use super::resolve::{Resolve, named};
+use crate::direct::interior::iterate::Interior;
+use crate::direct::outcome::named::Coordinates;
+use costate::EvalError;
+
+/// Least ratio of multiplier and slack, both without unit, of a limit that is touched: derivatives take the
+/// part r / (1 + r) of a limit with the ratio r as kept.
+const TOUCHED: f64 = 0.01;
+/// Largest multiplier, without unit, of a limit that is only touched, in cube roots of its product mu with the
+/// slack. The slack is a parabola in time there with the least value s, the multiplier mu / s has the
+/// integral `pi mu / sqrt(s)` but for its scale, which moves the motion away by about s: `s^(3/2)` is about
+/// mu, and the multiplier `mu^(1/3)`. Where a limit is kept it does not depend on mu.
+const ONLY_TOUCHED: f64 = 5.0;
+/// By this factor the slack of an undecided limit is changed, so that it counts as active or not for certain.
+const DECISIVE: f64 = 1e8;
+
+/// An entry of a limit that is undecided, and where on the mesh it is.
+#[derive(Clone, Copy, Debug)]
+struct Undecided {
+    at: usize,
+    s: f64,
+}
+
+impl<D> Interior<D> {
+    /// The entries of limits that are touched, and nowhere near there active for certain. Next to an arc at a
+    /// limit there are such entries at its ends too, where multiplier and slack begin; these move with the
+    /// arc, and the derivative exists.
+    fn undecided(&self) -> Vec<Undecided> {
+        let (mesh, barrier) = (&self.spline.mesh, &self.barrier);
+        let at_node = |k: usize| barrier.at_node(k).map(move |at| (at, mesh.nodes[k]));
+        let at_point = |p: usize| barrier.at_point(p).map(move |at| (at, mesh.point(p).0));
+        let at_gauss_point = |p: usize| barrier.at_gauss_point(p).map(move |at| (at, mesh.gauss_point(p).0));
+        let mut sides = vec![Vec::new(); barrier.all_sides().count()];
+        let points = (0..mesh.points()).flat_map(at_point);
+        let nodes = (0..mesh.nodes.len()).flat_map(at_node);
+        for (at, s) in points.chain(nodes).chain((0..mesh.gauss_points()).flat_map(at_gauss_point)) {
+            if let Some(side) = barrier.side_index(at) {
+                sides[side].push(Undecided { at, s });
+            }
+        }
+        // Rows at ends are alone.
+        sides.extend(barrier.at_ends().map(|at| vec![Undecided { at, s: barrier.end_of(at) as f64 }]));
+        let mut found = Vec::new();
+        for side in &mut sides {
+            side.sort_by(|a, b| a.s.total_cmp(&b.s));
+            let is_touched = |entry: &Undecided| self.activity(entry.at) > TOUCHED;
+            let touches =
+                side.chunk_by(|a, b| is_touched(a) == is_touched(b)).filter(|all| is_touched(&all[0]));
+            let is_kept = |entry: &Undecided| {
+                let [multiplier, slack] = self.without_unit(entry.at);
+                multiplier > ONLY_TOUCHED * (multiplier * slack).cbrt()
+            };
+            found.extend(touches.filter(|touch| !touch.iter().any(is_kept)).flatten().copied());
+        }
+        found
+    }
+}
+
+/// Gains of a motion with its undecided limits kept, and with them left out.
+pub(crate) struct OneSided {
+    undecided: Vec<Undecided>,
+    /// `None` where no strict minimum is left.
+    sides: [Option<Feedback>; 2],
+    gains: [Vec<f64>; 2],
+}
+
+impl OneSided {
+    /// `None` where no limit of the motion is undecided.
+    ///
+    /// # Errors
+    /// [`EvalError`] where the motion cannot be evaluated.
+    pub fn of(motion: &mut Resolve) -> Result<Option<Self>, EvalError> {
+        let undecided = motion.interior.undecided();
+        if undecided.is_empty() {
+            return Ok(None);
+        }
+        let slacks = motion.interior.barrier.slack.clone();
+        let mut sides = [None, None];
+        for (side, factor) in sides.iter_mut().zip([1.0 / DECISIVE, DECISIVE]) {
+            undecided.iter().for_each(|entry| motion.interior.barrier.slack[entry.at] *= factor);
+            *side = motion.feedback()?.cloned();
+            motion.interior.barrier.slack.clone_from(&slacks);
+        }
+        motion.factorised = false;
+        let spline = &motion.interior.spline;
+        let gains = [vec![0.0; spline.dof * spline.node()], vec![0.0; spline.dof * spline.node()]];
+        Ok(Some(Self { undecided, sides, gains }))
+    }
+
+    /// Names of the limits that are undecided at a time of the motion, or later; none where gains to either
+    /// side differ by no more than this part of the largest entry for q, v or a.
+    pub fn names(&mut self, motion: &Resolve, t: f64, part: f64) -> Vec<String> {
+        if !self.differ([motion.interior.spline.dof, motion.interior.spline.node()], t, part) {
+            return Vec::new();
+        }
+        let (spline, barrier) = (&motion.interior.spline, &motion.interior.barrier);
+        let (k, _) = spline.mesh.place(spline.place_of(t));
+        let coordinates = Coordinates::of(&motion.problem);
+        let later = self.undecided.iter().filter(|entry| entry.s >= spline.mesh.nodes[k]);
+        let name = |entry: &Undecided| named(&motion.interior, barrier.side(entry.at), &coordinates);
+        let mut names: Vec<_> = later.map(name).collect();
+        names.sort();
+        names.dedup();
+        names
+    }
+
+    /// Whether the gains, n x m, to either side differ, or one of them does not exist.
+    fn differ(&mut self, [n, m]: [usize; 2], t: f64, part: f64) -> bool {
+        for (side, gain) in self.sides.iter().zip(&mut self.gains) {
+            if !side.as_ref().is_some_and(|side| side.gain(t, gain)) {
+                return true;
+            }
+        }
+        let [kept, left] = &self.gains;
+        (0..m).step_by(n).any(|first| {
+            let entries = (0..n).flat_map(|i| m * i + first..m * i + first + n);
+            let [mut off, mut size] = [0.0_f64; 2];
+            for at in entries {
+                off = off.max((kept[at] - left[at]).abs());
+                size = size.max(kept[at].abs()).max(left[at].abs());
+            }
+            off > part * size
+        })
+    }
+}
