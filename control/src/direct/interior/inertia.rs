@@ -91,20 +91,23 @@ impl<D: PointDynamics> Interior<D> {
         let now = self.lagrangian(self.figures.cost, &self.barrier.distance);
         let rounding = constants::ROUNDING * self.figures.size;
         let mut part = if first.is_finite() { first } else { return None };
+        let mut best: Option<(f64, Spline)> = None;
         for _ in 0..saddle::TRIALS {
-            let mut best: Option<(f64, Spline)> = None;
+            let least = best.as_ref().map_or(now - rounding, |(value, _)| *value);
+            let mut closer = None;
             for sign in [1.0, -1.0] {
-                let value = self.value_along(sign * part).filter(|value| *value < now - rounding);
-                if let Some(value) = value.filter(|value| best.as_ref().is_none_or(|best| *value < best.0)) {
-                    best = Some((value, self.trial.spline.clone()));
+                let least = closer.as_ref().map_or(least, |(value, _)| *value);
+                if let Some(value) = self.value_along(sign * part).filter(|value| *value < least) {
+                    closer = Some((value, self.trial.spline.clone()));
                 }
             }
-            if let Some((value, spline)) = best {
-                return Some((spline, now - value));
+            if closer.is_none() && best.is_some() {
+                break;
             }
+            best = closer.or(best);
             part *= 0.5;
         }
-        None
+        best.map(|(value, spline)| (spline, now - value))
     }
 
     /// A direction of negative curvature as the first part of the step, by inverse iteration with the matrix

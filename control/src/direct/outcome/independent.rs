@@ -444,10 +444,17 @@ impl<'a> Sides<'a> {
         parts
     }
 
-    /// The density of a side at the part x of an interval, between those of its points.
+    /// The density of a side at the part x of an interval, between those of its points. That of a limit of
+    /// the control is not negative, as what is linear or quadratic between the points may be beside a jump:
+    /// with such a price any jump would be the best one. Limits of the state are integrated: what their
+    /// densities add up to is that of the points.
     fn density(&self, k: usize, parts: &[f64], i: usize) -> f64 {
-        let (count, first) = (self.barrier.sides().len(), self.spline.mesh.first_point(k));
-        parts.iter().enumerate().map(|(j, part)| part * self.densities[count * (first + j) + i]).sum()
+        let (sides, shape) = (self.barrier.sides(), self.spline.mesh.shape);
+        let first = self.spline.mesh.first_point(k);
+        let of = |j: usize| self.densities[sides.len() * (first + j) + i];
+        let density: f64 = parts.iter().enumerate().map(|(j, part)| part * of(j)).sum();
+        let is_price = !sides[i].is_equation && sides[i].limited.jumps(shape);
+        if is_price { density.max(0.0) } else { density }
     }
 }
 

@@ -174,7 +174,7 @@ impl Direct<'_> {
         &self,
         interior: &mut Interior<Dynamics>,
         resolution: &Resolution,
-        Refined { mut status, error, finer_mesh, again, verified, infeasible, .. }: Refined,
+        Refined { mut status, error, finer_mesh, beside, again, verified, infeasible, .. }: Refined,
         smoothing: Smoothing,
         recorder: &mut Recorder<'_>,
     ) -> Result<Solution, EvalError> {
@@ -221,7 +221,8 @@ impl Direct<'_> {
         };
         // What costs less along that direction is known.
         if let (Ok((_, gain)), Some(verified)) = (&below, &mut verified) {
-            verified.take_saddle(gain / interior.figures.size, constants::GAP * self.options.tolerance);
+            let part = (gain / interior.figures.size).max(beside);
+            verified.take_saddle(part, self.options.tolerance);
         }
         let is_doubted = verified.as_ref().is_some_and(|verified| verified.failure().is_some());
         if status.is_solved() && is_doubted {

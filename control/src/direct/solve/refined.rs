@@ -19,6 +19,8 @@ pub(super) struct Refined {
     pub error: f64,
     /// By how much the cost changes on halved intervals, relative to it, if that is known.
     pub finer_mesh: Option<f64>,
+    /// What a motion costs less that stands beside a saddle and could not be solved, relative to the cost.
+    pub beside: f64,
     /// The motion integrated again, if that was done on its last mesh.
     pub again: Option<Again>,
     /// What the verification that is independent of the points found, if that was done.
@@ -51,6 +53,7 @@ impl Refined {
             status,
             error: f64::INFINITY,
             finer_mesh: None,
+            beside: 0.0,
             again: None,
             verified: None,
             infeasible: None,

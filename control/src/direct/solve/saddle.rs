@@ -16,8 +16,9 @@ use crate::task::build::TaskRows;
 use costate::EvalError;
 
 /// Goes on from a solved motion that is a saddle, along a direction of negative curvature, at most
-/// [`MOST`](saddle::MOST) times. The motion is replaced by what is solved there if that costs less. Whether
-/// it was.
+/// [`MOST`](saddle::MOST) times and while that lowers the cost by a tolerance. The motion is replaced by what
+/// is solved there if that costs less; where a motion is found there that costs less and is not solved, that
+/// it [stands beside](Refined::beside) is kept. Whether the motion was replaced.
 ///
 /// # Errors
 /// A motion that cannot be evaluated.
@@ -54,13 +55,18 @@ pub(super) fn leave_saddles(
         let found = refine(problem, options, Start::Solved, &mut other, &mut of_other, recorder)?;
         interior.clock = std::mem::take(&mut other.clock);
         interior.figures.iterations = other.figures.iterations;
-        let gain = constants::ROUNDING * other.figures.size;
-        if !(found.status.is_converged() && of_other.cost < resolution.cost - gain) {
+        let gain = (resolution.cost - of_other.cost) / other.figures.size;
+        if !(found.status.is_converged() && gain > constants::ROUNDING) {
+            let keeps_limits = other.figures.violation <= constants::VIOLATION_ACCEPTED;
+            refined.beside = if keeps_limits { gain.max(0.0) } else { 0.0 };
             break;
         }
         std::mem::swap(&mut interior.clock, &mut other.clock);
         (*interior, *resolution, *refined) = (other, of_other, found);
         was_left = true;
+        if gain < options.tolerance {
+            break;
+        }
     }
     Ok(was_left)
 }
