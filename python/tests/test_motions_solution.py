@@ -88,7 +88,7 @@ def test_feedback_predicts_motions_nearby(arm):
     solution = problem.solve(polish=False, tolerance=1e-9)
     gains = solution.feedback(rate=100)
     assert gains.gain_q.shape == gains.gain_v.shape == (101, 2, 2) and "gain_q" in json.loads(gains.to_json())
-    assert gains.active == [[]] * 101 and np.allclose(gains.held, [[0.98, 1.0]])
+    assert gains.active == gains.undecided == [[]] * 101 and np.allclose(gains.held, [[0.98, 1.0]])
     # A central difference of motions from states that are off.
     dq, dv = np.array([0.004, -0.003]), np.array([0.02, 0.03])
     start = lambda sign: {"q": sign * dq, "v": sign * dv}

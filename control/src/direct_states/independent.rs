@@ -30,6 +30,9 @@ use crate::numerics::radau::{self, Radau, System};
 use crate::numerics::random::Random;
 use crate::solve::Recorder;
 use crate::verify::adjoint::INSIDE;
+use crate::verify::blame::blamed;
+use crate::verify::cost::asked;
+use crate::verify::optimality::{LEAST_SCALE, place_inside, step_error};
 use costate::EvalError;
 use costate::dynamics::{Cost, Dynamics};
 
@@ -37,26 +40,9 @@ use costate::dynamics::{Cost, Dynamics};
 const SEED: u64 = 43;
 /// Random times of an interval at which limits are looked at.
 const TIMES: usize = 4;
-/// Error of the quadrature, relative to the tolerance of the motion: it is the motion that is judged.
-const SHARPER: f64 = 1e-2;
-/// Smallest one: rounding of the dynamics is about a hundredth of it.
-const SHARPEST: f64 = 1e-12;
-/// Evaluations of the quadrature for each interval, beside [`EVALUATIONS`] for all.
-const OF_INTERVAL: usize = 300;
-const EVALUATIONS: usize = 20_000;
-/// Tolerance of a step of the costates, relative to the root of that of the cost: the gap is a square.
-const STEP: f64 = 1e-2;
-/// Bounds of this tolerance.
-const STEPS: [f64; 2] = [1e-8, 1e-4];
-/// Where the random place in an interval lies that ends a step.
-const MIDDLE: [f64; 2] = [0.35, 0.65];
-/// The intervals that together make this part of what fails are divided ..
-const BLAMED: f64 = 0.9;
-/// .. into so many parts. A control that reaches its limit inside of an interval is wrong by the second power
+/// Intervals that make most of what fails are divided into so many parts. A control that reaches its limit inside of an interval is wrong by the second power
 /// of its width, its cost by the third: by 1/27.
 const PARTS_OF_BLAMED: usize = 3;
-/// Costates of a component are measured by the largest ones of all components of this part at least.
-const LEAST_SCALE: f64 = 1e-3;
 
 /// What is found between the points, in units of the cost and relative to its size. Infinite where a value
 /// cannot be evaluated.
@@ -100,22 +86,17 @@ impl StateVerification {
         self.cost_difference <= tolerance && self.gap <= GAP * tolerance && self.excess <= EXCESS
     }
 
-    /// Into how many parts each interval is divided where this does not pass: those that together make
-    /// [`BLAMED`] of the blame. `None` where nothing can be divided.
+    /// Into how many parts each interval is divided where this does not pass: those that make most of the
+    /// [blame](blamed). `None` where nothing can be divided.
     pub(super) fn parts(&self, widths: &[f64]) -> Option<Vec<usize>> {
-        let all: f64 = self.blame.iter().sum();
-        let mut order: Vec<usize> = (0..widths.len()).collect();
-        order.sort_by(|a, b| self.blame[*b].total_cmp(&self.blame[*a]));
-        let (mut parts, mut sum) = (vec![1; widths.len()], 0.0);
-        for k in order {
-            if sum >= BLAMED * all || !all.is_finite() {
-                break;
-            }
-            sum += self.blame[k];
-            if widths[k] > PARTS_OF_BLAMED as f64 * NARROWEST {
-                parts[k] = PARTS_OF_BLAMED;
-            }
+        if !self.blame.iter().all(|blame| blame.is_finite()) {
+            return None;
         }
+        let parts = |(is_blamed, width): (bool, &f64)| {
+            let is_wide = *width > PARTS_OF_BLAMED as f64 * NARROWEST;
+            if is_blamed && is_wide { PARTS_OF_BLAMED } else { 1 }
+        };
+        let parts: Vec<usize> = blamed(&self.blame).into_iter().zip(widths).map(parts).collect();
         parts.iter().any(|&parts| parts > 1).then_some(parts)
     }
 }
@@ -148,8 +129,7 @@ impl<D: Dynamics<f64>, C: Cost<f64>> DirectDynamics<D, C> {
     ) -> Result<(), Stopped> {
         let Layout { n, m, intervals } = mesh.layout;
         let (mut x, mut slope, mut u) = (vec![0.0; n], vec![0.0; n], vec![0.0; m]);
-        let asked = [(SHARPER * tolerance).max(SHARPEST) * mesh.cost_size(), 0.0];
-        let most = EVALUATIONS + OF_INTERVAL * intervals;
+        let (asked, most) = asked([tolerance, mesh.cost_size()], intervals);
         let segments = (0..intervals).map(|k| (k, [0.0, 1.0]));
         let own = integrate(segments, asked, most, |k, s| {
             if recorder.interruption().is_some() {
@@ -277,7 +257,7 @@ impl<'a, 'r, D: Dynamics<f64>, C: Cost<f64>> Costates<'a, 'r, D, C> {
     fn follow(&mut self, tolerance: f64, found: &mut StateVerification) -> Result<(), Stopped> {
         let Layout { n, intervals, .. } = self.mesh.layout;
         let nodes: Vec<Vec<f64>> = (0..=intervals).map(|k| self.at_node(k)).collect();
-        let mut radau = Radau::new(n, (STEP * tolerance.sqrt()).clamp(STEPS[0], STEPS[1]));
+        let mut radau = Radau::new(n, step_error(tolerance));
         let most = nodes.iter().flatten().fold(f64::MIN_POSITIVE, |most: f64, y| most.max(y.abs()));
         for (i, size) in radau.sizes.iter_mut().enumerate() {
             *size = nodes.iter().fold(LEAST_SCALE * most, |most, y| most.max(y[i].abs()));
@@ -295,7 +275,7 @@ impl<'a, 'r, D: Dynamics<f64>, C: Cost<f64>> Costates<'a, 'r, D, C> {
                 costate.copy_from_slice(&nodes[k + 1]);
             }
             (self.interval, self.start, self.counts, self.gap) = (k, end - width, counts, 0.0);
-            let middle = MIDDLE[0] + (MIDDLE[1] - MIDDLE[0]) * random.uniform();
+            let middle = place_inside(&mut random);
             radau.integrate(&mut costate, 1.0..middle, 1.0, self)?;
             radau.integrate(&mut costate, middle..0.0, 1.0, self)?;
             of_part += self.gap;

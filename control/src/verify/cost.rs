@@ -15,9 +15,15 @@ const SHARPEST: f64 = 1e-12;
 const OF_PIECE: usize = 300;
 const EVALUATIONS: usize = 20_000;
 
+/// What the quadrature of a cost of this size is asked for: its absolute and relative error, and the most
+/// evaluations.
+pub(crate) fn asked([tolerance, size]: [f64; 2], pieces: usize) -> ([f64; 2], usize) {
+    ([(SHARPER * tolerance).max(SHARPEST) * size, 0.0], EVALUATIONS + OF_PIECE * pieces)
+}
+
 /// $J = \int_0^T l(t, q, v, \tau(q, v, a))\\, dt$ along a motion, with torques from inverse dynamics, between
-/// [places](Splits) at which l is not smooth; and the integral of the penalties. `tolerance` and `size` are
-/// those of the cost; the error is at most a hundredth of their product, unless that takes too many
+/// [places](Splits) at which l is not smooth; and the integral of the penalties. `of_cost` are its
+/// tolerance and size; the error is at most a hundredth of their product, unless that takes too many
 /// evaluations.
 ///
 /// # Errors
@@ -27,15 +33,14 @@ pub(crate) fn cost(
     splits: &Splits,
     dynamics: &mut dyn InverseDynamics,
     running: &mut Running,
-    [tolerance, size]: [f64; 2],
+    of_cost: [f64; 2],
     stops: &mut dyn FnMut() -> bool,
 ) -> Result<[Integral; 2], Stopped> {
     let n = path.dof;
     let (mut z, mut tau) = (vec![0.0; 4 * n], vec![0.0; n]);
     let mut rates = vec![0.0; if running.costs_torque_rates() { n } else { 0 }];
     let mut tau_z = vec![0.0; 3 * n * rates.len()];
-    let asked = [(SHARPER * tolerance).max(SHARPEST) * size, 0.0];
-    let most = EVALUATIONS + OF_PIECE * path.pieces.len();
+    let (asked, most) = asked(of_cost, path.pieces.len());
     let mut penalties = false;
     let mut at = |k: usize, x: f64, running: &mut Running| -> Result<[f64; 2], Stopped> {
         if stops() {

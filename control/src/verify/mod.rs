@@ -5,9 +5,11 @@
 //! something narrow happens are found from the polynomials; nothing is evaluated at the points of a solver.
 //!
 //! [`cost`] integrates the cost, [`motion`] the equations of motion, [`limits`] looks at hard limits,
-//! [`optimality`] bounds what the motion costs too much.
+//! [`optimality`] bounds what the motion costs too much; [`blame`] says which intervals are divided where one
+//! of these fails.
 
 pub(crate) mod adjoint;
+pub(crate) mod blame;
 pub(crate) mod cost;
 pub(crate) mod dynamics;
 mod jerk_gaps;

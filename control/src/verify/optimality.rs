@@ -55,7 +55,17 @@ const PARTS: usize = crate::constants::direct::PARTS as usize;
 /// Where the random place in a piece lies that ends a step.
 const MIDDLE: [f64; 2] = [0.35, 0.65];
 /// Costates of a joint are measured by the largest ones of all joints of this part at least.
-const LEAST_SCALE: f64 = 1e-3;
+pub(crate) const LEAST_SCALE: f64 = 1e-3;
+
+/// Tolerance of a step of the costates of a motion with this tolerance.
+pub(crate) fn step_error(tolerance: f64) -> f64 {
+    (STEP * tolerance.sqrt()).clamp(STEPS[0], STEPS[1])
+}
+
+/// A random place in a piece.
+pub(crate) fn place_inside(random: &mut Random) -> f64 {
+    MIDDLE[0] + (MIDDLE[1] - MIDDLE[0]) * random.uniform()
+}
 
 /// The costates at the ends of the pieces, from the solver: of (q, v), 2n each; of (q, v, a), 3n each, where
 /// accelerations are continuous ([`jerk_optimality`](super::jerk_optimality)).
@@ -154,7 +164,7 @@ fn follow<'a>(
 ) -> Result<Optimality, Stopped> {
     let (n, root) = (path.dof, tolerance.sqrt());
     let mut costate = costates.right.last().cloned().unwrap_or_default();
-    let mut radau = Radau::new(costate.len(), (STEP * root).clamp(STEPS[0], STEPS[1]));
+    let mut radau = Radau::new(costate.len(), step_error(tolerance));
     radau.sizes = sizes(costates, n, costate.len());
     let mut random = Random::new(seed);
     let zeros = vec![0.0; path.pieces.len()];
@@ -189,7 +199,7 @@ fn follow<'a>(
         places.extend_from_slice(splits.of(k));
         places.extend_from_slice(breaks);
         if places.len() == 2 {
-            places.push(MIDDLE[0] + (MIDDLE[1] - MIDDLE[0]) * random.uniform());
+            places.push(place_inside(&mut random));
         }
         places.sort_by(f64::total_cmp);
         places.dedup();

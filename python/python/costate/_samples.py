@@ -155,6 +155,9 @@ class Gains:
     active : list of list of str
         Names of the limits that are active at ``t``, such as ``rate elbow max``. Rows of torques at a limit are zero;
         gains are zero along the gradient of an active limit of the state and along that of its derivative in time.
+    undecided : list of list of str
+        At ``t`` the names of the limits, now or later, that the motion only touches: gains to either side differ by more
+        than 1 % of the largest one, and those here lie between them.
     held : array (phases, 2)
         For each phase the time from which on its gains are held, and its end (s): they grow without bound towards a
         given end.
@@ -177,6 +180,7 @@ class Gains:
         self.gain_q, self.gain_v = (np.array(found[name]).reshape(-1, n, n) for name in ("gain_q", "gain_v"))
         self.gain_a: _Array | None = np.array(found["gain_a"]) if "gain_a" in found else None
         self.active: list[list[str]] = found["active"]
+        self.undecided: list[list[str]] = found["undecided"]
         self.held: _Array = np.array(found["held"]).reshape(-1, 2)
         self.cost_by_start, self.final_time_by_start = (
             np.array(found[name]) for name in ("cost_by_start", "final_time_by_start")

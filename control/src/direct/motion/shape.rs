@@ -100,6 +100,11 @@ impl Shape {
         }
     }
 
+    /// Points of so many intervals, with both ends: what `solver.nodes` and `solver.max_nodes` count.
+    pub fn points_of(self, intervals: usize) -> usize {
+        self.stride() * intervals + 1
+    }
+
     /// Whether the acceleration is continuous.
     pub fn is_smooth(self) -> bool {
         self == Self::Quintic

@@ -60,7 +60,7 @@ pub(super) fn move_within<D: PointDynamics>(
     for share in constants::SHARES {
         interior.spline = moved(&own, &ways, share);
         seed(options, interior);
-        let fits = own.mesh.shape.stride() * interior.spline.mesh.intervals() < options.max_nodes;
+        let fits = own.mesh.shape.points_of(interior.spline.mesh.intervals()) <= options.max_nodes;
         let spline = interior.spline.clone();
         let Some([most, cost]) = interior.figures_of(&spline).filter(|_| fits) else { continue };
         if most <= exceeded.max(constants::ROOM) && cost < constants::CHEAPER * least {

@@ -85,7 +85,7 @@ fn change_on_finer_mesh(
     let mesh = &interior.spline.mesh;
     let crossed = interior.crossed(most_knots(options, mesh.shape));
     let nodes = Mesh::new(crossed, mesh.shape).halved(interior.narrowest()[0]);
-    let count = mesh.shape.stride() * (nodes.len() - 1) + 1;
+    let count = mesh.shape.points_of(nodes.len() - 1);
     if nodes == mesh.nodes || count > options.max_nodes || recorder.interruption().is_some() {
         return Ok(None);
     }

@@ -17,7 +17,7 @@ impl Refinement<'_, '_> {
         let nodes = self.next_nodes(&solved, judged);
         self.left = if solved.unresolved { self.left + 1 } else { 0 };
         let is_last = self.mesh + 1 == constants::MESHES || self.left == constants::UNRESOLVED_MESHES;
-        let count = self.interior.spline.mesh.shape.stride() * (nodes.len() - 1) + 1;
+        let count = self.interior.spline.mesh.shape.points_of(nodes.len() - 1);
         if count > self.options.max_nodes || is_last {
             if self.comes_back()? {
                 return Ok(Next::Iterate);

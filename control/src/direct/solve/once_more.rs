@@ -41,7 +41,7 @@ pub(super) fn solve_once_more(
         return Ok(false);
     }
     let nodes = Mesh::new(crossed, mesh.shape).divided(constants::PARTS, interior.narrowest()[0]);
-    if mesh.shape.stride() * (nodes.len() - 1) + 1 > options.max_nodes {
+    if mesh.shape.points_of(nodes.len() - 1) > options.max_nodes {
         return Ok(false);
     }
     let solved = interior.snapshot();

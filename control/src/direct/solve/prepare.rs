@@ -73,7 +73,7 @@ fn own_nodes(problem: &Problem, options: &SolverOptions, first: &First<'_>) -> O
     let fits = |nodes: &Vec<f64>| {
         !shape.is_smooth()
             && nodes[nodes.len() - 1] == phases as f64
-            && shape.stride() * (nodes.len() - 1) < options.max_nodes
+            && shape.points_of(nodes.len() - 1) <= options.max_nodes
     };
     first.saved.and_then(Trajectory::mesh_nodes).filter(fits)
 }

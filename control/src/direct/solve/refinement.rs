@@ -258,7 +258,7 @@ pub(super) fn iteration(iterate: &Interior<Dynamics>, first: usize, step: f64) -
     let figures = &iterate.figures;
     Iteration {
         phase: Phase::Direct,
-        nodes: iterate.spline.mesh.shape.stride() * iterate.spline.mesh.intervals() + 1,
+        nodes: iterate.spline.mesh.shape.points_of(iterate.spline.mesh.intervals()),
         number: figures.iterations - first,
         residual: (figures.gap.max(figures.decrement.abs()) / figures.size).max(figures.violation),
         step,

@@ -101,7 +101,7 @@ pub(super) fn restore<D: PointDynamics>(
         let mesh = &interior.spline.mesh;
         let is_fine = mesh.intervals() > elastic::INTERVALS;
         let nodes = mesh.halved(constants::NARROWEST);
-        let is_full = mesh.shape.stride() * (nodes.len() - 1) + 1 > options.max_nodes;
+        let is_full = mesh.shape.points_of(nodes.len() - 1) > options.max_nodes;
         if !is_full {
             interior.spline = interior.spline.on_nodes(nodes);
         }

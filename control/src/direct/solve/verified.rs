@@ -14,12 +14,11 @@ use crate::result::stage_times::Stage;
 use crate::solve::Recorder;
 use crate::status::Status;
 use crate::task::build::TaskRows;
+use crate::verify::blame::blamed;
 use costate::EvalError;
 
 /// How often a motion that fails is solved again on a finer mesh.
 const ROUNDS: usize = 3;
-/// The intervals that together make this part of what fails are divided.
-const BLAMED: f64 = 0.9;
 
 /// Verifies a converged motion. Where a check fails, the intervals that make it fail are divided, and the
 /// search goes on from this motion, a few times, each new one [settled](settle) as the first one was; where
@@ -105,18 +104,8 @@ fn solve_on(
 /// something narrow happens; `None` where that takes too many, or none can be divided.
 fn divided(interior: &Interior<Dynamics>, found: &Independent, options: &SolverOptions) -> Option<Vec<f64>> {
     let (mesh, narrowest) = (&interior.spline.mesh, interior.narrowest()[0]);
-    let all: f64 = found.blame.iter().sum();
-    let mut order: Vec<usize> = (0..mesh.intervals()).collect();
-    order.sort_by(|a, b| found.blame[*b].total_cmp(&found.blame[*a]));
-    let (mut marked, mut sum) = (vec![false; mesh.intervals()], 0.0);
-    for k in order {
-        if sum >= BLAMED * all && all > 0.0 {
-            break;
-        }
-        (marked[k], sum) = (true, sum + found.blame[k]);
-    }
     let mut nodes = vec![mesh.nodes[0]];
-    for (k, &is_marked) in marked.iter().enumerate() {
+    for (k, is_marked) in blamed(&found.blame).into_iter().enumerate() {
         let (left, right) = (mesh.nodes[k], mesh.nodes[k + 1]);
         if is_marked && right - left > narrowest {
             let middle = left + 0.5 * (right - left);
@@ -132,7 +121,7 @@ fn divided(interior: &Interior<Dynamics>, found: &Independent, options: &SolverO
         }
         nodes.push(right);
     }
-    let count = mesh.shape.stride() * (nodes.len() - 1) + 1;
+    let count = mesh.shape.points_of(nodes.len() - 1);
     (nodes.len() > mesh.nodes.len() && count <= options.max_nodes).then_some(nodes)
 }
 

@@ -60,7 +60,7 @@ pub(super) fn rest_between<D: PointDynamics>(
         }
         let shape = interior.spline.mesh.shape;
         let nodes = plan.nodes(time);
-        if shape.stride() * (nodes.len() - 1) >= options.max_nodes {
+        if shape.points_of(nodes.len() - 1) > options.max_nodes {
             break;
         }
         let at = |_: usize, s: f64, z: &mut [f64]| plan.at([from, to], time, s * time, z);
