@@ -6,7 +6,7 @@
 pub const SOFTNESSES: [f64; 3] = [1e9, 1e7, 1e5];
 /// It goes this part of the extent of the motion away, ..
 pub const FIRST_PART: f64 = 0.25;
-/// .. or half of that, and so on, so many times, until what costs less does not cost less still. ..
+/// .. or half of that, and so on, at most so many times, while a half costs less than the whole. ..
 pub const TRIALS: usize = 12;
 /// .. Limits may be exceeded there by this part of their ranges.
 pub const OFF: f64 = 1e-2;
@@ -14,7 +14,7 @@ pub const OFF: f64 = 1e-2;
 pub const INVERSE_ITERATIONS: usize = 8;
 /// .. with a damping that is bisected so many times.
 pub const BISECTIONS: usize = 5;
-/// Most saddles that are left one after the other, each of which costs less than the one before by a
+/// Most saddles that are left one after the other; all but the last cost less than the one before by a
 /// tolerance.
 pub const MOST: usize = 8;
 /// Most times that saddles which show on a finer mesh alone are left, to compare with a finer one again.

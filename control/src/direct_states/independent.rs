@@ -40,8 +40,8 @@ use costate::dynamics::{Cost, Dynamics};
 const SEED: u64 = 43;
 /// Random times of an interval at which limits are looked at.
 const TIMES: usize = 4;
-/// Intervals that make most of what fails are divided into so many parts. A control that reaches its limit inside of an interval is wrong by the second power
-/// of its width, its cost by the third: by 1/27.
+/// Intervals that make most of what fails are divided into so many parts. A control that reaches its limit
+/// inside of an interval is wrong by the second power of its width, its cost by the third: by 1/27.
 const PARTS_OF_BLAMED: usize = 3;
 
 /// What is found between the points, in units of the cost and relative to its size. Infinite where a value
@@ -87,9 +87,10 @@ impl StateVerification {
     }
 
     /// Into how many parts each interval is divided where this does not pass: those that make most of the
-    /// [blame](blamed). `None` where nothing can be divided.
+    /// [blame](blamed). `None` where none is known, or nothing can be divided.
     pub(super) fn parts(&self, widths: &[f64]) -> Option<Vec<usize>> {
-        if !self.blame.iter().all(|blame| blame.is_finite()) {
+        let all: f64 = self.blame.iter().sum();
+        if !(all > 0.0 && all.is_finite()) || self.is_interrupted {
             return None;
         }
         let parts = |(is_blamed, width): (bool, &f64)| {
@@ -176,7 +177,10 @@ fn excess(mesh: &Interior, blame: &mut [f64]) -> (f64, Option<(f64, usize)>) {
             mesh.state(k, s, &mut x, &mut slope);
             let first = mesh.layout.point(k, 0);
             for (i, x) in x.iter().enumerate() {
-                let excess = (mesh.low[first + i] - x).max(x - mesh.high[first + i]) / sizes[i];
+                let excess = match x.is_nan() {
+                    true => f64::INFINITY,
+                    false => (mesh.low[first + i] - x).max(x - mesh.high[first + i]) / sizes[i],
+                };
                 *blame = blame.max(if excess > EXCESS { excess / EXCESS } else { 0.0 });
                 if excess > most {
                     (most, at) = (excess, Some(((start + s * mesh.widths[k]) * mesh.time(), i)));
@@ -354,8 +358,9 @@ impl<'a, 'r, D: Dynamics<f64>, C: Cost<f64>> Costates<'a, 'r, D, C> {
     }
 }
 
-/// The largest $g d - \tfrac12 r d^2$ for a step d within these ends, which lie to either side of 0. A
-/// control without curvature and without limits gains what a step of its own size would: none counts.
+/// The largest $g d - \tfrac12 r d^2$ for a step d within these ends, which lie to either side of 0. That of
+/// a control without curvature and without an end there has no bound, however small g is, and does not count:
+/// such a control is on a singular arc, where g is zero, which [`StateVerification::stationarity`] measures.
 fn gain(slope: f64, curvature: f64, [low, high]: [f64; 2]) -> f64 {
     let free = if curvature > 0.0 { slope / curvature } else { f64::INFINITY.copysign(slope) };
     let step = if slope == 0.0 { 0.0 } else { free.max(low).min(high) };

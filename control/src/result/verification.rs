@@ -88,8 +88,9 @@ pub struct Verification {
     #[serde(default)]
     pub cost: Check,
     /// The torques lead along the motion. Of robots whose joints are all driven: the largest miss of an
-    /// integration from the start, or of the sum over parts of the motion; of others the sum over the nodes
-    /// of the misses by an implicit method that begins at the node before. Relative to the largest values of
+    /// integration from the start, or of the sum over parts of the motion; where that misses more, as of
+    /// unstable motions, and of other robots the sum over the nodes of the misses by an implicit method that
+    /// begins at the node before. Relative to the largest values of
     /// positions and rates. Of extremals the miss of the state at the end, integrated with the controls of
     /// the costates that were found.
     #[serde(default)]
@@ -102,18 +103,21 @@ pub struct Verification {
     pub limits: Check,
     /// The same of what may jump: accelerations and powers, or jerks and rates of torques. Polynomials
     /// overshoot beside a jump on any mesh, for a time of about the width of an interval. The status does not
-    /// depend on this check, the torques being cut to their limits in [`dynamics`](Self::dynamics).
+    /// depend on this check: limits of torques are cut in [`dynamics`](Self::dynamics), and what exceeds
+    /// others by more is named by the [remarks](crate::Solution::remarks).
     #[serde(default)]
     pub overshoot: Check,
     /// The gap $\int G\\, dt$ of the maximum principle, relative to the size of the cost: by how much the
-    /// cost may be above that of the optimal motion nearby, to second order. See
-    /// [`direct_method`](crate::direct_method). Of extremals the [mismatch](crate::Motion::shooting_defect)
-    /// of segments integrated again with their costates: along these the Hamiltonian is maximal by
-    /// construction.
+    /// cost may be above that of the optimal motion nearby with the same states at its ends (of jerks with
+    /// the same accelerations there too), to second order. Intervals on arcs of limits of the state do not
+    /// count; it is skipped where all are. See [`direct_method`](crate::direct_method). Of extremals the
+    /// [mismatch](crate::Motion::shooting_defect) of segments integrated again with their costates: along
+    /// these the Hamiltonian is maximal by construction.
     #[serde(default)]
     pub optimality: Check,
-    /// The largest $|H_u| = |y_\tau - l_\tau|$ of a torque inside its limits at random times, relative to the
-    /// largest of both along the motion.
+    /// The largest $|H_u| = |y_\tau - l_\tau|$ of a torque inside its limits at the stages of the integration
+    /// of the costates, some of which are random times, relative to the largest of both along the motion. Of
+    /// jerks with the costates of the solver, of which the gap may take better ones.
     #[serde(default)]
     pub stationarity: Option<f64>,
     /// The largest difference of the integrated costates at a node from those of the solver, relative to the
@@ -133,11 +137,12 @@ impl Verification {
         ]
     }
 
-    /// A motion nearby costs less by this part of the cost at least.
+    /// A motion beside a saddle costs less by about this part of the cost. What failed already stays.
     pub(crate) fn take_saddle(&mut self, part: f64, allowed: f64) {
-        if self.optimality.value.is_none_or(|gap| gap < part) {
+        let check = Check::of(part, allowed);
+        if check.fails() && !self.optimality.fails() {
             let subject = Some("the motion is a saddle, one beside it costs less".into());
-            self.optimality = Check::of(part, allowed).at(None, subject);
+            self.optimality = check.at(None, subject);
         }
     }
 
@@ -183,7 +188,7 @@ impl Verification {
     /// The errors of the cost that were found, relative to its size: the difference of the costs, or the gap
     /// where that is larger and counts.
     pub(crate) fn cost_error(&self, with_gap: bool) -> f64 {
-        let of = |check: &Check| check.value.unwrap_or(0.0);
+        let of = |check: &Check| check.value.unwrap_or(if check.fails() { f64::INFINITY } else { 0.0 });
         of(&self.cost).max(if with_gap { of(&self.optimality) } else { 0.0 })
     }
 }

@@ -165,7 +165,7 @@ impl<'a> Place<'a> {
         *slack = 0.0;
         let [from, to] = self.inside;
         let edge = EDGE * (to - from);
-        let inside = x.clamp(from + edge, to - edge);
+        let inside = x.max(from + edge).min(to - edge);
         self.multipliers.add(self.number, inside, &self.z[..3 * n], &self.tau, &mut self.prices)?;
         for (i, row) in self.tau_z.chunks_exact(3 * n).enumerate() {
             self.mass[n * i..n * (i + 1)].copy_from_slice(&row[2 * n..]);

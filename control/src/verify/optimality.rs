@@ -91,6 +91,8 @@ pub(crate) struct Optimality {
     /// $\sum |\int G\\, dt|$ over [`PARTS`] parts of the motion. Within a part, torques that overshoot their
     /// limits beside a jump, which no polynomial follows, gain what those before the jump lose.
     pub gap: f64,
+    /// The part of the time whose gap counts.
+    pub counted: f64,
     /// The largest $|H_{u,i}|$ of a torque inside its limits, relative to the largest $|l_{\tau,i}|$ and
     /// $|y_i|$ along the motion; and where: time (s) and coordinate.
     pub stationarity: f64,
@@ -209,6 +211,7 @@ fn follow<'a>(
             radau.integrate(&mut costate, pair[1]..pair[0], 1.0, equations)?;
         }
         found.gaps[k] = equations.place().found.gap;
+        found.counted += if counted { piece.length / path.duration() } else { 0.0 };
         if before > CARRIED * root {
             other.copy_from_slice(&costates.right[k]);
             equations.place().counts = false;

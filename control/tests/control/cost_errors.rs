@@ -10,11 +10,11 @@ fn swing(least: f64) -> Problem {
         .with_limits(MotionLimits::none().with_q_min(vec![least]))
 }
 
-/// Solved to each tolerance from the loosest to the tightest one. The value, by other methods and on finer
-/// and finer meshes, is known to `digits`.
-fn is_told(problem: &Problem, value: f64, digits: f64, tolerances: &[f64]) {
+/// Solved from so many starts to each tolerance from the loosest to the tightest one. The value, by other
+/// methods and on finer and finer meshes, is known to `digits`.
+fn is_told(problem: &Problem, value: f64, digits: f64, (starts, tolerances): (usize, &[f64])) {
     for &tolerance in tolerances {
-        let options = SolverOptions::default().with_tolerance(1e-6).with_polish(Polish::Never).with_starts(4);
+        let options = SolverOptions::default().with_polish(Polish::Never).with_starts(starts);
         let solution = Solver::new(problem, options.with_tolerance(tolerance)).unwrap().solve();
         let (error, stated) = ((solution.total() / value - 1.0).abs(), solution.cost_error().unwrap());
         println!(
@@ -35,23 +35,32 @@ const TOLERANCES: [f64; 5] = [1e-4, 1e-5, 1e-6, 1e-7, 1e-8];
 /// It touches its limit, or stays at it for a while.
 #[test]
 fn of_a_position_at_its_limit() {
-    is_told(&swing(-0.7), 19.4870292, 5e-9, &TOLERANCES);
-    is_told(&swing(-0.2), 27.844211, 4e-8, &TOLERANCES);
+    is_told(&swing(-0.7), 19.4870292, 5e-9, (4, &TOLERANCES));
+    is_told(&swing(-0.2), 27.844211, 4e-8, (4, &TOLERANCES));
 }
 
 #[test]
 fn of_a_rate_at_its_limit() {
-    is_told(&limited("two_link", &[INF, 7.0]), 155.74483972, 1e-10, &TOLERANCES);
+    is_told(&limited("two_link", &[INF, 7.0]), 155.74483972, 1e-10, (4, &TOLERANCES));
 }
 
 /// Positions, rates and torques at once.
 #[test]
 fn of_an_arm_at_all_its_limits() {
-    is_told(&arm_at_its_limits(), 22.5760933, 5e-9, &TOLERANCES);
+    is_told(&arm_at_its_limits(), 22.5760933, 5e-9, (4, &TOLERANCES));
 }
 
 /// A clearance is no polynomial.
 #[test]
 fn of_a_clearance() {
-    is_told(&around_a_disc(), 170.506985, 5e-9, &TOLERANCES[..4]);
+    is_told(&around_a_disc(), 170.506985, 5e-9, (4, &TOLERANCES[..4]));
+}
+
+/// From one limit to the other within 0.05 s, between two points of a wide interval: multipliers of either
+/// sign made such a jump the best one, and half of the interval shows nothing.
+#[test]
+fn of_an_acceleration_at_its_limits() {
+    let limits = MotionLimits::none().with_a_max(vec![0.859]);
+    let problem = Problem::rest_to_rest(robot("pendulum"), &[-0.14], &[0.987], 3.223).with_limits(limits);
+    is_told(&problem, 25.22941483, 1e-9, (1, &TOLERANCES));
 }

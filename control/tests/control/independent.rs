@@ -26,10 +26,10 @@ fn a_closed_form_is_verified() {
 }
 
 /// A spindle with dry friction of 1 N m, whose transition of 0.01 rad/s no equal mesh sees: 62.83 rad in 8 s
-/// cost least (2.8944 for sharp friction, with the closed form of a motion that waits) if it waits at rest.
-/// What is called converged costs that; anything else is not verified, and says that it is not optimal.
+/// cost least if it waits at rest: 2.893711585 by quadrature of the motion with the costate zero at rest
+/// (`users_inputs/inputs/spindle.py`).
 #[test]
-fn what_is_not_optimal_is_not_converged() {
+fn a_spindle_that_waits_is_optimal() {
     let friction = Friction { viscous: 0.0, coulomb: 1.0, coulomb_velocity: 0.01 };
     let joint = JointSpec::revolute("spin").armature(0.05).friction(friction);
     let robot = Robot::builder("spindle").joint(joint).build().unwrap();
@@ -37,20 +37,14 @@ fn what_is_not_optimal_is_not_converged() {
         .with_limits(MotionLimits::none());
     let solution = solve(&problem, SolverOptions::default());
     let verified = solution.verified.as_ref().unwrap();
-    if solution.motion.status.is_converged() {
-        let finest = solve(&problem, SolverOptions::default().with_nodes(301));
-        let error = 10.0 * solution.cost_error().unwrap();
-        assert!(solution.motion.cost <= finest.motion.cost * (1.0 + error), "{verified:?}");
-    } else {
-        let (name, check) = verified.failure().unwrap();
-        assert!(name == "optimality" || name == "cost", "{verified:?}");
-        assert!(check.value.is_none_or(|value| value > check.allowed.unwrap()), "{verified:?}");
-    }
+    assert_eq!(solution.motion.status, Status::Converged, "{verified:?}");
+    let off = (solution.motion.cost / 2.893711585 - 1.0).abs();
+    assert!(off <= 2.0 * solution.cost_error().unwrap(), "{off} {verified:?}");
 }
 
 /// Limited jerks are verified as torques are. With free accelerations at the ends it takes s = sqrt(2 0.9/30)
-/// from rest to 0.9 m/s, over 2/3 0.9 s, so that T = 1/0.9 + 2/3 s. The error stated is above what T is too
-/// long.
+/// from rest to 0.9 m/s, over 2/3 0.9 s, so that T = 1/0.9 + 2/3 s. T is
+/// that to the tolerance.
 #[test]
 fn limited_jerks_are_verified() {
     let problem = Problem::rest_to_rest(sledge(), &[0.0], &[1.0], 2.0)
@@ -63,7 +57,7 @@ fn limited_jerks_are_verified() {
     assert!(verified.stationarity.is_some() && verified.costate_defect.is_some(), "{verified:?}");
     let least = 1.0 / 0.9 + 2.0 / 3.0 * (1.8_f64 / 30.0).sqrt();
     let excess = solution.motion.cost / least - 1.0;
-    assert!(excess <= solution.cost_error().unwrap() + 1e-6, "{excess} {verified:?}");
+    assert!(excess.abs() < 1e-4, "{excess} {verified:?}");
     let text = serde_json::to_string(&solution).unwrap();
     let read: Solution = serde_json::from_str(&text).unwrap();
     assert_eq!(read.verified, solution.verified);

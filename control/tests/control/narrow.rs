@@ -12,10 +12,10 @@
 //! int r (r * G))`, as long as both ends are farther than some 1/k from where r is not zero.
 
 use crate::sledge;
-use costate::robot::{Friction, JointSpec, LinkInertia, Robot};
+use costate::robot::{Friction, JointSpec, LinkInertia, Placement, Robot};
 use costate_control::{
-    FinalTime, JointReference, MotionLimits, Objective, Polish, Problem, Solution, Solver, SolverOptions,
-    Task, Via,
+    Certificate, FinalTime, JointReference, MotionLimits, Objective, Polish, Problem, Solution, Solver,
+    SolverOptions, Task, Via,
 };
 use nalgebra::Matrix3;
 
@@ -53,7 +53,7 @@ fn least_cost(way: f64, coulomb: f64, transition: f64) -> [f64; 2] {
     [2.0 / 3.0 * coulomb * coulomb * time - less, less]
 }
 
-/// Converged at the least cost, to a tenth of what the transition makes of it; or not called converged.
+/// Converged at the least cost, to a tenth of what the transition makes of it.
 fn check(solution: &Solution, [cost, transition]: [f64; 2]) {
     let off = solution.motion.cost - cost;
     assert!(solution.motion.status.is_converged(), "{}: {}", solution.motion.status, solution.motion.cost);
@@ -185,4 +185,27 @@ fn knots_count_with_free_times_and_vias() {
         let [coarse, fine] = [cost(21), cost(301)];
         assert!((coarse / fine - 1.0).abs() < 1e-5, "{coarse} {fine}");
     }
+}
+
+/// A turntable on a turntable in the time that is best for both. What is solved first is a saddle, and so are
+/// the motions beside it, one after the other, each of which costs less: one that is called converged is none
+/// of them. The first costs 12.0266.
+#[test]
+fn saddles_under_dry_friction_are_left_or_not_verified() {
+    let joint = |name: &str, inertia: f64, coulomb: f64, coulomb_velocity: f64| {
+        let body = LinkInertia::about_com(1.0, [0.0; 3], inertia * Matrix3::identity());
+        let friction = Friction { viscous: 0.0, coulomb, coulomb_velocity };
+        let offset = Placement::from_xyz_rpy([0.3, 0.0, 0.0], [0.0; 3]);
+        JointSpec::revolute(name).axis([0.0, 0.0, 1.0]).placed(offset).carrying(body).friction(friction)
+    };
+    let joints = [joint("lower", 0.2197, 0.4995, 0.2444), joint("upper", 1.032, 4.1846, 0.15457).on("lower")];
+    let problem = Problem::rest_to_rest(robot(joints), &[0.0; 2], &[6.2708, 1.4931], 2.2435)
+        .with_time(FinalTime::Free { guess: 2.2435 })
+        .with_cost(Objective::new(0.56624, vec![1.0; 2]))
+        .with_limits(MotionLimits::none());
+    let solution = solve(&problem);
+    let (status, cost) = (&solution.motion.status, solution.motion.cost);
+    let is_saddle = solution.motion.certificate == Certificate::SaddleOnMesh;
+    assert!(status.is_converged() != is_saddle, "{status}: {cost}");
+    assert!(cost < 12.0, "{status}: {cost}");
 }

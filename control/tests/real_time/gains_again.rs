@@ -159,8 +159,8 @@ fn rest_at(problem: &Problem, gains: &Gains, k: usize) -> Problem {
 }
 
 /// How far K w is from solving again, and how far it may be: three times the error that differences and
-/// meshes show, and a thousandth of the largest slope for the mesh of the gains; and the largest slope. `None`
-/// where it is not solved again, or where that finds another minimum, whose torques are others.
+/// meshes show, and a thousandth of the largest slope for the mesh of the gains; and the largest slope.
+/// `None` where it is not solved again, or where that finds another minimum, whose torques are others.
 fn compare(problem: &Problem, gains: &Gains, k: usize, direction: &[f64], step: f64) -> Option<[f64; 3]> {
     let slope = slope(&rest_at(problem, gains, k), direction, step, 40)?;
     let largest = |list: &[f64]| list.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
@@ -211,7 +211,7 @@ fn gains_of_a_unit_mass_are_exact_at_all_times() {
 /// $$ -\frac{6}{\tau^2 h^3 S}, \quad -\frac{4}{\tau} + \frac{3}{\tau^4 S}, \qquad
 ///    S = \frac{1}{h^3} + \frac{1}{\tau^3} $$
 ///
-/// Limits that are kept for a while, or not reached, are decided.
+/// Limits that are kept for a while, or not reached by far, are decided.
 #[test]
 fn a_limit_that_is_only_touched_is_undecided() {
     let motion = |v_max: f64| {
@@ -241,11 +241,8 @@ fn a_limit_that_is_only_touched_is_undecided() {
             assert!((q / left[0] - 1.0).abs().max((v / left[1] - 1.0).abs()) < 1e-6, "{t}: {q} {v}");
         }
     }
-    for v_max in [1.3, 1.45, 1.49, 1.51, 1.6] {
-        let decided = motion(v_max);
-        let all: Vec<_> =
-            decided.t.iter().zip(&decided.undecided).filter(|(_, names)| !names.is_empty()).collect();
-        println!("{v_max}: {} {:?}", all.len(), all.first());
+    for v_max in [1.3, 1.45, 1.55, 1.6] {
+        assert!(motion(v_max).undecided.iter().all(Vec::is_empty), "{v_max}");
     }
 }
 
@@ -461,5 +458,5 @@ fn random_gains() {
         skipped[2]
     );
     assert_eq!(agree, done);
-    assert!(skipped[2] * 20 < done, "{} undecided", skipped[2]);
+    assert!(skipped.iter().all(|skipped| skipped * 10 < done), "{skipped:?} of {done}");
 }

@@ -1,9 +1,9 @@
 //! Limits of which a motion does not show whether they are active, and what they make of its gains.
 //!
-//! On the central path slack and multiplier of a limit have a product that is nearly zero. Where a motion only
-//! just touches a limit both are nearly zero themselves. States that are off to one side then lead to a motion
-//! that keeps the limit for a while, those to the other to one that does not reach it: the control has two
-//! one-sided derivatives, and that of the barrier lies between them.
+//! On the central path slack and multiplier of a limit have a product that is nearly zero. Where a motion
+//! only just touches a limit both are nearly zero themselves. States that are off to one side then lead to a
+//! motion that keeps the limit for a while, those to the other to one that does not reach it: the control has
+//! two one-sided derivatives, and that of the barrier lies between them.
 
 use super::feedback::Feedback;
 use super::resolve::{Resolve, named};
@@ -14,10 +14,12 @@ use costate::EvalError;
 /// Least ratio of multiplier and slack, both without unit, of a limit that is touched: derivatives take the
 /// part r / (1 + r) of a limit with the ratio r as kept.
 const TOUCHED: f64 = 0.01;
-/// Largest multiplier, without unit, of a limit that is only touched, in cube roots of its product mu with the
-/// slack. The slack is a parabola in time there with the least value s, the multiplier mu / s has the
-/// integral `pi mu / sqrt(s)` but for its scale, which moves the motion away by about s: `s^(3/2)` is about
-/// mu, and the multiplier `mu^(1/3)`. Where a limit is kept it does not depend on mu.
+/// Largest multiplier, without unit, of a limit that is only touched, in powers of its product mu with the
+/// slack: cube roots for a limit of the state, square roots for one of the control. The slack s of one of the
+/// state is a parabola in time, the multiplier mu / s has the integral `pi mu / sqrt(s)` but for its scale,
+/// which moves the motion away by about s: `s^(3/2)` is about mu, and the multiplier `mu^(1/3)`. One of the
+/// control moves the control at its own time: the multiplier is about s. Where a limit is kept its multiplier
+/// does not depend on mu.
 const ONLY_TOUCHED: f64 = 5.0;
 /// By this factor the slack of an undecided limit is changed, so that it counts as active or not for certain.
 const DECISIVE: f64 = 1e8;
@@ -55,8 +57,9 @@ impl<D> Interior<D> {
             let touches =
                 side.chunk_by(|a, b| is_touched(a) == is_touched(b)).filter(|all| is_touched(&all[0]));
             let is_kept = |entry: &Undecided| {
-                let [multiplier, slack] = self.without_unit(entry.at);
-                multiplier > ONLY_TOUCHED * (multiplier * slack).cbrt()
+                let (mu, multiplier) = (self.mu / self.figures.size, self.without_unit(entry.at)[0]);
+                let is_control = barrier.side(entry.at).limited.jumps(mesh.shape);
+                multiplier > ONLY_TOUCHED * if is_control { mu.sqrt() } else { mu.cbrt() }
             };
             found.extend(touches.filter(|touch| !touch.iter().any(is_kept)).flatten().copied());
         }
@@ -89,7 +92,7 @@ impl OneSided {
             *side = motion.feedback()?.cloned();
             motion.interior.barrier.slack.clone_from(&slacks);
         }
-        motion.factorised = false;
+        motion.feedback()?;
         let spline = &motion.interior.spline;
         let gains = [vec![0.0; spline.dof * spline.node()], vec![0.0; spline.dof * spline.node()]];
         Ok(Some(Self { undecided, sides, gains }))

@@ -11,7 +11,7 @@ use costate::EvalError;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Inertia {
     Positive,
-    /// One of them at least is negative, and no rounding.
+    /// One of them at least is negative, with every stiffness of the equations that was tried.
     Negative,
     /// The smallest one is about zero.
     Unknown,
@@ -71,8 +71,8 @@ impl<D: PointDynamics> Interior<D> {
     }
 
     /// A motion near a saddle that costs less, with the limits as their multipliers price them: along a
-    /// direction in which the matrix of [`inertia`](Self::inertia) is negative; and by how much. The iterate
-    /// stays; `None` where no such motion was found.
+    /// direction in which the matrix of [`inertia`](Self::inertia) is negative; and by about how much. The
+    /// iterate stays; `None` where no such motion was found.
     pub fn below_saddle(&mut self) -> Option<(Spline, f64)> {
         self.find_negative_direction()?;
         let n = self.spline.dof;

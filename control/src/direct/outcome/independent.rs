@@ -51,8 +51,9 @@ pub(crate) struct Independent {
 
 /// Verifies a motion whose points are contracted. `size` is that of the cost, `again` its integration by an
 /// explicit method, where that was done; `costs` are those of the intervals, as the solver has them. Unless
-/// the cost `is_compared` with that on a finer mesh, the gap alone says what the mesh costs: it must be
-/// within the tolerance then. It ends early where the search is to stop, as `stops` says.
+/// the cost `is_compared` with that on a finer mesh, the gap alone says what the mesh costs: that of torques
+/// must be within the tolerance then; that of jerks, a loose bound, need not. It ends early where the search
+/// is to stop, as `stops` says.
 pub(crate) fn verify<D: PointDynamics>(
     (problem, rows): (&Problem, &TaskRows),
     options: &SolverOptions,
@@ -86,7 +87,7 @@ pub(crate) fn verify<D: PointDynamics>(
     let verification = &mut found.verification;
     let is_complete = &mut found.is_complete;
     let mut unknown = |stopped: &Stopped, allowed: f64| match stopped {
-        Stopped::Evaluation(error) => Check::skipped(error.to_string()),
+        Stopped::Evaluation(error) => Check::of(f64::INFINITY, allowed).at(None, Some(error.to_string())),
         Stopped::TooManySteps => Check::of(f64::INFINITY, allowed),
         Stopped::Interrupted => {
             *is_complete = false;
@@ -175,6 +176,12 @@ pub(crate) fn verify<D: PointDynamics>(
                 stops,
             };
             match optimality::check(conditions, &costates, tolerance, SEED) {
+                Ok(found) if found.counted == 0.0 => {
+                    verification.optimality = Check::skipped("all of the motion is at limits of its state");
+                }
+                Err(Stopped::Evaluation(error)) => {
+                    verification.optimality = Check::skipped(error.to_string())
+                }
                 Ok(found) => {
                     let (time, subject) = match found.worst {
                         Some((time, i)) => (Some(time), names.get(i).cloned()),
@@ -472,9 +479,11 @@ impl Multipliers for Sides<'_> {
         let (parts, mut slack) = (lagrange::values(&PLACES, x), 0.0);
         for (i, side) in sides.iter().enumerate().filter(|(_, side)| side.limited == Limited::TorqueRate) {
             let at = |j: usize| self.rate_densities[sides.len() * (POINTS * k + j) + i];
+            // As the other limits that may jump.
             let density: f64 = parts.iter().enumerate().map(|(j, part)| part * at(j)).sum();
+            let density = density.max(0.0);
             prices[side.joint] -= side.sign * density;
-            slack += density.max(0.0) * side.sign * (rates[side.joint] - side.bound);
+            slack += density * side.sign * (rates[side.joint] - side.bound);
         }
         slack
     }

@@ -35,8 +35,7 @@ pub(crate) fn with_proof(problem: &Problem, found: Option<Infeasibility>) -> Opt
         let is_own = |limit: &RelaxedLimit| limit.name == own.name && limit.kind == own.kind;
         match found.limits.iter().position(is_own) {
             Some(at) => found.limits[..=at].rotate_right(1),
-            None if found.limits.is_empty() => found.limits.push(own),
-            None => {}
+            None => found.limits.insert(0, own),
         }
     }
     found.is_global = true;

@@ -54,7 +54,7 @@ pub(super) fn integrate(
                 spline.in_interval(k, t / length, &mut z);
                 driven.torques(phase, &z, &mut tau)?;
                 for (tau, limit) in tau.iter_mut().zip(limits) {
-                    *tau = tau.clamp(limit.torque[0], limit.torque[1]);
+                    *tau = tau.max(limit.torque[0]).min(limit.torque[1]);
                 }
                 Ok(driven.rate(phase, x, &tau, rate)?)
             })?;

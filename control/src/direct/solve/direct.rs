@@ -195,13 +195,13 @@ impl Direct<'_> {
         let is_verified = self.options.verify == Verify::Full && is_checked && again.is_complete;
         let model = (problem, self.rows);
         let mut is_complete = again.is_complete;
+        // Motions with a cost of torques are solved to this tolerance at best.
+        let eased = self.options.tolerance.max(constants::EFFORT_TOLERANCE);
+        let eased = self.options.clone().with_tolerance(eased);
+        let options = if smoothing.weight > 0.0 { &eased } else { self.options };
         let mut verified = match verified {
             None if is_verified => {
                 let is_compared = finer_mesh.is_some();
-                // Motions with a cost of torques are solved to this tolerance at best.
-                let tolerance = self.options.tolerance.max(constants::EFFORT_TOLERANCE);
-                let eased = self.options.clone().with_tolerance(tolerance);
-                let options = if smoothing.weight > 0.0 { &eased } else { self.options };
                 let mut stops = || recorder.interruption().is_some();
                 let again = (Some(&again), is_compared);
                 let costs = &resolution.costs;
@@ -222,7 +222,7 @@ impl Direct<'_> {
         // What costs less along that direction is known.
         if let (Ok((_, gain)), Some(verified)) = (&below, &mut verified) {
             let part = (gain / interior.figures.size).max(beside);
-            verified.take_saddle(part, self.options.tolerance);
+            verified.take_saddle(part, options.tolerance);
         }
         let is_doubted = verified.as_ref().is_some_and(|verified| verified.failure().is_some());
         if status.is_solved() && is_doubted {

@@ -51,14 +51,6 @@ pub(super) fn solve_once_more(
     let found = refine(problem, options, Start::Saved, interior, &mut finer, recorder);
     interior.clock = clock;
     interior.clock.lap(Stage::Verification);
-    if std::env::var("DBG").is_ok() {
-        eprintln!(
-            "ONCE {:?} {} -> {}",
-            found.as_ref().map(|f| f.status.clone()).ok(),
-            resolution.cost,
-            finer.cost
-        );
-    }
     let least = resolution.cost - constants::CHEAPER * options.tolerance * interior.figures.size;
     match found {
         Ok(found) if found.status.is_converged() && finer.cost < least => {

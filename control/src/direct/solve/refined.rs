@@ -19,7 +19,7 @@ pub(super) struct Refined {
     pub error: f64,
     /// By how much the cost changes on halved intervals, relative to it, if that is known.
     pub finer_mesh: Option<f64>,
-    /// What a motion costs less that stands beside a saddle and could not be solved, relative to the cost.
+    /// By about how much motions beside a saddle cost less that were not solved, relative to the cost.
     pub beside: f64,
     /// The motion integrated again, if that was done on its last mesh.
     pub again: Option<Again>,

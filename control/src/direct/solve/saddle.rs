@@ -17,8 +17,8 @@ use costate::EvalError;
 
 /// Goes on from a solved motion that is a saddle, along a direction of negative curvature, at most
 /// [`MOST`](saddle::MOST) times and while that lowers the cost by a tolerance. The motion is replaced by what
-/// is solved there if that costs less; where a motion is found there that costs less and is not solved, that
-/// it [stands beside](Refined::beside) is kept. Whether the motion was replaced.
+/// is solved there if that costs less. Where what costs less there is not solved, or is a saddle after all
+/// these times, [`Refined::beside`] says by how much. Whether the motion was replaced.
 ///
 /// # Errors
 /// A motion that cannot be evaluated.
@@ -30,13 +30,18 @@ pub(super) fn leave_saddles(
     refined: &mut Refined,
     recorder: &mut Recorder<'_>,
 ) -> Result<bool, EvalError> {
-    let mut was_left = false;
-    for _ in 0..saddle::MOST {
+    let (mut was_left, mut last) = (false, 0.0);
+    for times in 0..=saddle::MOST {
         let goes_on = refined.status.is_converged() && recorder.interruption().is_none();
         if !goes_on || interior.inertia()? != Inertia::Negative {
             break;
         }
         let Some((spline, _)) = interior.below_saddle() else { break };
+        if times == saddle::MOST {
+            // The way down does not end here.
+            refined.beside = last;
+            break;
+        }
         let mut other = interior_on(
             problem,
             rows,
@@ -58,12 +63,14 @@ pub(super) fn leave_saddles(
         let gain = (resolution.cost - of_other.cost) / other.figures.size;
         if !(found.status.is_converged() && gain > constants::ROUNDING) {
             let keeps_limits = other.figures.violation <= constants::VIOLATION_ACCEPTED;
-            refined.beside = if keeps_limits { gain.max(0.0) } else { 0.0 };
+            if keeps_limits && gain > found.error && !found.status.is_interruption() {
+                refined.beside = gain;
+            }
             break;
         }
         std::mem::swap(&mut interior.clock, &mut other.clock);
         (*interior, *resolution, *refined) = (other, of_other, found);
-        was_left = true;
+        (was_left, last) = (true, gain);
         if gain < options.tolerance {
             break;
         }

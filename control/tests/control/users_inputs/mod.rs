@@ -246,7 +246,8 @@ fn the_least_time_over_a_long_way_is_found_from_any_guess() {
 }
 
 /// A pendulum of 1 kg and half a metre with 2 N m, less than half of what holds it up: it swings up in 2.2 s.
-/// Hanging takes no torque, so any longer time is possible too.
+/// Hanging takes no torque, so any longer time is possible too: the motion is found, or that it was not found
+/// is said without a proof. At 3 s it is found.
 #[test]
 fn what_takes_longer_than_the_least_time_is_possible() {
     let bob = LinkInertia::point(1.0, [0.0, 0.0, -0.5]);
@@ -262,9 +263,10 @@ fn what_takes_longer_than_the_least_time_is_possible() {
     all([2.6, 2.8, 3.0, 4.0].map(|time| {
         let problem = half_turn.clone().with_time(FinalTime::Fixed(time));
         let solution = Solver::new(&problem, SolverOptions::default()).unwrap().solve();
-        match solution.motion.status == Status::Infeasible {
-            true => Err(format!("{time} s: called infeasible")),
-            false => Ok(()),
+        let without_proof = solution.limits.infeasible.as_ref().is_none_or(|found| found.proof.is_none());
+        match solution.motion.status.is_solved() || (time != 3.0 && without_proof) {
+            true => Ok(()),
+            false => Err(format!("{time} s: {}", solution.motion.status)),
         }
     }));
 }
@@ -366,33 +368,6 @@ fn an_acrobot_is_solved_or_not_called_so() {
     }));
 }
 
-/// The gain of a unit mass: u = -6 x/r^2 - 4 v/r with the time r that is left, between points too.
-#[test]
-fn gains_of_a_unit_mass_are_those_of_its_closed_form_at_all_times() {
-    let robot = crate::sledge();
-    let results = [1.0, 0.3, 7.0].map(|time| {
-        let problem = Problem::rest_to_rest(robot.clone(), &[0.0], &[1.0], time);
-        let solution = Solver::new(&problem, SolverOptions::default()).unwrap().solve();
-        let gains =
-            Gains::new(&problem, &solution, Some(1000.0 / time)).map_err(|error| error.to_string())?;
-        let mut worst = (0.0, 0.0);
-        for (k, t) in gains.t.iter().enumerate().filter(|(_, t)| **t < 0.97 * time) {
-            let left = time - t;
-            let q = gains.gain_q[k][0][0] / (-6.0 / (left * left)) - 1.0;
-            let v = gains.gain_v[k][0][0] / (-4.0 / left) - 1.0;
-            let off = q.abs().max(v.abs());
-            if off > worst.0 {
-                worst = (off, *t);
-            }
-        }
-        match worst.0 < 1e-3 {
-            true => Ok(()),
-            false => Err(format!("{time} s: off by a factor of {} at {} s", 1.0 + worst.0, worst.1)),
-        }
-    });
-    all(results);
-}
-
 /// Behind an arc at a limit of rates the gain is that of the rest of the motion: differences of solving
 /// again from disturbed states at 0.7999 s (steps of 1e-4, tolerance 1e-9).
 #[test]
@@ -405,5 +380,5 @@ fn gains_behind_an_arc_at_a_rate_limit_are_those_of_the_rest() {
     let expected = [[-478.0, -111.0], [-239.0, -204.0]];
     let found = &gains.gain_q[7999];
     let off = (0..4).map(|k| (found[k / 2][k % 2] - expected[k / 2][k % 2]).abs()).fold(0.0, f64::max);
-    assert!(off < 0.02 * 478.0, "{found:?}");
+    assert!(off < 0.01 * 478.0, "{found:?}");
 }
