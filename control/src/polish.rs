@@ -74,6 +74,8 @@ pub(crate) fn polish(
         {
             PolishOutcome::Failed
         }
+        // An extremal may lead back to the saddle that the search has left.
+        _ if polished.motion.certificate == Certificate::NotMinimal => PolishOutcome::NoMinimum,
         _ if polished.total() > found.total() + slack * found.total().abs() => PolishOutcome::CostsMore,
         _ if excess > VIOLATION_ACCEPTED => PolishOutcome::BeyondLimits,
         _ => PolishOutcome::Polished,

@@ -71,9 +71,11 @@ pub struct Gains {
     /// Names of the limits that are active at each time, such as `rate elbow max`.
     #[serde(default)]
     pub active: Vec<Vec<String>>,
-    /// At each time the names of the limits, now or later, of which the motion does not show whether they are
-    /// active: multiplier and distance are both nearly zero. Named where it matters: where the gains with
-    /// all of these limits kept and with all of them left out differ by more than 1 % of the largest gain.
+    /// At each time the names of the limits, now or later, that are only touched. Of some the motion does not
+    /// show whether they are active, multiplier and distance being both nearly zero; these are named where the
+    /// gains with all of them kept and with all of them left out differ by more than 1 % of the largest gain.
+    /// Limits of positions, tools and clearances are touched for an instant, which moves with the state as the
+    /// points of a mesh do not: gains before that are not known.
     #[serde(default)]
     pub undecided: Vec<Vec<String>>,
     /// For each phase the time from which on its gains are held, and its end (s).

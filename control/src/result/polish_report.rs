@@ -58,6 +58,8 @@ pub enum PolishOutcome {
     /// The polish was stopped, or took its share: ten times the work of the direct method, Newton steps times
     /// nodes.
     OutOfTime,
+    /// The extremal has a conjugate time: motions beside it cost less.
+    NoMinimum,
     /// The extremal costs more than the motion of the direct method.
     CostsMore,
     /// The extremal exceeds a limit on positions, rates or powers.
@@ -80,6 +82,7 @@ impl PolishOutcome {
             Self::Failed => "direct: the polish found no extremal",
             Self::NotVerified => "direct: the extremal is not verified",
             Self::OutOfTime => "direct: the polish was stopped or took too long",
+            Self::NoMinimum => "direct: the extremal is no minimum",
             Self::CostsMore => "direct: the extremal costs more",
             Self::BeyondLimits => "direct: the extremal exceeds a limit",
         }

@@ -46,21 +46,21 @@ impl<D: PointDynamics> Interior<D> {
     /// Restricts the gains of an interval to what active limits leave. Those of the next one are known.
     pub(super) fn keep_active_rows(&self, k: usize, rest: &mut Rest, feedback: &mut Feedback) {
         let (n, m, shape) = (self.spline.dof, self.spline.node(), self.spline.mesh.shape);
-        let is_control = |side: &&Side| match side.limited {
-            Limited::Torque => !shape.is_smooth(),
-            Limited::Jerk => true,
-            _ => false,
-        };
+        let is_jerk = |side: &&Side| side.limited == Limited::Jerk;
         let exact = self.take_normals(k, feedback);
-        let Feedback { node_gains, gains, normals, work, exchanges, .. } = feedback;
+        let Feedback { node_gains, gains, normals, work, exchanges, rows, .. } = feedback;
         let node_gain = &mut node_gains[n * m * k..][..n * m];
         let (exact, others) = normals.split_at(exact);
         keep_others(node_gain, others, m, rest, work, exchanges);
         for normal in exact.chunks_exact(m).chain(others.chunks_exact(m)) {
             take_off(node_gain, normal);
         }
-        for side in self.active_sides(k, 0).filter(is_control) {
-            node_gain[m * side.joint..m * (side.joint + 1)].fill(0.0);
+        if shape.is_smooth() {
+            for side in self.active_sides(k, 0).filter(is_jerk) {
+                node_gain[m * side.joint..m * (side.joint + 1)].fill(0.0);
+            }
+        } else {
+            self.keep_controls([k, 0], node_gain, rows, exchanges);
         }
         let size = n * m;
         if self.keeps_states(k) {
@@ -75,8 +75,76 @@ impl<D: PointDynamics> Interior<D> {
         }
         for j in 0..POINTS {
             let gain = &mut gains[size * (POINTS * k + j)..][..size];
-            for side in self.active_sides(k, j).filter(is_control) {
-                gain[m * side.joint..m * (side.joint + 1)].fill(0.0);
+            if shape.is_smooth() {
+                for side in self.active_sides(k, j).filter(is_jerk) {
+                    gain[m * side.joint..m * (side.joint + 1)].fill(0.0);
+                }
+            } else {
+                self.keep_controls([k, j], gain, rows, exchanges);
+            }
+        }
+    }
+
+    /// The gain at Gauss's point `j` of interval `k` that is nearest to this one with the active limits h of
+    /// the control kept: with the accelerations that it makes, `A = tau_a^-1 (K - tau_x)`,
+    ///
+    /// $$ h_a A + h_x = 0, \quad\text{so}\quad R K = R \tau_x - h_x, \qquad R = h_a \tau_a^{-1} $$
+    ///
+    /// Rows of torques are zero. Of more rows than joints the first ones count.
+    fn keep_controls(
+        &self,
+        [k, j]: [usize; 2],
+        gain: &mut [f64],
+        rows: &mut Vec<f64>,
+        exchanges: &mut [usize],
+    ) {
+        let (n, m, p) = (self.spline.dof, self.spline.node(), POINTS * k + j);
+        let is_control = |side: &&Side| !self.is_of_state(side) && !side.is_law();
+        let count = self.active_sides(k, j).filter(is_control).take(n).count();
+        if count == 0 {
+            return;
+        }
+        // h_z, tau_a, R', R R' and what is missing.
+        rows.clear();
+        rows.resize(n * (3 * n + n + n + n + m), 0.0);
+        let (h_z, rest) = rows.split_at_mut(3 * n * n);
+        let (mass, rest) = rest.split_at_mut(n * n);
+        let (by_torque, rest) = rest.split_at_mut(n * n);
+        let (square, missing) = rest.split_at_mut(n * n);
+        let sides = self.active_sides(k, j).filter(is_control).take(n);
+        for (row, side) in h_z.chunks_exact_mut(3 * n).zip(sides) {
+            add_row(&self.points, p, side, 1.0, row);
+        }
+        let tau_z = self.points.tau_z(p);
+        for i in 0..n {
+            mass[n * i..n * (i + 1)].copy_from_slice(&tau_z[3 * n * i + 2 * n..3 * n * (i + 1)]);
+            (0..count).for_each(|r| by_torque[count * i + r] = h_z[3 * n * r + 2 * n + i]);
+        }
+        if !lu::eliminate(mass, n, n, exchanges) {
+            return;
+        }
+        let by_torque = &mut by_torque[..count * n];
+        lu::solve(mass, n, exchanges, by_torque, count);
+        let (square, missing) = (&mut square[..count * count], &mut missing[..count * m]);
+        for r in 0..count {
+            for c in 0..count {
+                square[count * r + c] =
+                    (0..n).map(|i| by_torque[count * i + r] * by_torque[count * i + c]).sum();
+            }
+            for (l, missing) in missing[m * r..m * (r + 1)].iter_mut().enumerate() {
+                let kept = |i: usize| by_torque[count * i + r] * (tau_z[3 * n * i + l] - gain[m * i + l]);
+                *missing = (0..n).map(kept).sum::<f64>() - h_z[3 * n * r + l];
+            }
+        }
+        if !lu::eliminate(square, count, count, exchanges) {
+            return;
+        }
+        lu::solve(square, count, exchanges, missing, m);
+        for i in 0..n {
+            for r in 0..count {
+                for l in 0..m {
+                    gain[m * i + l] += by_torque[count * i + r] * missing[m * r + l];
+                }
             }
         }
     }

@@ -30,7 +30,8 @@ const KNOWN: [f64; POINTS + 1] = [0.0, PLACES[0], PLACES[1], PLACES[2]];
 ///
 /// All this holds as long as the same limits are active. Limits are those of the barrier problem at the gap
 /// at which the motion was solved, or at a wider one where that is so stiff that rounding would show: an
-/// active limit is an equation to about 1e-5. Rows of torques at a limit are zero. While a limit of the state
+/// active limit is an equation to about 1e-5. What is at a limit of the control stays there: rows of torques are
+/// zero, accelerations, powers and those of tools are kept. While a limit of the state
 /// is active K acts on deviations that keep it, and is zero along its gradient and that of its derivative in
 /// time: such deviations have no derivative. Before such an arc K grows as before a given end. Next to the
 /// ends of arcs K is as good as the mesh: that of a two-link arm with an elbow at its torque limit from the
@@ -73,6 +74,8 @@ pub struct Feedback {
     /// Rows of active limits over the state, and gradients at the points of an interval.
     pub(super) normals: Vec<f64>,
     pub(super) gradients: Vec<f64>,
+    /// Rows of active limits of the control, and what they make of a gain.
+    pub(super) rows: Vec<f64>,
     /// m x (m + n).
     pub(super) work: Vec<f64>,
     pub(super) exchanges: Vec<usize>,
@@ -106,6 +109,7 @@ impl Feedback {
         self.normals.clear();
         self.normals.reserve(m * (m + 1));
         self.gradients.resize(2 * 3 * n * places, 0.0);
+        self.rows.reserve(n * (6 * n + m));
         self.z.resize(4 * n, 0.0);
         self.dz.resize(if spline.mesh.shape.is_smooth() { 4 * n } else { 3 * n }, 0.0);
     }

@@ -4,10 +4,15 @@
 //! only just touches a limit both are nearly zero themselves. States that are off to one side then lead to a
 //! motion that keeps the limit for a while, those to the other to one that does not reach it: the control has
 //! two one-sided derivatives, and that of the barrier lies between them.
+//!
+//! Where a motion touches a limit of positions, of a tool or a clearance for an instant, with an impulse of its
+//! multiplier, the instant moves with the state, which the points of a mesh do not follow: the gains before it
+//! are not known.
 
 use super::feedback::Feedback;
 use super::resolve::{Resolve, named};
 use crate::direct::interior::iterate::Interior;
+use crate::direct::limits::side::Limited;
 use crate::direct::outcome::named::Coordinates;
 use costate::EvalError;
 
@@ -31,11 +36,29 @@ struct Undecided {
     s: f64,
 }
 
+/// A limit of positions is touched for an instant where it is kept over less than so many intervals: at up to
+/// two points beside the instant.
+const INSTANT: f64 = 1.0;
+
 impl<D> Interior<D> {
-    /// The entries of limits that are touched, and nowhere near there active for certain. Next to an arc at a
-    /// limit there are such entries at its ends too, where multiplier and slack begin; these move with the
-    /// arc, and the derivative exists.
-    fn undecided(&self) -> Vec<Undecided> {
+    /// The entries of limits of positions that are kept for an instant.
+    fn instants(&self, sides: &[Vec<Undecided>]) -> Vec<Undecided> {
+        let (mesh, barrier) = (&self.spline.mesh, &self.barrier);
+        let is_active = |entry: &Undecided| self.is_active(entry.at);
+        let is_instant = |touch: &&[Undecided]| {
+            let [Some(first), Some(last)] = [touch.first(), touch.last()] else { return false };
+            let side = barrier.side(first.at);
+            let is_of_position = matches!(side.limited, Limited::Position | Limited::Task);
+            let width = mesh.width(mesh.place(first.s).0);
+            is_active(first) && is_of_position && !side.is_equation && last.s - first.s < INSTANT * width
+        };
+        let touches = sides.iter().flat_map(|side| side.chunk_by(|a, b| is_active(a) == is_active(b)));
+        touches.filter(is_instant).flatten().copied().collect()
+    }
+
+    /// The entries of all limits along the motion, for each of them in the order of time; those of rows at ends
+    /// alone.
+    fn entries_of_sides(&self) -> Vec<Vec<Undecided>> {
         let (mesh, barrier) = (&self.spline.mesh, &self.barrier);
         let at_node = |k: usize| barrier.at_node(k).map(move |at| (at, mesh.nodes[k]));
         let at_point = |p: usize| barrier.at_point(p).map(move |at| (at, mesh.point(p).0));
@@ -48,11 +71,18 @@ impl<D> Interior<D> {
                 sides[side].push(Undecided { at, s });
             }
         }
-        // Rows at ends are alone.
+        sides.iter_mut().for_each(|side| side.sort_by(|a, b| a.s.total_cmp(&b.s)));
         sides.extend(barrier.at_ends().map(|at| vec![Undecided { at, s: barrier.end_of(at) as f64 }]));
+        sides
+    }
+
+    /// The entries of limits that are touched, and nowhere near there active for certain. Next to an arc at a
+    /// limit there are such entries at its ends too, where multiplier and slack begin; these move with the
+    /// arc, and the derivative exists.
+    fn undecided(&self, sides: &[Vec<Undecided>]) -> Vec<Undecided> {
+        let (mesh, barrier) = (&self.spline.mesh, &self.barrier);
         let mut found = Vec::new();
-        for side in &mut sides {
-            side.sort_by(|a, b| a.s.total_cmp(&b.s));
+        for side in sides {
             let is_touched = |entry: &Undecided| self.activity(entry.at) > TOUCHED;
             let touches =
                 side.chunk_by(|a, b| is_touched(a) == is_touched(b)).filter(|all| is_touched(&all[0]));
@@ -70,19 +100,21 @@ impl<D> Interior<D> {
 /// Gains of a motion with its undecided limits kept, and with them left out.
 pub(crate) struct OneSided {
     undecided: Vec<Undecided>,
+    instants: Vec<Undecided>,
     /// `None` where no strict minimum is left.
     sides: [Option<Feedback>; 2],
     gains: [Vec<f64>; 2],
 }
 
 impl OneSided {
-    /// `None` where no limit of the motion is undecided.
+    /// `None` where no limit of the motion is undecided or touched for an instant.
     ///
     /// # Errors
     /// [`EvalError`] where the motion cannot be evaluated.
     pub fn of(motion: &mut Resolve) -> Result<Option<Self>, EvalError> {
-        let undecided = motion.interior.undecided();
-        if undecided.is_empty() {
+        let sides = motion.interior.entries_of_sides();
+        let (undecided, instants) = (motion.interior.undecided(&sides), motion.interior.instants(&sides));
+        if undecided.is_empty() && instants.is_empty() {
             return Ok(None);
         }
         let slacks = motion.interior.barrier.slack.clone();
@@ -95,19 +127,19 @@ impl OneSided {
         motion.feedback()?;
         let spline = &motion.interior.spline;
         let gains = [vec![0.0; spline.dof * spline.node()], vec![0.0; spline.dof * spline.node()]];
-        Ok(Some(Self { undecided, sides, gains }))
+        Ok(Some(Self { undecided, instants, sides, gains }))
     }
 
-    /// Names of the limits that are undecided at a time of the motion, or later; none where gains to either
-    /// side differ by no more than this part of the largest entry for q, v or a.
+    /// Names of the limits that are touched for an instant at a time of the motion, or later; and of those that
+    /// are undecided, unless gains to either side differ by no more than this part of the largest entry for q,
+    /// v or a.
     pub fn names(&mut self, motion: &Resolve, t: f64, part: f64) -> Vec<String> {
-        if !self.differ([motion.interior.spline.dof, motion.interior.spline.node()], t, part) {
-            return Vec::new();
-        }
+        let differ = self.differ([motion.interior.spline.dof, motion.interior.spline.node()], t, part);
+        let undecided = self.undecided.iter().filter(|_| differ);
         let (spline, barrier) = (&motion.interior.spline, &motion.interior.barrier);
         let (k, _) = spline.mesh.place(spline.place_of(t));
         let coordinates = Coordinates::of(&motion.problem);
-        let later = self.undecided.iter().filter(|entry| entry.s >= spline.mesh.nodes[k]);
+        let later = undecided.chain(&self.instants).filter(|entry| entry.s >= spline.mesh.nodes[k]);
         let name = |entry: &Undecided| named(&motion.interior, barrier.side(entry.at), &coordinates);
         let mut names: Vec<_> = later.map(name).collect();
         names.sort();

@@ -71,9 +71,9 @@ impl<D: PointDynamics> Interior<D> {
     }
 
     /// A motion near a saddle that costs less, with the limits as their multipliers price them: along a
-    /// direction in which the matrix of [`inertia`](Self::inertia) is negative; and by about how much. The
-    /// iterate stays; `None` where no such motion was found.
-    pub fn below_saddle(&mut self) -> Option<(Spline, f64)> {
+    /// direction in which the matrix of [`inertia`](Self::inertia) is negative; and by about how much. Limits
+    /// are exceeded there by the part `off` of their ranges at most. The iterate stays; `None` where no such motion was found.
+    pub fn below_saddle(&mut self, off: f64) -> Option<(Spline, f64)> {
         self.find_negative_direction()?;
         let n = self.spline.dof;
         let (mut moved, mut extent) = (0.0_f64, constants::SMALL_MOTION);
@@ -97,7 +97,7 @@ impl<D: PointDynamics> Interior<D> {
             let mut closer = None;
             for sign in [1.0, -1.0] {
                 let least = closer.as_ref().map_or(least, |(value, _)| *value);
-                if let Some(value) = self.value_along(sign * part).filter(|value| *value < least) {
+                if let Some(value) = self.value_along(sign * part, off).filter(|value| *value < least) {
                     closer = Some((value, self.trial.spline.clone()));
                 }
             }
@@ -152,7 +152,7 @@ impl<D: PointDynamics> Interior<D> {
     /// The Lagrange function of the motion that is so far along the first part of the step, which the trial
     /// has then; `None` where it cannot be evaluated, or exceeds limits by more than a small part of their
     /// ranges.
-    fn value_along(&mut self, part: f64) -> Option<f64> {
+    fn value_along(&mut self, part: f64, off: f64) -> Option<f64> {
         let trial = &mut self.trial;
         trial.spline.copy_from(&self.spline);
         let steps =
@@ -169,8 +169,8 @@ impl<D: PointDynamics> Interior<D> {
         self.barrier.measure(&trial.spline, &trial.points, &mut trial.distance);
         let is_near = (0..self.barrier.count()).filter(|&at| self.barrier.is_on(at)).all(|at| {
             let distance = trial.distance[at];
-            let off = if self.barrier.is_limit(at) { -distance } else { distance.abs() };
-            self.barrier.unit[at] * off <= saddle::OFF
+            let own = if self.barrier.is_limit(at) { -distance } else { distance.abs() };
+            self.barrier.unit[at] * own <= off
         });
         let cost = is_near.then(|| self.running.cost(&self.trial.spline, &self.trial.points))?;
         let value = self.lagrangian(cost, &self.trial.distance);

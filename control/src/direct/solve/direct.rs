@@ -11,6 +11,7 @@ use super::verified::verify_and_repair;
 use super::with_effort::{Smoothing, WithEffort, with_effort};
 use crate::constants::direct as constants;
 use crate::constants::guesses;
+use crate::constants::saddle;
 use crate::direct::interior::inertia::Inertia;
 use crate::direct::interior::iterate::Interior;
 use crate::direct::interior::looseness::Looseness;
@@ -216,13 +217,15 @@ impl Direct<'_> {
         }
         let below = match status.is_converged().then(|| interior.inertia()).transpose()? {
             Some(Inertia::Positive) => Err(Certificate::LocalMinimumOnMesh),
-            Some(Inertia::Negative) => interior.below_saddle().ok_or(Certificate::NotChecked),
+            Some(Inertia::Negative) => {
+                interior.below_saddle(saddle::LEAST_OFF).ok_or(Certificate::NotChecked)
+            }
             Some(Inertia::Unknown) | None => Err(Certificate::NotChecked),
         };
         // What costs less along that direction is known.
         if let (Ok((_, gain)), Some(verified)) = (&below, &mut verified) {
             let part = (gain / interior.figures.size).max(beside);
-            verified.take_saddle(part, options.tolerance);
+            verified.take_saddle(part, saddle::FLAT * options.tolerance);
         }
         let is_doubted = verified.as_ref().is_some_and(|verified| verified.failure().is_some());
         if status.is_solved() && is_doubted {

@@ -16,7 +16,7 @@ use crate::task::build::TaskRows;
 use costate::EvalError;
 
 /// Goes on from a solved motion that is a saddle, along a direction of negative curvature, at most
-/// [`MOST`](saddle::MOST) times and while that lowers the cost by a tolerance. The motion is replaced by what
+/// [`MOST`](saddle::MOST) times and while that lowers the cost by more than a [part](saddle::FLAT) of the tolerance. The motion is replaced by what
 /// is solved there if that costs less. Where what costs less there is not solved, or is a saddle after all
 /// these times, [`Refined::beside`] says by how much. Whether the motion was replaced.
 ///
@@ -36,7 +36,7 @@ pub(super) fn leave_saddles(
         if !goes_on || interior.inertia()? != Inertia::Negative {
             break;
         }
-        let Some((spline, _)) = interior.below_saddle() else { break };
+        let Some((spline, _)) = interior.below_saddle(saddle::OFF) else { break };
         if times == saddle::MOST {
             // The way down does not end here.
             refined.beside = last;
@@ -71,7 +71,7 @@ pub(super) fn leave_saddles(
         std::mem::swap(&mut interior.clock, &mut other.clock);
         (*interior, *resolution, *refined) = (other, of_other, found);
         (was_left, last) = (true, gain);
-        if gain < options.tolerance {
+        if gain < saddle::FLAT * options.tolerance {
             break;
         }
     }
