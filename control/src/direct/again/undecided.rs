@@ -87,7 +87,8 @@ impl<D> Interior<D> {
             let touches =
                 side.chunk_by(|a, b| is_touched(a) == is_touched(b)).filter(|all| is_touched(&all[0]));
             let is_kept = |entry: &Undecided| {
-                let (mu, multiplier) = (self.mu / self.figures.size, self.without_unit(entry.at)[0]);
+                let [multiplier, slack] = self.without_unit(entry.at);
+                let mu = multiplier * slack;
                 let is_control = barrier.side(entry.at).limited.jumps(mesh.shape);
                 multiplier > ONLY_TOUCHED * if is_control { mu.sqrt() } else { mu.cbrt() }
             };
