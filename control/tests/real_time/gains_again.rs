@@ -159,18 +159,21 @@ fn rest_at(problem: &Problem, gains: &Gains, k: usize) -> Problem {
 }
 
 /// How far K w is from solving again, and how far it may be: three times the error that differences and
-/// meshes show, and a thousandth of the largest slope for the mesh of the gains; and the largest slope.
+/// meshes show, and half a per cent of the largest slope for the mesh of the gains; and the largest slope.
 /// `None` where it is not solved again, or where that finds another minimum, whose torques are others.
 fn compare(problem: &Problem, gains: &Gains, k: usize, direction: &[f64], step: f64) -> Option<[f64; 3]> {
     let slope = slope(&rest_at(problem, gains, k), direction, step, 40)?;
     let largest = |list: &[f64]| list.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
     let others: Vec<f64> = gains.tau[k].iter().zip(&slope.torques).map(|(a, b)| a - b).collect();
-    if largest(&others) > 0.01 * gains.tau.iter().map(|tau| largest(tau)).fold(0.0, f64::max) {
+    let torque = gains.tau.iter().map(|tau| largest(tau)).fold(0.0, f64::max);
+    if largest(&others) > 0.01 * torque {
         return None;
     }
     let off: Vec<f64> = product(gains, k, direction).iter().zip(&slope.value).map(|(a, b)| a - b).collect();
     let size = largest(&slope.value);
-    Some([largest(&off), 3.0 * largest(&slope.error) + 1e-3 * size, size])
+    // What solving to a tolerance of 1e-10 leaves of a difference of torques.
+    let rounding = 1e-9 * torque / step;
+    Some([largest(&off), 3.0 * largest(&slope.error) + 5e-3 * size + rounding, size])
 }
 
 fn two_link() -> Robot {
@@ -368,8 +371,30 @@ fn random_problem(random: &mut fastrand::Rng) -> Option<(Problem, String)> {
     let mut part = |least: f64| least + (1.0 - least) * random.f64();
     let list = |rows: &[Vec<f64>], part: f64| (0..n).map(|i| part * most(rows, i)).collect::<Vec<f64>>();
     let [rates, torques] = [part(0.75), part(0.75)];
-    let limits = match random.usize(0..4) {
+    // Positions to part of the way beyond both ends, where there is one.
+    let beyond: Vec<[f64; 2]> = (0..n)
+        .map(|i| {
+            let (low, high) = (from[i].min(to[i]), from[i].max(to[i]));
+            let values = || first.trajectory.q.iter().map(|q| q[i]);
+            let [least, most] = [values().fold(low, f64::min), values().fold(high, f64::max)];
+            [low + rates * (least - low) - 1e-3, high + rates * (most - high) + 1e-3]
+        })
+        .collect();
+    let limits = match random.usize(0..6) {
         0 => return Some((problem, kind)),
+        4 => {
+            // Differences of rates.
+            let rows = first.trajectory.t.windows(2).zip(first.trajectory.v.windows(2));
+            let mean = |(t, v): (&[f64], &[Vec<f64>])| {
+                v[0].iter().zip(&v[1]).map(|(a, b)| (b - a) / (t[1] - t[0])).collect::<Vec<f64>>()
+            };
+            let means: Vec<_> = rows.filter(|(t, _)| t[1] > t[0]).map(mean).collect();
+            MotionLimits::none().with_a_max(list(&means, rates))
+        }
+        5 => {
+            let limits = MotionLimits::none().with_q_min(beyond.iter().map(|[least, _]| *least).collect());
+            limits.with_q_max(beyond.iter().map(|[_, most]| *most).collect())
+        }
         1 => MotionLimits::none().with_v_max(list(&first.trajectory.v, rates)),
         2 => MotionLimits::none().with_torque_max(list(&first.trajectory.u, torques)),
         _ => {
@@ -380,7 +405,9 @@ fn random_problem(random: &mut fastrand::Rng) -> Option<(Problem, String)> {
     kind += match (limits.v_max.is_some(), limits.torque_max.is_some()) {
         (true, true) => ", rates, torques",
         (true, false) => ", rates",
-        _ => ", torques",
+        (false, true) => ", torques",
+        _ if limits.a_max.is_some() => ", accelerations",
+        _ => ", positions",
     };
     Some((problem.with_limits(limits), kind))
 }

@@ -36,9 +36,9 @@ struct Undecided {
     s: f64,
 }
 
-/// A limit of positions is touched for an instant where it is kept over less than so many intervals: at up to
-/// two points beside the instant.
-const INSTANT: f64 = 1.0;
+/// A limit of positions is touched for an instant, or for so short a time that the mesh does not tell both ends
+/// of it apart, where it is kept over less than so many intervals.
+const INSTANT: f64 = 4.0;
 
 impl<D> Interior<D> {
     /// The entries of limits of positions that are kept for an instant.
