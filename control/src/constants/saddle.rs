@@ -12,7 +12,8 @@ pub const TRIALS: usize = 12;
 pub const OFF: f64 = 1e-2;
 /// .. and by this where it is said that a motion there costs less.
 pub const LEAST_OFF: f64 = 1e-4;
-/// A saddle is as good as a minimum where a motion beside it costs less by this part of the tolerance at most.
+/// A saddle is as good as a minimum where a motion beside it costs less by this part of the tolerance at
+/// most.
 pub const FLAT: f64 = 0.1;
 /// The direction is found by so many steps of inverse iteration, ..
 pub const INVERSE_ITERATIONS: usize = 8;

@@ -26,8 +26,8 @@ const ONE_SIDED: f64 = 0.01;
 ///
 /// [`active`](Self::active) names the limits that are active at each time. Rows of torques (of jerks) at a
 /// limit are zero. While a limit of the state is active gains are zero along its gradient and along that of
-/// its derivative in time: such deviations have no derivative. A motion that only just touches a limit has two
-/// one-sided derivatives, the gain lies between them, and [`undecided`](Self::undecided) names the limit.
+/// its derivative in time: such deviations have no derivative. A motion that only just touches a limit has
+/// two one-sided derivatives, the gain lies between them, and [`undecided`](Self::undecided) names the limit.
 /// Towards a given end gains grow without bound; [`held`](Self::held) says from when on they are held.
 ///
 /// ```
@@ -72,10 +72,10 @@ pub struct Gains {
     #[serde(default)]
     pub active: Vec<Vec<String>>,
     /// At each time the names of the limits, now or later, that are only touched. Of some the motion does not
-    /// show whether they are active, multiplier and distance being both nearly zero; these are named where the
-    /// gains with all of them kept and with all of them left out differ by more than 1 % of the largest gain.
-    /// Limits of positions, tools and clearances are touched for an instant, which moves with the state as the
-    /// points of a mesh do not: gains before that are not known.
+    /// show whether they are active, multiplier and distance being both nearly zero; these are named where
+    /// the gains with all of them kept and with all of them left out differ by more than 1 % of the largest
+    /// gain. Limits of positions, tools and clearances are touched for an instant, which moves with the state
+    /// as the points of a mesh do not: gains before that are not known.
     #[serde(default)]
     pub undecided: Vec<Vec<String>>,
     /// For each phase the time from which on its gains are held, and its end (s).

@@ -149,8 +149,8 @@ impl<D: PointDynamics> Interior<D> {
         }
     }
 
-    /// The gradients of the active rows at a node, with those of their derivatives in time, orthonormal. First
-    /// those of coordinates, which a spline keeps exactly; returns the number of their entries.
+    /// The gradients of the active rows at a node, with those of their derivatives in time, orthonormal.
+    /// First those of coordinates, which a spline keeps exactly; returns the number of their entries.
     fn take_normals(&self, k: usize, feedback: &mut Feedback) -> usize {
         let (n, m, mesh) = (self.spline.dof, self.spline.node(), &self.spline.mesh);
         let Feedback { normals, gradients, .. } = feedback;
@@ -233,9 +233,9 @@ fn slope_at(shape: Shape, l: usize, j: usize) -> f64 {
 ///
 /// $$ K (1 - N^\top (N S N^\top)^{-1} N S) $$
 ///
-/// S are the second derivatives of the least cost of the rest by the state. The points of a mesh keep a row in
-/// directions that are those of N up to the error of the mesh; across them K and S are as stiff as the limit
-/// is, and this factor takes the part of a tangent that is across, where S is least.
+/// S are the second derivatives of the least cost of the rest by the state. The points of a mesh keep a row
+/// in directions that are those of N up to the error of the mesh; across them K and S are as stiff as the
+/// limit is, and this factor takes the part of a tangent that is across, where S is least.
 fn keep_others(
     gain: &mut [f64],
     normals: &[f64],

@@ -30,12 +30,12 @@ const KNOWN: [f64; POINTS + 1] = [0.0, PLACES[0], PLACES[1], PLACES[2]];
 ///
 /// All this holds as long as the same limits are active. Limits are those of the barrier problem at the gap
 /// at which the motion was solved, or at a wider one where that is so stiff that rounding would show: an
-/// active limit is an equation to about 1e-5. What is at a limit of the control stays there: rows of torques are
-/// zero, accelerations, powers and those of tools are kept. While a limit of the state
-/// is active K acts on deviations that keep it, and is zero along its gradient and that of its derivative in
-/// time: such deviations have no derivative. Before such an arc K grows as before a given end. Next to the
-/// ends of arcs K is as good as the mesh: that of a two-link arm with an elbow at its torque limit from the
-/// start is that of solving again to 6 % of its largest entry, where no limit is active to 0.2 %.
+/// active limit is an equation to about 1e-5. What is at a limit of the control stays there: rows of torques
+/// are zero, accelerations, powers and those of tools are kept. While a limit of the state is active K acts
+/// on deviations that keep it, and is zero along its gradient and that of its derivative in time: such
+/// deviations have no derivative. Before such an arc K grows as before a given end. Next to the ends of arcs
+/// K is as good as the mesh: that of a two-link arm with an elbow at its torque limit from the start is that
+/// of solving again to 6 % of its largest entry, where no limit is active to 0.2 %.
 ///
 /// The derivatives by the ends come from the factorised equations of Newton's method by a substitution for
 /// each column, the gains at all nodes from one elimination of them from the end on, without an evaluation of

@@ -5,9 +5,9 @@
 //! motion that keeps the limit for a while, those to the other to one that does not reach it: the control has
 //! two one-sided derivatives, and that of the barrier lies between them.
 //!
-//! Where a motion touches a limit of positions, of a tool or a clearance for an instant, with an impulse of its
-//! multiplier, the instant moves with the state, which the points of a mesh do not follow: the gains before it
-//! are not known.
+//! Where a motion touches a limit of positions, of a tool or a clearance for an instant, with an impulse of
+//! its multiplier, the instant moves with the state, which the points of a mesh do not follow: the gains
+//! before it are not known.
 
 use super::feedback::Feedback;
 use super::resolve::{Resolve, named};
@@ -36,8 +36,8 @@ struct Undecided {
     s: f64,
 }
 
-/// A limit of positions is touched for an instant, or for so short a time that the mesh does not tell both ends
-/// of it apart, where it is kept over less than so many intervals.
+/// A limit of positions is touched for an instant, or for so short a time that the mesh does not tell both
+/// ends of it apart, where it is kept over less than so many intervals.
 const INSTANT: f64 = 4.0;
 
 impl<D> Interior<D> {
@@ -56,8 +56,8 @@ impl<D> Interior<D> {
         touches.filter(is_instant).flatten().copied().collect()
     }
 
-    /// The entries of all limits along the motion, for each of them in the order of time; those of rows at ends
-    /// alone.
+    /// The entries of all limits along the motion, for each of them in the order of time; those of rows at
+    /// ends alone.
     fn entries_of_sides(&self) -> Vec<Vec<Undecided>> {
         let (mesh, barrier) = (&self.spline.mesh, &self.barrier);
         let at_node = |k: usize| barrier.at_node(k).map(move |at| (at, mesh.nodes[k]));
@@ -131,9 +131,9 @@ impl OneSided {
         Ok(Some(Self { undecided, instants, sides, gains }))
     }
 
-    /// Names of the limits that are touched for an instant at a time of the motion, or later; and of those that
-    /// are undecided, unless gains to either side differ by no more than this part of the largest entry for q,
-    /// v or a.
+    /// Names of the limits that are touched for an instant at a time of the motion, or later; and of those
+    /// that are undecided, unless gains to either side differ by no more than this part of the largest entry
+    /// for q, v or a.
     pub fn names(&mut self, motion: &Resolve, t: f64, part: f64) -> Vec<String> {
         let differ = self.differ([motion.interior.spline.dof, motion.interior.spline.node()], t, part);
         let undecided = self.undecided.iter().filter(|_| differ);

@@ -72,7 +72,8 @@ impl<D: PointDynamics> Interior<D> {
 
     /// A motion near a saddle that costs less, with the limits as their multipliers price them: along a
     /// direction in which the matrix of [`inertia`](Self::inertia) is negative; and by about how much. Limits
-    /// are exceeded there by the part `off` of their ranges at most. The iterate stays; `None` where no such motion was found.
+    /// are exceeded there by the part `off` of their ranges at most. The iterate stays; `None` where no such
+    /// motion was found.
     pub fn below_saddle(&mut self, off: f64) -> Option<(Spline, f64)> {
         self.find_negative_direction()?;
         let n = self.spline.dof;

@@ -16,9 +16,10 @@ use crate::task::build::TaskRows;
 use costate::EvalError;
 
 /// Goes on from a solved motion that is a saddle, along a direction of negative curvature, at most
-/// [`MOST`](saddle::MOST) times and while that lowers the cost by more than a [part](saddle::FLAT) of the tolerance. The motion is replaced by what
-/// is solved there if that costs less. Where what costs less there is not solved, or is a saddle after all
-/// these times, [`Refined::beside`] says by how much. Whether the motion was replaced.
+/// [`MOST`](saddle::MOST) times and while that lowers the cost by more than a [part](saddle::FLAT) of the
+/// tolerance. The motion is replaced by what is solved there if that costs less. Where what costs less there
+/// is not solved, or is a saddle after all these times, [`Refined::beside`] says by how much. Whether the
+/// motion was replaced.
 ///
 /// # Errors
 /// A motion that cannot be evaluated.
