@@ -5,9 +5,8 @@
 //! - Every solution of the equations of the costates gives one. All of them differ by $c_0 + c_1 t + c_2 t^2$
 //!   in $\lambda_a$ of each joint, and the gap is a convex function of these three numbers. With
 //!   $\lambda_a \ne 0$ at an end the bound is one among motions with the same acceleration there. Those of a
-//! solver
-//!   are not the best ones: a jerk that changes its sign at a node is optimal on a mesh wherever its price p
-//!   does so between the points beside the node.
+//!   solver are not the best ones: a jerk that changes its sign at a node is optimal on a mesh wherever its
+//!   price p does so between the points beside the node.
 //! - A part $\alpha$ of the price may be integrated by parts, as $\int \alpha\, \delta j\, dt = -\int
 //!   \dot\alpha\, \delta a\, dt$. The cost of torques is curved in a, by $W = \tau_a^\top r \tau_a$, so that
 //!   this gains $\tfrac12 \dot\alpha^\top W^{-1} \dot\alpha$ at most. Where the jerk is inside its limits p
