@@ -79,6 +79,8 @@ pub(super) fn advice(problem: &Problem, solution: &Solution) -> Option<String> {
             remedies.push("another start (solver.starts), more solver.nodes, another time".into());
         }
         Status::MeshLimit if jumps || energy => {}
+        // What the mesh does not see is no part of the error.
+        Status::MeshLimit if with_narrow_friction(problem, solution).is_some() => {}
         Status::MeshLimit if error(solution) < NEAR_TOLERANCE * solution.options.tolerance => {
             remedies.push("a larger solver.tolerance".into());
         }
@@ -146,8 +148,10 @@ fn unresolved(solution: &Solution) -> String {
             short(motion.smoothing_bound, 2)
         );
     }
-    let reached =
-        format!("the error of its cost is {error} relative, solver.tolerance {}", options.tolerance);
+    let reached = format!(
+        "the error of its cost is estimated at {error} relative and may be larger, solver.tolerance {}",
+        options.tolerance
+    );
     if !motion.errors.first().is_some_and(|error| *error <= UNRESOLVED) {
         return format!(
             "the meshes that were tried, the last one of {nodes} nodes, do not resolve the motion: {reached}"
