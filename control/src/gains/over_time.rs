@@ -74,8 +74,8 @@ pub struct Gains {
     /// At each time the names of the limits, now or later, that are only touched. Of some the motion does not
     /// show whether they are active, multiplier and distance being both nearly zero; these are named where
     /// the gains with all of them kept and with all of them left out differ by more than 1 % of the largest
-    /// gain. Limits of positions, tools and clearances are touched for an instant, which moves with the state
-    /// as the points of a mesh do not: gains before that are not known.
+    /// gain. Limits of positions, tools and clearances that are kept for longer than an instant, and for less
+    /// than four intervals of the mesh, are named too: gains before that are not known.
     #[serde(default)]
     pub undecided: Vec<Vec<String>>,
     /// For each phase the time from which on its gains are held, and its end (s).

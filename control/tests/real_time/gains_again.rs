@@ -249,6 +249,43 @@ fn a_limit_that_is_only_touched_is_undecided() {
     }
 }
 
+/// The same body, thrown at 1 m/s against a limit 0.2 m ahead that it touches halfway, and caught where it
+/// began. Two cubics through the limit, at rest there; each costs `f(d, v, r) = 6 d^2/r^3 + 6 d v/r^2 + 2
+/// v^2/r` for the way -d in the time r, and the instant is the best one for the state: with tau until then
+/// and r behind it
+///
+/// $$ K = \Bigl( -\frac{6}{\tau^2}, -\frac{4}{\tau} \Bigr)
+///    + \Bigl( \frac{12 d}{\tau^3} + \frac{4 v}{\tau^2} \Bigr) (\tau_d, \tau_v), \qquad
+///    (\tau_d, \tau_v) = -\frac{(f_{\tau d}, f_{\tau v})}{f_{\tau\tau} + f_{rr}} $$
+#[test]
+fn the_instant_at_which_a_limit_is_touched_moves_with_the_state() {
+    let joint = JointSpec::prismatic("x").axis([1.0, 0.0, 0.0]);
+    let body = LinkInertia::about_com(1.0, [0.0; 3], nalgebra::Matrix3::identity());
+    let robot = Robot::builder("slider").gravity([0.0; 3]).joint(joint.carrying(body)).build().unwrap();
+    let mut problem = Problem::rest_to_rest(robot, &[0.0], &[0.0], 1.0)
+        .with_limits(MotionLimits::none().with_q_max(vec![0.2]));
+    problem.start = BoundaryState::fixed(&[0.0], &[1.0]);
+    problem.end = BoundaryState::fixed(&[0.0], &[-1.0]);
+    let (_, gains) = gains(&problem).unwrap();
+    let second = |d: f64, v: f64, r: f64| {
+        72.0 * d * d / r.powi(5) + 36.0 * d * v / r.powi(4) + 4.0 * v * v / r.powi(3)
+    };
+    for k in (0..450).step_by(50) {
+        let (d, v, tau) = (gains.q[k][0] - 0.2, gains.v[k][0], 0.5 - gains.t[k]);
+        let both = second(d, v, tau) + second(-0.2, 1.0, 0.5);
+        let tau_d = (36.0 * d / tau.powi(4) + 12.0 * v / tau.powi(3)) / both;
+        let tau_v = (12.0 * d / tau.powi(3) + 4.0 * v / tau.powi(2)) / both;
+        let slope = 12.0 * d / tau.powi(3) + 4.0 * v / tau.powi(2);
+        let expected = [-6.0 / (tau * tau) + slope * tau_d, -4.0 / tau + slope * tau_v];
+        let found = [gains.gain_q[k][0][0], gains.gain_v[k][0][0]];
+        println!("{tau} {found:?} {expected:?} {:?}", gains.undecided[k]);
+        for (found, expected) in found.into_iter().zip(expected) {
+            assert!((found / expected - 1.0).abs() < 1e-3, "{tau}: {found} {expected}");
+        }
+        assert!(gains.undecided[k].is_empty());
+    }
+}
+
 /// Each kind of motion at a few times along two directions.
 #[test]
 fn gains_of_all_kinds_are_those_of_solving_again() {

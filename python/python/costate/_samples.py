@@ -158,7 +158,7 @@ class Gains:
     undecided : list of list of str
         At ``t`` the names of the limits, now or later, that the motion only touches: gains to either side differ by more
         than 1 % of the largest one, and those here lie between them. Or a position, a tool or a clearance is at its limit
-        for an instant: gains before that are not known.
+        for longer than an instant and less than four intervals of the mesh: gains before that are not known.
     held : array (phases, 2)
         For each phase the time from which on its gains are held, and its end (s): they grow without bound towards a
         given end.

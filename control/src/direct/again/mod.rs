@@ -27,6 +27,7 @@ mod settings;
 mod solve_again;
 mod solved_near;
 pub(super) mod start;
+mod touches;
 pub(super) mod undecided;
 
 #[cfg(test)]

@@ -246,6 +246,7 @@ impl Resolve {
             }
             self.shown.take(&self.interior);
         }
+        self.interior.take_touches();
         self.feedback()
     }
 

@@ -5,93 +5,48 @@
 //! motion that keeps the limit for a while, those to the other to one that does not reach it: the control has
 //! two one-sided derivatives, and that of the barrier lies between them.
 //!
-//! Where a motion touches a limit of positions, of a tool or a clearance for an instant, with an impulse of
-//! its multiplier, the instant moves with the state, which the points of a mesh do not follow: the gains
-//! before it are not known.
+//! A limit of positions, of a tool or a clearance that is kept for an instant is a [touch](super::touches).
+//! One that is kept for so short a time that the mesh does not tell its two ends apart is neither that nor an
+//! arc: the gains before it are not known.
 
 use super::feedback::Feedback;
 use super::resolve::{Resolve, named};
+use super::touches::{Entry, TOUCHED};
 use crate::direct::interior::iterate::Interior;
-use crate::direct::limits::side::Limited;
 use crate::direct::outcome::named::Coordinates;
 use costate::EvalError;
 
-/// Least ratio of multiplier and slack, both without unit, of a limit that is touched: derivatives take the
-/// part r / (1 + r) of a limit with the ratio r as kept.
-const TOUCHED: f64 = 0.01;
-/// Largest multiplier, without unit, of a limit that is only touched, in powers of its product mu with the
-/// slack: cube roots for a limit of the state, square roots for one of the control. The slack s of one of the
-/// state is a parabola in time, the multiplier mu / s has the integral `pi mu / sqrt(s)` but for its scale,
-/// which moves the motion away by about s: `s^(3/2)` is about mu, and the multiplier `mu^(1/3)`. One of the
-/// control moves the control at its own time: the multiplier is about s. Where a limit is kept its multiplier
-/// does not depend on mu.
-const ONLY_TOUCHED: f64 = 5.0;
 /// By this factor the slack of an undecided limit is changed, so that it counts as active or not for certain.
 const DECISIVE: f64 = 1e8;
 
-/// An entry of a limit that is undecided, and where on the mesh it is.
-#[derive(Clone, Copy, Debug)]
-struct Undecided {
-    at: usize,
-    s: f64,
-}
-
-/// A limit of positions is touched for an instant, or for so short a time that the mesh does not tell both
-/// ends of it apart, where it is kept over less than so many intervals.
+/// A limit of positions is kept for too short a time to be an arc over less than so many intervals.
 const INSTANT: f64 = 4.0;
 
 impl<D> Interior<D> {
-    /// The entries of limits of positions that are kept for an instant.
-    fn instants(&self, sides: &[Vec<Undecided>]) -> Vec<Undecided> {
+    /// The entries of limits of positions that are kept for too short a time.
+    fn instants(&self, sides: &[Vec<Entry>]) -> Vec<Entry> {
         let (mesh, barrier) = (&self.spline.mesh, &self.barrier);
-        let is_active = |entry: &Undecided| self.is_active(entry.at);
-        let is_instant = |touch: &&[Undecided]| {
+        let is_active = |entry: &Entry| self.is_active(entry.at);
+        let is_instant = |touch: &&[Entry]| {
             let [Some(first), Some(last)] = [touch.first(), touch.last()] else { return false };
             let side = barrier.side(first.at);
-            let is_of_position = matches!(side.limited, Limited::Position | Limited::Task);
             let width = mesh.width(mesh.place(first.s).0);
-            is_active(first) && is_of_position && !side.is_equation && last.s - first.s < INSTANT * width
+            is_active(first) && self.is_of_positions(side) && last.s - first.s < INSTANT * width
         };
         let touches = sides.iter().flat_map(|side| side.chunk_by(|a, b| is_active(a) == is_active(b)));
         touches.filter(is_instant).flatten().copied().collect()
     }
 
-    /// The entries of all limits along the motion, for each of them in the order of time; those of rows at
-    /// ends alone.
-    fn entries_of_sides(&self) -> Vec<Vec<Undecided>> {
-        let (mesh, barrier) = (&self.spline.mesh, &self.barrier);
-        let at_node = |k: usize| barrier.at_node(k).map(move |at| (at, mesh.nodes[k]));
-        let at_point = |p: usize| barrier.at_point(p).map(move |at| (at, mesh.point(p).0));
-        let at_gauss_point = |p: usize| barrier.at_gauss_point(p).map(move |at| (at, mesh.gauss_point(p).0));
-        let mut sides = vec![Vec::new(); barrier.all_sides().count()];
-        let points = (0..mesh.points()).flat_map(at_point);
-        let nodes = (0..mesh.nodes.len()).flat_map(at_node);
-        for (at, s) in points.chain(nodes).chain((0..mesh.gauss_points()).flat_map(at_gauss_point)) {
-            if let Some(side) = barrier.side_index(at) {
-                sides[side].push(Undecided { at, s });
-            }
-        }
-        sides.iter_mut().for_each(|side| side.sort_by(|a, b| a.s.total_cmp(&b.s)));
-        sides.extend(barrier.at_ends().map(|at| vec![Undecided { at, s: barrier.end_of(at) as f64 }]));
-        sides
-    }
-
     /// The entries of limits that are touched, and nowhere near there active for certain. Next to an arc at a
     /// limit there are such entries at its ends too, where multiplier and slack begin; these move with the
     /// arc, and the derivative exists.
-    fn undecided(&self, sides: &[Vec<Undecided>]) -> Vec<Undecided> {
-        let (mesh, barrier) = (&self.spline.mesh, &self.barrier);
+    fn undecided(&self, sides: &[Vec<Entry>]) -> Vec<Entry> {
         let mut found = Vec::new();
         for side in sides {
-            let is_touched = |entry: &Undecided| self.activity(entry.at) > TOUCHED;
+            let is_touched = |entry: &Entry| self.activity(entry.at) > TOUCHED;
             let touches =
                 side.chunk_by(|a, b| is_touched(a) == is_touched(b)).filter(|all| is_touched(&all[0]));
-            let is_kept = |entry: &Undecided| {
-                let [multiplier, slack] = self.without_unit(entry.at);
-                let mu = multiplier * slack;
-                let is_control = barrier.side(entry.at).limited.jumps(mesh.shape);
-                multiplier > ONLY_TOUCHED * if is_control { mu.sqrt() } else { mu.cbrt() }
-            };
+            let is_kept = |entry: &Entry| self.is_surely_kept(entry.at);
             found.extend(touches.filter(|touch| !touch.iter().any(is_kept)).flatten().copied());
         }
         found
@@ -100,8 +55,8 @@ impl<D> Interior<D> {
 
 /// Gains of a motion with its undecided limits kept, and with them left out.
 pub(crate) struct OneSided {
-    undecided: Vec<Undecided>,
-    instants: Vec<Undecided>,
+    undecided: Vec<Entry>,
+    instants: Vec<Entry>,
     /// `None` where no strict minimum is left.
     sides: [Option<Feedback>; 2],
     gains: [Vec<f64>; 2],
@@ -141,7 +96,7 @@ impl OneSided {
         let (k, _) = spline.mesh.place(spline.place_of(t));
         let coordinates = Coordinates::of(&motion.problem);
         let later = undecided.chain(&self.instants).filter(|entry| entry.s >= spline.mesh.nodes[k]);
-        let name = |entry: &Undecided| named(&motion.interior, barrier.side(entry.at), &coordinates);
+        let name = |entry: &Entry| named(&motion.interior, barrier.side(entry.at), &coordinates);
         let mut names: Vec<_> = later.map(name).collect();
         names.sort();
         names.dedup();

@@ -17,3 +17,4 @@ pub(super) mod rests;
 pub(super) mod side_terms;
 pub(super) mod system;
 pub(super) mod system_rates;
+mod touches;

@@ -20,6 +20,18 @@ pub(crate) enum Second {
     Nothing,
 }
 
+/// A limit that is touched for an instant ([`touches`](super::touches)).
+#[derive(Clone, Debug)]
+pub(crate) struct Touch {
+    /// The interval, and the part of it.
+    pub k: usize,
+    pub x: f64,
+    /// The gradients of d and of its derivative in time, in z = (q, v, a).
+    pub rows: [Vec<f64>; 2],
+    /// What their squares count: how stiff the limit is, and $M / \ddot d$.
+    pub curvatures: [f64; 2],
+}
+
 /// Arrays of one point.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Work {
@@ -155,6 +167,18 @@ impl Work {
         let value = running.add_references(at, [weight, clock], gradient, slope, hessian, &mut self.clock);
         at_zero.copy_from_slice(gradient);
         value
+    }
+
+    /// The squares of two rows, of 3n, with these second derivatives; no gradient.
+    pub fn collect_squares(&mut self, rows: &[Vec<f64>; 2], curvatures: [f64; 2]) {
+        self.z.iter_mut().for_each(|vector| vector.fill(0.0));
+        self.hessian.fill(0.0);
+        for (row, curvature) in rows.iter().zip(curvatures) {
+            let width = self.hessian.len() / row.len();
+            for (i, to) in self.hessian.chunks_exact_mut(width).enumerate() {
+                to.iter_mut().zip(row).for_each(|(to, entry)| *to += curvature * row[i] * entry);
+            }
+        }
     }
 
     /// Adds the squares of the rows to the Hessian.

@@ -136,6 +136,7 @@ impl System {
         self.add_panels(k..k + 1, spline, running);
         self.add_rates(k..k + 1, spline, points);
         self.add_hulls(k..k + 1, spline, points, barrier);
+        self.add_touches(k, spline);
         let phases = spline.mesh.phases();
         let (by_times, count) = (&self.by_times, phases + 1);
         for (to, from) in rest.corner.chunks_exact_mut(count).zip(by_times.second.chunks_exact(phases)) {

@@ -5,7 +5,7 @@ use super::by_times::ByTimes;
 use super::end_columns::EndColumns;
 use super::interval::{IntervalHessian, add_by_time, add_gradient};
 use super::metric::Metric;
-use super::point_terms::{Second, Work};
+use super::point_terms::{Second, Touch, Work};
 use super::rate_rows::RateRows;
 use super::side_terms::side_terms;
 use crate::direct::limits::at_node::{AtNode, ByTime, NodeValue};
@@ -48,23 +48,25 @@ pub(crate) struct System {
     pub(crate) shared_correction: Vec<f64>,
     pub(crate) work: Work,
     /// q, v, a at a place beside the points.
-    of_place: Vec<f64>,
+    pub(super) of_place: Vec<f64>,
+    /// Limits that are touched for an instant; of a motion that is differentiated alone.
+    pub touches: Vec<Touch>,
     /// Whether second derivatives of torques and rows count.
     pub exact: bool,
     /// Whether only the intervals behind a node are assembled, with gradients at all nodes.
     pub(super) is_rest: bool,
-    interval: IntervalHessian,
+    pub(super) interval: IntervalHessian,
     pub(super) metric: Metric,
     pub(crate) rate_rows: RateRows,
 }
 
 /// A place of a motion: its interval, s, and z = (q, v, a).
-struct Place<'a> {
-    k: usize,
-    s: f64,
-    z: &'a [f64],
+pub(super) struct Place<'a> {
+    pub k: usize,
+    pub s: f64,
+    pub z: &'a [f64],
     /// Whether its cost depends on the time since the start of the motion.
-    has_clock: bool,
+    pub has_clock: bool,
 }
 
 impl System {
@@ -88,6 +90,7 @@ impl System {
             shared_correction: Vec::new(),
             work: Work::new(n, rows),
             of_place: vec![0.0; 3 * n],
+            touches: Vec::new(),
             exact: true,
             is_rest: false,
             interval: IntervalHessian::new(n, shape),
@@ -113,6 +116,9 @@ impl System {
         self.add_panels(0..spline.mesh.intervals(), spline, running);
         self.add_rates(0..spline.mesh.intervals(), spline, points);
         self.add_hulls(0..spline.mesh.intervals(), spline, points, barrier);
+        for k in 0..if self.touches.is_empty() { 0 } else { spline.mesh.intervals() } {
+            self.add_touches(k, spline);
+        }
         for k in 0..spline.mesh.nodes.len() {
             self.add_node(k, spline, barrier);
         }
@@ -199,7 +205,7 @@ impl System {
     /// Adds the gradients of a place that was collected, and what they are by the time of its phase; `cost`
     /// is its part of the integral over s.
     #[inline(always)]
-    fn add_gradients(
+    pub(super) fn add_gradients(
         &mut self,
         &Place { k, s, z, has_clock }: &Place<'_>,
         spline: &Spline,
