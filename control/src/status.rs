@@ -60,10 +60,10 @@ pub struct BoundViolation {
 #[serde(into = "String", try_from = "String")]
 #[non_exhaustive]
 pub enum Status {
-    /// The conditions of the problem hold, the error that the mesh is estimated to have is below the tolerance,
-    /// and the verification that was asked for ([`Verify`](crate::Verify)) passed, which allows eight tolerances
-    /// for the gap (of jerks 100, or a hundredth of the cost); no motion nearby was found that costs less:
-    /// [`Solution::verified`](crate::Solution#structfield.verified) says what it found.
+    /// The conditions of the problem hold, the error that the mesh is estimated to have is below the
+    /// tolerance, and the verification that was asked for ([`Verify`](crate::Verify)) passed, which allows
+    /// eight tolerances for the gap (of jerks 100, or a hundredth of the cost); no motion nearby was found
+    /// that costs less: [`Solution::verified`](crate::Solution#structfield.verified) says what it found.
     Converged,
     /// The same for a smoothed control, with a tolerance of at least 1e-8; the last reduction of the
     /// smoothing, to about a third, changed the cost by less than a relative 2e-5. The motion has no isolated

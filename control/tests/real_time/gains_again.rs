@@ -254,8 +254,8 @@ fn a_limit_that_is_only_touched_is_undecided() {
 /// v^2/r` for the way -d in the time r, and the instant is the best one for the state: with tau until then
 /// and r behind it
 ///
-/// $$ K = \Bigl( -\frac{6}{\tau^2}, -\frac{4}{\tau} \Bigr)
-///    + \Bigl( \frac{12 d}{\tau^3} + \frac{4 v}{\tau^2} \Bigr) (\tau_d, \tau_v), \qquad
+/// $$ K = \Bigl( -\frac{6}{\tau^2}, -\frac{4}{\tau} \Bigr) + \Bigl( \frac{12 d}{\tau^3} +
+///    \frac{4 v}{\tau^2} \Bigr) (\tau_d, \tau_v), \qquad
 ///    (\tau_d, \tau_v) = -\frac{(f_{\tau d}, f_{\tau v})}{f_{\tau\tau} + f_{rr}} $$
 #[test]
 fn the_instant_at_which_a_limit_is_touched_moves_with_the_state() {

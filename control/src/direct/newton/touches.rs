@@ -3,8 +3,8 @@
 //! Where the distance $d(t) \ge 0$ of a limit of positions is zero at one time $t_c$ alone its multiplier is
 //! an impulse M there: the Lagrangian has the term $-M \min_t d$. The instant moves with the motion,
 //!
-//! $$ \min_t (d + \epsilon\, \delta d) = d(t_c) + \epsilon\, \delta d(t_c)
-//!    - \frac{\epsilon^2}{2} \frac{\delta\dot d(t_c)^2}{\ddot d(t_c)} + O(\epsilon^3) $$
+//! $$ \min_t (d + \epsilon\, \delta d) = d(t_c) + \epsilon\, \delta d(t_c) -
+//!    \frac{\epsilon^2}{2} \frac{\delta\dot d(t_c)^2}{\ddot d(t_c)} + O(\epsilon^3) $$
 //!
 //! so the second derivative by $\delta\dot d$ is $M / \ddot d$. The points of a mesh are at given times: it
 //! is missing where the limit is active at one point, and infinite where it is at two.
