@@ -286,6 +286,24 @@ fn the_instant_at_which_a_limit_is_touched_moves_with_the_state() {
     }
 }
 
+/// The same where the limit is where the cubic turns, 0.25 m ahead: the gain is between that without a limit
+/// and that with a touch whose multiplier is zero.
+#[test]
+fn a_limit_at_the_turn_of_a_motion_is_undecided() {
+    let joint = JointSpec::prismatic("x").axis([1.0, 0.0, 0.0]);
+    let body = LinkInertia::about_com(1.0, [0.0; 3], nalgebra::Matrix3::identity());
+    let robot = Robot::builder("slider").gravity([0.0; 3]).joint(joint.carrying(body)).build().unwrap();
+    let mut problem = Problem::rest_to_rest(robot, &[0.0], &[0.0], 1.0)
+        .with_limits(MotionLimits::none().with_q_max(vec![0.25]));
+    problem.start = BoundaryState::fixed(&[0.0], &[1.0]);
+    problem.end = BoundaryState::fixed(&[0.0], &[-1.0]);
+    let (_, gains) = gains(&problem).unwrap();
+    for k in (0..450).step_by(50) {
+        assert_eq!(gains.undecided[k], ["position x max"], "{k}: {:?}", gains.gain_q[k]);
+    }
+    assert!(gains.undecided[600..].iter().all(Vec::is_empty));
+}
+
 /// Each kind of motion at a few times along two directions.
 #[test]
 fn gains_of_all_kinds_are_those_of_solving_again() {

@@ -17,7 +17,13 @@ const MOST_ENTRIES: usize = 3;
 /// which moves the motion away by about s: `s^(3/2)` is about mu, and the multiplier `mu^(1/3)`. One of the
 /// control moves the control at its own time: the multiplier is about s. Where a limit is kept its multiplier
 /// does not depend on mu.
+///
+/// One of positions is kept by one entry, of the weight w in s: its impulse, w times the multiplier, moves
+/// the motion by s over YIELDING, so that the multiplier is the root of `mu / (w YIELDING)`.
 const ONLY_TOUCHED: f64 = 5.0;
+/// By about how much an impulse moves a motion where it acts, both without unit: a beam that is clamped at
+/// both ends yields in its middle by 1/192.
+const YIELDING: f64 = 1.0 / 192.0;
 /// By this factor the slacks of these entries grow: their limit is left to the touch.
 const LEFT: f64 = 1e16;
 
@@ -49,12 +55,20 @@ impl<D> Interior<D> {
         sides
     }
 
-    /// Whether a limit that is touched is kept for certain, by an entry.
-    pub(super) fn is_surely_kept(&self, at: usize) -> bool {
+    /// Whether a limit that is touched is kept for certain, by an entry, if others keep it with that.
+    fn is_kept(&self, at: usize) -> bool {
         let [multiplier, slack] = self.without_unit(at);
         let mu = multiplier * slack;
         let is_control = self.barrier.side(at).limited.jumps(self.spline.mesh.shape);
         multiplier > ONLY_TOUCHED * if is_control { mu.sqrt() } else { mu.cbrt() }
+    }
+
+    /// The same if the entry may be the only one.
+    pub(super) fn is_surely_kept(&self, at: usize) -> bool {
+        let [multiplier, slack] = self.without_unit(at);
+        let least = (multiplier * slack / (YIELDING * self.barrier.weight[at])).sqrt();
+        let is_alone = self.is_of_positions(self.barrier.side(at));
+        self.is_kept(at) && (!is_alone || multiplier > ONLY_TOUCHED * least)
     }
 
     /// Whether a limit can be touched for an instant: the control moves its second derivative in time, or a
@@ -71,7 +85,7 @@ impl<D> Interior<D> {
         self.system.touches.clear();
         for side in self.entries_of_sides() {
             let is_touched = |entry: &Entry| self.activity(entry.at) > TOUCHED;
-            let is_kept = |entry: &Entry| is_touched(entry) && self.is_surely_kept(entry.at);
+            let is_kept = |entry: &Entry| is_touched(entry) && self.is_kept(entry.at);
             let (mut first, mut found) = (0, Vec::new());
             for run in side.chunk_by(|a, b| is_touched(a) == is_touched(b)) {
                 let own = first..first + run.len();
@@ -81,7 +95,8 @@ impl<D> Interior<D> {
                     continue;
                 };
                 let (from, to) = (own.start + from, own.start + to);
-                if to - from < MOST_ENTRIES && from > 0 && to + 1 < side.len() {
+                let is_sure = run.iter().any(|entry| self.is_surely_kept(entry.at));
+                if is_sure && to - from < MOST_ENTRIES && from > 0 && to + 1 < side.len() {
                     found.extend(self.touch(&side[from - 1..=to + 1], run).map(|touch| (touch, own)));
                 }
             }
