@@ -19,8 +19,8 @@ pub const FLAT: f64 = 0.1;
 pub const INVERSE_ITERATIONS: usize = 8;
 /// .. with a damping that is bisected so many times.
 pub const BISECTIONS: usize = 5;
-/// Most saddles that are left one after the other; all but the last cost less than the one before by a
-/// tolerance.
+/// Most saddles that are left one after the other; all but the last cost less than the one before by more
+/// than [`FLAT`] tolerances.
 pub const MOST: usize = 8;
 /// Most times that saddles which show on a finer mesh alone are left, to compare with a finer one again.
 pub const FROM_FINER_MESHES: usize = 2;

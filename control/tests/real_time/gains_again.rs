@@ -184,14 +184,27 @@ fn arm(limits: MotionLimits) -> Problem {
     Problem::rest_to_rest(two_link(), &[0.0; 2], &[1.2, 0.9], 1.0).with_limits(limits)
 }
 
+/// A body of unit mass on a line.
+fn slider() -> Robot {
+    let joint = JointSpec::prismatic("x").axis([1.0, 0.0, 0.0]);
+    let body = LinkInertia::about_com(1.0, [0.0; 3], nalgebra::Matrix3::identity());
+    Robot::builder("slider").gravity([0.0; 3]).joint(joint.carrying(body)).build().unwrap()
+}
+
+/// Its gains where it is thrown at 1 m/s towards a limit, and caught in a second where it began.
+fn thrown(q_max: f64) -> Gains {
+    let limits = MotionLimits::none().with_q_max(vec![q_max]);
+    let mut problem = Problem::rest_to_rest(slider(), &[0.0], &[0.0], 1.0).with_limits(limits);
+    problem.start = BoundaryState::fixed(&[0.0], &[1.0]);
+    problem.end = BoundaryState::fixed(&[0.0], &[-1.0]);
+    gains(&problem).unwrap().1
+}
+
 /// A body of unit mass on a line: the best motion is a cubic from any state, and in the time r that is left
 /// the gains are -6/r^2 and -4/r.
 #[test]
 fn gains_of_a_unit_mass_are_exact_at_all_times() {
-    let joint = JointSpec::prismatic("x").axis([1.0, 0.0, 0.0]);
-    let body = LinkInertia::about_com(1.0, [0.0; 3], nalgebra::Matrix3::identity());
-    let robot = Robot::builder("slider").gravity([0.0; 3]).joint(joint.carrying(body)).build().unwrap();
-    let problem = Problem::rest_to_rest(robot, &[0.0], &[1.0], 1.0);
+    let problem = Problem::rest_to_rest(slider(), &[0.0], &[1.0], 1.0);
     let (_, gains) = gains(&problem).unwrap();
     let [from, to] = gains.held[0];
     assert!((from - 0.98).abs() < 1e-12 && to == 1.0 && gains.t.len() == 1001);
@@ -218,11 +231,8 @@ fn gains_of_a_unit_mass_are_exact_at_all_times() {
 #[test]
 fn a_limit_that_is_only_touched_is_undecided() {
     let motion = |v_max: f64| {
-        let joint = JointSpec::prismatic("x").axis([1.0, 0.0, 0.0]);
-        let body = LinkInertia::about_com(1.0, [0.0; 3], nalgebra::Matrix3::identity());
-        let robot = Robot::builder("slider").gravity([0.0; 3]).joint(joint.carrying(body)).build().unwrap();
         let limits = MotionLimits::none().with_v_max(vec![v_max]);
-        gains(&Problem::rest_to_rest(robot, &[0.0], &[1.0], 1.0).with_limits(limits)).unwrap().1
+        gains(&Problem::rest_to_rest(slider(), &[0.0], &[1.0], 1.0).with_limits(limits)).unwrap().1
     };
     let gains = motion(1.5);
     // Where both are the same what is between them is off by the stiffness of limits.
@@ -259,14 +269,7 @@ fn a_limit_that_is_only_touched_is_undecided() {
 ///    (\tau_d, \tau_v) = -\frac{(f_{\tau d}, f_{\tau v})}{f_{\tau\tau} + f_{rr}} $$
 #[test]
 fn the_instant_at_which_a_limit_is_touched_moves_with_the_state() {
-    let joint = JointSpec::prismatic("x").axis([1.0, 0.0, 0.0]);
-    let body = LinkInertia::about_com(1.0, [0.0; 3], nalgebra::Matrix3::identity());
-    let robot = Robot::builder("slider").gravity([0.0; 3]).joint(joint.carrying(body)).build().unwrap();
-    let mut problem = Problem::rest_to_rest(robot, &[0.0], &[0.0], 1.0)
-        .with_limits(MotionLimits::none().with_q_max(vec![0.2]));
-    problem.start = BoundaryState::fixed(&[0.0], &[1.0]);
-    problem.end = BoundaryState::fixed(&[0.0], &[-1.0]);
-    let (_, gains) = gains(&problem).unwrap();
+    let gains = thrown(0.2);
     let second = |d: f64, v: f64, r: f64| {
         72.0 * d * d / r.powi(5) + 36.0 * d * v / r.powi(4) + 4.0 * v * v / r.powi(3)
     };
@@ -278,7 +281,6 @@ fn the_instant_at_which_a_limit_is_touched_moves_with_the_state() {
         let slope = 12.0 * d / tau.powi(3) + 4.0 * v / tau.powi(2);
         let expected = [-6.0 / (tau * tau) + slope * tau_d, -4.0 / tau + slope * tau_v];
         let found = [gains.gain_q[k][0][0], gains.gain_v[k][0][0]];
-        println!("{tau} {found:?} {expected:?} {:?}", gains.undecided[k]);
         for (found, expected) in found.into_iter().zip(expected) {
             assert!((found / expected - 1.0).abs() < 1e-3, "{tau}: {found} {expected}");
         }
@@ -290,14 +292,7 @@ fn the_instant_at_which_a_limit_is_touched_moves_with_the_state() {
 /// and that with a touch whose multiplier is zero.
 #[test]
 fn a_limit_at_the_turn_of_a_motion_is_undecided() {
-    let joint = JointSpec::prismatic("x").axis([1.0, 0.0, 0.0]);
-    let body = LinkInertia::about_com(1.0, [0.0; 3], nalgebra::Matrix3::identity());
-    let robot = Robot::builder("slider").gravity([0.0; 3]).joint(joint.carrying(body)).build().unwrap();
-    let mut problem = Problem::rest_to_rest(robot, &[0.0], &[0.0], 1.0)
-        .with_limits(MotionLimits::none().with_q_max(vec![0.25]));
-    problem.start = BoundaryState::fixed(&[0.0], &[1.0]);
-    problem.end = BoundaryState::fixed(&[0.0], &[-1.0]);
-    let (_, gains) = gains(&problem).unwrap();
+    let gains = thrown(0.25);
     for k in (0..450).step_by(50) {
         assert_eq!(gains.undecided[k], ["position x max"], "{k}: {:?}", gains.gain_q[k]);
     }

@@ -45,8 +45,7 @@ impl<D> Interior<D> {
 impl<D: PointDynamics> Interior<D> {
     /// Restricts the gains of an interval to what active limits leave. Those of the next one are known.
     pub(super) fn keep_active_rows(&self, k: usize, rest: &mut Rest, feedback: &mut Feedback) {
-        let (n, m, shape) = (self.spline.dof, self.spline.node(), self.spline.mesh.shape);
-        let is_jerk = |side: &&Side| side.limited == Limited::Jerk;
+        let (n, m) = (self.spline.dof, self.spline.node());
         let exact = self.take_normals(k, feedback);
         let Feedback { node_gains, gains, normals, work, exchanges, rows, .. } = feedback;
         let node_gain = &mut node_gains[n * m * k..][..n * m];
@@ -55,13 +54,7 @@ impl<D: PointDynamics> Interior<D> {
         for normal in exact.chunks_exact(m).chain(others.chunks_exact(m)) {
             take_off(node_gain, normal);
         }
-        if shape.is_smooth() {
-            for side in self.active_sides(k, 0).filter(is_jerk) {
-                node_gain[m * side.joint..m * (side.joint + 1)].fill(0.0);
-            }
-        } else {
-            self.keep_controls([k, 0], node_gain, rows, exchanges);
-        }
+        self.keep_controls([k, 0], node_gain, rows, exchanges);
         let size = n * m;
         if self.keeps_states(k) {
             let is_end = self.spline.mesh.is_end(k + 1);
@@ -75,13 +68,7 @@ impl<D: PointDynamics> Interior<D> {
         }
         for j in 0..POINTS {
             let gain = &mut gains[size * (POINTS * k + j)..][..size];
-            if shape.is_smooth() {
-                for side in self.active_sides(k, j).filter(is_jerk) {
-                    gain[m * side.joint..m * (side.joint + 1)].fill(0.0);
-                }
-            } else {
-                self.keep_controls([k, j], gain, rows, exchanges);
-            }
+            self.keep_controls([k, j], gain, rows, exchanges);
         }
     }
 
@@ -90,7 +77,8 @@ impl<D: PointDynamics> Interior<D> {
     ///
     /// $$ h_a A + h_x = 0, \quad\text{so}\quad R K = R \tau_x - h_x, \qquad R = h_a \tau_a^{-1} $$
     ///
-    /// Rows of torques are zero. Of more rows than joints the first ones count.
+    /// Rows of torques are zero, and where jerks are the controls those of jerks. Of more rows than joints
+    /// the first ones count.
     fn keep_controls(
         &self,
         [k, j]: [usize; 2],
@@ -99,6 +87,12 @@ impl<D: PointDynamics> Interior<D> {
         exchanges: &mut [usize],
     ) {
         let (n, m, p) = (self.spline.dof, self.spline.node(), POINTS * k + j);
+        if self.spline.mesh.shape.is_smooth() {
+            for side in self.active_sides(k, j).filter(|side| side.limited == Limited::Jerk) {
+                gain[m * side.joint..m * (side.joint + 1)].fill(0.0);
+            }
+            return;
+        }
         let is_control = |side: &&Side| !self.is_of_state(side) && !side.is_law();
         let count = self.active_sides(k, j).filter(is_control).take(n).count();
         if count == 0 {

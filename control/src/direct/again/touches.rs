@@ -7,7 +7,7 @@ use crate::numerics::lu;
 
 /// Least ratio of multiplier and slack, both without unit, of a limit that is touched: derivatives take the
 /// part r / (1 + r) of a limit with the ratio r as kept.
-pub(super) const TOUCHED: f64 = 0.01;
+const TOUCHED: f64 = 0.01;
 /// Most entries at which a limit is kept for certain where it is touched for an instant: at the point next to
 /// it, or at those and at a node to either side. The barrier keeps others near there a little.
 const MOST_ENTRIES: usize = 3;
@@ -55,6 +55,11 @@ impl<D> Interior<D> {
         sides
     }
 
+    /// Whether derivatives take a limit as kept a little, by an entry.
+    pub(super) fn is_touched(&self, at: usize) -> bool {
+        self.activity(at) > TOUCHED
+    }
+
     /// Whether a limit that is touched is kept for certain, by an entry, if others keep it with that.
     fn is_kept(&self, at: usize) -> bool {
         let [multiplier, slack] = self.without_unit(at);
@@ -84,7 +89,7 @@ impl<D> Interior<D> {
     pub(super) fn take_touches(&mut self) {
         self.system.touches.clear();
         for side in self.entries_of_sides() {
-            let is_touched = |entry: &Entry| self.activity(entry.at) > TOUCHED;
+            let is_touched = |entry: &Entry| self.is_touched(entry.at);
             let is_kept = |entry: &Entry| is_touched(entry) && self.is_kept(entry.at);
             let (mut first, mut found) = (0, Vec::new());
             for run in side.chunk_by(|a, b| is_touched(a) == is_touched(b)) {

@@ -11,7 +11,7 @@
 
 use super::feedback::Feedback;
 use super::resolve::{Resolve, named};
-use super::touches::{Entry, TOUCHED};
+use super::touches::Entry;
 use crate::direct::interior::iterate::Interior;
 use crate::direct::outcome::named::Coordinates;
 use costate::EvalError;
@@ -43,7 +43,7 @@ impl<D> Interior<D> {
     fn undecided(&self, sides: &[Vec<Entry>]) -> Vec<Entry> {
         let mut found = Vec::new();
         for side in sides {
-            let is_touched = |entry: &Entry| self.activity(entry.at) > TOUCHED;
+            let is_touched = |entry: &Entry| self.is_touched(entry.at);
             let touches =
                 side.chunk_by(|a, b| is_touched(a) == is_touched(b)).filter(|all| is_touched(&all[0]));
             let is_kept = |entry: &Entry| self.is_surely_kept(entry.at);
@@ -75,12 +75,14 @@ impl OneSided {
         }
         let slacks = motion.interior.barrier.slack.clone();
         let mut sides = [None, None];
-        for (side, factor) in sides.iter_mut().zip([1.0 / DECISIVE, DECISIVE]) {
+        // Without an undecided limit both are the same.
+        let of_sides = if undecided.is_empty() { 0 } else { 2 };
+        for (side, factor) in sides.iter_mut().zip([1.0 / DECISIVE, DECISIVE]).take(of_sides) {
             undecided.iter().for_each(|entry| motion.interior.barrier.slack[entry.at] *= factor);
             *side = motion.feedback()?.cloned();
             motion.interior.barrier.slack.clone_from(&slacks);
         }
-        motion.feedback()?;
+        motion.factorised = false;
         let spline = &motion.interior.spline;
         let gains = [vec![0.0; spline.dof * spline.node()], vec![0.0; spline.dof * spline.node()]];
         Ok(Some(Self { undecided, instants, sides, gains }))
