@@ -46,18 +46,11 @@ pub mod reach {
     pub const FAR: f64 = 2.0;
     /// .. and then so many others are looked for, one of which may be nearer.
     pub const OTHERS: usize = 12;
-    /// Positions from which others are looked for as further guesses: an arm with a spherical wrist reaches a
-    /// pose with two signs of each of shoulder, elbow and wrist, ..
-    pub const BRANCHES: usize = 8;
-    /// .. and so many within this distance of the known one in each joint (rad, m), if places leave joints
-    /// free, ..
-    pub const AROUND: usize = 4;
-    pub const ASIDE: f64 = 1.2;
-    /// .. in at most so many steps, ..
+    /// A descent to another position takes at most so many steps, ..
     pub const BRANCH_STEPS: usize = 20;
-    /// .. which differ by more than this in a joint (rad).
+    /// .. and another position differs by more than this in a joint (rad).
     pub const APART: f64 = 0.5;
-    /// Descents from which positions are ranked by their least time: ten for each of [`MOST_BRANCHES`]. One
+    /// Descents from which positions are ranked: ten for each of [`MOST_BRANCHES`]. One
     /// that a share of 1/16 of all descents leads to is missed with the probability `(15/16)^160 = 3e-5`, ..
     pub const DESCENTS: usize = 10 * MOST_BRANCHES;
     /// .. every other one from within this distance of the place before (rad, m) ..
@@ -66,7 +59,8 @@ pub mod reach {
     /// Primrose, On the input-output equation of the general 7R-mechanism, Mechanism and Machine Theory 21,
     /// 1986), ..
     pub const MOST_BRANCHES: usize = 16;
-    /// .. which count as so much later where what is kept along the motion is exceeded by its range (s), ..
+    /// .. which count as so much later (s), or as so many times dearer, where what is kept along the motion is
+    /// exceeded by its range, ..
     pub const OUTSIDE: f64 = 100.0;
     /// .. and which differ by this where places leave joints free (rad), as nearer ones slide to each other.
     pub const APART_ALONG: f64 = 1.0;

@@ -7,9 +7,8 @@ use crate::problem::Problem;
 use crate::task::build::TaskRows;
 use crate::task::check::phases_at;
 use crate::task::functions::PathFunction;
-use crate::task::reach::branches::{Branch, soonest};
-use crate::task::reach::slide::cheaper;
-use crate::task::reach::{others, reach, reach_near};
+use crate::task::reach::branches::{Branch, ranked};
+use crate::task::reach::{reach, reach_near};
 use std::borrow::Cow;
 
 /// The problem with positions at the ends of its phases at which tools are where they shall be.
@@ -58,15 +57,13 @@ pub(crate) fn with_tools_reached<'a>(
     found
 }
 
-/// Other positions of the joints for the places of tools, each with the number of its end; `reached` has
-/// those that are known, and its guess costs `known`. Where places leave joints free, a position along them
-/// with a lower `cost` of the guess comes first, if there is one.
-pub(crate) fn other_positions(
+/// Positions of the joints for the places of tools, each with the number of its end and the price that
+/// `branch` finds: the best ones of each end first.
+pub(crate) fn ranked_positions(
     reached: &Problem,
     rows: &TaskRows,
-    known: f64,
-    mut cost: impl FnMut(usize, &[f64]) -> Option<f64>,
-) -> Vec<(usize, Vec<f64>)> {
+    mut branch: impl FnMut(usize, Vec<f64>) -> Branch,
+) -> Vec<(usize, Branch)> {
     let limits: Vec<[f64; 2]> = reached.joint_limits().iter().map(|limits| limits.q).collect();
     let ends = with_guesses(reached);
     let mut found = Vec::new();
@@ -75,54 +72,41 @@ pub(crate) fn other_positions(
         if rows.is_empty() || free.is_empty() {
             continue;
         }
-        // The place before it; that after the start.
-        let near = &ends[if end == 0 { 1 } else { end - 1 }].q;
-        let mut rows = rows.clone();
-        let mut all = vec![q.clone()];
-        all.extend(cheaper(&mut rows, q, free, &limits, known, |q| cost(end, q)));
-        let others = others(&mut rows, near, &all, free, &limits);
-        found.extend(all.into_iter().skip(1).chain(others).map(|q| (end, q)));
+        let near = &ends[before(end)].q;
+        let branches = ranked(&mut rows.clone(), near, q, free, &limits, |q| branch(end, q));
+        found.extend(branches.into_iter().map(|branch| (end, branch)));
     }
     found
 }
 
-/// Positions of the joints for the places of tools that are reached soonest, each with the number of its end:
-/// by the least times of the joints from the place before it, or to the place after the start.
-/// Those that do not keep what is kept along the motion come last.
-pub(crate) fn soonest_positions(reached: &Problem, all_rows: &TaskRows) -> Vec<(usize, Branch)> {
-    let joint_limits = reached.joint_limits();
-    let limits: Vec<[f64; 2]> = joint_limits.iter().map(|limits| limits.q).collect();
-    let (ends, last) = (with_guesses(reached), reached.phases());
-    let mut found = Vec::new();
-    for (end, rows) in all_rows.at_ends().enumerate() {
-        let (free, q) = (&ends[end].q_free, &ends[end].q);
-        if rows.is_empty() || free.is_empty() {
-            continue;
+/// The end that positions of this one are reached from: the place before it; that after the start.
+fn before(end: usize) -> usize {
+    if end == 0 { 1 } else { end - 1 }
+}
+
+/// Prices positions by the least times of the joints (s), from the place before or to the place after the
+/// start. Those that do not keep what is kept along the motion come last.
+pub(crate) fn by_time(reached: &Problem, rows: &TaskRows) -> impl FnMut(usize, Vec<f64>) -> Branch {
+    let (ends, last, limits) = (with_guesses(reached), reached.phases(), reached.joint_limits());
+    let (mut along, still) = (rows.along.clone(), vec![0.0; limits.len()]);
+    let mut g = vec![0.0; along.rows()];
+    move |end, q| {
+        // What must hold all along the motion holds here too, in the phases that meet here.
+        let mut outside = 0.0_f64;
+        for phase in phases_at(end, last) {
+            along.enter(Some(phase));
+            outside = match along.values(&q, &still, &mut g) {
+                Err(_) => f64::INFINITY,
+                Ok(()) => {
+                    let rows = along.bounds().iter().zip(&g);
+                    rows.map(|(row, g)| (row.lower - g).max(g - row.upper) / row.range)
+                        .fold(outside, f64::max)
+                }
+            };
         }
-        let before = &ends[if end == 0 { 1 } else { end - 1 }];
-        let (mut along, still) = (all_rows.along.clone(), vec![0.0; q.len()]);
-        let mut g = vec![0.0; along.rows()];
-        let branch = |q: Vec<f64>| {
-            // What must hold all along the motion holds here too, in the phases that meet here.
-            let mut outside = 0.0_f64;
-            for phase in phases_at(end, last) {
-                along.enter(Some(phase));
-                outside = match along.values(&q, &still, &mut g) {
-                    Err(_) => f64::INFINITY,
-                    Ok(()) => {
-                        let rows = along.bounds().iter().zip(&g);
-                        rows.map(|(row, g)| (row.lower - g).max(g - row.upper) / row.range)
-                            .fold(outside, f64::max)
-                    }
-                };
-            }
-            let time = least_time([before, &ends[end]], &q, &joint_limits);
-            Branch { q, time, penalty: OUTSIDE * outside }
-        };
-        let branches = soonest(&mut rows.clone(), &before.q, q, free, &limits, branch);
-        found.extend(branches.into_iter().map(|branch| (end, branch)));
+        let price = least_time([&ends[before(end)], &ends[end]], &q, &limits);
+        Branch { q, price, penalty: OUTSIDE * outside }
     }
-    found
 }
 
 /// Whether a place of tools has fewer rows than joints whose position is free there.

@@ -6,15 +6,15 @@
 use super::first::First;
 use super::prepare::Dynamics;
 use crate::constants::guesses as constants;
+use crate::constants::task::reach::OUTSIDE;
 use crate::cubics::Disturbance;
 use crate::direct::interior::iterate::Interior;
-use crate::direct::motion::reached::{
-    leaves_joints_free, other_positions, soonest_positions, with_tools_reached,
-};
+use crate::direct::motion::reached::{by_time, leaves_joints_free, ranked_positions, with_tools_reached};
 use crate::options::SolverOptions;
 use crate::problem::{FinalTime, Problem};
 use crate::result::start::GuessKind;
 use crate::task::build::TaskRows;
+use crate::task::reach::branches::Branch;
 
 /// A guess with its figures.
 pub(super) struct Candidate<'a> {
@@ -42,80 +42,64 @@ pub(super) fn candidates<'a>(
     let nodes = &begun.mesh.nodes;
     let time = matches!(problem.time, FinalTime::Free { .. }).then(|| begun.duration());
     let (price, torques_cost) = (interior.running.time, interior.running.costs_torques());
-    let mut judge = |first: &First<'a>| interior.figures_of(&first.spline(nodes.clone(), time));
-    let all = judge(own).map_or_else(Vec::new, |[exceeded, cost]| {
-        let allowed = exceeded.max(constants::EXCEEDED);
-        let promises = |candidate: &Candidate<'_>| {
-            let [own_excess, own_cost] = candidate.figures;
-            match candidate.first.kind {
-                GuessKind::OtherPosition => own_excess <= allowed && own_cost < constants::PROMISING * cost,
-                _ => own_excess < exceeded && own_cost < constants::DETOUR * cost,
-            }
+    let mut candidate = |first: First<'a>, least: f64| {
+        let figures = interior.figures_of(&first.spline(nodes.clone(), time))?;
+        Some(Candidate { first, figures, least })
+    };
+    let mut all = Vec::new();
+    if let Some([exceeded, cost]) = candidate(own.clone(), 0.0).map(|own| own.figures) {
+        let ends_are_free = problem.loops.is_none() && problem.periodic.is_none();
+        // Costs of straight motions within a given time say little about least times.
+        let is_mostly = |time: f64| !torques_cost || price * time > constants::MOSTLY_TIME * cost;
+        let by_least_time = ends_are_free && price > 0.0 && time.is_some_and(is_mostly);
+        let slides = leaves_joints_free(&own.reached, rows);
+        let ends = own.reached.ends();
+        let is_other = |(end, branch): &(usize, Branch)| {
+            let mut both = ends[*end].q.iter().zip(&branch.q);
+            both.any(|(own, q)| (own - q).abs() >= constants::SAME_POSITION)
         };
         let at = |end: usize, q: &[f64]| {
             let reached = with_tools_reached(problem, rows, 0, Some((end, q)));
             First { kind: GuessKind::OtherPosition, reached, ..own.clone() }
         };
-        let mut proposed = Vec::new();
-        let ends_are_free = problem.loops.is_none() && problem.periodic.is_none();
-        // Costs of straight motions within a given time say little about least times.
-        let is_mostly = |time: f64| !torques_cost || price * time > constants::MOSTLY_TIME * cost;
-        let by_time = price > 0.0 && time.is_some_and(is_mostly);
-        if ends_are_free && by_time {
-            let is_fixed = !leaves_joints_free(&own.reached, rows);
-            let is_own = |end: usize, q: &[f64]| {
-                let own = own.reached.ends();
-                own[end].q.iter().zip(q).all(|(own, q)| (own - q).abs() < constants::SAME_POSITION)
+        if by_least_time {
+            let branches = ranked_positions(&own.reached, rows, by_time(&own.reached, rows)).into_iter();
+            let others = branches.filter(is_other).take(constants::BRANCHES);
+            // Positions that slide may be reached sooner.
+            let least = |branch: &Branch| if slides { 0.0 } else { price * branch.price };
+            all.extend(others.filter_map(|(end, branch)| candidate(at(end, &branch.q), least(&branch))));
+        } else if ends_are_free {
+            let allowed = exceeded.max(constants::EXCEEDED_BY_CUBICS);
+            let mut by_cost = |end: usize, q: Vec<f64>| {
+                let figures = candidate(at(end, &q), 0.0).map(|other| other.figures);
+                let [excess, price] = figures.unwrap_or([0.0, f64::INFINITY]);
+                Branch { q, price, penalty: OUTSIDE * cost * (excess - allowed).max(0.0) }
             };
-            let branches = soonest_positions(&own.reached, rows).into_iter();
-            let others = branches.filter(|(end, branch)| !is_own(*end, &branch.q)).take(constants::BRANCHES);
-            let mut found: Vec<_> = others
-                .filter_map(|(end, branch)| {
-                    let first = at(end, &branch.q);
-                    // Positions that slide may be reached sooner.
-                    let least = if is_fixed { price * branch.time } else { 0.0 };
-                    judge(&first).map(|figures| Candidate { first, figures, least })
-                })
-                .collect();
-            if exceeded > constants::EXCEEDED && problem.task.collision.is_some() {
-                let bent = bends(own, problem.coordinates());
-                let mut bent: Vec<_> = bent
-                    .filter_map(|first| judge(&first).map(|figures| Candidate { first, figures, least: 0.0 }))
-                    .filter(promises)
-                    .collect();
-                bent.sort_by(|a, b| a.figures[0].total_cmp(&b.figures[0]));
-                bent.truncate(constants::LOOKS);
-                found.extend(bent);
-            }
-            return found;
-        }
-        if ends_are_free {
-            let cheaper = |end: usize, q: &[f64]| {
-                let [excess, cost] = judge(&at(end, q))?;
-                (excess <= allowed).then_some(cost)
-            };
-            let others = other_positions(&own.reached, rows, cost, cheaper);
-            proposed.extend(others.iter().map(|(end, q)| at(*end, q)));
+            let mut branches = ranked_positions(&own.reached, rows, &mut by_cost);
+            branches.retain(|branch| is_other(branch) && branch.1.penalty == 0.0);
+            branches.sort_by(|(_, a), (_, b)| a.price.total_cmp(&b.price));
+            let promising =
+                branches.iter().take_while(|(_, branch)| branch.price < constants::PROMISING * cost);
+            let others = promising.take(constants::POSITIONS);
+            all.extend(others.filter_map(|(end, branch)| candidate(at(*end, &branch.q), 0.0)));
         }
         if exceeded > constants::EXCEEDED && problem.task.collision.is_some() {
-            proposed.extend(bends(own, problem.coordinates()));
+            let by = usize::from(!by_least_time);
+            let promises = |bent: &Candidate<'_>| {
+                bent.figures[0] < exceeded && bent.figures[1] < constants::DETOUR * cost
+            };
+            let bent = bends(own, problem.coordinates()).filter_map(|first| candidate(first, 0.0));
+            let mut bent: Vec<_> = bent.filter(promises).collect();
+            bent.sort_by(|a, b| a.figures[by].total_cmp(&b.figures[by]));
+            bent.truncate(constants::LOOKS);
+            all.extend(bent);
         }
-        let mut found: Vec<_> = proposed
-            .into_iter()
-            .filter_map(|first| judge(&first).map(|figures| Candidate { first, figures, least: 0.0 }))
-            .filter(promises)
-            .collect();
-        found.sort_by(|a, b| a.figures[1].total_cmp(&b.figures[1]));
-        found.truncate(constants::LOOKS);
-        if ends_are_free && leaves_joints_free(&own.reached, rows) {
+        if ends_are_free && !by_least_time && slides {
             // Ends slide along their places: the cost of a guess says little about that of its motion.
             let drawn = (1..=constants::DRAWN).map(|k| First::new(problem, rows, options, k, None));
-            let drawn = drawn
-                .filter_map(|first| judge(&first).map(|figures| Candidate { first, figures, least: 0.0 }));
-            found.extend(drawn);
+            all.extend(drawn.filter_map(|first| candidate(first, 0.0)));
         }
-        found
-    });
+    }
     interior.spline = begun;
     all
 }

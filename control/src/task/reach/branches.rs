@@ -1,9 +1,9 @@
-//! Positions of the joints for the poses of tools, sorted by how soon they are reached.
+//! Positions of the joints for the poses of tools, sorted by how soon or how cheaply they are reached.
 //!
 //! An arm reaches a pose in several ways: other signs of its elbow and wrist, whole turns, and where the pose
 //! leaves joints free all along curves. Descents from many seeded positions find them, each is turned back by
-//! whole turns and moved along what the pose leaves free to where it is reached sooner, and of those that lie
-//! near each other the soonest stays.
+//! whole turns and moved along what the pose leaves free to where it is reached sooner or more cheaply, and
+//! of those that lie near each other the best one stays.
 
 use super::slide::cheaper;
 use super::{Search, seeded, seeded_position};
@@ -13,25 +13,26 @@ use crate::constants::task::reach::{
 use crate::task::functions::TaskFunctions;
 use std::f64::consts::TAU;
 
-/// A position with the time after which it is reached at the earliest (s).
+/// A position with its price: the time after which it is reached at the earliest (s), or what a simple motion
+/// to it costs.
 #[derive(Clone, Debug)]
 pub(crate) struct Branch {
     pub q: Vec<f64>,
-    pub time: f64,
-    /// By how much later it counts (s) since what is kept along the motion is exceeded there.
+    pub price: f64,
+    /// How much more it counts since limits, or what is kept along the motion, are exceeded.
     pub penalty: f64,
 }
 
 impl Branch {
-    /// The time by which positions are sorted (s): no bound of what a motion takes.
+    /// What positions are sorted by: no bound of what a motion takes or costs.
     fn rank(&self) -> f64 {
-        self.time + self.penalty
+        self.price + self.penalty
     }
 }
 
-/// Positions at which all rows have their values, the one with the least time and penalty, which `branch`
+/// Positions at which all rows have their values, the one with the least price and penalty, which `branch`
 /// finds, first; `near` is the place before. At most [`MOST_BRANCHES`].
-pub(crate) fn soonest(
+pub(crate) fn ranked(
     functions: &mut TaskFunctions,
     near: &[f64],
     known: &[f64],
@@ -85,7 +86,7 @@ pub(crate) fn soonest(
     found
 }
 
-/// The soonest ones of those that differ by less than `apart` in all joints (rad, m); at most
+/// The best ones of those that differ by less than `apart` in all joints (rad, m); at most
 /// [`MOST_BRANCHES`].
 fn apart_from_each_other(mut all: Vec<Branch>, free: &[usize], apart: f64) -> Vec<Branch> {
     all.sort_by(|a, b| a.rank().total_cmp(&b.rank()));

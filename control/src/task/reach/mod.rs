@@ -4,10 +4,7 @@ pub(crate) mod branches;
 pub(crate) mod slide;
 
 use super::functions::{PathFunction, TaskFunctions};
-use crate::constants::task::reach::{
-    APART, AROUND, ASIDE, BRANCH_STEPS, BRANCHES, DAMPING, FAR, MOST_DAMPING, OTHERS, REACHED, STARTS, STEPS,
-    STILL,
-};
+use crate::constants::task::reach::{DAMPING, FAR, MOST_DAMPING, OTHERS, REACHED, STARTS, STEPS, STILL};
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
 
@@ -132,53 +129,6 @@ pub(crate) fn reach_near(
         }
     }
     best
-}
-
-/// Positions at which all rows have their values, beside those that are `known`: from seeded positions, and
-/// from some around the first known one where the rows do not fix all joints, each turned back towards `near`
-/// as [`reach_near`] does, and again with whole turns the other way round. A joint that turns by more than
-/// [`APART`] between two of them tells them apart.
-pub(crate) fn others(
-    functions: &mut TaskFunctions,
-    near: &[f64],
-    known: &[Vec<f64>],
-    free: &[usize],
-    limits: &[[f64; 2]],
-) -> Vec<Vec<f64>> {
-    let mut search = Search { steps: BRANCH_STEPS, ..Search::new(functions, free, limits) };
-    let mut all = known.to_vec();
-    let is_new = |all: &[Vec<f64>], q: &[f64]| {
-        all.iter().all(|other| free.iter().any(|&i| (q[i] - other[i]).abs() > APART))
-    };
-    // Where places are left free there are positions all around.
-    let around = if search.g.len() < free.len() { AROUND } else { 0 };
-    for start in 1..=BRANCHES + around {
-        let mut from = seeded_position(start, near, free, limits);
-        if start > BRANCHES {
-            for &i in free {
-                let aside = [known[0][i] - ASIDE, known[0][i] + ASIDE];
-                from[i] = seeded(start, i, aside, known[0][i]).max(limits[i][0]).min(limits[i][1]);
-            }
-        }
-        let found = search.descend(from);
-        let found = search.turned_back(found, near);
-        if found.is_there() && is_new(&all, &found.q) {
-            all.push(found.q);
-        }
-    }
-    for k in 0..all.len() {
-        for &i in free {
-            let way = all[k][i] - near[i];
-            let mut other = all[k].clone();
-            other[i] -= TAU.copysign(way);
-            let is_inside = (limits[i][0]..=limits[i][1]).contains(&other[i]);
-            if way.abs() > FAR && is_inside && search.values(&other).amax() <= REACHED && is_new(&all, &other)
-            {
-                all.push(other);
-            }
-        }
-    }
-    all.split_off(known.len())
 }
 
 impl<'a> Search<'a> {
