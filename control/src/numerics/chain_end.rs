@@ -6,7 +6,9 @@
 //! $$ \begin{pmatrix} Y & Z \\\\ Z^\top & W \end{pmatrix} \begin{pmatrix} y \\\\ w \end{pmatrix} = 0, \qquad
 //!    y = -Y^{-1} Z w, \qquad S = W - Z^\top Y^{-1} Z $$
 //!
-//! with w = (x, shared unknowns). S, the second derivatives of the least value by w, takes the place of W at
+//! with w = (x, shared unknowns). With unknowns of the next node that are differences d from where x leads
+//! there, F x + d, that node has `d' S d / 2 + d' S F x + x' F' S F x / 2`: nothing of S is lost to the
+//! rounding of an interval that is much stiffer. S, the second derivatives of the least value by w, takes the place of W at
 //! node k when the interval before it is eliminated: one sweep for all nodes.
 
 use super::chain::{ChainMatrix, NotPositiveDefinite};
@@ -26,6 +28,9 @@ pub(crate) struct ChainEnd {
     carried: Vec<f64>,
     schur: Vec<f64>,
     part: Vec<f64>,
+    /// S at the next node, all of it, and S F.
+    complete: Vec<f64>,
+    led: Vec<f64>,
 }
 
 impl ChainEnd {
@@ -40,6 +45,8 @@ impl ChainEnd {
             carried: vec![0.0; kept * kept],
             schur: vec![0.0; kept * kept],
             part: vec![0.0; rows + kept],
+            complete: vec![0.0; node * node],
+            led: vec![0.0; node * node],
         }
     }
 
@@ -48,9 +55,23 @@ impl ChainEnd {
         self.carried.fill(0.0);
     }
 
+    /// Keeps what is behind node k, before the interval in front of it is added to the matrix.
+    pub fn complete(&mut self, k: usize, matrix: &ChainMatrix) {
+        let (node, kept) = (self.node, self.node + self.shared);
+        let rows = if k == 0 { matrix.blocks(0).1 } else { matrix.blocks(k - 1).2 };
+        for i in 0..node {
+            for j in i..node {
+                let entry = rows[2 * node * i + j] + self.carried[kept * i + j];
+                (self.complete[node * i + j], self.complete[node * j + i]) = (entry, entry);
+            }
+        }
+    }
+
     /// Goes on to node k, whose interval is assembled in the matrix with all behind it. `columns` are those
     /// of the shared unknowns, and `corner` their own second derivatives, row by row. Unknowns of the next
-    /// node that are `removed` are given.
+    /// node that are `removed` are given. With a `flow`, f of p x p entries row by row, they are differences:
+    /// F is f with each entry times the identity, the node was [completed](Self::complete), and nothing
+    /// shared couples with it.
     ///
     /// # Errors
     /// [`NotPositiveDefinite`].
@@ -61,6 +82,7 @@ impl ChainEnd {
         columns: impl Fn(usize) -> &'a [f64],
         corner: &[f64],
         removed: impl Fn(usize) -> bool,
+        flow: Option<&[f64]>,
     ) -> Result<(), NotPositiveDefinite> {
         let (node, inner, shared) = (self.node, self.inner, self.shared);
         let (count, kept) = (inner + node, node + shared);
@@ -87,6 +109,13 @@ impl ChainEnd {
                 *to = columns(j)[node * (k + 1) + i] + self.carried[kept * i + node + j];
             }
         }
+        if let Some(flow) = flow {
+            lead(&self.complete, flow, node, &mut self.led);
+            let rows = self.rows.chunks_exact_mut(width).skip(inner);
+            for (row, led) in rows.zip(self.led.chunks_exact(node)) {
+                row[count..count + node].iter_mut().zip(led).for_each(|(to, from)| *to += from);
+            }
+        }
         for i in (0..node).filter(|i| removed(*i)) {
             let at = inner + i;
             self.rows.chunks_exact_mut(width).for_each(|row| row[at] = 0.0);
@@ -99,6 +128,16 @@ impl ChainEnd {
             row.fill(0.0);
         }
         subtract_square((&self.rows, width), count, (&mut self.carried, kept), kept, kept);
+        if let Some(flow) = flow {
+            // F' S F: rows of S F as columns.
+            for i in 0..node {
+                (0..node).for_each(|j| self.complete[node * j + i] = self.led[node * i + j]);
+            }
+            lead(&self.complete, flow, node, &mut self.led);
+            for (carried, led) in self.carried.chunks_exact_mut(kept).zip(self.led.chunks_exact(node)) {
+                carried.iter_mut().zip(led).for_each(|(to, from)| *to += from);
+            }
+        }
         // With W, which is complete behind this node.
         for i in 0..kept {
             for j in i..kept {
@@ -126,6 +165,22 @@ impl ChainEnd {
         self.part[count..].copy_from_slice(kept);
         backward(&self.rows, self.part.len(), &mut self.part);
         &self.part
+    }
+}
+
+/// S F, for F of p x p entries each times the identity: the columns j of order m are the sums of those of all
+/// orders i times f_im.
+fn lead(s: &[f64], flow: &[f64], node: usize, to: &mut [f64]) {
+    let order = flow.len().isqrt();
+    let n = node / order;
+    for (s, to) in s.chunks_exact(node).zip(to.chunks_exact_mut(node)) {
+        for (m, to) in to.chunks_exact_mut(n).enumerate() {
+            to.fill(0.0);
+            for (i, s) in s.chunks_exact(n).enumerate() {
+                let factor = flow[order * i + m];
+                to.iter_mut().zip(s).for_each(|(to, s)| *to += factor * s);
+            }
+        }
     }
 }
 
@@ -157,7 +212,7 @@ mod tests {
         let mut end = ChainEnd::new(node, inner, shared);
         end.begin();
         for k in (0..intervals).rev() {
-            end.take(k, &matrix, |j| &columns[j], &corner, |i| given(k + 1, i)).unwrap();
+            end.take(k, &matrix, |j| &columns[j], &corner, |i| given(k + 1, i), None).unwrap();
             // Unknowns behind the node, then w.
             let nodes = node * (intervals + 1);
             let behind: Vec<usize> = (node * (k + 1)..nodes)
@@ -192,6 +247,61 @@ mod tests {
                     let expected = at(place).map_or(0.0, |row| response[(row, i)]);
                     assert!((entry - expected).abs() < 1e-12, "{k} {i} {l}: {entry} {expected}");
                 }
+            }
+        }
+    }
+
+    /// S of a chain whose unknowns are differences from where the node before leads is that of the chain; and
+    /// it keeps its digits where intervals are stiff in what is not given: their differences are zero then, and
+    /// S goes back along F.
+    #[test]
+    fn differences_from_where_a_node_leads_have_the_same_values() {
+        let (node, inner, intervals, order) = (4, 1, 5, 2);
+        let flow = [0.5, 0.8, 0.0, 0.7];
+        let led =
+            DMatrix::from_fn(
+                node,
+                node,
+                |i, j| {
+                    if i % 2 == j % 2 { flow[order * (i / 2) + j / 2] } else { 0.0 }
+                },
+            );
+        let mut random = fastrand::Rng::with_seed(12);
+        for stiffness in [1.0, 1e16] {
+            let (mut known, mut own) = (ChainMatrix::new(node, inner), ChainMatrix::new(node, inner));
+            let mut ends = [ChainEnd::new(node, inner, 0), ChainEnd::new(node, inner, 0)];
+            known.reset(intervals);
+            own.reset(intervals);
+            ends.iter_mut().for_each(ChainEnd::begin);
+            let mut limit = DMatrix::zeros(node, node);
+            for k in (0..intervals).rev() {
+                ends[0].complete(k + 1, &known);
+                ends[1].complete(k + 1, &own);
+                limit = led.transpose() * limit * &led;
+                for r in 0..2 * (inner + node) {
+                    let mut row: Vec<f64> = (0..inner + 2 * node).map(|_| random.f64() - 0.5).collect();
+                    let is_stiff = r < inner + node;
+                    if is_stiff {
+                        row[inner..inner + node].fill(0.0);
+                    }
+                    let left = DVector::from_column_slice(&row[inner..inner + node]);
+                    limit += &left * left.transpose();
+                    let factor = if is_stiff { stiffness } else { 1.0 };
+                    own.add_square(k, factor, &row);
+                    // In x and y, with d = y - F x.
+                    let (left, right) = row[inner..].split_at_mut(node);
+                    for (l, left) in left.iter_mut().enumerate() {
+                        *left -= (0..node).map(|i| right[i] * led[(i, l)]).sum::<f64>();
+                    }
+                    known.add_square(k, factor, &row);
+                }
+                ends[0].take(k, &known, |_| &[], &[], |_| false, None).unwrap();
+                ends[1].take(k, &own, |_| &[], &[], |_| false, Some(&flow)).unwrap();
+                let expected = if stiffness == 1.0 { ends[0].schur() } else { limit.as_slice() };
+                let pairs = || ends[1].schur().iter().zip(expected);
+                let size = expected.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+                let off = pairs().map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+                assert!(off < 1e-11 * size, "{k}: {off} {size}");
             }
         }
     }

@@ -28,6 +28,8 @@ impl<D: PointDynamics> Interior<D> {
             return self.fill_gains(feedback);
         };
         let mut is_known = !is_smooth || self.running.rates.cost_all(self.spline.dof);
+        // Where limits are active intervals are stiffer than the rest of the motion by h^-4 and more.
+        self.spline.over_differences = rest.has_given_times();
         let Self { system, spline, points, barrier, running, .. } = self;
         system.begin_rests((spline, points, barrier), running, &mut rest);
         for k in (0..self.spline.mesh.intervals()).rev() {
@@ -41,6 +43,7 @@ impl<D: PointDynamics> Interior<D> {
                 feedback.fill_interval(k, f64::NAN);
             }
         }
+        self.spline.over_differences = false;
         feedback.rest = Some(rest);
         self.assemble();
         self.factorise(0.0);

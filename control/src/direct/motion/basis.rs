@@ -60,6 +60,23 @@ impl Basis {
         Self { rows }
     }
 
+    /// Replaces the coefficients of the right end by what they differ by from those to which the left end leads
+    /// with the highest of its derivatives constant ([`flow`]): its factors become powers of the time since
+    /// then, without what cancels.
+    pub fn relate_to_left(&mut self, shape: Shape, h: f64) {
+        let (order, inner, flow) = (shape.node(), shape.inner(), flow(h));
+        for m in 0..order {
+            for (derivative, row) in self.rows.iter_mut().enumerate() {
+                let sum: f64 = (0..=m).map(|j| row[inner + order + j] * flow[m - j]).sum();
+                row[inner + m] = match derivative {
+                    _ if derivative == m => 1.0,
+                    _ if derivative > m => 0.0,
+                    _ => row[inner + m] + sum,
+                };
+            }
+        }
+    }
+
     /// Polynomials of the part x of an interval of width `h` that the coefficients are factors of, lowest
     /// power first.
     pub fn powers(shape: Shape, h: f64) -> [Powers; MOST_COEFFICIENTS] {
@@ -122,6 +139,11 @@ impl Basis {
             }
         }
     }
+}
+
+/// What a derivative makes of those of lower orders after the time `h`: 1, h, h^2 / 2.
+pub(crate) fn flow(h: f64) -> [f64; 3] {
+    [1.0, h, 0.5 * h * h]
 }
 
 #[cfg(test)]

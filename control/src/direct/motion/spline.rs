@@ -1,6 +1,6 @@
 //! Motions as piecewise polynomials in s: in phase p, which takes the time T_p, s = p + (t - t_p) / T_p.
 
-use super::basis::Basis;
+use super::basis::{Basis, flow};
 use super::mesh::Mesh;
 use super::shape::{MOST_COEFFICIENTS, Shape};
 use std::borrow::Cow;
@@ -23,6 +23,9 @@ pub(crate) struct Spline {
     pub unknowns: Vec<f64>,
     /// T_p (s).
     pub times: Vec<f64>,
+    /// Whether bases are over differences: the unknowns of the right node of an interval are what it differs
+    /// by from where the left one leads on its own ([`Self::flow`]). Values are those of the unknowns as ever.
+    pub over_differences: bool,
 }
 
 /// The unknowns of an interval that are derivatives in time: at an end of a phase that is an end of it.
@@ -152,10 +155,29 @@ impl Spline {
         basis
     }
 
+    /// To what the unknowns of the left node of an interval lead at its right one, if its bases are over
+    /// differences: the factors of derivatives in s of orders 0, 1, 2 above, and what those of the left node
+    /// are multiplied by to be derivatives in s. Ends of phases may be given, so that intervals before them
+    /// have their unknowns.
+    pub fn flow(&self, k: usize) -> Option<([f64; 3], [f64; 3])> {
+        let time = if self.mesh.is_end(k) { self.clock(k) } else { 1.0 };
+        (self.over_differences && !self.mesh.is_end(k + 1))
+            .then(|| (flow(self.mesh.width(k)), [1.0, time, time * time]))
+    }
+
+    /// A basis of interval `k` over its unknowns, or over differences.
+    #[inline(always)]
+    fn over_chosen<'a>(&self, k: usize, mut basis: Cow<'a, Basis>) -> Cow<'a, Basis> {
+        if self.over_differences && !self.mesh.is_end(k + 1) {
+            basis.to_mut().relate_to_left(self.mesh.shape, self.mesh.width(k));
+        }
+        self.over_unknowns(k, basis)
+    }
+
     /// The basis at point `j` of an interval over its unknowns.
     #[inline(always)]
     pub(crate) fn basis(&self, k: usize, j: usize) -> Cow<'_, Basis> {
-        self.over_unknowns(k, Cow::Borrowed(self.mesh.basis(k, j)))
+        self.over_chosen(k, Cow::Borrowed(self.mesh.basis(k, j)))
     }
 
     /// [`Basis::in_time`] at point `j` of an interval.
@@ -166,15 +188,16 @@ impl Spline {
 
     /// The same at the part `x` of an interval.
     pub(crate) fn factors_at(&self, k: usize, x: f64) -> [[f64; MOST_COEFFICIENTS]; 3] {
-        self.basis_at(k, x).in_time(1.0 / self.clock(k))
+        let basis = Basis::at(self.mesh.shape, x, self.mesh.width(k));
+        self.over_chosen(k, Cow::Owned(basis)).in_time(1.0 / self.clock(k))
     }
 
     /// The basis at one of Gauss's points, where accelerations are continuous.
     pub(crate) fn gauss_basis(&self, k: usize, j: usize) -> Cow<'_, Basis> {
-        self.over_unknowns(k, Cow::Borrowed(self.mesh.gauss_basis(k, j)))
+        self.over_chosen(k, Cow::Borrowed(self.mesh.gauss_basis(k, j)))
     }
 
-    /// The same at the part `x` of an interval.
+    /// The basis over the unknowns at the part `x` of an interval.
     pub(super) fn basis_at(&self, k: usize, x: f64) -> Cow<'_, Basis> {
         self.over_unknowns(k, Cow::Owned(Basis::at(self.mesh.shape, x, self.mesh.width(k))))
     }
@@ -211,7 +234,7 @@ impl Spline {
         for (p, z) in z.chunks_exact_mut(3 * self.dof).enumerate() {
             let (k, j) = self.mesh.interval_of(p);
             let (inner, ends) = self.of_interval(&self.unknowns, k);
-            self.basis(k, j).combine(self.dof, inner, ends, z);
+            self.over_unknowns(k, Cow::Borrowed(self.mesh.basis(k, j))).combine(self.dof, inner, ends, z);
             self.scale(k, z);
         }
     }
@@ -266,7 +289,7 @@ impl Spline {
     ) -> Self {
         let shape = mesh.shape;
         let unknowns = vec![0.0; Self::size(n, mesh.intervals(), shape)];
-        let mut spline = Self { dof: n, mesh, unknowns, times };
+        let mut spline = Self { dof: n, mesh, unknowns, times, ..Self::default() };
         let (node, mut state, mut z) = (shape.node() * n, vec![0.0; 3 * n], vec![0.0; 3 * n]);
         for k in 0..spline.mesh.nodes.len() {
             let interval = k.min(spline.mesh.intervals() - 1);

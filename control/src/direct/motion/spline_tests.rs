@@ -9,7 +9,7 @@ fn motions(shape: Shape) -> [(Spline, Vec<f64>); 2] {
         let mesh = Mesh::new(nodes, shape);
         let size = Spline::size(2, mesh.intervals(), shape);
         let unknowns = (0..size).map(|_| random.f64() - 0.5).collect();
-        (Spline { dof: 2, mesh, unknowns, times }, finer)
+        (Spline { dof: 2, mesh, unknowns, times, ..Spline::default() }, finer)
     };
     [
         motion(vec![0.0, 0.3, 0.4, 1.0], vec![1.7], vec![0.0, 0.1, 0.3, 0.35, 0.4, 0.9, 1.0]),
@@ -85,6 +85,42 @@ fn coefficients_are_those_of_the_motion() {
                     for (own, q) in coefficients.chunks_exact(count).zip(&z) {
                         let value = own.iter().rev().fold(0.0, |sum, c| sum * x + c);
                         assert!((value - q).abs() < 1e-13, "{shape:?} {k} {x}: {value} {q}");
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Bases over differences have the same values, with the right node where the left one leads and what it
+/// differs by; where the left one leads, derivatives above its own are zero to the last digit.
+#[test]
+fn bases_over_differences_are_those_over_unknowns() {
+    for shape in [Shape::Quartic, Shape::Quintic] {
+        for (mut spline, _) in motions(shape) {
+            let (order, inner) = (shape.node(), shape.inner());
+            for k in 0..spline.mesh.intervals() {
+                let places = 0..shape.places().len();
+                let known: Vec<_> = places.clone().map(|j| spline.basis(k, j).into_owned()).collect();
+                spline.over_differences = true;
+                let own: Vec<_> = places.map(|j| spline.basis(k, j).into_owned()).collect();
+                let flow = spline.flow(k);
+                spline.over_differences = false;
+                assert_eq!(flow.is_none(), spline.mesh.is_end(k + 1));
+                let Some((flow, scales)) = flow else {
+                    assert_eq!(known, own);
+                    continue;
+                };
+                for (known, own) in known.iter().zip(&own) {
+                    for (derivative, (known, own)) in known.rows.iter().zip(&own.rows).enumerate() {
+                        for m in 0..order {
+                            let led: f64 =
+                                (0..=m).map(|j| known[inner + order + j] * flow[m - j] * scales[m]).sum();
+                            let size = known.iter().fold(1.0, |most: f64, x| most.max(x.abs()));
+                            assert!((known[inner + m] + led - own[inner + m]).abs() < 1e-13 * size);
+                            assert!(derivative <= m || own[inner + m] == 0.0);
+                        }
+                        assert_eq!(known[inner + order..], own[inner + order..]);
                     }
                 }
             }

@@ -61,6 +61,11 @@ impl Rest {
         self.times.len() == phases && self.column.len() == spline.node() + phases + 1
     }
 
+    /// Whether all times of the motion are given.
+    pub fn has_given_times(&self) -> bool {
+        self.times.iter().all(|times| times.count() == 0)
+    }
+
     /// Number of the parameters of times that are free behind a phase.
     pub fn parameters(&self, phase: usize) -> usize {
         self.times[phase].count()
@@ -73,7 +78,7 @@ impl Rest {
     }
 
     /// How the next interval changes with entry `j` of the state at node `k`: its inner unknowns, then those
-    /// of its nodes, and the time of its phase.
+    /// of its nodes, or differences at the right one, and the time of its phase.
     pub fn respond(&mut self, k: usize, j: usize, spline: &Spline, step: &mut Vec<f64>) -> f64 {
         let (m, phase) = (spline.node(), spline.mesh.phase(k));
         let free = self.parameters(phase);
@@ -129,6 +134,7 @@ impl System {
         if k + 1 < spline.mesh.intervals() {
             self.add_end_of_interval(k + 1, spline, points, barrier);
         }
+        rest.end.complete(k + 1, &self.matrix);
         let (first, own) = (spline.mesh.first_point(k), spline.mesh.own_points(k));
         for p in first..first + own {
             self.add_point(p, spline, points, barrier, running);
@@ -153,7 +159,14 @@ impl System {
             Some(end) => ends.given[end][i] || (is_last && ends.is_periodic),
             None => false,
         };
-        let is_positive = rest.end.take(k, &self.matrix, column, &rest.corner, removed).is_ok();
+        let (order, mut factors) = (spline.mesh.shape.node(), [0.0; 9]);
+        let flow = spline.flow(k).map(|(flow, scales)| {
+            for (i, m) in (0..order).flat_map(|m| (0..=m).map(move |i| (i, m))) {
+                factors[order * i + m] = flow[m - i] * scales[m];
+            }
+            &factors[..order * order]
+        });
+        let is_positive = rest.end.take(k, &self.matrix, column, &rest.corner, removed, flow).is_ok();
         rest.is_minimum = is_positive && self.free_times(k, spline, rest);
         is_positive
     }

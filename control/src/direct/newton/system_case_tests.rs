@@ -157,7 +157,7 @@ impl Case {
         let mut random = fastrand::Rng::with_seed(11);
         let mesh = Mesh::new(kind.nodes(), shape);
         let unknowns = (0..Spline::size(2, mesh.intervals(), shape)).map(|_| random.f64() - 0.5).collect();
-        let spline = Spline { dof: 2, mesh, unknowns, times: kind.times() };
+        let spline = Spline { dof: 2, mesh, unknowns, times: kind.times(), ..Spline::default() };
         problem.task = task();
         let ends = Ends::new(problem);
         let task = TaskRows::new(problem).unwrap();

@@ -143,7 +143,7 @@ mod tests {
         let mut random = fastrand::Rng::with_seed(7);
         let mesh = Mesh::new(vec![0.0, 0.4, 1.0], Shape::Quintic);
         let unknowns = (0..Spline::size(2, 2, Shape::Quintic)).map(|_| random.f64() - 0.5).collect();
-        let spline = Spline { dof: 2, mesh, unknowns, times: vec![1.3] };
+        let spline = Spline { dof: 2, mesh, unknowns, times: vec![1.3], ..Spline::default() };
         let mut rates = Rates::default();
         rates.resize(2, spline.mesh.gauss_points());
         // With the accelerations, cubics, as torques the rates of torques are the jerks.

@@ -143,7 +143,7 @@ mod tests {
         for shape in [Shape::Quartic, Shape::Quintic] {
             let mesh = Mesh::new(vec![0.0, 0.3, 0.7, 1.0], shape);
             let unknowns = (0..Spline::size(2, 3, shape)).map(|_| random.f64() - 0.5).collect();
-            let spline = Spline { dof: 2, mesh, unknowns, times: vec![1.3] };
+            let spline = Spline { dof: 2, mesh, unknowns, times: vec![1.3], ..Spline::default() };
             let sides: Vec<Side> = [Limited::Position, Limited::Rate]
                 .into_iter()
                 .flat_map(|limited| (0..2).flat_map(move |joint| Side::pair(limited, joint, -1e-3, 1e-3)))
