@@ -6,14 +6,18 @@
 //! $$ \begin{pmatrix} Y & Z \\\\ Z^\top & W \end{pmatrix} \begin{pmatrix} y \\\\ w \end{pmatrix} = 0, \qquad
 //!    y = -Y^{-1} Z w, \qquad S = W - Z^\top Y^{-1} Z $$
 //!
-//! with w = (x, shared unknowns). With unknowns of the next node that are differences d from where x leads
-//! there, F x + d, that node has `d' S d / 2 + d' S F x + x' F' S F x / 2`: nothing of S is lost to the
-//! rounding of an interval that is much stiffer. S, the second derivatives of the least value by w, takes the place of W at
+//! with w = (x, shared unknowns). S, the second derivatives of the least value by w, takes the place of W at
 //! node k when the interval before it is eliminated: one sweep for all nodes.
+//!
+//! The unknowns of the next node may be differences d: the node is F x + d. It contributes `d' S d / 2 + d' S F
+//! x + x' F' S F x / 2` then, and the rounding of an interval that is much stiffer does not reach S.
 
 use super::chain::{ChainMatrix, NotPositiveDefinite};
 use super::substitution::backward;
 use super::tiles::{BadPivot, factorise_rows, subtract_square};
+
+/// Most orders of derivatives at a node.
+const MOST_ORDERS: usize = 3;
 
 /// What is left behind a node.
 #[derive(Clone, Debug)]
@@ -29,8 +33,8 @@ pub(crate) struct ChainEnd {
     schur: Vec<f64>,
     part: Vec<f64>,
     /// S at the next node, all of it, and S F.
-    complete: Vec<f64>,
-    led: Vec<f64>,
+    next: Vec<f64>,
+    next_flow: Vec<f64>,
 }
 
 impl ChainEnd {
@@ -45,8 +49,8 @@ impl ChainEnd {
             carried: vec![0.0; kept * kept],
             schur: vec![0.0; kept * kept],
             part: vec![0.0; rows + kept],
-            complete: vec![0.0; node * node],
-            led: vec![0.0; node * node],
+            next: vec![0.0; node * node],
+            next_flow: vec![0.0; node * node],
         }
     }
 
@@ -55,23 +59,23 @@ impl ChainEnd {
         self.carried.fill(0.0);
     }
 
-    /// Keeps what is behind node k, before the interval in front of it is added to the matrix.
-    pub fn complete(&mut self, k: usize, matrix: &ChainMatrix) {
+    /// Takes S of the node behind interval k, before that is added to the matrix.
+    pub fn take_next(&mut self, k: usize, matrix: &ChainMatrix) {
         let (node, kept) = (self.node, self.node + self.shared);
-        let rows = if k == 0 { matrix.blocks(0).1 } else { matrix.blocks(k - 1).2 };
+        let rows = matrix.blocks(k).2;
         for i in 0..node {
             for j in i..node {
                 let entry = rows[2 * node * i + j] + self.carried[kept * i + j];
-                (self.complete[node * i + j], self.complete[node * j + i]) = (entry, entry);
+                (self.next[node * i + j], self.next[node * j + i]) = (entry, entry);
             }
         }
     }
 
     /// Goes on to node k, whose interval is assembled in the matrix with all behind it. `columns` are those
     /// of the shared unknowns, and `corner` their own second derivatives, row by row. Unknowns of the next
-    /// node that are `removed` are given. With a `flow`, f of p x p entries row by row, they are differences:
-    /// F is f with each entry times the identity, the node was [completed](Self::complete), and nothing
-    /// shared couples with it.
+    /// node that are `removed` are given. With a `flow` they are differences: F is that with each entry times
+    /// the identity, rows of removed unknowns are zero, [S of the node](Self::take_next) is known, and nothing
+    /// shared counts.
     ///
     /// # Errors
     /// [`NotPositiveDefinite`].
@@ -82,7 +86,7 @@ impl ChainEnd {
         columns: impl Fn(usize) -> &'a [f64],
         corner: &[f64],
         removed: impl Fn(usize) -> bool,
-        flow: Option<&[f64]>,
+        flow: Option<&[[f64; MOST_ORDERS]]>,
     ) -> Result<(), NotPositiveDefinite> {
         let (node, inner, shared) = (self.node, self.inner, self.shared);
         let (count, kept) = (inner + node, node + shared);
@@ -110,10 +114,10 @@ impl ChainEnd {
             }
         }
         if let Some(flow) = flow {
-            lead(&self.complete, flow, node, &mut self.led);
+            times_flow(&self.next, flow, node, &mut self.next_flow);
             let rows = self.rows.chunks_exact_mut(width).skip(inner);
-            for (row, led) in rows.zip(self.led.chunks_exact(node)) {
-                row[count..count + node].iter_mut().zip(led).for_each(|(to, from)| *to += from);
+            for (row, product) in rows.zip(self.next_flow.chunks_exact(node)) {
+                row[count..count + node].iter_mut().zip(product).for_each(|(to, from)| *to += from);
             }
         }
         for i in (0..node).filter(|i| removed(*i)) {
@@ -129,13 +133,15 @@ impl ChainEnd {
         }
         subtract_square((&self.rows, width), count, (&mut self.carried, kept), kept, kept);
         if let Some(flow) = flow {
-            // F' S F: rows of S F as columns.
+            // (S F)' F.
             for i in 0..node {
-                (0..node).for_each(|j| self.complete[node * j + i] = self.led[node * i + j]);
+                (0..node).for_each(|j| self.next[node * j + i] = self.next_flow[node * i + j]);
             }
-            lead(&self.complete, flow, node, &mut self.led);
-            for (carried, led) in self.carried.chunks_exact_mut(kept).zip(self.led.chunks_exact(node)) {
-                carried.iter_mut().zip(led).for_each(|(to, from)| *to += from);
+            times_flow(&self.next, flow, node, &mut self.next_flow);
+            for (carried, product) in
+                self.carried.chunks_exact_mut(kept).zip(self.next_flow.chunks_exact(node))
+            {
+                carried.iter_mut().zip(product).for_each(|(to, from)| *to += from);
             }
         }
         // With W, which is complete behind this node.
@@ -168,17 +174,14 @@ impl ChainEnd {
     }
 }
 
-/// S F, for F of p x p entries each times the identity: the columns j of order m are the sums of those of all
-/// orders i times f_im.
-fn lead(s: &[f64], flow: &[f64], node: usize, to: &mut [f64]) {
-    let order = flow.len().isqrt();
-    let n = node / order;
-    for (s, to) in s.chunks_exact(node).zip(to.chunks_exact_mut(node)) {
+/// S F: columns of order m are the sums of those of all orders i times the entries (i, m) of the flow.
+fn times_flow(rows: &[f64], flow: &[[f64; MOST_ORDERS]], node: usize, to: &mut [f64]) {
+    let n = node / flow.len();
+    for (s, to) in rows.chunks_exact(node).zip(to.chunks_exact_mut(node)) {
         for (m, to) in to.chunks_exact_mut(n).enumerate() {
             to.fill(0.0);
-            for (i, s) in s.chunks_exact(n).enumerate() {
-                let factor = flow[order * i + m];
-                to.iter_mut().zip(s).for_each(|(to, s)| *to += factor * s);
+            for (s, row) in s.chunks_exact(n).zip(flow) {
+                to.iter_mut().zip(s).for_each(|(to, s)| *to += row[m] * s);
             }
         }
     }
@@ -251,21 +254,13 @@ mod tests {
         }
     }
 
-    /// S of a chain whose unknowns are differences from where the node before leads is that of the chain; and
-    /// it keeps its digits where intervals are stiff in what is not given: their differences are zero then, and
-    /// S goes back along F.
+    /// S of a chain in differences is that of the chain in unknowns; and it keeps its digits where intervals are
+    /// stiff in the differences: they are zero then, and S is F' S F with what intervals have of the node before.
     #[test]
-    fn differences_from_where_a_node_leads_have_the_same_values() {
-        let (node, inner, intervals, order) = (4, 1, 5, 2);
-        let flow = [0.5, 0.8, 0.0, 0.7];
-        let led =
-            DMatrix::from_fn(
-                node,
-                node,
-                |i, j| {
-                    if i % 2 == j % 2 { flow[order * (i / 2) + j / 2] } else { 0.0 }
-                },
-            );
+    fn differences_have_the_same_second_derivatives() {
+        let (node, inner, intervals) = (4, 1, 5);
+        let flow = [[0.5, 0.8, 0.0], [0.0, 0.7, 0.0]];
+        let all = DMatrix::from_fn(node, node, |i, j| if i % 2 == j % 2 { flow[i / 2][j / 2] } else { 0.0 });
         let mut random = fastrand::Rng::with_seed(12);
         for stiffness in [1.0, 1e16] {
             let (mut known, mut own) = (ChainMatrix::new(node, inner), ChainMatrix::new(node, inner));
@@ -275,9 +270,9 @@ mod tests {
             ends.iter_mut().for_each(ChainEnd::begin);
             let mut limit = DMatrix::zeros(node, node);
             for k in (0..intervals).rev() {
-                ends[0].complete(k + 1, &known);
-                ends[1].complete(k + 1, &own);
-                limit = led.transpose() * limit * &led;
+                ends[0].take_next(k, &known);
+                ends[1].take_next(k, &own);
+                limit = all.transpose() * limit * &all;
                 for r in 0..2 * (inner + node) {
                     let mut row: Vec<f64> = (0..inner + 2 * node).map(|_| random.f64() - 0.5).collect();
                     let is_stiff = r < inner + node;
@@ -291,16 +286,16 @@ mod tests {
                     // In x and y, with d = y - F x.
                     let (left, right) = row[inner..].split_at_mut(node);
                     for (l, left) in left.iter_mut().enumerate() {
-                        *left -= (0..node).map(|i| right[i] * led[(i, l)]).sum::<f64>();
+                        *left -= (0..node).map(|i| right[i] * all[(i, l)]).sum::<f64>();
                     }
                     known.add_square(k, factor, &row);
                 }
                 ends[0].take(k, &known, |_| &[], &[], |_| false, None).unwrap();
                 ends[1].take(k, &own, |_| &[], &[], |_| false, Some(&flow)).unwrap();
                 let expected = if stiffness == 1.0 { ends[0].schur() } else { limit.as_slice() };
-                let pairs = || ends[1].schur().iter().zip(expected);
                 let size = expected.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
-                let off = pairs().map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+                let pairs = ends[1].schur().iter().zip(expected);
+                let off = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
                 assert!(off < 1e-11 * size, "{k}: {off} {size}");
             }
         }

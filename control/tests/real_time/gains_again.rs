@@ -298,26 +298,38 @@ fn a_limit_at_the_turn_of_a_motion_is_undecided() {
     assert!(gains.undecided[600..].iter().all(Vec::is_empty));
 }
 
-/// A body of unit mass from rest to rest over 1 m in a second, where its jerk costs and its acceleration is
-/// limited to 5 m/s^2. Between arcs at the limits the jerk is a parabola, and its first and second derivatives
-/// go on across them, so that seven equations give its three coefficients and the ends of the arcs. The values
-/// are derivatives of their solution in 40 digits. Equations of the rest of a motion have entries up to
-/// 1e8 / h^4 at the limits: on fine meshes nothing was left of the gains before them.
+/// A body of unit mass from rest to rest over 1 m in the time T, where its jerk costs and its acceleration is
+/// limited to 5 / T^2. Between arcs at the limits the jerk is a parabola, and its first and second derivatives go
+/// on across them: seven equations give its three coefficients and the ends of the arcs. The values for T = 1 are
+/// derivatives of their solution in 40 digits; those by q, v, a are as T^-3, T^-2, T^-1. A via at a given time on
+/// the first arc, at which nothing is given, changes nothing. Equations have entries up to 1e8 / h^4 on the
+/// arcs, which may leave nothing of the gains before them.
 #[test]
 fn a_limited_acceleration_where_jerks_cost() {
     let at_rest = |q: f64| BoundaryState::fixed(&[q], &[0.0]).with_a(&[0.0]);
-    let problem = Problem::rest_to_rest(slider(), &[0.0], &[1.0], 1.0)
-        .with_start(at_rest(0.0))
-        .with_end(at_rest(1.0))
-        .with_cost(Objective::new(0.0, vec![0.0]).with_jerk(vec![1.0]))
-        .with_limits(MotionLimits::none().with_a_max(vec![5.0]));
-    for (tolerance, allowed) in [(1e-4, 0.01), (1e-6, 0.01), (1e-8, 1e-3)] {
+    for (total, via, tolerance, allowed) in [
+        (1.0, None, 1e-4, 0.01),
+        (1.7, None, 1e-6, 0.01),
+        (1.0, Some(0.2), 1e-6, 0.01),
+        (1.7, Some(0.36), 1e-6, 0.01),
+        (1.0, None, 1e-8, 1e-3),
+    ] {
+        let mut problem = Problem::rest_to_rest(slider(), &[0.0], &[1.0], total)
+            .with_start(at_rest(0.0))
+            .with_end(at_rest(1.0))
+            .with_cost(Objective::new(0.0, vec![0.0]).with_jerk(vec![1.0]))
+            .with_limits(MotionLimits::none().with_a_max(vec![5.0 / (total * total)]));
+        problem.vias.extend(via.map(|time| Via::at(&[0.1]).with_q_free(&[0]).with_time(time)));
         let solution = Solver::new(&problem, options(tolerance)).unwrap().solve();
-        assert!(solution.motion.status.is_solved());
-        let gains = Gains::new(&problem, &solution, Some(100.0)).unwrap();
+        let case = format!("{total} {via:?} {tolerance}");
+        assert!(solution.motion.status.is_solved(), "{case}");
+        let gains = Gains::new(&problem, &solution, Some(100.0)).expect(&case);
         let found = [&gains.gain_q, &gains.gain_v, &gains.gain_a].map(|gain| gain[0][0][0]);
-        for (found, value) in found.iter().zip([-312.1712020, -164.7821411, -17.5512673]) {
-            assert!((found / value - 1.0).abs() < allowed, "{tolerance}: {found} instead of {value}");
+        for ((found, value), power) in
+            found.iter().zip([-312.1712020, -164.7821411, -17.5512673]).zip([3, 2, 1])
+        {
+            let ratio = found * f64::powi(total, power) / value;
+            assert!((ratio - 1.0).abs() < allowed, "{case}: {ratio}");
         }
     }
 }

@@ -28,8 +28,8 @@ impl<D: PointDynamics> Interior<D> {
             return self.fill_gains(feedback);
         };
         let mut is_known = !is_smooth || self.running.rates.cost_all(self.spline.dof);
-        // Where limits are active intervals are stiffer than the rest of the motion by h^-4 and more.
-        self.spline.over_differences = rest.has_given_times();
+        rest.choose_differences(&self.spline, &self.ends);
+        std::mem::swap(&mut self.spline.differences, &mut rest.differences);
         let Self { system, spline, points, barrier, running, .. } = self;
         system.begin_rests((spline, points, barrier), running, &mut rest);
         for k in (0..self.spline.mesh.intervals()).rev() {
@@ -43,7 +43,7 @@ impl<D: PointDynamics> Interior<D> {
                 feedback.fill_interval(k, f64::NAN);
             }
         }
-        self.spline.over_differences = false;
+        std::mem::swap(&mut self.spline.differences, &mut rest.differences);
         feedback.rest = Some(rest);
         self.assemble();
         self.factorise(0.0);
@@ -114,11 +114,11 @@ impl<D: PointDynamics> Interior<D> {
         let clock = self.ends.times.is_given_after(phase) || self.running.references.any();
         for (i, &x) in PLACES.iter().enumerate() {
             if spline.mesh.shape.is_smooth() {
-                let basis = spline.gauss_basis(k, i);
+                let basis = spline.gauss_basis_of_changes(k, i);
                 spline.change((k, &basis), ends, 0.0, self.points.z(0), dz);
                 dz[3 * n..].iter_mut().for_each(|jerk| *jerk *= rate * rate * rate);
             } else {
-                let (p, basis) = (POINTS * k + i, spline.basis(k, i));
+                let (p, basis) = (POINTS * k + i, spline.basis_of_changes(k, i));
                 spline.change((k, &basis), ends, dt, self.points.z(p), dz);
                 if clock && dt != 0.0 {
                     spline.in_interval(k, x, z);

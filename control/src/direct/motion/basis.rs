@@ -60,17 +60,19 @@ impl Basis {
         Self { rows }
     }
 
-    /// Replaces the coefficients of the right end by what they differ by from those to which the left end leads
-    /// with the highest of its derivatives constant ([`flow`]): its factors become powers of the time since
-    /// then, without what cancels.
-    pub fn relate_to_left(&mut self, shape: Shape, h: f64) {
+    /// Takes the coefficients of the right end of these orders as differences: from what the left end gives
+    /// with its highest derivative constant ([`flow`]). With all orders the factors of the left end are powers
+    /// of the time since then, and those of higher derivatives exactly zero.
+    pub fn take_differences(&mut self, shape: Shape, h: f64, orders: [bool; 3]) {
         let (order, inner, flow) = (shape.node(), shape.inner(), flow(h));
+        let all = orders[..order].iter().all(|is_difference| *is_difference);
         for m in 0..order {
             for (derivative, row) in self.rows.iter_mut().enumerate() {
-                let sum: f64 = (0..=m).map(|j| row[inner + order + j] * flow[m - j]).sum();
+                let given = (0..=m).filter(|j| orders[*j]);
+                let sum: f64 = given.map(|j| row[inner + order + j] * flow[m - j]).sum();
                 row[inner + m] = match derivative {
-                    _ if derivative == m => 1.0,
-                    _ if derivative > m => 0.0,
+                    _ if all && derivative == m => 1.0,
+                    _ if all && derivative > m => 0.0,
                     _ => row[inner + m] + sum,
                 };
             }
@@ -141,8 +143,8 @@ impl Basis {
     }
 }
 
-/// What a derivative makes of those of lower orders after the time `h`: 1, h, h^2 / 2.
-pub(crate) fn flow(h: f64) -> [f64; 3] {
+/// What a constant derivative adds to those of orders 0, 1 and 2 below its own in the time `h`: 1, h, h^2 / 2.
+pub(super) fn flow(h: f64) -> [f64; 3] {
     [1.0, h, 0.5 * h * h]
 }
 

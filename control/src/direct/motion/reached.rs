@@ -14,13 +14,32 @@ use std::borrow::Cow;
 /// The problem with positions at the ends of its phases at which tools are where they shall be.
 ///
 /// Each is near the place before it, unless the problem gives a guess of its own: an arm has several
-/// positions for a pose, whole turns of its joints aside. Starts after the first one look for other ones. At
-/// the end with the number of a `chosen` position that one is taken.
+/// positions for a pose, whole turns of its joints aside. Starts after the first one look for other ones.
 pub(crate) fn with_tools_reached<'a>(
     problem: &'a Problem,
     rows: &TaskRows,
     number: usize,
-    chosen: Option<(usize, &[f64])>,
+) -> Cow<'a, Problem> {
+    reached_from(problem, rows, number, None)
+}
+
+/// The same with another position at the end with this number; those before it as they are `reached`.
+pub(crate) fn with_position_reached<'a>(
+    problem: &'a Problem,
+    rows: &TaskRows,
+    reached: &Problem,
+    (end, q): (usize, &[f64]),
+) -> Cow<'a, Problem> {
+    let mut known: Vec<_> = reached.ends().into_iter().take(end).map(|end| end.q).collect();
+    known.push(q.to_vec());
+    reached_from(problem, rows, 0, Some(known))
+}
+
+fn reached_from<'a>(
+    problem: &'a Problem,
+    rows: &TaskRows,
+    number: usize,
+    known: Option<Vec<Vec<f64>>>,
 ) -> Cow<'a, Problem> {
     let mut found = Cow::Borrowed(problem);
     let limits: Vec<[f64; 2]> = problem.joint_limits().iter().map(|limits| limits.q).collect();
@@ -41,10 +60,10 @@ pub(crate) fn with_tools_reached<'a>(
         if !is_given {
             free.iter().for_each(|&i| q[i] = ends[end - 1].q[i]);
         }
-        let q = match chosen {
-            Some((number, position)) if number == end => position.to_vec(),
-            _ if is_given => reach(&mut rows.clone(), &q, free, &limits, number).q,
-            _ => reach_near(&mut rows.clone(), &q, free, &limits, number).q,
+        let q = match known.as_ref().and_then(|known| known.get(end)) {
+            Some(position) => position.clone(),
+            None if is_given => reach(&mut rows.clone(), &q, free, &limits, number).q,
+            None => reach_near(&mut rows.clone(), &q, free, &limits, number).q,
         };
         let q_free = free.clone();
         let problem = found.to_mut();
@@ -58,10 +77,12 @@ pub(crate) fn with_tools_reached<'a>(
 }
 
 /// Positions of the joints for the places of tools, each with the number of its end and the price that
-/// `branch` finds: the best ones of each end first.
+/// `branch` finds: the best ones of all ends first, then the second best ones. Of each end so many are `moved`
+/// along what its places leave free.
 pub(crate) fn ranked_positions(
     reached: &Problem,
     rows: &TaskRows,
+    moved: usize,
     mut branch: impl FnMut(usize, Vec<f64>) -> Branch,
 ) -> Vec<(usize, Branch)> {
     let limits: Vec<[f64; 2]> = reached.joint_limits().iter().map(|limits| limits.q).collect();
@@ -73,10 +94,11 @@ pub(crate) fn ranked_positions(
             continue;
         }
         let near = &ends[before(end)].q;
-        let branches = ranked(&mut rows.clone(), near, q, free, &limits, |q| branch(end, q));
-        found.extend(branches.into_iter().map(|branch| (end, branch)));
+        let branches = ranked(&mut rows.clone(), (near, q), free, &limits, moved, |q| branch(end, q));
+        found.extend(branches.into_iter().map(|branch| (end, branch)).enumerate());
     }
-    found
+    found.sort_by_key(|(rank, _)| *rank);
+    found.into_iter().map(|(_, found)| found).collect()
 }
 
 /// The end that positions of this one are reached from: the place before it; that after the start.

@@ -23,9 +23,9 @@ pub(crate) struct Spline {
     pub unknowns: Vec<f64>,
     /// T_p (s).
     pub times: Vec<f64>,
-    /// Whether bases are over differences: the unknowns of the right node of an interval are what it differs
-    /// by from where the left one leads on its own ([`Self::flow`]). Values are those of the unknowns as ever.
-    pub over_differences: bool,
+    /// For each node the orders of its unknowns that Newton's equations of the interval before it take as
+    /// differences, from what the left end gives there ([`Self::flow`]); empty: none.
+    pub differences: Vec<[bool; 3]>,
 }
 
 /// The unknowns of an interval that are derivatives in time: at an end of a phase that is an end of it.
@@ -155,21 +155,29 @@ impl Spline {
         basis
     }
 
-    /// To what the unknowns of the left node of an interval lead at its right one, if its bases are over
-    /// differences: the factors of derivatives in s of orders 0, 1, 2 above, and what those of the left node
-    /// are multiplied by to be derivatives in s. Ends of phases may be given, so that intervals before them
-    /// have their unknowns.
-    pub fn flow(&self, k: usize) -> Option<([f64; 3], [f64; 3])> {
-        let time = if self.mesh.is_end(k) { self.clock(k) } else { 1.0 };
-        (self.over_differences && !self.mesh.is_end(k + 1))
-            .then(|| (flow(self.mesh.width(k)), [1.0, time, time * time]))
+    /// F, which takes the unknowns x of the left node of an interval to those that it gives at the right one
+    /// with its highest derivative constant: entries for orders of derivatives there and here, times the
+    /// identity. Zero for orders there that are no differences d; with the others the right node is F x + d.
+    /// `None` where none is.
+    pub fn flow(&self, k: usize) -> Option<[[f64; 3]; 3]> {
+        let orders = self.differences.get(k + 1).filter(|orders| orders.contains(&true))?;
+        let flow = flow(self.mesh.width(k));
+        // Unknowns that are derivatives in time are those in s over T^m.
+        let [here, there] = [k, k + 1].map(|node| if self.mesh.is_end(node) { self.clock(k) } else { 1.0 });
+        Some([0, 1, 2].map(|j| {
+            [0, 1, 2].map(|m| match m < j || !orders[j] {
+                true => 0.0,
+                false => flow[m - j] * here.powi(m as i32) / there.powi(j as i32),
+            })
+        }))
     }
 
-    /// A basis of interval `k` over its unknowns, or over differences.
+    /// A basis of interval `k` over what Newton's equations have as unknowns: differences where there are
+    /// some.
     #[inline(always)]
-    fn over_chosen<'a>(&self, k: usize, mut basis: Cow<'a, Basis>) -> Cow<'a, Basis> {
-        if self.over_differences && !self.mesh.is_end(k + 1) {
-            basis.to_mut().relate_to_left(self.mesh.shape, self.mesh.width(k));
+    fn over_differences<'a>(&self, k: usize, mut basis: Cow<'a, Basis>) -> Cow<'a, Basis> {
+        if let Some(orders) = self.differences.get(k + 1).filter(|orders| orders.contains(&true)) {
+            basis.to_mut().take_differences(self.mesh.shape, self.mesh.width(k), *orders);
         }
         self.over_unknowns(k, basis)
     }
@@ -177,24 +185,35 @@ impl Spline {
     /// The basis at point `j` of an interval over its unknowns.
     #[inline(always)]
     pub(crate) fn basis(&self, k: usize, j: usize) -> Cow<'_, Basis> {
-        self.over_chosen(k, Cow::Borrowed(self.mesh.basis(k, j)))
+        self.over_unknowns(k, Cow::Borrowed(self.mesh.basis(k, j)))
     }
 
-    /// [`Basis::in_time`] at point `j` of an interval.
+    /// The same for changes of the unknowns of Newton's equations.
+    #[inline(always)]
+    pub(crate) fn basis_of_changes(&self, k: usize, j: usize) -> Cow<'_, Basis> {
+        self.over_differences(k, Cow::Borrowed(self.mesh.basis(k, j)))
+    }
+
+    /// [`Basis::in_time`] at point `j` of an interval, for changes of the unknowns of Newton's equations.
     #[inline(never)]
     pub(crate) fn factors(&self, k: usize, j: usize) -> [[f64; MOST_COEFFICIENTS]; 3] {
-        self.basis(k, j).in_time(1.0 / self.clock(k))
+        self.basis_of_changes(k, j).in_time(1.0 / self.clock(k))
     }
 
     /// The same at the part `x` of an interval.
     pub(crate) fn factors_at(&self, k: usize, x: f64) -> [[f64; MOST_COEFFICIENTS]; 3] {
         let basis = Basis::at(self.mesh.shape, x, self.mesh.width(k));
-        self.over_chosen(k, Cow::Owned(basis)).in_time(1.0 / self.clock(k))
+        self.over_differences(k, Cow::Owned(basis)).in_time(1.0 / self.clock(k))
     }
 
     /// The basis at one of Gauss's points, where accelerations are continuous.
     pub(crate) fn gauss_basis(&self, k: usize, j: usize) -> Cow<'_, Basis> {
-        self.over_chosen(k, Cow::Borrowed(self.mesh.gauss_basis(k, j)))
+        self.over_unknowns(k, Cow::Borrowed(self.mesh.gauss_basis(k, j)))
+    }
+
+    /// The same for changes of the unknowns of Newton's equations.
+    pub(crate) fn gauss_basis_of_changes(&self, k: usize, j: usize) -> Cow<'_, Basis> {
+        self.over_differences(k, Cow::Borrowed(self.mesh.gauss_basis(k, j)))
     }
 
     /// The basis over the unknowns at the part `x` of an interval.
@@ -234,7 +253,7 @@ impl Spline {
         for (p, z) in z.chunks_exact_mut(3 * self.dof).enumerate() {
             let (k, j) = self.mesh.interval_of(p);
             let (inner, ends) = self.of_interval(&self.unknowns, k);
-            self.over_unknowns(k, Cow::Borrowed(self.mesh.basis(k, j))).combine(self.dof, inner, ends, z);
+            self.basis(k, j).combine(self.dof, inner, ends, z);
             self.scale(k, z);
         }
     }

@@ -116,7 +116,7 @@ impl RateRows {
         let count = spline.mesh.shape.coefficients();
         self.row.clear();
         self.row.resize(count * n, 0.0);
-        for (b, factor) in spline.gauss_basis(k, j).rows[3][..count].iter().enumerate() {
+        for (b, factor) in spline.gauss_basis_of_changes(k, j).rows[3][..count].iter().enumerate() {
             self.row[b * n + i] = factor * inverse * inverse * inverse;
         }
         let jerk = points.rates.jerk[n * (POINTS * k + j) + i];

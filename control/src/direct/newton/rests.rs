@@ -33,6 +33,8 @@ pub(crate) struct Rest {
     times: Vec<FreeTimes>,
     /// Whether the rest is a strict minimum in its times.
     pub is_minimum: bool,
+    /// What the motion takes as differences while its rests are computed ([`Spline::differences`]).
+    pub differences: Vec<[bool; 3]>,
 }
 
 impl Rest {
@@ -52,6 +54,7 @@ impl Rest {
             column: vec![0.0; kept],
             times: (0..phases).map(|phase| ends.times.after(phase)).collect(),
             is_minimum: true,
+            differences: Vec::with_capacity(spline.mesh.nodes.len()),
         }
     }
 
@@ -61,9 +64,27 @@ impl Rest {
         self.times.len() == phases && self.column.len() == spline.node() + phases + 1
     }
 
-    /// Whether all times of the motion are given.
-    pub fn has_given_times(&self) -> bool {
-        self.times.iter().all(|times| times.count() == 0)
+    /// Chooses what is taken as differences: all unknowns of nodes inside of phases, and those of vias whose
+    /// order is given for no joint. None where a time is free: what depends on it has unknowns.
+    ///
+    /// Intervals on an arc at a limit are stiffer than the rest of the motion, by h^-4 and more for
+    /// accelerations where jerks cost. In unknowns the entries of a motion along which the highest derivative
+    /// is constant cancel, and what the rest costs is lost to their rounding.
+    pub fn choose_differences(&mut self, spline: &Spline, ends: &Ends) {
+        self.differences.clear();
+        if self.times.iter().any(|times| times.count() > 0) {
+            return;
+        }
+        let (n, mesh, last) = (spline.dof, &spline.mesh, spline.mesh.intervals());
+        let is_given = |order: usize, end: usize| {
+            let mut own = ends.given[end].iter().skip(n * order).take(n);
+            own.any(|is_given| *is_given)
+        };
+        let of_node = |k: usize| {
+            let is_inside = k > 0 && k < last;
+            [0, 1, 2].map(|order| is_inside && mesh.end_at(k).is_none_or(|end| !is_given(order, end)))
+        };
+        self.differences.extend((0..=last).map(of_node));
     }
 
     /// Number of the parameters of times that are free behind a phase.
@@ -134,7 +155,7 @@ impl System {
         if k + 1 < spline.mesh.intervals() {
             self.add_end_of_interval(k + 1, spline, points, barrier);
         }
-        rest.end.complete(k + 1, &self.matrix);
+        rest.end.take_next(k, &self.matrix);
         let (first, own) = (spline.mesh.first_point(k), spline.mesh.own_points(k));
         for p in first..first + own {
             self.add_point(p, spline, points, barrier, running);
@@ -159,13 +180,8 @@ impl System {
             Some(end) => ends.given[end][i] || (is_last && ends.is_periodic),
             None => false,
         };
-        let (order, mut factors) = (spline.mesh.shape.node(), [0.0; 9]);
-        let flow = spline.flow(k).map(|(flow, scales)| {
-            for (i, m) in (0..order).flat_map(|m| (0..=m).map(move |i| (i, m))) {
-                factors[order * i + m] = flow[m - i] * scales[m];
-            }
-            &factors[..order * order]
-        });
+        let (order, flow) = (spline.mesh.shape.node(), spline.flow(k));
+        let flow = flow.as_ref().map(|rows| &rows[..order]);
         let is_positive = rest.end.take(k, &self.matrix, column, &rest.corner, removed, flow).is_ok();
         rest.is_minimum = is_positive && self.free_times(k, spline, rest);
         is_positive

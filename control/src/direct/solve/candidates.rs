@@ -5,11 +5,13 @@
 
 use super::first::First;
 use super::prepare::Dynamics;
+use crate::constants::direct::FIRST_SLACK;
 use crate::constants::guesses as constants;
-use crate::constants::task::reach::OUTSIDE;
+use crate::constants::task::reach::{MOST_BRANCHES, OUTSIDE, SAME_POSITION};
 use crate::cubics::Disturbance;
 use crate::direct::interior::iterate::Interior;
-use crate::direct::motion::reached::{by_time, leaves_joints_free, ranked_positions, with_tools_reached};
+use crate::direct::limits::side::Limited;
+use crate::direct::motion::reached::{by_time, leaves_joints_free, ranked_positions, with_position_reached};
 use crate::options::SolverOptions;
 use crate::problem::{FinalTime, Problem};
 use crate::result::start::GuessKind;
@@ -26,13 +28,14 @@ pub(super) struct Candidate<'a> {
 }
 
 /// The guesses beside `own` that are worth a look, the most promising one first. `interior` begins at `own`
-/// on its first mesh, as it does afterwards.
+/// on its first mesh, as it does afterwards. Nothing is evaluated any more once the search is stopped.
 pub(super) fn candidates<'a>(
     problem: &'a Problem,
     rows: &TaskRows,
     options: &SolverOptions,
     own: &First<'a>,
     interior: &mut Interior<Dynamics>,
+    mut is_stopped: impl FnMut() -> bool,
 ) -> Vec<Candidate<'a>> {
     let has_tools = rows.at_ends().any(|rows| !rows.is_empty());
     if !has_tools && problem.task.collision.is_none() {
@@ -41,45 +44,53 @@ pub(super) fn candidates<'a>(
     let begun = interior.spline.clone();
     let nodes = &begun.mesh.nodes;
     let time = matches!(problem.time, FinalTime::Free { .. }).then(|| begun.duration());
-    let (price, torques_cost) = (interior.running.time, interior.running.costs_torques());
+    let (time_price, torques_cost) = (interior.running.time, interior.running.costs_torques());
     let mut candidate = |first: First<'a>, least: f64| {
-        let figures = interior.figures_of(&first.spline(nodes.clone(), time))?;
+        if is_stopped() {
+            return None;
+        }
+        let mut figures = interior.figures_of(&first.spline(nodes.clone(), time))?;
+        if time.is_none() {
+            // Cubics begin and end with jumps of the acceleration.
+            figures[0] = interior.exceeded(|barrier, at| barrier.side(at).limited != Limited::Jerk);
+        }
         Some(Candidate { first, figures, least })
     };
     let mut all = Vec::new();
     if let Some([exceeded, cost]) = candidate(own.clone(), 0.0).map(|own| own.figures) {
         let ends_are_free = problem.loops.is_none() && problem.periodic.is_none();
         // Costs of straight motions within a given time say little about least times.
-        let is_mostly = |time: f64| !torques_cost || price * time > constants::MOSTLY_TIME * cost;
-        let by_least_time = ends_are_free && price > 0.0 && time.is_some_and(is_mostly);
+        let is_mostly = |time: f64| !torques_cost || time_price * time > constants::MOSTLY_TIME * cost;
+        let by_least_time = ends_are_free && time_price > 0.0 && time.is_some_and(is_mostly);
         let slides = leaves_joints_free(&own.reached, rows);
         let ends = own.reached.ends();
         let is_other = |(end, branch): &(usize, Branch)| {
             let mut both = ends[*end].q.iter().zip(&branch.q);
-            both.any(|(own, q)| (own - q).abs() >= constants::SAME_POSITION)
+            both.any(|(own, q)| (own - q).abs() >= SAME_POSITION)
         };
         let at = |end: usize, q: &[f64]| {
-            let reached = with_tools_reached(problem, rows, 0, Some((end, q)));
+            let reached = with_position_reached(problem, rows, &own.reached, (end, q));
             First { kind: GuessKind::OtherPosition, reached, ..own.clone() }
         };
         if by_least_time {
-            let branches = ranked_positions(&own.reached, rows, by_time(&own.reached, rows)).into_iter();
+            let branches =
+                ranked_positions(&own.reached, rows, MOST_BRANCHES, by_time(&own.reached, rows)).into_iter();
             let others = branches.filter(is_other).take(constants::BRANCHES);
             // Positions that slide may be reached sooner.
-            let least = |branch: &Branch| if slides { 0.0 } else { price * branch.price };
+            let least = |branch: &Branch| if slides { 0.0 } else { time_price * branch.price };
             all.extend(others.filter_map(|(end, branch)| candidate(at(end, &branch.q), least(&branch))));
         } else if ends_are_free {
-            let allowed = exceeded.max(constants::EXCEEDED_BY_CUBICS);
+            let allowed = exceeded.max(FIRST_SLACK + constants::EXCEEDED_BY_CUBICS);
             let mut by_cost = |end: usize, q: Vec<f64>| {
                 let figures = candidate(at(end, &q), 0.0).map(|other| other.figures);
                 let [excess, price] = figures.unwrap_or([0.0, f64::INFINITY]);
-                Branch { q, price, penalty: OUTSIDE * cost * (excess - allowed).max(0.0) }
+                Branch { q, price, penalty: OUTSIDE * cost.abs() * (excess - allowed).max(0.0) }
             };
-            let mut branches = ranked_positions(&own.reached, rows, &mut by_cost);
+            let mut branches = ranked_positions(&own.reached, rows, 2 * constants::POSITIONS, &mut by_cost);
             branches.retain(|branch| is_other(branch) && branch.1.penalty == 0.0);
             branches.sort_by(|(_, a), (_, b)| a.price.total_cmp(&b.price));
-            let promising =
-                branches.iter().take_while(|(_, branch)| branch.price < constants::PROMISING * cost);
+            let most = cost + (constants::PROMISING - 1.0) * cost.abs();
+            let promising = branches.iter().take_while(|(_, branch)| branch.price < most);
             let others = promising.take(constants::POSITIONS);
             all.extend(others.filter_map(|(end, branch)| candidate(at(*end, &branch.q), 0.0)));
         }

@@ -31,7 +31,7 @@ impl<'a> First<'a> {
         number: usize,
         saved: Option<&'a Trajectory>,
     ) -> Self {
-        let reached = with_tools_reached(problem, rows, number, None);
+        let reached = with_tools_reached(problem, rows, number);
         let disturbance = Disturbance::draw(&reached, options.seed, number);
         let kind = match (saved, number) {
             (Some(_), _) => GuessKind::Saved,

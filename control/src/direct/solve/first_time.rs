@@ -2,6 +2,7 @@
 
 use crate::constants::direct as constants;
 use crate::direct::interior::iterate::Interior;
+use crate::direct::limits::barrier::Barrier;
 use crate::direct::motion::spline::Spline;
 use crate::direct::points::values::PointDynamics;
 
@@ -27,7 +28,7 @@ impl<D: PointDynamics> Interior<D> {
                 everywhere = (0..barrier.count()).map(exceeds).collect();
             }
             if everywhere.contains(&true) {
-                found[0] = self.exceeded(|at| !everywhere.get(at).is_some_and(|exceeds| *exceeds));
+                found[0] = self.exceeded(|_, at| !everywhere.get(at).is_some_and(|exceeds| *exceeds));
             }
             if best.as_ref().is_none_or(|(least, _)| found < *least) {
                 best = Some((found, spline));
@@ -51,13 +52,14 @@ impl<D: PointDynamics> Interior<D> {
         self.prepare();
         self.evaluate().ok()?;
         let cost = self.running.cost(&self.spline, &self.points);
-        cost.is_finite().then_some([self.exceeded(|_| true), cost])
+        cost.is_finite().then_some([self.exceeded(|_, _| true), cost])
     }
 
-    /// By how much the limits that count are exceeded, or nearly so, relative to their ranges.
-    fn exceeded(&self, counts: impl Fn(usize) -> bool) -> f64 {
+    /// By how much the limits that count are exceeded, or nearly so, relative to their ranges: what is exceeded
+    /// and [`constants::FIRST_SLACK`].
+    pub(super) fn exceeded(&self, counts: impl Fn(&Barrier, usize) -> bool) -> f64 {
         let barrier = &self.barrier;
-        let limits = (0..barrier.count()).filter(|&at| barrier.weight[at] > 0.0 && counts(at));
+        let limits = (0..barrier.count()).filter(|&at| barrier.weight[at] > 0.0 && counts(barrier, at));
         let limits = limits.filter(|&at| !barrier.side(at).is_equation);
         let exceeded = limits.map(|at| constants::FIRST_SLACK - barrier.unit[at] * barrier.distance[at]);
         exceeded.fold(0.0, f64::max)

@@ -91,7 +91,10 @@ impl Looks<'_> {
         own.looseness = looseness;
         let looks_on =
             options.starts.is_none() && problem.too_short().is_none() && recorder.interruption().is_none();
-        let others = if looks_on { candidates(problem, rows, options, first, &mut own) } else { Vec::new() };
+        let others = match looks_on {
+            true => candidates(problem, rows, options, first, &mut own, || recorder.interruption().is_some()),
+            false => Vec::new(),
+        };
         let mut nodes = own.spline.mesh.nodes.clone();
         let (free, steps) = match problem.task.collision {
             Some(_) => without_obstacles(problem, options, looseness, recorder)?,

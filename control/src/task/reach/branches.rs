@@ -8,7 +8,7 @@
 use super::slide::cheaper;
 use super::{Search, seeded, seeded_position};
 use crate::constants::task::reach::{
-    APART, APART_ALONG, BRANCH_STEPS, DESCENTS, FAR, MOST_BRANCHES, NEARBY, REACHED,
+    APART, APART_ALONG, BRANCH_STEPS, DESCENTS, FAR, MOST_BRANCHES, NEARBY, REACHED, SAME_POSITION,
 };
 use crate::task::functions::TaskFunctions;
 use std::f64::consts::TAU;
@@ -31,17 +31,18 @@ impl Branch {
 }
 
 /// Positions at which all rows have their values, the one with the least price and penalty, which `branch`
-/// finds, first; `near` is the place before. At most [`MOST_BRANCHES`].
+/// finds, first; `near` is the place before. At most [`MOST_BRANCHES`], of which so many are moved along what
+/// places leave free: a move has the price of up to [`MOST_SLIDES`] positions.
 pub(crate) fn ranked(
     functions: &mut TaskFunctions,
-    near: &[f64],
-    known: &[f64],
+    (near, known): (&[f64], &[f64]),
     free: &[usize],
     limits: &[[f64; 2]],
+    moved: usize,
     mut branch: impl FnMut(Vec<f64>) -> Branch,
 ) -> Vec<Branch> {
     let mut search = Search { steps: BRANCH_STEPS, ..Search::new(functions, free, limits) };
-    let mut found = vec![branch(known.to_vec())];
+    let mut all = vec![known.to_vec()];
     for start in 1..=DESCENTS {
         let mut from = seeded_position(start, near, free, limits);
         // Every other descent begins around the place before, farther and farther away.
@@ -54,10 +55,13 @@ pub(crate) fn ranked(
         }
         let reached = search.descend(from);
         let reached = search.turned_back(reached, near);
-        if reached.is_there() {
-            found.push(branch(reached.q));
+        let is_same =
+            |other: &Vec<f64>| free.iter().all(|&i| (reached.q[i] - other[i]).abs() < SAME_POSITION);
+        if reached.is_there() && !all.iter().any(is_same) {
+            all.push(reached.q);
         }
     }
+    let found = all.into_iter().map(&mut branch).collect();
     let apart = if search.g.len() < free.len() { APART_ALONG } else { APART };
     let mut found = apart_from_each_other(found, free, apart);
     // Whole turns the other way round pass obstacles elsewhere.
@@ -74,7 +78,7 @@ pub(crate) fn ranked(
     }
     let mut found = apart_from_each_other(found, free, apart);
     if search.g.len() < free.len() {
-        for one in &mut found {
+        for one in found.iter_mut().take(moved) {
             if let Some(q) = cheaper(search.functions, &one.q, free, limits, one.rank(), |q| {
                 Some(branch(q.to_vec()).rank())
             }) {
