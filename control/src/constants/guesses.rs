@@ -9,13 +9,14 @@ pub const PATIENT: usize = 12;
 pub const LOOKS: usize = 2;
 /// Most other positions of the joints that are looked at where torques cost. Fewer lose cheaper motions of a
 /// UR5, more win none: `cargo test --release -p costate-control --test control -- --ignored random_poses`.
-pub const POSITIONS: usize = 4;
+pub const POSITIONS: usize = 8;
 /// Another position of the joints is looked at if the straight motion there costs less than this part of
 /// that of the start, ..
 pub const PROMISING: f64 = 1.5;
-/// .. and exceeds limits by no more than this part of their ranges, or than that of the start does. The rate of
-/// a cubic from rest to rest is at most 3/2 of its mean: one whose mean is at a limit exceeds it by a quarter
-/// of the range from minus to plus the limit. Its largest acceleration is 3/2 of what the way takes at least.
+/// .. and exceeds limits by no more than this part of their ranges, or than that of the start does. The rate
+/// of a cubic from rest to rest is at most 3/2 of its mean: one whose mean is at a limit exceeds it by a
+/// quarter of the range from minus to plus the limit. Its largest acceleration is 3/2 of what the way takes
+/// at least.
 pub const EXCEEDED_BY_CUBICS: f64 = 0.25;
 /// A detour around obstacles is looked at if it costs less than this many times as much.
 pub const DETOUR: f64 = 3.0;

@@ -52,16 +52,16 @@ pub mod reach {
     pub const APART: f64 = 0.5;
     /// Those that differ by less in all joints are the same (rad, m).
     pub const SAME_POSITION: f64 = 1e-2;
-    /// Most positions that are kept: an arm with six joints reaches a pose in 16 ways at most (E. Primrose, On
-    /// the input-output equation of the general 7R-mechanism, Mechanism and Machine Theory 21, 1986).
+    /// Most positions that are kept: an arm with six joints reaches a pose in 16 ways at most (E. Primrose,
+    /// On the input-output equation of the general 7R-mechanism, Mechanism and Machine Theory 21, 1986).
     pub const MOST_BRANCHES: usize = 16;
     /// Descents to positions that are ranked, ten for each of them. One that a share of 1/16 of all descents
     /// leads to is missed with the probability `(15/16)^160 = 3e-5`.
     pub const DESCENTS: usize = 10 * MOST_BRANCHES;
     /// Every other descent begins within this distance of the place before (rad, m), or nearer.
     pub const NEARBY: f64 = 3.0;
-    /// Positions count as so much later (s) where what is kept along the motion is exceeded by its range; or as
-    /// so many times the cost of the first guess dearer where limits are, beyond what cubics may exceed.
+    /// Positions count as so much later (s) where what is kept along the motion is exceeded by its range; or
+    /// as so many times the cost of the first guess dearer where limits are, beyond what cubics may exceed.
     pub const OUTSIDE: f64 = 100.0;
     /// Positions differ if they do by this where places leave joints free (rad), as nearer ones slide to each
     /// other.

@@ -9,8 +9,8 @@
 //! with w = (x, shared unknowns). S, the second derivatives of the least value by w, takes the place of W at
 //! node k when the interval before it is eliminated: one sweep for all nodes.
 //!
-//! The unknowns of the next node may be differences d: the node is F x + d. It contributes `d' S d / 2 + d' S F
-//! x + x' F' S F x / 2` then, and the rounding of an interval that is much stiffer does not reach S.
+//! The unknowns of the next node may be differences d: the node is F x + d. It contributes `d' S d / 2 + d' S
+//! F x + x' F' S F x / 2` then, and the rounding of an interval that is much stiffer does not reach S.
 
 use super::chain::{ChainMatrix, NotPositiveDefinite};
 use super::substitution::backward;
@@ -74,8 +74,8 @@ impl ChainEnd {
     /// Goes on to node k, whose interval is assembled in the matrix with all behind it. `columns` are those
     /// of the shared unknowns, and `corner` their own second derivatives, row by row. Unknowns of the next
     /// node that are `removed` are given. With a `flow` they are differences: F is that with each entry times
-    /// the identity, rows of removed unknowns are zero, [S of the node](Self::take_next) is known, and nothing
-    /// shared counts.
+    /// the identity, rows of removed unknowns are zero, [S of the node](Self::take_next) is known, and
+    /// nothing shared counts.
     ///
     /// # Errors
     /// [`NotPositiveDefinite`].
@@ -254,8 +254,9 @@ mod tests {
         }
     }
 
-    /// S of a chain in differences is that of the chain in unknowns; and it keeps its digits where intervals are
-    /// stiff in the differences: they are zero then, and S is F' S F with what intervals have of the node before.
+    /// S of a chain in differences is that of the chain in unknowns; and it keeps its digits where intervals
+    /// are stiff in the differences: they are zero then, and S is F' S F with what intervals have of the node
+    /// before.
     #[test]
     fn differences_have_the_same_second_derivatives() {
         let (node, inner, intervals) = (4, 1, 5);

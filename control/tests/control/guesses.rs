@@ -85,8 +85,8 @@ fn ur5_to(place: &str) -> Problem {
 }
 
 /// Where the arm has its elbow and wrist decides on what holding it against gravity costs, and the nearest
-/// position is stretched out. The costs are the least ones of 16 disturbed starts and of this motion, those of
-/// the nearest position at least so many times as much.
+/// position is stretched out. The costs are the least ones of 16 disturbed starts and of this motion, those
+/// of the nearest position at least so many times as much.
 #[test]
 fn an_arm_reaches_a_pose_in_the_way_that_costs_least() {
     let places = [

@@ -299,11 +299,11 @@ fn a_limit_at_the_turn_of_a_motion_is_undecided() {
 }
 
 /// A body of unit mass from rest to rest over 1 m in the time T, where its jerk costs and its acceleration is
-/// limited to 5 / T^2. Between arcs at the limits the jerk is a parabola, and its first and second derivatives go
-/// on across them: seven equations give its three coefficients and the ends of the arcs. The values for T = 1 are
-/// derivatives of their solution in 40 digits; those by q, v, a are as T^-3, T^-2, T^-1. A via at a given time on
-/// the first arc, at which nothing is given, changes nothing. Equations have entries up to 1e8 / h^4 on the
-/// arcs, which may leave nothing of the gains before them.
+/// limited to 5 / T^2. Between arcs at the limits the jerk is a parabola, and its first and second
+/// derivatives go on across them: seven equations give its three coefficients and the ends of the arcs. The
+/// values for T = 1 are derivatives of their solution in 40 digits; those by q, v, a are as T^-3, T^-2, T^-1.
+/// A via at a given time on the first arc, at which nothing is given, changes nothing. Equations have entries
+/// up to 1e8 / h^4 on the arcs, which may leave nothing of the gains before them.
 #[test]
 fn a_limited_acceleration_where_jerks_cost() {
     let at_rest = |q: f64| BoundaryState::fixed(&[q], &[0.0]).with_a(&[0.0]);
@@ -497,8 +497,14 @@ fn random_problem(random: &mut fastrand::Rng) -> Option<(Problem, String)> {
     Some((problem.with_limits(limits), kind))
 }
 
-/// 300 gains at random times of random motions. Prints those that are off, with the seed that begins at their
-/// motion (`GAINS_SEED`, with `GAINS=3`), and the worst ratios to what is allowed:
+/// A dozen gains at random times of random motions.
+#[test]
+fn gains_at_random_times_are_those_of_solving_again() {
+    compare_random(7, 12);
+}
+
+/// 300 of them. Prints those that are off, with the seed that begins at their motion (`GAINS_SEED`, with
+/// `GAINS=3`), and the worst ratios to what is allowed:
 ///
 ///     cargo test --release -p costate-control --test real_time -- --ignored random_gains --nocapture
 #[test]
@@ -506,6 +512,11 @@ fn random_problem(random: &mut fastrand::Rng) -> Option<(Problem, String)> {
 fn random_gains() {
     let seed = std::env::var("GAINS_SEED").ok().and_then(|seed| seed.parse().ok()).unwrap_or(43);
     let count = std::env::var("GAINS").ok().and_then(|count| count.parse().ok()).unwrap_or(300);
+    compare_random(seed, count);
+}
+
+/// So many gains against solving again.
+fn compare_random(seed: u64, count: usize) {
     let mut random = fastrand::Rng::with_seed(seed);
     let (mut done, mut agree, mut at_switch, mut skipped) = (0, 0, 0, [0; 3]);
     let mut ratios = Vec::new();
@@ -570,5 +581,5 @@ fn random_gains() {
         skipped[2]
     );
     assert_eq!(agree, done);
-    assert!(skipped.iter().all(|skipped| skipped * 10 < done), "{skipped:?} of {done}");
+    assert!(skipped.iter().all(|skipped| skipped * 10 < done.max(30)), "{skipped:?} of {done}");
 }

@@ -61,8 +61,8 @@ impl Basis {
     }
 
     /// Takes the coefficients of the right end of these orders as differences: from what the left end gives
-    /// with its highest derivative constant ([`flow`]). With all orders the factors of the left end are powers
-    /// of the time since then, and those of higher derivatives exactly zero.
+    /// with its highest derivative constant ([`flow`]). With all orders the factors of the left end are
+    /// powers of the time since then, and those of higher derivatives exactly zero.
     pub fn take_differences(&mut self, shape: Shape, h: f64, orders: [bool; 3]) {
         let (order, inner, flow) = (shape.node(), shape.inner(), flow(h));
         let all = orders[..order].iter().all(|is_difference| *is_difference);
@@ -143,7 +143,8 @@ impl Basis {
     }
 }
 
-/// What a constant derivative adds to those of orders 0, 1 and 2 below its own in the time `h`: 1, h, h^2 / 2.
+/// What a constant derivative adds to those of orders 0, 1 and 2 below its own in the time `h`: 1, h, h^2 /
+/// 2.
 pub(super) fn flow(h: f64) -> [f64; 3] {
     [1.0, h, 0.5 * h * h]
 }

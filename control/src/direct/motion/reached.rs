@@ -77,8 +77,8 @@ fn reached_from<'a>(
 }
 
 /// Positions of the joints for the places of tools, each with the number of its end and the price that
-/// `branch` finds: the best ones of all ends first, then the second best ones. Of each end so many are `moved`
-/// along what its places leave free.
+/// `branch` finds: the best ones of all ends first, then the second best ones. Of each end so many are
+/// `moved` along what its places leave free.
 pub(crate) fn ranked_positions(
     reached: &Problem,
     rows: &TaskRows,

@@ -92,8 +92,8 @@ fn coefficients_are_those_of_the_motion() {
     }
 }
 
-/// Bases over differences have the same values with the right node at F x + d, whatever orders are differences;
-/// with all of them, derivatives above that of an unknown of the left node are exactly zero.
+/// Bases over differences have the same values with the right node at F x + d, whatever orders are
+/// differences; with all of them, derivatives above that of an unknown of the left node are exactly zero.
 #[test]
 fn bases_of_differences_are_those_of_unknowns() {
     for shape in [Shape::Quartic, Shape::Quintic] {

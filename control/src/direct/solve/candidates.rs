@@ -86,7 +86,7 @@ pub(super) fn candidates<'a>(
                 let [excess, price] = figures.unwrap_or([0.0, f64::INFINITY]);
                 Branch { q, price, penalty: OUTSIDE * cost.abs() * (excess - allowed).max(0.0) }
             };
-            let mut branches = ranked_positions(&own.reached, rows, 2 * constants::POSITIONS, &mut by_cost);
+            let mut branches = ranked_positions(&own.reached, rows, constants::POSITIONS, &mut by_cost);
             branches.retain(|branch| is_other(branch) && branch.1.penalty == 0.0);
             branches.sort_by(|(_, a), (_, b)| a.price.total_cmp(&b.price));
             let most = cost + (constants::PROMISING - 1.0) * cost.abs();

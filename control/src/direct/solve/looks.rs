@@ -133,6 +133,9 @@ impl Looks<'_> {
             }
             let mut other = interior_on(problem, rows, options, &candidate.first, &nodes);
             other.looseness = looseness;
+            if candidate.first.kind == GuessKind::OtherPosition {
+                let _ = rest_between(problem, options, &mut other);
+            }
             ranking.take(candidate.first.kind, other, recorder)?;
         }
         Ok(ranking.end())
