@@ -124,10 +124,14 @@ impl<S: Scalar> Lagrangian<S> {
     }
 
     /// As [`new`](Self::new), from an existing [`Tree`].
-    #[inline(never)]
     pub fn from_tree(tree: Tree) -> Self {
+        Self::with_routes(Routes::of::<S>(&tree), tree)
+    }
+
+    /// As [`from_tree`](Self::from_tree), by these algorithms.
+    #[inline(never)]
+    fn with_routes(routes: Routes, tree: Tree) -> Self {
         let n = tree.dof();
-        let routes = Routes::of::<S>(&tree);
         let square = Matrix::zeros(n, n);
         let panels = |rows: usize| [Panel::zeros(rows, n), Panel::zeros(rows, n)];
         // Block by block, a_z needs neither M^-1 nor more than a row of products.

@@ -2,6 +2,7 @@
 //! kernels one and two.
 
 use super::inverse::{torque, torque_jacobian};
+use super::choice::Routes;
 use super::{InverseDynamicsContraction, InverseDynamicsLinearisation, Lagrangian, LagrangianContraction};
 use crate::error::EvalError;
 use crate::kernels::{KernelOne, KernelTwo, check_entries, friction_of};
@@ -54,12 +55,19 @@ impl<S: Scalar> LagrangianSecondOrder<S> {
 
     /// As [`new`](Self::new), from an existing [`Tree`].
     pub fn from_tree(tree: Tree) -> Self {
+        Self::as_numbers::<S>(tree)
+    }
+
+    /// As [`from_tree`](Self::from_tree), by the algorithms that numbers of type T take: what numbers that
+    /// carry rounding errors say of `f64` holds only then. (Where an algorithm has a zero by structure, another
+    /// one may have rounding errors.)
+    pub(crate) fn as_numbers<T: Scalar>(tree: Tree) -> Self {
         let (n, nq) = (tree.dof(), tree.nq());
         let zero = Tangent::zero();
         Self {
             kernel: KernelOne::new(&tree),
             along: KernelTwo::new(&tree),
-            first: Lagrangian::from_tree(tree),
+            first: Lagrangian::with_routes(Routes::of::<T>(&tree), tree),
             q: filled(zero, nq),
             v: filled(zero, n),
             direction_q: filled(zero, n),
