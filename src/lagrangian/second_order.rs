@@ -1,8 +1,8 @@
 //! Contracted Hessians of inverse and forward dynamics, with values and Jacobians, by one dual pass through
 //! kernels one and two.
 
-use super::inverse::{torque, torque_jacobian};
 use super::choice::Routes;
+use super::inverse::{torque, torque_jacobian};
 use super::{InverseDynamicsContraction, InverseDynamicsLinearisation, Lagrangian, LagrangianContraction};
 use crate::error::EvalError;
 use crate::kernels::{KernelOne, KernelTwo, check_entries, friction_of};
@@ -58,9 +58,9 @@ impl<S: Scalar> LagrangianSecondOrder<S> {
         Self::as_numbers::<S>(tree)
     }
 
-    /// As [`from_tree`](Self::from_tree), by the algorithms that numbers of type T take: what numbers that
-    /// carry rounding errors say of `f64` holds only then. (Where an algorithm has a zero by structure, another
-    /// one may have rounding errors.)
+    /// As [`from_tree`](Self::from_tree), by the algorithms that numbers of type T take: rounding errors that
+    /// other numbers carry are those of T only then. Where one algorithm has a zero by structure, another one
+    /// may have rounding errors.
     pub(crate) fn as_numbers<T: Scalar>(tree: Tree) -> Self {
         let (n, nq) = (tree.dof(), tree.nq());
         let zero = Tangent::zero();

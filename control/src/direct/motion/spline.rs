@@ -155,12 +155,17 @@ impl Spline {
         basis
     }
 
+    /// The orders of derivatives at a node that Newton's equations have as differences; `None` where none is.
+    fn taken_as_differences(&self, node: usize) -> Option<[bool; 3]> {
+        self.differences.get(node).copied().filter(|orders| orders.contains(&true))
+    }
+
     /// F, which takes the unknowns x of the left node of an interval to those that it gives at the right one
     /// with its highest derivative constant: entries for orders of derivatives there and here, times the
     /// identity. Zero for orders there that are no differences d; with the others the right node is F x + d.
     /// `None` where none is.
     pub fn flow(&self, k: usize) -> Option<[[f64; 3]; 3]> {
-        let orders = self.differences.get(k + 1).filter(|orders| orders.contains(&true))?;
+        let orders = self.taken_as_differences(k + 1)?;
         let flow = flow(self.mesh.width(k));
         // Unknowns that are derivatives in time are those in s over T^m.
         let [here, there] = [k, k + 1].map(|node| if self.mesh.is_end(node) { self.clock(k) } else { 1.0 });
@@ -176,8 +181,8 @@ impl Spline {
     /// some.
     #[inline(always)]
     fn over_differences<'a>(&self, k: usize, mut basis: Cow<'a, Basis>) -> Cow<'a, Basis> {
-        if let Some(orders) = self.differences.get(k + 1).filter(|orders| orders.contains(&true)) {
-            basis.to_mut().take_differences(self.mesh.shape, self.mesh.width(k), *orders);
+        if let Some(orders) = self.taken_as_differences(k + 1) {
+            basis.to_mut().take_differences(self.mesh.shape, self.mesh.width(k), orders);
         }
         self.over_unknowns(k, basis)
     }
