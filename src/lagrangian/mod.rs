@@ -17,14 +17,14 @@
 
 mod adjoint;
 mod blocked;
+mod chain_rule;
 mod choice;
 mod contraction;
 mod coriolis;
+mod dual_pass;
 mod dynamics;
 mod forward;
 mod free;
-mod free_dynamics;
-mod free_second_order;
 mod inverse;
 mod legendre_transform;
 mod newton_euler;
@@ -39,8 +39,7 @@ pub use legendre_transform::LegendreTransform;
 pub use second_order::LagrangianSecondOrder;
 
 use crate::error::EvalError;
-use crate::hamiltonian::check;
-use crate::kernels::{ArticulatedBodies, Factor, KernelOne, KernelTwo, WorldKernel};
+use crate::kernels::{ArticulatedBodies, Factor, KernelOne, KernelTwo, WorldKernel, check_entries};
 use crate::kinematics::ExternalForces;
 use crate::matrix::{Matrix, Panel, filled};
 use crate::robot::{Robot, Tree};
@@ -113,8 +112,6 @@ pub struct Lagrangian<S: Scalar> {
     f_u: Matrix<S>,
     /// Wrenches from outside, if the robot has any.
     external: Option<Box<ExternalForces<S>>>,
-    /// What floating and spherical joints need, if there are any.
-    free: Option<Box<Free<S>>>,
 }
 
 impl<S: Scalar> Lagrangian<S> {
@@ -162,7 +159,6 @@ impl<S: Scalar> Lagrangian<S> {
             f_x,
             f_u: Matrix::zeros(2 * n, n),
             external: ExternalForces::where_any(&tree),
-            free: Free::where_any(&tree),
             tree,
         }
     }
@@ -177,8 +173,18 @@ impl<S: Scalar> Lagrangian<S> {
         &self.tree
     }
 
-    /// Every argument has n finite entries.
-    fn check(&self, arguments: &[(&'static str, &[S])]) -> Result<(), EvalError> {
-        arguments.iter().try_for_each(|&(what, values)| check(&self.tree, what, values, self.tree.dof()))
+    /// q is a configuration, and every other argument has n finite entries.
+    fn check(&self, q: &[S], others: &[(&'static str, &[S])]) -> Result<(), EvalError> {
+        self.tree.refuse_constraints()?;
+        self.tree.refuse_free_and_wrench()?;
+        self.tree.check_configuration(q)?;
+        let n = self.tree.dof();
+        others.iter().try_for_each(|&(what, values)| check_entries(&self.tree, what, values, n))
+    }
+
+    /// The same of what takes no floating or spherical joints.
+    fn check_plain(&self, q: &[S], others: &[(&'static str, &[S])]) -> Result<(), EvalError> {
+        self.tree.refuse_free()?;
+        self.check(q, others)
     }
 }
