@@ -24,7 +24,9 @@ mod coriolis;
 mod dual_pass;
 mod dynamics;
 mod forward;
-mod free;
+#[cfg(test)]
+mod free_tests;
+mod hessian_product;
 mod inverse;
 mod legendre_transform;
 mod newton_euler;
@@ -46,7 +48,6 @@ use crate::robot::{Robot, Tree};
 use crate::scalar::Scalar;
 use blocked::Blocked;
 use choice::Routes;
-pub(crate) use free::Free;
 use newton_euler::NewtonEuler;
 
 /// Workspace for the Lagrangian state equation of one robot; no call allocates.

@@ -3,8 +3,19 @@
 use super::Lagrangian;
 use crate::error::EvalError;
 use crate::kernels::friction_of;
-use crate::robot::{Row, scaled};
+use crate::robot::{Row, Tree, scaled};
 use crate::scalar::Scalar;
+
+/// What springs and friction give the diagonals of tau_q and tau_v, some at a time: coordinate and entries.
+pub(super) fn joint_slopes<S: Scalar>(tree: &Tree, v: &[S], mut take: impl FnMut(usize, S, S)) {
+    for &i in tree.with_friction() {
+        take(i, S::zero(), -friction_of(tree, i, v[i]).first);
+    }
+    for &joint in tree.with_spring() {
+        let Row { coordinate, ratio, .. } = tree.row_of(joint);
+        take(coordinate, S::from_f64(ratio * ratio * tree.joints()[joint].spring.stiffness), S::zero());
+    }
+}
 
 impl<S: Scalar> Lagrangian<S> {
     /// Fills M(q) for [`current_mass_matrix`](super::choice::current_mass_matrix).
@@ -54,7 +65,8 @@ impl<S: Scalar> Lagrangian<S> {
     pub(super) fn add_springs(&mut self, q: &[S]) {
         for &joint in self.tree.with_spring() {
             let (spring, row) = (self.tree.joints()[joint].spring, self.tree.row_of(joint));
-            let turned = scaled(row.ratio, q[self.tree.entry_of(row.coordinate)]).plus(row.offset - spring.rest);
+            let turned =
+                scaled(row.ratio, q[self.tree.entry_of(row.coordinate)]).plus(row.offset - spring.rest);
             self.tau[row.coordinate] += turned.times(row.ratio * spring.stiffness);
         }
     }
@@ -113,14 +125,10 @@ impl<S: Scalar> Lagrangian<S> {
         };
         world.torque_derivatives(&self.tree, &mut self.torque);
         let [in_q, in_v] = &mut self.torque;
-        for &i in self.tree.with_friction() {
-            let slope = friction_of(&self.tree, i, v[i]).first;
-            in_v.set(i, i, in_v.get(i, i) - slope);
-        }
-        for &joint in self.tree.with_spring() {
-            let Row { coordinate: i, ratio, .. } = self.tree.row_of(joint);
-            in_q.set(i, i, in_q.get(i, i).plus(ratio * ratio * self.tree.joints()[joint].spring.stiffness));
-        }
+        joint_slopes(&self.tree, v, |i, by_q, by_v| {
+            in_q.set(i, i, in_q.get(i, i) + by_q);
+            in_v.set(i, i, in_v.get(i, i) + by_v);
+        });
         if let Some(external) = &mut self.external {
             let slopes = external.slopes(q);
             for i in 0..q.len() {

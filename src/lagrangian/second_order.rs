@@ -3,6 +3,7 @@
 use super::chain_rule::ChainRule;
 use super::choice::Routes;
 use super::dual_pass::DualPass;
+use super::hessian_product::Products;
 use super::{InverseDynamicsContraction, InverseDynamicsLinearisation, Lagrangian, LagrangianContraction};
 use crate::error::EvalError;
 use crate::kernels::{TorqueContraction, TorqueHessian, check_entries, friction_of};
@@ -23,19 +24,20 @@ use crate::scalar::Scalar;
 /// factorisation is differentiated.
 #[derive(Clone, Debug)]
 pub struct LagrangianSecondOrder<S: Scalar> {
-    first: Lagrangian<S>,
-    pass: Pass<S>,
-    w: Vec<S>,
+    pub(super) first: Lagrangian<S>,
+    pub(super) pass: Pass<S>,
+    pub(super) w: Vec<S>,
     hessian: TorqueHessian<S>,
     chain_rule: ChainRule<S>,
-    w_tau_zz: Matrix<S>,
-    xx: Matrix<S>,
-    uq: Matrix<S>,
+    pub(super) w_tau_zz: Matrix<S>,
+    pub(super) xx: Matrix<S>,
+    pub(super) uq: Matrix<S>,
+    pub(super) products: Products<S>,
 }
 
 /// How the Hessian of w.tau is computed.
 #[derive(Clone, Debug)]
-enum Pass<S: Scalar> {
+pub(super) enum Pass<S: Scalar> {
     World(Box<TorqueContraction<S>>),
     Dual(Box<DualPass<S>>),
 }
@@ -47,16 +49,11 @@ impl<S: Scalar> LagrangianSecondOrder<S> {
     }
 
     /// As [`new`](Self::new), from an existing [`Tree`].
-    pub fn from_tree(tree: Tree) -> Self {
-        Self::as_numbers::<S>(tree)
-    }
-
-    /// As [`from_tree`](Self::from_tree), by the algorithms that numbers of type T take: rounding errors that
-    /// other numbers carry are those of T only then. Where one algorithm has a zero by structure, another one
-    /// may have rounding errors.
     #[inline(never)]
-    pub(crate) fn as_numbers<T: Scalar>(tree: Tree) -> Self {
-        let (n, routes) = (tree.dof(), Routes::of::<T>(&tree));
+    pub fn from_tree(tree: Tree) -> Self {
+        let n = tree.dof();
+        // Errors of `f64` are those of its algorithms: where one has a zero by structure, another one may not.
+        let routes = if S::STATES_ERRORS { Routes::of::<f64>(&tree) } else { Routes::of::<S>(&tree) };
         let first = Lagrangian::with_routes(routes, tree);
         let pass = match &first.world {
             Some(world) if routes.derivatives => Pass::World(Box::new(TorqueContraction::new(world))),
@@ -64,6 +61,7 @@ impl<S: Scalar> LagrangianSecondOrder<S> {
         };
         Self {
             pass,
+            products: Products::new(&first.tree),
             w: filled(S::zero(), n),
             hessian: TorqueHessian::zeros(n),
             chain_rule: ChainRule::new(&first.factor),
@@ -218,13 +216,18 @@ mod tests {
     fn compare(robot: &Robot) {
         let (tree, n) = (Tree::from(robot), robot.dof());
         let numbers = |from: f64| (0..n).map(|i| (from + 1.3 * i as f64).sin()).collect::<Vec<f64>>();
-        let (mut world, mut dual) = (LagrangianSecondOrder::<f64>::from_tree(tree.clone()), dual::<f64>(&tree));
+        let (mut world, mut dual) =
+            (LagrangianSecondOrder::<f64>::from_tree(tree.clone()), dual::<f64>(&tree));
         // The second time, nothing may be left of the first.
         for from in [0.3, 1.1] {
             let (q, v, u, w) = (numbers(from), numbers(0.5 * from), numbers(0.7), numbers(2.0 * from));
             let close = |what: &str, found: DMatrix<f64>, expected: DMatrix<f64>| {
                 let error = (&found - &expected).amax();
-                assert!(error < 1e-11 * expected.amax(), "n = {n}: {what}: {error}\n{:.2e}", found - expected);
+                assert!(
+                    error < 1e-11 * expected.amax(),
+                    "n = {n}: {what}: {error}\n{:.2e}",
+                    found - expected
+                );
             };
             let dense = |found: InverseDynamicsContraction<'_, f64>| found.zz().view().to_nalgebra();
             close(

@@ -9,6 +9,7 @@ use crate::matrix::{Panel, filled};
 use crate::robot::JointKind;
 use crate::scalar::{Scalar, inlined};
 use crate::spatial::{Force, Motion, Symmetric3, Vec3};
+use std::ops::Range;
 
 /// What [`WorldKernel::contract_torque`] needs beside the kernel.
 #[derive(Clone, Debug)]
@@ -55,6 +56,22 @@ struct Bent<P> {
     by_velocity: Vec3<P>,
 }
 
+/// What is computed for one joint, as numbers.
+pub(super) struct BentAt<S> {
+    pub chi: Motion<S>,
+    pub shifted: Force<S>,
+    pub by_position: Vec3<S>,
+    pub by_velocity: Vec3<S>,
+}
+
+/// See [`WorldKernel::entries_of_joint`].
+pub(super) struct EntriesOfJoint<S> {
+    pub qq: S,
+    pub vv: S,
+    pub vq: S,
+    pub aq: S,
+}
+
 /// The motions of joint i that meet the forces of the joints beyond it, the same in every lane.
 struct Meeting<P> {
     axis: Vec3<P>,
@@ -80,7 +97,8 @@ impl<S: Scalar> TorqueContraction<S> {
     #[inline(never)]
     pub fn new(kernel: &WorldKernel<S>) -> Self {
         let (still, slack, none) = (Motion::zero(), Force::zero(), Vec3::zero());
-        let at_rest = Virtual { chi: still, velocity: still, momentum: slack, rate: Symmetric3::zero(), twisted: none };
+        let at_rest =
+            Virtual { chi: still, velocity: still, momentum: slack, rate: Symmetric3::zero(), twisted: none };
         let n = kernel.places.len();
         let reorders = !kernel.places.are_in_order();
         Self {
@@ -88,6 +106,18 @@ impl<S: Scalar> TorqueContraction<S> {
             bent: filled(Bent { shifted: slack, by_position: none, by_velocity: none }, kernel.groups.len()),
             velocities: filled(Motion::zero(), n),
             by_places: reorders.then(|| Box::new(TorqueHessian::zeros(n))),
+        }
+    }
+
+    /// What was computed for place k.
+    pub(super) fn bent_at(&self, k: usize) -> BentAt<S> {
+        let (block, lane) = (k / WorldKernel::<S>::LANES, k % WorldKernel::<S>::LANES);
+        let bent = &self.bent[block];
+        BentAt {
+            chi: motion_lane(&self.groups[block].chi, lane),
+            shifted: force_lane(&bent.shifted, lane),
+            by_position: bent.by_position.lane(lane),
+            by_velocity: bent.by_velocity.lane(lane),
         }
     }
 
@@ -170,17 +200,8 @@ impl<S: Scalar> WorldKernel<S> {
     /// (S. Singh, R. Russell, P. Wensing, On Second-Order Derivatives of Rigid-Body Dynamics (2023), contract
     /// the same derivatives, in other terms.) Forces of R and U are zero.
     #[inline(never)]
-    pub fn contract_torque(
-        &mut self,
-        work: &mut TorqueContraction<S>,
-        w: &[S],
-        to: &mut TorqueHessian<S>,
-    ) {
-        work.set_motion(self, w);
-        work.compose(self);
-        for ((group, moved), bent) in self.groups.iter().zip(&work.groups).zip(&mut work.bent) {
-            *bent = bend(group, moved);
-        }
+    pub fn contract_torque(&mut self, work: &mut TorqueContraction<S>, w: &[S], to: &mut TorqueHessian<S>) {
+        self.bend_forces(work, w);
         let Some(mut by_places) = work.by_places.take() else { return self.meet_bent(work, to) };
         self.meet_bent(work, &mut by_places);
         let TorqueHessian { qq, vv, vq, aq } = &*by_places;
@@ -189,6 +210,16 @@ impl<S: Scalar> WorldKernel<S> {
         self.places.take_to_coordinates(vq, &mut to.vq);
         self.places.take_to_coordinates(aq, &mut to.aq);
         work.by_places = Some(by_places);
+    }
+
+    /// The forces of [`contract_torque`](Self::contract_torque), for the weights w (n).
+    #[inline(always)]
+    pub fn bend_forces(&self, work: &mut TorqueContraction<S>, w: &[S]) {
+        work.set_motion(self, w);
+        work.compose(self);
+        for ((group, moved), bent) in self.groups.iter().zip(&work.groups).zip(&mut work.bent) {
+            *bent = bend(group, moved);
+        }
     }
 
     /// All entries, by places.
@@ -234,40 +265,46 @@ impl<S: Scalar> WorldKernel<S> {
         self.places.mirror(vv, None);
         self.places.mirror(vq, Some(&*vq_lower));
         self.places.mirror(aq, Some(&*aq_lower));
-        self.correct_free_joints_bent(work, to);
+        self.correct_bent_free_joints(work, to);
     }
 
     /// Sets the entries of pairs of one joint, see [`contract_torque`](Self::contract_torque).
-    fn correct_free_joints_bent(&self, work: &TorqueContraction<S>, to: &mut TorqueHessian<S>) {
-        for chain in &self.free {
-            for i in chain.clone() {
-                let (group, moved, lane) =
-                    (&self.groups[i / Self::LANES], &work.groups[i / Self::LANES], i % Self::LANES);
-                let motion = |motion: &Motion<S::Pack>| self.at_end(chain, i, motion_lane(motion, lane));
-                let (axis, psi, chi) = (motion(&group.axis), motion(&group.psi), motion(&moved.chi));
-                let psi_rate = motion(&group.psi_rate);
-                for j in chain.clone() {
-                    let (carried, bent, lane) =
-                        (&self.carried[j / Self::LANES], &work.bent[j / Self::LANES], j % Self::LANES);
-                    let force = |force: &Force<S::Pack>| self.force_at_end(chain, j, force_lane(force, lane));
-                    let (r, u) = (bent.by_position.lane(lane), bent.by_velocity.lane(lane));
-                    let by_position = force(&carried.by_position).dot(chi) + force(&bent.shifted).dot(psi_rate);
-                    let (qq, vv) = (psi.angular.dot_plus(r, by_position), axis.angular.dot(u));
-                    // Half of the sum with that of the pair (j, i).
-                    for (panel, entry) in [(&mut to.qq, qq), (&mut to.vv, vv)] {
-                        let half = entry.times(0.5);
-                        if i <= j {
-                            panel.set(i, j, half + if i == j { half } else { S::zero() });
-                        } else {
-                            let sum = panel.get(j, i) + half;
-                            panel.set(j, i, sum);
-                            panel.set(i, j, sum);
-                        }
+    fn correct_bent_free_joints(&self, work: &TorqueContraction<S>, to: &mut TorqueHessian<S>) {
+        for joint in &self.free {
+            for i in joint.clone() {
+                for j in i..joint.end {
+                    let [ij, ji] = [(i, j), (j, i)].map(|pair| self.entries_of_joint(work, joint, pair));
+                    for ((row, column), ij) in [((i, j), &ij), ((j, i), &ji)] {
+                        to.vq.set(column, row, ij.vq);
+                        to.aq.set(column, row, ij.aq);
                     }
-                    to.vq.set(j, i, psi.angular.dot_plus(u, force(&carried.by_velocity).dot(chi)));
-                    to.aq.set(j, i, force(&carried.inertial).dot(chi));
+                    for (panel, entry) in [(&mut to.qq, ij.qq + ji.qq), (&mut to.vv, ij.vv + ji.vv)] {
+                        panel.set(i, j, entry.times(0.5));
+                        panel.set(j, i, entry.times(0.5));
+                    }
                 }
             }
+        }
+    }
+
+    /// The entries of places i and j of one joint from the motions of i and the forces of j: `vq_ji`, `aq_ji`,
+    /// and those whose symmetric parts are qq and vv.
+    pub(super) fn entries_of_joint(
+        &self,
+        work: &TorqueContraction<S>,
+        joint: &Range<usize>,
+        (i, j): (usize, usize),
+    ) -> EntriesOfJoint<S> {
+        let ([of_i, of_j], [moved, bent]) = ([i, j].map(|k| self.own(k)), [i, j].map(|k| work.bent_at(k)));
+        let motion = |motion: Motion<S>| self.at_end(joint, i, motion);
+        let force = |force: Force<S>| self.force_at_end(joint, j, force);
+        let (psi, axis, chi) = (of_i.psi.angular, of_i.axis.angular, motion(moved.chi));
+        let by_shift = force(bent.shifted).dot(motion(of_i.psi_rate));
+        EntriesOfJoint {
+            qq: psi.dot_plus(bent.by_position, force(of_j.by_position).dot(chi) + by_shift),
+            vv: axis.dot(bent.by_velocity),
+            vq: psi.dot_plus(bent.by_velocity, force(of_j.by_velocity).dot(chi)),
+            aq: force(of_j.inertial).dot(chi),
         }
     }
 }

@@ -13,6 +13,7 @@ mod group;
 mod hessian;
 mod motion;
 mod places;
+mod products;
 mod torque;
 
 use super::coupling::{Coupled, positions};
@@ -25,6 +26,7 @@ pub(crate) use articulated::ArticulatedBodies;
 pub(crate) use contraction::{TorqueContraction, TorqueHessian};
 use group::{Carried, Group, Links, motion_along, set_motion};
 use places::Places;
+pub(crate) use products::Sums;
 use std::ops::Range;
 
 /// The joints of a tree in the axes of the world: positions, motions, forces, M, and the derivatives of

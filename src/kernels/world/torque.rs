@@ -43,12 +43,7 @@ impl<S: Scalar> WorldKernel<S> {
     /// terms.) The linear part of E is zero.
     #[inline(never)]
     pub fn torque_derivatives(&mut self, tree: &Tree, tau: &mut [Panel<S>; 2]) {
-        self.compose_motion();
-        self.groups.iter_mut().for_each(Group::set_rates);
-        self.set_rates_of_free_joints(tree);
-        for (group, carried) in self.groups.iter_mut().zip(&mut self.carried) {
-            group.carry(carried);
-        }
+        self.carry_forces(tree);
         if self.places.are_in_order() {
             return self.meet_all(tau);
         }
@@ -57,6 +52,17 @@ impl<S: Scalar> WorldKernel<S> {
         self.upper = upper;
         for (tau, upper) in tau.iter_mut().zip(&self.upper) {
             self.places.take_to_coordinates(upper, tau);
+        }
+    }
+
+    /// The motions and forces of [`torque_derivatives`](Self::torque_derivatives).
+    #[inline(always)]
+    pub fn carry_forces(&mut self, tree: &Tree) {
+        self.compose_motion();
+        self.groups.iter_mut().for_each(Group::set_rates);
+        self.set_rates_of_free_joints(tree);
+        for (group, carried) in self.groups.iter().zip(&mut self.carried) {
+            group.carry(carried);
         }
     }
 
@@ -90,14 +96,12 @@ impl<S: Scalar> WorldKernel<S> {
     fn correct_free_joints(&self, q_upper: &mut Panel<S>) {
         for chain in &self.free {
             for j in chain.clone() {
-                let group = &self.groups[j / Self::LANES];
-                let psi = self.at_end(chain, j, motion_lane(&group.psi, j % Self::LANES));
-                let psi_rate = self.at_end(chain, j, motion_lane(&group.psi_rate, j % Self::LANES));
+                let of_j = self.own(j);
+                let psi_rate = self.at_end(chain, j, of_j.psi_rate);
                 for i in chain.clone() {
-                    let carried = &self.carried[i / Self::LANES];
-                    let turning = carried.turning.lane(i % Self::LANES);
-                    let inertial = self.force_at_end(chain, i, force_lane(&carried.inertial, i % Self::LANES));
-                    q_upper.set(i, j, psi.angular.dot_plus(turning, inertial.dot(psi_rate)));
+                    let of_i = self.own(i);
+                    let shifted = self.force_at_end(chain, i, of_i.inertial).dot(psi_rate);
+                    q_upper.set(i, j, of_j.psi.angular.dot_plus(of_i.turning, shifted));
                 }
             }
         }
@@ -105,7 +109,7 @@ impl<S: Scalar> WorldKernel<S> {
 
     /// From the origin of place `k` of a free joint to that of its last one: the way there.
     #[inline(always)]
-    fn to_end(&self, chain: &Range<usize>, k: usize) -> Vec3<S> {
+    pub(super) fn to_end(&self, chain: &Range<usize>, k: usize) -> Vec3<S> {
         self.joints[k + 1..chain.end].iter().fold(Vec3::zero(), |sum, joint| sum + joint.arm)
     }
 
