@@ -3,10 +3,18 @@
 use super::Lagrangian;
 use super::inverse::{torque, torque_jacobian};
 use crate::error::EvalError;
-use crate::kernels::{KernelOne, KernelTwo, TorqueHessian};
+use crate::kernels::{KernelOne, KernelTwo, TorqueContraction, TorqueHessian};
 use crate::matrix::{Matrix, filled};
 use crate::robot::Tree;
 use crate::scalar::{Scalar, Tangent};
+
+/// How the Hessian of w.tau is computed.
+#[derive(Clone, Debug)]
+pub(super) enum Pass<S: Scalar> {
+    /// As scalar products of pairs of joints, in the axes of the world.
+    World(Box<TorqueContraction<S>>),
+    Dual(Box<DualPass<S>>),
+}
 
 /// The dual pass of robots without floating and spherical joints.
 ///

@@ -1,37 +1,12 @@
 //! Products of contracted Hessians of inverse and forward dynamics with a direction, without the matrix.
 
-use super::routes::joint_slopes;
-use super::second_order::Pass;
+use super::dual_pass::Pass;
+use super::products::Products;
 use super::{Lagrangian, LagrangianSecondOrder};
 use crate::error::EvalError;
-use crate::kernels::{Sums, check_entries, friction_of};
-use crate::matrix::{add_scaled, dot, filled};
-use crate::robot::Tree;
+use crate::kernels::{check_entries, friction_of};
+use crate::matrix::{add_scaled, dot};
 use crate::scalar::Scalar;
-
-/// Buffers of products with a direction.
-#[derive(Clone, Debug)]
-pub(super) struct Products<S> {
-    sums: Sums<S>,
-    /// The direction's part in a, n.
-    in_a: Vec<S>,
-    /// `w'tau_z`-like sums, n each.
-    by: [Vec<S>; 3],
-    /// The product, 3n.
-    whole: Vec<S>,
-}
-
-impl<S: Scalar> Products<S> {
-    pub fn new(tree: &Tree) -> Self {
-        let vector = || filled(S::zero(), tree.dof());
-        Self {
-            sums: Sums::new(tree),
-            in_a: vector(),
-            by: [vector(), vector(), vector()],
-            whole: filled(S::zero(), 3 * tree.dof()),
-        }
-    }
-}
 
 impl<S: Scalar> LagrangianSecondOrder<S> {
     /// `(w.tau)_zz d`, z = (q, v, a), for weights w of length n and a direction d of length 3n: as
@@ -70,9 +45,9 @@ impl<S: Scalar> LagrangianSecondOrder<S> {
     /// 3n: as [`contract_forward_dynamics`](Self::contract_forward_dynamics), without the matrix and without
     /// the Jacobian.
     ///
-    /// With `w = M^-1 y`, `d_a = M^-1 (d_u - tau_q d_q - tau_v d_v)`, `g = (w.tau)_zz (d_q, d_v, d_a)` and `r =
-    /// M^-1 g_a` it is `-(g_q - tau_q' r, g_v - tau_v' r, r)`: beside the factors of M, O(n), but for numbers of
-    /// one lane, which take the product with the matrix.
+    /// With `w = M^-1 y`, `d_a = M^-1 (d_u - tau_q d_q - tau_v d_v)`, `g = (w.tau)_zz (d_q, d_v, d_a)` and `r
+    /// = M^-1 g_a` it is `-(g_q - tau_q' r, g_v - tau_v' r, r)`: beside the factors of M, O(n), but for
+    /// numbers of one lane, which take the product with the matrix.
     ///
     /// # Errors
     /// See [`Lagrangian`].
@@ -120,8 +95,8 @@ impl<S: Scalar> LagrangianSecondOrder<S> {
         Ok(&self.products.whole)
     }
 
-    /// Fills `products.by` with the product of the Hessian of w.tau and (d_q, d_v, in_a), at the forces of the
-    /// first order.
+    /// Fills `products.by` with the product of the Hessian of w.tau and (d_q, d_v, in_a), at the forces of
+    /// the first order.
     fn contract_direction(&mut self, [q, v]: [&[S]; 2], d_x: &[S]) {
         let Self { first, pass, w, products: Products { sums, in_a, by, .. }, .. } = self;
         let (x, y) = d_x.split_at(in_a.len());
@@ -139,52 +114,6 @@ impl<S: Scalar> LagrangianSecondOrder<S> {
         if let Some(external) = &mut first.external {
             let curvature = external.curvature(q, w);
             by_q.iter_mut().enumerate().for_each(|(i, entry)| *entry -= dot(curvature.row(i), x));
-        }
-    }
-}
-
-impl<S: Scalar> Lagrangian<S> {
-    /// `tau_q x + tau_v y`, n, at the forces set last.
-    fn torque_product(
-        &mut self,
-        sums: &mut Sums<S>,
-        [q, v]: [&[S]; 2],
-        (x, y): (&[S], &[S]),
-        product: &mut [S],
-    ) {
-        product.fill(S::zero());
-        if let Some(world) = &self.world {
-            world.add_torque_product(sums, [x, y], product);
-        }
-        joint_slopes(&self.tree, v, |i, in_q, in_v| {
-            product[i] += in_q.mul_add(x[i], in_v * y[i]);
-        });
-        if let Some(external) = &mut self.external {
-            let slopes = external.slopes(q);
-            product.iter_mut().enumerate().for_each(|(i, entry)| *entry -= dot(slopes.row(i), x));
-        }
-    }
-
-    /// `w'tau_q` and `w'tau_v`, n each, at the forces set last.
-    fn torque_adjoint(
-        &mut self,
-        sums: &mut Sums<S>,
-        [q, v]: [&[S]; 2],
-        w: &[S],
-        [by_q, by_v]: [&mut [S]; 2],
-    ) {
-        by_q.fill(S::zero());
-        by_v.fill(S::zero());
-        if let Some(world) = &self.world {
-            world.add_torque_adjoint(sums, w, [&mut *by_q, &mut *by_v]);
-        }
-        joint_slopes(&self.tree, v, |i, in_q, in_v| {
-            by_q[i] = w[i].mul_add(in_q, by_q[i]);
-            by_v[i] = w[i].mul_add(in_v, by_v[i]);
-        });
-        if let Some(external) = &mut self.external {
-            let slopes = external.slopes(q);
-            w.iter().enumerate().for_each(|(i, &w)| add_scaled(by_q, -w, slopes.row(i)));
         }
     }
 }

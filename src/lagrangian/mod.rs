@@ -30,6 +30,7 @@ mod hessian_product;
 mod inverse;
 mod legendre_transform;
 mod newton_euler;
+mod products;
 mod routes;
 mod second_order;
 mod wrenches;
@@ -58,9 +59,8 @@ use newton_euler::NewtonEuler;
 /// Results are not checked: if a product overflows, they are infinite.
 ///
 /// With floating and spherical joints q has [`Tree::nq`] entries, and derivatives by q are those in the
-/// left-trivialised tangent space: see [`FreeKind`](crate::robot::FreeKind). Inverse and forward dynamics,
-/// their Jacobians, M and the energy take such joints, as do the second derivatives of
-/// [`LagrangianSecondOrder`]; all else returns [`EvalError::FreeJoint`].
+/// left-trivialised tangent space: see [`FreeKind`](crate::robot::FreeKind). The Coriolis matrix, the rate of
+/// M and [`LegendreTransform`] take no such joints: [`EvalError::FreeJoint`].
 ///
 /// The generalised forces Q(q) of wrenches from outside ([`Robot::with_wrench`]) act as u does, with all
 /// their derivatives: inverse dynamics subtracts them, forward dynamics adds them. Robots with floating or

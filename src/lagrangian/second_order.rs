@@ -2,8 +2,8 @@
 
 use super::chain_rule::ChainRule;
 use super::choice::Routes;
-use super::dual_pass::DualPass;
-use super::hessian_product::Products;
+use super::dual_pass::{DualPass, Pass};
+use super::products::Products;
 use super::{InverseDynamicsContraction, InverseDynamicsLinearisation, Lagrangian, LagrangianContraction};
 use crate::error::EvalError;
 use crate::kernels::{TorqueContraction, TorqueHessian, check_entries, friction_of};
@@ -35,13 +35,6 @@ pub struct LagrangianSecondOrder<S: Scalar> {
     pub(super) products: Products<S>,
 }
 
-/// How the Hessian of w.tau is computed.
-#[derive(Clone, Debug)]
-pub(super) enum Pass<S: Scalar> {
-    World(Box<TorqueContraction<S>>),
-    Dual(Box<DualPass<S>>),
-}
-
 impl<S: Scalar> LagrangianSecondOrder<S> {
     /// Builds the workspace. Later calls do not allocate.
     pub fn new(robot: &Robot) -> Self {
@@ -52,7 +45,8 @@ impl<S: Scalar> LagrangianSecondOrder<S> {
     #[inline(never)]
     pub fn from_tree(tree: Tree) -> Self {
         let n = tree.dof();
-        // Errors of `f64` are those of its algorithms: where one has a zero by structure, another one may not.
+        // Errors of `f64` are those of its algorithms: where one has a zero by structure, another one may
+        // not.
         let routes = if S::STATES_ERRORS { Routes::of::<f64>(&tree) } else { Routes::of::<S>(&tree) };
         let first = Lagrangian::with_routes(routes, tree);
         let pass = match &first.world {

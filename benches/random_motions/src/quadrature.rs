@@ -108,7 +108,8 @@ mod tests {
 
     #[test]
     fn a_narrow_transition_between_ends_is_resolved() {
-        // tanh^2 of (t - 1/3)/w: its integral from 0 to 1 in closed form. Ends stand where those of a motion do.
+        // tanh^2 of (t - 1/3)/w: its integral from 0 to 1 in closed form. Ends stand where those of a motion
+        // do.
         let (at, w) = (1.0 / 3.0, 1e-5);
         let f = |t: &[f64]| Some(t.iter().map(|t| [((t - at) / w).tanh().powi(2)]).collect());
         let inner = [-3.0, -1.0, 0.0, 1.0, 3.0].map(|level| at + level * w);

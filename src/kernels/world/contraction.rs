@@ -178,10 +178,10 @@ impl<S: Scalar> WorldKernel<S> {
     /// alone, at the motion of [`torque_derivatives`](Self::torque_derivatives), called before. Entries of
     /// joints on different branches are left as they are.
     ///
-    /// With W the velocity that w gives the links, P its momentum and 2B_w its Coriolis operator, G the sum of
-    /// `(2B)' W` over the links of the composite body, all others as in
-    /// [`torque_derivatives`](Self::torque_derivatives), `w.tau` is the sum of `W . f` over the links.
-    /// Let joint i move, and all beyond it with it: there W changes by chi_i, the velocity by psi_i, and the
+    /// With W the velocity that w gives the links, P its momentum and 2B_w its Coriolis operator, G the sum
+    /// of `(2B)' W` over the links of the composite body, all others as in
+    /// [`torque_derivatives`](Self::torque_derivatives), `w.tau` is the sum of `W . f` over the links. Let
+    /// joint i move, and all beyond it with it: there W changes by chi_i, the velocity by psi_i, and the
     /// acceleration by `psi_i x v + psi'_i`. A change of v_i changes the velocity by S_i, the acceleration by
     /// `S_i x v + d_i`. So for i <= j in tree order
     ///
@@ -287,8 +287,8 @@ impl<S: Scalar> WorldKernel<S> {
         }
     }
 
-    /// The entries of places i and j of one joint from the motions of i and the forces of j: `vq_ji`, `aq_ji`,
-    /// and those whose symmetric parts are qq and vv.
+    /// The entries of places i and j of one joint from the motions of i and the forces of j: `vq_ji`,
+    /// `aq_ji`, and those whose symmetric parts are qq and vv.
     pub(super) fn entries_of_joint(
         &self,
         work: &TorqueContraction<S>,

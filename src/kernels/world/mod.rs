@@ -179,8 +179,8 @@ impl<S: Scalar> WorldKernel<S> {
         }
     }
 
-    /// As [`set_position`](Self::set_position), with the axes of displacements turned: coordinates are those of
-    /// twists in moved frames.
+    /// As [`set_position`](Self::set_position), with the axes of displacements turned: coordinates are those
+    /// of twists in moved frames.
     #[inline(always)]
     pub fn set_frames(&mut self, tree: &Tree, q: &[S]) {
         self.set_position(tree, q);

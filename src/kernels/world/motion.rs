@@ -10,9 +10,9 @@ impl<S: Scalar> WorldKernel<S> {
     /// Velocities, accelerations with the base accelerated against gravity, and the force on each link,
     /// `I a + v x* I v`, at the position set last; v and a have length n, a is zero where there is none.
     ///
-    /// The axes of a joint with several degrees of freedom are fixed to its link: with the velocity v_o of the
-    /// link before it, psi_k is `v_o x S_k` for each, and the link accelerates by `a_o + sum (S_k a_k + psi_k
-    /// v_k)`.
+    /// The axes of a joint with several degrees of freedom are fixed to its link: with the velocity v_o of
+    /// the link before it, psi_k is `v_o x S_k` for each, and the link accelerates by `a_o + sum (S_k a_k +
+    /// psi_k v_k)`.
     #[inline(never)]
     pub fn set_motion(&mut self, tree: &Tree, v: &[S], a: Option<&[S]>) {
         let mut outer = Motion::zero();

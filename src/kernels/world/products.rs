@@ -124,8 +124,8 @@ impl<S: Scalar> WorldKernel<S> {
         }
     }
 
-    /// Joint by joint outward: `of(k)` are the motions of place k, about its origin; `take(k, sums, own)` gets
-    /// the sums over the joints before that of k, and those of its own joint, both about its origin.
+    /// Joint by joint outward: `of(k)` are the motions of place k, about its origin; `take(k, sums, own)`
+    /// gets the sums over the joints before that of k, and those of its own joint, both about its origin.
     fn sum_before(
         &self,
         sums: &mut Sums<S>,
