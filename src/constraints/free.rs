@@ -14,7 +14,7 @@ use crate::matrix::filled;
 use crate::robot::Tree;
 use crate::scalar::Scalar;
 
-/// What the dynamics need besides that of the chains of joints.
+/// The charts of all floating and spherical joints at a state.
 #[derive(Clone, Debug)]
 pub(crate) struct Free<S: Scalar> {
     pub parts: Vec<Part<S>>,

@@ -1,4 +1,4 @@
-//! Derivatives of inverse dynamics by the motion of one floating or spherical joint.
+//! Derivatives of functions of (q, v, a) of a chain of joints by the motion of a floating or spherical joint.
 
 use crate::configuration::{ChartFrame, MOST};
 use crate::matrix::{Matrix, add_scaled};
@@ -49,7 +49,10 @@ impl<S: Scalar> Part<S> {
     /// Adds `B_q[nu] nu` to the acceleration nu'.
     pub fn set_acceleration(&mut self, acceleration: &[S], a: &mut [S]) {
         self.acceleration = self.frame.entries(acceleration);
-        self.add_bias(S::one(), a);
+        let ((at, _), nu) = (self.frame.place(), &self.velocity);
+        for e in &self.frame.chart.rates.first {
+            a[at + e.row] += (nu[e.by[0]] * nu[e.column]).times(e.value);
+        }
         let Self { velocity: nu, acceleration, v_q, a_q, .. } = self;
         *a_q = [[S::zero(); MOST]; MOST];
         for e in &self.frame.chart.rates.first {
@@ -60,14 +63,6 @@ impl<S: Scalar> Part<S> {
         for e in &self.frame.chart.rates.second {
             let [i, j] = e.by;
             a_q[e.row][j] += (nu[i] * nu[e.column]).times(e.value);
-        }
-    }
-
-    fn add_bias(&self, factor: S, a: &mut [S]) {
-        let (at, _) = self.frame.place();
-        let nu = &self.velocity;
-        for e in &self.frame.chart.rates.first {
-            a[at + e.row] += factor * (nu[e.by[0]] * nu[e.column]).times(e.value);
         }
     }
 

@@ -10,13 +10,18 @@ use crate::scalar::Scalar;
 
 impl<S: Scalar> LagrangianSecondOrder<S> {
     /// `(w.tau)_zz d`, z = (q, v, a), for weights w of length n and a direction d of length 3n: as
-    /// [`contract_inverse_dynamics`](Self::contract_inverse_dynamics), without the matrix and without the
-    /// Jacobian. O(n), but for numbers of one lane, which take the product with the matrix.
+    /// [`contract_inverse_dynamics`](Self::contract_inverse_dynamics), but neither the matrix nor the
+    /// Jacobian is formed, unless a dual pass computes them. Beside M and the derivatives of wrenches from
+    /// outside, O(n).
     ///
     /// # Errors
     /// See [`Lagrangian`]; a singular mass matrix is not an error here.
     #[inline(never)]
-    pub fn inverse_dynamics_product(&mut self, [q, v, a, w]: [&[S]; 4], d: &[S]) -> Result<&[S], EvalError> {
+    pub fn inverse_dynamics_hessian_product(
+        &mut self,
+        [q, v, a, w]: [&[S]; 4],
+        d: &[S],
+    ) -> Result<&[S], EvalError> {
         let n = self.dof();
         self.first.check(q, &[("v", v), ("a", a), ("w", w)])?;
         check_entries(self.first.tree(), "d", d, 3 * n)?;
@@ -42,21 +47,39 @@ impl<S: Scalar> LagrangianSecondOrder<S> {
     }
 
     /// `y'a_zz d`, z = (q, v, u), for the costate y of the velocities, length n, and a direction d of length
-    /// 3n: as [`contract_forward_dynamics`](Self::contract_forward_dynamics), without the matrix and without
-    /// the Jacobian.
+    /// 3n: as [`contract_forward_dynamics`](Self::contract_forward_dynamics), but neither the matrix nor the
+    /// Jacobian is formed, unless a dual pass computes them.
     ///
     /// With `w = M^-1 y`, `d_a = M^-1 (d_u - tau_q d_q - tau_v d_v)`, `g = (w.tau)_zz (d_q, d_v, d_a)` and `r
-    /// = M^-1 g_a` it is `-(g_q - tau_q' r, g_v - tau_v' r, r)`: beside the factors of M, O(n), but for
-    /// numbers of one lane, which take the product with the matrix.
+    /// = M^-1 g_a` it is `-(g_q - tau_q' r, g_v - tau_v' r, r)`: beside the factors of M and the derivatives
+    /// of wrenches from outside, O(n).
     ///
     /// # Errors
     /// See [`Lagrangian`].
     #[inline(never)]
-    pub fn forward_dynamics_product(&mut self, [q, v, u, y]: [&[S]; 4], d: &[S]) -> Result<&[S], EvalError> {
+    pub fn forward_dynamics_hessian_product(
+        &mut self,
+        [q, v, u, y]: [&[S]; 4],
+        d: &[S],
+    ) -> Result<&[S], EvalError> {
         let n = self.dof();
         self.first.check(q, &[("v", v), ("u", u), ("y", y)])?;
         check_entries(self.first.tree(), "d", d, 3 * n)?;
-        let (d_x, d_u) = d.split_at(2 * n);
+        self.multiply([q, v, u, y], d.split_at(2 * n))
+    }
+
+    /// The same with the direction in two parts, whose lengths are right.
+    pub(crate) fn checked_product(
+        &mut self,
+        [q, v, u, y]: [&[S]; 4],
+        direction: (&[S], &[S]),
+    ) -> Result<&[S], EvalError> {
+        self.first.check(q, &[("v", v), ("u", u), ("y", y)])?;
+        self.multiply([q, v, u, y], direction)
+    }
+
+    fn multiply(&mut self, [q, v, u, y]: [&[S]; 4], (d_x, d_u): (&[S], &[S])) -> Result<&[S], EvalError> {
+        let n = self.dof();
         if let Pass::Dual(_) = self.pass {
             self.contract_forward_dynamics(q, v, u, y)?;
             let Self { xx, uq, products, .. } = self;
@@ -144,11 +167,15 @@ mod tests {
         };
         let zz = second.contract_inverse_dynamics(&q, &v, &u, &y).unwrap().zz().clone();
         let expected: Vec<S> = (0..3 * n).map(|i| dot(zz.row(i), &d)).collect();
-        close("w'tau_zz d", second.inverse_dynamics_product([&q, &v, &u, &y], &d).unwrap(), &expected);
+        close(
+            "w'tau_zz d",
+            second.inverse_dynamics_hessian_product([&q, &v, &u, &y], &d).unwrap(),
+            &expected,
+        );
         let zz = second.contract_forward_dynamics(&q, &v, &u, &y).unwrap().to_matrix();
         let expected: Vec<S> = (0..3 * n).map(|i| dot(zz.row(i), &d)).collect();
-        close("y'a_zz d", second.forward_dynamics_product([&q, &v, &u, &y], &d).unwrap(), &expected);
-        assert!(second.forward_dynamics_product([&q, &v, &u, &y], &d[1..]).is_err());
+        close("y'a_zz d", second.forward_dynamics_hessian_product([&q, &v, &u, &y], &d).unwrap(), &expected);
+        assert!(second.forward_dynamics_hessian_product([&q, &v, &u, &y], &d[1..]).is_err());
     }
 
     #[test]
@@ -159,7 +186,6 @@ mod tests {
             all.push(robot(n, |k| k.wrapping_sub(3), false));
             all.push(robot(n, |k| (k * k + 1) % (k + 2), true));
         }
-        all.push(Robot::from_file(format!("{}/robots/gripper.toml", env!("CARGO_MANIFEST_DIR"))).unwrap());
         for robot in &all {
             compare(robot, |x| x, |x| x);
             compare(robot, Count::variable, Count::value);

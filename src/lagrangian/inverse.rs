@@ -1,4 +1,4 @@
-//! Inverse dynamics and its Jacobian from kernel one and kernel two along (v, a).
+//! Inverse dynamics and its Jacobian, in body frames from kernel one and kernel two along (v, a).
 
 use super::Lagrangian;
 use super::choice::current_mass_matrix;

@@ -223,7 +223,7 @@ impl<S: Scalar> WorldKernel<S> {
     }
 
     /// All entries, by places.
-    #[inline(always)]
+    #[inline(never)]
     fn meet_bent(&mut self, work: &TorqueContraction<S>, to: &mut TorqueHessian<S>) {
         let TorqueHessian { qq, vv, vq, aq } = to;
         let [vq_lower, aq_lower] = &mut self.lower;

@@ -191,7 +191,14 @@ impl<S: Scalar> WorldKernel<S> {
     /// those of the moved frame: the axes of their angles.
     pub fn turn_displacements(&mut self) {
         for chain in self.free.iter().filter(|chain| chain.len() == FreeKind::Floating.dof()) {
-            for k in chain.start..chain.start + 3 {
+            // The whole displacement stands before the first slide: nothing is moved out of it and back.
+            let (first, slides) = (chain.start, chain.start..chain.start + 3);
+            let whole = slides.clone().fold(Vec3::zero(), |sum, k| sum + self.joints[k].arm);
+            let end = self.joints[first + 2].origin;
+            for k in slides {
+                self.joints[k].arm = if k == first { whole } else { Vec3::zero() };
+                self.joints[k].origin = end;
+                self.carried[k / Self::LANES].origin.set_lane(k % Self::LANES, end);
                 let axis = self.joints[k + 3].axes[2];
                 self.joints[k].axes[2] = axis;
                 let lane = k % Self::LANES;
