@@ -182,7 +182,7 @@ fn lagrangian_derivatives_do_not_allocate() {
         let mut lagrangian = Lagrangian::<f64>::new(&robot);
         let mut second = LagrangianSecondOrder::<f64>::new(&robot);
         let mut coordinates = LegendreTransform::<f64>::new(&robot);
-        let mut costate = vec![0.4; 2 * n];
+        let (mut costate, d) = (vec![0.4; 2 * n], vec![0.6; 3 * n]);
         let f_x = Hamiltonian::<f64>::new(&robot).linearise(&q, &v, &u).unwrap().matrix().to_nalgebra();
         let f_x = Matrix::from_rows(2 * n, f_x.transpose().as_slice());
         let count = allocations(|| {
@@ -199,6 +199,8 @@ fn lagrangian_derivatives_do_not_allocate() {
             lagrangian.linearise(&q, &v, &u).unwrap();
             second.contract_inverse_dynamics(&q, &v, &u, &y).unwrap();
             second.contract_forward_dynamics(&q, &v, &u, &y).unwrap();
+            second.inverse_dynamics_hessian_product([&q, &v, &u, &y], &d).unwrap();
+            second.forward_dynamics_hessian_product([&q, &v, &u, &y], &d).unwrap();
             let mut map = coordinates.at_momentum(&q, &v, &u).unwrap();
             map.hamiltonian();
             map.jacobian_to_lagrangian(f_x.view()).unwrap();

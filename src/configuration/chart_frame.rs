@@ -103,29 +103,6 @@ impl<S: Scalar> ChartFrame<S> {
         }
     }
 
-    /// The linear components of the rows and columns of `[a_q, a_v, a_u]`, n x 3n, a_u symmetric.
-    pub fn turn_responses(&self, a_z: &mut Matrix<S>) {
-        if self.rotation.is_none() {
-            return;
-        }
-        let (n, at) = (a_z.rows(), self.free.joint.coordinate);
-        self.turn_rows(a_z, at);
-        for i in 0..n {
-            let (in_q, rest) = a_z.row_mut(i).split_at_mut(n);
-            let (in_v, in_u) = rest.split_at_mut(n);
-            self.inward(in_q);
-            self.inward(in_v);
-            if (at..at + 3).contains(&i) {
-                self.inward(in_u);
-            }
-        }
-        for row in at..at + 3 {
-            for j in 0..n {
-                a_z[(j, 2 * n + row)] = a_z[(row, 2 * n + j)];
-            }
-        }
-    }
-
     /// The same for an F_x without friction: with J = (0, 1; -1, 0), J F_x is symmetric.
     pub fn turn_symplectic(&self, f_x: &mut Matrix<S>) {
         if self.rotation.is_none() {

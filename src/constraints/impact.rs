@@ -1,10 +1,10 @@
 //! Constraints that set in: inelastic impacts, landing and release.
 
 use super::blocks::Moving;
+use super::free::Free;
 use super::lagrangian_rows::{add_forces, turn_blocks};
 use super::{ConstrainedHamiltonian, ConstrainedHamiltonianSecondOrder};
 use crate::error::{EvalError, check_length};
-use crate::lagrangian::Free;
 use crate::matrix::{Block, Matrix, add_scaled, filled};
 use crate::robot::Robot;
 use crate::scalar::Scalar;

@@ -1,9 +1,10 @@
 //! Accelerations and forces of the constraints in (q, v, u), with their Jacobians.
 
 use super::blocks::ChartPoint;
+use super::free::Free;
 use super::{ConstrainedHamiltonian, Constraints};
 use crate::error::EvalError;
-use crate::lagrangian::{Free, Lagrangian};
+use crate::lagrangian::Lagrangian;
 use crate::matrix::{Block, Matrix, filled};
 use crate::robot::{Robot, Tree};
 use crate::scalar::{Scalar, Tangent};
@@ -165,7 +166,7 @@ impl<S: Scalar> ConstrainedLagrangian<S> {
         a.iter_mut().zip(u.iter().zip(bias)).for_each(|(a, (&u, &bias))| *a = u - bias);
         match free {
             Some(free) => {
-                free.set_state(&solver.tree, q, v);
+                free.set_state(q, v);
                 free.set_acceleration(zero);
                 twice.place(q, &free.v_chain, &free.a_chain);
             }

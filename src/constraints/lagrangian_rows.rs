@@ -2,16 +2,16 @@
 //!
 //! Rows are functions of the coordinates of the chains of joints. With floating and spherical joints, q, v
 //! and a of these are functions of the displacement xi, of the twist nu and its rate, and `B = A^-1`
-//! (`lagrangian/free`):
+//! (`constraints/free.rs`):
 //!
 //! $$ r = \begin{pmatrix} B^T (\tau\_c - J\_c^T \lambda) - u \\\\ J\_c a + \dot J\_c v \end{pmatrix} $$
 //!
 //! Inverse dynamics has the derivatives of `B'tau_c`.
 
 use super::blocks::{Blocks, Moving};
+use super::free::Free;
 use super::{ConstrainedLagrangian, Constraints};
 use crate::configuration::MOST;
-use crate::lagrangian::Free;
 use crate::matrix::{Matrix, add_scaled, filled};
 use crate::scalar::{Scalar, Tangent};
 

@@ -57,7 +57,7 @@ impl<S: Scalar> World<S> {
         self.kernel.compose_for_factor(tree, alone);
         self.kernel.set_reach(tree, q);
         let singular = |k: usize| EvalError::SingularMassMatrix { joint: tree.name(k).into() };
-        self.kernel.factor(factor).map_err(singular)
+        self.kernel.factor(tree, factor).map_err(singular)
     }
 
     /// L_q at v, after [`factor`](Self::factor) at the same q.

@@ -14,7 +14,7 @@ impl<S: Scalar> Lagrangian<S> {
     /// # Errors
     /// A wrong length, an entry that is not finite, or a singular M; see [`Lagrangian`].
     pub fn solve_mass_matrix(&mut self, q: &[S], y: &mut [S]) -> Result<(), EvalError> {
-        self.check(&[("q", q), ("y", y)])?;
+        self.check(q, &[("y", y)])?;
         self.factor(q)?;
         self.factor.solve(y);
         Ok(())
@@ -33,7 +33,7 @@ impl<S: Scalar> Lagrangian<S> {
         f: &mut [S],
         y_a_x: &mut [S],
     ) -> Result<(), EvalError> {
-        self.check(&[("q", q), ("v", v), ("u", u), ("w", w)])?;
+        self.check(q, &[("v", v), ("u", u), ("w", w)])?;
         LengthError::check("f", 2 * self.dof(), f.len())?;
         LengthError::check("y_a_x", 2 * self.dof(), y_a_x.len())?;
         self.accelerate_factored(q, v, u);

@@ -14,11 +14,11 @@ use crate::scalar::Scalar;
 /// about twice as many products for a tree, and as many for a chain.
 #[derive(Clone, Debug)]
 pub(super) struct Blocked<S: Scalar> {
-    /// Y.
+    /// Y, for tau_q and tau_v.
     first: Tiles,
     /// `R Y`.
     second: Tiles,
-    y: Panel<S>,
+    y: [Panel<S>; 2],
     /// `M^-1 tau_q` or `M^-1 tau_v`: what no tile sets stays zero.
     solved: Panel<S>,
 }
@@ -34,18 +34,23 @@ impl<S: Scalar> Blocked<S> {
         Self {
             first: tiles(&across, &pair),
             second: tiles(&u, &y),
-            y: Panel::zeros(n, n),
+            y: [Panel::zeros(n, n), Panel::zeros(n, n)],
             solved: Panel::zeros(n, n),
         }
+    }
+
+    /// Y of the Jacobian computed last.
+    pub fn between(&self) -> &[Panel<S>; 2] {
+        &self.y
     }
 
     /// Fills a_z, n x 3n, from the panels of tau_q and tau_v; M is factored.
     #[inline(never)]
     pub fn solve(&mut self, factor: &mut Factor<S>, torque: &[Panel<S>; 2], a_z: &mut Matrix<S>) {
         let Self { first, second, y, solved } = self;
-        let n = y.rows();
+        let n = a_z.rows();
         factor.place_inverse(a_z, (0, 2 * n));
-        for (k, torque) in torque.iter().enumerate() {
+        for (k, (torque, y)) in torque.iter().zip(y).enumerate() {
             y.set_tiles(first, Left::Rows(factor.root()), torque);
             solved.set_tiles(second, Left::Columns(factor.root()), y);
             for i in 0..n {

@@ -4,9 +4,11 @@
 //! |---|---|---|
 //! | a | M and its factors | articulated bodies, O(n) |
 //! | M, tau_q, tau_v | kernels one and two in body frames | products of pairs in the axes of the world |
+//! | w'tau_zz | one dual number through these kernels | products of pairs in the axes of the world |
 //!
-//! Robots with mimic joints take the first column, and so does armature that couples joints, for a: the
-//! joints of articulated bodies are independent. Both columns are tested against each other.
+//! For a, robots with mimic joints take the first column, and so does armature that couples joints: the
+//! joints of articulated bodies are independent. Robots with floating or spherical joints take the second
+//! column for all but a: fewer operations for any numbers. Both columns are tested against each other.
 
 use crate::kernels::{ArticulatedBodies, KernelOne, WorldKernel};
 use crate::matrix::{Matrix, Panel};
@@ -43,7 +45,7 @@ impl Routes {
         let enough = if one_lane { long } else { Panel::<S>::in_blocks(tree.dof()) };
         let independent = tree.joint_map().is_none();
         Self {
-            derivatives: independent && !one_lane,
+            derivatives: !one_lane || !tree.free().is_empty(),
             bodies: independent && enough && ArticulatedBodies::<S>::suit(tree),
         }
     }

@@ -5,7 +5,7 @@ use super::choice::current_mass_matrix;
 use crate::error::EvalError;
 use crate::hamiltonian::Energy;
 use crate::kernels::friction_of;
-use crate::matrix::Matrix;
+use crate::matrix::{Matrix, dot};
 use crate::scalar::Scalar;
 
 impl<S: Scalar> Lagrangian<S> {
@@ -15,13 +15,8 @@ impl<S: Scalar> Lagrangian<S> {
     /// # Errors
     /// See [`Lagrangian`].
     pub fn inverse_dynamics(&mut self, q: &[S], v: &[S], a: &[S]) -> Result<&[S], EvalError> {
-        if self.free.is_some() {
-            return self.inverse_dynamics_free([q, v, a]);
-        }
-        self.check(&[("q", q), ("v", v), ("a", a)])?;
-        self.newton_euler.solve(&self.tree, q, v, a);
-        self.subtract_friction(v);
-        self.subtract_wrenches(q);
+        self.check(q, &[("v", v), ("a", a)])?;
+        self.set_torque(q, v, a);
         Ok(&self.tau)
     }
 
@@ -30,11 +25,7 @@ impl<S: Scalar> Lagrangian<S> {
     /// # Errors
     /// See [`Lagrangian`].
     pub fn forward_dynamics(&mut self, q: &[S], v: &[S], u: &[S]) -> Result<&[S], EvalError> {
-        if self.free.is_some() {
-            self.evaluate_free([q, v, u])?;
-            return Ok(self.acceleration());
-        }
-        self.check(&[("q", q), ("v", v), ("u", u)])?;
+        self.check(q, &[("v", v), ("u", u)])?;
         self.accelerate_alone(q, v, u)?;
         Ok(self.acceleration())
     }
@@ -44,10 +35,7 @@ impl<S: Scalar> Lagrangian<S> {
     /// # Errors
     /// See [`Lagrangian`].
     pub fn evaluate(&mut self, q: &[S], v: &[S], u: &[S]) -> Result<&[S], EvalError> {
-        if self.free.is_some() {
-            return self.evaluate_free([q, v, u]);
-        }
-        self.check(&[("q", q), ("v", v), ("u", u)])?;
+        self.check(q, &[("v", v), ("u", u)])?;
         self.accelerate_alone(q, v, u)?;
         Ok(&self.rate)
     }
@@ -57,9 +45,18 @@ impl<S: Scalar> Lagrangian<S> {
     /// # Errors
     /// See [`Lagrangian`].
     pub fn gravity(&mut self, q: &[S]) -> Result<&[S], EvalError> {
-        self.check(&[("q", q)])?;
-        self.newton_euler.solve(&self.tree, q, &self.zero, &self.zero);
-        Ok(self.newton_euler.tau())
+        self.check(q, &[])?;
+        if self.tree.free().is_empty() {
+            self.newton_euler.solve(&self.tree, q, &self.zero, &self.zero);
+            return Ok(self.newton_euler.tau());
+        }
+        if let Some(world) = &mut self.world {
+            world.set_frames(&self.tree, q);
+            world.set_motion(&self.tree, &self.zero, None);
+            world.sum_forces(&mut self.tau);
+        }
+        self.add_springs(q);
+        Ok(&self.tau)
     }
 
     /// Mass matrix M(q), armature included, n x n, symmetric (kg m^2, kg m, kg).
@@ -67,10 +64,7 @@ impl<S: Scalar> Lagrangian<S> {
     /// # Errors
     /// See [`Lagrangian`].
     pub fn mass_matrix(&mut self, q: &[S]) -> Result<&Matrix<S>, EvalError> {
-        if self.free.is_some() {
-            return self.mass_matrix_free(q);
-        }
-        self.check(&[("q", q)])?;
+        self.check(q, &[])?;
         self.place(q)?;
         Ok(current_mass_matrix(self.routes, &self.kernel, self.world.as_ref()))
     }
@@ -80,14 +74,34 @@ impl<S: Scalar> Lagrangian<S> {
     /// # Errors
     /// See [`Lagrangian`].
     pub fn energy(&mut self, q: &[S], v: &[S]) -> Result<Energy<S>, EvalError> {
-        if self.free.is_some() {
-            return self.energy_free(q, v);
-        }
-        self.check(&[("q", q), ("v", v)])?;
+        self.check(q, &[("v", v)])?;
         self.kernel.set_position(&self.tree, q)?;
-        self.kernel.set_velocity(&self.tree, v)?;
-        let twice = self.kernel.momentum().iter().zip(v).fold(S::zero(), |sum, (&p, &v)| sum + p * v);
+        let twice = if self.tree.free().is_empty() {
+            self.kernel.set_velocity(&self.tree, v)?;
+            dot(self.kernel.momentum(), v)
+        } else {
+            // The kernel has other coordinates of these joints.
+            self.place(q)?;
+            let mass_matrix = current_mass_matrix(self.routes, &self.kernel, self.world.as_ref());
+            (0..v.len()).fold(S::zero(), |sum, i| v[i].mul_add(dot(mass_matrix.row(i), v), sum))
+        };
         Ok(Energy { kinetic: twice.times(0.5), potential: self.kernel.potential(&self.tree) })
+    }
+
+    /// Fills tau of inverse dynamics, O(n).
+    pub(super) fn set_torque(&mut self, q: &[S], v: &[S], a: &[S]) {
+        if self.tree.free().is_empty() {
+            self.newton_euler.solve(&self.tree, q, v, a);
+            self.subtract_friction(v);
+            return self.subtract_wrenches(q);
+        }
+        if let Some(world) = &mut self.world {
+            world.set_frames(&self.tree, q);
+            world.set_motion(&self.tree, v, Some(a));
+            world.sum_forces(&mut self.tau);
+        }
+        self.add_armature(a);
+        self.add_joint_forces(q, v);
     }
 
     /// The acceleration computed last, n.
@@ -109,17 +123,17 @@ impl<S: Scalar> Lagrangian<S> {
         let Some(world) = self.world.as_mut().filter(|_| self.routes.derivatives) else {
             return self.factor_by_kernel(q);
         };
-        world.set_position(&self.tree, q);
+        world.set_frames(&self.tree, q);
         world.compose(&self.tree);
         self.factor_placed(q)
     }
 
-    /// The factors of M where it is computed in the axes of the world, at these coordinates (n).
+    /// The factors of M where it is computed in the axes of the world, at this q.
     pub(super) fn factor_placed(&mut self, q: &[S]) -> Result<(), EvalError> {
         let Self { tree, world: Some(world), factor, .. } = self else { return Ok(()) };
         world.set_reach(tree, q);
         let singular = |k: usize| EvalError::SingularMassMatrix { joint: tree.name(k).into() };
-        factor.factor(world.mass_matrix(), |k| world.size_of_entry(k)).map_err(singular)
+        factor.factor(world.mass_matrix(), |k| world.size_of_entry(tree, k)).map_err(singular)
     }
 
     /// The same by kernel one.

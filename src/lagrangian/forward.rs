@@ -73,10 +73,7 @@ impl<S: Scalar> Lagrangian<S> {
         v: &[S],
         u: &[S],
     ) -> Result<ForwardDynamicsLinearisation<'_, S>, EvalError> {
-        if self.free.is_some() {
-            return self.linearise_forward_dynamics_free([q, v, u]);
-        }
-        self.check(&[("q", q), ("v", v), ("u", u)])?;
+        self.check(q, &[("v", v), ("u", u)])?;
         self.accelerate(q, v, u)?;
         self.differentiate_torque_after_bias(q, v)?;
         self.solve_jacobian();
@@ -95,7 +92,7 @@ impl<S: Scalar> Lagrangian<S> {
 
     /// The same by kernels one and two, which then hold P and the rates of M and P.
     pub(super) fn linearise_by_kernels(&mut self, q: &[S], v: &[S], u: &[S]) -> Result<(), EvalError> {
-        self.check(&[("q", q), ("v", v), ("u", u)])?;
+        self.check_plain(q, &[("v", v), ("u", u)])?;
         self.factor_by_kernel(q)?;
         self.set_bias_by_recursion(q, v);
         self.accelerate_against(v, u);
@@ -124,10 +121,7 @@ impl<S: Scalar> Lagrangian<S> {
         ForwardDynamicsLinearisation {
             acceleration: self.acceleration(),
             a_z: &self.a_z,
-            mass_matrix: match &self.free {
-                None => current_mass_matrix(self.routes, &self.kernel, self.world.as_ref()),
-                Some(free) => &free.mass_matrix,
-            },
+            mass_matrix: current_mass_matrix(self.routes, &self.kernel, self.world.as_ref()),
         }
     }
 

@@ -1,4 +1,4 @@
-//! Inverse dynamics and its Jacobian from kernel one and kernel two along (v, a).
+//! Inverse dynamics and its Jacobian, in body frames from kernel one and kernel two along (v, a).
 
 use super::Lagrangian;
 use super::choice::current_mass_matrix;
@@ -73,23 +73,31 @@ impl<S: Scalar> Lagrangian<S> {
         v: &[S],
         a: &[S],
     ) -> Result<InverseDynamicsLinearisation<'_, S>, EvalError> {
-        if self.free.is_some() {
-            return self.linearise_inverse_dynamics_free([q, v, a]);
-        }
-        self.check(&[("q", q), ("v", v), ("a", a)])?;
+        self.check(q, &[("v", v), ("a", a)])?;
+        self.set_torque_jacobian(q, v, a)?;
+        self.unpack_torque();
+        Ok(self.inverse_jacobian())
+    }
+
+    /// Fills tau and the panels of tau_q and tau_v.
+    pub(super) fn set_torque_jacobian(&mut self, q: &[S], v: &[S], a: &[S]) -> Result<(), EvalError> {
         self.place(q)?;
-        let (rate_q, rate_v) = self.rate.split_at_mut(q.len());
+        let (rate_q, rate_v) = self.rate.split_at_mut(v.len());
         rate_q.copy_from_slice(v);
         rate_v.copy_from_slice(a);
         self.differentiate_torque(q, v)?;
-        self.unpack_torque();
         self.take_torques(q, v, a);
-        Ok(InverseDynamicsLinearisation {
+        Ok(())
+    }
+
+    /// The last inverse dynamics.
+    pub(super) fn inverse_jacobian(&self) -> InverseDynamicsLinearisation<'_, S> {
+        InverseDynamicsLinearisation {
             tau: &self.tau,
             tau_q: &self.tau_q,
             tau_v: &self.tau_v,
             tau_a: current_mass_matrix(self.routes, &self.kernel, self.world.as_ref()),
-        })
+        }
     }
 
     /// Puts tau_q and tau_v into the panels.

@@ -17,17 +17,20 @@
 
 mod adjoint;
 mod blocked;
+mod chain_rule;
 mod choice;
 mod contraction;
 mod coriolis;
+mod dual_pass;
 mod dynamics;
 mod forward;
-mod free;
-mod free_dynamics;
-mod free_second_order;
+#[cfg(test)]
+mod free_tests;
+mod hessian_product;
 mod inverse;
 mod legendre_transform;
 mod newton_euler;
+mod products;
 mod routes;
 mod second_order;
 mod wrenches;
@@ -39,15 +42,13 @@ pub use legendre_transform::LegendreTransform;
 pub use second_order::LagrangianSecondOrder;
 
 use crate::error::EvalError;
-use crate::hamiltonian::check;
-use crate::kernels::{ArticulatedBodies, Factor, KernelOne, KernelTwo, WorldKernel};
+use crate::kernels::{ArticulatedBodies, Factor, KernelOne, KernelTwo, WorldKernel, check_entries};
 use crate::kinematics::ExternalForces;
 use crate::matrix::{Matrix, Panel, filled};
 use crate::robot::{Robot, Tree};
 use crate::scalar::Scalar;
 use blocked::Blocked;
 use choice::Routes;
-pub(crate) use free::Free;
 use newton_euler::NewtonEuler;
 
 /// Workspace for the Lagrangian state equation of one robot; no call allocates.
@@ -58,9 +59,8 @@ use newton_euler::NewtonEuler;
 /// Results are not checked: if a product overflows, they are infinite.
 ///
 /// With floating and spherical joints q has [`Tree::nq`] entries, and derivatives by q are those in the
-/// left-trivialised tangent space: see [`FreeKind`](crate::robot::FreeKind). Inverse and forward dynamics,
-/// their Jacobians, M and the energy take such joints, as do the second derivatives of
-/// [`LagrangianSecondOrder`]; all else returns [`EvalError::FreeJoint`].
+/// left-trivialised tangent space: see [`FreeKind`](crate::robot::FreeKind). The Coriolis matrix, the rate of
+/// M and [`LegendreTransform`] take no such joints: [`EvalError::FreeJoint`].
 ///
 /// The generalised forces Q(q) of wrenches from outside ([`Robot::with_wrench`]) act as u does, with all
 /// their derivatives: inverse dynamics subtracts them, forward dynamics adds them. Robots with floating or
@@ -113,8 +113,6 @@ pub struct Lagrangian<S: Scalar> {
     f_u: Matrix<S>,
     /// Wrenches from outside, if the robot has any.
     external: Option<Box<ExternalForces<S>>>,
-    /// What floating and spherical joints need, if there are any.
-    free: Option<Box<Free<S>>>,
 }
 
 impl<S: Scalar> Lagrangian<S> {
@@ -162,7 +160,6 @@ impl<S: Scalar> Lagrangian<S> {
             f_x,
             f_u: Matrix::zeros(2 * n, n),
             external: ExternalForces::where_any(&tree),
-            free: Free::where_any(&tree),
             tree,
         }
     }
@@ -177,8 +174,18 @@ impl<S: Scalar> Lagrangian<S> {
         &self.tree
     }
 
-    /// Every argument has n finite entries.
-    fn check(&self, arguments: &[(&'static str, &[S])]) -> Result<(), EvalError> {
-        arguments.iter().try_for_each(|&(what, values)| check(&self.tree, what, values, self.tree.dof()))
+    /// q is a configuration, and every other argument has n finite entries.
+    fn check(&self, q: &[S], others: &[(&'static str, &[S])]) -> Result<(), EvalError> {
+        self.tree.refuse_constraints()?;
+        self.tree.refuse_free_and_wrench()?;
+        self.tree.check_configuration(q)?;
+        let n = self.tree.dof();
+        others.iter().try_for_each(|&(what, values)| check_entries(&self.tree, what, values, n))
+    }
+
+    /// The same of what takes no floating or spherical joints.
+    fn check_plain(&self, q: &[S], others: &[(&'static str, &[S])]) -> Result<(), EvalError> {
+        self.tree.refuse_free()?;
+        self.check(q, others)
     }
 }

@@ -3,14 +3,26 @@
 use super::Lagrangian;
 use crate::error::EvalError;
 use crate::kernels::friction_of;
+use crate::robot::{Row, Tree, scaled};
 use crate::scalar::Scalar;
+
+/// What springs and friction give the diagonals of tau_q and tau_v, some at a time: coordinate and entries.
+pub(super) fn joint_slopes<S: Scalar>(tree: &Tree, v: &[S], mut take: impl FnMut(usize, S, S)) {
+    for &i in tree.with_friction() {
+        take(i, S::zero(), -friction_of(tree, i, v[i]).first);
+    }
+    for &joint in tree.with_spring() {
+        let Row { coordinate, ratio, .. } = tree.row_of(joint);
+        take(coordinate, S::from_f64(ratio * ratio * tree.joints()[joint].spring.stiffness), S::zero());
+    }
+}
 
 impl<S: Scalar> Lagrangian<S> {
     /// Fills M(q) for [`current_mass_matrix`](super::choice::current_mass_matrix).
     pub(super) fn place(&mut self, q: &[S]) -> Result<(), EvalError> {
         match &mut self.world {
             Some(world) if self.routes.derivatives => {
-                world.set_position(&self.tree, q);
+                world.set_frames(&self.tree, q);
                 world.compose(&self.tree);
                 Ok(())
             }
@@ -41,19 +53,27 @@ impl<S: Scalar> Lagrangian<S> {
     /// Adds the torques that accelerate the armature to tau.
     pub(super) fn add_armature(&mut self, a: &[S]) {
         for &(i, j, value) in self.tree.armature() {
-            self.tau[i] += a[j].times(value);
+            let [row, column] = [i, j].map(|joint| self.tree.row_of(joint));
+            self.tau[row.coordinate] += column.rate(a).times(row.ratio * value);
             if i != j {
-                self.tau[j] += a[i].times(value);
+                self.tau[column.coordinate] += row.rate(a).times(column.ratio * value);
             }
+        }
+    }
+
+    /// Adds springs to tau.
+    pub(super) fn add_springs(&mut self, q: &[S]) {
+        for &joint in self.tree.with_spring() {
+            let (spring, row) = (self.tree.joints()[joint].spring, self.tree.row_of(joint));
+            let turned =
+                scaled(row.ratio, q[self.tree.entry_of(row.coordinate)]).plus(row.offset - spring.rest);
+            self.tau[row.coordinate] += turned.times(row.ratio * spring.stiffness);
         }
     }
 
     /// Adds springs to tau, and subtracts friction and wrenches from outside.
     pub(super) fn add_joint_forces(&mut self, q: &[S], v: &[S]) {
-        for &i in self.tree.with_spring() {
-            let spring = self.tree.joints()[i].spring;
-            self.tau[i] += q[i].plus(-spring.rest).times(spring.stiffness);
-        }
+        self.add_springs(q);
         for &i in self.tree.with_friction() {
             self.tau[i] -= friction_of(&self.tree, i, v[i]).value;
         }
@@ -74,7 +94,7 @@ impl<S: Scalar> Lagrangian<S> {
             *a = u - tau;
         }
         let (Some(world), Some(bodies)) = (&mut self.world, &mut self.bodies) else { return Ok(()) };
-        world.set_position(&self.tree, q);
+        world.set_frames(&self.tree, q);
         world.set_motion(&self.tree, v, None);
         let singular = |k: usize| EvalError::SingularMassMatrix { joint: self.tree.name(k).into() };
         bodies.solve(&self.tree, world, rate_v).map_err(singular)
@@ -103,15 +123,12 @@ impl<S: Scalar> Lagrangian<S> {
         let Some(world) = self.world.as_mut().filter(|_| self.routes.derivatives) else {
             return self.differentiate_torque_by_kernels(q, v);
         };
-        world.torque_derivatives(&mut self.torque);
+        world.torque_derivatives(&self.tree, &mut self.torque);
         let [in_q, in_v] = &mut self.torque;
-        for &i in self.tree.with_friction() {
-            let slope = friction_of(&self.tree, i, v[i]).first;
-            in_v.set(i, i, in_v.get(i, i) - slope);
-        }
-        for &i in self.tree.with_spring() {
-            in_q.set(i, i, in_q.get(i, i).plus(self.tree.joints()[i].spring.stiffness));
-        }
+        joint_slopes(&self.tree, v, |i, by_q, by_v| {
+            in_q.set(i, i, in_q.get(i, i) + by_q);
+            in_v.set(i, i, in_v.get(i, i) + by_v);
+        });
         if let Some(external) = &mut self.external {
             let slopes = external.slopes(q);
             for i in 0..q.len() {

@@ -1,32 +1,23 @@
-//! Contracted Hessians of inverse and forward dynamics, with values and Jacobians, by one dual pass through
-//! kernels one and two.
+//! Contracted Hessians of inverse and forward dynamics, with values and Jacobians.
 
+use super::chain_rule::ChainRule;
 use super::choice::Routes;
-use super::inverse::{torque, torque_jacobian};
+use super::dual_pass::{DualPass, Pass};
+use super::products::Products;
 use super::{InverseDynamicsContraction, InverseDynamicsLinearisation, Lagrangian, LagrangianContraction};
 use crate::error::EvalError;
-use crate::kernels::{KernelOne, KernelTwo, check_entries, friction_of};
+use crate::kernels::{TorqueContraction, TorqueHessian, check_entries, friction_of};
 use crate::matrix::{Matrix, filled};
 use crate::robot::{Robot, Tree};
-use crate::scalar::{Scalar, Tangent};
+use crate::scalar::Scalar;
 
 /// Workspace for tau or a, their Jacobians and their contracted Hessians of one robot; no call allocates.
 ///
-/// For constant w, the power `w.tau` of inverse dynamics consists of directional derivatives of L:
-///
-/// ```text
-/// w.tau(q, v, a) = L''[(v, a), (0, w)] - L'[(w, 0)] - w.D ,
-/// ```
-///
-/// so with `A = D_(0,w) L_qq`, `B = D_(0,w) P` (kernel one by a dual number along (0, w)) and the derivatives
-/// `E = D_(0,w) D_(v,a) - D_(w,0)` of M, P and L_qq (kernel two along (v, a), by the same dual number, with
-/// the direction's own derivative (-w, 0)), one pass gives its Hessian in (q, v, a):
-///
-/// $$ (w \cdot \tau)\_{zz} = \begin{pmatrix} E\_{L\_{qq}} & (E\_P + A)^T & B^T \\\\
-/// E\_P + A & E\_M + B + B^T - w D\_{vv} & 0 \\\\ B & 0 & 0 \end{pmatrix} $$
-///
-/// The real parts of the same pass are kernel one at (q, v) and kernel two along (v, a): they give tau and
-/// its Jacobian.
+/// For constant w, the Hessian of the power `w.tau` of inverse dynamics in z = (q, v, a) consists of scalar
+/// products of pairs of joints on one branch, O(n d) for branches of d joints; d2/da dv and d2/da da are
+/// zero. They come from the same forces as the Jacobian, and from those that move with the velocity that w
+/// gives the links. Numbers of one lane, such as recorded ones, take one dual number through kernels one and
+/// two instead, which costs fewer operations, unless there are floating or spherical joints.
 ///
 /// Since `tau(q, v, a(q, v, u)) = u`, the contracted Hessian of forward dynamics is minus this Hessian for
 /// `w = M^-1 y`, transformed by Z = (1, 0, 0; 0, 1, 0; a_q, a_v, a_u). Hence `y'a_uv = y'a_uu = 0`. No
@@ -34,17 +25,14 @@ use crate::scalar::{Scalar, Tangent};
 #[derive(Clone, Debug)]
 pub struct LagrangianSecondOrder<S: Scalar> {
     pub(super) first: Lagrangian<S>,
-    pub(super) kernel: KernelOne<Tangent<S>>,
-    pub(super) along: KernelTwo<Tangent<S>>,
-    q: Vec<Tangent<S>>,
-    v: Vec<Tangent<S>>,
-    direction_q: Vec<Tangent<S>>,
-    pub(super) direction_v: Vec<Tangent<S>>,
+    pub(super) pass: Pass<S>,
     pub(super) w: Vec<S>,
-    pub(super) tau_a: Matrix<S>,
+    hessian: TorqueHessian<S>,
+    chain_rule: ChainRule<S>,
     pub(super) w_tau_zz: Matrix<S>,
     pub(super) xx: Matrix<S>,
     pub(super) uq: Matrix<S>,
+    pub(super) products: Products<S>,
 }
 
 impl<S: Scalar> LagrangianSecondOrder<S> {
@@ -54,29 +42,27 @@ impl<S: Scalar> LagrangianSecondOrder<S> {
     }
 
     /// As [`new`](Self::new), from an existing [`Tree`].
+    #[inline(never)]
     pub fn from_tree(tree: Tree) -> Self {
-        Self::as_numbers::<S>(tree)
-    }
-
-    /// As [`from_tree`](Self::from_tree), by the algorithms that numbers of type T take: rounding errors that
-    /// other numbers carry are those of T only then. Where one algorithm has a zero by structure, another one
-    /// may have rounding errors.
-    pub(crate) fn as_numbers<T: Scalar>(tree: Tree) -> Self {
-        let (n, nq) = (tree.dof(), tree.nq());
-        let zero = Tangent::zero();
+        let n = tree.dof();
+        // Errors of `f64` are those of its algorithms: where one has a zero by structure, another one may
+        // not.
+        let routes = if S::STATES_ERRORS { Routes::of::<f64>(&tree) } else { Routes::of::<S>(&tree) };
+        let first = Lagrangian::with_routes(routes, tree);
+        let pass = match &first.world {
+            Some(world) if routes.derivatives => Pass::World(Box::new(TorqueContraction::new(world))),
+            _ => Pass::Dual(Box::new(DualPass::new(&first.tree))),
+        };
         Self {
-            kernel: KernelOne::new(&tree),
-            along: KernelTwo::new(&tree),
-            first: Lagrangian::with_routes(Routes::of::<T>(&tree), tree),
-            q: filled(zero, nq),
-            v: filled(zero, n),
-            direction_q: filled(zero, n),
-            direction_v: filled(zero, n),
+            pass,
+            products: Products::new(&first.tree),
             w: filled(S::zero(), n),
-            tau_a: Matrix::zeros(n, n),
+            hessian: TorqueHessian::zeros(n),
+            chain_rule: ChainRule::new(&first.factor),
             w_tau_zz: Matrix::zeros(3 * n, 3 * n),
             xx: Matrix::zeros(2 * n, 2 * n),
             uq: Matrix::zeros(n, n),
+            first,
         }
     }
 
@@ -115,17 +101,27 @@ impl<S: Scalar> LagrangianSecondOrder<S> {
         a: &[S],
         w: &[S],
     ) -> Result<InverseDynamicsContraction<'_, S>, EvalError> {
-        if self.first.free.is_some() {
-            return self.contract_inverse_dynamics_free([q, v, a, w]);
-        }
-        self.first.check(&[("q", q), ("v", v), ("a", a), ("w", w)])?;
-        self.first.rate[q.len()..].copy_from_slice(a);
+        self.first.check(q, &[("v", v), ("a", a), ("w", w)])?;
         self.w.copy_from_slice(w);
-        self.differentiate(q, v)?;
-        self.take_torque_jacobian(q, v);
-        self.take_torque(q, v, a);
-        let Lagrangian { tau, tau_q, tau_v, .. } = &self.first;
-        let inverse_dynamics = InverseDynamicsLinearisation { tau, tau_q, tau_v, tau_a: &self.tau_a };
+        if let Pass::Dual(dual) = &mut self.pass {
+            let (rate_q, rate_v) = self.first.rate.split_at_mut(v.len());
+            rate_q.copy_from_slice(v);
+            rate_v.copy_from_slice(a);
+            dual.contract(&mut self.first, q, &self.w, &mut self.hessian)?;
+            dual.take_torque(&mut self.first, q);
+        } else {
+            self.first.set_torque_jacobian(q, v, a)?;
+            self.first.unpack_torque();
+            self.contract_torque();
+        }
+        self.add_joint_curvature(q, v);
+        self.chain_rule.write_torque_hessian(&self.hessian, &mut self.w_tau_zz);
+        let inverse_dynamics = match &self.pass {
+            Pass::Dual(dual) => {
+                InverseDynamicsLinearisation { tau_a: &dual.mass_matrix, ..self.first.inverse_jacobian() }
+            }
+            Pass::World(_) => self.first.inverse_jacobian(),
+        };
         Ok(InverseDynamicsContraction { inverse_dynamics, zz: &self.w_tau_zz })
     }
 
@@ -145,19 +141,20 @@ impl<S: Scalar> LagrangianSecondOrder<S> {
         u: &[S],
         y: &[S],
     ) -> Result<LagrangianContraction<'_, S>, EvalError> {
-        if self.first.free.is_some() {
-            return self.contract_forward_dynamics_free([q, v, u, y]);
-        }
-        self.first.check(&[("q", q), ("v", v), ("u", u), ("y", y)])?;
+        self.first.check(q, &[("v", v), ("u", u), ("y", y)])?;
         self.first.accelerate(q, v, u)?;
         self.w.copy_from_slice(y);
         self.first.factor.solve(&mut self.w);
-        self.differentiate(q, v)?;
-        self.take_torque_jacobian(q, v);
-        self.first.pack_torque();
+        if let Pass::Dual(dual) = &mut self.pass {
+            dual.contract(&mut self.first, q, &self.w, &mut self.hessian)?;
+        } else {
+            self.first.differentiate_torque_after_bias(q, v)?;
+            self.contract_torque();
+        }
+        self.add_joint_curvature(q, v);
         self.first.solve_jacobian();
         self.first.assemble();
-        self.transform();
+        self.chain_rule.transform(&mut self.first, &self.hessian, (&mut self.xx, &mut self.uq));
         let (forward_dynamics, linearisation) = (self.first.forward_jacobian(), self.first.state());
         Ok(LagrangianContraction { forward_dynamics, linearisation, xx: &self.xx, uq: &self.uq })
     }
@@ -179,111 +176,145 @@ impl<S: Scalar> LagrangianSecondOrder<S> {
         self.contract_forward_dynamics(q, v, u, &y[n..])
     }
 
-    /// The dual pass at (q, v), with the acceleration of the first-order workspace, and the Hessian of w.tau
-    /// from it.
-    fn differentiate(&mut self, q: &[S], v: &[S]) -> Result<(), EvalError> {
-        for i in 0..v.len() {
-            self.direction_v[i] = Tangent::new(self.first.acceleration()[i], S::zero());
+    /// The Hessian of w.tau in the axes of the world, where tau_q and tau_v were computed.
+    fn contract_torque(&mut self) {
+        if let (Pass::World(work), Some(world)) = (&mut self.pass, &mut self.first.world) {
+            world.contract_torque(work, &self.w, &mut self.hessian);
         }
-        self.pass(q, v)?;
-        self.first.subtract_wrench_curvature(q, &self.w, &mut self.w_tau_zz);
-        Ok(())
     }
 
-    /// The dual pass at (q, v), with the acceleration in `direction_v`.
-    pub(super) fn pass(&mut self, q: &[S], v: &[S]) -> Result<(), EvalError> {
-        let tree = &self.first.tree;
-        self.q.iter_mut().zip(q).for_each(|(dual, &q)| *dual = Tangent::new(q, S::zero()));
-        for (i, &w) in self.w.iter().enumerate() {
-            self.v[i] = Tangent::new(v[i], w);
-            self.direction_q[i] = Tangent::new(v[i], -w);
-        }
-        self.kernel.set_position(tree, &self.q)?;
-        self.kernel.set_velocity(tree, &self.v)?;
-        self.kernel.second_order(tree);
-        self.along.differentiate(tree, &self.kernel, &self.direction_q, &self.direction_v)?;
-        self.fill_torque_hessian(v);
-        Ok(())
-    }
-
-    /// Fills tau_q and tau_v from the real parts of the dual pass.
-    fn take_torque_jacobian(&mut self, q: &[S], v: &[S]) {
-        let Lagrangian { tree, tau_q, tau_v, .. } = &mut self.first;
-        torque_jacobian(tree, (&self.kernel, &self.along), |entry| entry.re, v, (tau_q, tau_v));
-        self.first.subtract_wrench_slopes(q);
-    }
-
-    /// Fills tau and tau_a from them.
-    fn take_torque(&mut self, q: &[S], v: &[S], a: &[S]) {
-        let mass_matrix = self.kernel.mass_matrix();
-        for i in 0..q.len() {
-            let row = self.tau_a.row_mut(i).iter_mut().zip(mass_matrix.row(i));
-            row.for_each(|(entry, m)| *entry = m.re);
-        }
-        let Lagrangian { tree, tau, .. } = &mut self.first;
-        torque(tree, &self.kernel, |entry| entry.re, (v, a), tau);
-        self.first.subtract_wrenches(q);
-    }
-
-    /// The blocks of the Hessian of w.tau, both triangles.
-    fn fill_torque_hessian(&mut self, v: &[S]) {
-        let n = self.w.len();
-        let (p, l_qq) = (self.kernel.l_vq(), self.kernel.l_qq());
-        let (e_m, e_p, e_l_qq) = (self.along.mass_matrix(), self.along.l_vq(), self.along.l_qq());
-        let h = &mut self.w_tau_zz;
-        for i in 0..n {
-            for j in 0..n {
-                h[(i, j)] = e_l_qq[(i, j)].eps;
-                h[(n + i, n + j)] = e_m[(i, j)].eps + (p[(i, j)].eps + p[(j, i)].eps);
-                let mixed = e_p[(i, j)].eps + l_qq[(i, j)].eps;
-                h[(n + i, j)] = mixed;
-                h[(j, n + i)] = mixed;
-                h[(2 * n + i, j)] = p[(i, j)].eps;
-                h[(j, 2 * n + i)] = p[(i, j)].eps;
-            }
-        }
-        let tree = &self.first.tree;
+    /// What friction and wrenches from outside add to the Hessian of w.tau.
+    fn add_joint_curvature(&mut self, q: &[S], v: &[S]) {
+        let (tree, vv) = (&self.first.tree, &mut self.hessian.vv);
         for &i in tree.with_friction() {
             if tree.has_coulomb_friction(i) {
-                h[(n + i, n + i)] -= self.w[i] * friction_of(tree, i, v[i]).second;
+                vv.set(i, i, vv.get(i, i) - self.w[i] * friction_of(tree, i, v[i]).second);
             }
+        }
+        self.first.subtract_wrench_curvature(q, &self.w, &mut self.hessian.qq);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::robot::test_robot::robot;
+    use crate::robot::{JointSpec, LinkInertia, Placement, Spring};
+    use nalgebra::{DMatrix, Matrix3};
+
+    fn dual<S: Scalar>(tree: &Tree) -> LagrangianSecondOrder<S> {
+        let mut dual = LagrangianSecondOrder::from_tree(tree.clone());
+        dual.pass = Pass::Dual(Box::new(DualPass::new(tree)));
+        dual
+    }
+
+    fn compare(robot: &Robot) {
+        let (tree, n) = (Tree::from(robot), robot.dof());
+        let numbers = |from: f64| (0..n).map(|i| (from + 1.3 * i as f64).sin()).collect::<Vec<f64>>();
+        let (mut world, mut dual) =
+            (LagrangianSecondOrder::<f64>::from_tree(tree.clone()), dual::<f64>(&tree));
+        // The second time, nothing may be left of the first.
+        for from in [0.3, 1.1] {
+            let (q, v, u, w) = (numbers(from), numbers(0.5 * from), numbers(0.7), numbers(2.0 * from));
+            let close = |what: &str, found: DMatrix<f64>, expected: DMatrix<f64>| {
+                let error = (&found - &expected).amax();
+                // Terms are of the size of one or larger, also where they cancel.
+                assert!(
+                    error < 1e-11 * expected.amax().max(1.0),
+                    "n = {n}: {what}: {error}\n{:.2e}",
+                    found - expected
+                );
+            };
+            let dense = |found: InverseDynamicsContraction<'_, f64>| found.zz().view().to_nalgebra();
+            close(
+                "w'tau_zz",
+                dense(world.contract_inverse_dynamics(&q, &v, &u, &w).unwrap()),
+                dense(dual.contract_inverse_dynamics(&q, &v, &u, &w).unwrap()),
+            );
+            let dense = |found: LagrangianContraction<'_, f64>| found.to_matrix().view().to_nalgebra();
+            let found = dense(world.contract_forward_dynamics(&q, &v, &u, &w).unwrap());
+            assert_eq!(found, found.transpose());
+            close("y'a_zz", found, dense(dual.contract_forward_dynamics(&q, &v, &u, &w).unwrap()));
         }
     }
 
-    /// `y'a_zz = -Z' (w.tau)_zz Z`, Z with the rows (1, 0, 0), (0, 1, 0), a_z; of its products only
-    /// `K = a_z' B` is not trivial. It is added to the rows of z and the columns of q, and its transpose to
-    /// the transposed block.
-    pub(super) fn transform(&mut self) {
-        let n = self.w.len();
-        let (h, xx, uq) = (&self.w_tau_zz, &mut self.xx, &mut self.uq);
-        for i in 0..2 * n {
-            xx.row_mut(i).iter_mut().zip(h.row(i)).for_each(|(entry, &h)| *entry = -h);
-        }
-        uq.fill_zero();
+    /// Revolute and prismatic joints, links without mass, springs, armature, a mimic; no order of branches.
+    fn mixed(n: usize, gravity: [f64; 3]) -> Robot {
+        let mut builder = Robot::builder("mixed").gravity(gravity);
         for k in 0..n {
-            let b = &h.row(2 * n + k)[..n];
-            for (i, &moved) in self.first.a_z.row(k).iter().enumerate() {
-                let row = if i < 2 * n { &mut xx.row_mut(i)[..n] } else { uq.row_mut(i - 2 * n) };
-                row.iter_mut().zip(b).for_each(|(entry, &b)| *entry -= moved * b);
+            let (x, name) = (k as f64, format!("j{k}"));
+            let mut joint = match k % 3 {
+                1 => JointSpec::prismatic(name),
+                _ => JointSpec::revolute(name),
+            };
+            joint = joint
+                .axis([x.sin(), 1.0, x.cos()])
+                .placed(Placement::from_xyz_rpy([0.2, 0.1 * x.cos(), 0.3], [x, 0.4, -x]))
+                .armature(0.2);
+            if k % 4 != 2 {
+                let inertia = Matrix3::new(0.3, 0.02, 0.01, 0.02, 0.4, 0.03, 0.01, 0.03, 0.35);
+                joint =
+                    joint.carrying(LinkInertia::about_com(1.0 + x.sin().abs(), [0.1, 0.2, x.cos()], inertia));
             }
+            if k % 5 == 0 {
+                joint = joint.spring(Spring { stiffness: 3.0, rest: 0.2 });
+            }
+            if k + 1 == n && n > 3 {
+                joint = joint.mimicking("j1", -0.7, 0.3);
+            }
+            builder = builder.joint(if k > 1 { joint.on(format!("j{}", (k / 2 + 1) % k)) } else { joint });
         }
-        self.add_transpose();
+        builder.build().unwrap()
     }
 
-    /// Completes [`transform`](Self::transform): K' in (q, q), and the transposed block.
-    fn add_transpose(&mut self) {
-        let n = self.w.len();
-        let (h, xx) = (&self.w_tau_zz, &mut self.xx);
-        for i in 0..n {
-            for j in 0..=i {
-                // Each of the two holds -h - K; the sum is -2 h - K - K'.
-                let entry = xx[(i, j)] + xx[(j, i)] + h[(i, j)];
-                xx[(i, j)] = entry;
-                xx[(j, i)] = entry;
+    #[test]
+    fn all_kinds_of_joints_give_what_the_dual_pass_gives() {
+        for n in [2, 5, 9, 14, 17, 30] {
+            compare(&mixed(n, [0.3, -1.0, -9.81]));
+            compare(&mixed(n, [0.0; 3]));
+        }
+    }
+
+    #[test]
+    fn chains_and_bushes_of_a_hundred_joints_give_what_the_dual_pass_gives() {
+        compare(&robot(100, |k| k.wrapping_sub(1), false));
+        compare(&robot(100, |k| k / 7, false));
+    }
+
+    /// Also where a workspace has been used before.
+    #[test]
+    fn pairs_on_different_branches_have_no_entries() {
+        let (n, parent) = (19, |k: usize| k.wrapping_sub(3));
+        let robot = robot(n, parent, false);
+        let on_one_branch = |i: usize, j: usize| {
+            let (low, mut high) = (i.min(j), i.max(j));
+            while high > low && parent(high) < high {
+                high = parent(high);
             }
-            for j in n..2 * n {
-                xx[(i, j)] = xx[(j, i)];
+            high == low
+        };
+        let mut second = LagrangianSecondOrder::<f64>::new(&robot);
+        for from in [0.3, 1.1] {
+            let [q, v, a, w] = [1.0, 2.0, 3.0, 4.0]
+                .map(|k| (0..n).map(|i| (from + k + 1.3 * i as f64).sin()).collect::<Vec<f64>>());
+            let zz = second.contract_inverse_dynamics(&q, &v, &a, &w).unwrap().zz();
+            for i in 0..3 * n {
+                for j in 0..3 * n {
+                    assert!(on_one_branch(i % n, j % n) || zz[(i, j)] == 0.0, "{i}, {j}: {}", zz[(i, j)]);
+                }
             }
+            assert_eq!(zz.view().to_nalgebra(), zz.view().to_nalgebra().transpose());
+        }
+    }
+
+    #[test]
+    fn products_of_pairs_give_what_the_dual_pass_gives() {
+        for n in [1, 2, 3, 5, 7, 12, 13, 16, 23] {
+            compare(&robot(n, |k| k.wrapping_sub(1), false));
+            compare(&robot(n, |k| k / 2 + k % 3, false));
+            // Not in the order of the branches.
+            compare(&robot(n, |k| k.wrapping_sub(3), false));
+            compare(&robot(n, |k| (k * k + 1) % (k + 2), true));
         }
     }
 }

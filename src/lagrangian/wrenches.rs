@@ -4,7 +4,7 @@
 
 use super::{Lagrangian, LagrangianSecondOrder, LegendreTransform};
 use crate::error::EvalError;
-use crate::matrix::{Matrix, add_scaled};
+use crate::matrix::{Panel, add_scaled};
 use crate::scalar::Scalar;
 
 impl<S: Scalar> Lagrangian<S> {
@@ -38,12 +38,10 @@ impl<S: Scalar> Lagrangian<S> {
     }
 
     /// Subtracts their Hessian, contracted with w, from the block (q, q) of that of inverse dynamics.
-    pub(super) fn subtract_wrench_curvature(&mut self, q: &[S], w: &[S], w_tau_zz: &mut Matrix<S>) {
+    pub(super) fn subtract_wrench_curvature(&mut self, q: &[S], w: &[S], w_tau_qq: &mut Panel<S>) {
         if let Some(external) = &mut self.external {
             let curvature = external.curvature(q, w);
-            for i in 0..q.len() {
-                add_scaled(&mut w_tau_zz.row_mut(i)[..q.len()], -S::one(), curvature.row(i));
-            }
+            (0..q.len()).for_each(|i| w_tau_qq.subtract_row(i, curvature.row(i)));
         }
     }
 }

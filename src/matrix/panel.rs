@@ -196,6 +196,12 @@ impl<S: Scalar> Panel<S> {
         read_packs(numbers, |k, pack| row[k] -= pack);
     }
 
+    /// Subtracts a panel of the same size.
+    #[inline(always)]
+    pub fn subtract(&mut self, other: &Self) {
+        self.data.iter_mut().zip(&other.data).for_each(|(entry, &other)| *entry -= other);
+    }
+
     /// `A - B`, of a panel and a matrix of the same size.
     pub fn set_difference(&mut self, a: &Self, b: &Matrix<S>) {
         for i in 0..self.rows {

@@ -2,7 +2,8 @@
 //!
 //! A free joint is a chain of joints of one degree of freedom that never leave zero, behind an orientation
 //! that is given by a unit quaternion: a chart of its positions whose centre is the present one. The kernels
-//! run on the chain; results are those in the chart's centre, where nothing is singular.
+//! run on the chain; results are those in the chart's centre, where nothing is singular. Inverse dynamics in
+//! the axes of the world needs no chart: axes of the chain are fixed to the link (`kernels/world/torque.rs`).
 
 /// The type of a joint that turns freely.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

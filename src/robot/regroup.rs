@@ -12,7 +12,8 @@ use crate::spatial::{ConstantInertia, Inertia, Symmetric3, Vec3};
 
 /// Fills `lumped` and `lumped_mass` of every joint; returns V (J) of what was moved to the world.
 ///
-/// Nothing is moved across the `turned` joints, which are oriented by a quaternion.
+/// Nothing is moved across the `turned` joints, the revolute ones of floating and spherical joints: they turn
+/// together, not one after the other.
 pub(super) fn regroup(joints: &mut [JointFrame], gravity: [f64; 3], turned: &[usize]) -> f64 {
     let mut potential = 0.0;
     for i in (0..joints.len()).rev() {

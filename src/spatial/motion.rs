@@ -72,6 +72,12 @@ pub struct Force<S> {
 }
 
 impl<S: Scalar> Force<S> {
+    /// `factor self`.
+    #[inline(always)]
+    pub fn scaled(self, factor: S) -> Self {
+        Self { moment: self.moment.scaled(factor), force: self.force.scaled(factor) }
+    }
+
     /// No force.
     #[inline(always)]
     pub fn zero() -> Self {

@@ -192,7 +192,7 @@ fn what_does_not_take_free_joints_says_so() {
     let (q, p, y) = (ConfigurationSpace::new(&robot).neutral(), [0.1; 6], [0.2; 12]);
     let tree = || Tree::from(&robot);
     let outcomes = [
-        Lagrangian::<f64>::new(&robot).gravity(&q).map(drop),
+        Lagrangian::<f64>::new(&robot).coriolis_matrix(&q, &p).map(drop),
         Kinematics::<f64>::new(&robot).set_position(&p).map(drop),
         DualPass::<f64>::new(&robot).contract(&q, &p, &p, &y).map(drop),
         FullHessian::<f64>::new(&robot).hessian_tensor(&q, &p).map(drop),

@@ -4,6 +4,7 @@ use super::WorldKernel;
 use super::group::{Body, Carried, add_force, add_matrix, force_lane, matrix_lane};
 use super::motion::inward;
 use crate::kernels::Factor;
+use crate::kernels::coupling::size_of_sum;
 use crate::matrix::Matrix;
 use crate::robot::{JointKind, Tree};
 use crate::scalar::{Pack, Scalar, inlined};
@@ -12,7 +13,7 @@ use crate::spatial::{Force, Symmetric3, Vec3};
 /// `2 (r.w) 1 - r w' - w r'`: what a first moment 2 w adds to an inertia matrix about an origin that is moved
 /// by r.
 #[inline(always)]
-fn spread<S: Scalar>(r: Vec3<S>, w: Vec3<S>) -> Symmetric3<S> {
+pub(super) fn spread<S: Scalar>(r: Vec3<S>, w: Vec3<S>) -> Symmetric3<S> {
     inlined!(S, {
         let (x, y, z) = (r.x * w.x, r.y * w.y, r.z * w.z);
         let twice = |a: S| a + a;
@@ -49,12 +50,12 @@ impl<S: Scalar> WorldKernel<S> {
     ///
     /// # Errors
     /// See [`Factor::factor`].
-    pub fn factor(&self, factor: &mut Factor<S>) -> Result<(), usize> {
+    pub fn factor(&self, tree: &Tree, factor: &mut Factor<S>) -> Result<(), usize> {
         let [panel, _] = &self.lower;
         if self.factors_panel {
             factor.factor_panel(panel, |k| self.reach.size(k, panel.get(k, k)))
         } else {
-            factor.factor(&self.mass_matrix, |k| self.size_of_entry(k))
+            factor.factor(self.mass_matrix.get(), |k| self.size_of_entry(tree, k))
         }
     }
 
@@ -94,41 +95,44 @@ impl<S: Scalar> WorldKernel<S> {
     #[inline(never)]
     fn write_mass_matrix(&mut self, tree: &Tree) {
         let [panel, _] = &self.lower;
-        self.places.write(panel, &mut self.mass_matrix);
+        let all = &mut self.mass_matrix.all;
+        self.places.write(panel, all);
         if self.factors_panel {
             return;
         }
         for &(i, j, value) in tree.armature() {
             let on_one_branch = tree.subtree(j).contains(&i);
-            let entry = if on_one_branch { self.mass_matrix[(i, j)].plus(value) } else { S::from_f64(value) };
-            self.mass_matrix[(i, j)] = entry;
-            self.mass_matrix[(j, i)] = entry;
+            let entry = if on_one_branch { all[(i, j)].plus(value) } else { S::from_f64(value) };
+            all[(i, j)] = entry;
+            all[(j, i)] = entry;
         }
+        self.mass_matrix.sum_symmetric(tree);
     }
 
     /// Mass matrix M, armature included, n x n.
     pub fn mass_matrix(&self) -> &Matrix<S> {
-        &self.mass_matrix
+        self.mass_matrix.get()
     }
 
     /// What [`size_of_entry`](Self::size_of_entry) needs of the configuration set last, which is q (nq).
     pub fn set_reach(&mut self, tree: &Tree, q: &[S]) {
-        self.reach.set_position(tree, if tree.free().is_empty() { q } else { &self.chart });
+        let coordinates = if tree.free().is_empty() { q } else { &self.chart };
+        self.reach.set_position(tree, if self.places.sums() { &self.positions } else { coordinates });
     }
 
     /// The scale of the rounding error of `M_kk`, see
     /// [`KernelOne::size_of_entry`](crate::kernels::KernelOne::size_of_entry).
     ///
     /// After [`set_reach`](Self::set_reach).
-    pub fn size_of_entry(&self, k: usize) -> S {
-        self.reach.size(k, self.mass_matrix[(k, k)])
+    pub fn size_of_entry(&self, tree: &Tree, k: usize) -> S {
+        size_of_sum(tree, k, |i| self.reach.size(i, self.mass_matrix.all[(i, i)]))
     }
 
     /// Exchanges the matrix of M for another of the same size, which [`compose`](Self::compose) fills next.
     ///
     /// Entries of joints on different branches are never set: they must be zero there too.
     pub fn swap_mass_matrix(&mut self, other: &mut Matrix<S>) {
-        std::mem::swap(&mut self.mass_matrix, other);
+        std::mem::swap(&mut self.mass_matrix.all, other);
     }
 
     /// Momenta, forces and rates of inertia of the composite bodies, at the motion set last.
@@ -187,7 +191,7 @@ pub(super) fn clear_beyond<S: Scalar>(row: &mut [S::Pack], end: usize) {
 /// The rate of the inertia matrix of a body about a fixed point: `w x J + (w x J)' + 2 (v.h) 1 - v h' - h
 /// v'`.
 #[inline(always)]
-fn rate_of_matrix<P: Scalar>(body: &Body<P>, w: Vec3<P>, v: Vec3<P>) -> Symmetric3<P> {
+pub(super) fn rate_of_matrix<P: Scalar>(body: &Body<P>, w: Vec3<P>, v: Vec3<P>) -> Symmetric3<P> {
     inlined!(P, {
         let (h, j) = (body.first_moment, &body.matrix);
         let mut rate = spread(v, h);

@@ -55,6 +55,8 @@ pub(super) struct Group<P> {
     pub psi: Motion<P>,
     /// `v x psi + a x S`.
     pub psi_rate: Motion<P>,
+    /// psi and the rate of S: `2 psi` for joints of one degree of freedom.
+    pub drift: Motion<P>,
     /// The link.
     pub body: Body<P>,
     /// The composite body, its momentum, the force on it and the rate of its inertia matrix.
@@ -97,6 +99,7 @@ impl<P: Scalar> Group<P> {
             acceleration: still,
             psi: still,
             psi_rate: still,
+            drift: still,
             body,
             composite: body,
             momentum: slack,

@@ -8,20 +8,26 @@
 mod articulated;
 mod articulated_inertia;
 mod composite;
+mod contraction;
 mod group;
 mod hessian;
 mod motion;
 mod places;
+mod products;
 mod torque;
 
+use super::coupling::{Coupled, positions};
 use super::reach::Reach;
 use crate::matrix::{Matrix, Panel, filled};
-use crate::robot::{FreeKind, JointKind, Tree};
+use crate::robot::{FreeJoint, FreeKind, JointKind, Tree};
 use crate::scalar::{Pack, Scalar};
 use crate::spatial::{Force, JointPosition, Motion, Vec3};
 pub(crate) use articulated::ArticulatedBodies;
+pub(crate) use contraction::{TorqueContraction, TorqueHessian};
 use group::{Carried, Group, Links, motion_along, set_motion};
 use places::Places;
+pub(crate) use products::Sums;
+use std::ops::Range;
 
 /// The joints of a tree in the axes of the world: positions, motions, forces, M, and the derivatives of
 /// inverse dynamics.
@@ -34,8 +40,10 @@ pub(crate) struct WorldKernel<S: Scalar> {
     reach: Reach<S>,
     /// Coordinates of the chains of floating and spherical joints; empty where there are none.
     chart: Vec<S>,
-    /// Places of the first joints of the chains of floating ones.
-    floating: Vec<usize>,
+    /// Positions of all joints; empty where they are the coordinates.
+    positions: Vec<S>,
+    /// Places of the chains of floating and spherical joints.
+    free: Vec<Range<usize>>,
     links: Vec<Links<S::Pack>>,
     groups: Vec<Group<S::Pack>>,
     joints: Vec<Joint<S>>,
@@ -45,7 +53,7 @@ pub(crate) struct WorldKernel<S: Scalar> {
     /// Rows i of entries (i, j), and of (j, i), j beyond i: those of tau_q, then those of tau_v.
     upper: [Panel<S>; 2],
     lower: [Panel<S>; 2],
-    mass_matrix: Matrix<S>,
+    mass_matrix: Coupled<Matrix<S>>,
     /// Whether M by places, with armature, is M: the order is that of the joints, and armature couples none.
     factors_panel: bool,
 }
@@ -68,7 +76,7 @@ impl<S: Scalar> WorldKernel<S> {
     /// Buffers for a tree.
     #[inline(never)]
     pub fn new(tree: &Tree) -> Self {
-        let n = tree.dof();
+        let n = tree.joints().len();
         let places = Places::new(tree, Self::LANES);
         let chunks = places.chunks(Self::LANES);
         let links = chunks.map(|some| {
@@ -80,15 +88,16 @@ impl<S: Scalar> WorldKernel<S> {
             Joint { axes: [none; 3], arm: none, origin: none, velocity: still, acceleration: still };
         let groups = n.div_ceil(Self::LANES);
         let panel = Panel::zeros(n, n);
-        let floats = |joint: usize| {
-            let mut free = tree.free().iter().map(|free| &free.joint);
-            free.any(|free| free.kind == FreeKind::Floating && joint + free.kind.slides() == free.turned)
+        let chain = |free: &FreeJoint| {
+            let first = places.iter().position(|place| place.joint + free.kind.slides() == free.turned);
+            first.map(|first| first..first + free.kind.dof())
         };
         Self {
-            floating: (0..n).filter(|&k| floats(places[k].joint)).collect(),
+            free: tree.free().iter().filter_map(|free| chain(&free.joint)).collect(),
             reach: Reach::new(tree),
             turns: tree.joints().iter().map(|joint| joint.position(S::zero())).collect(),
-            chart: filled(S::zero(), if tree.free().is_empty() { 0 } else { n }),
+            chart: filled(S::zero(), if tree.free().is_empty() { 0 } else { tree.dof() }),
+            positions: filled(S::zero(), if places.sums() { n } else { 0 }),
             links: links.collect(),
             groups: filled(Group::zero(), groups),
             carried: filled(Carried::zero(), groups),
@@ -96,7 +105,7 @@ impl<S: Scalar> WorldKernel<S> {
             joints: filled(at_rest, n),
             upper: [panel.clone(), panel.clone()],
             lower: [panel.clone(), panel],
-            mass_matrix: Matrix::zeros(n, n),
+            mass_matrix: Coupled::square(tree),
             factors_panel: places.are_in_order() && tree.armature().iter().all(|&(i, j, _)| i == j),
             places,
         }
@@ -110,13 +119,15 @@ impl<S: Scalar> WorldKernel<S> {
     /// Axes and origins at q (rad, m; length nq), and the links there.
     #[inline(never)]
     pub fn set_position(&mut self, tree: &Tree, q: &[S]) {
-        let coordinates = if tree.free().is_empty() {
-            q
-        } else {
+        if !tree.free().is_empty() {
             tree.chart_coordinates(q, &mut self.chart);
-            &self.chart
-        };
-        super::joint_positions::joint_positions(tree, coordinates, |i, position| self.turns[i] = position);
+        }
+        let coordinates = if tree.free().is_empty() { q } else { &self.chart };
+        if self.places.sums() {
+            positions(tree, coordinates, &mut self.positions);
+        }
+        let all = if self.places.sums() { &self.positions } else { coordinates };
+        super::joint_positions::joint_positions(tree, all, |i, position| self.turns[i] = position);
         for free in tree.free() {
             self.turns[free.joint.turned] = JointPosition::Oriented(free.orientation(q));
         }
@@ -168,11 +179,26 @@ impl<S: Scalar> WorldKernel<S> {
         }
     }
 
+    /// As [`set_position`](Self::set_position), with the axes of displacements turned: coordinates are those
+    /// of twists in moved frames.
+    #[inline(always)]
+    pub fn set_frames(&mut self, tree: &Tree, q: &[S]) {
+        self.set_position(tree, q);
+        self.turn_displacements();
+    }
+
     /// Turns the displacements of floating joints, at the position set last, from the axes of the parent to
     /// those of the moved frame: the axes of their angles.
     pub fn turn_displacements(&mut self) {
-        for &first in &self.floating {
-            for k in first..first + 3 {
+        for chain in self.free.iter().filter(|chain| chain.len() == FreeKind::Floating.dof()) {
+            // The whole displacement stands before the first slide: nothing is moved out of it and back.
+            let (first, slides) = (chain.start, chain.start..chain.start + 3);
+            let whole = slides.clone().fold(Vec3::zero(), |sum, k| sum + self.joints[k].arm);
+            let end = self.joints[first + 2].origin;
+            for k in slides {
+                self.joints[k].arm = if k == first { whole } else { Vec3::zero() };
+                self.joints[k].origin = end;
+                self.carried[k / Self::LANES].origin.set_lane(k % Self::LANES, end);
                 let axis = self.joints[k + 3].axes[2];
                 self.joints[k].axes[2] = axis;
                 let lane = k % Self::LANES;

@@ -9,11 +9,16 @@ use crate::spatial::{Force, Motion, Vec3};
 impl<S: Scalar> WorldKernel<S> {
     /// Velocities, accelerations with the base accelerated against gravity, and the force on each link,
     /// `I a + v x* I v`, at the position set last; v and a have length n, a is zero where there is none.
+    ///
+    /// The axes of a joint with several degrees of freedom are fixed to its link: with the velocity v_o of
+    /// the link before it, psi_k is `v_o x S_k` for each, and the link accelerates by `a_o + sum (S_k a_k +
+    /// psi_k v_k)`.
     #[inline(never)]
     pub fn set_motion(&mut self, tree: &Tree, v: &[S], a: Option<&[S]>) {
+        let mut outer = Motion::zero();
         for (k, place) in self.places.iter().enumerate() {
             let joint = &self.joints[k];
-            let (z, arm, rate) = (joint.axes[2], joint.arm, v[place.joint]);
+            let (z, arm, rate) = (joint.axes[2], joint.arm, place.rate(v));
             let (mut velocity, mut acceleration) = match place.parent.map(|parent| &self.joints[parent]) {
                 Some(outer) => (moved(outer.velocity, arm), moved(outer.acceleration, arm)),
                 None => {
@@ -21,22 +26,20 @@ impl<S: Scalar> WorldKernel<S> {
                     (Motion::zero(), Motion { angular: Vec3::zero(), linear: upward })
                 }
             };
-            let mut psi = Motion { angular: Vec3::zero(), linear: Vec3::zero() };
+            outer = if place.continues { moved(outer, arm) } else { velocity };
+            let psi = across(place.kind, outer, z);
             match place.kind {
                 JointKind::Revolute => {
-                    psi.angular = velocity.angular.cross(z);
-                    psi.linear = velocity.linear.cross(z);
                     velocity.angular = velocity.angular.plus_scaled(z, rate);
                     acceleration.angular = acceleration.angular.plus_scaled(psi.angular, rate);
                     if let Some(a) = a {
-                        acceleration.angular = acceleration.angular.plus_scaled(z, a[place.joint]);
+                        acceleration.angular = acceleration.angular.plus_scaled(z, place.rate(a));
                     }
                 }
                 JointKind::Prismatic => {
-                    psi.linear = velocity.angular.cross(z);
                     velocity.linear = velocity.linear.plus_scaled(z, rate);
                     if let Some(a) = a {
-                        acceleration.linear = acceleration.linear.plus_scaled(z, a[place.joint]);
+                        acceleration.linear = acceleration.linear.plus_scaled(z, place.rate(a));
                     }
                 }
             }
@@ -60,7 +63,7 @@ impl<S: Scalar> WorldKernel<S> {
     pub fn set_acceleration(&mut self, tree: &Tree, v: &[S], a: &[S]) {
         for (k, place) in self.places.iter().enumerate() {
             let joint = &self.joints[k];
-            let (z, rate) = (joint.axes[2], v[place.joint]);
+            let (z, rate) = (joint.axes[2], place.rate(v));
             let psi: Motion<S> = motion_lane(&self.groups[k / Self::LANES].psi, k % Self::LANES);
             let mut acceleration = match place.parent {
                 Some(parent) => moved(self.joints[parent].acceleration, joint.arm),
@@ -70,10 +73,10 @@ impl<S: Scalar> WorldKernel<S> {
             match place.kind {
                 JointKind::Revolute => {
                     acceleration.angular =
-                        acceleration.angular.plus_scaled(psi.angular, rate).plus_scaled(z, a[place.joint]);
+                        acceleration.angular.plus_scaled(psi.angular, rate).plus_scaled(z, place.rate(a));
                 }
                 JointKind::Prismatic => {
-                    acceleration.linear = acceleration.linear.plus_scaled(z, a[place.joint]);
+                    acceleration.linear = acceleration.linear.plus_scaled(z, place.rate(a));
                 }
             }
             self.joints[k].acceleration = acceleration;
@@ -86,10 +89,11 @@ impl<S: Scalar> WorldKernel<S> {
     /// of links are added up.
     #[inline(never)]
     pub fn sum_forces(&mut self, tau: &mut [S]) {
+        self.places.clear_sums(tau);
         for (k, place) in self.places.iter().enumerate().rev() {
             let (group, lane) = (&self.groups[k / Self::LANES], k % Self::LANES);
             let force: Force<S> = force_lane(&group.force, lane);
-            tau[place.joint] = along_axis(place.kind, self.joints[k].axes[2], &force);
+            self.places.add(tau, place, along_axis(place.kind, self.joints[k].axes[2], &force));
             if let Some(parent) = place.parent {
                 let to = &mut self.groups[parent / Self::LANES].force;
                 add_force(to, parent % Self::LANES, inward(force, self.joints[k].arm));
@@ -110,6 +114,17 @@ impl<P: Scalar> Group<P> {
                 .plus_product(velocity.linear, momentum.force),
             force: force.plus_product(velocity.angular, momentum.force),
         };
+    }
+}
+
+/// `v x S` for the axis of a joint.
+#[inline(always)]
+pub(super) fn across<S: Scalar>(kind: JointKind, velocity: Motion<S>, axis: Vec3<S>) -> Motion<S> {
+    match kind {
+        JointKind::Revolute => {
+            Motion { angular: velocity.angular.cross(axis), linear: velocity.linear.cross(axis) }
+        }
+        JointKind::Prismatic => Motion { angular: Vec3::zero(), linear: velocity.angular.cross(axis) },
     }
 }
 

@@ -1,7 +1,7 @@
 //! The order of the joints: a subtree is a range of places, and so is a row of a matrix.
 
 use crate::matrix::{Matrix, Panel, write_packs};
-use crate::robot::{JointKind, Tree};
+use crate::robot::{JointKind, Row, Tree, scaled};
 use crate::scalar::{Pack, Scalar};
 use std::ops::Range;
 
@@ -11,6 +11,11 @@ pub(super) struct Place {
     pub joint: usize,
     /// Place of the parent.
     pub parent: Option<usize>,
+    /// The joint turns and slides at this many times the rate of this coordinate.
+    pub coordinate: usize,
+    pub ratio: f64,
+    /// Whether the joint is part of the same free joint as the one before it.
+    pub continues: bool,
     /// One after the last place of the subtree.
     pub end: usize,
     pub kind: JointKind,
@@ -22,10 +27,20 @@ pub(super) struct Place {
 #[derive(Clone, Debug)]
 pub(super) struct Places {
     places: Vec<Place>,
-    /// Whether this is the order of the joints.
+    /// Whether this is the order of the coordinates.
     in_order: bool,
+    /// Whether some joints mimic others.
+    sums: bool,
     /// Blocks of rows with packs that hold entries of joints on one branch.
     spans: Vec<(usize, Range<usize>)>,
+}
+
+impl Place {
+    /// Velocity of the joint, or its change, from those of the coordinates.
+    #[inline(always)]
+    pub fn rate<S: Scalar>(&self, v: &[S]) -> S {
+        scaled(self.ratio, v[self.coordinate])
+    }
 }
 
 impl std::ops::Deref for Places {
@@ -60,23 +75,52 @@ fn spans(places: &[Place], lanes: usize) -> Vec<(usize, Range<usize>)> {
 impl Places {
     /// For packs of so many lanes.
     pub fn new(tree: &Tree, lanes: usize) -> Self {
-        let n = tree.dof();
+        let n = tree.joints().len();
         let mut place_of = vec![0; n];
         let mut places: Vec<Place> = Vec::with_capacity(n);
+        let continues = |joint: usize| {
+            tree.free().iter().any(|free| {
+                let first = free.joint.turned - free.joint.kind.slides();
+                (first + 1..first + free.joint.kind.dof()).contains(&joint)
+            })
+        };
         let roots = (0..n).filter(|&i| tree.joints()[i].parent.is_none());
         for i in roots.flat_map(|root| tree.subtree(root).iter().copied()) {
             let (k, joint) = (places.len(), &tree.joints()[i]);
             place_of[i] = k;
             let parent = joint.parent.map(|parent| place_of[parent]);
             let turns = parent.is_some_and(|p| places[p].turns || places[p].kind == JointKind::Revolute);
-            places.push(Place { joint: i, parent, end: k + tree.subtree(i).len(), kind: joint.kind, turns });
+            let Row { coordinate, ratio, .. } = tree.row_of(i);
+            let (end, kind, continues) = (k + tree.subtree(i).len(), joint.kind, continues(i));
+            places.push(Place { joint: i, parent, coordinate, ratio, continues, end, kind, turns });
         }
-        let in_order = places.iter().enumerate().all(|(k, place)| place.joint == k);
+        let sums = tree.joint_map().is_some();
+        let in_order = !sums && places.iter().enumerate().all(|(k, place)| place.joint == k);
         let spans = spans(&places, lanes);
-        Self { places, in_order, spans }
+        Self { places, in_order, sums, spans }
     }
 
-    /// Whether this is the order of the joints.
+    /// Prepares a vector of the coordinates for [`add`](Self::add).
+    #[inline(always)]
+    pub fn clear_sums<S: Scalar>(&self, sums: &mut [S]) {
+        if self.sums {
+            sums.fill(S::zero());
+        }
+    }
+
+    /// Takes a generalised force of a joint to its coordinate: `G' f`.
+    #[inline(always)]
+    pub fn add<S: Scalar>(&self, sums: &mut [S], place: &Place, force: S) {
+        let sum = &mut sums[place.coordinate];
+        *sum = if self.sums { *sum + scaled(place.ratio, force) } else { force };
+    }
+
+    /// Whether some joints mimic others.
+    pub fn sums(&self) -> bool {
+        self.sums
+    }
+
+    /// Whether this is the order of the coordinates.
     #[inline(always)]
     pub fn are_in_order(&self) -> bool {
         self.in_order
@@ -121,6 +165,26 @@ impl Places {
             let columns = packs.start * lanes..(packs.end * lanes).min(n);
             for i in block * lanes..((block + 1) * lanes).min(n) {
                 write_packs(&from.row(i)[packs.clone()], &mut to.row_mut(i)[columns.clone()], |pack| pack);
+            }
+        }
+    }
+
+    /// Takes a square matrix by places to the coordinates: `G' A G` where joints mimic others. Entries of
+    /// joints on different branches are left as they are, unless joints mimic others.
+    pub fn take_to_coordinates<S: Scalar>(&self, from: &Panel<S>, to: &mut Panel<S>) {
+        if !self.sums {
+            return self.reorder(from, |i, j, entry| to.set(i, j, entry));
+        }
+        to.packs_mut().fill(S::Pack::zero());
+        let mut add = |row: &Place, column: &Place, entry: S| {
+            let (i, j) = (row.coordinate, column.coordinate);
+            to.set(i, j, to.get(i, j) + scaled(row.ratio * column.ratio, entry));
+        };
+        for (k, row) in self.iter().enumerate() {
+            add(row, row, from.get(k, k));
+            for (l, column) in self.iter().enumerate().take(row.end).skip(k + 1) {
+                add(row, column, from.get(k, l));
+                add(column, row, from.get(l, k));
             }
         }
     }

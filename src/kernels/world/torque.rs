@@ -2,10 +2,10 @@
 
 use super::WorldKernel;
 use super::composite::clear_beyond;
-use super::group::{Carried, Group, along_axis, force_lane, motion_lane};
-use super::motion::inward;
+use super::group::{Carried, Group, along_axis, force_lane, motion_along, motion_lane, set_motion};
+use super::motion::{across, inward, moved};
 use crate::matrix::{Matrix, Panel};
-use crate::robot::JointKind;
+use crate::robot::{JointKind, Tree};
 use crate::scalar::{Scalar, inlined};
 use crate::spatial::{Force, Motion, Vec3};
 use std::ops::Range;
@@ -16,6 +16,7 @@ struct Meeting<P> {
     origin: Vec3<P>,
     psi: Motion<P>,
     psi_rate: Motion<P>,
+    drift: Motion<P>,
 }
 
 impl<S: Scalar> WorldKernel<S> {
@@ -27,21 +28,22 @@ impl<S: Scalar> WorldKernel<S> {
     /// Coriolis operator is `2B m = (J' w - N x w ; -2 L x w)`. For i <= j in tree order
     ///
     /// ```text
-    /// F_j = IC_j S_j       C_j = 2B S_j + 2 IC_j psi_j        psi_j = v_j x S_j
+    /// F_j = IC_j S_j       C_j = 2B S_j + IC_j d_j            psi_j = v_j x S_j    d_j = 2 psi_j
     /// E_j = (2B)' S_j      A_j = 2B psi_j + IC_j psi'_j + S_j x* f_j     psi'_j = a_j x S_j + v_j x psi_j
     ///
     /// tau_q,ij = S_i . A_j     tau_q,ji = psi_i . E_j + psi'_i . F_j
-    /// tau_v,ij = S_i . C_j     tau_v,ji = S_i . E_j + 2 psi_i . F_j
+    /// tau_v,ij = S_i . C_j     tau_v,ji = S_i . E_j + d_i . F_j
     /// ```
+    ///
+    /// Axes of a joint with several degrees of freedom are fixed to its link, and q is a displacement in the
+    /// left-trivialised tangent space: psi and psi' are those of the velocity and the acceleration before the
+    /// joint, `d_j = psi_j + v_j x S_j`, and the second form of tau_q holds for all pairs of one joint.
     ///
     /// (S. Singh, R. Russell, P. Wensing, IEEE Robotics and Automation Letters 7 (2022) 1752-1759, in other
     /// terms.) The linear part of E is zero.
     #[inline(never)]
-    pub fn torque_derivatives(&mut self, tau: &mut [Panel<S>; 2]) {
-        self.compose_motion();
-        for (group, carried) in self.groups.iter_mut().zip(&mut self.carried) {
-            group.carry(carried);
-        }
+    pub fn torque_derivatives(&mut self, tree: &Tree, tau: &mut [Panel<S>; 2]) {
+        self.carry_forces(tree);
         if self.places.are_in_order() {
             return self.meet_all(tau);
         }
@@ -49,8 +51,78 @@ impl<S: Scalar> WorldKernel<S> {
         self.meet_all(&mut upper);
         self.upper = upper;
         for (tau, upper) in tau.iter_mut().zip(&self.upper) {
-            self.places.reorder(upper, |i, j, entry| tau.set(i, j, entry));
+            self.places.take_to_coordinates(upper, tau);
         }
+    }
+
+    /// The motions and forces of [`torque_derivatives`](Self::torque_derivatives).
+    #[inline(always)]
+    pub fn carry_forces(&mut self, tree: &Tree) {
+        self.compose_motion();
+        self.groups.iter_mut().for_each(Group::set_rates);
+        self.set_rates_of_free_joints(tree);
+        for (group, carried) in self.groups.iter().zip(&mut self.carried) {
+            group.carry(carried);
+        }
+    }
+
+    /// psi' and d of joints with several degrees of freedom.
+    fn set_rates_of_free_joints(&mut self, tree: &Tree) {
+        for chain in &self.free {
+            let (mut velocity, mut acceleration) = match self.places[chain.start].parent {
+                Some(parent) => (self.joints[parent].velocity, self.joints[parent].acceleration),
+                None => {
+                    let upward = -Vec3::constant(tree.gravity());
+                    (Motion::zero(), Motion { angular: Vec3::zero(), linear: upward })
+                }
+            };
+            let whole = self.joints[chain.end - 1].velocity;
+            for k in chain.clone() {
+                let (kind, joint) = (self.places[k].kind, &self.joints[k]);
+                let axis = motion_along(kind, joint.axes[2]);
+                (velocity, acceleration) = (moved(velocity, joint.arm), moved(acceleration, joint.arm));
+                let psi = across(kind, velocity, joint.axes[2]);
+                let own = across(kind, moved(whole, -self.to_end(chain, k)), joint.axes[2]);
+                let psi_rate = acceleration.cross(axis);
+                let (group, lane) = (&mut self.groups[k / Self::LANES], k % Self::LANES);
+                set_motion(&mut group.drift, lane, psi + own);
+                set_motion(&mut group.psi_rate, lane, psi_rate + velocity.cross(psi));
+            }
+        }
+    }
+
+    /// Corrects the entries of tau_q by places for pairs of one joint, see
+    /// [`torque_derivatives`](Self::torque_derivatives).
+    fn correct_free_joints(&self, q_upper: &mut Panel<S>) {
+        for chain in &self.free {
+            for j in chain.clone() {
+                let of_j = self.own(j);
+                let psi_rate = self.at_end(chain, j, of_j.psi_rate);
+                for i in chain.clone() {
+                    let of_i = self.own(i);
+                    let shifted = self.force_at_end(chain, i, of_i.inertial).dot(psi_rate);
+                    q_upper.set(i, j, of_j.psi.angular.dot_plus(of_i.turning, shifted));
+                }
+            }
+        }
+    }
+
+    /// From the origin of place `k` of a free joint to that of its last one: the way there.
+    #[inline(always)]
+    pub(super) fn to_end(&self, chain: &Range<usize>, k: usize) -> Vec3<S> {
+        self.joints[k + 1..chain.end].iter().fold(Vec3::zero(), |sum, joint| sum + joint.arm)
+    }
+
+    /// A motion at place `k` of a free joint, at the last origin of the joint.
+    #[inline(always)]
+    pub(super) fn at_end(&self, chain: &Range<usize>, k: usize, motion: Motion<S>) -> Motion<S> {
+        moved(motion, self.to_end(chain, k))
+    }
+
+    /// The same for a force.
+    #[inline(always)]
+    pub(super) fn force_at_end(&self, chain: &Range<usize>, k: usize, force: Force<S>) -> Force<S> {
+        inward(force, -self.to_end(chain, k))
     }
 
     /// All entries, by places.
@@ -65,6 +137,7 @@ impl<S: Scalar> WorldKernel<S> {
                 origin: joint.origin.splat(),
                 psi: motion(&group.psi),
                 psi_rate: motion(&group.psi_rate),
+                drift: motion(&group.drift),
             };
             let mut rows = [q_upper.row_mut(k), q_lower.row_mut(k), v_upper.row_mut(k), v_lower.row_mut(k)];
             let groups = k / Self::LANES..place.end.div_ceil(Self::LANES);
@@ -76,6 +149,7 @@ impl<S: Scalar> WorldKernel<S> {
         }
         self.places.mirror(q_upper, Some(&*q_lower));
         self.places.mirror(v_upper, Some(&*v_lower));
+        self.correct_free_joints(q_upper);
     }
 
     /// Writes the entries of joints on one branch of an n x n panel by joints to a matrix; others are left as
@@ -87,9 +161,10 @@ impl<S: Scalar> WorldKernel<S> {
     /// `tau = M a + C v + g`, n, without armature, springs and friction, at the motion set last, after
     /// [`torque_derivatives`](Self::torque_derivatives).
     pub fn torques(&self, tau: &mut [S]) {
+        self.places.clear_sums(tau);
         for (k, place) in self.places.iter().enumerate() {
             let force = force_lane(&self.groups[k / Self::LANES].force, k % Self::LANES);
-            tau[place.joint] = along_axis(place.kind, self.joints[k].axes[2], &force);
+            self.places.add(tau, place, along_axis(place.kind, self.joints[k].axes[2], &force));
         }
     }
 }
@@ -110,11 +185,13 @@ fn fill<P: Scalar>(
 }
 
 impl<P: Scalar> Group<P> {
-    /// The forces of all joints of the group, see [`WorldKernel::torque_derivatives`]; F is there.
+    /// psi' and d of joints of one degree of freedom: there the motions before the joint and after it give
+    /// the same.
     #[inline(always)]
-    fn carry(&mut self, carried: &mut Carried<P>) {
+    fn set_rates(&mut self) {
         let (axis, psi, a, v) = (self.axis, self.psi, self.acceleration, self.velocity);
-        let psi_rate = Motion {
+        self.drift = psi + psi;
+        self.psi_rate = Motion {
             angular: a.angular.cross(axis.angular).plus_product(v.angular, psi.angular),
             linear: a
                 .linear
@@ -123,12 +200,17 @@ impl<P: Scalar> Group<P> {
                 .plus_product(v.linear, psi.angular)
                 .plus_product(v.angular, psi.linear),
         };
-        self.psi_rate = psi_rate;
+    }
+
+    /// The forces of all joints of the group, see [`WorldKernel::torque_derivatives`]; F is there.
+    #[inline(always)]
+    fn carry(&self, carried: &mut Carried<P>) {
+        let (axis, psi, psi_rate) = (self.axis, self.psi, self.psi_rate);
         let Force { moment: angular, force: linear } = self.momentum;
         // J' w and N x w of S and psi.
         let (turned, crossed) = (self.rate.apply(axis.angular), angular.cross(axis.angular));
         let twice = |a: Vec3<P>| a + a;
-        let shifted = self.composite.apply(psi);
+        let shifted = self.composite.apply(self.drift);
         let pushed = self.composite.apply(psi_rate);
         let swept = linear.cross(psi.angular);
         let f = self.force;
@@ -137,8 +219,8 @@ impl<P: Scalar> Group<P> {
             inertial: carried.inertial,
             turning: twice(linear.cross(axis.linear)) + turned + crossed,
             by_velocity: Force {
-                moment: twice(shifted.moment) + turned - crossed,
-                force: twice(shifted.force - linear.cross(axis.angular)),
+                moment: shifted.moment + turned - crossed,
+                force: shifted.force - twice(linear.cross(axis.angular)),
             },
             by_position: Force {
                 moment: (pushed.moment + self.rate.apply(psi.angular) - angular.cross(psi.angular))
@@ -158,27 +240,26 @@ fn revolute<P: Scalar>(i: &Meeting<P>, group: &Carried<P>) -> [P; 4] {
         let distance = *origin - i.origin;
         let moment = |force: &Force<P>| inward(*force, distance).moment;
         let (moved, force) = (moment(inertial), inertial.force);
-        let along = i.psi.angular.dot_plus(moved, i.psi.linear.dot(force));
+        let along = i.drift.angular.dot_plus(moved, i.drift.linear.dot(force));
         let rate = i.psi_rate.angular.dot_plus(moved, i.psi_rate.linear.dot(force));
         [
             i.axis.dot(moment(by_position)),
             i.psi.angular.dot_plus(*turning, rate),
             i.axis.dot(moment(by_velocity)),
-            i.axis.dot_plus(*turning, along + along),
+            i.axis.dot_plus(*turning, along),
         ]
     })
 }
 
-/// The same for joint i prismatic: its psi has no angular part.
+/// The same for joint i prismatic: its motions have no angular parts.
 #[inline(always)]
 fn prismatic<P: Scalar>(i: &Meeting<P>, carried: &Carried<P>) -> [P; 4] {
     inlined!(P, {
-        let along = i.psi.linear.dot(carried.inertial.force);
         [
             i.axis.dot(carried.by_position.force),
             i.psi_rate.linear.dot(carried.inertial.force),
             i.axis.dot(carried.by_velocity.force),
-            along + along,
+            i.drift.linear.dot(carried.inertial.force),
         ]
     })
 }

@@ -42,7 +42,7 @@ impl From<&Robot> for Tree {
                 FreeFrame::new(free).aligned(&aligned, joints[free.turned].offset)
             })
             .collect();
-        let turned: Vec<usize> = free.iter().map(|free| free.joint.turned).collect();
+        let turned: Vec<usize> = free.iter().flat_map(|free| (0..3).map(|k| free.joint.turned + k)).collect();
         let fixed_potential = regroup(&mut joints, gravity, &turned);
         let armature = robot.armature().to_vec();
         let (frames, wrenches) = (aligned.frames(), robot.wrenches().to_vec());

@@ -13,6 +13,11 @@ impl Tree {
         self.dof() + self.free.len()
     }
 
+    /// Index in q of coordinate `i`, which is no angle of a floating or spherical joint.
+    pub(crate) fn entry_of(&self, i: usize) -> usize {
+        i + self.free.iter().filter(|free| free.joint.coordinate < i).count()
+    }
+
     /// The floating and spherical joints.
     pub(crate) fn free(&self) -> &[FreeFrame] {
         &self.free

@@ -67,6 +67,11 @@ impl Tree {
         self.joint_map.as_ref()
     }
 
+    /// The coordinate of joint `i`.
+    pub(crate) fn row_of(&self, i: usize) -> Row {
+        self.joint_map.as_ref().map_or_else(|| Row::independent(i), |map| map.rows()[i])
+    }
+
     /// The coordinate of each joint.
     pub(crate) fn rows(&self) -> Vec<Row> {
         match &self.joint_map {

@@ -3,16 +3,17 @@
 
 mod invariance;
 
+use crate::lagrangian::apart_from_the_matrix;
 use costate::configuration::ConfigurationSpace;
 use costate::derivative::{ForwardDynamics, Hessian, PhaseVelocity, largest};
 use costate::hamiltonian::{Hamiltonian, HamiltonianSecondOrder};
 use costate::lagrangian::LagrangianSecondOrder;
 use costate::robot::{FreeKind, Robot};
 use costate::scalar::Scalar;
-use costate_test_support::properties;
 use costate_test_support::random_robot::free_cases;
 use costate_test_support::reference::flat;
 use costate_test_support::rounding::{At, Bounds, InverseBounds, close, lift_rounded};
+use costate_test_support::{properties, rounding};
 use nalgebra::Vector3;
 use num_dual::Dual64;
 
@@ -99,6 +100,16 @@ properties! {
         let mass = largest(Hamiltonian::<f64>::new(&robot).mass_matrix(q).unwrap().as_slice());
         let of_tau = InverseBounds::new(&robot, [q, v, a, u]).tau;
         close("tau(q, v, a)", &torque, u, of_tau + n as f64 * mass * bounds.a)?;
+    }
+
+    #[test]
+    fn in_velocities_products_are_those_with_the_matrix(case in free_cases(3)) {
+        let (robot, n) = (case.robot(), case.n());
+        let d = [&case.y[..], &case.y[..n]].concat();
+        rounding!(|S| {
+            let [q, v, u, y] = [&case.q[..], &case.v, &case.u, &case.y[n..]].map(lift_rounded::<S>);
+            apart_from_the_matrix::<S>(&robot, [q, v, u, y], &lift_rounded(&d))
+        })?;
     }
 
     /// `F = (H_p, ad*_v p - H_d + u)` at q (+) d, d = 0, without friction (Euler, Poincare).

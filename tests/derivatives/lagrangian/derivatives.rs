@@ -1,6 +1,6 @@
 //! First and second derivatives of inverse and forward dynamics, judged by dual and hyper-dual numbers.
 
-use super::{CASES, acceleration, dense, flat, torque_hessian, torques};
+use super::{CASES, acceleration, apart_from_the_matrix, dense, flat, torque_hessian, torques};
 use costate::derivative::{ForwardDynamics, Hessian, Jacobian, NestedHessian};
 use costate::hamiltonian::Hamiltonian;
 use costate::lagrangian::{Lagrangian, LagrangianSecondOrder};
@@ -79,6 +79,13 @@ properties! {
         prop_assert_eq!(&found, &found.transpose());
         let bounds = InverseBounds::new(&robot, [&case.q, &case.v, a, w]);
         close("w'tau_zz", found.as_slice(), expected.as_slice(), bounds.w_tau_zz)?;
+    }
+
+    #[test]
+    fn products_with_a_direction_are_those_with_the_matrix(case in cases(8)) {
+        let (robot, a) = (case.robot(), acceleration(&case));
+        let d = [&case.y[..], a].concat();
+        rounding!(|S| apart_from_the_matrix::<S>(&robot, [&case.q, &case.v, &case.u, a].map(|x| lift(x)), &lift(&d)))?;
     }
 
     #[test]

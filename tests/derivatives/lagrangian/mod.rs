@@ -7,11 +7,11 @@ mod dynamics;
 mod routes;
 
 use costate::lagrangian::{Lagrangian, LagrangianSecondOrder};
-use costate::matrix::Block;
+use costate::matrix::{Block, Matrix, dot};
 use costate::robot::Robot;
 use costate::scalar::Scalar;
 use costate_test_support::random_robot::Case;
-use costate_test_support::rounding::{InverseBounds, close};
+use costate_test_support::rounding::{Differences, InverseBounds, apart, close};
 use nalgebra::DMatrix;
 use proptest::prelude::*;
 
@@ -71,3 +71,20 @@ pub(crate) fn separate_calls_agree(robot: &Robot, [q, v, a, w]: [&[f64]; 4]) -> 
 
 /// Robots a property.
 const CASES: u32 = 128;
+
+/// Products of `w'tau_zz` and `y'a_zz` with d, at (q, v, c) with the weights `w = y`, less those with the
+/// matrix.
+pub(crate) fn apart_from_the_matrix<S: Scalar>(
+    robot: &Robot,
+    [q, v, c, w]: [Vec<S>; 4],
+    d: &[S],
+) -> Differences<S> {
+    let mut second = LagrangianSecondOrder::<S>::new(robot);
+    let product = |matrix: &Matrix<S>| (0..d.len()).map(|i| dot(matrix.row(i), d)).collect::<Vec<S>>();
+    let expected = product(second.contract_inverse_dynamics(&q, &v, &c, &w).unwrap().zz());
+    let found = second.inverse_dynamics_hessian_product([&q, &v, &c, &w], d).unwrap();
+    let of_torque = apart(found, &expected);
+    let expected = product(&second.contract_forward_dynamics(&q, &v, &c, &w).unwrap().to_matrix());
+    let found = second.forward_dynamics_hessian_product([&q, &v, &c, &w], d).unwrap();
+    vec![("w'tau_zz d", of_torque), ("y'a_zz d", apart(found, &expected))]
+}

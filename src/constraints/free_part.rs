@@ -1,7 +1,7 @@
-//! Derivatives of inverse dynamics by the motion of one floating or spherical joint.
+//! Derivatives of functions of (q, v, a) of a chain of joints by the motion of a floating or spherical joint.
 
 use crate::configuration::{ChartFrame, MOST};
-use crate::matrix::{Entry, Matrix, add_scaled};
+use crate::matrix::{Matrix, add_scaled};
 use crate::robot::FreeFrame;
 use crate::scalar::Scalar;
 
@@ -18,9 +18,6 @@ pub(crate) struct Part<S> {
     v_q: Square<S>,
     a_v: Square<S>,
     a_q: Square<S>,
-    /// Derivatives of `w.tau` by v and a of the chart.
-    by_velocity: [S; MOST],
-    by_acceleration: [S; MOST],
 }
 
 impl<S: Scalar> Part<S> {
@@ -33,8 +30,6 @@ impl<S: Scalar> Part<S> {
             v_q: [zero; MOST],
             a_v: [zero; MOST],
             a_q: [zero; MOST],
-            by_velocity: zero,
-            by_acceleration: zero,
         }
     }
 
@@ -54,7 +49,10 @@ impl<S: Scalar> Part<S> {
     /// Adds `B_q[nu] nu` to the acceleration nu'.
     pub fn set_acceleration(&mut self, acceleration: &[S], a: &mut [S]) {
         self.acceleration = self.frame.entries(acceleration);
-        self.add_bias(S::one(), a);
+        let ((at, _), nu) = (self.frame.place(), &self.velocity);
+        for e in &self.frame.chart.rates.first {
+            a[at + e.row] += (nu[e.by[0]] * nu[e.column]).times(e.value);
+        }
         let Self { velocity: nu, acceleration, v_q, a_q, .. } = self;
         *a_q = [[S::zero(); MOST]; MOST];
         for e in &self.frame.chart.rates.first {
@@ -68,19 +66,6 @@ impl<S: Scalar> Part<S> {
         }
     }
 
-    /// The opposite of [`set_acceleration`](Self::set_acceleration).
-    pub fn finish_acceleration(&self, a: &mut [S]) {
-        self.add_bias(S::from_f64(-1.0), a);
-    }
-
-    fn add_bias(&self, factor: S, a: &mut [S]) {
-        let (at, _) = self.frame.place();
-        let nu = &self.velocity;
-        for e in &self.frame.chart.rates.first {
-            a[at + e.row] += factor * (nu[e.by[0]] * nu[e.column]).times(e.value);
-        }
-    }
-
     /// A row of derivatives by (xi, nu, nu') from one by (q, v, a), of n entries each; those by a remain.
     pub fn spread(&self, [in_q, in_v]: [&mut [S]; 2], in_a: &[S]) {
         let (at, m) = self.frame.place();
@@ -91,39 +76,6 @@ impl<S: Scalar> Part<S> {
         }
         for k in 0..m {
             add_scaled(&mut in_v[at..at + m], in_a[at + k], &self.a_v[k]);
-        }
-    }
-
-    /// `B'tau_c` has the derivative `(B_q)'tau_c` besides those of tau_c: minus that, in the axes of the
-    /// chain, for the torque of a motion.
-    pub fn add_force_slope(&self, tau: &[S], less: &mut Vec<Entry<S>>) {
-        let (at, m) = self.frame.place();
-        let mut slope = [[S::zero(); MOST]; MOST];
-        for e in &self.frame.chart.rates.first {
-            slope[e.by[0]][e.column] -= tau[at + e.row].times(e.value);
-        }
-        for (angle, slope) in slope.iter_mut().enumerate().take(m).skip(m - 3) {
-            self.frame.outward_own(slope);
-            less.extend((0..m).map(|row| Entry { row: at + row, column: at + angle, value: slope[row] }));
-        }
-    }
-
-    /// `[a_q, a_v, a_u]` of the tangent space from that of the chain: with `tau_q + tau_v v_q + M a_q` and
-    /// `tau_v + M a_v` in the places of tau_q and tau_v.
-    pub fn finish_responses(&self, a_z: &mut Matrix<S>) {
-        self.frame.turn_responses(a_z);
-        let ((at, m), n) = (self.frame.place(), a_z.rows());
-        for i in 0..n {
-            let (in_q, rest) = a_z.row_mut(i).split_at_mut(n);
-            let (in_q, in_v) = (&mut in_q[at + m - 3..at + m], &rest[at..at + m]);
-            for (&by_v, v_q) in in_v.iter().zip(&self.v_q) {
-                add_scaled(in_q, by_v, &v_q[m - 3..m]);
-            }
-        }
-        for (k, (a_q, a_v)) in self.a_q.iter().zip(&self.a_v).take(m).enumerate() {
-            let (in_q, in_v) = a_z.row_mut(at + k).split_at_mut(n);
-            add_scaled(&mut in_q[at..at + m], -S::one(), a_q);
-            add_scaled(&mut in_v[at..at + m], -S::one(), a_v);
         }
     }
 
@@ -152,28 +104,6 @@ impl<S: Scalar> Part<S> {
         for e in &self.frame.chart.rates.first {
             tau_q[(at + e.column, at + e.by[0])] += tau[at + e.row].times(e.value);
         }
-    }
-
-    /// Takes w'tau_v and w'M by the chart's v and a.
-    pub fn set_slopes(&mut self, w: &[S], tau_v: &Matrix<S>, mass_matrix: &Matrix<S>) {
-        let (at, m) = self.frame.place();
-        let product =
-            |matrix: &Matrix<S>, k| (0..w.len()).fold(S::zero(), |sum, i| w[i].mul_add(matrix[(i, k)], sum));
-        for k in 0..m {
-            self.by_velocity[k] = product(tau_v, at + k);
-            self.by_acceleration[k] = product(mass_matrix, at + k);
-        }
-    }
-
-    /// Adds what the Hessian of `w.tau` has besides that of tau_c in the variables (xi, nu, nu'), the
-    /// Jacobian is that of tau_c.
-    pub fn curve(&self, [tau, w]: [&[S]; 2], jacobian: [&Matrix<S>; 3], hessian: &mut Matrix<S>) {
-        let ((at, m), mut by_q) = (self.frame.place(), [S::zero(); MOST]);
-        for (k, by_q) in by_q[..m].iter_mut().enumerate() {
-            *by_q = (0..w.len()).fold(S::zero(), |sum, i| w[i].mul_add(jacobian[0][(i, at + k)], sum));
-        }
-        self.bend_arguments([by_q, self.by_velocity, self.by_acceleration], hessian);
-        self.bend_weights([tau, w], &jacobian, hessian);
     }
 
     /// Adds what the Hessian of a function of (q, v, a) of the chart has in the variables (xi, nu, nu')

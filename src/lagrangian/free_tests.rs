@@ -42,6 +42,52 @@ fn assert_close(name: &str, robot: &Robot, found: &DMatrix<f64>, expected: &DMat
     assert!(error < tolerance * size, "{}: {name}: {error} of {size}", robot.name());
 }
 
+/// g, `M w = y` and `y'a_x` against inverse dynamics, M and f_x.
+#[test]
+fn gravity_and_adjoint_products_take_free_joints() {
+    for robot in robots() {
+        let [q, v, u, y] = state(&ConfigurationSpace::new(&robot));
+        let (n, y) = (v.len(), &y[..v.len()]);
+        let column = |values: &[f64]| DMatrix::from_column_slice(values.len(), 1, values);
+        let mut lagrangian = Lagrangian::<f64>::new(&robot);
+        let zero = vec![0.0; n];
+        let expected = lagrangian.inverse_dynamics(&q, &zero, &zero).unwrap().to_vec();
+        let found = lagrangian.gravity(&q).unwrap().to_vec();
+        assert_close("g", &robot, &column(&found), &column(&expected), 1e-13);
+        let mut w = y.to_vec();
+        lagrangian.solve_mass_matrix(&q, &mut w).unwrap();
+        let (mut f, mut y_a_x) = (vec![0.0; 2 * n], vec![0.0; 2 * n]);
+        lagrangian.adjoint_factored([&q, &v, &u, &w], &mut f, &mut y_a_x).unwrap();
+        let mass_matrix = lagrangian.mass_matrix(&q).unwrap().view().to_nalgebra();
+        assert_close("M w", &robot, &(mass_matrix * column(&w)), &column(y), 1e-10);
+        let state = lagrangian.linearise(&q, &v, &u).unwrap();
+        let rows = state.f_x.view().to_nalgebra().rows(n, n).into_owned();
+        assert_close("y'a_x", &robot, &column(&y_a_x), &(rows.transpose() * column(y)), 1e-10);
+        assert_close("f", &robot, &column(&f), &column(state.f), 1e-13);
+    }
+}
+
+/// Where a robot floats changes none of its accelerations and their derivatives, to the last digits.
+#[test]
+fn far_from_the_world_nothing_is_lost() {
+    for robot in robots().iter().filter(|robot| robot.joints()[0].parent.is_none()) {
+        let Some(root) =
+            robot.free_joints().iter().find(|free| free.kind.slides() > 0 && free.coordinate == 0)
+        else {
+            continue;
+        };
+        let [mut q, v, u, y] = state(&ConfigurationSpace::new(robot));
+        let mut second = LagrangianSecondOrder::<f64>::new(robot);
+        let mut at = |place: [f64; 3], q: &mut Vec<f64>| {
+            q[root.position..root.position + 3].copy_from_slice(&place);
+            let found = second.contract_forward_dynamics(q, &v, &u, &y[..v.len()]).unwrap();
+            found.to_matrix().view().to_nalgebra()
+        };
+        let (near, far) = (at([0.0; 3], &mut q), at([3e4, 1e4, -1e4], &mut q));
+        assert_close("y'a_zz far away", robot, &far, &near, 1e-13);
+    }
+}
+
 #[test]
 fn hessians_are_those_of_hyper_dual_numbers_through_the_retraction() {
     for robot in robots() {

@@ -1,0 +1,322 @@
+//! Products with the derivatives of inverse dynamics, without a matrix: O(n).
+
+use super::WorldKernel;
+use super::contraction::TorqueContraction;
+use super::group::{force_lane, motion_along, motion_lane};
+use super::motion::{inward, moved};
+use crate::matrix::filled;
+use crate::robot::{Tree, scaled};
+use crate::scalar::Scalar;
+use crate::spatial::{Force, Motion, Vec3};
+use std::ops::Range;
+
+/// Sums over the joints before one, or beyond it, in the axes of the world about its origin.
+///
+/// A sum of scalar products of pairs is one of sums: what the joints i before j move by, times the forces of
+/// j, and the motions of i times the sum of the forces of the joints j beyond it.
+#[derive(Clone, Debug)]
+pub(crate) struct Sums<S> {
+    /// By place, the last of its joint.
+    before: Vec<Before<S>>,
+    beyond: Vec<Beyond<S>>,
+}
+
+/// Sums of motions.
+#[derive(Clone, Copy, Debug)]
+struct Before<S> {
+    first: Motion<S>,
+    second: Motion<S>,
+    /// What meets pure moments.
+    turning: Vec3<S>,
+}
+
+/// Sums of forces.
+#[derive(Clone, Copy, Debug)]
+struct Beyond<S> {
+    first: Force<S>,
+    second: Force<S>,
+    moment: Vec3<S>,
+}
+
+impl<S: Scalar> Before<S> {
+    fn none() -> Self {
+        Self { first: Motion::zero(), second: Motion::zero(), turning: Vec3::zero() }
+    }
+
+    /// The same at the end of an arm.
+    fn moved(&self, arm: Vec3<S>) -> Self {
+        Self { first: moved(self.first, arm), second: moved(self.second, arm), turning: self.turning }
+    }
+
+    fn with(&self, other: &Self) -> Self {
+        Self {
+            first: self.first + other.first,
+            second: self.second + other.second,
+            turning: self.turning + other.turning,
+        }
+    }
+}
+
+impl<S: Scalar> Beyond<S> {
+    fn none() -> Self {
+        Self { first: Force::zero(), second: Force::zero(), moment: Vec3::zero() }
+    }
+
+    /// The same where an arm begins.
+    fn inward(&self, arm: Vec3<S>) -> Self {
+        Self { first: inward(self.first, arm), second: inward(self.second, arm), moment: self.moment }
+    }
+
+    fn with(&self, other: &Self) -> Self {
+        Self {
+            first: self.first + other.first,
+            second: self.second + other.second,
+            moment: self.moment + other.moment,
+        }
+    }
+}
+
+impl<S: Scalar> Sums<S> {
+    /// Buffers for a tree.
+    pub fn new(tree: &Tree) -> Self {
+        let n = tree.joints().len();
+        Self { before: filled(Before::none(), n), beyond: filled(Beyond::none(), n) }
+    }
+}
+
+/// The motions of a place, and its forces, as numbers.
+pub(super) struct Own<S> {
+    pub axis: Motion<S>,
+    pub psi: Motion<S>,
+    pub psi_rate: Motion<S>,
+    pub drift: Motion<S>,
+    pub inertial: Force<S>,
+    pub turning: Vec3<S>,
+    pub by_position: Force<S>,
+    pub by_velocity: Force<S>,
+}
+
+impl<S: Scalar> WorldKernel<S> {
+    /// Those of place k.
+    pub(super) fn own(&self, k: usize) -> Own<S> {
+        let (block, lane) = (k / Self::LANES, k % Self::LANES);
+        let (group, carried) = (&self.groups[block], &self.carried[block]);
+        Own {
+            axis: motion_along(self.places[k].kind, self.joints[k].axes[2]),
+            psi: motion_lane(&group.psi, lane),
+            psi_rate: motion_lane(&group.psi_rate, lane),
+            drift: motion_lane(&group.drift, lane),
+            inertial: force_lane(&carried.inertial, lane),
+            turning: carried.turning.lane(lane),
+            by_position: force_lane(&carried.by_position, lane),
+            by_velocity: force_lane(&carried.by_velocity, lane),
+        }
+    }
+
+    /// The places of the joint that ends at place `k`; `None` for another part of it.
+    fn joint_ending_at(&self, k: usize) -> Option<Range<usize>> {
+        match self.places.get(k + 1) {
+            Some(next) if next.continues => None,
+            _ => {
+                let first = (0..=k).rev().find(|&first| !self.places[first].continues).unwrap_or(0);
+                Some(first..k + 1)
+            }
+        }
+    }
+
+    /// Joint by joint outward: `of(k)` are the motions of place k, about its origin; `take(k, sums, own)`
+    /// gets the sums over the joints before that of k, and those of its own joint, both about its origin.
+    fn sum_before(
+        &self,
+        sums: &mut Sums<S>,
+        of: impl Fn(usize) -> Before<S>,
+        mut take: impl FnMut(usize, &Before<S>, &Before<S>),
+    ) {
+        for last in 0..self.places.len() {
+            let Some(joint) = self.joint_ending_at(last) else { continue };
+            let outer = match self.places[joint.start].parent {
+                Some(parent) => sums.before[parent].moved(self.joints[joint.start].arm),
+                None => Before::none(),
+            };
+            // About the last origin of the joint.
+            let to_end = |k: usize| self.to_end(&joint, k);
+            let own = joint.clone().fold(Before::none(), |sum, k| sum.with(&of(k).moved(to_end(k))));
+            let outer = outer.moved(to_end(joint.start));
+            for k in joint.clone() {
+                let back = -to_end(k);
+                take(k, &outer.moved(back), &own.moved(back));
+            }
+            sums.before[last] = outer.with(&own);
+        }
+    }
+
+    /// Joint by joint inward: `of(k)` are the forces of place k, about its origin; `take(k, sums, own)` gets
+    /// the sums over the joints beyond that of k, and those of its own joint, both about its origin.
+    fn sum_beyond(
+        &self,
+        sums: &mut Sums<S>,
+        of: impl Fn(usize) -> Beyond<S>,
+        mut take: impl FnMut(usize, &Beyond<S>, &Beyond<S>),
+    ) {
+        sums.beyond.fill(Beyond::none());
+        for last in (0..self.places.len()).rev() {
+            let Some(joint) = self.joint_ending_at(last) else { continue };
+            let to_end = |k: usize| self.to_end(&joint, k);
+            let own = joint.clone().fold(Beyond::none(), |sum, k| sum.with(&of(k).inward(-to_end(k))));
+            let beyond = sums.beyond[last];
+            for k in joint.clone() {
+                take(k, &beyond.inward(to_end(k)), &own.inward(to_end(k)));
+            }
+            if let Some(parent) = self.places[joint.start].parent {
+                let arm = self.joints[joint.start].arm + to_end(joint.start);
+                sums.beyond[parent] = sums.beyond[parent].with(&beyond.with(&own).inward(arm));
+            }
+        }
+    }
+
+    /// Adds `tau_q x + tau_v y`, n, to `product`, without springs and friction, at the forces set last.
+    #[inline(never)]
+    pub fn add_torque_product(&self, sums: &mut Sums<S>, [x, y]: [&[S]; 2], product: &mut [S]) {
+        let places = &self.places;
+        let rates = |k: usize| [places[k].rate(x), places[k].rate(y)];
+        self.sum_before(
+            sums,
+            |k| {
+                let ([x, y], own) = (rates(k), self.own(k));
+                Before {
+                    first: own.psi_rate.scaled(x) + own.drift.scaled(y),
+                    second: Motion::zero(),
+                    turning: own.psi.angular.scaled(x) + own.axis.angular.scaled(y),
+                }
+            },
+            |k, before, with| {
+                let (own, all) = (self.own(k), before.with(with));
+                let entry = all.turning.dot_plus(own.turning, own.inertial.dot(all.first));
+                product[places[k].coordinate] += scaled(places[k].ratio, entry);
+            },
+        );
+        self.sum_beyond(
+            sums,
+            |k| {
+                let ([x, y], own) = (rates(k), self.own(k));
+                Beyond { first: own.by_position.scaled(x) + own.by_velocity.scaled(y), ..Beyond::none() }
+            },
+            |k, beyond, _| {
+                product[places[k].coordinate] += scaled(places[k].ratio, beyond.first.dot(self.own(k).axis));
+            },
+        );
+    }
+
+    /// Adds `w'tau_q` and `w'tau_v`, n each, to `products`, likewise.
+    #[inline(never)]
+    pub fn add_torque_adjoint(&self, sums: &mut Sums<S>, w: &[S], [by_q, by_v]: [&mut [S]; 2]) {
+        let places = &self.places;
+        self.sum_before(
+            sums,
+            |k| Before { first: self.own(k).axis.scaled(places[k].rate(w)), ..Before::none() },
+            |k, before, _| {
+                let (own, place) = (self.own(k), &places[k]);
+                by_q[place.coordinate] += scaled(place.ratio, own.by_position.dot(before.first));
+                by_v[place.coordinate] += scaled(place.ratio, own.by_velocity.dot(before.first));
+            },
+        );
+        self.sum_beyond(
+            sums,
+            |k| {
+                let (own, w) = (self.own(k), places[k].rate(w));
+                Beyond { first: own.inertial.scaled(w), moment: own.turning.scaled(w), ..Beyond::none() }
+            },
+            |k, beyond, with| {
+                let (own, place, all) = (self.own(k), &places[k], beyond.with(with));
+                let entry = own.psi.angular.dot_plus(all.moment, all.first.dot(own.psi_rate));
+                by_q[place.coordinate] += scaled(place.ratio, entry);
+                let entry = own.axis.angular.dot_plus(all.moment, all.first.dot(own.drift));
+                by_v[place.coordinate] += scaled(place.ratio, entry);
+            },
+        );
+    }
+
+    /// Adds the product of the Hessian of `w.tau` with `(x, y, z)`, n each, to `products`, without friction,
+    /// after [`bend_forces`](Self::bend_forces) for w.
+    #[inline(never)]
+    pub fn add_contraction_product(
+        &self,
+        sums: &mut Sums<S>,
+        work: &TorqueContraction<S>,
+        [x, y, z]: [&[S]; 3],
+        [by_q, by_v, by_a]: [&mut [S]; 3],
+    ) {
+        let places = &self.places;
+        let rates = |k: usize| [places[k].rate(x), places[k].rate(y), places[k].rate(z)];
+        let mut add = |k: usize, entries: [S; 3]| {
+            let (i, ratio) = (places[k].coordinate, places[k].ratio);
+            by_q[i] += scaled(ratio, entries[0]);
+            by_v[i] += scaled(ratio, entries[1]);
+            by_a[i] += scaled(ratio, entries[2]);
+        };
+        self.sum_before(
+            sums,
+            |k| {
+                let ([x, y, z], own, bent) = (rates(k), self.own(k), work.bent_at(k));
+                Before {
+                    first: bent.chi.scaled(x),
+                    second: own.psi_rate.scaled(x) + own.drift.scaled(y) + own.axis.scaled(z),
+                    turning: own.psi.angular.scaled(x) + own.axis.angular.scaled(y),
+                }
+            },
+            |k, before, _| {
+                let (own, bent, Before { first, second, turning }) = (self.own(k), work.bent_at(k), *before);
+                let by_shift = own.by_position.dot(first) + bent.shifted.dot(second);
+                add(
+                    k,
+                    [
+                        turning.dot_plus(bent.by_position, by_shift),
+                        turning.dot_plus(bent.by_velocity, own.by_velocity.dot(first)),
+                        own.inertial.dot(first),
+                    ],
+                );
+            },
+        );
+        self.sum_beyond(
+            sums,
+            |k| {
+                let ([x, y, z], own, bent) = (rates(k), self.own(k), work.bent_at(k));
+                Beyond {
+                    first: own.by_position.scaled(x) + own.by_velocity.scaled(y) + own.inertial.scaled(z),
+                    second: bent.shifted.scaled(x),
+                    moment: bent.by_position.scaled(x) + bent.by_velocity.scaled(y),
+                }
+            },
+            |k, beyond, _| {
+                let (own, bent, Beyond { first, second, moment }) = (self.own(k), work.bent_at(k), *beyond);
+                let by_shift = first.dot(bent.chi) + second.dot(own.psi_rate);
+                add(
+                    k,
+                    [
+                        own.psi.angular.dot_plus(moment, by_shift),
+                        own.axis.angular.dot_plus(moment, second.dot(own.drift)),
+                        second.dot(own.axis),
+                    ],
+                );
+            },
+        );
+        // Pairs of one joint.
+        for last in 0..places.len() {
+            let Some(joint) = self.joint_ending_at(last) else { continue };
+            for i in joint.clone() {
+                for j in joint.clone() {
+                    let [ij, ji] = [(i, j), (j, i)].map(|pair| self.entries_of_joint(work, &joint, pair));
+                    let [x, y, z] = rates(j);
+                    add(
+                        i,
+                        [
+                            (ij.qq + ji.qq).times(0.5).mul_add(x, ij.vq.mul_add(y, ij.aq * z)),
+                            ji.vq.mul_add(x, (ij.vv + ji.vv).times(0.5) * y),
+                            ji.aq * x,
+                        ],
+                    );
+                }
+            }
+        }
+    }
+}
