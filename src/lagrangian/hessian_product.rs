@@ -84,9 +84,7 @@ impl<S: Scalar> LagrangianSecondOrder<S> {
             self.contract_forward_dynamics(q, v, u, y)?;
             let Self { xx, uq, products, .. } = self;
             let (of_x, of_u) = products.whole.split_at_mut(2 * n);
-            for i in 0..2 * n {
-                of_x[i] = dot(xx.row(i), d_x);
-            }
+            of_x.iter_mut().enumerate().for_each(|(i, entry)| *entry = dot(xx.row(i), d_x));
             for i in 0..n {
                 of_u[i] = dot(uq.row(i), &d_x[..n]);
                 add_scaled(&mut of_x[..n], d_u[i], uq.row(i));

@@ -85,7 +85,7 @@ properties! {
     fn products_with_a_direction_are_those_with_the_matrix(case in cases(8)) {
         let (robot, a) = (case.robot(), acceleration(&case));
         let d = [&case.y[..], a].concat();
-        rounding!(|S| apart_from_the_matrix::<S>(&robot, [&case.q, &case.v, &case.u, a].map(|x| lift(x)), &lift(&d)))?;
+        rounding!(|S| apart_from_the_matrix::<S>(&robot, [&case.q[..], &case.v, &case.u, a].map(lift), &lift(&d)))?;
     }
 
     #[test]
