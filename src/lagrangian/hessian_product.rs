@@ -36,6 +36,7 @@ impl<S: Scalar> LagrangianSecondOrder<S> {
         if let Some(world) = world {
             world.set_motion(tree, v, Some(a));
             world.carry_forces(tree);
+            world.take_forces(&mut self.products.sums);
         }
         self.w.copy_from_slice(w);
         self.products.in_a.copy_from_slice(&d[2 * n..]);
@@ -98,6 +99,7 @@ impl<S: Scalar> LagrangianSecondOrder<S> {
         if let Some(world) = world {
             world.set_acceleration(tree, v, &rate[n..]);
             world.carry_forces(tree);
+            world.take_forces(&mut self.products.sums);
         }
         let mut in_a = std::mem::take(&mut self.products.in_a);
         self.first.torque_product(&mut self.products.sums, [q, v], d_x.split_at(n), &mut in_a);
@@ -125,7 +127,8 @@ impl<S: Scalar> LagrangianSecondOrder<S> {
         let [by_q, by_v, by_a] = by;
         if let (Pass::World(work), Some(world)) = (pass, &first.world) {
             world.bend_forces(work, w);
-            world.add_contraction_product(sums, work, [x, y, in_a], [by_q, by_v, by_a]);
+            world.take_bent_forces(work, sums);
+            world.add_contraction_product(sums, [x, y, in_a], [by_q, by_v, by_a]);
         }
         for &i in first.tree.with_friction() {
             if first.tree.has_coulomb_friction(i) {

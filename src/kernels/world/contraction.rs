@@ -5,6 +5,7 @@ use super::WorldKernel;
 use super::composite::{clear_beyond, rate_of_matrix, spread};
 use super::group::{Carried, Group, add_force, add_matrix, force_lane, matrix_lane, motion_lane, set_motion};
 use super::motion::{across, inward, moved};
+use super::torque::Own;
 use crate::matrix::{Panel, filled};
 use crate::robot::JointKind;
 use crate::scalar::{Scalar, inlined};
@@ -56,12 +57,20 @@ struct Bent<P> {
     by_velocity: Vec3<P>,
 }
 
-/// What is computed for one joint, as numbers.
+/// The motion chi of one joint, and its forces, as numbers.
+#[derive(Clone, Copy, Debug)]
 pub(super) struct BentAt<S> {
     pub chi: Motion<S>,
     pub shifted: Force<S>,
     pub by_position: Vec3<S>,
     pub by_velocity: Vec3<S>,
+}
+
+impl<S: Scalar> BentAt<S> {
+    pub fn none() -> Self {
+        let none = Vec3::zero();
+        Self { chi: Motion::zero(), shifted: Force::zero(), by_position: none, by_velocity: none }
+    }
 }
 
 /// See [`WorldKernel::entries_of_joint`].
@@ -273,7 +282,10 @@ impl<S: Scalar> WorldKernel<S> {
         for joint in &self.free {
             for i in joint.clone() {
                 for j in i..joint.end {
-                    let [ij, ji] = [(i, j), (j, i)].map(|pair| self.entries_of_joint(work, joint, pair));
+                    let [own_i, own_j] = [i, j].map(|k| self.own(k));
+                    let [bent_i, bent_j] = [i, j].map(|k| work.bent_at(k));
+                    let ij = self.entries_of_joint(joint, (i, j), [&own_i, &own_j], [&bent_i, &bent_j]);
+                    let ji = self.entries_of_joint(joint, (j, i), [&own_j, &own_i], [&bent_j, &bent_i]);
                     for ((row, column), ij) in [((i, j), &ij), ((j, i), &ji)] {
                         to.vq.set(column, row, ij.vq);
                         to.aq.set(column, row, ij.aq);
@@ -291,11 +303,11 @@ impl<S: Scalar> WorldKernel<S> {
     /// `aq_ji`, and those whose symmetric parts are qq and vv.
     pub(super) fn entries_of_joint(
         &self,
-        work: &TorqueContraction<S>,
         joint: &Range<usize>,
         (i, j): (usize, usize),
+        [of_i, of_j]: [&Own<S>; 2],
+        [moved, bent]: [&BentAt<S>; 2],
     ) -> EntriesOfJoint<S> {
-        let ([of_i, of_j], [moved, bent]) = ([i, j].map(|k| self.own(k)), [i, j].map(|k| work.bent_at(k)));
         let motion = |motion: Motion<S>| self.at_end(joint, i, motion);
         let force = |force: Force<S>| self.force_at_end(joint, j, force);
         let (psi, axis, chi) = (of_i.psi.angular, of_i.axis.angular, motion(moved.chi));

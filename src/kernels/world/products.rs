@@ -1,9 +1,9 @@
 //! Products with the derivatives of inverse dynamics, without a matrix: O(n).
 
 use super::WorldKernel;
-use super::contraction::TorqueContraction;
-use super::group::{force_lane, motion_along, motion_lane};
+use super::contraction::{BentAt, EntriesOfJoint, TorqueContraction};
 use super::motion::{inward, moved};
+use super::torque::Own;
 use crate::matrix::filled;
 use crate::robot::{Tree, scaled};
 use crate::scalar::Scalar;
@@ -19,6 +19,9 @@ pub(crate) struct Sums<S> {
     /// By place, the last of its joint.
     before: Vec<Before<S>>,
     beyond: Vec<Beyond<S>>,
+    /// By place.
+    own: Vec<Own<S>>,
+    bent: Vec<BentAt<S>>,
 }
 
 /// Sums of motions.
@@ -80,37 +83,26 @@ impl<S: Scalar> Sums<S> {
     /// Buffers for a tree.
     pub fn new(tree: &Tree) -> Self {
         let n = tree.joints().len();
-        Self { before: filled(Before::none(), n), beyond: filled(Beyond::none(), n) }
+        Self {
+            before: filled(Before::none(), n),
+            beyond: filled(Beyond::none(), n),
+            own: filled(Own::none(), n),
+            bent: filled(BentAt::none(), n),
+        }
     }
 }
 
-/// The motions of a place, and its forces, as numbers.
-pub(super) struct Own<S> {
-    pub axis: Motion<S>,
-    pub psi: Motion<S>,
-    pub psi_rate: Motion<S>,
-    pub drift: Motion<S>,
-    pub inertial: Force<S>,
-    pub turning: Vec3<S>,
-    pub by_position: Force<S>,
-    pub by_velocity: Force<S>,
-}
-
 impl<S: Scalar> WorldKernel<S> {
-    /// Those of place k.
-    pub(super) fn own(&self, k: usize) -> Own<S> {
-        let (block, lane) = (k / Self::LANES, k % Self::LANES);
-        let (group, carried) = (&self.groups[block], &self.carried[block]);
-        Own {
-            axis: motion_along(self.places[k].kind, self.joints[k].axes[2]),
-            psi: motion_lane(&group.psi, lane),
-            psi_rate: motion_lane(&group.psi_rate, lane),
-            drift: motion_lane(&group.drift, lane),
-            inertial: force_lane(&carried.inertial, lane),
-            turning: carried.turning.lane(lane),
-            by_position: force_lane(&carried.by_position, lane),
-            by_velocity: force_lane(&carried.by_velocity, lane),
-        }
+    /// Takes the motions and forces of all places, for the sums of products at one state.
+    #[inline(never)]
+    pub fn take_forces(&self, sums: &mut Sums<S>) {
+        sums.own.iter_mut().enumerate().for_each(|(k, own)| *own = self.own(k));
+    }
+
+    /// The same of the weights of [`bend_forces`](Self::bend_forces).
+    #[inline(never)]
+    pub fn take_bent_forces(&self, work: &TorqueContraction<S>, sums: &mut Sums<S>) {
+        sums.bent.iter_mut().enumerate().for_each(|(k, bent)| *bent = work.bent_at(k));
     }
 
     /// The places of the joint that ends at place `k`; `None` for another part of it.
@@ -128,14 +120,14 @@ impl<S: Scalar> WorldKernel<S> {
     /// gets the sums over the joints before that of k, and those of its own joint, both about its origin.
     fn sum_before(
         &self,
-        sums: &mut Sums<S>,
+        before: &mut [Before<S>],
         of: impl Fn(usize) -> Before<S>,
         mut take: impl FnMut(usize, &Before<S>, &Before<S>),
     ) {
         for last in 0..self.places.len() {
             let Some(joint) = self.joint_ending_at(last) else { continue };
             let outer = match self.places[joint.start].parent {
-                Some(parent) => sums.before[parent].moved(self.joints[joint.start].arm),
+                Some(parent) => before[parent].moved(self.joints[joint.start].arm),
                 None => Before::none(),
             };
             // About the last origin of the joint.
@@ -146,7 +138,7 @@ impl<S: Scalar> WorldKernel<S> {
                 let back = -to_end(k);
                 take(k, &outer.moved(back), &own.moved(back));
             }
-            sums.before[last] = outer.with(&own);
+            before[last] = outer.with(&own);
         }
     }
 
@@ -154,35 +146,35 @@ impl<S: Scalar> WorldKernel<S> {
     /// the sums over the joints beyond that of k, and those of its own joint, both about its origin.
     fn sum_beyond(
         &self,
-        sums: &mut Sums<S>,
+        sums: &mut [Beyond<S>],
         of: impl Fn(usize) -> Beyond<S>,
         mut take: impl FnMut(usize, &Beyond<S>, &Beyond<S>),
     ) {
-        sums.beyond.fill(Beyond::none());
+        sums.fill(Beyond::none());
         for last in (0..self.places.len()).rev() {
             let Some(joint) = self.joint_ending_at(last) else { continue };
             let to_end = |k: usize| self.to_end(&joint, k);
             let own = joint.clone().fold(Beyond::none(), |sum, k| sum.with(&of(k).inward(-to_end(k))));
-            let beyond = sums.beyond[last];
+            let beyond = sums[last];
             for k in joint.clone() {
                 take(k, &beyond.inward(to_end(k)), &own.inward(to_end(k)));
             }
             if let Some(parent) = self.places[joint.start].parent {
                 let arm = self.joints[joint.start].arm + to_end(joint.start);
-                sums.beyond[parent] = sums.beyond[parent].with(&beyond.with(&own).inward(arm));
+                sums[parent] = sums[parent].with(&beyond.with(&own).inward(arm));
             }
         }
     }
 
-    /// Adds `tau_q x + tau_v y`, n, to `product`, without springs and friction, at the forces set last.
+    /// Adds `tau_q x + tau_v y`, n, to `product`, without springs and friction, at the forces taken last.
     #[inline(never)]
     pub fn add_torque_product(&self, sums: &mut Sums<S>, [x, y]: [&[S]; 2], product: &mut [S]) {
-        let places = &self.places;
+        let (places, Sums { before, beyond, own, bent: _ }) = (&self.places, sums);
         let rates = |k: usize| [places[k].rate(x), places[k].rate(y)];
         self.sum_before(
-            sums,
+            before,
             |k| {
-                let ([x, y], own) = (rates(k), self.own(k));
+                let ([x, y], own) = (rates(k), &own[k]);
                 Before {
                     first: own.psi_rate.scaled(x) + own.drift.scaled(y),
                     second: Motion::zero(),
@@ -190,19 +182,19 @@ impl<S: Scalar> WorldKernel<S> {
                 }
             },
             |k, before, with| {
-                let (own, all) = (self.own(k), before.with(with));
+                let (own, all) = (&own[k], before.with(with));
                 let entry = all.turning.dot_plus(own.turning, own.inertial.dot(all.first));
                 product[places[k].coordinate] += scaled(places[k].ratio, entry);
             },
         );
         self.sum_beyond(
-            sums,
+            beyond,
             |k| {
-                let ([x, y], own) = (rates(k), self.own(k));
+                let ([x, y], own) = (rates(k), &own[k]);
                 Beyond { first: own.by_position.scaled(x) + own.by_velocity.scaled(y), ..Beyond::none() }
             },
             |k, beyond, _| {
-                product[places[k].coordinate] += scaled(places[k].ratio, beyond.first.dot(self.own(k).axis));
+                product[places[k].coordinate] += scaled(places[k].ratio, beyond.first.dot(own[k].axis));
             },
         );
     }
@@ -210,24 +202,24 @@ impl<S: Scalar> WorldKernel<S> {
     /// Adds `w'tau_q` and `w'tau_v`, n each, to `products`, likewise.
     #[inline(never)]
     pub fn add_torque_adjoint(&self, sums: &mut Sums<S>, w: &[S], [by_q, by_v]: [&mut [S]; 2]) {
-        let places = &self.places;
+        let (places, Sums { before, beyond, own, bent: _ }) = (&self.places, sums);
         self.sum_before(
-            sums,
-            |k| Before { first: self.own(k).axis.scaled(places[k].rate(w)), ..Before::none() },
+            before,
+            |k| Before { first: own[k].axis.scaled(places[k].rate(w)), ..Before::none() },
             |k, before, _| {
-                let (own, place) = (self.own(k), &places[k]);
+                let (own, place) = (&own[k], &places[k]);
                 by_q[place.coordinate] += scaled(place.ratio, own.by_position.dot(before.first));
                 by_v[place.coordinate] += scaled(place.ratio, own.by_velocity.dot(before.first));
             },
         );
         self.sum_beyond(
-            sums,
+            beyond,
             |k| {
-                let (own, w) = (self.own(k), places[k].rate(w));
+                let (own, w) = (&own[k], places[k].rate(w));
                 Beyond { first: own.inertial.scaled(w), moment: own.turning.scaled(w), ..Beyond::none() }
             },
             |k, beyond, with| {
-                let (own, place, all) = (self.own(k), &places[k], beyond.with(with));
+                let (own, place, all) = (&own[k], &places[k], beyond.with(with));
                 let entry = own.psi.angular.dot_plus(all.moment, all.first.dot(own.psi_rate));
                 by_q[place.coordinate] += scaled(place.ratio, entry);
                 let entry = own.axis.angular.dot_plus(all.moment, all.first.dot(own.drift));
@@ -237,16 +229,15 @@ impl<S: Scalar> WorldKernel<S> {
     }
 
     /// Adds the product of the Hessian of `w.tau` with `(x, y, z)`, n each, to `products`, without friction,
-    /// after [`bend_forces`](Self::bend_forces) for w.
+    /// at the forces of w taken last.
     #[inline(never)]
     pub fn add_contraction_product(
         &self,
         sums: &mut Sums<S>,
-        work: &TorqueContraction<S>,
         [x, y, z]: [&[S]; 3],
         [by_q, by_v, by_a]: [&mut [S]; 3],
     ) {
-        let places = &self.places;
+        let (places, Sums { before, beyond, own, bent }) = (&self.places, sums);
         let rates = |k: usize| [places[k].rate(x), places[k].rate(y), places[k].rate(z)];
         let mut add = |k: usize, entries: [S; 3]| {
             let (i, ratio) = (places[k].coordinate, places[k].ratio);
@@ -255,9 +246,9 @@ impl<S: Scalar> WorldKernel<S> {
             by_a[i] += scaled(ratio, entries[2]);
         };
         self.sum_before(
-            sums,
+            before,
             |k| {
-                let ([x, y, z], own, bent) = (rates(k), self.own(k), work.bent_at(k));
+                let ([x, y, z], own, bent) = (rates(k), &own[k], &bent[k]);
                 Before {
                     first: bent.chi.scaled(x),
                     second: own.psi_rate.scaled(x) + own.drift.scaled(y) + own.axis.scaled(z),
@@ -265,7 +256,7 @@ impl<S: Scalar> WorldKernel<S> {
                 }
             },
             |k, before, _| {
-                let (own, bent, Before { first, second, turning }) = (self.own(k), work.bent_at(k), *before);
+                let (own, bent, Before { first, second, turning }) = (&own[k], &bent[k], *before);
                 let by_shift = own.by_position.dot(first) + bent.shifted.dot(second);
                 add(
                     k,
@@ -278,9 +269,9 @@ impl<S: Scalar> WorldKernel<S> {
             },
         );
         self.sum_beyond(
-            sums,
+            beyond,
             |k| {
-                let ([x, y, z], own, bent) = (rates(k), self.own(k), work.bent_at(k));
+                let ([x, y, z], own, bent) = (rates(k), &own[k], &bent[k]);
                 Beyond {
                     first: own.by_position.scaled(x) + own.by_velocity.scaled(y) + own.inertial.scaled(z),
                     second: bent.shifted.scaled(x),
@@ -288,7 +279,7 @@ impl<S: Scalar> WorldKernel<S> {
                 }
             },
             |k, beyond, _| {
-                let (own, bent, Beyond { first, second, moment }) = (self.own(k), work.bent_at(k), *beyond);
+                let (own, bent, Beyond { first, second, moment }) = (&own[k], &bent[k], *beyond);
                 let by_shift = first.dot(bent.chi) + second.dot(own.psi_rate);
                 add(
                     k,
@@ -303,18 +294,22 @@ impl<S: Scalar> WorldKernel<S> {
         // Pairs of one joint.
         for last in 0..places.len() {
             let Some(joint) = self.joint_ending_at(last) else { continue };
+            let entries = |i: usize, j: usize| {
+                self.entries_of_joint(&joint, (i, j), [&own[i], &own[j]], [&bent[i], &bent[j]])
+            };
+            let mut add_pair = |i: usize, j: usize, [ij, ji]: [&EntriesOfJoint<S>; 2]| {
+                let [x, y, z] = rates(j);
+                let [qq, vv] = [ij.qq + ji.qq, ij.vv + ji.vv].map(|sum| sum.times(0.5));
+                let in_q = qq.mul_add(x, ij.vq.mul_add(y, ij.aq * z));
+                add(i, [in_q, ji.vq.mul_add(x, vv * y), ji.aq * x]);
+            };
             for i in joint.clone() {
-                for j in joint.clone() {
-                    let [ij, ji] = [(i, j), (j, i)].map(|pair| self.entries_of_joint(work, &joint, pair));
-                    let [x, y, z] = rates(j);
-                    add(
-                        i,
-                        [
-                            (ij.qq + ji.qq).times(0.5).mul_add(x, ij.vq.mul_add(y, ij.aq * z)),
-                            ji.vq.mul_add(x, (ij.vv + ji.vv).times(0.5) * y),
-                            ji.aq * x,
-                        ],
-                    );
+                let own = entries(i, i);
+                add_pair(i, i, [&own, &own]);
+                for j in i + 1..joint.end {
+                    let (ij, ji) = (entries(i, j), entries(j, i));
+                    add_pair(i, j, [&ij, &ji]);
+                    add_pair(j, i, [&ji, &ij]);
                 }
             }
         }

@@ -19,6 +19,35 @@ struct Meeting<P> {
     drift: Motion<P>,
 }
 
+/// The motions of a place, and its forces, as numbers.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Own<S> {
+    pub axis: Motion<S>,
+    pub psi: Motion<S>,
+    pub psi_rate: Motion<S>,
+    pub drift: Motion<S>,
+    pub inertial: Force<S>,
+    pub turning: Vec3<S>,
+    pub by_position: Force<S>,
+    pub by_velocity: Force<S>,
+}
+
+impl<S: Scalar> Own<S> {
+    pub fn none() -> Self {
+        let (still, slack) = (Motion::zero(), Force::zero());
+        Self {
+            axis: still,
+            psi: still,
+            psi_rate: still,
+            drift: still,
+            inertial: slack,
+            turning: Vec3::zero(),
+            by_position: slack,
+            by_velocity: slack,
+        }
+    }
+}
+
 impl<S: Scalar> WorldKernel<S> {
     /// tau_q and tau_v, n x n, without springs, friction and armature, at the motion set last and the
     /// composite bodies of its position. Entries of joints on different branches are left as they are.
@@ -63,6 +92,22 @@ impl<S: Scalar> WorldKernel<S> {
         self.set_rates_of_free_joints(tree);
         for (group, carried) in self.groups.iter().zip(&mut self.carried) {
             group.carry(carried);
+        }
+    }
+
+    /// The motions and forces of place k.
+    pub(super) fn own(&self, k: usize) -> Own<S> {
+        let (block, lane) = (k / Self::LANES, k % Self::LANES);
+        let (group, carried) = (&self.groups[block], &self.carried[block]);
+        Own {
+            axis: motion_along(self.places[k].kind, self.joints[k].axes[2]),
+            psi: motion_lane(&group.psi, lane),
+            psi_rate: motion_lane(&group.psi_rate, lane),
+            drift: motion_lane(&group.drift, lane),
+            inertial: force_lane(&carried.inertial, lane),
+            turning: carried.turning.lane(lane),
+            by_position: force_lane(&carried.by_position, lane),
+            by_velocity: force_lane(&carried.by_velocity, lane),
         }
     }
 
