@@ -4,11 +4,12 @@
 //! |---|---|---|
 //! | a | M and its factors | articulated bodies, O(n) |
 //! | M, tau_q, tau_v | kernels one and two in body frames | products of pairs in the axes of the world |
-//! | w'tau_zz | one dual number through these kernels | products of pairs in the axes of the world |
 //!
 //! For a, robots with mimic joints take the first column, and so does armature that couples joints: the
 //! joints of articulated bodies are independent. Robots with floating or spherical joints take the second
-//! column for all but a: fewer operations for any numbers. Both columns are tested against each other.
+//! column for all but a: fewer operations for any numbers. Their second derivatives of inverse dynamics are
+//! products of pairs too, those of other robots one dual number through kernels one and two. Both columns are
+//! tested against each other.
 
 use crate::kernels::{ArticulatedBodies, KernelOne, WorldKernel};
 use crate::matrix::{Matrix, Panel};
@@ -35,6 +36,8 @@ pub(super) struct Routes {
     pub derivatives: bool,
     /// Forward dynamics by articulated bodies.
     pub bodies: bool,
+    /// The second derivatives of inverse dynamics in the axes of the world.
+    pub contraction: bool,
 }
 
 impl Routes {
@@ -46,6 +49,7 @@ impl Routes {
         let independent = tree.joint_map().is_none();
         Self {
             derivatives: !one_lane || !tree.free().is_empty(),
+            contraction: !tree.free().is_empty(),
             bodies: independent && enough && ArticulatedBodies::<S>::suit(tree),
         }
     }
