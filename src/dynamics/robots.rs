@@ -136,24 +136,7 @@ impl<S: Scalar, R: Route> Dynamics<S> for DualPass<S, R> {
 /// (9): x = (q, v), u the actuation; f_u = (0; M^-1) depends on q.
 impl<S: Scalar> Dynamics<S> for LagrangianSecondOrder<S> {
     of_a_robot!();
-
-    fn hessian_product(
-        &mut self,
-        x: &[S],
-        u: &[S],
-        y: &[S],
-        [d_x, d_u]: [&[S]; 2],
-        [x_product, u_product]: [&mut [S]; 2],
-    ) -> Result<(), EvalError> {
-        let (q, v) = halves(x, self.dof())?;
-        check_product(self.first().tree(), [u, d_x, d_u], [x_product, u_product])?;
-        let (_, y_v) = halves(y, self.dof())?;
-        let product = self.checked_product([q, v, u, y_v], (d_x, d_u))?;
-        let (of_x, of_u) = product.split_at(x_product.len());
-        x_product.copy_from_slice(of_x);
-        u_product.copy_from_slice(of_u);
-        Ok(())
-    }
+    product_by_contraction!();
 
     fn structure(&self) -> Structure {
         Structure { constant_f_u: false, affine_in_u: true, f_u_depends_on: self.dof() }

@@ -66,21 +66,7 @@ impl<S: Scalar> LagrangianSecondOrder<S> {
         let n = self.dof();
         self.first.check(q, &[("v", v), ("u", u), ("y", y)])?;
         check_entries(self.first.tree(), "d", d, 3 * n)?;
-        self.multiply([q, v, u, y], d.split_at(2 * n))
-    }
-
-    /// The same with the direction in two parts, whose lengths are right.
-    pub(crate) fn checked_product(
-        &mut self,
-        [q, v, u, y]: [&[S]; 4],
-        direction: (&[S], &[S]),
-    ) -> Result<&[S], EvalError> {
-        self.first.check(q, &[("v", v), ("u", u), ("y", y)])?;
-        self.multiply([q, v, u, y], direction)
-    }
-
-    fn multiply(&mut self, [q, v, u, y]: [&[S]; 4], (d_x, d_u): (&[S], &[S])) -> Result<&[S], EvalError> {
-        let n = self.dof();
+        let (d_x, d_u) = d.split_at(2 * n);
         if let Pass::Dual(_) = self.pass {
             self.contract_forward_dynamics(q, v, u, y)?;
             let Self { xx, uq, products, .. } = self;
