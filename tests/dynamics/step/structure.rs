@@ -56,7 +56,13 @@ fn is_symmetric<F: ModelFamily, M: Scheme<F>>(
     x: &[f64],
 ) -> Result<(), TestCaseError> {
     let there = solved::<_, M>(family, [x, &case.u], 0.005)?;
-    solved::<_, M>(family, [&there, &case.u], -0.005)?;
+    let back = solved::<_, M>(family, [&there, &case.u], -0.005)?;
+    // Friction drives in a step of negative duration: its equations may have several solutions, all of which
+    // lead there, and Newton's method finds one of them.
+    if off(&back, x, 1.0) > 1e-6 && off(&solved::<_, M>(family, [&back, &case.u], 0.005)?, &there, 1.0) < 1e-9
+    {
+        return Err(TestCaseError::reject("the step back has several solutions"));
+    }
     rounding!(|S| {
         let (mut step, x, u) = (M::step::<S>(family.model()), lift::<S>(x), lift::<S>(&case.u));
         let there = step.evaluate(&x, &u, S::from_f64(0.005)).unwrap().to_vec();
