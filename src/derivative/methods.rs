@@ -47,7 +47,7 @@ impl<S: Scalar> Methods<S> {
             analytic: HamiltonianSecondOrder::from_tree(tree.clone()),
             dual_pass: DualPass::from_tree(tree.clone()),
             full: FullHessian::from_tree(tree.clone()),
-            lagrangian: LagrangianSecondOrder::from_tree(tree.clone()),
+            lagrangian: LagrangianSecondOrder::as_numbers::<f64>(tree.clone()),
             tensors: DualPass::with_route(tree, Christoffel),
             conservative: Hamiltonian::new(&robot.without_friction().without_wrenches()),
             packed: Matrix::zeros(2 * n, 2 * n),

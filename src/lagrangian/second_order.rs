@@ -42,12 +42,16 @@ impl<S: Scalar> LagrangianSecondOrder<S> {
     }
 
     /// As [`new`](Self::new), from an existing [`Tree`].
-    #[inline(never)]
     pub fn from_tree(tree: Tree) -> Self {
-        let n = tree.dof();
-        // Errors of `f64` are those of its algorithms: where one has a zero by structure, another one may
-        // not.
-        let routes = if S::STATES_ERRORS { Routes::of::<f64>(&tree) } else { Routes::of::<S>(&tree) };
+        Self::as_numbers::<S>(tree)
+    }
+
+    /// As [`from_tree`](Self::from_tree), by the algorithms that numbers of type T take: rounding errors that
+    /// other numbers carry are those of T only then. Where one algorithm has a zero by structure, another one
+    /// may have rounding errors.
+    #[inline(never)]
+    pub(crate) fn as_numbers<T: Scalar>(tree: Tree) -> Self {
+        let (n, routes) = (tree.dof(), Routes::of::<T>(&tree));
         let first = Lagrangian::with_routes(routes, tree);
         let pass = match &first.world {
             Some(world) if routes.contraction => Pass::World(Box::new(TorqueContraction::new(world))),

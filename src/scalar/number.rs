@@ -58,10 +58,6 @@ pub trait Scalar:
     /// `false` for a scalar that only counts or records, whose result holds for any input.
     const CHECKED: bool = true;
 
-    /// Whether the number carries the rounding errors of `f64`: it then takes the algorithms that `f64` takes
-    /// where numbers of one lane take others, unless it is operations that count.
-    const STATES_ERRORS: bool = false;
-
     /// Whether multiply-add is a single cheap instruction: formulas are then chosen for short dependency
     /// chains, not for few products.
     const FUSED: bool = false;

@@ -212,7 +212,6 @@ impl Scalar for Count {
     const EPSILON: f64 = f64::EPSILON;
     const ORDER: usize = 0;
     const CHECKED: bool = false;
-    const STATES_ERRORS: bool = true;
     const INLINED: bool = false;
 
     fn from_f64(value: f64) -> Self {
