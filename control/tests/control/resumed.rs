@@ -23,9 +23,7 @@ fn a_motion_is_solved_again_on_its_own_mesh_in_a_few_steps() {
         let warm = solver.solve();
         assert_eq!(warm.motion.status, Status::Converged, "{name}");
         assert_eq!(warm.nodes(), cold.nodes(), "{name}");
-        // Rounding decides the active limits of the steps: of a delta robot a change of the time by 1e-12
-        // makes 15 to 22 steps, and other meshes.
-        assert!(warm.newton_iterations <= 30, "{name}: {}", warm.newton_iterations);
+        assert!(warm.newton_iterations < cold.newton_iterations, "{name}: {}", warm.newton_iterations);
         assert!((warm.total() / cold.total() - 1.0).abs() < 1e-7, "{name}: {}", warm.total());
     }
 }
