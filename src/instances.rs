@@ -43,8 +43,9 @@ pub fn for_f64(robot: &Robot, [q, p, u, y]: [&[f64]; 4]) -> Result<(), EvalError
     let mut lagrangian = LagrangianSecondOrder::<f64>::new(robot);
     lagrangian.contract(q, p, u, y)?;
     lagrangian.contract_inverse_dynamics(q, p, u, half)?;
-    lagrangian.inverse_dynamics_hessian_product([q, p, u, half], &[])?;
-    lagrangian.forward_dynamics_hessian_product([q, p, u, half], &[])?;
+    let direction = [y, half].concat();
+    lagrangian.inverse_dynamics_hessian_product([q, p, u, half], &direction)?;
+    lagrangian.forward_dynamics_hessian_product([q, p, u, half], &direction)?;
     let first = lagrangian.first();
     first.inverse_dynamics(q, p, u)?;
     first.linearise_inverse_dynamics(q, p, u)?;
