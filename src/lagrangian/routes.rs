@@ -13,7 +13,7 @@ pub(super) fn joint_slopes<S: Scalar>(tree: &Tree, v: &[S], mut take: impl FnMut
     }
     for &joint in tree.with_spring() {
         let Row { coordinate, ratio, .. } = tree.row_of(joint);
-        take(coordinate, S::from_f64(ratio * ratio * tree.joints()[joint].spring.stiffness), S::zero());
+        take(coordinate, S::zero().plus(ratio * ratio * tree.joints()[joint].spring.stiffness), S::zero());
     }
 }
 

@@ -117,7 +117,7 @@ impl<S: Scalar> WorldKernel<S> {
     /// What [`size_of_entry`](Self::size_of_entry) needs of the configuration set last, which is q (nq).
     pub fn set_reach(&mut self, tree: &Tree, q: &[S]) {
         let coordinates = if tree.free().is_empty() { q } else { &self.chart };
-        self.reach.set_position(tree, if self.places.sums() { &self.positions } else { coordinates });
+        self.reach.set_position(tree, self.all.positions(tree, coordinates));
     }
 
     /// The scale of the rounding error of `M_kk`, see

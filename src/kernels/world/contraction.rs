@@ -5,7 +5,7 @@ use super::WorldKernel;
 use super::composite::{clear_beyond, rate_of_matrix, spread};
 use super::group::{Carried, Group, add_force, add_matrix, force_lane, matrix_lane, motion_lane, set_motion};
 use super::motion::{across, inward, moved};
-use super::torque::Own;
+use super::torque::{Meeting, Own, meeting_of};
 use crate::matrix::{Panel, filled};
 use crate::robot::JointKind;
 use crate::scalar::{Scalar, inlined};
@@ -79,16 +79,6 @@ pub(super) struct EntriesOfJoint<S> {
     pub vv: S,
     pub vq: S,
     pub aq: S,
-}
-
-/// The motions of joint i that meet the forces of the joints beyond it, the same in every lane.
-struct Meeting<P> {
-    axis: Vec3<P>,
-    origin: Vec3<P>,
-    psi: Motion<P>,
-    psi_rate: Motion<P>,
-    drift: Motion<P>,
-    chi: Motion<P>,
 }
 
 /// Entries of a pair of joints i <= j, in this order: `qq_ij`, `vv_ij`, `vq_ij`, `vq_ji`, `aq_ij`, `aq_ji`.
@@ -237,17 +227,9 @@ impl<S: Scalar> WorldKernel<S> {
         let TorqueHessian { qq, vv, vq, aq } = to;
         let [vq_lower, aq_lower] = &mut self.lower;
         for (k, place) in self.places.iter().enumerate() {
-            let (joint, lane) = (&self.joints[k], k % Self::LANES);
-            let (group, moved) = (&self.groups[k / Self::LANES], &work.groups[k / Self::LANES]);
-            let motion = |motion: &Motion<S::Pack>| motion_lane::<S, _>(motion, lane).splat();
-            let meeting: Meeting<S::Pack> = Meeting {
-                axis: joint.axes[2].splat(),
-                origin: joint.origin.splat(),
-                psi: motion(&group.psi),
-                psi_rate: motion(&group.psi_rate),
-                drift: motion(&group.drift),
-                chi: motion(&moved.chi),
-            };
+            let (block, lane) = (k / Self::LANES, k % Self::LANES);
+            let meeting = meeting_of(&self.joints[k], &self.groups[block], lane);
+            let chi = motion_lane::<S, _>(&work.groups[block].chi, lane).splat();
             let groups = k / Self::LANES..place.end.div_ceil(Self::LANES);
             let mut rows = [
                 qq.row_mut(k),
@@ -262,10 +244,10 @@ impl<S: Scalar> WorldKernel<S> {
             let entries = forces.zip(a.zip(b)).zip(c.zip(d)).zip(e.zip(f));
             match place.kind {
                 JointKind::Revolute => entries.for_each(|((((carried, bent), (a, b)), (c, d)), (e, f))| {
-                    [*a, *b, *c, *d, *e, *f] = revolute(&meeting, carried, bent);
+                    [*a, *b, *c, *d, *e, *f] = revolute(&meeting, &chi, carried, bent);
                 }),
                 JointKind::Prismatic => entries.for_each(|((((carried, bent), (a, b)), (c, d)), (e, f))| {
-                    [*a, *b, *c, *d, *e, *f] = prismatic(&meeting, carried, bent);
+                    [*a, *b, *c, *d, *e, *f] = prismatic(&meeting, &chi, carried, bent);
                 }),
             }
             rows.into_iter().for_each(|row| clear_beyond::<S>(row, place.end));
@@ -281,9 +263,9 @@ impl<S: Scalar> WorldKernel<S> {
     fn correct_bent_free_joints(&self, work: &TorqueContraction<S>, to: &mut TorqueHessian<S>) {
         for joint in &self.free {
             for i in joint.clone() {
+                let (own_i, bent_i) = (self.own(i), work.bent_at(i));
                 for j in i..joint.end {
-                    let [own_i, own_j] = [i, j].map(|k| self.own(k));
-                    let [bent_i, bent_j] = [i, j].map(|k| work.bent_at(k));
+                    let (own_j, bent_j) = (self.own(j), work.bent_at(j));
                     let ij = self.entries_of_joint(joint, (i, j), [&own_i, &own_j], [&bent_i, &bent_j]);
                     let ji = self.entries_of_joint(joint, (j, i), [&own_j, &own_i], [&bent_j, &bent_i]);
                     for ((row, column), ij) in [((i, j), &ij), ((j, i), &ji)] {
@@ -351,7 +333,7 @@ fn bend<P: Scalar>(group: &Group<P>, moved: &Virtual<P>) -> Bent<P> {
 
 /// The entries for joint i, revolute, and each joint of a group.
 #[inline(always)]
-fn revolute<P: Scalar>(i: &Meeting<P>, carried: &Carried<P>, bent: &Bent<P>) -> Entries<P> {
+fn revolute<P: Scalar>(i: &Meeting<P>, chi: &Motion<P>, carried: &Carried<P>, bent: &Bent<P>) -> Entries<P> {
     inlined!(P, {
         let distance = carried.origin - i.origin;
         let about = |force: &Force<P>| inward(*force, distance);
@@ -362,21 +344,21 @@ fn revolute<P: Scalar>(i: &Meeting<P>, carried: &Carried<P>, bent: &Bent<P>) -> 
             motion.angular.dot_plus(force.moment, motion.linear.dot_plus(force.force, more))
         };
         [
-            dot(&i.chi, &a, dot(&i.psi_rate, &q, i.psi.angular.dot(r))),
+            dot(chi, &a, dot(&i.psi_rate, &q, i.psi.angular.dot(r))),
             i.axis.dot(u),
             i.axis.dot_plus(r, dot(&i.drift, &q, P::zero())),
-            dot(&i.chi, &c, i.psi.angular.dot(u)),
+            dot(chi, &c, i.psi.angular.dot(u)),
             i.axis.dot(q.moment),
-            dot(&i.chi, &f, P::zero()),
+            dot(chi, &f, P::zero()),
         ]
     })
 }
 
 /// The same for joint i prismatic: its motions have no angular parts.
 #[inline(always)]
-fn prismatic<P: Scalar>(i: &Meeting<P>, carried: &Carried<P>, bent: &Bent<P>) -> Entries<P> {
+fn prismatic<P: Scalar>(i: &Meeting<P>, chi: &Motion<P>, carried: &Carried<P>, bent: &Bent<P>) -> Entries<P> {
     inlined!(P, {
-        let (chi, q) = (i.chi.linear, bent.shifted.force);
+        let (chi, q) = (chi.linear, bent.shifted.force);
         [
             chi.dot_plus(carried.by_position.force, i.psi_rate.linear.dot(q)),
             P::zero(),

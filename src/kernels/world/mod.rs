@@ -16,7 +16,7 @@ mod places;
 mod products;
 mod torque;
 
-use super::coupling::{Coupled, positions};
+use super::coupling::{Coupled, Spread};
 use super::reach::Reach;
 use crate::matrix::{Matrix, Panel, filled};
 use crate::robot::{FreeJoint, FreeKind, JointKind, Tree};
@@ -40,8 +40,8 @@ pub(crate) struct WorldKernel<S: Scalar> {
     reach: Reach<S>,
     /// Coordinates of the chains of floating and spherical joints; empty where there are none.
     chart: Vec<S>,
-    /// Positions of all joints; empty where they are the coordinates.
-    positions: Vec<S>,
+    /// Positions of all joints.
+    all: Spread<S>,
     /// Places of the chains of floating and spherical joints.
     free: Vec<Range<usize>>,
     links: Vec<Links<S::Pack>>,
@@ -97,7 +97,7 @@ impl<S: Scalar> WorldKernel<S> {
             reach: Reach::new(tree),
             turns: tree.joints().iter().map(|joint| joint.position(S::zero())).collect(),
             chart: filled(S::zero(), if tree.free().is_empty() { 0 } else { tree.dof() }),
-            positions: filled(S::zero(), if places.sums() { n } else { 0 }),
+            all: Spread::new(tree),
             links: links.collect(),
             groups: filled(Group::zero(), groups),
             carried: filled(Carried::zero(), groups),
@@ -123,10 +123,7 @@ impl<S: Scalar> WorldKernel<S> {
             tree.chart_coordinates(q, &mut self.chart);
         }
         let coordinates = if tree.free().is_empty() { q } else { &self.chart };
-        if self.places.sums() {
-            positions(tree, coordinates, &mut self.positions);
-        }
-        let all = if self.places.sums() { &self.positions } else { coordinates };
+        let all = self.all.positions(tree, coordinates);
         super::joint_positions::joint_positions(tree, all, |i, position| self.turns[i] = position);
         for free in tree.free() {
             self.turns[free.joint.turned] = JointPosition::Oriented(free.orientation(q));

@@ -21,10 +21,7 @@ impl<S: Scalar> WorldKernel<S> {
             let (z, arm, rate) = (joint.axes[2], joint.arm, place.rate(v));
             let (mut velocity, mut acceleration) = match place.parent.map(|parent| &self.joints[parent]) {
                 Some(outer) => (moved(outer.velocity, arm), moved(outer.acceleration, arm)),
-                None => {
-                    let upward = -Vec3::constant(tree.gravity());
-                    (Motion::zero(), Motion { angular: Vec3::zero(), linear: upward })
-                }
+                None => (Motion::zero(), against_gravity(tree)),
             };
             outer = if place.continues { moved(outer, arm) } else { velocity };
             let psi = across(place.kind, outer, z);
@@ -67,7 +64,7 @@ impl<S: Scalar> WorldKernel<S> {
             let psi: Motion<S> = motion_lane(&self.groups[k / Self::LANES].psi, k % Self::LANES);
             let mut acceleration = match place.parent {
                 Some(parent) => moved(self.joints[parent].acceleration, joint.arm),
-                None => Motion { angular: Vec3::zero(), linear: -Vec3::constant(tree.gravity()) },
+                None => against_gravity(tree),
             };
             acceleration.linear = acceleration.linear.plus_scaled(psi.linear, rate);
             match place.kind {
@@ -115,6 +112,12 @@ impl<P: Scalar> Group<P> {
             force: force.plus_product(velocity.angular, momentum.force),
         };
     }
+}
+
+/// The acceleration of the base that stands for weights.
+#[inline(always)]
+pub(super) fn against_gravity<S: Scalar>(tree: &Tree) -> Motion<S> {
+    Motion { angular: Vec3::zero(), linear: -Vec3::constant(tree.gravity()) }
 }
 
 /// `v x S` for the axis of a joint.

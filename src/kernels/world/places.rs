@@ -115,11 +115,6 @@ impl Places {
         *sum = if self.sums { *sum + scaled(place.ratio, force) } else { force };
     }
 
-    /// Whether some joints mimic others.
-    pub fn sums(&self) -> bool {
-        self.sums
-    }
-
     /// Whether this is the order of the coordinates.
     #[inline(always)]
     pub fn are_in_order(&self) -> bool {

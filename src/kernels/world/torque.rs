@@ -1,9 +1,9 @@
 //! The derivatives of inverse dynamics as scalar products of pairs of joints.
 
-use super::WorldKernel;
 use super::composite::clear_beyond;
 use super::group::{Carried, Group, along_axis, force_lane, motion_along, motion_lane, set_motion};
-use super::motion::{across, inward, moved};
+use super::motion::{across, against_gravity, inward, moved};
+use super::{Joint, WorldKernel};
 use crate::matrix::{Matrix, Panel};
 use crate::robot::{JointKind, Tree};
 use crate::scalar::{Scalar, inlined};
@@ -11,12 +11,12 @@ use crate::spatial::{Force, Motion, Vec3};
 use std::ops::Range;
 
 /// The motions of joint i that meet the forces of the joints beyond it, the same in every lane.
-struct Meeting<P> {
-    axis: Vec3<P>,
-    origin: Vec3<P>,
-    psi: Motion<P>,
-    psi_rate: Motion<P>,
-    drift: Motion<P>,
+pub(super) struct Meeting<P> {
+    pub axis: Vec3<P>,
+    pub origin: Vec3<P>,
+    pub psi: Motion<P>,
+    pub psi_rate: Motion<P>,
+    pub drift: Motion<P>,
 }
 
 /// The motions of a place, and its forces, as numbers.
@@ -116,10 +116,7 @@ impl<S: Scalar> WorldKernel<S> {
         for chain in &self.free {
             let (mut velocity, mut acceleration) = match self.places[chain.start].parent {
                 Some(parent) => (self.joints[parent].velocity, self.joints[parent].acceleration),
-                None => {
-                    let upward = -Vec3::constant(tree.gravity());
-                    (Motion::zero(), Motion { angular: Vec3::zero(), linear: upward })
-                }
+                None => (Motion::zero(), against_gravity(tree)),
             };
             let whole = self.joints[chain.end - 1].velocity;
             for k in chain.clone() {
@@ -174,16 +171,7 @@ impl<S: Scalar> WorldKernel<S> {
     fn meet_all(&mut self, to: &mut [Panel<S>; 2]) {
         let ([q_upper, v_upper], [q_lower, v_lower]) = (to, &mut self.lower);
         for (k, place) in self.places.iter().enumerate() {
-            let (joint, lane) = (&self.joints[k], k % Self::LANES);
-            let group = &self.groups[k / Self::LANES];
-            let motion = |motion: &Motion<S::Pack>| motion_lane::<S, _>(motion, lane).splat();
-            let meeting: Meeting<S::Pack> = Meeting {
-                axis: joint.axes[2].splat(),
-                origin: joint.origin.splat(),
-                psi: motion(&group.psi),
-                psi_rate: motion(&group.psi_rate),
-                drift: motion(&group.drift),
-            };
+            let meeting = meeting_of(&self.joints[k], &self.groups[k / Self::LANES], k % Self::LANES);
             let mut rows = [q_upper.row_mut(k), q_lower.row_mut(k), v_upper.row_mut(k), v_lower.row_mut(k)];
             let groups = k / Self::LANES..place.end.div_ceil(Self::LANES);
             match place.kind {
@@ -211,6 +199,23 @@ impl<S: Scalar> WorldKernel<S> {
             let force = force_lane(&self.groups[k / Self::LANES].force, k % Self::LANES);
             self.places.add(tau, place, along_axis(place.kind, self.joints[k].axes[2], &force));
         }
+    }
+}
+
+/// The motions of a joint in this lane of its group.
+#[inline(always)]
+pub(super) fn meeting_of<S: Scalar>(
+    joint: &Joint<S>,
+    group: &Group<S::Pack>,
+    lane: usize,
+) -> Meeting<S::Pack> {
+    let motion = |motion: &Motion<S::Pack>| motion_lane::<S, _>(motion, lane).splat();
+    Meeting {
+        axis: joint.axes[2].splat(),
+        origin: joint.origin.splat(),
+        psi: motion(&group.psi),
+        psi_rate: motion(&group.psi_rate),
+        drift: motion(&group.drift),
     }
 }
 
