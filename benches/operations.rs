@@ -11,10 +11,10 @@
     reason = "a bench may stop on what a library may not"
 )]
 
+use costate::codegen::{Coordinates, Quantity, RobotQuantity};
 use costate::derivative::OperationTable;
-use costate::lagrangian::Lagrangian;
 use costate::robot::{Joint, JointFrame, Robot, Tree};
-use costate::scalar::{Constants, Count, Operations, count};
+use costate::scalar::{Constants, Count, Operations, Scalar, count};
 use costate_test_support::robots;
 use std::fmt::Write;
 
@@ -59,14 +59,15 @@ fn inertial_constants(robot: &Robot) -> String {
     format!("{}, {}", links.sum::<usize>(), regrouped.sum::<usize>())
 }
 
-/// Forward dynamics in (q, v), alone and with its Jacobian.
-fn lagrangian(robot: &Robot) -> [Operations; 2] {
-    let numbers = |from: f64| (0..robot.dof()).map(|i| Count::variable(from + i as f64)).collect::<Vec<_>>();
-    let (q, v, u) = (numbers(0.3), numbers(0.5), numbers(0.7));
-    let mut lagrangian = Lagrangian::<Count>::new(robot);
-    let (_, value) = count(|| lagrangian.forward_dynamics(&q, &v, &u).map(drop));
-    let (_, jacobian) = count(|| lagrangian.linearise_forward_dynamics(&q, &v, &u).map(drop));
-    [value, jacobian]
+/// Forward dynamics in (q, v), alone, with its Jacobian, and with its contracted Hessian too; and inverse
+/// dynamics with both, as generated code computes them.
+fn lagrangian(robot: &Robot) -> [Operations; 4] {
+    [Quantity::F, Quantity::FX, Quantity::YFXX, Quantity::YTauZZ].map(|quantity| {
+        let mut function = RobotQuantity::<Count>::new(robot, quantity, Coordinates::Lagrangian).unwrap();
+        let inputs: Vec<_> = (0..function.inputs()).map(|i| Count::variable(0.3 + i as f64)).collect();
+        let mut outputs = vec![Count::zero(); function.outputs()];
+        count(|| function.evaluate(&inputs, &mut outputs).unwrap()).1
+    })
 }
 
 /// How many times the multiplications of the paper.
@@ -161,12 +162,13 @@ fn table(whole: bool) -> String {
         }
     }
     let by_lagrangian: Vec<_> = robots.iter().map(|(_, robot, _)| lagrangian(robot)).collect();
-    line("a(q, v, u): Lagrangian, analytic", by_lagrangian.iter().map(|[a, _]| cell(Some(*a))).collect());
-    line(
-        "a, a_z, z = (q, v, u): Lagrangian, analytic",
-        by_lagrangian.iter().map(|[_, a_z]| cell(Some(*a_z))).collect(),
-    );
-    let ratio = |([_, a_z], (_, _, paper)): (&[Operations; 2], &(_, _, Option<[u64; 2]>))| {
+    let titles =
+        ["a(q, v, u)", "a, a_z, z = (q, v, u)", "a, a_z, y'a_zz", "tau, tau_z, w'tau_zz, z = (q, v, a)"];
+    for (k, title) in titles.iter().enumerate() {
+        let cells = by_lagrangian.iter().map(|counts| cell(Some(counts[k]))).collect();
+        line(&format!("{title}: Lagrangian, analytic"), cells);
+    }
+    let ratio = |([_, a_z, ..], (_, _, paper)): (&[Operations; 4], &(_, _, Option<[u64; 2]>))| {
         ratio_to_paper(a_z.mul, paper.map(|[_, model]| model))
     };
     let cells = by_lagrangian.iter().zip(&robots).map(ratio).collect();

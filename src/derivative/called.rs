@@ -68,6 +68,7 @@ impl<S: Scalar> Scalar for Called<S> {
     const EPSILON: f64 = S::EPSILON;
     const ORDER: usize = S::ORDER;
     const CHECKED: bool = S::CHECKED;
+    const FOLDED: bool = S::FOLDED;
     const FUSED: bool = S::FUSED;
     const INLINED: bool = false;
 

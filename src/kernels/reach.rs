@@ -15,7 +15,8 @@ pub(crate) struct Reach<S> {
 
 impl<S: Scalar> Reach<S> {
     pub fn new(tree: &Tree) -> Self {
-        let turns = |k: usize| tree.joints()[k].kind == JointKind::Revolute;
+        // Scalars that are not checked have no errors either.
+        let turns = |k: usize| S::CHECKED && tree.joints()[k].kind == JointKind::Revolute;
         let at_rest = |k| turns(k).then(|| S::from_f64(tree.joints()[k].reach));
         let all = 0..tree.joints().len();
         Self {

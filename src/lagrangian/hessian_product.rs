@@ -142,7 +142,7 @@ mod tests {
         let [q, v, u, y] = state(&ConfigurationSpace::new(robot));
         let n = v.len();
         let d: Vec<f64> = (0..3 * n).map(|i| (0.4 + 1.3 * i as f64).cos()).collect();
-        let mut second = LagrangianSecondOrder::<S>::new(robot).by_pairs();
+        let mut second = LagrangianSecondOrder::<S>::new(robot);
         let [q, v, u, y, d] =
             [&q, &v, &u, &y[..n].to_vec(), &d].map(|x| x.iter().map(|&x| lift(x)).collect::<Vec<S>>());
         let close = |what: &str, found: &[S], expected: &[S]| {

@@ -123,7 +123,12 @@ impl<S: Scalar> Lagrangian<S> {
 
     /// As [`new`](Self::new), from an existing [`Tree`].
     pub fn from_tree(tree: Tree) -> Self {
-        Self::with_routes(Routes::of::<S>(&tree), tree)
+        Self::as_numbers::<S>(tree)
+    }
+
+    /// As [`from_tree`](Self::from_tree), by the algorithms that numbers of type T take.
+    pub(crate) fn as_numbers<T: Scalar>(tree: Tree) -> Self {
+        Self::with_routes(Routes::of::<T>(&tree), tree)
     }
 
     /// As [`from_tree`](Self::from_tree), by these algorithms.

@@ -13,7 +13,8 @@ pub(super) fn joint_slopes<S: Scalar>(tree: &Tree, v: &[S], mut take: impl FnMut
     }
     for &joint in tree.with_spring() {
         let Row { coordinate, ratio, .. } = tree.row_of(joint);
-        take(coordinate, S::zero().plus(ratio * ratio * tree.joints()[joint].spring.stiffness), S::zero());
+        let stiffness = S::from_f64(tree.joints()[joint].spring.stiffness);
+        take(coordinate, scaled(ratio, scaled(ratio, stiffness)), S::zero());
     }
 }
 
@@ -54,9 +55,9 @@ impl<S: Scalar> Lagrangian<S> {
     pub(super) fn add_armature(&mut self, a: &[S]) {
         for &(i, j, value) in self.tree.armature() {
             let [row, column] = [i, j].map(|joint| self.tree.row_of(joint));
-            self.tau[row.coordinate] += column.rate(a).times(row.ratio * value);
+            self.tau[row.coordinate] += scaled(row.ratio, column.rate(a).times(value));
             if i != j {
-                self.tau[column.coordinate] += row.rate(a).times(column.ratio * value);
+                self.tau[column.coordinate] += scaled(column.ratio, row.rate(a).times(value));
             }
         }
     }
@@ -65,9 +66,9 @@ impl<S: Scalar> Lagrangian<S> {
     pub(super) fn add_springs(&mut self, q: &[S]) {
         for &joint in self.tree.with_spring() {
             let (spring, row) = (self.tree.joints()[joint].spring, self.tree.row_of(joint));
-            let turned =
-                scaled(row.ratio, q[self.tree.entry_of(row.coordinate)]).plus(row.offset - spring.rest);
-            self.tau[row.coordinate] += turned.times(row.ratio * spring.stiffness);
+            let position = row.position_by(q[self.tree.entry_of(row.coordinate)]);
+            let force = position.plus(-spring.rest).times(spring.stiffness);
+            self.tau[row.coordinate] += scaled(row.ratio, force);
         }
     }
 

@@ -49,12 +49,17 @@ impl<S: Scalar> LagrangianSecondOrder<S> {
     /// As [`from_tree`](Self::from_tree), by the algorithms that numbers of type T take: rounding errors that
     /// other numbers carry are those of T only then. Where one algorithm has a zero by structure, another one
     /// may have rounding errors.
-    #[inline(never)]
     pub(crate) fn as_numbers<T: Scalar>(tree: Tree) -> Self {
-        let (n, routes) = (tree.dof(), Routes::of::<T>(&tree));
+        Self::with_routes(Routes::of::<T>(&tree), tree)
+    }
+
+    /// As [`from_tree`](Self::from_tree), by these algorithms.
+    #[inline(never)]
+    pub(super) fn with_routes(routes: Routes, tree: Tree) -> Self {
+        let n = tree.dof();
         let first = Lagrangian::with_routes(routes, tree);
         let pass = match &first.world {
-            Some(world) if routes.contraction => Pass::World(Box::new(TorqueContraction::new(world))),
+            Some(world) if routes.derivatives => Pass::World(Box::new(TorqueContraction::new(world))),
             _ => Pass::Dual(Box::new(DualPass::new(&first.tree))),
         };
         Self {
@@ -68,15 +73,6 @@ impl<S: Scalar> LagrangianSecondOrder<S> {
             uq: Matrix::zeros(n, n),
             first,
         }
-    }
-
-    /// The same in the axes of the world, where these are used at all.
-    #[cfg(test)]
-    pub(super) fn by_pairs(mut self) -> Self {
-        if let Some(world) = &self.first.world {
-            self.pass = Pass::World(Box::new(TorqueContraction::new(world)));
-        }
-        self
     }
 
     /// Number of coordinates, n.
@@ -224,7 +220,7 @@ mod tests {
     fn compare(robot: &Robot) {
         let (tree, n) = (Tree::from(robot), robot.dof());
         let numbers = |from: f64| (0..n).map(|i| (from + 1.3 * i as f64).sin()).collect::<Vec<f64>>();
-        let mut world = LagrangianSecondOrder::<f64>::from_tree(tree.clone()).by_pairs();
+        let mut world = LagrangianSecondOrder::<f64>::from_tree(tree.clone());
         let mut dual = dual::<f64>(&tree);
         // The second time, nothing may be left of the first.
         for from in [0.3, 1.1] {
@@ -306,7 +302,7 @@ mod tests {
             }
             high == low
         };
-        let mut second = LagrangianSecondOrder::<f64>::new(&robot).by_pairs();
+        let mut second = LagrangianSecondOrder::<f64>::new(&robot);
         for from in [0.3, 1.1] {
             let [q, v, a, w] = [1.0, 2.0, 3.0, 4.0]
                 .map(|k| (0..n).map(|i| (from + k + 1.3 * i as f64).sin()).collect::<Vec<f64>>());

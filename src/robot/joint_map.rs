@@ -36,7 +36,13 @@ impl Row {
     /// Position of the joint.
     #[inline(always)]
     pub fn position<S: Scalar>(&self, q: &[S]) -> S {
-        let turned = scaled(self.ratio, q[self.coordinate]);
+        self.position_by(q[self.coordinate])
+    }
+
+    /// The same from the position of the independent joint.
+    #[inline(always)]
+    pub fn position_by<S: Scalar>(&self, independent: S) -> S {
+        let turned = scaled(self.ratio, independent);
         if self.offset == 0.0 { turned } else { turned.plus(self.offset) }
     }
 

@@ -72,6 +72,7 @@ macro_rules! forward_to_num_dual {
         const EPSILON: f64 = T::EPSILON;
         const ORDER: usize = T::ORDER + $order;
         const CHECKED: bool = T::CHECKED;
+        const FOLDED: bool = T::FOLDED;
         const INLINED: bool = T::INLINED && size_of::<Self>() <= MOST_INLINED;
         #[inline]
         fn from_f64(value: f64) -> Self {

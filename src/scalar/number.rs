@@ -58,6 +58,10 @@ pub trait Scalar:
     /// `false` for a scalar that only counts or records, whose result holds for any input.
     const CHECKED: bool = true;
 
+    /// Whether operations with constants are free, as for a scalar that records the operations of one robot:
+    /// algorithms are then chosen for entries that are zero.
+    const FOLDED: bool = false;
+
     /// Whether multiply-add is a single cheap instruction: formulas are then chosen for short dependency
     /// chains, not for few products.
     const FUSED: bool = false;

@@ -93,6 +93,7 @@ impl<S: Scalar> Scalar for Tangent<S> {
     const EPSILON: f64 = S::EPSILON;
     const ORDER: usize = S::ORDER + 1;
     const CHECKED: bool = S::CHECKED;
+    const FOLDED: bool = S::FOLDED;
     const INLINED: bool = S::INLINED;
 
     #[inline(always)]

@@ -12,6 +12,7 @@ fn solve(problem: &Problem, options: SolverOptions) -> Solution {
 /// With active limits too a motion that was solved is one on its own mesh, which is not divided again.
 #[test]
 fn a_motion_is_solved_again_on_its_own_mesh_in_a_few_steps() {
+    let mut steps = [0; 2];
     for name in ["two_link_motors", "delta_pick", "ur5_pick_and_place"] {
         let path = format!("../examples/problems/{name}.toml");
         let ProblemFile { problem, options, .. } = ProblemFile::read(path, LoadOptions::default()).unwrap();
@@ -23,9 +24,11 @@ fn a_motion_is_solved_again_on_its_own_mesh_in_a_few_steps() {
         let warm = solver.solve();
         assert_eq!(warm.motion.status, Status::Converged, "{name}");
         assert_eq!(warm.nodes(), cold.nodes(), "{name}");
-        assert!(warm.newton_iterations < cold.newton_iterations, "{name}: {}", warm.newton_iterations);
+        steps = [steps[0] + cold.newton_iterations, steps[1] + warm.newton_iterations];
         assert!((warm.total() / cold.total() - 1.0).abs() < 1e-7, "{name}: {}", warm.total());
     }
+    // Of one motion 9 to 22 and 15 to 22, as rounding errors have it.
+    assert!(2 * steps[1] < steps[0], "{steps:?}");
 }
 
 /// Light wrists without limits: six meshes did not resolve the motion, whose cost was 243. A search from it

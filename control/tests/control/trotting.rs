@@ -241,8 +241,9 @@ fn other_steps_converge() {
         gait
     });
     assert!(short < 0.1 * best.total(), "{short}");
-    let flat = with(|gait| gait.with_clearance(0.0));
-    assert!(flat < best.total(), "{flat}");
+    // Feet that may slide along the ground, at a clearance of zero, have many local minima.
+    let low = with(|gait| gait.with_clearance(5e-3));
+    assert!(low < 0.98 * best.total(), "{low}");
 }
 
 /// With a fifth of the step on all four feet: forward dynamics on them has the forces of the motion, nothing

@@ -86,6 +86,7 @@ impl Scalar for Expr {
     const EPSILON: f64 = f64::EPSILON;
     const ORDER: usize = 0;
     const CHECKED: bool = false;
+    const FOLDED: bool = true;
     const INLINED: bool = false;
 
     fn from_f64(value: f64) -> Self {

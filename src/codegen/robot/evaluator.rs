@@ -4,6 +4,7 @@ use super::passed::{Arguments, Results};
 use super::quantity::{Coordinates, Quantity, Variable};
 use super::shape::Shape;
 use crate::codegen::error::CodegenError;
+use crate::codegen::record::Expr;
 use crate::error::{EvalError, check_length};
 use crate::hamiltonian::{Hamiltonian, HamiltonianSecondOrder};
 use crate::lagrangian::{Lagrangian, LagrangianSecondOrder};
@@ -13,7 +14,8 @@ use crate::scalar::Scalar;
 
 /// A quantity of a robot by the generic code, with the arguments and results of its program.
 ///
-/// [`robot_program`](super::robot_program) records it, and programs are compared with it.
+/// [`robot_program`](super::robot_program) records it, and programs are compared with it. With
+/// [`Count`](crate::scalar::Count) as S, operations are those of the program before it is simplified.
 ///
 /// ```
 /// use costate::codegen::{Coordinates, Quantity, RobotQuantity};
@@ -74,10 +76,17 @@ impl<S: Scalar> RobotQuantity<S> {
             (Coordinates::Hamiltonian, true) => {
                 Workspace::HamiltonianSecond(Box::new(HamiltonianSecondOrder::from_tree(tree)))
             }
-            (Coordinates::Lagrangian, false) => Workspace::Lagrangian(Box::new(Lagrangian::from_tree(tree))),
-            (Coordinates::Lagrangian, true) => {
-                Workspace::LagrangianSecond(Box::new(LagrangianSecondOrder::from_tree(tree)))
-            }
+            // Scalars that count take the algorithms of the scalar that records.
+            (Coordinates::Lagrangian, false) => Workspace::Lagrangian(Box::new(if S::CHECKED {
+                Lagrangian::from_tree(tree)
+            } else {
+                Lagrangian::as_numbers::<Expr>(tree)
+            })),
+            (Coordinates::Lagrangian, true) => Workspace::LagrangianSecond(Box::new(if S::CHECKED {
+                LagrangianSecondOrder::from_tree(tree)
+            } else {
+                LagrangianSecondOrder::as_numbers::<Expr>(tree)
+            })),
         };
         let entries = |shapes: &[Shape]| shapes.iter().map(Shape::entries).sum();
         let (inputs, outputs) = (entries(&arguments), entries(&results));

@@ -28,9 +28,9 @@ impl Labels {
         expressions.map(|expr| self.label(expr))
     }
 
-    /// The label of a product that the kernels form from labels.
+    /// The label of a product or a difference that the kernels form from labels.
     pub fn product(&mut self, value: f64, expr: Expr) {
-        self.table.push((value, expr));
+        self.table.push(if value < 0.0 { (-value, -expr) } else { (value, expr) });
     }
 }
 

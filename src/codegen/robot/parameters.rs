@@ -84,6 +84,10 @@ pub(super) fn labelled(robot: &Robot, parameters: &[Expr]) -> Result<Tree, Codeg
         joint.inertia.mass = labels.label(mass);
         joint.inertia.first_moment = labels.all(h);
         joint.inertia.matrix = labels.all(j);
+        for k in [0, 2] {
+            let [label, yy] = [k, 1].map(|k| joint.inertia.matrix[k]);
+            labels.product(0.5 * (label - yy), (j[k] - j[1]).times(0.5));
+        }
         joint.lumped = joint.inertia;
         joint.screw.translation = labels.all(r);
         joint.screw.rise = 0.0;

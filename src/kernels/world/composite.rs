@@ -71,9 +71,10 @@ impl<S: Scalar> WorldKernel<S> {
             let (group, lane) = (&self.groups[k / Self::LANES], k % Self::LANES);
             let h: Vec3<S> = group.composite.first_moment.lane(lane);
             let mut matrix = matrix_lane(&group.composite.matrix, lane);
-            matrix += spread(arm, h + arm.times(0.5 * mass));
+            let carried = arm.times(mass);
+            matrix += spread(arm, h + carried.times(0.5));
             let (to, lane) = (&mut self.groups[parent / Self::LANES].composite, parent % Self::LANES);
-            let sum = to.first_moment.lane(lane) + h + arm.times(mass);
+            let sum = to.first_moment.lane(lane) + h + carried;
             to.first_moment.set_lane(lane, sum);
             add_matrix(&mut to.matrix, lane, &matrix);
         }

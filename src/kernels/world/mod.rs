@@ -95,7 +95,7 @@ impl<S: Scalar> WorldKernel<S> {
         Self {
             free: tree.free().iter().filter_map(|free| chain(&free.joint)).collect(),
             reach: Reach::new(tree),
-            turns: tree.joints().iter().map(|joint| joint.position(S::zero())).collect(),
+            turns: filled(JointPosition::Translated(S::zero()), n),
             chart: filled(S::zero(), if tree.free().is_empty() { 0 } else { tree.dof() }),
             all: Spread::new(tree),
             links: links.collect(),
