@@ -8,8 +8,9 @@
 //! For a, numbers of one lane take the first where branches are short, and so do robots with mimic joints and
 //! armature that couples joints: the joints of articulated bodies are independent. The other quantities take
 //! the second, but for scalars that [fold constants](Scalar::FOLDED): in body frames more entries are zero,
-//! with parallel and orthogonal axes. Robots with floating or spherical joints take the second for any
-//! scalar. Both columns are tested against each other.
+//! with parallel and orthogonal axes; these take the second for second derivatives of long chains of other
+//! axes alone. Robots with floating or spherical joints take the second for any scalar. Both columns are
+//! tested against each other.
 
 use crate::kernels::{ArticulatedBodies, KernelOne, WorldKernel};
 use crate::matrix::{Matrix, Panel};
@@ -29,10 +30,11 @@ use crate::scalar::Scalar;
 /// as the factors are [computed block by block](Panel::in_blocks), and more time for 8 to 12 joints.
 const ARTICULATED_FROM: usize = 9;
 
-/// Scalars that fold constants: from this mean number of joints on, as above, derivatives of chains with axes
-/// in general directions take fewer operations in the axes of the world.
+/// Scalars that fold constants: from this mean number of joints on, as above, y'a_zz of chains with axes in
+/// general directions takes fewer operations in the axes of the world.
 ///
 /// Chains of 3 joints take 0.87 times the operations in body frames, those of 6 and 12 joints 1.20 and 1.34.
+/// M, a, and a_z up to 6 joints take fewer in body frames.
 const GENERAL_FROM: usize = 3;
 
 /// The algorithms for one tree and number type.
@@ -52,9 +54,15 @@ impl Routes {
         let enough = if one_lane { long } else { Panel::<S>::in_blocks(tree.dof()) };
         let independent = tree.joint_map().is_none();
         Self {
-            derivatives: !S::FOLDED || !tree.free().is_empty() || has_general_axes(tree),
+            derivatives: !S::FOLDED || !tree.free().is_empty(),
             bodies: independent && enough && ArticulatedBodies::<S>::suit(tree),
         }
+    }
+
+    /// For the numbers S, where second derivatives are computed too.
+    pub fn of_second<S: Scalar>(tree: &Tree) -> Self {
+        let routes = Self::of::<S>(tree);
+        Self { derivatives: routes.derivatives || has_general_axes(tree), ..routes }
     }
 
     /// Whether any of them works in the axes of the world.
@@ -163,7 +171,7 @@ mod tests {
             let (tree, n) = (Tree::from(robot), robot.dof());
             let numbers = |from: f64| (0..n).map(|i| Count::variable(from + i as f64)).collect::<Vec<_>>();
             let [q, v, u, y] = [0.3, 0.5, 0.7, 0.9].map(numbers);
-            let chosen = Routes::of::<Expr>(&tree).derivatives;
+            let chosen = Routes::of_second::<Expr>(&tree).derivatives;
             let both = [false, true].map(|derivatives| {
                 let routes = Routes { derivatives, bodies: false };
                 let mut second = LagrangianSecondOrder::<Count>::with_routes(routes, tree.clone());

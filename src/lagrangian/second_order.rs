@@ -50,7 +50,7 @@ impl<S: Scalar> LagrangianSecondOrder<S> {
     /// other numbers carry are those of T only then. Where one algorithm has a zero by structure, another one
     /// may have rounding errors.
     pub(crate) fn as_numbers<T: Scalar>(tree: Tree) -> Self {
-        Self::with_routes(Routes::of::<T>(&tree), tree)
+        Self::with_routes(Routes::of_second::<T>(&tree), tree)
     }
 
     /// As [`from_tree`](Self::from_tree), by these algorithms.
