@@ -4,9 +4,12 @@ from statistics import median
 
 ARMS = ("ur5", "panda")
 CHAINS = ("chain12", "chain24", "chain48")
-HUMANOIDS = ("humanoid32", "humanoid50")
+HUMANOIDS = ("humanoid32", "humanoid50", "talos")
 EVERY = ARMS + CHAINS + HUMANOIDS
-FLOATING = ("floating32", "floating50")
+LONG = ("chain48",)
+OTHERS = tuple(name for name in EVERY if name not in LONG)
+TO_24 = ARMS + ("chain12", "chain24")
+FLOATING = ("floating32", "floating50", "floating_talos")
 STANDING = ("standing32", "standing50")
 
 # claim, robots, quantity and labels of the peer, quantity and labels of costate, least ratio (None: reported only)
@@ -15,10 +18,22 @@ CLAIMS = (
     ("generic forward dynamics a(q, v, u) beside Pinocchio's aba", EVERY, "a", "pinocchio", "a", "costate-native", None),
     ("generic F and F_x together at least 3 times as fast as computeABADerivatives", ARMS, "a_z", "pinocchio", "F_x",
      "costate-native", 3.0),
-    ("generic F and F_x ahead of computeABADerivatives on general chains", CHAINS, "a_z", "pinocchio", "F_x",
+    ("generic F and F_x together at least twice as fast as computeABADerivatives", CHAINS + HUMANOIDS, "a_z", "pinocchio",
+     "F_x", "costate-native", 2.0),
+    ("generic a, a_z, y'a_zz in at most the time of computeABADerivatives", OTHERS, "a_z", "pinocchio", "y_a_zz",
      "costate-native", 1.0),
-    ("generic F and F_x ahead of computeABADerivatives on humanoids", HUMANOIDS, "a_z", "pinocchio", "F_x",
+    ("generic a, a_z, y'a_zz in at most 1.2 times the time of computeABADerivatives", LONG, "a_z", "pinocchio", "y_a_zz",
+     "costate-native", 1 / 1.2),
+    ("generic tau, tau_z, w'tau_zz in at most 0.7 of the time of computeABADerivatives", TO_24, "a_z", "pinocchio",
+     "w_tau_zz", "costate-native", 1 / 0.7),
+    ("generic tau, tau_z, w'tau_zz in at most 0.55 of the time of computeABADerivatives", LONG + HUMANOIDS, "a_z",
+     "pinocchio", "w_tau_zz", "costate-native", 1 / 0.55),
+    ("generic F, F_x, y'F_xx in at most the time of computeABADerivatives", OTHERS, "a_z", "pinocchio", "y_F_xx",
      "costate-native", 1.0),
+    ("generic F, F_x, y'F_xx in at most 1.2 times the time of computeABADerivatives", LONG, "a_z", "pinocchio", "y_F_xx",
+     "costate-native", 1 / 1.2),
+    ("generic tau and its Jacobian at least 1.9 times as fast as computeRNEADerivatives", EVERY, "tau_z", "pinocchio",
+     "tau_z", "costate-native", 1.9),
     ("generic M beside crba", EVERY, "M", "pinocchio", "M", "costate-native", None),
     ("generic inverse of M beside computeMinverse", EVERY, "Minv", "pinocchio", "Minv",
      "costate-native", None),
@@ -59,8 +74,14 @@ FREE_CLAIMS = (
      "y_F_xx", "costate-native", None),
     ("generic Hessian of w.tau beside the tensors of second-order inverse dynamics", FLOATING, "w_tau_zz", "pinocchio",
      "w_tau_zz", "costate-native", None),
-    ("generic tau and its Jacobian beside computeRNEADerivatives", FLOATING, "tau_z", "pinocchio", "tau_z",
-     "costate-native", None),
+    ("generic tau and its Jacobian at least 1.6 times as fast as computeRNEADerivatives", FLOATING, "tau_z", "pinocchio",
+     "tau_z", "costate-native", 1.6),
+    ("generic a, a_z, y'a_zz in at most 1.2 times the time of computeABADerivatives", FLOATING, "a_z", "pinocchio",
+     "y_a_zz", "costate-native", 1 / 1.2),
+    ("generic tau, tau_z, w'tau_zz in at most 0.6 of the time of computeABADerivatives", FLOATING, "a_z", "pinocchio",
+     "w_tau_zz", "costate-native", 1 / 0.6),
+    ("generic F, F_x, y'F_xx in at most 1.2 times the time of computeABADerivatives", FLOATING, "a_z", "pinocchio",
+     "y_F_xx", "costate-native", 1 / 1.2),
     ("generic M beside crba", FLOATING, "M", "pinocchio", "M", "costate-native", None),
     ("generic inverse of M beside computeMinverse", FLOATING, "Minv", "pinocchio", "Minv", "costate-native", None),
 )
