@@ -24,7 +24,7 @@ verbs! {
 
     /// The contracted Hessian d2(y'f)/dz2 of the state equation, z = (q, v, tau).
     ///
-    /// By the 2n + 1 rule with ``"qp"``, by one dual pass with ``"qv"``: no finite differences.
+    /// By the 2n + 1 rule with ``"qp"``, by pairs of joints with ``"qv"``: no finite differences.
     hessian(q: q, v: state, tau: tau, y: y) -> one
         "ndarray (..., 3n, 3n)\n    Symmetric."
         = call Verb::Hessian;
@@ -66,7 +66,7 @@ verbs! {
         "ndarray (..., n, 3n)\n    Rows are torques."
         = call Verb::RneaJacobian;
 
-    /// The second derivatives of w'tau of inverse dynamics by (q, v, a), by one dual pass.
+    /// The second derivatives of w'tau of inverse dynamics by (q, v, a), by pairs of joints.
     rnea_hessian(q: q, v: v, a: a, w: w) -> one
         "ndarray (..., 3n, 3n)\n    Symmetric."
         = call Verb::RneaHessian;

@@ -9,7 +9,7 @@
 //! |---|---|---|
 //! | [`hamiltonian::HamiltonianSecondOrder`](crate::hamiltonian::HamiltonianSecondOrder) | [`Dynamics`], x = (q, p) | analytic |
 //! | [`hamiltonian::DualPass`](crate::hamiltonian::DualPass) | the same by any route | analytic, one dual pass |
-//! | [`lagrangian::LagrangianSecondOrder`](crate::lagrangian::LagrangianSecondOrder) | [`Dynamics`], x = (q, v) | analytic, one dual pass |
+//! | [`lagrangian::LagrangianSecondOrder`](crate::lagrangian::LagrangianSecondOrder) | [`Dynamics`], x = (q, v) | analytic |
 //! | [`QuaternionDynamics`] | [`Dynamics`], x = (q, p) or (q, v) with quaternions as plain numbers | analytic |
 //! | [`Automatic`] | [`Dynamics`] of any [`Function`](crate::derivative::Function) of (x, u) | automatic |
 //! | [`QuadraticCost`] | [`Cost`] | analytic |

@@ -7,7 +7,7 @@ use crate::scalar::Scalar;
 /// constant.
 #[derive(Clone, Debug)]
 pub(crate) struct Reach<S> {
-    /// `None` for prismatic joints.
+    /// `None` for prismatic joints, and for all where nothing is checked.
     reach: Vec<Option<S>>,
     /// Joints that are not prismatic, with prismatic ones beyond them.
     changing: Vec<usize>,
@@ -15,7 +15,7 @@ pub(crate) struct Reach<S> {
 
 impl<S: Scalar> Reach<S> {
     pub fn new(tree: &Tree) -> Self {
-        // Scalars that are not checked have no errors either.
+        // Without checks nobody reads it, and these constants are no labels of parameters.
         let turns = |k: usize| S::CHECKED && tree.joints()[k].kind == JointKind::Revolute;
         let at_rest = |k| turns(k).then(|| S::from_f64(tree.joints()[k].reach));
         let all = 0..tree.joints().len();

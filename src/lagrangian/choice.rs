@@ -1,16 +1,18 @@
 //! Which of two algorithms computes a quantity: decided once, when the workspace is built.
 //!
-//! | quantity | the first | the second |
+//! | quantity | body frames | axes of the world |
 //! |---|---|---|
-//! | a | M and its factors | articulated bodies, O(n) |
-//! | M, tau_q, tau_v, (w.tau)_zz | kernels one and two in body frames, one dual number through both | products of pairs in the axes of the world |
+//! | a | M and its factors | articulated bodies, O(n), or M and its factors |
+//! | M | kernel one | products of pairs of joints |
+//! | M, tau_q, tau_v, (w.tau)_zz | kernels one and two, one dual number through both | products of pairs of joints |
 //!
-//! For a, numbers of one lane take the first where branches are short, and so do robots with mimic joints and
-//! armature that couples joints: the joints of articulated bodies are independent. The other quantities take
-//! the second, but for scalars that [fold constants](Scalar::FOLDED): in body frames more entries are zero,
-//! with parallel and orthogonal axes; these take the second for second derivatives of long chains of other
-//! axes alone. Robots with floating or spherical joints take the second for any scalar. Both columns are
-//! tested against each other.
+//! The axes of the world take less time, but for two kinds of numbers: those that
+//! [fold constants](Scalar::FOLDED), since parallel and orthogonal axes give body frames more zeros, and those
+//! that carry derivatives, for which products with constants are cheap. Both take body frames for M and a, and
+//! numbers that fold constants for derivatives too, unless axes have general directions and branches are not
+//! short. Robots with floating or spherical joints take the axes of the world for all of these. Articulated
+//! bodies serve long branches whose joints are independent: no mimic joints, no armature that couples joints.
+//! Both columns are tested against each other.
 
 use crate::kernels::{ArticulatedBodies, KernelOne, WorldKernel};
 use crate::matrix::{Matrix, Panel};
@@ -26,43 +28,49 @@ use crate::scalar::Scalar;
 /// articulated bodies in the axes of the world do not: with them, humanoids of means 4.9 and 7.5 take 1.7 and
 /// 1.3 times the operations.
 ///
-/// Packs of several lanes take 1.03 to 2.8 times less time with articulated bodies on every such tree as soon
+/// Numbers of one lane with M in the axes of the world have the same threshold. Packs of several lanes take 1.03 to 2.8 times less time with articulated bodies on every such tree as soon
 /// as the factors are [computed block by block](Panel::in_blocks), and more time for 8 to 12 joints.
 const ARTICULATED_FROM: usize = 9;
 
-/// Scalars that fold constants: from this mean number of joints on, as above, y'a_zz of chains with axes in
+/// Numbers that fold constants: from this mean number of joints on, as above, y'a_zz of robots with axes in
 /// general directions takes fewer operations in the axes of the world.
 ///
-/// Chains of 3 joints take 0.87 times the operations in body frames, those of 6 and 12 joints 1.20 and 1.34.
-/// M, a, and a_z up to 6 joints take fewer in body frames.
-const GENERAL_FROM: usize = 3;
+/// Body frames take 0.87 times the operations of these for a chain of 3 joints, 1.20 for 6, 1.34 for 12.
+const PAIRS_FROM: usize = 3;
 
 /// The algorithms for one tree and number type.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Routes {
-    /// M and the derivatives of inverse dynamics in the axes of the world.
+    /// M, tau_q, tau_v and (w.tau)_zz in the axes of the world.
     pub derivatives: bool,
+    /// M and a by M there, where no derivatives are asked for.
+    pub values: bool,
     /// Forward dynamics by articulated bodies.
     pub bodies: bool,
 }
 
 impl Routes {
+    /// Everything in body frames, as tests compare it.
+    #[cfg(test)]
+    pub const BODY_FRAMES: Self = Self { derivatives: false, values: false, bodies: false };
+
     /// For the numbers S.
     pub fn of<S: Scalar>(tree: &Tree) -> Self {
         let one_lane = Panel::<S>::ONE_LANE;
         let long = tree.pairs() >= ARTICULATED_FROM * tree.dof();
         let enough = if one_lane { long } else { Panel::<S>::in_blocks(tree.dof()) };
-        let independent = tree.joint_map().is_none();
+        let (independent, free) = (tree.joint_map().is_none(), !tree.free().is_empty());
         Self {
-            derivatives: !S::FOLDED || !tree.free().is_empty(),
+            derivatives: !S::FOLDED || free,
+            values: !S::FOLDED && S::ORDER == 0 || free,
             bodies: independent && enough && ArticulatedBodies::<S>::suit(tree),
         }
     }
 
     /// For the numbers S, where second derivatives are computed too.
-    pub fn of_second<S: Scalar>(tree: &Tree) -> Self {
+    pub fn for_second_derivatives<S: Scalar>(tree: &Tree) -> Self {
         let routes = Self::of::<S>(tree);
-        Self { derivatives: routes.derivatives || has_general_axes(tree), ..routes }
+        Self { derivatives: routes.derivatives || pairs_take_fewer(tree), ..routes }
     }
 
     /// Whether any of them works in the axes of the world.
@@ -73,9 +81,9 @@ impl Routes {
 
 /// Whether products of pairs take fewer operations than kernels in body frames even where operations with
 /// constants are free: axes are neither parallel nor orthogonal, and branches are not short.
-fn has_general_axes(tree: &Tree) -> bool {
+fn pairs_take_fewer(tree: &Tree) -> bool {
     let general = tree.joints().iter().filter(|joint| !joint.screw.alpha.is_right()).count();
-    2 * general > tree.joints().len() && tree.pairs() >= GENERAL_FROM * tree.dof()
+    2 * general > tree.joints().len() && tree.pairs() >= PAIRS_FROM * tree.dof()
 }
 
 /// M, where it was computed last.
@@ -171,9 +179,9 @@ mod tests {
             let (tree, n) = (Tree::from(robot), robot.dof());
             let numbers = |from: f64| (0..n).map(|i| Count::variable(from + i as f64)).collect::<Vec<_>>();
             let [q, v, u, y] = [0.3, 0.5, 0.7, 0.9].map(numbers);
-            let chosen = Routes::of_second::<Expr>(&tree).derivatives;
+            let chosen = Routes::for_second_derivatives::<Expr>(&tree).derivatives;
             let both = [false, true].map(|derivatives| {
-                let routes = Routes { derivatives, bodies: false };
+                let routes = Routes { derivatives, values: derivatives, bodies: false };
                 let mut second = LagrangianSecondOrder::<Count>::with_routes(routes, tree.clone());
                 let (_, counted) = count(|| second.contract_forward_dynamics(&q, &v, &u, &y).map(drop));
                 (counted.mul + counted.add) as f64

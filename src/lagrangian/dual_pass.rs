@@ -16,7 +16,7 @@ pub(super) enum Pass<S: Scalar> {
     Dual(Box<DualPass<S>>),
 }
 
-/// The dual pass of robots without floating and spherical joints.
+/// The dual pass, for robots without floating and spherical joints.
 ///
 /// For constant w, the power `w.tau` of inverse dynamics consists of directional derivatives of L:
 ///

@@ -65,6 +65,10 @@ impl<S: Scalar> Lagrangian<S> {
     /// See [`Lagrangian`].
     pub fn mass_matrix(&mut self, q: &[S]) -> Result<&Matrix<S>, EvalError> {
         self.check(q, &[])?;
+        if !self.routes.values {
+            self.kernel.set_position(&self.tree, q)?;
+            return Ok(self.kernel.mass_matrix());
+        }
         self.place(q)?;
         Ok(current_mass_matrix(self.routes, &self.kernel, self.world.as_ref()))
     }

@@ -133,16 +133,30 @@ mod tests {
     use crate::configuration::ConfigurationSpace;
     use crate::configuration::samples::{robots, state};
     use crate::lagrangian::LagrangianSecondOrder;
+    use crate::lagrangian::choice::Routes;
     use crate::matrix::dot;
-    use crate::robot::Robot;
     use crate::robot::test_robot::robot;
+    use crate::robot::{Robot, Tree};
     use crate::scalar::{Count, Scalar};
 
     fn compare<S: Scalar>(robot: &Robot, lift: impl Fn(f64) -> S, value: impl Fn(S) -> f64) {
+        if robot.free_joints().is_empty() {
+            let tree = Tree::from(robot);
+            let in_body_frames = LagrangianSecondOrder::with_routes(Routes::BODY_FRAMES, tree);
+            compare_with(in_body_frames, robot, &lift, &value);
+        }
+        compare_with(LagrangianSecondOrder::new(robot), robot, lift, value);
+    }
+
+    fn compare_with<S: Scalar>(
+        mut second: LagrangianSecondOrder<S>,
+        robot: &Robot,
+        lift: impl Fn(f64) -> S,
+        value: impl Fn(S) -> f64,
+    ) {
         let [q, v, u, y] = state(&ConfigurationSpace::new(robot));
         let n = v.len();
         let d: Vec<f64> = (0..3 * n).map(|i| (0.4 + 1.3 * i as f64).cos()).collect();
-        let mut second = LagrangianSecondOrder::<S>::new(robot);
         let [q, v, u, y, d] =
             [&q, &v, &u, &y[..n].to_vec(), &d].map(|x| x.iter().map(|&x| lift(x)).collect::<Vec<S>>());
         let close = |what: &str, found: &[S], expected: &[S]| {

@@ -85,7 +85,13 @@ impl<S: Scalar> Lagrangian<S> {
     #[inline(never)]
     pub(super) fn accelerate_alone(&mut self, q: &[S], v: &[S], u: &[S]) -> Result<(), EvalError> {
         if self.bodies.is_none() {
-            return self.accelerate(q, v, u);
+            if self.routes.values || !self.routes.derivatives {
+                return self.accelerate(q, v, u);
+            }
+            self.factor_by_kernel(q)?;
+            self.set_bias_by_recursion(q, v);
+            self.accelerate_against(v, u);
+            return Ok(());
         }
         self.tau.fill(S::zero());
         self.add_joint_forces(q, v);

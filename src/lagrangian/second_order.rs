@@ -16,8 +16,8 @@ use crate::scalar::Scalar;
 /// For constant w, the Hessian of the power `w.tau` of inverse dynamics in z = (q, v, a) consists of scalar
 /// products of pairs of joints on one branch, O(n d) for branches of d joints; d2/da dv and d2/da da are
 /// zero. They come from the same forces as the Jacobian, and from those that move with the velocity that w
-/// gives the links. Robots without floating and spherical joints take one dual number through kernels one and
-/// two instead.
+/// gives the links. Recorded programs take one dual number through kernels one and two instead, unless axes
+/// have general directions, branches are not short or joints are floating or spherical.
 ///
 /// Since `tau(q, v, a(q, v, u)) = u`, the contracted Hessian of forward dynamics is minus this Hessian for
 /// `w = M^-1 y`, transformed by Z = (1, 0, 0; 0, 1, 0; a_q, a_v, a_u). Hence `y'a_uv = y'a_uu = 0`. No
@@ -50,7 +50,7 @@ impl<S: Scalar> LagrangianSecondOrder<S> {
     /// other numbers carry are those of T only then. Where one algorithm has a zero by structure, another one
     /// may have rounding errors.
     pub(crate) fn as_numbers<T: Scalar>(tree: Tree) -> Self {
-        Self::with_routes(Routes::of_second::<T>(&tree), tree)
+        Self::with_routes(Routes::for_second_derivatives::<T>(&tree), tree)
     }
 
     /// As [`from_tree`](Self::from_tree), by these algorithms.
@@ -211,17 +211,15 @@ mod tests {
     use crate::robot::{JointSpec, LinkInertia, Placement, Spring};
     use nalgebra::{DMatrix, Matrix3};
 
-    fn dual<S: Scalar>(tree: &Tree) -> LagrangianSecondOrder<S> {
-        let mut dual = LagrangianSecondOrder::from_tree(tree.clone());
-        dual.pass = Pass::Dual(Box::new(DualPass::new(tree)));
-        dual
+    fn in_body_frames<S: Scalar>(tree: &Tree) -> LagrangianSecondOrder<S> {
+        LagrangianSecondOrder::with_routes(Routes::BODY_FRAMES, tree.clone())
     }
 
     fn compare(robot: &Robot) {
         let (tree, n) = (Tree::from(robot), robot.dof());
         let numbers = |from: f64| (0..n).map(|i| (from + 1.3 * i as f64).sin()).collect::<Vec<f64>>();
         let mut world = LagrangianSecondOrder::<f64>::from_tree(tree.clone());
-        let mut dual = dual::<f64>(&tree);
+        let mut dual = in_body_frames::<f64>(&tree);
         // The second time, nothing may be left of the first.
         for from in [0.3, 1.1] {
             let (q, v, u, w) = (numbers(from), numbers(0.5 * from), numbers(0.7), numbers(2.0 * from));

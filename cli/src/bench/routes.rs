@@ -228,7 +228,7 @@ fn in_velocities<'a>(robot: &Robot, state: &'a State, list: &mut Vec<Candidate<'
         Ok(())
     });
     let mut second = LagrangianSecondOrder::<f64>::new(robot);
-    add(list, ["a, a_z, y'a_zz", "one dual pass"], move |to| {
+    add(list, ["a, a_z, y'a_zz", "pairs of joints"], move |to| {
         give(to, second.contract_forward_dynamics(black_box(q), v, u, costate)?.xx());
         Ok(())
     });

@@ -5,7 +5,7 @@ use crate::kinds::{arm, at_rest, periodic, with_vias};
 use crate::sensitivity::{check_against_slopes, direct, solve, two_link};
 use costate_control::{
     Collision, Keep, Kept, LinkCapsule, MotionLimits, Objective, Obstacle, Problem, Resolve, ResolveStatus,
-    SensitivityError, Shape, Solution, Solver, Task, Tool, ToolCost, ToolPose, cost_by_parameters,
+    SensitivityError, Shape, Solution, Task, Tool, ToolCost, ToolPose, cost_by_parameters,
 };
 use std::f64::consts::PI;
 
@@ -41,7 +41,7 @@ fn lengths_move_bodies() {
     let disc = Obstacle::new("disc", Shape::Capsule { from: along(-1.0), to: along(1.0), radius: 0.25 });
     let body = LinkCapsule::sphere("joint:elbow", 0.0).with_from([1.0, 0.0, 0.0]).with_name("tip");
     let task = Task::default().with_obstacle(disc).with_collision(Collision::of(vec![body]));
-    let solution = check_on_mesh(&two_link().0.with_task(task), 5e-3);
+    let solution = check_on_mesh(&two_link().0.with_task(task), 1e-6, 5e-3);
     assert!(!solution.limits.task.unwrap().active.is_empty(), "the disc is in the way");
 }
 
@@ -57,13 +57,13 @@ fn vias_are_no_obstacle() {
 fn periods_are_no_obstacle() {
     let mut turn = periodic(MotionLimits::none(), true);
     turn.robot = turn.robot.with_gravity([0.0, -9.81, 0.0]).unwrap();
-    check_on_mesh(&turn, 1e-3);
+    check_on_mesh(&turn, 1e-6, 1e-3);
 }
 
 /// Against solving again on the mesh of the solution.
-fn check_on_mesh(problem: &Problem, within: f64) -> Solution {
+fn check_on_mesh(problem: &Problem, tolerance: f64, within: f64) -> Solution {
     let set = problem.parameters();
-    let solution = Solver::new(problem, direct(1e-5)).unwrap().solve();
+    let solution = solve(problem, direct(tolerance));
     let found = cost_by_parameters(problem, &solution, &set).unwrap();
     for name in NAMES {
         let at = set.names().iter().position(|one| one == name).unwrap();
@@ -96,7 +96,7 @@ fn continuous_accelerations_are_no_obstacle() {
     }
     // Polynomials overshoot where the jerk jumps from one limit to the other. With a tolerance of 1e-6, one in
     // eight motions that differ by rounding errors is one whose limits are not kept between the points.
-    check_on_mesh(&at_rest(arm(limited)), 1e-3);
+    check_on_mesh(&at_rest(arm(limited)), 1e-5, 1e-3);
 }
 
 /// Both ends are given on a line that the tip keeps: with another length they are not.

@@ -15,7 +15,8 @@ use crate::scalar::Scalar;
 /// A quantity of a robot by the generic code, with the arguments and results of its program.
 ///
 /// [`robot_program`](super::robot_program) records it, and programs are compared with it. With
-/// [`Count`](crate::scalar::Count) as S, operations are those of the program before it is simplified.
+/// [`Count`](crate::scalar::Count) as S, operations are those of the algorithm that is recorded, where equal
+/// ones are not merged.
 ///
 /// ```
 /// use costate::codegen::{Coordinates, Quantity, RobotQuantity};
@@ -76,7 +77,7 @@ impl<S: Scalar> RobotQuantity<S> {
             (Coordinates::Hamiltonian, true) => {
                 Workspace::HamiltonianSecond(Box::new(HamiltonianSecondOrder::from_tree(tree)))
             }
-            // Scalars that count take the algorithms of the scalar that records.
+            // What is not checked counts or records: it takes the algorithms of the scalar that records.
             (Coordinates::Lagrangian, false) => Workspace::Lagrangian(Box::new(if S::CHECKED {
                 Lagrangian::from_tree(tree)
             } else {

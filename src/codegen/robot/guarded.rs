@@ -24,7 +24,9 @@ pub const REGULAR: f64 = (1_u128 << 84) as f64;
 /// with a rounding error up to `eps m_i`, `sum_i m_i / D_i = sum_k s_k (M^-1)_kk`: below [`REGULAR`] no `m_i
 /// / D_i` exceeds 2^45, and the generic code accepts M as regular too (up to 64 joints). Otherwise, and where
 /// the guard is not a number, M may be singular, and the generic code must decide. The guard adds three steps
-/// a joint to a quantity that contains M^-1, and up to a third to F and energies.
+/// a joint to a quantity that contains M^-1, and up to a third to F and energies; where the quantity has M in
+/// the axes of the world, as second derivatives in (q, v) of long chains in general directions, M in body
+/// frames and its inverse too.
 ///
 /// # Errors
 /// [`CodegenError::Quantity`] where the quantity is not defined in these coordinates;

@@ -28,8 +28,9 @@ impl Labels {
         expressions.map(|expr| self.label(expr))
     }
 
-    /// The label of a product or a difference that the kernels form from labels.
-    pub fn product(&mut self, value: f64, expr: Expr) {
+    /// The label of a product or a difference that the kernels form from labels. Labels are looked up by
+    /// their magnitudes.
+    pub fn derived(&mut self, value: f64, expr: Expr) {
         self.table.push(if value < 0.0 { (-value, -expr) } else { (value, expr) });
     }
 }

@@ -2,7 +2,8 @@
 //!
 //! The kernels take the constants of a model as `f64`. Here each of them is a label: a number that represents
 //! an expression of the parameters. Where a label becomes part of the recording, the expression replaces it.
-//! Products that the kernels form before that (mass times length, for example) have labels too. Any other
+//! Products and differences that the kernels form before that (mass times length, half the difference of two
+//! moments of inertia) have labels too. Any other
 //! number that is neither a small literal nor made from the directions of joints is an error, so no constant
 //! is missed.
 
@@ -86,7 +87,7 @@ pub(super) fn labelled(robot: &Robot, parameters: &[Expr]) -> Result<Tree, Codeg
         joint.inertia.matrix = labels.all(j);
         for k in [0, 2] {
             let [label, yy] = [k, 1].map(|k| joint.inertia.matrix[k]);
-            labels.product(0.5 * (label - yy), (j[k] - j[1]).times(0.5));
+            labels.derived(0.5 * (label - yy), (j[k] - j[1]).times(0.5));
         }
         joint.lumped = joint.inertia;
         joint.screw.translation = labels.all(r);
@@ -95,7 +96,7 @@ pub(super) fn labelled(robot: &Robot, parameters: &[Expr]) -> Result<Tree, Codeg
             let (stiffness, rest) = (next(), next());
             joint.spring.stiffness = labels.label(stiffness);
             joint.spring.rest = labels.label(rest);
-            labels.product(0.5 * joint.spring.stiffness, stiffness.times(0.5));
+            labels.derived(0.5 * joint.spring.stiffness, stiffness.times(0.5));
         }
         if joint.friction.viscous != 0.0 {
             joint.friction.viscous = labels.label(next());
@@ -106,9 +107,9 @@ pub(super) fn labelled(robot: &Robot, parameters: &[Expr]) -> Result<Tree, Codeg
             let law = &mut joint.friction;
             (law.coulomb, law.coulomb_velocity) = (labels.label(limit), labels.label(velocity));
             let sharp = law.coulomb_velocity.recip();
-            labels.product(sharp, sharpness);
-            labels.product(law.coulomb * sharp, limit * sharpness);
-            labels.product(2.0 * law.coulomb * sharp * sharp, (limit * sharpness * sharpness).times(2.0));
+            labels.derived(sharp, sharpness);
+            labels.derived(law.coulomb * sharp, limit * sharpness);
+            labels.derived(2.0 * law.coulomb * sharp * sharp, (limit * sharpness * sharpness).times(2.0));
         }
         for entry in armature.iter_mut().filter(|(row, column, _)| (*row, *column) == (i, i)) {
             entry.2 = labels.label(next());
@@ -131,8 +132,8 @@ pub(super) fn labelled(robot: &Robot, parameters: &[Expr]) -> Result<Tree, Codeg
         joints[i].lumped_mass = label;
         joints[i].subtree_mass = label;
         for (r, length) in r.into_iter().zip(joints[i].screw.translation) {
-            labels.product(label * length, mass * r);
-            labels.product(0.5 * label * length, (mass * r).times(0.5));
+            labels.derived(label * length, mass * r);
+            labels.derived(0.5 * label * length, (mass * r).times(0.5));
         }
     }
     let tree = Tree::from_parts(robot, joints, gravity, armature);

@@ -2,7 +2,7 @@
 //!
 //! Nothing is turned from joint to joint here: a force moves to another origin by one product with the
 //! distance. What depends on one joint only is computed for as many joints at once as a pack has lanes.
-//! Zeros and ones of a model save nothing, so that numbers of one lane take more operations than in body
+//! Zeros and ones of a model save nothing, so that code generated for one robot takes fewer operations in body
 //! frames on short branches, while packs take less time at every size (`docs/frames.md`).
 
 mod articulated;

@@ -46,15 +46,14 @@ properties! {
         })?;
     }
 
-    /// Derivatives of inverse dynamics in one call, by kernels, and by separate calls, which work in the axes
-    /// of the world unless joints mimic others.
+    /// Derivatives of inverse dynamics beside its contracted Hessian, and alone.
     #[test]
     fn inverse_dynamics_has_the_same_derivatives_in_one_call(case in all_cases(26)) {
         let inputs = [&case.q[..], &case.v, acceleration(&case), &case.u];
         separate_calls_agree(&case.robot(), inputs)?;
     }
 
-    /// The derivatives of one algorithm, by dual numbers, are what the other computes.
+    /// Dual numbers take M in body frames, or articulated bodies; derivatives are pairs of joints.
     #[test]
     fn jacobians_of_large_trees_are_those_of_dual_numbers(case in cases(26)) {
         let robot = case.robot();

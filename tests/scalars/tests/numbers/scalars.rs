@@ -1,7 +1,7 @@
 //! Every scalar runs the whole pipeline, and its real part is the `f64` result.
 
 use costate::hamiltonian::{FullHessian, Hamiltonian, HamiltonianSecondOrder};
-use costate::lagrangian::Lagrangian;
+use costate::lagrangian::{Lagrangian, LagrangianSecondOrder};
 use costate::matrix::Block;
 use costate::robot::{Robot, Tree};
 use costate::scalar::{Count, Scalar, Tangent};
@@ -85,6 +85,18 @@ fn other_pipeline<S: Scalar>(robot: &Robot, state: &[f64]) -> Vec<(&'static str,
     all
 }
 
+fn second_order<S: Scalar>(robot: &Robot, state: &[f64]) -> Vec<(&'static str, Vec<S>)> {
+    let n = robot.dof();
+    let lift = |x: &[f64]| x.iter().map(|&x| S::from_f64(x)).collect::<Vec<_>>();
+    let (q, v, u) = (lift(&state[..n]), lift(&state[n..]), lift(&vec![0.5; n]));
+    let y = lift(&(0..n).map(|i| 1.0 - 0.3 * i as f64).collect::<Vec<_>>());
+    let mut second = LagrangianSecondOrder::<S>::new(robot);
+    let all = second.contract_inverse_dynamics(&q, &v, &u, &y).unwrap();
+    let torque = all.zz().as_slice().to_vec();
+    let acceleration = second.contract_forward_dynamics(&q, &v, &u, &y).unwrap().to_matrix();
+    vec![("w'tau_zz", torque), ("y'a_zz", acceleration.as_slice().to_vec())]
+}
+
 /// What one scalar makes of a robot and a state, by name.
 type Pipeline<S> = fn(&Robot, &[f64]) -> Vec<(&'static str, Vec<S>)>;
 
@@ -147,6 +159,14 @@ fn numbers_of_num_dual() {
     dual_number::<DualSVec64<4>>("DualSVec");
     dual_number::<Dual2SVec64<3>>("Dual2SVec");
     dual_number::<HyperDualSVec64<2, 3>>("HyperDualSVec");
+}
+
+#[test]
+fn second_derivatives_of_velocities_carry_derivatives() {
+    let value = |x: &Count| x.value();
+    let counted: (Pipeline<Count>, fn(&Count) -> f64) = (second_order::<Count>, value);
+    real_parts_agree("Dual", |x: &Dual64| x.re, 4.0, counted, second_order::<Dual64>);
+    real_parts_agree("Tangent", |x: &Tangent<f64>| x.re, 4.0, counted, second_order::<Tangent<f64>>);
 }
 
 #[test]
