@@ -4,11 +4,12 @@
 //! |---|---|---|
 //! | a | M and its factors | articulated bodies, O(n), or M and its factors |
 //! | M | kernel one | products of pairs of joints |
-//! | M, tau_q, tau_v, (w.tau)_zz | kernels one and two, one dual number through both | products of pairs of joints |
+//! | tau_q, tau_v | kernels one and two | the same |
+//! | (w.tau)_zz | one dual number through both | the same |
 //!
-//! The axes of the world take less time, but for two kinds of numbers: those that
-//! [fold constants](Scalar::FOLDED), since parallel and orthogonal axes give body frames more zeros, and those
-//! that carry derivatives, for which products with constants are cheap. Both take body frames for M and a, and
+//! The axes of the world take less time, but for two kinds of numbers: those that [fold
+//! constants](Scalar::FOLDED), since parallel and orthogonal axes give body frames more zeros, and those that
+//! carry derivatives, for which products with constants are cheap. Both take body frames for M and a, and
 //! numbers that fold constants for derivatives too, unless axes have general directions and branches are not
 //! short. Robots with floating or spherical joints take the axes of the world for all of these. Articulated
 //! bodies serve long branches whose joints are independent: no mimic joints, no armature that couples joints.
@@ -28,8 +29,9 @@ use crate::scalar::Scalar;
 /// articulated bodies in the axes of the world do not: with them, humanoids of means 4.9 and 7.5 take 1.7 and
 /// 1.3 times the operations.
 ///
-/// Numbers of one lane with M in the axes of the world have the same threshold. Packs of several lanes take 1.03 to 2.8 times less time with articulated bodies on every such tree as soon
-/// as the factors are [computed block by block](Panel::in_blocks), and more time for 8 to 12 joints.
+/// Numbers of one lane with M in the axes of the world have the same threshold. Packs take 1.03 to 2.8 times
+/// less time with articulated bodies on every such tree as soon as the factors are [computed block by
+/// block](Panel::in_blocks), and more time for 8 to 12 joints.
 const ARTICULATED_FROM: usize = 9;
 
 /// Numbers that fold constants: from this mean number of joints on, as above, y'a_zz of robots with axes in

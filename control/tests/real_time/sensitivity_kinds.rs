@@ -57,7 +57,7 @@ fn vias_are_no_obstacle() {
 fn periods_are_no_obstacle() {
     let mut turn = periodic(MotionLimits::none(), true);
     turn.robot = turn.robot.with_gravity([0.0, -9.81, 0.0]).unwrap();
-    check_on_mesh(&turn, 1e-6, 1e-3);
+    check_on_mesh(&turn, 1e-5, 1e-3);
 }
 
 /// Against solving again on the mesh of the solution.
