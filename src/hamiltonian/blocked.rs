@@ -41,7 +41,9 @@ struct Products {
 #[derive(Clone, Debug)]
 pub(super) struct Blocked<S: Scalar> {
     products: Products,
-    /// B, then T^.
+    /// The changes of M, P and L_qq, where kernel two has computed them.
+    along: [Panel<S>; 3],
+    /// T^.
     t: Panel<S>,
     b: Panel<S>,
     /// R.
@@ -86,6 +88,7 @@ impl<S: Scalar> Blocked<S> {
                 back: tiles(&c.lower().transposed(), &u_across, whole),
                 last: tiles(&both.transposed(), &both, lower),
             },
+            along: [square(), square(), square()],
             t: square(),
             b: square(),
             u: square(),
@@ -101,13 +104,29 @@ impl<S: Scalar> Blocked<S> {
 
     /// Fills both triangles of the 2n x 2n matrix.
     pub fn apply(&mut self, along: &KernelTwo<S>, factor: &Factor<S>, y: &Panel<S>, result: &mut Matrix<S>) {
-        let Self { products, t, b, u, g, h, r, c, mixed, back, last } = self;
+        let [m, p, l_qq] = &mut self.along;
+        m.read::<0>(along.mass_matrix());
+        p.read::<0>(along.l_vq());
+        l_qq.read::<0>(along.l_qq());
+        let along = std::mem::replace(&mut self.along, [0; 3].map(|_| Panel::zeros(0, 0)));
+        self.apply_panels(&along, factor, y, result);
+        self.along = along;
+    }
+
+    /// The same from the changes of M, P and L_qq.
+    pub fn apply_panels(
+        &mut self,
+        [m, p, l_qq]: &[Panel<S>; 3],
+        factor: &Factor<S>,
+        y: &Panel<S>,
+        result: &mut Matrix<S>,
+    ) {
+        let Self { products, t, b, u, g, h, r, c, mixed, back, last, .. } = self;
         let (upper, n) = (factor.root(), y.rows());
         u.take_transpose::<0>(upper);
-        t.read::<0>(along.l_vq());
-        b.set_tiles(&products.upper, Left::Columns(u), t);
+        b.set_tiles(&products.upper, Left::Columns(u), p);
 
-        g.read::<0>(along.mass_matrix());
+        g.copy_from::<0, 0>(m);
         g.keep_half();
         h.set_tiles(&products.half, Left::Rows(g), u);
         r.set_tiles(&products.whole, Left::Columns(u), h);
@@ -115,7 +134,7 @@ impl<S: Scalar> Blocked<S> {
 
         t.copy_from::<0, 0>(b);
         t.subtract_tiles(&products.inner, Left::Columns(c), y);
-        g.read::<0>(along.l_qq());
+        g.copy_from::<0, 0>(l_qq);
         g.subtract_tiles(&products.square, Left::Columns(b), y);
         let qq = Place::symmetric((0, 0), true);
         result.place_tiles(qq, &products.outer, (Left::Columns(y), t), (g, Update::Subtract));

@@ -74,6 +74,19 @@ impl<S: Scalar> Congruence<S> {
         }
     }
 
+    /// The same from the changes of M, P and L_qq as panels, where F_x is computed block by block.
+    #[inline(never)]
+    pub fn apply_in_blocks<K>(
+        &mut self,
+        along: &[Panel<S>; 3],
+        flow: &Conservative<S, K>,
+        h: &mut Matrix<S>,
+    ) {
+        if let Some(blocked) = self.blocked.as_mut().filter(|_| !Panel::<S>::ONE_LANE) {
+            blocked.apply_panels(along, &flow.factor, &flow.y, h);
+        }
+    }
+
     fn by_factors(&mut self, along: &KernelTwo<S>, factor: &Factor<S>, z: &Panel<S>) {
         let Self { b, t, qq, pq, pp, qp, .. } = self;
         qq.read::<0>(along.l_qq());

@@ -1,7 +1,7 @@
 //! The part without friction and actuation: `x' = J grad H`, and Hess H.
 
 use super::elimination::Elimination;
-use super::world::World;
+use super::world::{Change, World};
 use crate::error::EvalError;
 use crate::kernels::{Factor, LagrangianHessian};
 use crate::matrix::{Entry, Left, Matrix, Panel, Part, Place, Update, dot, filled, sized};
@@ -130,6 +130,20 @@ impl<S: Scalar, K: LagrangianHessian<S>> Conservative<S, K> {
         self.world().is_some()
     }
 
+    /// Changes of M, P and L_qq along (dq, dv) in the axes of the world, after
+    /// [`second_order`](Self::second_order) there.
+    pub fn differentiate_in_world(&mut self, tree: &Tree, change: &mut Change<S>, direction: [&[S]; 2]) {
+        let Self { world, v, .. } = self;
+        if let Some(world) = world {
+            world.differentiate(tree, change, v, direction);
+        }
+    }
+
+    /// Buffers for that, where [`first_order_alone`](Self::first_order_alone) works in the axes of the world.
+    pub fn change(&self) -> Option<Box<Change<S>>> {
+        self.world.as_deref().filter(|_| !Panel::<S>::ONE_LANE).map(|world| Box::new(Change::new(world)))
+    }
+
     /// L_q, of either.
     pub fn l_q(&self) -> &[S] {
         self.world().map_or(self.kernel.l_q(), World::l_q)
@@ -140,11 +154,17 @@ impl<S: Scalar, K: LagrangianHessian<S>> Conservative<S, K> {
         self.world().map_or(self.kernel.mass_matrix(), World::mass_matrix)
     }
 
-    /// `V d = M^-1 (d_p - P d_q)`: the change of v along d = (d_q, d_p). Needs the third stage of the kernel.
+    /// `V d = M^-1 (d_p - P d_q)`: the change of v along d = (d_q, d_p). Needs the third stage of the kernel,
+    /// or [`second_order`](Self::second_order) in the axes of the world.
     #[inline(never)]
     pub fn velocity_change(&self, d_q: &[S], d_p: &[S], change: &mut [S]) {
-        for ((change, &d_p), i) in change.iter_mut().zip(d_p).zip(0..) {
-            *change = d_p - dot(self.kernel.l_vq().row(i), d_q);
+        if let Some(world) = self.world() {
+            world.l_vq().times(d_q, change);
+            change.iter_mut().zip(d_p).for_each(|(change, &d_p)| *change = d_p - *change);
+        } else {
+            for ((change, &d_p), i) in change.iter_mut().zip(d_p).zip(0..) {
+                *change = d_p - dot(self.kernel.l_vq().row(i), d_q);
+            }
         }
         self.factor.solve(change);
     }

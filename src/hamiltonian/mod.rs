@@ -168,12 +168,18 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
         if self.free.is_some() {
             return self.linearise_free([q, p, u]);
         }
-        self.check(&[("q", q), ("p", p), ("u", u)])?;
-        self.flow.first_order_alone(&self.tree, [q, p], true)?;
-        self.prepare_second_order(q, u);
+        self.prepare_in_world(q, p, u)?;
         self.assembled();
         self.state.add_wrench_slopes(q);
         Ok(self.state.linearisation(self.flow.mass_matrix()))
+    }
+
+    /// F, and all that F_x is made of, in the axes of the world where these take less time.
+    fn prepare_in_world(&mut self, q: &[S], p: &[S], u: &[S]) -> Result<(), EvalError> {
+        self.check(&[("q", q), ("p", p), ("u", u)])?;
+        self.flow.first_order_alone(&self.tree, [q, p], true)?;
+        self.prepare_second_order(q, u);
+        Ok(())
     }
 
     /// F, and all that F_x and kernel two are made of.

@@ -1,6 +1,7 @@
 //! The contracted Hessian of the state equation by the 2n+1 rule.
 
 use super::congruence::Congruence;
+use super::world::Change;
 use super::{Hamiltonian, HamiltonianContraction, check};
 use crate::error::EvalError;
 use crate::kernels::{KernelTwo, friction_of};
@@ -19,7 +20,7 @@ use crate::scalar::Scalar;
 /// E, \qquad E = \begin{pmatrix} 1 & 0 \\\\ -M^{-1} P & M^{-1} \end{pmatrix}, \qquad \tilde w = (w\_q, V w)
 /// $$
 ///
-/// D_w~ is [`KernelTwo`]; the rest are products of n x n matrices with the factors of M. No factorisation is
+/// D_w~ is [`KernelTwo`], or the same in the axes of the world where F_x has them; the rest are products of n x n matrices with the factors of M. No factorisation is
 /// differentiated. Friction D(v) shifts the direction, `w = (-y_p, y_q + D_v y_p)`, and adds
 /// `V' (y_p . D_vv) V`.
 ///
@@ -38,10 +39,12 @@ use crate::scalar::Scalar;
 pub struct HamiltonianSecondOrder<S: Scalar> {
     pub(super) first: Hamiltonian<S>,
     pub(super) along: KernelTwo<S>,
+    /// What stands in its place in the axes of the world.
+    pub(super) change: Option<Box<Change<S>>>,
     pub(super) congruence: Congruence<S>,
     pub(super) y_f_xx: Matrix<S>,
     /// V d, and the factor of V' in a product with d.
-    change: Vec<S>,
+    velocity_change: Vec<S>,
     pub(super) pull: Vec<S>,
     pub(super) product: Vec<S>,
 }
@@ -56,12 +59,15 @@ impl<S: Scalar> HamiltonianSecondOrder<S> {
     pub fn from_tree(tree: Tree) -> Self {
         let n = tree.dof();
         let first = Hamiltonian::from_tree(tree);
+        // Floating and spherical joints are those of a chart: `contract_free`.
+        let change = if first.free.is_some() { None } else { first.flow.change() };
         Self {
+            change,
             along: KernelTwo::new(first.tree()),
             congruence: Congruence::new(&first.flow.factor),
             first,
             y_f_xx: Matrix::zeros(2 * n, 2 * n),
-            change: filled(S::zero(), n),
+            velocity_change: filled(S::zero(), n),
             pull: filled(S::zero(), n),
             product: filled(S::zero(), 2 * n),
         }
@@ -92,16 +98,29 @@ impl<S: Scalar> HamiltonianSecondOrder<S> {
             return self.contract_free([q, p, u, y]);
         }
         check(&self.first.tree, "y", y, 2 * self.dof())?;
-        self.first.prepare(q, p, u)?;
-        self.differentiate(y)?;
+        if let Some(change) = &mut self.change {
+            self.first.prepare_in_world(q, p, u)?;
+            let Hamiltonian { tree, flow, direction, .. } = &mut self.first;
+            direction.set_costate(tree, &flow.v, y);
+            flow.velocity_change(&direction.q, &direction.p, &mut direction.v);
+            flow.differentiate_in_world(tree, change, [&direction.q, &direction.v]);
+        } else {
+            self.first.prepare(q, p, u)?;
+            self.differentiate(y)?;
+        }
         // F_x is put together here: what kernel two has stored entry by entry just before is read whole next.
         self.first.assembled();
         self.first.state.add_wrench_slopes(q);
-        self.congruence.apply(&self.along, &self.first.flow, &mut self.y_f_xx);
+        match &self.change {
+            Some(change) => {
+                self.congruence.apply_in_blocks(change.panels(), &self.first.flow, &mut self.y_f_xx);
+            }
+            None => self.congruence.apply(&self.along, &self.first.flow, &mut self.y_f_xx),
+        }
         let Hamiltonian { tree, flow, state, .. } = &mut self.first;
         state.add_curvature(tree, &y[tree.dof()..], &mut self.y_f_xx);
         state.add_wrench_curvature(q, &y[tree.dof()..], &mut self.y_f_xx);
-        let linearisation = state.linearisation(flow.kernel.mass_matrix());
+        let linearisation = state.linearisation(flow.mass_matrix());
         Ok(HamiltonianContraction { linearisation, y_f_xx: &self.y_f_xx })
     }
 
@@ -128,13 +147,13 @@ impl<S: Scalar> HamiltonianSecondOrder<S> {
         self.differentiate(y)?;
         let Hamiltonian { tree, flow, .. } = &self.first;
         let (d_q, d_p) = d.split_at(n);
-        flow.velocity_change(d_q, d_p, &mut self.change);
+        flow.velocity_change(d_q, d_p, &mut self.velocity_change);
         let (b, c) = (self.along.l_vq(), self.along.mass_matrix());
         for i in 0..n {
-            self.pull[i] = dot(b.row(i), d_q) + dot(c.row(i), &self.change);
+            self.pull[i] = dot(b.row(i), d_q) + dot(c.row(i), &self.velocity_change);
             if tree.has_coulomb_friction(i) {
                 let curvature = friction_of(tree, i, flow.v[i]).second;
-                self.pull[i] -= y[n + i] * curvature * self.change[i];
+                self.pull[i] -= y[n + i] * curvature * self.velocity_change[i];
             }
         }
         flow.factor.solve(&mut self.pull);
@@ -144,7 +163,7 @@ impl<S: Scalar> HamiltonianSecondOrder<S> {
             product_p[i] = -self.pull[i];
         }
         for k in 0..n {
-            add_scaled(product_q, -self.change[k], b.row(k));
+            add_scaled(product_q, -self.velocity_change[k], b.row(k));
             add_scaled(product_q, self.pull[k], flow.kernel.l_vq().row(k));
         }
         self.first.state.add_wrench_product(q, &y[n..], d_q, &mut self.product);

@@ -1,13 +1,13 @@
-//! Kernel one in the axes of the world, where nothing but F and F_x is asked for.
+//! M, L_q, P, L_qq and their changes in the axes of the world.
 
 use crate::error::EvalError;
-use crate::kernels::{Factor, WorldKernel};
+use crate::kernels::{Factor, HessianChange, WorldKernel};
 use crate::matrix::{Matrix, Panel, filled};
 use crate::robot::Tree;
 use crate::scalar::Scalar;
 
 /// M, L_q, P and L_qq in the axes of the world, for packs of several lanes and more than 12 independent
-/// joints, where that takes less time than in body frames. Kernel two needs the latter.
+/// joints, where that takes less time than in body frames.
 #[derive(Clone, Debug)]
 pub(crate) struct World<S: Scalar> {
     kernel: WorldKernel<S>,
@@ -17,6 +17,28 @@ pub(crate) struct World<S: Scalar> {
     l_qq: Panel<S>,
     /// Whether floating joints are displaced along the axes of the moved frames.
     own_axes: bool,
+}
+
+/// Changes of M, P and L_qq.
+#[derive(Clone, Debug)]
+pub(crate) struct Change<S: Scalar> {
+    work: HessianChange<S>,
+    /// What no pair of joints on one branch sets stays zero.
+    along: [Panel<S>; 3],
+}
+
+impl<S: Scalar> Change<S> {
+    /// Buffers for this tree.
+    pub fn new(world: &World<S>) -> Self {
+        let n = world.l_q.len();
+        let along = [0; 3].map(|_| Panel::zeros(n, n));
+        Self { work: HessianChange::new(&world.kernel), along }
+    }
+
+    /// The changes of M, P and L_qq, n x n.
+    pub fn panels(&self) -> &[Panel<S>; 3] {
+        &self.along
+    }
 }
 
 impl<S: Scalar> World<S> {
@@ -79,6 +101,12 @@ impl<S: Scalar> World<S> {
         }
     }
 
+    /// The changes of M, P and L_qq along (dq, dv), after [`second_order`](Self::second_order) at v.
+    pub fn differentiate(&mut self, tree: &Tree, change: &mut Change<S>, v: &[S], direction: [&[S]; 2]) {
+        let Change { work, along } = change;
+        self.kernel.differentiate(tree, work, (v, direction), along);
+    }
+
     /// M.
     pub fn mass_matrix(&self) -> &Matrix<S> {
         self.kernel.mass_matrix()
@@ -114,16 +142,21 @@ mod tests {
     use crate::robot::test_robot::robot;
     use crate::robot::{JointSpec, Robot, Spring};
 
-    /// F, F_x and M of the kernel in the axes of the world, and of that in body frames, which kernel two
-    /// needs; at two states one after the other.
+    /// F, F_x, M and y'F_xx of the kernel in the axes of the world, and of that in body frames; at two states
+    /// one after the other.
     fn compare(robot: &Robot) {
         let mut both = HamiltonianSecondOrder::<f64>::new(robot);
+        let mut in_body_frames = HamiltonianSecondOrder::<f64>::new(robot);
+        in_body_frames.change = None;
         let n = both.dof();
         for turn in [1.0, -0.6] {
             let [q, p, u, y] = state(&ConfigurationSpace::new(robot));
             let p: Vec<f64> = p.iter().map(|p| turn * p).collect();
-            let all = both.contract(&q, &p, &u, &y).unwrap();
-            let body = all.linearisation();
+            let in_world = both.contract(&q, &p, &u, &y).unwrap().matrix().to_nalgebra();
+            let all = in_body_frames.contract(&q, &p, &u, &y).unwrap();
+            let (body, y_f_xx) = (all.linearisation(), all.matrix().to_nalgebra());
+            let error = (in_world - &y_f_xx).amax();
+            assert!(error < 1e-11 * y_f_xx.amax(), "{}, n = {n}: y'F_xx: {error}", robot.name());
             let (f, f_x) = (body.f().to_vec(), body.matrix().to_nalgebra());
             let mass_matrix = body.mass_matrix().clone();
             let of_f = f.iter().fold(1.0, |most: f64, f| most.max(f.abs()));

@@ -32,7 +32,9 @@ pub use factor::Factor;
 pub(crate) use position::{along_joint, unit_momentum};
 pub use route::{Contracted, LagrangianHessian, Route};
 pub use two::KernelTwo;
-pub(crate) use world::{ArticulatedBodies, Sums, TorqueContraction, TorqueHessian, WorldKernel};
+pub(crate) use world::{
+    ArticulatedBodies, HessianChange, Sums, TorqueContraction, TorqueHessian, WorldKernel,
+};
 
 use crate::matrix::{Matrix, filled};
 use crate::robot::{JointKind, Tree};

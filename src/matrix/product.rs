@@ -42,6 +42,16 @@ impl<const W: usize> Tiles<W> {
 }
 
 impl<S: Scalar> Panel<S> {
+    /// `A x`, for x with an entry for each column.
+    #[inline(never)]
+    pub fn times(&self, x: &[S], product: &mut [S]) {
+        for (i, product) in product.iter_mut().enumerate() {
+            let terms = self.row(i).iter().zip(x.chunks(Self::LANES).map(S::Pack::read));
+            let sum = terms.fold(S::Pack::zero(), |sum, (&a, x)| a.mul_add(x, sum));
+            *product = (1..Self::LANES).fold(sum.lane(0), |total, lane| total + sum.lane(lane));
+        }
+    }
+
     /// `T = A B` for the rows T of this panel. W: packs in a row where known, N: rows of all three, else 0.
     ///
     /// Packs of several lanes are computed tile by tile: the sums of a tile stay in registers during the loop

@@ -213,7 +213,8 @@ fn a_delta_robot_moves_its_platform() {
         .with_limits(MotionLimits::none().with_torque_max(vec![most, most, most, 0.0, 0.0, 0.0]));
     let solution = solved(&problem, 1e-7);
     assert_eq!(solution.motion.status, Status::Converged);
-    // Torques have kinks between points where they reach limits: 5e-7 to 1.3e-4 for times that differ by 1e-12.
+    // Torques have kinks between points where they reach limits: 5e-7 to 1.3e-4 for times that differ by
+    // 1e-12.
     assert!(solution.end_defect < 4e-4, "{}", solution.end_defect);
     assert_eq!(solution.constraints.len(), 3);
     let mut rows = Constraints::<f64>::new(&robot);

@@ -91,11 +91,12 @@ fn continuous_accelerations_are_no_obstacle() {
         Objective::new(time, vec![1.0; 2]).with_jerk(vec![1e-2; 2]).with_torque_rate(vec![1e-3; 2])
     };
     let limited = none().with_torque_rate_max(vec![FREE, 90.0]).with_jerk_max(vec![200.0, FREE]);
-    for problem in [arm(none()).with_cost(costly(0.0)), with_vias(none(), true).with_cost(costly(60.0))] {
+    let with_vias = with_vias(none(), true).with_cost(costly(60.0));
+    for problem in [arm(none()).with_cost(costly(0.0)), with_vias] {
         check_against_slopes(&problem, &NAMES, &direct(1e-6), 1e-3);
     }
-    // Polynomials overshoot where the jerk jumps from one limit to the other. With a tolerance of 1e-6, one in
-    // eight motions that differ by rounding errors is one whose limits are not kept between the points.
+    // Polynomials overshoot where the jerk jumps from one limit to the other: with a tolerance of 1e-6, one
+    // in eight motions that differ by rounding errors does not keep its limits between the points.
     check_on_mesh(&at_rest(arm(limited)), 1e-5, 1e-3);
 }
 

@@ -2,11 +2,12 @@
 //!
 //! Nothing is turned from joint to joint here: a force moves to another origin by one product with the
 //! distance. What depends on one joint only is computed for as many joints at once as a pack has lanes.
-//! Zeros and ones of a model save nothing, so that code generated for one robot takes fewer operations in body
-//! frames on short branches, while packs take less time at every size (`docs/frames.md`).
+//! Zeros and ones of a model save nothing, so that code generated for one robot takes fewer operations in
+//! body frames on short branches, while packs take less time at every size (`docs/frames.md`).
 
 mod articulated;
 mod articulated_inertia;
+mod change;
 mod composite;
 mod contraction;
 mod group;
@@ -23,6 +24,7 @@ use crate::robot::{FreeJoint, FreeKind, JointKind, Tree};
 use crate::scalar::{Pack, Scalar};
 use crate::spatial::{Force, JointPosition, Motion, Vec3};
 pub(crate) use articulated::ArticulatedBodies;
+pub(crate) use change::HessianChange;
 pub(crate) use contraction::{TorqueContraction, TorqueHessian};
 use group::{Carried, Group, Links, motion_along, set_motion};
 use places::Places;
