@@ -130,6 +130,13 @@ impl<S: Scalar, K: LagrangianHessian<S>> Conservative<S, K> {
         self.world().is_some()
     }
 
+    /// See [`World::set_own_axes`].
+    pub fn set_own_axes(&mut self, own_axes: bool) {
+        if let Some(world) = &mut self.world {
+            world.set_own_axes(own_axes);
+        }
+    }
+
     /// Changes of M, P and L_qq along (dq, dv) in the axes of the world, after
     /// [`second_order`](Self::second_order) there.
     pub fn differentiate_in_world(&mut self, tree: &Tree, change: &mut Change<S>, direction: [&[S]; 2]) {

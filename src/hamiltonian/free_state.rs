@@ -203,7 +203,10 @@ impl<S: Scalar> HamiltonianSecondOrder<S> {
         let outcome = self.contract_in_chart(&mut free, [q, p, u, y]);
         self.first.free = Some(free);
         outcome?;
-        let linearisation = self.first.state.linearisation(self.first.mass_matrix_of_free());
+        // In the axes of the moved frames, whichever kernel it comes from.
+        let mass_matrix =
+            self.first.free.as_ref().map_or(self.first.flow.mass_matrix(), |free| &free.mass_matrix);
+        let linearisation = self.first.state.linearisation(mass_matrix);
         Ok(HamiltonianContraction { linearisation, y_f_xx: &self.y_f_xx })
     }
 
@@ -228,19 +231,30 @@ impl<S: Scalar> HamiltonianSecondOrder<S> {
     fn contract_in_chart(&mut self, free: &mut Free<S>, [q, p, u, y]: [&[S]; 4]) -> Result<(), EvalError> {
         let n = u.len();
         free.set_state([q, p, u]);
-        self.first.flow.first_order(&self.first.tree, q, &free.p)?;
-        self.first.linearise_chart(free);
-        free.set_costate(y);
-        self.differentiate(&free.y_chart)?;
+        let Self { first, change, .. } = self;
+        if let Some(change) = change {
+            first.flow.set_own_axes(false);
+            let outcome = first.flow.first_order_alone(&first.tree, [q, &free.p], true);
+            first.flow.set_own_axes(true);
+            outcome?;
+            first.linearise_chart(free);
+            free.set_costate(y);
+            first.differentiate_in_world(change, &free.y_chart, Some(free));
+        } else {
+            first.flow.first_order(&first.tree, q, &free.p)?;
+            first.linearise_chart(free);
+            free.set_costate(y);
+            self.differentiate(&free.y_chart)?;
+        }
         // By (xi, pi), as P has lost K.
-        self.congruence.apply(&self.along, &self.first.flow, &mut self.y_f_xx);
+        self.apply_congruence();
         free.turn_hessian(&mut self.y_f_xx);
         let Hamiltonian { tree, flow, state, .. } = &mut self.first;
         state.add_curvature(tree, &free.y_chart[n..], &mut self.y_f_xx);
         free.finish_rate(&mut state.f, u);
         free.curve(y, &state.f_x, None, &mut self.y_f_xx);
         free.parts.iter().for_each(|part| part.finish_jacobian(&mut state.f_x));
-        free.set_mass_matrix(flow.kernel.mass_matrix());
+        free.set_mass_matrix(flow.mass_matrix());
         Ok(())
     }
 }

@@ -53,6 +53,7 @@ use conservative::Conservative;
 use direction::Direction;
 pub(crate) use free::Free;
 use state::StateEquation;
+use world::Change;
 pub(crate) use world::World;
 
 /// Workspace for the Hamiltonian state equation of one robot; no call allocates.
@@ -180,6 +181,18 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
         self.flow.first_order_alone(&self.tree, [q, p], true)?;
         self.prepare_second_order(q, u);
         Ok(())
+    }
+
+    /// Changes of M, P and L_qq along w~ of [`HamiltonianSecondOrder`] in the axes of the world, after
+    /// [`prepare_in_world`](Self::prepare_in_world); `less` says where P has lost K.
+    fn differentiate_in_world(&mut self, change: &mut Change<S>, y: &[S], less: Option<&Free<S>>) {
+        let Self { tree, flow, direction, .. } = self;
+        direction.set_costate(tree, &flow.v, y);
+        if let Some(free) = less {
+            free.subtract_momentum_slope(&direction.q, &mut direction.p);
+        }
+        flow.velocity_change(&direction.q, &direction.p, &mut direction.v);
+        flow.differentiate_in_world(tree, change, [&direction.q, &direction.v]);
     }
 
     /// F, and all that F_x and kernel two are made of.

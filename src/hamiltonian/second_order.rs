@@ -59,10 +59,8 @@ impl<S: Scalar> HamiltonianSecondOrder<S> {
     pub fn from_tree(tree: Tree) -> Self {
         let n = tree.dof();
         let first = Hamiltonian::from_tree(tree);
-        // Floating and spherical joints are those of a chart: `contract_free`.
-        let change = if first.free.is_some() { None } else { first.flow.change() };
         Self {
-            change,
+            change: first.flow.change(),
             along: KernelTwo::new(first.tree()),
             congruence: Congruence::new(&first.flow.factor),
             first,
@@ -100,10 +98,7 @@ impl<S: Scalar> HamiltonianSecondOrder<S> {
         check(&self.first.tree, "y", y, 2 * self.dof())?;
         if let Some(change) = &mut self.change {
             self.first.prepare_in_world(q, p, u)?;
-            let Hamiltonian { tree, flow, direction, .. } = &mut self.first;
-            direction.set_costate(tree, &flow.v, y);
-            flow.velocity_change(&direction.q, &direction.p, &mut direction.v);
-            flow.differentiate_in_world(tree, change, [&direction.q, &direction.v]);
+            self.first.differentiate_in_world(change, y, None);
         } else {
             self.first.prepare(q, p, u)?;
             self.differentiate(y)?;
@@ -111,12 +106,7 @@ impl<S: Scalar> HamiltonianSecondOrder<S> {
         // F_x is put together here: what kernel two has stored entry by entry just before is read whole next.
         self.first.assembled();
         self.first.state.add_wrench_slopes(q);
-        match &self.change {
-            Some(change) => {
-                self.congruence.apply_in_blocks(change.panels(), &self.first.flow, &mut self.y_f_xx);
-            }
-            None => self.congruence.apply(&self.along, &self.first.flow, &mut self.y_f_xx),
-        }
+        self.apply_congruence();
         let Hamiltonian { tree, flow, state, .. } = &mut self.first;
         state.add_curvature(tree, &y[tree.dof()..], &mut self.y_f_xx);
         state.add_wrench_curvature(q, &y[tree.dof()..], &mut self.y_f_xx);
@@ -168,6 +158,15 @@ impl<S: Scalar> HamiltonianSecondOrder<S> {
         }
         self.first.state.add_wrench_product(q, &y[n..], d_q, &mut self.product);
         Ok(&self.product)
+    }
+
+    /// The matrix from the changes of M, P and L_qq.
+    pub(super) fn apply_congruence(&mut self) {
+        let Self { first: Hamiltonian { flow, .. }, along, change, congruence, y_f_xx, .. } = self;
+        match change {
+            Some(change) => congruence.apply_in_blocks(change.panels(), flow, y_f_xx),
+            None => congruence.apply(along, flow, y_f_xx),
+        }
     }
 
     /// Kernel two along w~. Kernel one must be at its third stage, and M factored.

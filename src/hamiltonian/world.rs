@@ -60,8 +60,14 @@ impl<S: Scalar> World<S> {
     /// With floating joints that are displaced along the axes of the frames that they move, as v and p are
     /// given, instead of those of the parent: results are those of the chart, and need not be turned.
     pub fn with_own_axes(mut self: Box<Self>) -> Box<Self> {
-        self.own_axes = true;
+        self.set_own_axes(true);
         self
+    }
+
+    /// Whether floating joints are displaced along the axes of the frames that they move. Changes of M, P and
+    /// L_qq want those of the parent: the others turn with the angles of the same joint.
+    pub fn set_own_axes(&mut self, own_axes: bool) {
+        self.own_axes = own_axes;
     }
 
     /// M at q (nq) and its factors; these alone, if `alone`: [`mass_matrix`](Self::mass_matrix) is not set.

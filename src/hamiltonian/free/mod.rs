@@ -125,6 +125,13 @@ impl<S: Scalar> Free<S> {
         &self.less
     }
 
+    /// Subtracts `K d` from `change`, n each, for K of [`momentum_slope`](Self::momentum_slope), called last.
+    pub(crate) fn subtract_momentum_slope(&self, d: &[S], change: &mut [S]) {
+        for entry in &self.less {
+            change[entry.row] -= entry.value * d[entry.column];
+        }
+    }
+
     /// y'F_xx of the chart in the axes of the frames.
     pub(crate) fn turn_hessian(&self, matrix: &mut Matrix<S>) {
         let n = matrix.rows() / 2;
