@@ -27,8 +27,9 @@ pub(crate) struct Free<S: Scalar> {
     pub(crate) y: Vec<S>,
     pub(crate) y_chart: Vec<S>,
     pub(crate) mass_matrix: Matrix<S>,
-    /// y'F_x of the chart, by (xi, pi).
+    /// y'F_x of the chart, by (xi, pi), and a sum of rows of F_x.
     slope: Vec<S>,
+    sum: Vec<S>,
     /// See [`momentum_slope`](Self::momentum_slope).
     less: Vec<Entry<S>>,
 }
@@ -47,6 +48,7 @@ impl<S: Scalar> Free<S> {
                 y_chart: filled(S::zero(), 2 * n),
                 mass_matrix: Matrix::zeros(n, n),
                 slope: filled(S::zero(), 2 * n),
+                sum: filled(S::zero(), 2 * n),
                 less: Vec::with_capacity(3 * n),
             })
         })
@@ -168,7 +170,8 @@ impl<S: Scalar> Free<S> {
                 add_scaled(&mut self.slope, weight, rows.row(i));
             }
         }
-        self.parts.iter().for_each(|part| part.curve([y, &self.slope], f_x, y_f_xx));
+        let Self { parts, slope, sum, .. } = self;
+        parts.iter().for_each(|part| part.curve([y, slope], f_x, sum, y_f_xx));
     }
 
     /// The costate of the chart.

@@ -110,8 +110,9 @@ impl<S: Scalar> Part<S> {
     }
 
     /// Adds what y'F_xx has besides `y_c'F_c,xx` in the variables (xi, pi), of y in the axes of the frame;
-    /// `f_x` is the derivative of F in the chart by (xi, pi), `slope` that of `y_c . F_c`.
-    pub fn curve(&self, [y, slope]: [&[S]; 2], f_x: &Matrix<S>, y_f_xx: &mut Matrix<S>) {
+    /// `f_x` is the derivative of F in the chart by (xi, pi), `slope` that of `y_c . F_c`; `sum` has 2n
+    /// entries.
+    pub fn curve(&self, [y, slope]: [&[S]; 2], f_x: &Matrix<S>, sum: &mut [S], y_f_xx: &mut Matrix<S>) {
         let (at, m) = self.place();
         let n = f_x.columns() / 2;
         let Self { frame: ChartFrame { chart, .. }, momentum: pi, velocity: v, force, .. } = self;
@@ -196,24 +197,27 @@ impl<S: Scalar> Part<S> {
                 y_f_xx[(n + at + j, at + i)] += mixed;
             }
         }
-        // Products of first derivatives.
-        for k in 0..m {
-            for i in angles.clone() {
-                add_both(y_f_xx, f_x.row(at + k), at + i, a1[i][k]);
-                add_both(y_f_xx, f_x.row(n + at + k), at + i, b1[i][k]);
+        // Products of first derivatives: sums of rows, each added to a row and to a column.
+        for i in angles {
+            sum.fill(S::zero());
+            for k in 0..m {
+                add_scaled(sum, a1[i][k], f_x.row(at + k));
+                add_scaled(sum, b1[i][k], f_x.row(n + at + k));
             }
-            for (r, factors) in by_momentum[..m].iter().enumerate() {
-                add_both(y_f_xx, f_x.row(at + k), n + at + r, factors[k]);
-            }
+            add_both(y_f_xx, sum, at + i);
+        }
+        for (r, factors) in by_momentum[..m].iter().enumerate() {
+            sum.fill(S::zero());
+            (0..m).for_each(|k| add_scaled(sum, factors[k], f_x.row(at + k)));
+            add_both(y_f_xx, sum, n + at + r);
         }
     }
 }
 
-/// Adds `factor row` to row i and to column i.
-fn add_both<S: Scalar>(matrix: &mut Matrix<S>, row: &[S], i: usize, factor: S) {
+/// Adds a row to row i and to column i.
+fn add_both<S: Scalar>(matrix: &mut Matrix<S>, row: &[S], i: usize) {
     for (j, &entry) in row.iter().enumerate() {
-        let term = factor * entry;
-        matrix[(i, j)] += term;
-        matrix[(j, i)] += term;
+        matrix[(i, j)] += entry;
+        matrix[(j, i)] += entry;
     }
 }
