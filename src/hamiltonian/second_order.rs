@@ -21,8 +21,8 @@ use crate::scalar::Scalar;
 /// $$
 ///
 /// D_w~ is [`KernelTwo`], or the same in the axes of the world where F_x has them; the rest are products of n
-/// x n matrices with the factors of M. No factorisation is differentiated. Friction D(v) shifts the direction,
-/// `w = (-y_p, y_q + D_v y_p)`, and adds `V' (y_p . D_vv) V`.
+/// x n matrices with the factors of M. No factorisation is differentiated. Friction D(v) shifts the
+/// direction, `w = (-y_p, y_q + D_v y_p)`, and adds `V' (y_p . D_vv) V`.
 ///
 /// ```
 /// use costate::hamiltonian::HamiltonianSecondOrder;

@@ -5,7 +5,7 @@ use std::error::Error;
 
 #[derive(Clone, Copy, PartialEq, clap::ValueEnum)]
 pub enum Route {
-    /// Derivatives by hand: Jacobian by closed formulas, second derivatives by the 2n+1 rule or pairs of joints
+    /// Derivatives by hand: Jacobian by closed formulas, second ones by the 2n+1 rule or pairs of joints
     Analytic,
     /// Dual numbers for first derivatives, dual numbers in dual numbers for second ones
     Dual,
