@@ -212,7 +212,6 @@ impl<S: Scalar> ConstrainedHamiltonianSecondOrder<S> {
         free.set_costate(padded);
         self.first.set_weights(&free.y_chart[..n], c);
         self.along_response(q)?;
-        self.pull();
         self.congruence();
         free.turn_hessian(&mut self.y_f_xx);
         self.first.turn_jacobian(free, q);
@@ -227,7 +226,6 @@ impl<S: Scalar> ConstrainedHamiltonianSecondOrder<S> {
         free.set_costate(y);
         self.differentiate(q, &free.y_chart)?;
         self.first.assemble_chart(free, [q, u]);
-        self.pull();
         // By (xi, pi), as P has lost K.
         self.congruence();
         free.turn_hessian(&mut self.y_f_xx);

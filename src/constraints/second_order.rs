@@ -5,7 +5,7 @@ use super::blocks::Changing;
 use super::linearisation::ConstrainedContraction;
 use crate::error::{EvalError, check_length};
 use crate::kernels::{KernelTwo, check_entries, friction_of};
-use crate::matrix::{Matrix, add_scaled, dot, filled};
+use crate::matrix::{Left, Matrix, Panel, Part, add_scaled, dot, filled};
 use crate::robot::Robot;
 use crate::scalar::Scalar;
 
@@ -27,12 +27,24 @@ pub struct ConstrainedHamiltonianSecondOrder<S: Scalar> {
     along: KernelTwo<S>,
     changing: Changing<S>,
     pub(super) y_f_xx: Matrix<S>,
-    /// `dPP + dMM E / 2`, rows of v and of mu, 2n columns each.
-    pull: [Matrix<S>; 2],
+    panels: Box<Panels<S>>,
     /// Response to a direction, and the change of the derivatives of Lc by s along it.
     pub(super) response: [Vec<S>; 2],
     force: [Vec<S>; 2],
     pub(super) product: Vec<S>,
+}
+
+/// The factors of the congruence, rows of v and of mu.
+#[derive(Clone, Debug)]
+struct Panels<S: Scalar> {
+    /// `dMM / 2`.
+    half: Panel<S>,
+    /// s_x, and R of [`congruence`](ConstrainedHamiltonianSecondOrder::congruence).
+    response: Panel<S>,
+    pull: Panel<S>,
+    /// `s_x' R`, and that with its transpose.
+    product: Panel<S>,
+    sum: Panel<S>,
 }
 
 impl<S: Scalar> ConstrainedHamiltonianSecondOrder<S> {
@@ -45,7 +57,13 @@ impl<S: Scalar> ConstrainedHamiltonianSecondOrder<S> {
             along: KernelTwo::new(&first.tree),
             changing: Changing::new(&first.tree),
             y_f_xx: Matrix::zeros(2 * n, 2 * n),
-            pull: [Matrix::zeros(n, 2 * n), Matrix::zeros(k, 2 * n)],
+            panels: Box::new(Panels {
+                half: Panel::zeros(n + k, n + k),
+                response: Panel::zeros(n + k, 2 * n),
+                pull: Panel::zeros(n + k, 2 * n),
+                product: Panel::zeros(2 * n, 2 * n),
+                sum: Panel::zeros(2 * n, 2 * n),
+            }),
             response: both.clone(),
             force: both,
             product: filled(S::zero(), 2 * n),
@@ -88,7 +106,6 @@ impl<S: Scalar> ConstrainedHamiltonianSecondOrder<S> {
         self.first.prepare(q, p)?;
         self.differentiate(q, y)?;
         self.first.assemble(q, u);
-        self.pull();
         self.congruence();
         self.add_friction(&y[n..]);
         if let Some(external) = &mut self.first.external {
@@ -178,7 +195,6 @@ impl<S: Scalar> ConstrainedHamiltonianSecondOrder<S> {
         self.first.responses_at(q, p)?;
         self.first.set_weights(y, c);
         self.along_response(q)?;
-        self.pull();
         self.congruence();
         Ok(&self.y_f_xx)
     }
@@ -198,58 +214,45 @@ impl<S: Scalar> ConstrainedHamiltonianSecondOrder<S> {
         Ok(())
     }
 
-    /// `dPP [1 0] + dMM s_x / 2`, so that the congruence is `s_x'` times it plus its transpose.
-    pub(super) fn pull(&mut self) {
-        let n = self.dof();
-        let Self { first, along, changing: Changing { blocks, .. }, pull: [pull_v, pull_mu], .. } = self;
-        let half = S::from_f64(0.5);
-        for i in 0..n {
-            let row = pull_v.row_mut(i);
-            row.fill(S::zero());
-            add_scaled(&mut row[..n], S::one(), along.l_vq().row(i));
-            add_scaled(&mut row[..n], -S::one(), blocks.curvature.row(i));
-            for (l, &entry) in along.mass_matrix().row(i).iter().enumerate() {
-                add_scaled(row, entry * half, first.f_x.row(l));
-            }
-            for l in 0..first.mu.len() {
-                add_scaled(row, -(blocks.jacobian[(l, i)] * half), first.mu_x.row(l));
-            }
-        }
-        for i in 0..first.mu.len() {
-            let row = pull_mu.row_mut(i);
-            row.fill(S::zero());
-            add_scaled(&mut row[..n], -S::one(), blocks.slope.row(i));
-            for (l, &entry) in blocks.jacobian.row(i).iter().enumerate() {
-                add_scaled(row, -(entry * half), first.f_x.row(l));
-            }
-        }
-    }
-
-    /// `-(dLL_qq + s_x' pull + pull' s_x)`, both triangles.
+    /// `-(dLL_qq + s_x' R + R' s_x)` with `R = dPP [1 0] + dMM s_x / 2`, both triangles.
+    #[inline(never)]
     pub(super) fn congruence(&mut self) {
         let n = self.dof();
-        let Self { first, along, changing: Changing { blocks, .. }, pull: [pull_v, pull_mu], y_f_xx, .. } =
-            self;
-        y_f_xx.fill_zero();
+        let Self { first, along, changing: Changing { blocks, .. }, panels, y_f_xx, .. } = self;
+        let Panels { half, response, pull, product, sum } = &mut **panels;
+        for i in 0..n {
+            response.read_row::<0>(i, first.f_x.row(i));
+            for (j, &entry) in along.mass_matrix().row(i).iter().enumerate() {
+                half.set(i, j, entry.times(0.5));
+            }
+        }
+        for l in 0..first.mu.len() {
+            response.read_row::<0>(n + l, first.mu_x.row(l));
+            for (j, &entry) in blocks.jacobian.row(l).iter().enumerate() {
+                half.set(n + l, j, entry.times(-0.5));
+                half.set(j, n + l, entry.times(-0.5));
+            }
+        }
+        pull.set_product::<0, 0>(Left::Rows(half), response, Part::Whole);
+        for i in 0..n {
+            let both = along.l_vq().row(i).iter().zip(blocks.curvature.row(i));
+            for (j, (&cross, &curvature)) in both.enumerate() {
+                pull.set(i, j, pull.get(i, j) + cross - curvature);
+            }
+        }
+        for l in 0..first.mu.len() {
+            for (j, &slope) in blocks.slope.row(l).iter().enumerate() {
+                pull.set(n + l, j, pull.get(n + l, j) - slope);
+            }
+        }
+        product.set_product::<0, 0>(Left::Columns(response), pull, Part::Whole);
+        sum.add_transpose(product);
+        (0..2 * n).for_each(|i| sum.write_row::<0>(i, y_f_xx.row_mut(i), |pack| -pack));
         for i in 0..n {
             for j in 0..=i {
-                y_f_xx[(i, j)] = blocks.bend[(i, j)] - along.l_qq()[(i, j)];
-            }
-        }
-        for i in 0..2 * n {
-            let row = &mut y_f_xx.row_mut(i)[..=i];
-            for l in 0..n {
-                add_scaled(row, -first.f_x[(l, i)], &pull_v.row(l)[..=i]);
-                add_scaled(row, -pull_v[(l, i)], &first.f_x.row(l)[..=i]);
-            }
-            for l in 0..first.mu.len() {
-                add_scaled(row, -first.mu_x[(l, i)], &pull_mu.row(l)[..=i]);
-                add_scaled(row, -pull_mu[(l, i)], &first.mu_x.row(l)[..=i]);
-            }
-        }
-        for i in 0..2 * n {
-            for j in 0..i {
-                y_f_xx[(j, i)] = y_f_xx[(i, j)];
+                let entry = y_f_xx[(i, j)] + blocks.bend[(i, j)] - along.l_qq()[(i, j)];
+                y_f_xx[(i, j)] = entry;
+                y_f_xx[(j, i)] = entry;
             }
         }
     }
