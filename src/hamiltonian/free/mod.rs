@@ -27,7 +27,7 @@ pub(crate) struct Free<S: Scalar> {
     pub(crate) y: Vec<S>,
     pub(crate) y_chart: Vec<S>,
     pub(crate) mass_matrix: Matrix<S>,
-    /// y'F_x of the chart, by (xi, pi), and a sum of rows of F_x.
+    /// y'F_x of the chart, by (xi, pi) of free joints, and a sum of rows of F_x.
     slope: Vec<S>,
     sum: Vec<S>,
     /// See [`momentum_slope`](Self::momentum_slope).
@@ -164,13 +164,17 @@ impl<S: Scalar> Free<S> {
         others: Option<(&[S], &Matrix<S>)>,
         y_f_xx: &mut Matrix<S>,
     ) {
-        self.slope.fill(S::zero());
-        for (weights, rows) in [(&*self.y, f_x)].into_iter().chain(others) {
+        let Self { parts, slope, sum, y: of_chart, .. } = self;
+        let n = f_x.columns() / 2;
+        slope.fill(S::zero());
+        for (weights, rows) in [(&**of_chart, f_x)].into_iter().chain(others) {
             for (i, &weight) in weights.iter().enumerate() {
-                add_scaled(&mut self.slope, weight, rows.row(i));
+                let own = parts.iter().map(Part::place).flat_map(|(at, m)| [at..at + m, n + at..n + at + m]);
+                for some in own {
+                    add_scaled(&mut slope[some.clone()], weight, &rows.row(i)[some]);
+                }
             }
         }
-        let Self { parts, slope, sum, .. } = self;
         parts.iter().for_each(|part| part.curve([y, slope], f_x, sum, y_f_xx));
     }
 
