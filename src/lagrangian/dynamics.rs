@@ -148,6 +148,14 @@ impl<S: Scalar> Lagrangian<S> {
         self.factor.factor(self.kernel.mass_matrix(), size_of).map_err(singular)
     }
 
+    /// Fills (v, a) by M in body frames and the recursion of inverse dynamics.
+    pub(super) fn accelerate_by_kernel(&mut self, [q, v, u]: [&[S]; 3]) -> Result<(), EvalError> {
+        self.factor_by_kernel(q)?;
+        self.set_bias_by_recursion(q, v);
+        self.accelerate_against(v, u);
+        Ok(())
+    }
+
     /// Factors M and fills (v, a); tau holds the inverse dynamics for a = 0.
     pub(super) fn accelerate(&mut self, q: &[S], v: &[S], u: &[S]) -> Result<(), EvalError> {
         self.factor(q)?;

@@ -93,9 +93,7 @@ impl<S: Scalar> Lagrangian<S> {
     /// The same by kernels one and two, which then hold P and the rates of M and P.
     pub(super) fn linearise_by_kernels(&mut self, q: &[S], v: &[S], u: &[S]) -> Result<(), EvalError> {
         self.check_plain(q, &[("v", v), ("u", u)])?;
-        self.factor_by_kernel(q)?;
-        self.set_bias_by_recursion(q, v);
-        self.accelerate_against(v, u);
+        self.accelerate_by_kernel([q, v, u])?;
         self.differentiate_torque_by_kernels(q, v)?;
         self.solve_jacobian();
         self.assemble();

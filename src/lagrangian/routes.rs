@@ -66,7 +66,7 @@ impl<S: Scalar> Lagrangian<S> {
     pub(super) fn add_springs(&mut self, q: &[S]) {
         for &joint in self.tree.with_spring() {
             let (spring, row) = (self.tree.joints()[joint].spring, self.tree.row_of(joint));
-            let position = row.position_by(q[self.tree.entry_of(row.coordinate)]);
+            let position = row.position_from(q[self.tree.entry_of(row.coordinate)]);
             let force = position.plus(-spring.rest).times(spring.stiffness);
             self.tau[row.coordinate] += scaled(row.ratio, force);
         }
@@ -85,13 +85,8 @@ impl<S: Scalar> Lagrangian<S> {
     #[inline(never)]
     pub(super) fn accelerate_alone(&mut self, q: &[S], v: &[S], u: &[S]) -> Result<(), EvalError> {
         if self.bodies.is_none() {
-            if self.routes.values || !self.routes.derivatives {
-                return self.accelerate(q, v, u);
-            }
-            self.factor_by_kernel(q)?;
-            self.set_bias_by_recursion(q, v);
-            self.accelerate_against(v, u);
-            return Ok(());
+            let in_world = self.routes.values;
+            return if in_world { self.accelerate(q, v, u) } else { self.accelerate_by_kernel([q, v, u]) };
         }
         self.tau.fill(S::zero());
         self.add_joint_forces(q, v);

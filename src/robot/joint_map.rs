@@ -36,12 +36,12 @@ impl Row {
     /// Position of the joint.
     #[inline(always)]
     pub fn position<S: Scalar>(&self, q: &[S]) -> S {
-        self.position_by(q[self.coordinate])
+        self.position_from(q[self.coordinate])
     }
 
     /// The same from the position of the independent joint.
     #[inline(always)]
-    pub fn position_by<S: Scalar>(&self, independent: S) -> S {
+    pub fn position_from<S: Scalar>(&self, independent: S) -> S {
         let turned = scaled(self.ratio, independent);
         if self.offset == 0.0 { turned } else { turned.plus(self.offset) }
     }

@@ -3,9 +3,8 @@
 //! The kernels take the constants of a model as `f64`. Here each of them is a label: a number that represents
 //! an expression of the parameters. Where a label becomes part of the recording, the expression replaces it.
 //! Products and differences that the kernels form before that (mass times length, half the difference of two
-//! moments of inertia) have labels too. Any other
-//! number that is neither a small literal nor made from the directions of joints is an error, so no constant
-//! is missed.
+//! moments of inertia) have labels too. Any other number that is neither a small literal nor made from the
+//! directions of joints is an error, so no constant is missed.
 
 use super::labels::{Labels, turned};
 use super::wrenches;

@@ -4,11 +4,11 @@ use super::WorldKernel;
 use super::composite::{clear_beyond, rate_of_matrix, spread};
 use super::group::{Body, Carried, Group, add_force, add_matrix, force_lane, matrix_lane, motion_lane};
 use super::group::{motion_along, set_motion};
-use super::motion::{across, inward, moved};
+use super::motion::{across, dot_plus, inward, moved};
 use crate::matrix::{Panel, filled};
 use crate::robot::{JointKind, Tree};
 use crate::scalar::{Scalar, inlined};
-use crate::spatial::{Force, Motion, Symmetric3, Vec3};
+use crate::spatial::{Force, Motion, Vec3};
 
 /// What [`WorldKernel::differentiate`] needs beside the kernel.
 #[derive(Clone, Debug)]
@@ -53,22 +53,21 @@ struct Meeting<P> {
 impl<S: Scalar> HessianChange<S> {
     /// Buffers for the tree of a kernel, whose joints are independent.
     pub fn new(kernel: &WorldKernel<S>) -> Self {
-        let (still, n, groups) = (Motion::zero(), kernel.places.len(), kernel.groups.len());
-        let none = Body { mass: S::Pack::zero(), first_moment: Vec3::zero(), matrix: Symmetric3::zero() };
+        let (n, groups) = (kernel.places.len(), kernel.groups.len());
         let at_rest = Change {
             turning: Motion::zero(),
             chi: Motion::zero(),
             velocity: Motion::zero(),
             psi: Motion::zero(),
             momentum: Force::zero(),
-            composite: none,
+            composite: Body::zero(),
         };
         let panel = Panel::zeros(n, n);
         let reorders = !kernel.places.are_in_order();
         Self {
             groups: filled(at_rest, groups),
             forces: filled([Force::zero(); 2], groups),
-            motions: filled([still; 2], n),
+            motions: filled([Motion::zero(); 2], n),
             by_places: reorders.then(|| Box::new([panel.clone(), panel.clone(), panel.clone()])),
             lower: panel,
         }
@@ -255,15 +254,12 @@ fn revolute<P: Scalar>(
         let distance = group.origin - i.origin;
         let about = |force: &Force<P>| inward(*force, distance);
         let [f, g, df, dg] = [&group.inertial, rate, inertial_change, rate_change].map(about);
-        let dot = |motion: &Motion<P>, force: &Force<P>, more: P| {
-            motion.angular.dot_plus(force.moment, motion.linear.dot_plus(force.force, more))
-        };
         let weights = i.gamma_change.dot_plus(f.force, i.gamma.dot(df.force));
         [
-            dot(&i.chi, &f, i.axis.dot(df.moment)),
-            dot(&i.chi, &g, i.axis.dot(dg.moment)),
-            dot(&i.psi_change, &f, dot(&i.psi, &df, P::zero())),
-            dot(&i.psi_change, &g, dot(&i.psi, &dg, weights)),
+            dot_plus(&i.chi, &f, i.axis.dot(df.moment)),
+            dot_plus(&i.chi, &g, i.axis.dot(dg.moment)),
+            dot_plus(&i.psi_change, &f, dot_plus(&i.psi, &df, P::zero())),
+            dot_plus(&i.psi_change, &g, dot_plus(&i.psi, &dg, weights)),
         ]
     })
 }

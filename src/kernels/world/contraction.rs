@@ -4,7 +4,7 @@
 use super::WorldKernel;
 use super::composite::{clear_beyond, rate_of_matrix, spread};
 use super::group::{Carried, Group, add_force, add_matrix, force_lane, matrix_lane, motion_lane, set_motion};
-use super::motion::{across, inward, moved};
+use super::motion::{across, dot_plus, inward, moved};
 use super::torque::{Meeting, Own, meeting_of};
 use crate::matrix::{Panel, filled};
 use crate::robot::JointKind;
@@ -340,16 +340,13 @@ fn revolute<P: Scalar>(i: &Meeting<P>, chi: &Motion<P>, carried: &Carried<P>, be
         let (a, c, f) = (about(&carried.by_position), about(&carried.by_velocity), about(&carried.inertial));
         let q = about(&bent.shifted);
         let (r, u) = (bent.by_position, bent.by_velocity);
-        let dot = |motion: &Motion<P>, force: &Force<P>, more: P| {
-            motion.angular.dot_plus(force.moment, motion.linear.dot_plus(force.force, more))
-        };
         [
-            dot(chi, &a, dot(&i.psi_rate, &q, i.psi.angular.dot(r))),
+            dot_plus(chi, &a, dot_plus(&i.psi_rate, &q, i.psi.angular.dot(r))),
             i.axis.dot(u),
-            i.axis.dot_plus(r, dot(&i.drift, &q, P::zero())),
-            dot(chi, &c, i.psi.angular.dot(u)),
+            i.axis.dot_plus(r, dot_plus(&i.drift, &q, P::zero())),
+            dot_plus(chi, &c, i.psi.angular.dot(u)),
             i.axis.dot(q.moment),
-            dot(chi, &f, P::zero()),
+            dot_plus(chi, &f, P::zero()),
         ]
     })
 }

@@ -13,6 +13,10 @@ pub(super) struct Body<P> {
 }
 
 impl<P: Scalar> Body<P> {
+    pub fn zero() -> Self {
+        Self { mass: P::zero(), first_moment: Vec3::zero(), matrix: Symmetric3::zero() }
+    }
+
     /// Momentum of the body in the motion, as [`Inertia::apply`](crate::spatial::Inertia::apply).
     #[inline(always)]
     pub fn apply(&self, motion: Motion<P>) -> Force<P> {
@@ -91,7 +95,7 @@ impl<P: Scalar> Carried<P> {
 impl<P: Scalar> Group<P> {
     pub fn zero() -> Self {
         let (none, still, slack) = (Vec3::zero(), Motion::zero(), Force::zero());
-        let body = Body { mass: P::zero(), first_moment: none, matrix: Symmetric3::zero() };
+        let body = Body::zero();
         Self {
             axes: [none; 3],
             axis: still,

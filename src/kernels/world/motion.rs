@@ -131,6 +131,12 @@ pub(super) fn across<S: Scalar>(kind: JointKind, velocity: Motion<S>, axis: Vec3
     }
 }
 
+/// `motion . force + more`.
+#[inline(always)]
+pub(super) fn dot_plus<S: Scalar>(motion: &Motion<S>, force: &Force<S>, more: S) -> S {
+    motion.angular.dot_plus(force.moment, motion.linear.dot_plus(force.force, more))
+}
+
 /// The motion of the origin at the end of an arm.
 #[inline(always)]
 pub(super) fn moved<S: Scalar>(motion: Motion<S>, arm: Vec3<S>) -> Motion<S> {
