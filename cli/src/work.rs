@@ -4,7 +4,7 @@
 //! The factors were measured on chains of 50 to 1000 revolute joints; the memory fits within a factor of two.
 
 use costate::Coordinates;
-use costate::derivative::{CHUNK, ForwardDynamics, FrameMotion, Function, PhaseVelocity};
+use costate::derivative::{CHUNK, ForwardDynamics, FrameMotion, Function, InverseDynamics, PhaseVelocity};
 use costate::kinematics::ReferenceFrame;
 use costate::robot::Robot;
 use costate::scalar::{Count, Scalar, count};
@@ -31,6 +31,9 @@ const MOST_COUNTED: usize = 300;
 
 /// Products, and sums, of the motion of a frame for each joint, where they are not counted.
 const OF_FRAME: f64 = 100.0;
+
+/// Products, and sums, of inverse dynamics for each joint, likewise.
+const OF_TORQUE: f64 = 100.0;
 
 /// Memory of a number of an answer about a frame (bytes).
 const ANSWERED: f64 = 35.0;
@@ -154,11 +157,12 @@ impl Work {
             let work = Self::of_state(robot, coordinates, method, Order::Second);
             Self { operations: work.operations / slowness(coordinates), ..work }
         });
+        let (method, order) = (Method::HyperDual, Order::Second);
+        let uncounted = OF_TORQUE * robot.dof() as f64;
+        let torque = Self::automatic(&InverseDynamics::new(robot), robot, method, order, uncounted);
         let start = Self { operations: 0.0, bytes: tensor_bytes(robot) };
-        let sum = works.fold(start, |sum, work| Self {
-            operations: sum.operations + work.operations,
-            bytes: sum.bytes + work.bytes,
-        });
+        let start = start.and(torque).and(Self::of_frame(robot, method, order));
+        let sum = works.fold(start, Self::and);
         Self { operations: COUNTING * sum.operations, bytes: COMPARING_SIZE * sum.bytes }
     }
 

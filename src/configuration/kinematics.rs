@@ -10,11 +10,12 @@
 use super::ChartFrame;
 use crate::error::EvalError;
 use crate::kernels::check_entries;
-use crate::kinematics::{CentreOfMass, Kinematics, Momentum, Pose, ReferenceFrame};
+use crate::kinematics::{CentreOfMass, Kinematics, Momentum, OrientationError, Pose, ReferenceFrame};
 use crate::matrix::{Matrix, filled};
 use crate::robot::{Robot, Tree};
 use crate::scalar::Scalar;
 use crate::spatial::Motion;
+use nalgebra::Rotation3;
 
 /// Poses, twists, accelerations and Jacobians of frames, the centre of mass and momentum, with positions
 /// in the configuration space and Jacobians in its tangent space; no call allocates.
@@ -164,6 +165,18 @@ impl<S: Scalar> FreeKinematics<S> {
     /// See [`FreeKinematics`].
     pub fn twist(&self, frame: usize, axes: ReferenceFrame) -> Result<Motion<S>, EvalError> {
         self.kinematics.twist(frame, axes)
+    }
+
+    /// As [`Kinematics::orientation_error`].
+    ///
+    /// # Errors
+    /// See [`FreeKinematics`].
+    pub fn orientation_error(
+        &self,
+        frame: usize,
+        desired: &Rotation3<f64>,
+    ) -> Result<OrientationError<S>, EvalError> {
+        self.kinematics.orientation_error(frame, desired)
     }
 
     /// As [`Kinematics::acceleration`].

@@ -3,10 +3,11 @@
 // `#[inline]` in this file: compiled where it is used, with all instances of the pipeline that it needs, not
 // by everyone who builds the library.
 
-use super::frame_power::FramePower;
 use super::reference::Reference;
-use super::row::{Row, matrix};
+use super::row::{COSTATE, COSTATE_OF_MOTION, COSTATE_OF_Z, OF_TORQUE, OF_VELOCITY, Row, STATE, matrix};
 use super::state::State;
+use super::weighted_frames::WeightedFrames;
+use crate::configuration::FreeKinematics;
 use crate::error::EvalError;
 use crate::hamiltonian::{DualPass, FullHessian, Hamiltonian, HamiltonianSecondOrder};
 use crate::kinematics::Kinematics;
@@ -27,17 +28,12 @@ pub(super) struct Methods<S: Scalar> {
     /// Without friction and wrenches.
     pub conservative: Hamiltonian<S>,
     packed: Matrix<S>,
-    frames: FramePower,
+    frames: WeightedFrames,
     kinematics: Kinematics<S>,
+    free_kinematics: FreeKinematics<S>,
     /// Whether no joint is floating or spherical: methods that take none run then.
     is_plain: bool,
 }
-
-/// Exponents of the scales `d_i = sqrt(M_ii)`, see [`Row`]: of q and p, of what is dual to them, of z = (q,
-/// v, u).
-const STATE: &[i8] = &[1, -1];
-const COSTATE: &[i8] = &[-1, 1];
-const COSTATE_OF_Z: &[i8] = &[-1, -1, 1];
 
 impl<S: Scalar> Methods<S> {
     #[inline]
@@ -51,8 +47,9 @@ impl<S: Scalar> Methods<S> {
             tensors: DualPass::with_route(tree, Christoffel),
             conservative: Hamiltonian::new(&robot.without_friction().without_wrenches()),
             packed: Matrix::zeros(2 * n, 2 * n),
-            frames: FramePower::new(robot),
+            frames: WeightedFrames::new(robot),
             kinematics: Kinematics::new(robot),
+            free_kinematics: FreeKinematics::new(robot),
             is_plain: robot.free_joints().is_empty(),
         }
     }
@@ -64,10 +61,10 @@ impl<S: Scalar> Methods<S> {
         self.first(state, reference, &mut rows)?;
         self.second(state, reference, &mut rows)?;
         self.forward_dynamics(state, reference, &mut rows)?;
+        self.inverse_dynamics(state, reference, &mut rows)?;
         self.conserved(state, reference, &mut rows)?;
-        if self.is_plain {
-            self.frames(state, reference, &mut rows)?;
-        }
+        let workspaces = (&mut self.kinematics, &mut self.free_kinematics);
+        self.frames.rows(workspaces, [&state.q, &state.v], &reference.frames, &mut rows)?;
         Ok(rows)
     }
 
@@ -135,7 +132,7 @@ impl<S: Scalar> Methods<S> {
         let second = self.lagrangian.contract_forward_dynamics(q, v, u, &y[v.len()..])?;
         let mut first = |route, a_z: Block<'_, S>| {
             let quantity = "a_z, z = (q, v, u)";
-            rows.push(Row::new([quantity, route], a_z, to.a_z.view(), [&[1], COSTATE_OF_Z]));
+            rows.push(Row::new([quantity, route], a_z, to.a_z.view(), [OF_VELOCITY, COSTATE_OF_Z]));
         };
         first("analytic", second.forward_dynamics().matrix());
         first("dual", to.dual_a_z.view());
@@ -147,20 +144,24 @@ impl<S: Scalar> Methods<S> {
         Ok(())
     }
 
-    /// Derivatives of the power of weights on frames.
+    /// (w.tau)_z and (w.tau)_zz, z = (q, v, a), at accelerations with the numbers of u, for the second half of y.
     #[inline]
-    fn frames(
+    fn inverse_dynamics(
         &mut self,
         state: &State<S>,
         to: &Reference<S>,
         rows: &mut Vec<Row<S>>,
     ) -> Result<(), EvalError> {
-        let State { q, v, .. } = state;
-        let [first, second] = self.frames.derivatives(&mut self.kinematics, q, v)?;
-        let scales = &[-1, -1];
-        rows.push(Row::new(["(w.V)_z of frames", "analytic"], first.view(), to.w_v_z.view(), [&[0], scales]));
-        let quantity = ["(w.V)_zz of frames", "analytic"];
-        rows.push(Row::new(quantity, second.view(), to.w_v_zz.view(), [scales, scales]));
+        let State { q, v, u: a, y, .. } = state;
+        let (n, w) = (v.len(), &y[v.len()..]);
+        let second = self.lagrangian.contract_inverse_dynamics(q, v, a, w)?;
+        let linear = second.inverse_dynamics();
+        let parts = [linear.tau_q, linear.tau_v, linear.tau_a];
+        let found = matrix(n, 3 * n, |i, j| parts[j / n][(i, j % n)]);
+        let by_motion = [OF_TORQUE, COSTATE_OF_MOTION];
+        rows.push(Row::new(["tau_z, z = (q, v, a)", "analytic"], found.view(), to.tau_z.view(), by_motion));
+        let scales = [COSTATE_OF_MOTION, COSTATE_OF_MOTION];
+        rows.push(Row::new(["w'tau_zz", "analytic"], second.zz().view(), to.w_tau_zz.view(), scales));
         Ok(())
     }
 

@@ -12,9 +12,8 @@
 
 mod called;
 mod directional;
-mod forward_dynamics;
+mod dynamics;
 mod frame_motion;
-mod frame_power;
 mod function;
 mod hessian;
 mod jacobian;
@@ -23,15 +22,17 @@ mod nested;
 mod operations;
 mod phase_velocity;
 mod positions;
+mod recorded;
 mod reference;
 mod report;
 mod routes;
 mod row;
 mod state;
+mod weighted_frames;
 
 pub use called::{ByCalls, Called};
 pub use directional::{AlongDirection, Directional};
-pub use forward_dynamics::ForwardDynamics;
+pub use dynamics::{ForwardDynamics, InverseDynamics};
 pub use frame_motion::FrameMotion;
 pub(crate) use function::check_length;
 pub use function::{DerivativeError, Function, InnerNumber};
@@ -40,6 +41,7 @@ pub use jacobian::{FirstDerivatives, Jacobian};
 pub use nested::NestedHessian;
 pub use operations::{OperationRow, OperationTable};
 pub use phase_velocity::PhaseVelocity;
+pub use recorded::{Evaluate, RecordedRoute};
 pub(crate) use reference::rounded_once;
 pub use report::{Figure, StateReport, Verdict, largest, relative_difference, worse};
 pub use routes::Routes;

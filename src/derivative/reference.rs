@@ -4,12 +4,12 @@
 // by everyone who builds the library.
 
 use super::called::ByCalls;
-use super::frame_power::FramePower;
 use super::function::{DerivativeError, Function, InnerNumber};
 use super::positions::{Moved, Positions};
 use super::row::matrix;
 use super::state::State;
-use super::{CHUNK, ForwardDynamics, Hessian, Jacobian, NestedHessian, PhaseVelocity};
+use super::weighted_frames::{WeightedDerivatives, WeightedFrames};
+use super::{CHUNK, ForwardDynamics, Hessian, InverseDynamics, Jacobian, NestedHessian, PhaseVelocity};
 use crate::error::{EvalError, LengthError};
 use crate::hamiltonian::Hamiltonian;
 use crate::matrix::Matrix;
@@ -28,9 +28,10 @@ pub(super) struct Reference<S> {
     pub nested_y_f_xx: Matrix<S>,
     pub dual_a_z: Matrix<S>,
     pub nested_y_a_zz: Matrix<S>,
-    /// Derivatives of the power of weights on frames in z = (q, v), 1 x 2n and 2n x 2n.
-    pub w_v_z: Matrix<S>,
-    pub w_v_zz: Matrix<S>,
+    /// Of inverse dynamics in z = (q, v, a).
+    pub tau_z: Matrix<S>,
+    pub w_tau_zz: Matrix<S>,
+    pub frames: WeightedDerivatives<S>,
     /// H_x without friction, 2n.
     pub energy_gradient: Vec<S>,
 }
@@ -48,8 +49,9 @@ impl Reference<f64> {
             nested_y_f_xx: rounded_once(&self.nested_y_f_xx),
             dual_a_z: rounded_once(&self.dual_a_z),
             nested_y_a_zz: rounded_once(&self.nested_y_a_zz),
-            w_v_z: rounded_once(&self.w_v_z),
-            w_v_zz: rounded_once(&self.w_v_zz),
+            tau_z: rounded_once(&self.tau_z),
+            w_tau_zz: rounded_once(&self.w_tau_zz),
+            frames: self.frames.map(rounded_once),
             energy_gradient: self.energy_gradient.iter().map(|&value| Count::rounded(value)).collect(),
         }
     }
@@ -109,8 +111,9 @@ pub(super) struct Automatic {
     dual_a: Jacobian<ByCalls<ForwardDynamics>>,
     nested_a: NestedHessian<ByCalls<ForwardDynamics>>,
     hyperdual_a: Hessian<ByCalls<ForwardDynamics>>,
+    torque: Hessian<ByCalls<InverseDynamics>>,
     energy: Jacobian<ByCalls<TotalEnergy>>,
-    frames: Hessian<ByCalls<FramePower>>,
+    frames: Hessian<ByCalls<WeightedFrames>>,
 }
 
 impl Automatic {
@@ -124,8 +127,9 @@ impl Automatic {
             dual_a: Jacobian::new(a()),
             nested_a: NestedHessian::new(a()),
             hyperdual_a: Hessian::new(a()),
+            torque: Hessian::new(ByCalls(InverseDynamics::new(robot))),
             energy: Jacobian::new(ByCalls(TotalEnergy::new(robot))),
-            frames: Hessian::new(ByCalls(FramePower::new(robot))),
+            frames: Hessian::new(ByCalls(WeightedFrames::new(robot))),
         }
     }
 
@@ -141,8 +145,9 @@ impl Automatic {
         let of_a =
             [self.dual_a.function_mut(), self.nested_a.function_mut(), self.hyperdual_a.function_mut()];
         of_a.into_iter().try_for_each(|function| function.0.set_centre(q)).map_err(wrong)?;
+        self.torque.function_mut().0.set_centre(q).map_err(wrong)?;
         self.energy.function_mut().0.positions.set_centre(q).map_err(wrong)?;
-        let [w_v_z, w_v_zz] = frames(&mut self.frames, state, x.len())?;
+        self.frames.function_mut().0.positions.set_centre(q).map_err(wrong)?;
         Ok(Reference {
             y_f_xx: self.hyperdual.contract(x, y)?.clone(),
             f_x: self.hyperdual.last().jacobian().clone(),
@@ -152,33 +157,33 @@ impl Automatic {
             nested_y_f_xx: self.nested.contract(x, y)?.clone(),
             dual_a_z: self.dual_a.linearise(z)?.jacobian.clone(),
             nested_y_a_zz: self.nested_a.contract(z, y_p)?.clone(),
-            w_v_z,
-            w_v_zz,
+            w_tau_zz: self.torque.contract(z, y_p)?.clone(),
+            tau_z: self.torque.last().jacobian().clone(),
+            frames: frames(&mut self.frames, z)?,
             energy_gradient: self.energy.linearise(x)?.gradient().to_vec(),
         })
     }
 }
 
-/// Derivatives of the power of weights on frames; nothing where positions are directions.
+/// Derivatives of weighted sums in (q, v), of z = (q, v, u).
 #[inline]
 fn frames<T: InnerNumber>(
-    frames: &mut Hessian<ByCalls<FramePower>, T>,
-    state: &State<T>,
-    inputs: usize,
-) -> Result<[Matrix<T>; 2], DerivativeError<EvalError>> {
-    if state.q.len() != state.v.len() {
-        return Ok([Matrix::zeros(0, 0), Matrix::zeros(0, 0)]);
-    }
-    let second = frames.contract(&state.z()[..inputs], &[Scalar::one()])?.clone();
-    Ok([frames.last().jacobian().clone(), second])
+    frames: &mut Hessian<ByCalls<WeightedFrames>, T>,
+    z: &[T],
+) -> Result<WeightedDerivatives<T>, DerivativeError<EvalError>> {
+    let n = z.len() / 3;
+    let all = frames.hessian_tensor(&z[..2 * n])?;
+    let (first, second) = (|k, j| all.jacobian()[(k, j)], |[k, i, j]: [usize; 3]| all.entry(k, i, j));
+    Ok(WeightedDerivatives::new(n, first, second))
 }
 
 /// The same over numbers that carry their rounding error.
 pub(super) struct Rounding {
     f: Hessian<ByCalls<PhaseVelocity>, Count>,
     a: Hessian<ByCalls<ForwardDynamics>, Count>,
+    torque: Hessian<ByCalls<InverseDynamics>, Count>,
     energy: Jacobian<ByCalls<TotalEnergy>, CHUNK, Count>,
-    frames: Hessian<ByCalls<FramePower>, Count>,
+    frames: Hessian<ByCalls<WeightedFrames>, Count>,
 }
 
 impl Rounding {
@@ -187,8 +192,9 @@ impl Rounding {
         Self {
             f: Hessian::over(ByCalls(PhaseVelocity::new(robot))),
             a: Hessian::over(ByCalls(ForwardDynamics::new(robot))),
+            torque: Hessian::over(ByCalls(InverseDynamics::new(robot))),
             energy: Jacobian::over(ByCalls(TotalEnergy::new(robot))),
-            frames: Hessian::over(ByCalls(FramePower::new(robot))),
+            frames: Hessian::over(ByCalls(WeightedFrames::new(robot))),
         }
     }
 
@@ -203,18 +209,21 @@ impl Rounding {
         self.f.function_mut().0.u.copy_from_slice(u);
         self.f.function_mut().0.set_centre(q).map_err(wrong)?;
         self.a.function_mut().0.set_centre(q).map_err(wrong)?;
+        self.torque.function_mut().0.set_centre(q).map_err(wrong)?;
         self.energy.function_mut().0.positions.set_centre(q).map_err(wrong)?;
-        let (y_f_xx, y_a_zz) = (self.f.contract(x, y)?, self.a.contract(&state.z(), &y[u.len()..])?);
+        self.frames.function_mut().0.positions.set_centre(q).map_err(wrong)?;
+        let z = &state.z()[..];
+        let (y_f_xx, y_a_zz) = (self.f.contract(x, y)?, self.a.contract(z, &y[u.len()..])?);
         let (y_f_xx, y_a_zz) = (y_f_xx.clone(), y_a_zz.clone());
         let (f_x, a_z) = (self.f.last().jacobian().clone(), self.a.last().jacobian().clone());
-        let [w_v_z, w_v_zz] = frames(&mut self.frames, state, x.len())?;
         Ok(Reference {
             dual_f_x: f_x.clone(),
             nested_y_f_xx: y_f_xx.clone(),
             dual_a_z: a_z.clone(),
             nested_y_a_zz: y_a_zz.clone(),
-            w_v_z,
-            w_v_zz,
+            w_tau_zz: self.torque.contract(z, &y[u.len()..])?.clone(),
+            tau_z: self.torque.last().jacobian().clone(),
+            frames: frames(&mut self.frames, z)?,
             f_x,
             y_f_xx,
             a_z,

@@ -5,6 +5,7 @@
 
 use super::function::{DerivativeError, check_length};
 use super::methods::Methods;
+use super::recorded::RecordedRoute;
 use super::reference::{Automatic, Reference, Rounding};
 use super::report::{StateReport, Verdict};
 use super::row::{Judged, Row};
@@ -30,8 +31,9 @@ pub(crate) const CLOSE: f64 = 0.1;
 /// | dual | dual numbers through F | dual numbers in dual numbers through F |
 ///
 /// Also compared: y'F_x and y'F_xx d without a matrix and as products with the matrix, the derivatives of
-/// a(q, v, u), symmetries, the conservation of energy, and the derivatives of frames: Jacobians and the
-/// second derivatives of twists, summed with fixed weights over one frame of each link.
+/// a(q, v, u) and tau(q, v, a), symmetries, the conservation of energy, and first and second derivatives of
+/// twists, positions and orientation errors, summed with fixed weights over one frame of each link, of the
+/// centre of mass and of momentum; with [`with_route`](Self::with_route) those of recorded programs.
 ///
 /// # The bound
 ///
@@ -60,6 +62,7 @@ pub struct Routes {
     reference: Automatic,
     rounded_methods: Methods<Count>,
     rounded_reference: Rounding,
+    recorded: Vec<RecordedRoute>,
 }
 
 impl fmt::Debug for Routes {
@@ -78,6 +81,7 @@ impl Routes {
             reference: Automatic::new(robot),
             rounded_methods: Methods::new(robot),
             rounded_reference: Rounding::new(robot),
+            recorded: Vec::new(),
         }
     }
 
@@ -89,11 +93,18 @@ impl Routes {
         self
     }
 
+    /// Compares one more method, in a row behind the others of its quantity.
+    #[must_use]
+    pub fn with_route(mut self, route: RecordedRoute) -> Self {
+        self.recorded.push(route);
+        self
+    }
+
     /// Compares at x = (q, p) with actuation u and costate y (2n), which is also the direction of products.
     ///
     /// With floating and spherical joints q has nq entries, derivatives are those in the tangent space, and
-    /// the reference differentiates through q (+) d. Tensors, the dual pass, frames and the symmetry of J F_x
-    /// have no rows then.
+    /// the reference differentiates through q (+) d. Tensors, the dual pass, the symmetry of J F_x and most
+    /// second derivatives of frames have no rows then.
     ///
     /// # Errors
     /// A wrong length, numbers that are not finite, a singular mass matrix.
@@ -151,14 +162,20 @@ impl Routes {
         let mass_matrix = self.methods.conservative.mass_matrix(q)?.view().to_nalgebra();
         let state = State { q: q.to_vec(), p: p.to_vec(), v, u: u.to_vec(), y: y.to_vec() };
         let reference = self.reference.evaluate(&state)?;
-        let rows = self.methods.rows(&state, &reference)?;
+        let mut rows = self.methods.rows(&state, &reference)?;
+        for route in &mut self.recorded {
+            insert(&mut rows, route.row(&state, &reference)?);
+        }
         Ok(Evaluated { counted: state.map(Count::variable), mass_matrix, reference, rows })
     }
 
     /// The rows with their rounding errors, those of the reference given.
     #[inline]
     fn judged(&mut self, at: &Evaluated, reference: Reference<Count>) -> Result<Vec<Judged>, EvalError> {
-        let rounded = self.rounded_methods.rows(&at.counted, &reference)?;
+        let mut rounded = self.rounded_methods.rows(&at.counted, &reference)?;
+        for route in &mut self.recorded {
+            insert(&mut rounded, route.rounded_row(&at.counted, &reference));
+        }
         Ok(at.rows.iter().cloned().zip(rounded).map(|(row, rounded)| Judged { row, rounded }).collect())
     }
 }
@@ -169,6 +186,14 @@ struct Evaluated {
     mass_matrix: DMatrix<f64>,
     reference: Reference<f64>,
     rows: Vec<Row<f64>>,
+}
+
+/// Puts a row behind the others of its quantity.
+fn insert<S>(rows: &mut Vec<Row<S>>, row: Option<Row<S>>) {
+    if let Some(row) = row {
+        let last = rows.iter().rposition(|other| other.name[0] == row.name[0]);
+        rows.insert(last.map_or(rows.len(), |last| last + 1), row);
+    }
 }
 
 /// `d_i = sqrt(M_ii)`.

@@ -112,8 +112,8 @@ impl<S: Scalar> LagrangianSecondOrder<S> {
         by.iter_mut().for_each(|by| by.fill(S::zero()));
         let [by_q, by_v, by_a] = by;
         if let (Pass::World(work), Some(world)) = (pass, &first.world) {
-            world.bend_forces(work, w);
-            world.take_bent_forces(work, sums);
+            world.set_weighted_forces(work, w);
+            world.take_weighted_forces(work, sums);
             world.add_contraction_product(sums, [x, y, in_a], [by_q, by_v, by_a]);
         }
         for &i in first.tree.with_friction() {

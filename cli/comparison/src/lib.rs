@@ -6,7 +6,7 @@
 
 #![warn(missing_debug_implementations)]
 
-use costate::derivative::{DerivativeError, OperationTable, StateReport};
+use costate::derivative::{DerivativeError, OperationTable, RecordedRoute, StateReport};
 use costate::robot::Robot;
 use costate::scalar::Constants;
 use costate::step::StepError;
@@ -27,6 +27,12 @@ impl Routes {
     #[must_use]
     pub fn with_tolerance(self, tolerance: f64) -> Self {
         Self(self.0.with_tolerance(tolerance))
+    }
+
+    /// [`derivative::Routes::with_route`].
+    #[must_use]
+    pub fn with_route(self, route: RecordedRoute) -> Self {
+        Self(self.0.with_route(route))
     }
 
     /// [`derivative::Routes::compare`].

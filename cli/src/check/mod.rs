@@ -2,6 +2,7 @@
 
 mod arguments;
 mod findings;
+mod machine_code;
 mod report;
 mod sample;
 
@@ -52,7 +53,8 @@ pub fn run(arguments: &Arguments) -> Outcome {
 /// Compares at q = 0, or the neutral configuration, and at random states.
 fn compare_all(robot: &Robot, arguments: &Arguments) -> Result<Findings, Box<dyn std::error::Error>> {
     let mut rng = Rng::with_seed(arguments.seed);
-    let mut routes = Routes::new(robot).with_tolerance(arguments.tolerance);
+    let routes = Routes::new(robot).with_tolerance(arguments.tolerance);
+    let mut routes = machine_code::routes(robot)?.into_iter().fold(routes, Routes::with_route);
     let mut steps = StepRoutes::new(robot).with_tolerance(arguments.tolerance);
     let mut hamiltonian = Hamiltonian::new(robot);
     let bar = terminal::progress_bar(arguments.samples as u64 + 1, "states");

@@ -18,14 +18,16 @@ pub(super) struct Report<'a> {
 }
 
 /// Below the table.
-const LEGEND: [&str; 13] = [
+const LEGEND: [&str; 15] = [
     "analytic       by hand: F_x (21)-(24), y'F_xx by the 2n+1 rule; y'F_x and y'F_xx y without the matrix",
     "dual pass      one dual number through the analytic F_x",
     "packed tensor  all second derivatives by hand, contracted with y",
     "tensors        global inertia tensors and Christoffel coefficients; one dual number through them",
     "dual           dual numbers through F and a, and dual numbers in dual numbers",
-    "w.V            fixed weights times the twists of frames in three conventions; z = (q, v)",
-    "a, Phi         acceleration in (q, v); one step of 1 ms, d = (y, u)",
+    "machine code   recorded from the analytic methods and compiled in memory",
+    "a, tau, Phi    forward and inverse dynamics in (q, v); one step of 1 ms, d = (y, u)",
+    "w.V, x, e      fixed weights times twists of frames in three conventions, positions, orientation errors;",
+    "w.c, w.h       ... times the centre of mass, the momentum about it; z = (q, v)",
     "",
     "The reference is hyper-dual numbers through these. Each row shows the block (q or p by q or p)",
     "closest to its bound; difference and bound are relative to the largest entry of that block. The bound is",
@@ -35,17 +37,20 @@ const LEGEND: [&str; 13] = [
 ];
 
 /// The same with floating and spherical joints.
-const FREE_LEGEND: [&str; 11] = [
+const FREE_LEGEND: [&str; 13] = [
     "analytic       by hand: F_x, y'F_xx by the 2n+1 rule; y'F_x and y'F_xx y without the matrix",
     "dual           dual numbers through F and a, and dual numbers in dual numbers",
-    "a, Phi         acceleration in (q, v); one step of 1 ms, d = (y, u)",
+    "machine code   recorded from the analytic methods and compiled in memory",
+    "a, tau, Phi    forward and inverse dynamics in (q, v); one step of 1 ms, d = (y, u)",
+    "w.V, w.x       fixed weights times twists of frames in three conventions, positions;",
+    "w.c, w.h       ... times the centre of mass, the momentum about it; z = (q, v)",
     "",
     "Derivatives by q are those in the tangent space: the reference is hyper-dual numbers through these at",
     "q (+) d, with (-) from the end of a step. Each row shows the block (q or p by q or p) closest to its bound;",
     "difference and bound are relative to the largest entry of that block. The bound is 32 standard deviations of",
     "the rounding error, propagated through every operation; a smaller bound, with one rounding for the error of",
-    "the reference, is shown where a tenth of it suffices (docs/check.md). Other methods and frames take no such",
-    "joints.",
+    "the reference, is shown where a tenth of it suffices (docs/check.md). Other methods and second derivatives",
+    "take no such joints.",
     "ratio = difference / bound\n",
 ];
 

@@ -102,7 +102,13 @@ fn check_compares_the_methods_that_take_quaternions() {
         assert_eq!(table.matches(scheme).count(), 2, "{scheme}: {table}");
     }
     assert!(table.contains("energy drift"), "{table}");
-    for row in ["asymmetry of J F_x", "packed tensor", "of frames", "semi-implicit"] {
+    for row in
+        ["w'tau_zz", "(w.V)_v of frames", "(w.V)_q v of frames", "(w.x)_qq of frames", "(w.c)_q", "(w.h)_v"]
+    {
+        assert!(begins(row), "{row}: {table}");
+    }
+    assert!(table.contains("machine code  "), "{table}");
+    for row in ["asymmetry of J F_x", "packed tensor", "(w.V)_zz", "semi-implicit"] {
         assert!(!table.contains(row), "{row}: {table}");
     }
     let output = costate(

@@ -36,6 +36,12 @@ fn check_passes_and_fails_by_its_tolerance() {
         "asymmetry of J F_x",
         "energy drift",
         "(w.V)_zz of frames",
+        "(w.x)_qq of frames",
+        "(w.e)_qq of frames",
+        "(w.c)_qq",
+        "(w.h)_zz",
+        "w'tau_zz",
+        "machine code",
     ];
     for row in quantities.into_iter().chain(["analytic", "dual pass", "packed tensor", "tensors", "dual"]) {
         assert!(table.contains(row), "{row}");

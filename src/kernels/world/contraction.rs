@@ -16,7 +16,7 @@ use std::ops::Range;
 #[derive(Clone, Debug)]
 pub(crate) struct TorqueContraction<S: Scalar> {
     groups: Vec<Virtual<S::Pack>>,
-    bent: Vec<Bent<S::Pack>>,
+    weighted: Vec<WeightedForces<S::Pack>>,
     /// Virtual velocities, by place.
     velocities: Vec<Motion<S>>,
     /// The blocks by places, where these are not the joints in their order.
@@ -44,12 +44,12 @@ struct Virtual<P> {
     momentum: Force<P>,
     rate: Symmetric3<P>,
     /// The moment G, of the composite body.
-    twisted: Vec3<P>,
+    coriolis_moment: Vec3<P>,
 }
 
 /// Forces of the joints, about their origins, see [`WorldKernel::contract_torque`].
 #[derive(Clone, Copy, Debug)]
-struct Bent<P> {
+struct WeightedForces<P> {
     /// Q.
     shifted: Force<P>,
     /// The moments R and U; their forces are zero.
@@ -59,14 +59,14 @@ struct Bent<P> {
 
 /// The motion chi of one joint, and its forces, as numbers.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct BentAt<S> {
+pub(super) struct WeightedAt<S> {
     pub chi: Motion<S>,
     pub shifted: Force<S>,
     pub by_position: Vec3<S>,
     pub by_velocity: Vec3<S>,
 }
 
-impl<S: Scalar> BentAt<S> {
+impl<S: Scalar> WeightedAt<S> {
     pub fn none() -> Self {
         let none = Vec3::zero();
         Self { chi: Motion::zero(), shifted: Force::zero(), by_position: none, by_velocity: none }
@@ -96,27 +96,35 @@ impl<S: Scalar> TorqueContraction<S> {
     #[inline(never)]
     pub fn new(kernel: &WorldKernel<S>) -> Self {
         let (still, slack, none) = (Motion::zero(), Force::zero(), Vec3::zero());
-        let at_rest =
-            Virtual { chi: still, velocity: still, momentum: slack, rate: Symmetric3::zero(), twisted: none };
+        let at_rest = Virtual {
+            chi: still,
+            velocity: still,
+            momentum: slack,
+            rate: Symmetric3::zero(),
+            coriolis_moment: none,
+        };
         let n = kernel.places.len();
         let reorders = !kernel.places.are_in_order();
         Self {
             groups: filled(at_rest, kernel.groups.len()),
-            bent: filled(Bent { shifted: slack, by_position: none, by_velocity: none }, kernel.groups.len()),
+            weighted: filled(
+                WeightedForces { shifted: slack, by_position: none, by_velocity: none },
+                kernel.groups.len(),
+            ),
             velocities: filled(Motion::zero(), n),
             by_places: reorders.then(|| Box::new(TorqueHessian::zeros(n))),
         }
     }
 
     /// What was computed for place k.
-    pub(super) fn bent_at(&self, k: usize) -> BentAt<S> {
+    pub(super) fn weighted_at(&self, k: usize) -> WeightedAt<S> {
         let (block, lane) = (k / WorldKernel::<S>::LANES, k % WorldKernel::<S>::LANES);
-        let bent = &self.bent[block];
-        BentAt {
+        let weighted = &self.weighted[block];
+        WeightedAt {
             chi: motion_lane(&self.groups[block].chi, lane),
-            shifted: force_lane(&bent.shifted, lane),
-            by_position: bent.by_position.lane(lane),
-            by_velocity: bent.by_velocity.lane(lane),
+            shifted: force_lane(&weighted.shifted, lane),
+            by_position: weighted.by_position.lane(lane),
+            by_velocity: weighted.by_velocity.lane(lane),
         }
     }
 
@@ -148,7 +156,7 @@ impl<S: Scalar> TorqueContraction<S> {
             group.rate = rate_of_matrix(body, group.velocity.angular, group.velocity.linear);
             // The kernel has the momenta and rates of composite bodies.
             let rate = rate_of_matrix(body, v.angular, v.linear);
-            group.twisted = twisted(&rate, &body.apply(v), group.velocity);
+            group.coriolis_moment = coriolis_moment(&rate, &body.apply(v), group.velocity);
         }
     }
 
@@ -159,15 +167,15 @@ impl<S: Scalar> TorqueContraction<S> {
         for (k, place) in kernel.places.iter().enumerate().rev() {
             let Some(parent) = place.parent else { continue };
             let (group, lane, arm) = (&self.groups[k / lanes], k % lanes, kernel.joints[k].arm);
-            let (momentum, twisted): (Force<S>, Vec3<S>) =
-                (force_lane(&group.momentum, lane), group.twisted.lane(lane));
+            let (momentum, coriolis_moment): (Force<S>, Vec3<S>) =
+                (force_lane(&group.momentum, lane), group.coriolis_moment.lane(lane));
             let mut rate = matrix_lane(&group.rate, lane);
             rate += spread(arm, momentum.force);
             let (to, lane) = (&mut self.groups[parent / lanes], parent % lanes);
             add_force(&mut to.momentum, lane, inward(momentum, arm));
             add_matrix(&mut to.rate, lane, &rate);
-            let sum = to.twisted.lane(lane) + twisted;
-            to.twisted.set_lane(lane, sum);
+            let sum = to.coriolis_moment.lane(lane) + coriolis_moment;
+            to.coriolis_moment.set_lane(lane, sum);
         }
     }
 }
@@ -200,9 +208,9 @@ impl<S: Scalar> WorldKernel<S> {
     /// the same derivatives, in other terms.) Forces of R and U are zero.
     #[inline(never)]
     pub fn contract_torque(&mut self, work: &mut TorqueContraction<S>, w: &[S], to: &mut TorqueHessian<S>) {
-        self.bend_forces(work, w);
-        let Some(mut by_places) = work.by_places.take() else { return self.meet_bent(work, to) };
-        self.meet_bent(work, &mut by_places);
+        self.set_weighted_forces(work, w);
+        let Some(mut by_places) = work.by_places.take() else { return self.meet_weighted(work, to) };
+        self.meet_weighted(work, &mut by_places);
         let TorqueHessian { qq, vv, vq, aq } = &*by_places;
         self.places.take_to_coordinates(qq, &mut to.qq);
         self.places.take_to_coordinates(vv, &mut to.vv);
@@ -213,17 +221,17 @@ impl<S: Scalar> WorldKernel<S> {
 
     /// The forces of [`contract_torque`](Self::contract_torque), for the weights w (n).
     #[inline(always)]
-    pub fn bend_forces(&self, work: &mut TorqueContraction<S>, w: &[S]) {
+    pub fn set_weighted_forces(&self, work: &mut TorqueContraction<S>, w: &[S]) {
         work.set_motion(self, w);
         work.compose(self);
-        for ((group, moved), bent) in self.groups.iter().zip(&work.groups).zip(&mut work.bent) {
-            *bent = bend(group, moved);
+        for ((group, moved), weighted) in self.groups.iter().zip(&work.groups).zip(&mut work.weighted) {
+            *weighted = weighted_forces(group, moved);
         }
     }
 
     /// All entries, by places.
     #[inline(never)]
-    fn meet_bent(&mut self, work: &TorqueContraction<S>, to: &mut TorqueHessian<S>) {
+    fn meet_weighted(&mut self, work: &TorqueContraction<S>, to: &mut TorqueHessian<S>) {
         let TorqueHessian { qq, vv, vq, aq } = to;
         let [vq_lower, aq_lower] = &mut self.lower;
         for (k, place) in self.places.iter().enumerate() {
@@ -240,15 +248,19 @@ impl<S: Scalar> WorldKernel<S> {
                 aq_lower.row_mut(k),
             ];
             let [a, b, c, d, e, f] = rows.each_mut().map(|row| row[groups.clone()].iter_mut());
-            let forces = self.carried[groups.clone()].iter().zip(&work.bent[groups]);
+            let forces = self.carried[groups.clone()].iter().zip(&work.weighted[groups]);
             let entries = forces.zip(a.zip(b)).zip(c.zip(d)).zip(e.zip(f));
             match place.kind {
-                JointKind::Revolute => entries.for_each(|((((carried, bent), (a, b)), (c, d)), (e, f))| {
-                    [*a, *b, *c, *d, *e, *f] = revolute(&meeting, &chi, carried, bent);
-                }),
-                JointKind::Prismatic => entries.for_each(|((((carried, bent), (a, b)), (c, d)), (e, f))| {
-                    [*a, *b, *c, *d, *e, *f] = prismatic(&meeting, &chi, carried, bent);
-                }),
+                JointKind::Revolute => {
+                    entries.for_each(|((((carried, weighted), (a, b)), (c, d)), (e, f))| {
+                        [*a, *b, *c, *d, *e, *f] = revolute(&meeting, &chi, carried, weighted);
+                    })
+                }
+                JointKind::Prismatic => {
+                    entries.for_each(|((((carried, weighted), (a, b)), (c, d)), (e, f))| {
+                        [*a, *b, *c, *d, *e, *f] = prismatic(&meeting, &chi, carried, weighted);
+                    })
+                }
             }
             rows.into_iter().for_each(|row| clear_beyond::<S>(row, place.end));
         }
@@ -256,18 +268,20 @@ impl<S: Scalar> WorldKernel<S> {
         self.places.mirror(vv, None);
         self.places.mirror(vq, Some(&*vq_lower));
         self.places.mirror(aq, Some(&*aq_lower));
-        self.correct_bent_free_joints(work, to);
+        self.set_pairs_of_free_joints(work, to);
     }
 
     /// Sets the entries of pairs of one joint, see [`contract_torque`](Self::contract_torque).
-    fn correct_bent_free_joints(&self, work: &TorqueContraction<S>, to: &mut TorqueHessian<S>) {
+    fn set_pairs_of_free_joints(&self, work: &TorqueContraction<S>, to: &mut TorqueHessian<S>) {
         for joint in &self.free {
             for i in joint.clone() {
-                let (own_i, bent_i) = (self.own(i), work.bent_at(i));
+                let (own_i, weighted_i) = (self.own(i), work.weighted_at(i));
                 for j in i..joint.end {
-                    let (own_j, bent_j) = (self.own(j), work.bent_at(j));
-                    let ij = self.entries_of_joint(joint, (i, j), [&own_i, &own_j], [&bent_i, &bent_j]);
-                    let ji = self.entries_of_joint(joint, (j, i), [&own_j, &own_i], [&bent_j, &bent_i]);
+                    let (own_j, weighted_j) = (self.own(j), work.weighted_at(j));
+                    let ij =
+                        self.entries_of_joint(joint, (i, j), [&own_i, &own_j], [&weighted_i, &weighted_j]);
+                    let ji =
+                        self.entries_of_joint(joint, (j, i), [&own_j, &own_i], [&weighted_j, &weighted_i]);
                     for ((row, column), ij) in [((i, j), &ij), ((j, i), &ji)] {
                         to.vq.set(column, row, ij.vq);
                         to.aq.set(column, row, ij.aq);
@@ -288,16 +302,16 @@ impl<S: Scalar> WorldKernel<S> {
         joint: &Range<usize>,
         (i, j): (usize, usize),
         [of_i, of_j]: [&Own<S>; 2],
-        [moved, bent]: [&BentAt<S>; 2],
+        [moved, weighted]: [&WeightedAt<S>; 2],
     ) -> EntriesOfJoint<S> {
         let motion = |motion: Motion<S>| self.at_end(joint, i, motion);
         let force = |force: Force<S>| self.force_at_end(joint, j, force);
         let (psi, axis, chi) = (of_i.psi.angular, of_i.axis.angular, motion(moved.chi));
-        let by_shift = force(bent.shifted).dot(motion(of_i.psi_rate));
+        let by_shift = force(weighted.shifted).dot(motion(of_i.psi_rate));
         EntriesOfJoint {
-            qq: psi.dot_plus(bent.by_position, force(of_j.by_position).dot(chi) + by_shift),
-            vv: axis.dot(bent.by_velocity),
-            vq: psi.dot_plus(bent.by_velocity, force(of_j.by_velocity).dot(chi)),
+            qq: psi.dot_plus(weighted.by_position, force(of_j.by_position).dot(chi) + by_shift),
+            vv: axis.dot(weighted.by_velocity),
+            vq: psi.dot_plus(weighted.by_velocity, force(of_j.by_velocity).dot(chi)),
             aq: force(of_j.inertial).dot(chi),
         }
     }
@@ -305,7 +319,7 @@ impl<S: Scalar> WorldKernel<S> {
 
 /// The transpose of a Coriolis operator times a motion, `(2B)' m`: a moment.
 #[inline(always)]
-fn twisted<P: Scalar>(rate: &Symmetric3<P>, momentum: &Force<P>, motion: Motion<P>) -> Vec3<P> {
+fn coriolis_moment<P: Scalar>(rate: &Symmetric3<P>, momentum: &Force<P>, motion: Motion<P>) -> Vec3<P> {
     inlined!(P, {
         let pulled = momentum.force.cross(motion.linear);
         rate.apply(motion.angular).plus_product(momentum.moment, motion.angular) + pulled + pulled
@@ -314,32 +328,38 @@ fn twisted<P: Scalar>(rate: &Symmetric3<P>, momentum: &Force<P>, motion: Motion<
 
 /// The forces of a group.
 #[inline(always)]
-fn bend<P: Scalar>(group: &Group<P>, moved: &Virtual<P>) -> Bent<P> {
+fn weighted_forces<P: Scalar>(group: &Group<P>, moved: &Virtual<P>) -> WeightedForces<P> {
     inlined!(P, {
         let (axis, psi, chi, momentum) = (group.axis, group.psi, moved.chi, group.momentum);
         let Force { moment: angular, force: linear } = moved.momentum;
         let Force { moment, force } = group.composite.apply(chi);
-        Bent {
+        WeightedForces {
             shifted: Force {
                 moment: moment.plus_product(axis.angular, angular).plus_product(axis.linear, linear),
                 force: force.plus_product(axis.angular, linear),
             },
-            by_position: (twisted(&group.rate, &momentum, chi) - twisted(&moved.rate, &moved.momentum, psi))
-                .plus_product(axis.angular, moved.twisted),
-            by_velocity: -twisted(&moved.rate, &moved.momentum, axis),
+            by_position: (coriolis_moment(&group.rate, &momentum, chi)
+                - coriolis_moment(&moved.rate, &moved.momentum, psi))
+            .plus_product(axis.angular, moved.coriolis_moment),
+            by_velocity: -coriolis_moment(&moved.rate, &moved.momentum, axis),
         }
     })
 }
 
 /// The entries for joint i, revolute, and each joint of a group.
 #[inline(always)]
-fn revolute<P: Scalar>(i: &Meeting<P>, chi: &Motion<P>, carried: &Carried<P>, bent: &Bent<P>) -> Entries<P> {
+fn revolute<P: Scalar>(
+    i: &Meeting<P>,
+    chi: &Motion<P>,
+    carried: &Carried<P>,
+    weighted: &WeightedForces<P>,
+) -> Entries<P> {
     inlined!(P, {
         let distance = carried.origin - i.origin;
         let about = |force: &Force<P>| inward(*force, distance);
         let (a, c, f) = (about(&carried.by_position), about(&carried.by_velocity), about(&carried.inertial));
-        let q = about(&bent.shifted);
-        let (r, u) = (bent.by_position, bent.by_velocity);
+        let q = about(&weighted.shifted);
+        let (r, u) = (weighted.by_position, weighted.by_velocity);
         [
             dot_plus(chi, &a, dot_plus(&i.psi_rate, &q, i.psi.angular.dot(r))),
             i.axis.dot(u),
@@ -353,9 +373,14 @@ fn revolute<P: Scalar>(i: &Meeting<P>, chi: &Motion<P>, carried: &Carried<P>, be
 
 /// The same for joint i prismatic: its motions have no angular parts.
 #[inline(always)]
-fn prismatic<P: Scalar>(i: &Meeting<P>, chi: &Motion<P>, carried: &Carried<P>, bent: &Bent<P>) -> Entries<P> {
+fn prismatic<P: Scalar>(
+    i: &Meeting<P>,
+    chi: &Motion<P>,
+    carried: &Carried<P>,
+    weighted: &WeightedForces<P>,
+) -> Entries<P> {
     inlined!(P, {
-        let (chi, q) = (chi.linear, bent.shifted.force);
+        let (chi, q) = (chi.linear, weighted.shifted.force);
         [
             chi.dot_plus(carried.by_position.force, i.psi_rate.linear.dot(q)),
             P::zero(),

@@ -1,7 +1,7 @@
 //! Products with the derivatives of inverse dynamics, without a matrix: O(n).
 
 use super::WorldKernel;
-use super::contraction::{BentAt, EntriesOfJoint, TorqueContraction};
+use super::contraction::{EntriesOfJoint, TorqueContraction, WeightedAt};
 use super::motion::{inward, moved};
 use super::torque::Own;
 use crate::matrix::filled;
@@ -21,7 +21,7 @@ pub(crate) struct Sums<S> {
     beyond: Vec<Beyond<S>>,
     /// By place.
     own: Vec<Own<S>>,
-    bent: Vec<BentAt<S>>,
+    weighted: Vec<WeightedAt<S>>,
 }
 
 /// Sums of motions.
@@ -87,7 +87,7 @@ impl<S: Scalar> Sums<S> {
             before: filled(Before::none(), n),
             beyond: filled(Beyond::none(), n),
             own: filled(Own::none(), n),
-            bent: filled(BentAt::none(), n),
+            weighted: filled(WeightedAt::none(), n),
         }
     }
 }
@@ -99,10 +99,10 @@ impl<S: Scalar> WorldKernel<S> {
         sums.own.iter_mut().enumerate().for_each(|(k, own)| *own = self.own(k));
     }
 
-    /// The same of the weights of [`bend_forces`](Self::bend_forces).
+    /// The same of the weights of [`set_weighted_forces`](Self::set_weighted_forces).
     #[inline(never)]
-    pub fn take_bent_forces(&self, work: &TorqueContraction<S>, sums: &mut Sums<S>) {
-        sums.bent.iter_mut().enumerate().for_each(|(k, bent)| *bent = work.bent_at(k));
+    pub fn take_weighted_forces(&self, work: &TorqueContraction<S>, sums: &mut Sums<S>) {
+        sums.weighted.iter_mut().enumerate().for_each(|(k, weighted)| *weighted = work.weighted_at(k));
     }
 
     /// The places of the joint that ends at place `k`; `None` for another part of it.
@@ -169,7 +169,7 @@ impl<S: Scalar> WorldKernel<S> {
     /// Adds `tau_q x + tau_v y`, n, to `product`, without springs and friction, at the forces taken last.
     #[inline(never)]
     pub fn add_torque_product(&self, sums: &mut Sums<S>, [x, y]: [&[S]; 2], product: &mut [S]) {
-        let (places, Sums { before, beyond, own, bent: _ }) = (&self.places, sums);
+        let (places, Sums { before, beyond, own, weighted: _ }) = (&self.places, sums);
         let rates = |k: usize| [places[k].rate(x), places[k].rate(y)];
         self.sum_before(
             before,
@@ -202,7 +202,7 @@ impl<S: Scalar> WorldKernel<S> {
     /// Adds `w'tau_q` and `w'tau_v`, n each, to `products`, likewise.
     #[inline(never)]
     pub fn add_torque_adjoint(&self, sums: &mut Sums<S>, w: &[S], [by_q, by_v]: [&mut [S]; 2]) {
-        let (places, Sums { before, beyond, own, bent: _ }) = (&self.places, sums);
+        let (places, Sums { before, beyond, own, weighted: _ }) = (&self.places, sums);
         self.sum_before(
             before,
             |k| Before { first: own[k].axis.scaled(places[k].rate(w)), ..Before::none() },
@@ -237,7 +237,7 @@ impl<S: Scalar> WorldKernel<S> {
         [x, y, z]: [&[S]; 3],
         [by_q, by_v, by_a]: [&mut [S]; 3],
     ) {
-        let (places, Sums { before, beyond, own, bent }) = (&self.places, sums);
+        let (places, Sums { before, beyond, own, weighted }) = (&self.places, sums);
         let rates = |k: usize| [places[k].rate(x), places[k].rate(y), places[k].rate(z)];
         let mut add = |k: usize, entries: [S; 3]| {
             let (i, ratio) = (places[k].coordinate, places[k].ratio);
@@ -248,21 +248,21 @@ impl<S: Scalar> WorldKernel<S> {
         self.sum_before(
             before,
             |k| {
-                let ([x, y, z], own, bent) = (rates(k), &own[k], &bent[k]);
+                let ([x, y, z], own, weighted) = (rates(k), &own[k], &weighted[k]);
                 Before {
-                    first: bent.chi.scaled(x),
+                    first: weighted.chi.scaled(x),
                     second: own.psi_rate.scaled(x) + own.drift.scaled(y) + own.axis.scaled(z),
                     turning: own.psi.angular.scaled(x) + own.axis.angular.scaled(y),
                 }
             },
             |k, before, _| {
-                let (own, bent, Before { first, second, turning }) = (&own[k], &bent[k], *before);
-                let by_shift = own.by_position.dot(first) + bent.shifted.dot(second);
+                let (own, weighted, Before { first, second, turning }) = (&own[k], &weighted[k], *before);
+                let by_shift = own.by_position.dot(first) + weighted.shifted.dot(second);
                 add(
                     k,
                     [
-                        turning.dot_plus(bent.by_position, by_shift),
-                        turning.dot_plus(bent.by_velocity, own.by_velocity.dot(first)),
+                        turning.dot_plus(weighted.by_position, by_shift),
+                        turning.dot_plus(weighted.by_velocity, own.by_velocity.dot(first)),
                         own.inertial.dot(first),
                     ],
                 );
@@ -271,16 +271,16 @@ impl<S: Scalar> WorldKernel<S> {
         self.sum_beyond(
             beyond,
             |k| {
-                let ([x, y, z], own, bent) = (rates(k), &own[k], &bent[k]);
+                let ([x, y, z], own, weighted) = (rates(k), &own[k], &weighted[k]);
                 Beyond {
                     first: own.by_position.scaled(x) + own.by_velocity.scaled(y) + own.inertial.scaled(z),
-                    second: bent.shifted.scaled(x),
-                    moment: bent.by_position.scaled(x) + bent.by_velocity.scaled(y),
+                    second: weighted.shifted.scaled(x),
+                    moment: weighted.by_position.scaled(x) + weighted.by_velocity.scaled(y),
                 }
             },
             |k, beyond, _| {
-                let (own, bent, Beyond { first, second, moment }) = (&own[k], &bent[k], *beyond);
-                let by_shift = first.dot(bent.chi) + second.dot(own.psi_rate);
+                let (own, weighted, Beyond { first, second, moment }) = (&own[k], &weighted[k], *beyond);
+                let by_shift = first.dot(weighted.chi) + second.dot(own.psi_rate);
                 add(
                     k,
                     [
@@ -295,7 +295,7 @@ impl<S: Scalar> WorldKernel<S> {
         for last in 0..places.len() {
             let Some(joint) = self.joint_ending_at(last) else { continue };
             let entries = |i: usize, j: usize| {
-                self.entries_of_joint(&joint, (i, j), [&own[i], &own[j]], [&bent[i], &bent[j]])
+                self.entries_of_joint(&joint, (i, j), [&own[i], &own[j]], [&weighted[i], &weighted[j]])
             };
             let mut add_pair = |i: usize, j: usize, [ij, ji]: [&EntriesOfJoint<S>; 2]| {
                 let [x, y, z] = rates(j);
