@@ -4,11 +4,11 @@ use crate::code::Code;
 use crate::compiled::Compiled;
 use crate::error::JitError;
 use crate::limit::LANES_LIMIT;
-use crate::widest::widest;
 use costate::EvalError;
 use costate::codegen::{CodegenError, Coordinates, Quantity, REGULAR, guarded_program};
 use costate::configuration::Quaternions;
 use costate::robot::Robot;
+use costate_numerics::widest;
 
 /// One quantity of one robot as machine code for four states at once, which checks each of them.
 ///

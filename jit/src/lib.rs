@@ -12,8 +12,6 @@
 //! `assembler` writes the instructions; `code` is the executable memory, `functions` computes sines and
 //! cosines, `machine` runs all of it. Machine code is straight: it has no branches, calls nothing, and
 //! accesses four slices whose lengths are known when it is written.
-//!
-//! [`widest`] is apart from all this: it runs compiled loops with the widest vectors of the processor.
 
 #![warn(missing_debug_implementations)]
 #![deny(unsafe_op_in_unsafe_fn, clippy::undocumented_unsafe_blocks)]
@@ -41,7 +39,6 @@ mod registers;
 mod step;
 mod translate;
 mod velocities;
-mod widest;
 
 pub use costate::codegen::{OPERATIONS_PER_STEP, Shape};
 
@@ -54,4 +51,3 @@ pub use model::{JitLanesModel, JitModel};
 pub use number::JitNumber;
 pub use quantity::{Backend, JitQuantity};
 pub use velocities::JitVelocityModel;
-pub use widest::{widest, widest_fused};

@@ -11,7 +11,8 @@ use crate::workspace::Workspace;
 use costate::EvalError;
 use costate::configuration::Quaternions;
 use costate::robot::Robot;
-use costate_jit::{finite_states, widest_fused};
+use costate_jit::finite_states;
+use costate_numerics::widest_fused;
 use std::ops::Range;
 
 /// The states of one call.

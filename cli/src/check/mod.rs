@@ -2,6 +2,7 @@
 
 mod arguments;
 mod findings;
+#[cfg(feature = "jit")]
 mod machine_code;
 mod report;
 mod sample;
@@ -54,7 +55,9 @@ pub fn run(arguments: &Arguments) -> Outcome {
 fn compare_all(robot: &Robot, arguments: &Arguments) -> Result<Findings, Box<dyn std::error::Error>> {
     let mut rng = Rng::with_seed(arguments.seed);
     let routes = Routes::new(robot).with_tolerance(arguments.tolerance);
-    let mut routes = machine_code::routes(robot)?.into_iter().fold(routes, Routes::with_route);
+    #[cfg(feature = "jit")]
+    let routes = machine_code::routes(robot)?.into_iter().fold(routes, Routes::with_route);
+    let mut routes = routes;
     let mut steps = StepRoutes::new(robot).with_tolerance(arguments.tolerance);
     let mut hamiltonian = Hamiltonian::new(robot);
     let bar = terminal::progress_bar(arguments.samples as u64 + 1, "states");

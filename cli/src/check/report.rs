@@ -37,7 +37,7 @@ const LEGEND: [&str; 15] = [
 ];
 
 /// The same with floating and spherical joints.
-const FREE_LEGEND: [&str; 13] = [
+const FREE_LEGEND: [&str; 14] = [
     "analytic       by hand: F_x, y'F_xx by the 2n+1 rule; y'F_x and y'F_xx y without the matrix",
     "dual           dual numbers through F and a, and dual numbers in dual numbers",
     "machine code   recorded from the analytic methods and compiled in memory",

@@ -13,7 +13,7 @@
 /// that it calls `#[inline(always)]`; other functions run as they were compiled.
 ///
 /// ```
-/// use costate_jit::widest;
+/// use costate_numerics::widest;
 ///
 /// #[inline(always)]
 /// fn add(factor: f64, from: &[f64], to: &mut [f64]) {
@@ -41,7 +41,7 @@ pub fn widest<R>(work: impl FnOnce() -> R) -> R {
 /// Twice as fast where the operations count, but results differ by rounding from processor to processor.
 ///
 /// ```
-/// use costate_jit::widest_fused;
+/// use costate_numerics::widest_fused;
 ///
 /// #[inline(always)]
 /// fn add<const FUSED: bool>(factor: f64, from: &[f64], to: &mut [f64]) {

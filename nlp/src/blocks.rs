@@ -1,0 +1,158 @@
+//! Values and derivatives of a staged program, element by element.
+
+use crate::layout::{Element, Layout};
+use std::ops::{Index, IndexMut};
+
+/// Cost, equations and functions with ranges at one point.
+#[derive(Clone, Debug)]
+pub struct Values {
+    /// f.
+    pub cost: f64,
+    /// c, in the order of the elements.
+    pub equalities: Vec<f64>,
+    /// g, likewise.
+    pub ranges: Vec<f64>,
+}
+
+impl Values {
+    /// Zeros.
+    pub fn new(layout: &Layout) -> Self {
+        Self { cost: 0.0, equalities: vec![0.0; layout.equalities()], ranges: vec![0.0; layout.ranges()] }
+    }
+
+    /// Whether all of them are finite.
+    pub fn are_finite(&self) -> bool {
+        self.cost.is_finite() && self.equalities.iter().chain(&self.ranges).all(|value| value.is_finite())
+    }
+}
+
+/// What the functions are multiplied by in the Lagrangian `cost f + equalities . c + ranges . g`.
+#[derive(Clone, Copy, Debug)]
+pub struct Weights<'a> {
+    /// The factor of the cost: 1, or 0 where feasibility alone is sought.
+    pub cost: f64,
+    /// Multipliers y of the equations.
+    pub equalities: &'a [f64],
+    /// Multipliers of the functions with ranges.
+    pub ranges: &'a [f64],
+}
+
+/// A dense matrix, row by row.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Dense {
+    columns: usize,
+    entries: Vec<f64>,
+}
+
+impl Dense {
+    /// Zeros.
+    pub fn zeros(rows: usize, columns: usize) -> Self {
+        Self { columns, entries: vec![0.0; rows * columns] }
+    }
+
+    /// Number of columns.
+    pub fn columns(&self) -> usize {
+        self.columns
+    }
+
+    /// Row i.
+    #[inline(always)]
+    pub fn row(&self, i: usize) -> &[f64] {
+        &self.entries[i * self.columns..][..self.columns]
+    }
+
+    /// The same, to change.
+    #[inline(always)]
+    pub fn row_mut(&mut self, i: usize) -> &mut [f64] {
+        &mut self.entries[i * self.columns..][..self.columns]
+    }
+
+    /// All entries, row by row.
+    pub fn entries(&self) -> &[f64] {
+        &self.entries
+    }
+
+    /// The same, to change.
+    pub fn entries_mut(&mut self) -> &mut [f64] {
+        &mut self.entries
+    }
+}
+
+impl Index<(usize, usize)> for Dense {
+    type Output = f64;
+    #[inline(always)]
+    fn index(&self, (i, j): (usize, usize)) -> &f64 {
+        &self.entries[i * self.columns + j]
+    }
+}
+
+impl IndexMut<(usize, usize)> for Dense {
+    #[inline(always)]
+    fn index_mut(&mut self, (i, j): (usize, usize)) -> &mut f64 {
+        &mut self.entries[i * self.columns + j]
+    }
+}
+
+/// Derivatives of one element by its own unknowns, in the order of [`Layout::unknowns`].
+#[derive(Clone, Debug)]
+pub struct Block {
+    /// Of its part of the cost, without the factor of [`Weights`].
+    pub gradient: Vec<f64>,
+    /// Of its part of the Lagrangian. Only the lower triangle is read.
+    pub hessian: Dense,
+    /// Jacobian of its equations.
+    pub equalities: Dense,
+    /// Jacobian of its functions with ranges.
+    pub ranges: Dense,
+}
+
+/// The derivatives of all elements.
+#[derive(Clone, Debug)]
+pub struct Blocks {
+    blocks: Vec<Block>,
+    intervals: usize,
+}
+
+impl Blocks {
+    /// Zeros.
+    pub fn new(layout: &Layout) -> Self {
+        let block = |element| {
+            let (width, rows) = (layout.width(element), layout.rows(element));
+            Block {
+                gradient: vec![0.0; width],
+                hessian: Dense::zeros(width, width),
+                equalities: Dense::zeros(rows.equalities, width),
+                ranges: Dense::zeros(rows.ranges, width),
+            }
+        };
+        Self { blocks: layout.elements().map(block).collect(), intervals: layout.intervals() }
+    }
+
+    /// The block of an element, to be filled. It holds zeros when
+    /// [`linearise`](crate::StagedProblem::linearise) begins.
+    pub fn of(&mut self, element: Element) -> &mut Block {
+        let at = match element {
+            Element::Node(k) => 2 * k,
+            Element::Interval(k) => 2 * k + 1,
+            Element::Ends => 2 * self.intervals + 1,
+        };
+        &mut self.blocks[at]
+    }
+
+    /// All blocks, in the order of the elements.
+    pub(crate) fn all(&self) -> &[Block] {
+        &self.blocks
+    }
+
+    /// The same, to change.
+    pub(crate) fn all_mut(&mut self) -> &mut [Block] {
+        &mut self.blocks
+    }
+
+    pub(crate) fn fill_zero(&mut self) {
+        for Block { gradient, hessian, equalities, ranges } in &mut self.blocks {
+            gradient.fill(0.0);
+            [hessian, equalities, ranges].into_iter().for_each(|matrix| matrix.entries.fill(0.0));
+        }
+    }
+}

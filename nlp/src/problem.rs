@@ -1,0 +1,80 @@
+//! What the solver asks of a program.
+
+use crate::blocks::{Blocks, Values, Weights};
+use crate::layout::Layout;
+use std::error::Error;
+
+/// A staged nonlinear program with exact first and second derivatives:
+///
+/// $$ \min_z f(z) \quad \text{subject to} \quad c(z) = 0, \qquad l \le g(z) \le u $$
+///
+/// f, c and g are sums and lists of functions of the elements of a [`Layout`]. z is a point of whatever the
+/// program moves in; a step is a displacement of it, one number for each unknown of the layout, and
+/// derivatives are those by steps: of `f(z (+) d)` and the others by d at d = 0. For most programs z is the
+/// list of unknowns itself and `z (+) d = z + d`; unknowns on manifolds, such as rotations, bring a
+/// [`retract`](Self::retract) of their own.
+pub trait StagedProblem {
+    /// Why functions have no value.
+    type Error: Error;
+
+    /// Numbers of unknowns and rows. They never change.
+    fn layout(&self) -> &Layout;
+
+    /// l and u, one entry for each function with a range; infinite where there is no bound. `l <= u`; equal
+    /// ends make an equation of a range, which is better posed as one.
+    fn bounds(&self) -> [&[f64]; 2];
+
+    /// f, c and g at a point.
+    ///
+    /// Where functions have no value (outside of their domain), write NaN or infinity: the solver takes a
+    /// shorter step. An error ends the solution.
+    ///
+    /// # Errors
+    /// Its own.
+    fn evaluate(&mut self, point: &[f64], values: &mut Values) -> Result<(), Self::Error>;
+
+    /// Gradient of f, Jacobians of c and g, and the Hessian of `weights.cost f + y . c + v . g` for constant
+    /// weights, at the point of the last [`evaluate`](Self::evaluate). The blocks hold zeros before.
+    ///
+    /// # Errors
+    /// Its own.
+    fn linearise(
+        &mut self,
+        point: &[f64],
+        weights: Weights<'_>,
+        blocks: &mut Blocks,
+    ) -> Result<(), Self::Error>;
+
+    /// Number of entries of a point.
+    fn point_len(&self) -> usize {
+        self.layout().steps()
+    }
+
+    /// `moved = point (+) step`; by default their sum.
+    fn retract(&self, point: &[f64], step: &[f64], moved: &mut [f64]) {
+        for ((moved, point), step) in moved.iter_mut().zip(point).zip(step) {
+            *moved = point + step;
+        }
+    }
+
+    /// Typical sizes of what the program consists of; by default all of them are 1.
+    ///
+    /// They carry the units: a program whose unknowns and scales are given in millimetres in place of metres
+    /// takes the same iterations.
+    fn scales(&self) -> Option<&Scales> {
+        None
+    }
+}
+
+/// Typical sizes, all positive.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scales {
+    /// Of the cost.
+    pub cost: f64,
+    /// Of displacements of the unknowns.
+    pub steps: Vec<f64>,
+    /// Of the equations, and of the functions with ranges.
+    pub equalities: Vec<f64>,
+    /// Likewise.
+    pub ranges: Vec<f64>,
+}
