@@ -53,6 +53,7 @@ pub struct Layout {
     private: Vec<usize>,
     shared: usize,
     rows: Vec<Rows>,
+    couples_ends: bool,
     /// Where the displacement of each node begins, and the end of the last one: that of the shared unknowns.
     starts: Vec<usize>,
     /// Where the rows of each element begin, and their numbers at the end.
@@ -77,6 +78,7 @@ impl Layout {
             private,
             shared,
             rows: none.clone(),
+            couples_ends: false,
             starts,
             row_starts: [none, vec![Rows::default()]].concat(),
         }
@@ -101,6 +103,18 @@ impl Layout {
                 Rows::new(start.equalities + rows.equalities, start.ranges + rows.ranges);
         }
         self
+    }
+
+    /// With a cost of both ends, (x_0, x_N, p). It is not needed where there are rows of both ends.
+    #[must_use]
+    pub fn with_cost_of_ends(mut self) -> Self {
+        self.couples_ends = true;
+        self
+    }
+
+    /// Whether functions depend on both ends.
+    pub fn couples_ends(&self) -> bool {
+        self.couples_ends || self.rows[self.rows.len() - 1] != Rows::default()
     }
 
     /// Number of intervals, N.

@@ -1,0 +1,164 @@
+//! The filter: pairs of violation and objective that no later iterate may be worse than.
+
+/// Constants of the filter line search.
+///
+/// Source: A. Waechter, L. T. Biegler, "On the implementation of an interior-point filter line-search algorithm
+/// for large-scale nonlinear programming", Mathematical Programming 106 (2006), 25-57, section 2.3.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FilterSettings {
+    /// gamma_theta, gamma_phi: least relative decrease of the violation, and least decrease of the objective
+    /// relative to the violation.
+    pub margins: [f64; 2],
+    /// delta, s_theta, s_phi of the switching condition `alpha (-d)^s_phi > delta theta^s_theta`.
+    pub switching: [f64; 3],
+    /// eta_phi: part of the predicted decrease of the objective that is asked for.
+    pub armijo: f64,
+    /// Violations above this many times that of the start are refused; below the second, relative to it as
+    /// well, the switching condition may hold.
+    pub violations: [f64; 2],
+    /// kappa_soc, and how many second-order corrections are tried.
+    pub correction: (f64, usize),
+}
+
+impl Default for FilterSettings {
+    fn default() -> Self {
+        Self {
+            margins: [1e-5, 1e-8],
+            switching: [1.0, 1.1, 2.3],
+            armijo: 1e-8,
+            violations: [1e4, 1e-4],
+            correction: (0.99, 4),
+        }
+    }
+}
+
+/// Rounding of the objective that counts as no increase, in units of its size.
+const ROUNDING: f64 = 10.0 * f64::EPSILON;
+
+/// A violation and an objective.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Measure {
+    pub violation: f64,
+    pub objective: f64,
+}
+
+#[derive(Clone, Debug)]
+pub(crate) struct Filter {
+    settings: FilterSettings,
+    entries: Vec<Measure>,
+    /// Largest and small violations.
+    limits: [f64; 2],
+}
+
+/// Why a trial point is accepted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Acceptance {
+    /// It lowers the objective as predicted.
+    Objective,
+    /// It is better than the current iterate in violation or objective: the current one enters the filter.
+    Either,
+}
+
+impl Filter {
+    pub fn new(settings: FilterSettings) -> Self {
+        Self { settings, entries: Vec::with_capacity(256), limits: [f64::INFINITY, 0.0] }
+    }
+
+    /// Forgets all entries, for a start with this violation.
+    pub fn restart(&mut self, violation: f64) {
+        self.entries.clear();
+        self.limits = self.settings.violations.map(|factor| factor * violation.max(1.0));
+    }
+
+    /// Forgets all entries: the objective has changed.
+    pub fn clear(&mut self) {
+        self.entries.clear();
+    }
+
+    /// Judges a trial point at the step length alpha from the current iterate, where `slope` is the derivative
+    /// of the objective along the step.
+    pub fn judge(&self, current: Measure, trial: Measure, alpha: f64, slope: f64) -> Option<Acceptance> {
+        let [gamma_theta, gamma_phi] = self.settings.margins;
+        let [largest, small] = self.limits;
+        let rounding = ROUNDING * current.objective.abs();
+        if !(trial.violation.is_finite() && trial.objective.is_finite()) || trial.violation > largest {
+            return None;
+        }
+        let blocks = |entry: &Measure| {
+            trial.violation >= entry.violation && trial.objective >= entry.objective + rounding
+        };
+        if self.entries.iter().any(blocks) {
+            return None;
+        }
+        if current.violation <= small && self.switches(current.violation, alpha, slope) {
+            let allowed = current.objective + self.settings.armijo * alpha * slope + rounding;
+            return (trial.objective <= allowed).then_some(Acceptance::Objective);
+        }
+        let better = trial.violation <= (1.0 - gamma_theta) * current.violation
+            || trial.objective <= current.objective - gamma_phi * current.violation + rounding;
+        better.then_some(Acceptance::Either)
+    }
+
+    /// Whether the objective decides: `alpha (-slope)^s_phi > delta theta^s_theta`.
+    pub fn switches(&self, violation: f64, alpha: f64, slope: f64) -> bool {
+        let [delta, s_theta, s_phi] = self.settings.switching;
+        slope < 0.0 && alpha * (-slope).powf(s_phi) > delta * violation.powf(s_theta)
+    }
+
+    /// Adds the current iterate.
+    pub fn add(&mut self, current: Measure) {
+        let [gamma_theta, gamma_phi] = self.settings.margins;
+        let entry = Measure {
+            violation: (1.0 - gamma_theta) * current.violation,
+            objective: current.objective - gamma_phi * current.violation,
+        };
+        let worse =
+            |other: &Measure| other.violation >= entry.violation && other.objective >= entry.objective;
+        self.entries.retain(|other| !worse(other));
+        if self.entries.len() == self.entries.capacity() {
+            // The oldest one: nothing is allocated.
+            self.entries.remove(0);
+        }
+        self.entries.push(entry);
+    }
+
+    /// Step lengths below this are refused, whatever they lead to.
+    pub fn least_length(&self, violation: f64, slope: f64) -> f64 {
+        let [gamma_theta, gamma_phi] = self.settings.margins;
+        let [delta, s_theta, s_phi] = self.settings.switching;
+        let mut least = gamma_theta;
+        if slope < 0.0 {
+            least = least.min(gamma_phi * violation / -slope);
+            if violation <= self.limits[1] {
+                least = least.min(delta * violation.powf(s_theta) / (-slope).powf(s_phi));
+            }
+        }
+        0.05 * least
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Acceptance, Filter, FilterSettings, Measure};
+
+    #[test]
+    fn a_point_that_is_worse_in_both_is_refused() {
+        let at = |violation, objective| Measure { violation, objective };
+        let mut filter = Filter::new(FilterSettings::default());
+        filter.restart(1.0);
+        let current = at(1.0, 5.0);
+        assert_eq!(filter.judge(current, at(0.5, 9.0), 1.0, 1.0), Some(Acceptance::Either));
+        assert_eq!(filter.judge(current, at(2.0, 4.0), 1.0, 1.0), Some(Acceptance::Either));
+        assert_eq!(filter.judge(current, at(1.0, 5.1), 1.0, 1.0), None);
+        assert_eq!(filter.judge(current, at(f64::NAN, 0.0), 1.0, 1.0), None);
+        assert_eq!(filter.judge(current, at(1e5, 0.0), 1.0, 1.0), None, "too far from feasible");
+        filter.add(at(0.6, 4.0));
+        assert_eq!(filter.judge(current, at(0.7, 4.5), 1.0, 1.0), None, "an earlier iterate was better");
+        assert_eq!(filter.judge(current, at(0.5, 4.5), 1.0, 1.0), Some(Acceptance::Either));
+        // Feasible: the objective has to fall as its slope says, but for rounding.
+        let feasible = at(0.0, 5.0);
+        assert_eq!(filter.judge(feasible, at(0.0, 4.0), 1.0, -1.0), Some(Acceptance::Objective));
+        assert_eq!(filter.judge(feasible, at(0.0, 5.0 + 1e-15), 1.0, -1e-20), Some(Acceptance::Objective));
+        assert_eq!(filter.judge(feasible, at(0.0, 5.1), 1.0, -1.0), None);
+    }
+}

@@ -1,0 +1,228 @@
+//! A point with its slacks and multipliers, and how far it is from the conditions of optimality.
+
+use crate::blocks::{Blocks, Values};
+use crate::layout::Layout;
+
+/// An iterate of
+///
+/// $$ \min f(z) - \mu \sum \ln (s - l) - \mu \sum \ln (u - s) \quad \text{subject to} \quad c(z) = 0, \quad
+/// g(z) - s = 0 $$
+///
+/// with multipliers y of c, v of g - s, and z_l, z_u of the bounds of s.
+#[derive(Clone, Debug)]
+pub(crate) struct Iterate {
+    pub point: Vec<f64>,
+    pub slacks: Vec<f64>,
+    pub y: Vec<f64>,
+    pub v: Vec<f64>,
+    pub z: [Vec<f64>; 2],
+    pub values: Values,
+}
+
+/// Bounds of the slacks; infinite where there is none.
+#[derive(Clone, Debug)]
+pub(crate) struct Bounds {
+    pub lower: Vec<f64>,
+    pub upper: Vec<f64>,
+}
+
+/// A displacement of an iterate.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Step {
+    pub x: Vec<f64>,
+    pub slacks: Vec<f64>,
+    pub y: Vec<f64>,
+    pub v: Vec<f64>,
+    pub z: [Vec<f64>; 2],
+}
+
+/// Residuals of the conditions of optimality.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Residuals {
+    /// `grad f + C'y + G'v`.
+    pub x: Vec<f64>,
+    /// `-v - z_l + z_u`, or with `mu / (s - l)` in place of z.
+    pub slacks: Vec<f64>,
+    /// c.
+    pub equalities: Vec<f64>,
+    /// `g - s`.
+    pub ranges: Vec<f64>,
+}
+
+/// The largest parts of the conditions of optimality, scaled as in IPOPT (Waechter and Biegler 2006, eq. (5)).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct KktError {
+    /// Of the gradient of the Lagrangian.
+    pub stationarity: f64,
+    /// Of the equations, and of functions beside their slacks.
+    pub feasibility: f64,
+    /// Of the products of slacks and multipliers beside mu.
+    pub complementarity: f64,
+}
+
+impl KktError {
+    /// The largest of them.
+    pub fn largest(&self) -> f64 {
+        let Self { stationarity, feasibility, complementarity } = *self;
+        [stationarity, feasibility, complementarity].into_iter().fold(0.0, worse)
+    }
+}
+
+/// The larger one; not-a-number is the largest.
+pub(crate) fn worse(a: f64, b: f64) -> f64 {
+    if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) }
+}
+
+/// Above this mean of the multipliers, errors are relative to it: s_max of IPOPT (Waechter and Biegler 2006,
+/// section 2.1).
+const LARGE_MULTIPLIERS: f64 = 100.0;
+
+impl Bounds {
+    /// The bounds of rows whose range has no interior are moved apart by this, relative to their size.
+    ///
+    /// IPOPT's bound_relax_factor.
+    const RELAXATION: f64 = 1e-8;
+
+    pub fn new([mut lower, mut upper]: [Vec<f64>; 2]) -> Self {
+        for (l, u) in lower.iter_mut().zip(&mut upper) {
+            let room = Self::RELAXATION * l.abs().max(u.abs()).max(1.0);
+            if *u - *l < 2.0 * room {
+                (*l, *u) = (*l - room, *u + room);
+            }
+        }
+        Self { lower, upper }
+    }
+
+    /// How far a slack is from its bounds.
+    #[inline(always)]
+    pub fn gaps(&self, slacks: &[f64], i: usize) -> [f64; 2] {
+        [slacks[i] - self.lower[i], self.upper[i] - slacks[i]]
+    }
+}
+
+impl Step {
+    pub fn zeros(layout: &Layout) -> Self {
+        let ranges = vec![0.0; layout.ranges()];
+        Self {
+            x: vec![0.0; layout.steps()],
+            slacks: ranges.clone(),
+            y: vec![0.0; layout.equalities()],
+            v: ranges.clone(),
+            z: [ranges.clone(), ranges],
+        }
+    }
+
+    /// Whether all entries are finite.
+    pub fn is_finite(&self) -> bool {
+        let Self { x, slacks, y, v, z: [lower, upper] } = self;
+        [x, slacks, y, v, lower, upper].into_iter().flatten().all(|entry| entry.is_finite())
+    }
+}
+
+impl Residuals {
+    pub fn zeros(layout: &Layout) -> Self {
+        let ranges = vec![0.0; layout.ranges()];
+        Self {
+            x: vec![0.0; layout.steps()],
+            slacks: ranges.clone(),
+            equalities: vec![0.0; layout.equalities()],
+            ranges,
+        }
+    }
+}
+
+impl Iterate {
+    pub fn new(layout: &Layout, point_len: usize) -> Self {
+        let ranges = vec![0.0; layout.ranges()];
+        Self {
+            point: vec![0.0; point_len],
+            slacks: ranges.clone(),
+            y: vec![0.0; layout.equalities()],
+            v: ranges.clone(),
+            z: [ranges.clone(), ranges],
+            values: Values::new(layout),
+        }
+    }
+
+    pub fn copy_from(&mut self, other: &Self) {
+        let pairs = [
+            (&mut self.point, &other.point),
+            (&mut self.slacks, &other.slacks),
+            (&mut self.y, &other.y),
+            (&mut self.v, &other.v),
+            (&mut self.values.equalities, &other.values.equalities),
+            (&mut self.values.ranges, &other.values.ranges),
+        ];
+        pairs.into_iter().for_each(|(to, from)| to.copy_from_slice(from));
+        self.z.iter_mut().zip(&other.z).for_each(|(to, from)| to.copy_from_slice(from));
+        self.values.cost = other.values.cost;
+    }
+
+    /// `sum |c| + sum |g - s|`.
+    pub fn violation(&self) -> f64 {
+        let rows = self.values.equalities.iter().map(|c| c.abs());
+        let ranges = self.values.ranges.iter().zip(&self.slacks).map(|(g, s)| (g - s).abs());
+        rows.chain(ranges).sum()
+    }
+
+    /// The objective of the barrier problem.
+    pub fn barrier(&self, bounds: &Bounds, mu: f64) -> f64 {
+        let mut sum = 0.0;
+        for i in 0..self.slacks.len() {
+            for gap in bounds.gaps(&self.slacks, i) {
+                if gap.is_finite() {
+                    sum += gap.ln();
+                }
+            }
+        }
+        self.values.cost - mu * sum
+    }
+
+    /// Residuals at the derivatives of this iterate; those of slacks are `-v - z_l + z_u`.
+    pub fn residuals(&self, layout: &Layout, blocks: &Blocks, to: &mut Residuals) {
+        to.x.fill(0.0);
+        for (element, block) in layout.elements().zip(blocks.all()) {
+            let (y, v) = (&self.y[layout.equalities_of(element)], &self.v[layout.ranges_of(element)]);
+            let columns = layout.unknowns(element).into_iter().flatten();
+            for (i, column) in columns.enumerate() {
+                let mut slope = block.gradient[i];
+                y.iter().enumerate().for_each(|(row, y)| slope += y * block.equalities[(row, i)]);
+                v.iter().enumerate().for_each(|(row, v)| slope += v * block.ranges[(row, i)]);
+                to.x[column] += slope;
+            }
+        }
+        to.equalities.copy_from_slice(&self.values.equalities);
+        let [lower, upper] = &self.z;
+        for i in 0..self.slacks.len() {
+            to.ranges[i] = self.values.ranges[i] - self.slacks[i];
+            to.slacks[i] = upper[i] - lower[i] - self.v[i];
+        }
+    }
+
+    /// The error of the conditions of optimality at the barrier parameter mu.
+    pub fn error(&self, bounds: &Bounds, residuals: &Residuals, mu: f64) -> KktError {
+        let [lower, upper] = &self.z;
+        let mean = |sum: f64, count: usize| {
+            let mean = if count > 0 { sum / count as f64 } else { 0.0 };
+            mean.max(LARGE_MULTIPLIERS) / LARGE_MULTIPLIERS
+        };
+        let sum = |values: &[f64]| values.iter().map(|value| value.abs()).sum::<f64>();
+        let of_bounds = sum(lower) + sum(upper);
+        let scale = mean(of_bounds + sum(&self.y) + sum(&self.v), self.y.len() + 3 * self.v.len());
+        let scale_of_bounds = mean(of_bounds, 2 * lower.len());
+        let largest = |values: &[f64]| values.iter().fold(0.0, |most, value| worse(most, value.abs()));
+        let mut products = 0.0;
+        for i in 0..lower.len() {
+            for (gap, z) in bounds.gaps(&self.slacks, i).into_iter().zip([lower[i], upper[i]]) {
+                if gap.is_finite() {
+                    products = worse(products, (gap * z - mu).abs());
+                }
+            }
+        }
+        KktError {
+            stationarity: worse(largest(&residuals.x), largest(&residuals.slacks)) / scale,
+            feasibility: worse(largest(&residuals.equalities), largest(&residuals.ranges)),
+            complementarity: products / scale_of_bounds,
+        }
+    }
+}

@@ -1,0 +1,351 @@
+//! Symmetric indefinite factorisation of a chain of stages with a border.
+//!
+//! The matrix of a Newton step,
+//!
+//! $$ \begin{pmatrix} W & C^T \\\\ C & 0 \end{pmatrix} $$
+//!
+//! couples the unknowns of neighbouring nodes, and the shared ones. Stage k assembles node k and interval k;
+//! it eliminates x_k, w_k and the multipliers of their equations, and hands the Schur complement on to stage
+//! k + 1: that of x_k+1 and of the border, and rows that found no acceptable pivot. The border (the shared
+//! unknowns, and x_0 if functions depend on both ends) is the last stage. There everything is eliminated:
+//! pivots that are zero then belong to equations that depend on others, or to unknowns without effect. The
+//! inertia is the sum over all stages (Haynsworth).
+
+use super::front::{Front, Pivot};
+use crate::blocks::{Block, Dense};
+use crate::layout::{Element, Layout};
+
+/// Numbers of positive, negative and zero eigenvalues.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Inertia {
+    /// Positive ones.
+    pub positive: usize,
+    /// Negative ones.
+    pub negative: usize,
+    /// Zeros up to rounding.
+    pub zero: usize,
+}
+
+/// One stage: what it assembles, and its factors.
+#[derive(Clone, Debug)]
+struct Stage {
+    /// Unknowns and multipliers that it can eliminate, then those that it shares with later stages.
+    own: Vec<usize>,
+    shared: Vec<usize>,
+    parts: Vec<Assembled>,
+    factors: Factors,
+}
+
+/// An element, and the place of each of its columns, and of its equations, among the rows of a stage.
+#[derive(Clone, Debug)]
+struct Assembled {
+    element: usize,
+    columns: Vec<usize>,
+    equalities: Vec<usize>,
+}
+
+/// L, M and D of a stage.
+#[derive(Clone, Debug, Default)]
+struct Factors {
+    /// Global numbers of all rows, in the order of elimination.
+    rows: Vec<usize>,
+    pivots: Vec<Pivot>,
+    eliminated: usize,
+    /// The columns of the eliminated rows, each from its diagonal on.
+    columns: Vec<f64>,
+}
+
+/// The factorisation. Rows are numbered as the entries of a step, then the equations.
+#[derive(Clone, Debug)]
+pub(crate) struct Chain {
+    stages: Vec<Stage>,
+    front: Front,
+    /// Schur complement of the last stage: its rows, sizes of their columns, and the lower triangle by columns.
+    carried: Carried,
+    steps: usize,
+    has_equalities: bool,
+    inertia: Inertia,
+    /// Rows with zero pivots.
+    zeros: Vec<usize>,
+    local: Vec<f64>,
+}
+
+#[derive(Clone, Debug, Default)]
+struct Carried {
+    rows: Vec<usize>,
+    sizes: Vec<f64>,
+    entries: Vec<f64>,
+    /// How many of the rows could have been eliminated.
+    delayed: usize,
+}
+
+impl Chain {
+    pub fn new(layout: &Layout) -> Self {
+        let (last, steps) = (layout.intervals(), layout.steps());
+        let holds_first = last > 0 && layout.couples_ends();
+        let mut border: Vec<usize> = Vec::new();
+        if holds_first {
+            border.extend(layout.node(0));
+        }
+        border.extend(layout.shared());
+        let equalities = |element| layout.equalities_of(element).map(move |row| steps + row);
+        let stages = (0..=last).map(|k| {
+            let is_last = k == last;
+            let mut own: Vec<usize> = Vec::new();
+            if k > 0 || !holds_first {
+                own.extend(layout.node(k));
+            }
+            let mut elements = vec![Element::Node(k)];
+            let mut shared = Vec::new();
+            if is_last {
+                own.extend(&border);
+                if layout.couples_ends() {
+                    elements.push(Element::Ends);
+                }
+            } else {
+                own.extend(layout.private(k));
+                elements.push(Element::Interval(k));
+                shared.extend(layout.node(k + 1));
+                shared.extend(&border);
+            }
+            elements.iter().for_each(|&element| own.extend(equalities(element)));
+            let all: Vec<usize> = own.iter().chain(&shared).copied().collect();
+            let place = |row: usize| all.iter().position(|&other| other == row).unwrap_or(usize::MAX);
+            let parts = elements.iter().map(|&element| Assembled {
+                element: layout.position(element),
+                columns: layout.unknowns(element).into_iter().flatten().map(place).collect(),
+                equalities: equalities(element).map(place).collect(),
+            });
+            Stage { parts: parts.collect(), own, shared, factors: Factors::default() }
+        });
+        let stages: Vec<Stage> = stages.collect();
+        let largest = stages.iter().map(|stage| stage.own.len() + stage.shared.len()).max().unwrap_or(0);
+        let mut front = Front::default();
+        // At most as many rows wait as there are unknowns of a node that can take them, and their partners.
+        front.reserve(largest + 2 * largest);
+        Self {
+            stages,
+            front,
+            carried: Carried::default(),
+            steps,
+            has_equalities: layout.equalities() > 0,
+            inertia: Inertia::default(),
+            zeros: Vec::new(),
+            local: Vec::with_capacity(3 * largest),
+        }
+    }
+
+    /// Factors the matrix of these blocks: W are `hessians`, the lower triangles of the Hessians with what is
+    /// condensed into them, by element; `diagonal` is added to W, `dual` subtracted from the diagonal of the
+    /// equations. Without equations and if `definite`, pivots are not chosen: the matrix should be positive
+    /// definite, and the inertia shows whether it is.
+    pub fn factorise(
+        &mut self,
+        (blocks, hessians): (&[Block], &[Dense]),
+        diagonal: &[f64],
+        dual: f64,
+    ) -> Inertia {
+        self.inertia = Inertia::default();
+        self.zeros.clear();
+        let definite = !self.has_equalities;
+        let Self { stages, front, carried, steps, inertia, zeros, .. } = self;
+        carried.clear();
+        let count = stages.len();
+        for (k, stage) in stages.iter_mut().enumerate() {
+            let Stage { own, shared, parts, factors } = stage;
+            // Rows that wait stand first.
+            let delayed = carried.delayed;
+            let size = delayed + own.len() + shared.len();
+            front.reset(size);
+            factors.rows.clear();
+            factors.rows.extend(&carried.rows[..delayed]);
+            factors.rows.extend(own.iter().chain(&*shared));
+            carried.add_to(front, &factors.rows[delayed..], delayed);
+            for part in parts {
+                add_part(front, part, (&blocks[part.element], &hessians[part.element]), delayed);
+            }
+            for (place, &row) in own.iter().enumerate() {
+                let place = delayed + place;
+                if row < *steps {
+                    front.add(place, place, diagonal[row]);
+                } else {
+                    front.add(place, place, -dual);
+                }
+            }
+            front.take_sizes();
+            let is_last = k + 1 == count;
+            front.factorise(delayed + own.len(), definite, is_last);
+            factors.take(front, zeros);
+            for pivot in &factors.pivots {
+                count_pivot(pivot, inertia);
+            }
+            carried.take(front, &factors.rows, delayed + own.len());
+        }
+        // Whatever the last stage could not eliminate is zero up to rounding.
+        inertia.zero += carried.rows.len();
+        zeros.extend(&carried.rows);
+        *inertia
+    }
+
+    /// Rows whose pivots were zero: equations that depend on others (numbers from the number of entries of a
+    /// step on), and unknowns without effect.
+    pub fn zeros(&self) -> &[usize] {
+        &self.zeros
+    }
+
+    /// Solves with the factors, in place. Entries of rows with zero pivots become zero.
+    pub fn solve(&mut self, x: &mut [f64]) {
+        let Self { stages, local, zeros, .. } = self;
+        for stage in stages.iter() {
+            stage.factors.forward(x, local);
+        }
+        for stage in stages.iter().rev() {
+            stage.factors.backward(x, local);
+        }
+        zeros.iter().for_each(|&row| x[row] = 0.0);
+    }
+}
+
+/// Adds the block of an element.
+fn add_part(front: &mut Front, part: &Assembled, (block, hessian): (&Block, &Dense), delayed: usize) {
+    let Assembled { columns, equalities, .. } = part;
+    for (i, &row) in columns.iter().enumerate() {
+        for (j, &column) in columns[..=i].iter().enumerate() {
+            front.add(delayed + row, delayed + column, hessian[(i, j)]);
+        }
+    }
+    for (i, &row) in equalities.iter().enumerate() {
+        for (&column, &entry) in columns.iter().zip(block.equalities.row(i)) {
+            front.add(delayed + row, delayed + column, entry);
+        }
+    }
+}
+
+fn count_pivot(pivot: &Pivot, inertia: &mut Inertia) {
+    let mut one = |value: f64| match value > 0.0 {
+        true => inertia.positive += 1,
+        false => inertia.negative += 1,
+    };
+    match *pivot {
+        Pivot::Zero => inertia.zero += 1,
+        Pivot::One(value) => one(value),
+        Pivot::Two([a, b, c]) => {
+            // The determinant is positive or negative beyond rounding.
+            let same_sign = (a / b) * (c / b) > 1.0;
+            one(if same_sign { a } else { 1.0 });
+            one(if same_sign { a } else { -1.0 });
+        }
+    }
+}
+
+impl Carried {
+    fn clear(&mut self) {
+        self.rows.clear();
+        self.sizes.clear();
+        self.entries.clear();
+        self.delayed = 0;
+    }
+
+    /// Adds the Schur complement to the next front, whose rows after the waiting ones are these.
+    fn add_to(&self, front: &mut Front, rows: &[usize], delayed: usize) {
+        let size = self.rows.len();
+        let place = |i: usize| match i < delayed {
+            true => i,
+            false => {
+                let found = rows.iter().position(|&row| row == self.rows[i]);
+                delayed + found.unwrap_or(usize::MAX - delayed)
+            }
+        };
+        let mut at = 0;
+        for j in 0..size {
+            let column = place(j);
+            front.sizes[column] = f64::max(front.sizes[column], self.sizes[j]);
+            for i in j..size {
+                front.add(place(i), column, self.entries[at]);
+                at += 1;
+            }
+        }
+    }
+
+    /// Takes the Schur complement: rows that wait, then the shared ones.
+    fn take(&mut self, front: &Front, rows: &[usize], candidates: usize) {
+        self.clear();
+        let eliminated = front.eliminated;
+        self.delayed = candidates - eliminated;
+        for j in eliminated..front.size() {
+            self.rows.push(rows[j]);
+            self.sizes.push(front.sizes[j]);
+            self.entries.extend_from_slice(front.column(j));
+        }
+    }
+}
+
+impl Factors {
+    /// Takes the eliminated columns and the order of rows.
+    fn take(&mut self, front: &Front, zeros: &mut Vec<usize>) {
+        let assembled = std::mem::take(&mut self.rows);
+        self.rows = front.order.iter().map(|&place| assembled[place]).collect();
+        self.pivots.clear();
+        self.pivots.extend_from_slice(&front.pivots);
+        self.eliminated = front.eliminated;
+        self.columns.clear();
+        for j in 0..front.eliminated {
+            self.columns.extend_from_slice(front.column(j));
+        }
+        let mut k = 0;
+        for pivot in &self.pivots {
+            match pivot {
+                Pivot::Zero => zeros.push(self.rows[k]),
+                Pivot::One(_) => {}
+                Pivot::Two(_) => k += 1,
+            }
+            k += 1;
+        }
+    }
+
+    /// `y = L^-1 x` of the eliminated rows, and x less M y of the others.
+    fn forward(&self, x: &mut [f64], local: &mut Vec<f64>) {
+        local.clear();
+        local.extend(self.rows.iter().map(|&row| x[row]));
+        let mut start = 0;
+        for k in 0..self.eliminated {
+            let column = &self.columns[start + 1..start + self.rows.len() - k];
+            start += self.rows.len() - k;
+            let value = local[k];
+            local[k + 1..].iter_mut().zip(column).for_each(|(to, entry)| *to -= entry * value);
+        }
+        self.rows.iter().zip(&*local).for_each(|(&row, &value)| x[row] = value);
+    }
+
+    /// `L^-T (D^-1 y - M' x)` of the eliminated rows, where x of the others is known.
+    fn backward(&self, x: &mut [f64], local: &mut Vec<f64>) {
+        local.clear();
+        local.extend(self.rows.iter().map(|&row| x[row]));
+        let mut k = 0;
+        for pivot in &self.pivots {
+            match *pivot {
+                Pivot::Zero => local[k] = 0.0,
+                Pivot::One(d) => local[k] /= d,
+                Pivot::Two([a, b, c]) => {
+                    let (p, q) = (a / b, c / b);
+                    let (y, z, scale) = (local[k], local[k + 1], (p * q - 1.0).recip() / b);
+                    (local[k], local[k + 1]) = ((q * y - z) * scale, (p * z - y) * scale);
+                    k += 1;
+                }
+            }
+            k += 1;
+        }
+        let mut end = self.columns.len();
+        for k in (0..self.eliminated).rev() {
+            let start = end - (self.rows.len() - k);
+            let column = &self.columns[start + 1..end];
+            end = start;
+            let sum: f64 = column.iter().zip(&local[k + 1..]).map(|(entry, value)| entry * value).sum();
+            local[k] -= sum;
+        }
+        self.rows[..self.eliminated].iter().zip(&*local).for_each(|(&row, &value)| x[row] = value);
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,169 @@
+//! The chain against dense factorisations and eigenvalues.
+
+use super::{Chain, Inertia};
+use crate::blocks::{Blocks, Dense};
+use crate::layout::{Element, Layout, Rows};
+use nalgebra::{DMatrix, DVector};
+use proptest::prelude::*;
+
+/// A program with random blocks, and what is made of them.
+struct Random {
+    layout: Layout,
+    blocks: Blocks,
+    hessians: Vec<Dense>,
+    diagonal: Vec<f64>,
+}
+
+impl Random {
+    /// `definite`: Hessians are positive definite. Rank is lost where rows repeat.
+    fn new(layout: Layout, seed: u64, definite: bool) -> Self {
+        let mut random = fastrand::Rng::with_seed(seed);
+        let mut number = || 2.0 * random.f64() - 1.0;
+        let mut blocks = Blocks::new(&layout);
+        let mut hessians = Vec::new();
+        for element in layout.elements() {
+            let block = blocks.of(element);
+            let n = block.gradient.len();
+            block.equalities.entries_mut().iter_mut().for_each(|entry| *entry = number());
+            let half = DMatrix::from_fn(n, n, |_, _| number());
+            let full = if definite {
+                &half * half.transpose() + DMatrix::identity(n, n) * 0.01
+            } else {
+                &half + half.transpose()
+            };
+            let mut hessian = Dense::zeros(n, n);
+            (0..n).for_each(|i| (0..=i).for_each(|j| hessian[(i, j)] = full[(i, j)]));
+            if element == Element::Ends && !layout.couples_ends() {
+                hessian.entries_mut().fill(0.0);
+            }
+            hessians.push(hessian);
+        }
+        let diagonal = (0..layout.steps()).map(|_| 0.1 * (1.0 + number())).collect();
+        Self { layout, blocks, hessians, diagonal }
+    }
+
+    fn dense(&self, dual: f64) -> DMatrix<f64> {
+        let (n, m) = (self.layout.steps(), self.layout.equalities());
+        let mut all = DMatrix::zeros(n + m, n + m);
+        for (element, (block, hessian)) in
+            self.layout.elements().zip(self.blocks.all().iter().zip(&self.hessians))
+        {
+            let columns: Vec<usize> = self.layout.unknowns(element).into_iter().flatten().collect();
+            for (i, &row) in columns.iter().enumerate() {
+                for (j, &column) in columns.iter().enumerate() {
+                    all[(row, column)] += hessian[(i.max(j), i.min(j))];
+                }
+            }
+            for (i, row) in self.layout.equalities_of(element).enumerate() {
+                for (j, &column) in columns.iter().enumerate() {
+                    all[(n + row, column)] += block.equalities[(i, j)];
+                    all[(column, n + row)] += block.equalities[(i, j)];
+                }
+            }
+        }
+        (0..n).for_each(|i| all[(i, i)] += self.diagonal[i]);
+        (n..n + m).for_each(|i| all[(i, i)] -= dual);
+        all
+    }
+
+    fn factorise(&self, chain: &mut Chain, dual: f64) -> Inertia {
+        chain.factorise((self.blocks.all(), &self.hessians), &self.diagonal, dual)
+    }
+}
+
+fn layouts() -> impl Strategy<Value = Layout> {
+    let interval = (0..4_usize, 0..3_usize, 0..4_usize);
+    let nodes = (1..5_usize, 0..3_usize);
+    (proptest::collection::vec((interval, nodes), 1..6), 0..3_usize, 0..3_usize, any::<bool>()).prop_map(
+        |(parts, shared, ends, cost)| {
+            let sizes: Vec<usize> = parts.iter().map(|(_, (node, _))| *node).chain([2]).collect();
+            let private = parts.iter().map(|((private, ..), _)| *private).collect();
+            let mut layout = Layout::new(sizes, private, shared);
+            for (k, ((_, few, many), (node, at_node))) in parts.iter().enumerate() {
+                // Never more equations than unknowns.
+                layout = layout.with_rows(Element::Node(k), Rows::new((*at_node).min(node / 2), 1));
+                layout = layout.with_rows(Element::Interval(k), Rows::new((*few).min(node / 2), *many));
+            }
+            layout = layout.with_rows(Element::Ends, Rows::new(ends.min(2), 0));
+            if cost { layout.with_cost_of_ends() } else { layout }
+        },
+    )
+}
+
+/// Numbers of eigenvalues of either sign; `None` where one of them is too small to have one.
+fn inertia_of(matrix: &DMatrix<f64>) -> Option<Inertia> {
+    let values = matrix.clone().symmetric_eigenvalues();
+    let most = values.amax();
+    let mut inertia = Inertia::default();
+    for &value in values.iter() {
+        if value.abs() < 1e-9 * most {
+            return None;
+        }
+        if value > 0.0 { inertia.positive += 1 } else { inertia.negative += 1 }
+    }
+    Some(inertia)
+}
+
+proptest! {
+    #[test]
+    fn inertia_and_solutions_are_those_of_the_dense_matrix(
+        layout in layouts(), seed in any::<u64>(), definite in any::<bool>(), dual in prop::sample::select(vec![0.0, 1e-3]),
+    ) {
+        let random = Random::new(layout, seed, definite);
+        let matrix = random.dense(dual);
+        let mut chain = Chain::new(&random.layout);
+        // Twice: nothing is left of the first.
+        random.factorise(&mut chain, dual + 1.0);
+        let found = random.factorise(&mut chain, dual);
+        let Some(expected) = inertia_of(&matrix) else { return Ok(()) };
+        if random.layout.equalities() == 0 && expected.negative > 0 {
+            // Pivots in their order tell that it is not definite, no more.
+            prop_assert!(found.negative > 0);
+            return Ok(());
+        }
+        prop_assert_eq!(found, expected);
+        let right = DVector::from_fn(matrix.nrows(), |i, _| (0.7 + i as f64).sin());
+        let mut x = right.as_slice().to_vec();
+        chain.solve(&mut x);
+        let residual = (&matrix * DVector::from_vec(x.clone()) - right).amax();
+        // Pivots above the threshold bound the growth of the elements; the rest is the condition.
+        let size = matrix.amax() * x.iter().fold(1.0, |most: f64, x| most.max(x.abs()));
+        prop_assert!(residual < 1e-9 * size, "{} of {}", residual, size);
+    }
+
+    #[test]
+    fn equations_that_repeat_others_are_found(layout in layouts(), seed in any::<u64>()) {
+        let mut random = Random::new(layout, seed, true);
+        let layout = random.layout.clone();
+        let mut repeated = 0;
+        for element in layout.elements() {
+            let rows = layout.rows(element).equalities;
+            let block = random.blocks.of(element);
+            if rows == 2 {
+                let first = block.equalities.row(0).to_vec();
+                block.equalities.row_mut(1).iter_mut().zip(&first).for_each(|(to, from)| *to = -2.0 * from);
+                repeated += 1;
+            }
+        }
+        let matrix = random.dense(0.0);
+        let values = matrix.clone().symmetric_eigenvalues();
+        let zeros = values.iter().filter(|value| value.abs() < 1e-10 * values.amax()).count();
+        if zeros != repeated {
+            // Other equations depend on each other by chance.
+            return Ok(());
+        }
+        let mut chain = Chain::new(&layout);
+        let found = random.factorise(&mut chain, 0.0);
+        prop_assert_eq!(found.zero, repeated);
+        prop_assert_eq!(found.positive, layout.steps());
+        prop_assert!(chain.zeros().iter().all(|&row| row >= layout.steps()));
+        // A consistent right-hand side is solved.
+        let x = DVector::from_fn(matrix.nrows(), |i, _| (0.7 + i as f64).sin());
+        let right = &matrix * x;
+        let mut solved = right.as_slice().to_vec();
+        chain.solve(&mut solved);
+        let size = matrix.amax() * solved.iter().fold(1.0, |most: f64, x| most.max(x.abs()));
+        let residual = (&matrix * DVector::from_vec(solved) - right).amax();
+        prop_assert!(residual < 1e-8 * size, "{} of {}", residual, size);
+    }
+}

@@ -1,0 +1,9 @@
+//! Factorisation of the equations of a Newton step.
+//!
+//! `front` is a partial LDL' of one dense symmetric matrix; `chain` runs it from stage to stage.
+
+mod chain;
+mod front;
+
+pub(crate) use chain::Chain;
+pub use chain::Inertia;

@@ -1,0 +1,428 @@
+//! The Newton step of the barrier problem.
+//!
+//! $$ \begin{pmatrix} W & & C^T & G^T \\\\ & \Sigma & & -1 \\\\ C & & & \\\\ G & -1 & & \end{pmatrix}
+//! \begin{pmatrix} d_x \\\\ d_s \\\\ d_y \\\\ d_v \end{pmatrix} = b, \qquad
+//! \Sigma = \frac{z_l}{s - l} + \frac{z_u}{u - s} $$
+//!
+//! The steps of slacks and of their multipliers are eliminated,
+//!
+//! $$ d_s = G d_x - b_g, \qquad d_v = \Sigma d_s - b_s, \qquad (W + G^T \Sigma G) d_x + C^T d_y = b_x + G^T
+//! (\Sigma b_g + b_s), \qquad C d_x = b_c, $$
+//!
+//! and the rest is factored from stage to stage. Residuals are those of the whole system: it is refined until
+//! they are small.
+
+use crate::blocks::{Block, Blocks, Dense};
+use crate::iterate::{Bounds, Iterate, Residuals, Step, worse};
+use crate::kkt::{Chain, Inertia};
+use crate::layout::{Element, Layout};
+use costate_numerics::widest_fused;
+
+/// How W is made positive definite where the equations leave it free.
+///
+/// Source: Waechter and Biegler 2006, algorithm IC.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RegularisationSettings {
+    /// First value, and least and largest ones.
+    pub first: f64,
+    /// Least value.
+    pub least: f64,
+    /// Beyond it the step is given up.
+    pub largest: f64,
+    /// Factor of the last value that worked, for the next trial.
+    pub decrease: f64,
+    /// Factor while the inertia is wrong; the second one before any value has worked.
+    pub increase: [f64; 2],
+}
+
+impl Default for RegularisationSettings {
+    fn default() -> Self {
+        Self { first: 1e-4, least: 1e-20, largest: 1e40, decrease: 1.0 / 3.0, increase: [8.0, 100.0] }
+    }
+}
+
+/// Most steps of iterative refinement, and the relative residual that ends it: as IPOPT.
+const REFINEMENTS: usize = 10;
+const REFINED: f64 = 1e-10;
+
+/// Why there is no step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum NoStep {
+    /// No regularisation gives the right inertia.
+    Inertia,
+    /// The step or a block is not finite.
+    NotFinite,
+}
+
+/// Workspace.
+#[derive(Clone, Debug)]
+pub(crate) struct Newton {
+    chain: Chain,
+    /// `W + G' Sigma G` by element.
+    hessians: Vec<Dense>,
+    /// Sigma.
+    weights: Vec<f64>,
+    /// Added to the diagonal of W.
+    diagonal: Vec<f64>,
+    settings: RegularisationSettings,
+    /// The regularisation that worked last, and the one in use.
+    remembered: f64,
+    regularisation: f64,
+    inertia: Inertia,
+    right: Residuals,
+    residual: Residuals,
+    correction: Step,
+    rows: Vec<f64>,
+    condensed: Vec<f64>,
+}
+
+impl Newton {
+    pub fn new(layout: &Layout, settings: RegularisationSettings) -> Self {
+        let width = |element| layout.width(element);
+        Self {
+            chain: Chain::new(layout),
+            hessians: layout.elements().map(|element| Dense::zeros(width(element), width(element))).collect(),
+            weights: vec![0.0; layout.ranges()],
+            diagonal: vec![0.0; layout.steps()],
+            settings,
+            remembered: 0.0,
+            regularisation: 0.0,
+            inertia: Inertia::default(),
+            right: Residuals::zeros(layout),
+            residual: Residuals::zeros(layout),
+            correction: Step::zeros(layout),
+            rows: vec![0.0; layout.ranges()],
+            condensed: vec![0.0; layout.steps() + layout.equalities()],
+        }
+    }
+
+    /// What was added to the diagonal of W last.
+    pub fn regularisation(&self) -> f64 {
+        self.regularisation
+    }
+
+    /// Equations that depend on others, by the last factorisation.
+    pub fn dependent(&self, layout: &Layout) -> impl Iterator<Item = usize> {
+        let steps = layout.steps();
+        self.chain.zeros().iter().filter_map(move |row| row.checked_sub(steps))
+    }
+
+    /// Factors the matrix at an iterate, with the regularisation that its inertia asks for.
+    pub fn factorise(
+        &mut self,
+        layout: &Layout,
+        (iterate, bounds): (&Iterate, &Bounds),
+        blocks: &Blocks,
+    ) -> Result<(), NoStep> {
+        let [lower, upper] = &iterate.z;
+        for (i, weight) in self.weights.iter_mut().enumerate() {
+            let [below, above] = bounds.gaps(&iterate.slacks, i);
+            // An infinite gap has no multiplier.
+            *weight = lower[i] / below + upper[i] / above;
+        }
+        self.condense(layout, blocks);
+        let RegularisationSettings { first, least, largest, decrease, increase: [factor, first_factor] } =
+            self.settings;
+        let mut delta = 0.0;
+        loop {
+            self.diagonal.fill(delta);
+            self.inertia = self.chain.factorise((blocks.all(), &self.hessians), &self.diagonal, 0.0);
+            if self.is_right(layout) {
+                break;
+            }
+            delta = match (delta == 0.0, self.remembered == 0.0) {
+                (true, true) => first,
+                (true, false) => (decrease * self.remembered).max(least),
+                (false, true) => first_factor * delta,
+                (false, false) => factor * delta,
+            };
+            if delta > largest {
+                return Err(NoStep::Inertia);
+            }
+        }
+        self.regularisation = delta;
+        if delta > 0.0 {
+            self.remembered = delta;
+        }
+        Ok(())
+    }
+
+    /// Least-squares multipliers y for these slopes of the Lagrangian without y, in `step.y`: those of
+    /// `(1, C'; C, 0) (d; y) = (-slopes; 0)`.
+    pub fn estimate(&mut self, layout: &Layout, blocks: &Blocks, slopes: &[f64], step: &mut Step) {
+        self.hessians.iter_mut().for_each(|hessian| hessian.entries_mut().fill(0.0));
+        self.diagonal.fill(1.0);
+        self.inertia = self.chain.factorise((blocks.all(), &self.hessians), &self.diagonal, 0.0);
+        let n = layout.steps();
+        self.condensed[..n].iter_mut().zip(slopes).for_each(|(to, slope)| *to = -slope);
+        self.condensed[n..].fill(0.0);
+        self.chain.solve(&mut self.condensed);
+        step.y.copy_from_slice(&self.condensed[n..]);
+    }
+
+    /// As many positive eigenvalues as unknowns; the others belong to equations, zeros to those that depend on
+    /// others.
+    fn is_right(&self, layout: &Layout) -> bool {
+        let Inertia { positive, negative, zero } = self.inertia;
+        positive == layout.steps()
+            && negative + zero == layout.equalities()
+            && self.chain.zeros().iter().all(|&row| row >= layout.steps())
+    }
+
+    /// `W + G' Sigma G`, lower triangles.
+    fn condense(&mut self, layout: &Layout, blocks: &Blocks) {
+        for ((element, block), hessian) in layout.elements().zip(blocks.all()).zip(&mut self.hessians) {
+            hessian.entries_mut().copy_from_slice(block.hessian.entries());
+            let weights = &self.weights[layout.ranges_of(element)];
+            widest_fused(
+                #[inline(always)]
+                |fused| match fused {
+                    true => add_squares::<true>(hessian, weights, &block.ranges),
+                    false => add_squares::<false>(hessian, weights, &block.ranges),
+                },
+            );
+        }
+    }
+
+    /// The Newton step for these right-hand sides `b_x = -residuals.x`, .., and for mu that of z:
+    /// `d_z = mu / (s - l) - z - z / (s - l) d_s`.
+    pub fn step(
+        &mut self,
+        layout: &Layout,
+        (iterate, bounds): (&Iterate, &Bounds),
+        blocks: &Blocks,
+        (residuals, mu): (&Residuals, f64),
+        step: &mut Step,
+    ) -> Result<(), NoStep> {
+        self.solve(layout, blocks, residuals, step);
+        let [lower, upper] = &iterate.z;
+        let [to_lower, to_upper] = &mut step.z;
+        for i in 0..lower.len() {
+            let [below, above] = bounds.gaps(&iterate.slacks, i);
+            let ds = step.slacks[i];
+            to_lower[i] = (mu - lower[i] * ds) / below - lower[i];
+            to_upper[i] = (mu + upper[i] * ds) / above - upper[i];
+        }
+        if step.is_finite() { Ok(()) } else { Err(NoStep::NotFinite) }
+    }
+
+    /// The step of x, slacks, y and v, refined.
+    fn solve(&mut self, layout: &Layout, blocks: &Blocks, residuals: &Residuals, step: &mut Step) {
+        let mut right = std::mem::take(&mut self.right);
+        right.copy_negative(residuals);
+        self.solve_once(layout, blocks, &right, step);
+        let size = right.largest();
+        let mut before = f64::INFINITY;
+        for _ in 0..REFINEMENTS {
+            let mut residual = std::mem::take(&mut self.residual);
+            self.residual_of(layout, blocks, (&right, step), &mut residual);
+            let error = residual.largest();
+            // Residuals that do not fall any more are rounding.
+            if error > REFINED * size && error < 0.5 * before {
+                before = error;
+                let mut correction = std::mem::take(&mut self.correction);
+                self.solve_once(layout, blocks, &residual, &mut correction);
+                step.add(&correction);
+                self.correction = correction;
+                self.residual = residual;
+            } else {
+                self.residual = residual;
+                break;
+            }
+        }
+        self.right = right;
+    }
+
+    /// Without refinement.
+    fn solve_once(&mut self, layout: &Layout, blocks: &Blocks, right: &Residuals, step: &mut Step) {
+        let Self { chain, weights, condensed, rows, .. } = self;
+        let n = layout.steps();
+        condensed[..n].copy_from_slice(&right.x);
+        condensed[n..].copy_from_slice(&right.equalities);
+        for (i, row) in rows.iter_mut().enumerate() {
+            *row = weights[i].mul_add(right.ranges[i], right.slacks[i]);
+        }
+        for (element, block) in layout.elements().zip(blocks.all()) {
+            add_transposed(layout, element, &block.ranges, &rows[layout.ranges_of(element)], condensed);
+        }
+        chain.solve(condensed);
+        step.x.copy_from_slice(&condensed[..n]);
+        step.y.copy_from_slice(&condensed[n..]);
+        for (element, block) in layout.elements().zip(blocks.all()) {
+            times(layout, element, &block.ranges, &step.x, &mut step.slacks[layout.ranges_of(element)]);
+        }
+        for i in 0..rows.len() {
+            step.slacks[i] -= right.ranges[i];
+            step.v[i] = weights[i] * step.slacks[i] - right.slacks[i];
+        }
+    }
+
+    /// `b - K d`.
+    fn residual_of(
+        &mut self,
+        layout: &Layout,
+        blocks: &Blocks,
+        (right, step): (&Residuals, &Step),
+        to: &mut Residuals,
+    ) {
+        let is_dependent = |row: usize| self.chain.zeros().contains(&(layout.steps() + row));
+        for (i, entry) in to.x.iter_mut().enumerate() {
+            *entry = right.x[i] - self.diagonal[i] * step.x[i];
+        }
+        let mut product = std::mem::take(&mut self.condensed);
+        for (element, block) in layout.elements().zip(blocks.all()) {
+            subtract_symmetric(layout, element, block, &step.x, &mut product, &mut to.x);
+            let (y, v) = (&step.y[layout.equalities_of(element)], &step.v[layout.ranges_of(element)]);
+            subtract_transposed(layout, element, &block.equalities, y, &mut to.x);
+            subtract_transposed(layout, element, &block.ranges, v, &mut to.x);
+            let rows = layout.equalities_of(element);
+            times(layout, element, &block.equalities, &step.x, &mut to.equalities[rows.clone()]);
+            for row in rows {
+                // What depends on others and contradicts them cannot be met.
+                let residual = right.equalities[row] - to.equalities[row];
+                to.equalities[row] = if is_dependent(row) { 0.0 } else { residual };
+            }
+            let rows = layout.ranges_of(element);
+            times(layout, element, &block.ranges, &step.x, &mut to.ranges[rows.clone()]);
+            for row in rows {
+                to.ranges[row] = right.ranges[row] - (to.ranges[row] - step.slacks[row]);
+            }
+        }
+        self.condensed = product;
+        for i in 0..step.slacks.len() {
+            to.slacks[i] = right.slacks[i] - (self.weights[i] * step.slacks[i] - step.v[i]);
+        }
+    }
+
+    /// `d' (W + delta) d + d_s' Sigma d_s`, the curvature of the barrier problem along a step.
+    #[cfg(test)]
+    pub fn curvature(&self, layout: &Layout, blocks: &Blocks, step: &Step) -> f64 {
+        let mut negative = vec![0.0; layout.steps()];
+        let mut room = vec![0.0; layout.steps() + layout.equalities()];
+        for (element, block) in layout.elements().zip(blocks.all()) {
+            subtract_symmetric(layout, element, block, &step.x, &mut room, &mut negative);
+        }
+        let of_x: f64 = step
+            .x
+            .iter()
+            .zip(&negative)
+            .zip(&self.diagonal)
+            .map(|((d, wd), delta)| d * (delta * d - wd))
+            .sum();
+        of_x + step.slacks.iter().zip(&self.weights).map(|(ds, weight)| weight * ds * ds).sum::<f64>()
+    }
+}
+
+impl Residuals {
+    pub fn copy_from(&mut self, other: &Self) {
+        let Self { x, slacks, equalities, ranges } = self;
+        let from = [&other.x, &other.slacks, &other.equalities, &other.ranges];
+        for (to, from) in [x, slacks, equalities, ranges].into_iter().zip(from) {
+            to.copy_from_slice(from);
+        }
+    }
+
+    fn copy_negative(&mut self, other: &Self) {
+        let Self { x, slacks, equalities, ranges } = self;
+        let from = [&other.x, &other.slacks, &other.equalities, &other.ranges];
+        for (to, from) in [x, slacks, equalities, ranges].into_iter().zip(from) {
+            to.iter_mut().zip(from).for_each(|(to, from)| *to = -from);
+        }
+    }
+
+    /// The largest entry.
+    pub fn largest(&self) -> f64 {
+        let Self { x, slacks, equalities, ranges } = self;
+        [x, slacks, equalities, ranges]
+            .into_iter()
+            .flatten()
+            .fold(0.0, |most, entry| worse(most, entry.abs()))
+    }
+}
+
+impl Step {
+    fn add(&mut self, other: &Self) {
+        let Self { x, slacks, y, v, .. } = self;
+        for (to, from) in [x, slacks, y, v].into_iter().zip([&other.x, &other.slacks, &other.y, &other.v]) {
+            to.iter_mut().zip(from).for_each(|(to, from)| *to += from);
+        }
+    }
+}
+
+/// Adds `G' Sigma G` to the lower triangle.
+#[inline(always)]
+fn add_squares<const FUSED: bool>(hessian: &mut Dense, weights: &[f64], rows: &Dense) {
+    for (r, &weight) in weights.iter().enumerate() {
+        let row = rows.row(r);
+        for (i, &entry) in row.iter().enumerate() {
+            let factor = weight * entry;
+            if factor == 0.0 {
+                continue;
+            }
+            for (to, entry) in hessian.row_mut(i)[..=i].iter_mut().zip(row) {
+                *to = if FUSED { factor.mul_add(*entry, *to) } else { factor * entry + *to };
+            }
+        }
+    }
+}
+
+/// `to = A d` for the rows of an element.
+pub(crate) fn times(layout: &Layout, element: Element, rows: &Dense, d: &[f64], to: &mut [f64]) {
+    for (i, to) in to.iter_mut().enumerate() {
+        let mut entries = rows.row(i);
+        let mut sum = 0.0;
+        for range in layout.unknowns(element) {
+            let (here, rest) = entries.split_at(range.len());
+            sum += here.iter().zip(&d[range]).map(|(entry, d)| entry * d).sum::<f64>();
+            entries = rest;
+        }
+        *to = sum;
+    }
+}
+
+/// `to += A' y`.
+pub(crate) fn add_transposed(layout: &Layout, element: Element, rows: &Dense, y: &[f64], to: &mut [f64]) {
+    for (i, &y) in y.iter().enumerate() {
+        let mut entries = rows.row(i);
+        for range in layout.unknowns(element) {
+            let (here, rest) = entries.split_at(range.len());
+            to[range].iter_mut().zip(here).for_each(|(to, entry)| *to += y * entry);
+            entries = rest;
+        }
+    }
+}
+
+fn subtract_transposed(layout: &Layout, element: Element, rows: &Dense, y: &[f64], to: &mut [f64]) {
+    for (i, &y) in y.iter().enumerate() {
+        let mut entries = rows.row(i);
+        for range in layout.unknowns(element) {
+            let (here, rest) = entries.split_at(range.len());
+            to[range].iter_mut().zip(here).for_each(|(to, entry)| *to -= y * entry);
+            entries = rest;
+        }
+    }
+}
+
+/// `to -= W d` for the lower triangle of an element; `room` is at least as long as it is wide.
+fn subtract_symmetric(
+    layout: &Layout,
+    element: Element,
+    block: &Block,
+    d: &[f64],
+    room: &mut [f64],
+    to: &mut [f64],
+) {
+    let (width, columns) = (block.gradient.len(), || layout.unknowns(element).into_iter().flatten());
+    let room = &mut room[..width];
+    room.fill(0.0);
+    for (i, row) in columns().enumerate() {
+        let entries = &block.hessian.row(i)[..i];
+        let mut sum = block.hessian[(i, i)] * d[row];
+        for ((j, column), &entry) in columns().enumerate().zip(entries) {
+            sum += entry * d[column];
+            room[j] += entry * d[row];
+        }
+        room[i] += sum;
+    }
+    columns().zip(&*room).for_each(|(row, product)| to[row] -= product);
+}

@@ -1,0 +1,109 @@
+//! How a solution ended.
+
+use crate::iterate::KktError;
+use std::error::Error;
+
+/// How a solution ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Status {
+    /// The conditions of optimality hold up to the tolerance.
+    Solved,
+    /// They hold up to rounding, which is above the tolerance.
+    SolvedToRounding,
+    /// No acceptable step was found.
+    Stalled,
+    /// The limit of iterations was reached.
+    IterationLimit,
+    /// The observer asked to stop, or the deadline has passed.
+    Stopped,
+}
+
+/// What came of a solution; borrowed from the [`Solver`](crate::Solver).
+#[derive(Clone, Copy, Debug)]
+pub struct Solution<'a> {
+    /// How it ended.
+    pub status: Status,
+    /// The last point, the best one that was accepted.
+    pub point: &'a [f64],
+    /// Its cost.
+    pub cost: f64,
+    /// Multipliers y of the equations: `grad f + C'y + G'v = 0`.
+    pub equalities: &'a [f64],
+    /// Multipliers v of the functions with ranges: positive at the upper bound, negative at the lower one.
+    pub ranges: &'a [f64],
+    /// Equations that depend on others: their multipliers are not unique.
+    pub dependent: &'a [usize],
+    /// Error of the conditions of optimality, of the scaled program.
+    pub error: KktError,
+    /// Accepted steps.
+    pub iterations: usize,
+}
+
+/// One iteration, for an observer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Iteration {
+    /// Its number.
+    pub number: usize,
+    /// Cost, and the sum of all violations, of the scaled program.
+    pub cost: f64,
+    /// Likewise.
+    pub violation: f64,
+    /// Error of the conditions of optimality.
+    pub error: KktError,
+    /// The barrier parameter.
+    pub mu: f64,
+    /// What was added to the diagonal of W.
+    pub regularisation: f64,
+    /// Length of the step that led here.
+    pub length: f64,
+}
+
+/// Why a solution could not be tried.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SolveError<E: Error> {
+    /// The program has another layout than the solver was made for.
+    #[error("the program has another layout than the one that the solver was made for: make a new solver")]
+    Layout,
+    /// An argument has the wrong length.
+    #[error("{what} has {found} entries, not {expected}")]
+    Length {
+        /// The argument.
+        what: &'static str,
+        /// Its length.
+        found: usize,
+        /// The right one.
+        expected: usize,
+    },
+    /// The functions are not finite at the start.
+    #[error("{what} is not finite at the start")]
+    NotFinite {
+        /// The first one.
+        what: &'static str,
+    },
+    /// A range is empty.
+    #[error("range {row} is empty: its lower bound {lower} exceeds its upper bound {upper}")]
+    EmptyRange {
+        /// The row.
+        row: usize,
+        /// Its lower bound.
+        lower: f64,
+        /// Its upper bound.
+        upper: f64,
+    },
+    /// A typical size is not positive and finite.
+    #[error("scale {index} of {what} is {value}: sizes are positive")]
+    Scale {
+        /// Whose sizes.
+        what: &'static str,
+        /// Which of them.
+        index: usize,
+        /// What it is.
+        value: f64,
+    },
+    /// The program itself.
+    #[error(transparent)]
+    Problem(#[from] E),
+}

@@ -1,0 +1,125 @@
+//! A program in units of its typical sizes.
+
+use crate::blocks::{Blocks, Values, Weights};
+use crate::layout::Layout;
+use crate::problem::{Scales, StagedProblem};
+
+/// The program that the algorithm works on: every unknown, row and the cost divided by its typical size.
+///
+/// ```text
+/// f^ = f / s_f    c^_i = c_i / s_i    g^_j = g_j / s_j    d^_k = d_k / s_k
+/// ```
+pub(crate) struct Scaled<'a, P> {
+    pub problem: &'a mut P,
+    scales: Scales,
+    is_plain: bool,
+    /// Weights and a step of the program itself.
+    equalities: Vec<f64>,
+    ranges: Vec<f64>,
+    step: Vec<f64>,
+}
+
+impl<'a, P: StagedProblem> Scaled<'a, P> {
+    pub fn new(problem: &'a mut P) -> Self {
+        let layout = problem.layout();
+        let (n, m, r) = (layout.steps(), layout.equalities(), layout.ranges());
+        let scales = problem.scales().cloned();
+        let is_plain = scales.is_none();
+        let ones =
+            || Scales { cost: 1.0, steps: vec![1.0; n], equalities: vec![1.0; m], ranges: vec![1.0; r] };
+        let scales = scales.unwrap_or_else(ones);
+        let (equalities, ranges, step) = (vec![0.0; m], vec![0.0; r], vec![0.0; n]);
+        Self { problem, scales, is_plain, equalities, ranges, step }
+    }
+
+    pub fn layout(&self) -> &Layout {
+        self.problem.layout()
+    }
+
+    /// The bounds of the ranges.
+    pub fn bounds(&self) -> [Vec<f64>; 2] {
+        let scaled = |bounds: &[f64]| bounds.iter().zip(&self.scales.ranges).map(|(b, s)| b / s).collect();
+        self.problem.bounds().map(scaled)
+    }
+
+    pub fn evaluate(&mut self, point: &[f64], values: &mut Values) -> Result<(), P::Error> {
+        self.problem.evaluate(point, values)?;
+        if !self.is_plain {
+            values.cost /= self.scales.cost;
+            divide(&mut values.equalities, &self.scales.equalities);
+            divide(&mut values.ranges, &self.scales.ranges);
+        }
+        Ok(())
+    }
+
+    /// Blocks for these weights of the scaled functions.
+    pub fn linearise(
+        &mut self,
+        point: &[f64],
+        weights: Weights<'_>,
+        blocks: &mut Blocks,
+    ) -> Result<(), P::Error> {
+        blocks.fill_zero();
+        if self.is_plain {
+            return self.problem.linearise(point, weights, blocks);
+        }
+        let Self { problem, scales, equalities, ranges, .. } = self;
+        equalities.copy_from_slice(weights.equalities);
+        ranges.copy_from_slice(weights.ranges);
+        divide(equalities, &scales.equalities);
+        divide(ranges, &scales.ranges);
+        let weights = Weights { cost: weights.cost / scales.cost, equalities, ranges };
+        problem.linearise(point, weights, blocks)?;
+        let layout = problem.layout();
+        for (element, block) in layout.elements().zip(blocks.all_mut()) {
+            let columns = || layout.unknowns(element).into_iter().flatten().map(|k| scales.steps[k]);
+            for (slope, scale) in block.gradient.iter_mut().zip(columns()) {
+                *slope *= scale / scales.cost;
+            }
+            for (i, scale) in columns().enumerate() {
+                multiply(block.hessian.row_mut(i), scale, columns());
+            }
+            for (i, row) in layout.equalities_of(element).enumerate() {
+                multiply(block.equalities.row_mut(i), scales.equalities[row].recip(), columns());
+            }
+            for (i, row) in layout.ranges_of(element).enumerate() {
+                multiply(block.ranges.row_mut(i), scales.ranges[row].recip(), columns());
+            }
+        }
+        Ok(())
+    }
+
+    /// `moved = point (+) length step`, for a scaled step.
+    pub fn retract(&mut self, point: &[f64], step: &[f64], length: f64, moved: &mut [f64]) {
+        for ((to, step), scale) in self.step.iter_mut().zip(step).zip(&self.scales.steps) {
+            *to = length * step * scale;
+        }
+        self.problem.retract(point, &self.step, moved);
+    }
+
+    /// Multipliers of the program itself from those of the scaled one: `y = y^ s_f / s_i`.
+    pub fn unscale(&self, equalities: &mut [f64], ranges: [&mut [f64]; 3]) {
+        let factor = self.scales.cost;
+        for (y, scale) in equalities.iter_mut().zip(&self.scales.equalities) {
+            *y *= factor / scale;
+        }
+        for multipliers in ranges {
+            for (v, scale) in multipliers.iter_mut().zip(&self.scales.ranges) {
+                *v *= factor / scale;
+            }
+        }
+    }
+
+    /// The cost of the program itself.
+    pub fn unscaled_cost(&self, cost: f64) -> f64 {
+        cost * self.scales.cost
+    }
+}
+
+fn divide(values: &mut [f64], scales: &[f64]) {
+    values.iter_mut().zip(scales).for_each(|(value, scale)| *value /= scale);
+}
+
+fn multiply(row: &mut [f64], factor: f64, columns: impl Iterator<Item = f64>) {
+    row.iter_mut().zip(columns).for_each(|(entry, scale)| *entry *= factor * scale);
+}

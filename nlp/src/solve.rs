@@ -1,0 +1,532 @@
+//! The primal-dual interior-point method with a filter line search.
+//!
+//! Waechter and Biegler 2006, with the pivots of the stages in place of a general factorisation.
+
+use crate::barrier::{BarrierSettings, longest_steps, reset_multipliers, slope};
+use crate::blocks::{Blocks, Weights};
+use crate::filter::{Acceptance, Filter, FilterSettings, Measure};
+use crate::iterate::{Bounds, Iterate, KktError, Residuals, Step, worse};
+use crate::layout::Layout;
+use crate::newton::{Newton, NoStep, RegularisationSettings};
+use crate::outcome::{Iteration, Solution, SolveError, Status};
+use crate::problem::StagedProblem;
+use crate::scaled::Scaled;
+use std::ops::ControlFlow;
+
+/// What steers a solution. Each group stands beside the algorithm that it steers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// Largest error of the conditions of optimality, of the scaled program.
+    pub tolerance: f64,
+    /// Most iterations.
+    pub iterations: usize,
+    /// The barrier parameter.
+    pub barrier: BarrierSettings,
+    /// The line search.
+    pub filter: FilterSettings,
+    /// The regularisation of Hessians.
+    pub regularisation: RegularisationSettings,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            tolerance: 1e-8,
+            iterations: 1000,
+            barrier: BarrierSettings::default(),
+            filter: FilterSettings::default(),
+            regularisation: RegularisationSettings::default(),
+        }
+    }
+}
+
+/// Steps shorter than this, relative to the point, are rounding.
+const TINY: f64 = 10.0 * f64::EPSILON;
+
+/// Largest multipliers of equations that the first estimate may have: lambda_max of IPOPT.
+const LARGEST_ESTIMATE: f64 = 1e3;
+
+/// Workspace for programs of one layout; no call of [`solve`](Self::solve) allocates but for scales and bounds.
+///
+/// ```
+/// use costate_nlp::{Blocks, Element, Layout, Rows, Settings, Solver, StagedProblem, Values, Weights};
+///
+/// /// A double integrator from (0, 0) to (1, 0) in N equal steps of Euler's method, least effort.
+/// struct Transfer { layout: Layout }
+///
+/// impl StagedProblem for Transfer {
+///     type Error = std::convert::Infallible;
+///     fn layout(&self) -> &Layout { &self.layout }
+///     fn bounds(&self) -> [&[f64]; 2] { [&[], &[]] }
+///     fn evaluate(&mut self, z: &[f64], to: &mut Values) -> Result<(), Self::Error> {
+///         let n = self.layout.intervals();
+///         let h = 1.0 / n as f64;
+///         to.cost = 0.0;
+///         (to.equalities[0], to.equalities[1]) = (z[0], z[1]);
+///         for k in 0..n {
+///             let [q, v, u, q_next, v_next] = [0, 1, 2, 3, 4].map(|i| z[3 * k + i]);
+///             to.cost += 0.5 * h * u * u;
+///             (to.equalities[2 + 2 * k], to.equalities[3 + 2 * k]) = (q_next - q - h * v, v_next - v - h * u);
+///         }
+///         (to.equalities[2 + 2 * n], to.equalities[3 + 2 * n]) = (z[3 * n] - 1.0, z[3 * n + 1]);
+///         Ok(())
+///     }
+///     fn linearise(&mut self, z: &[f64], w: Weights<'_>, blocks: &mut Blocks) -> Result<(), Self::Error> {
+///         let n = self.layout.intervals();
+///         let h = 1.0 / n as f64;
+///         for k in 0..n {
+///             let block = blocks.of(Element::Interval(k));
+///             block.gradient[2] = h * z[3 * k + 2];
+///             block.hessian[(2, 2)] = w.cost * h;
+///             block.equalities.row_mut(0).copy_from_slice(&[-1.0, -h, 0.0, 1.0, 0.0]);
+///             block.equalities.row_mut(1).copy_from_slice(&[0.0, -1.0, -h, 0.0, 1.0]);
+///         }
+///         for k in [0, n] {
+///             let block = blocks.of(Element::Node(k));
+///             (block.equalities[(0, 0)], block.equalities[(1, 1)]) = (1.0, 1.0);
+///         }
+///         Ok(())
+///     }
+/// }
+///
+/// let mut layout = Layout::uniform(50, 2, 1, 0);
+/// for k in 0..50 {
+///     layout = layout.with_rows(Element::Interval(k), Rows::new(2, 0));
+/// }
+/// let layout = layout.with_rows(Element::Node(0), Rows::new(2, 0)).with_rows(Element::Node(50), Rows::new(2, 0));
+/// let mut problem = Transfer { layout };
+/// let mut solver = Solver::new(&problem.layout, Settings::default());
+/// let solution = solver.solve(&mut problem, &[0.0; 152])?;
+/// // 6 in the limit of short steps.
+/// assert!((solution.cost - 6.0).abs() < 0.01 && solution.iterations == 1);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Solver {
+    layout: Layout,
+    settings: Settings,
+    iterate: Iterate,
+    trial: Iterate,
+    blocks: Blocks,
+    residuals: Residuals,
+    /// Right-hand sides of second-order corrections.
+    corrected: Residuals,
+    newton: Newton,
+    step: Step,
+    correction: Step,
+    filter: Filter,
+    dependent: Vec<usize>,
+}
+
+/// What a line search found.
+enum Search {
+    /// The trial point is accepted, at this length of the step.
+    Accepted(f64),
+    Failed,
+}
+
+impl Solver {
+    /// Builds the workspace for programs of this layout, whose points have as many entries as their steps.
+    pub fn new(layout: &Layout, settings: Settings) -> Self {
+        Self::for_points(layout, layout.steps(), settings)
+    }
+
+    /// The same for points of another length.
+    pub fn for_points(layout: &Layout, point_len: usize, settings: Settings) -> Self {
+        let iterate = Iterate::new(layout, point_len);
+        Self {
+            settings,
+            trial: iterate.clone(),
+            iterate,
+            blocks: Blocks::new(layout),
+            residuals: Residuals::zeros(layout),
+            corrected: Residuals::zeros(layout),
+            newton: Newton::new(layout, settings.regularisation),
+            step: Step::zeros(layout),
+            correction: Step::zeros(layout),
+            filter: Filter::new(settings.filter),
+            dependent: Vec::with_capacity(layout.equalities()),
+            layout: layout.clone(),
+        }
+    }
+
+    /// Solves a program from a point.
+    ///
+    /// # Errors
+    /// [`SolveError`].
+    pub fn solve<P: StagedProblem>(
+        &mut self,
+        problem: &mut P,
+        start: &[f64],
+    ) -> Result<Solution<'_>, SolveError<P::Error>> {
+        self.solve_observed(problem, start, |_| ControlFlow::Continue(()))
+    }
+
+    /// The same; `observer` is called after each iteration, and may stop the solution.
+    ///
+    /// # Errors
+    /// [`SolveError`].
+    pub fn solve_observed<P: StagedProblem>(
+        &mut self,
+        problem: &mut P,
+        start: &[f64],
+        observer: impl FnMut(Iteration) -> ControlFlow<()>,
+    ) -> Result<Solution<'_>, SolveError<P::Error>> {
+        self.check(problem, start)?;
+        let mut scaled = Scaled::new(problem);
+        let bounds = Bounds::new(scaled.bounds());
+        self.begin(&mut scaled, &bounds, start)?;
+        let (status, error, iterations) = self.iterate_to_end(&mut scaled, &bounds, observer)?;
+        let Self { iterate, newton, dependent, layout, .. } = self;
+        dependent.clear();
+        dependent.extend(newton.dependent(layout));
+        let [lower, upper] = &mut iterate.z;
+        scaled.unscale(&mut iterate.y, [&mut iterate.v, lower, upper]);
+        let cost = scaled.unscaled_cost(iterate.values.cost);
+        let Iterate { point, y, v, .. } = &self.iterate;
+        Ok(Solution {
+            status,
+            point,
+            cost,
+            equalities: y,
+            ranges: v,
+            dependent: &self.dependent,
+            error,
+            iterations,
+        })
+    }
+
+    fn check<P: StagedProblem>(&self, problem: &P, start: &[f64]) -> Result<(), SolveError<P::Error>> {
+        if *problem.layout() != self.layout {
+            return Err(SolveError::Layout);
+        }
+        let length = |what, expected: usize, found: usize| match expected == found {
+            true => Ok(()),
+            false => Err(SolveError::Length { what, found, expected }),
+        };
+        length("the program's point", self.iterate.point.len(), problem.point_len())?;
+        length("the start", self.iterate.point.len(), start.len())?;
+        let [lower, upper] = problem.bounds();
+        length("the lower bounds", self.layout.ranges(), lower.len())?;
+        length("the upper bounds", self.layout.ranges(), upper.len())?;
+        for (row, (&lower, &upper)) in lower.iter().zip(upper).enumerate() {
+            if !(lower <= upper) {
+                return Err(SolveError::EmptyRange { row, lower, upper });
+            }
+        }
+        if let Some(scales) = problem.scales() {
+            length("the scales of steps", self.layout.steps(), scales.steps.len())?;
+            length("the scales of equations", self.layout.equalities(), scales.equalities.len())?;
+            length("the scales of ranges", self.layout.ranges(), scales.ranges.len())?;
+            let all = [
+                ("the cost", std::slice::from_ref(&scales.cost)),
+                ("steps", &scales.steps),
+                ("equations", &scales.equalities),
+                ("ranges", &scales.ranges),
+            ];
+            for (what, sizes) in all {
+                let bad = |value: &f64| !(*value > 0.0 && value.is_finite());
+                if let Some(index) = sizes.iter().position(bad) {
+                    return Err(SolveError::Scale { what, index, value: sizes[index] });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The first iterate: slacks inside their bounds, multipliers of bounds on the central path, those of equations by
+    /// least squares.
+    fn begin<P: StagedProblem>(
+        &mut self,
+        problem: &mut Scaled<'_, P>,
+        bounds: &Bounds,
+        start: &[f64],
+    ) -> Result<(), SolveError<P::Error>> {
+        let Self { layout, settings, iterate, blocks, residuals, newton, step, .. } = self;
+        iterate.point.copy_from_slice(start);
+        problem.evaluate(start, &mut iterate.values)?;
+        if !iterate.values.are_finite() {
+            let finite = |values: &[f64]| values.iter().all(|value| value.is_finite());
+            let what = match (iterate.values.cost.is_finite(), finite(&iterate.values.equalities)) {
+                (false, _) => "the cost",
+                (true, false) => "an equation",
+                (true, true) => "a function with a range",
+            };
+            return Err(SolveError::NotFinite { what });
+        }
+        let mu = settings.barrier.start;
+        for i in 0..iterate.slacks.len() {
+            let (lower, upper) = (bounds.lower[i], bounds.upper[i]);
+            iterate.slacks[i] = settings.barrier.inside(iterate.values.ranges[i], lower, upper);
+            let gaps = bounds.gaps(&iterate.slacks, i);
+            for (z, gap) in iterate.z.iter_mut().zip(gaps) {
+                z[i] = if gap.is_finite() { mu / gap } else { 0.0 };
+            }
+            iterate.v[i] = iterate.z[1][i] - iterate.z[0][i];
+        }
+        iterate.y.fill(0.0);
+        let weights = Weights { cost: 1.0, equalities: &iterate.y, ranges: &iterate.v };
+        problem.linearise(&iterate.point, weights, blocks)?;
+        iterate.residuals(layout, blocks, residuals);
+        if !residuals.x.iter().all(|slope| slope.is_finite()) {
+            return Err(SolveError::NotFinite { what: "a derivative" });
+        }
+        if layout.equalities() > 0 {
+            newton.estimate(layout, blocks, &residuals.x, step);
+            let largest = step.y.iter().fold(0.0, |most, y| worse(most, y.abs()));
+            if largest <= LARGEST_ESTIMATE {
+                iterate.y.copy_from_slice(&step.y);
+            }
+        }
+        Ok(())
+    }
+
+    /// Iterates until the end.
+    fn iterate_to_end<P: StagedProblem>(
+        &mut self,
+        problem: &mut Scaled<'_, P>,
+        bounds: &Bounds,
+        mut observer: impl FnMut(Iteration) -> ControlFlow<()>,
+    ) -> Result<(Status, KktError, usize), SolveError<P::Error>> {
+        let Settings { tolerance, barrier, .. } = self.settings;
+        let mut mu = barrier.start;
+        let has_bounds = bounds.lower.iter().chain(&bounds.upper).any(|bound| bound.is_finite());
+        if !has_bounds {
+            mu = 0.0;
+        }
+        self.filter.restart(self.iterate.violation());
+        let mut length = 0.0;
+        let mut regularisation = 0.0;
+        for number in 0.. {
+            self.linearise(problem)?;
+            let error = self.iterate.error(bounds, &self.residuals, 0.0);
+            let seen = Iteration {
+                number,
+                cost: self.iterate.values.cost,
+                violation: self.iterate.violation(),
+                error,
+                mu,
+                regularisation,
+                length,
+            };
+            let stopped = observer(seen).is_break();
+            if error.largest() <= tolerance {
+                return Ok((Status::Solved, error, number));
+            }
+            if stopped {
+                return Ok((Status::Stopped, error, number));
+            }
+            if number == self.settings.iterations {
+                return Ok((Status::IterationLimit, error, number));
+            }
+            // The next barrier problems that this iterate solves are passed.
+            while mu > 0.1 * tolerance
+                && self.iterate.error(bounds, &self.residuals, mu).largest() <= barrier.accuracy * mu
+            {
+                mu = barrier.next(mu, tolerance);
+                self.filter.clear();
+            }
+            let found = self.newton_step(bounds, mu);
+            regularisation = self.newton.regularisation();
+            let tau = barrier.part_of_way(mu);
+            let search = match found {
+                Ok(()) => self.search(problem, bounds, (mu, tau))?,
+                Err(NoStep::Inertia | NoStep::NotFinite) => Search::Failed,
+            };
+            match search {
+                Search::Accepted(alpha) => {
+                    length = alpha;
+                    std::mem::swap(&mut self.iterate, &mut self.trial);
+                    reset_multipliers(&mut self.iterate, bounds, mu, barrier.neighbourhood);
+                }
+                Search::Failed if mu > 0.1 * tolerance && self.is_tiny() => {
+                    // The barrier problem is solved up to rounding.
+                    mu = barrier.next(mu, tolerance);
+                    self.filter.clear();
+                }
+                Search::Failed => {
+                    let status = if self.is_tiny() { Status::SolvedToRounding } else { Status::Stalled };
+                    return Ok((status, error, number));
+                }
+            }
+        }
+        unreachable!("numbers do not end")
+    }
+
+    /// Derivatives at the iterate, and residuals.
+    fn linearise<P: StagedProblem>(
+        &mut self,
+        problem: &mut Scaled<'_, P>,
+    ) -> Result<(), SolveError<P::Error>> {
+        let Self { layout, iterate, blocks, residuals, .. } = self;
+        let weights = Weights { cost: 1.0, equalities: &iterate.y, ranges: &iterate.v };
+        problem.linearise(&iterate.point, weights, blocks)?;
+        iterate.residuals(layout, blocks, residuals);
+        Ok(())
+    }
+
+    /// The Newton step of the barrier problem.
+    fn newton_step(&mut self, bounds: &Bounds, mu: f64) -> Result<(), NoStep> {
+        let Self { layout, iterate, blocks, residuals, corrected, newton, step, .. } = self;
+        newton.factorise(layout, (iterate, bounds), blocks)?;
+        corrected.copy_from(residuals);
+        barrier_residuals(iterate, bounds, mu, corrected);
+        newton.step(layout, (iterate, bounds), blocks, (corrected, mu), step)
+    }
+
+    /// Whether the step is rounding.
+    fn is_tiny(&self) -> bool {
+        let Self { step, iterate, .. } = self;
+        let of_slacks =
+            step.slacks.iter().zip(&iterate.slacks).all(|(d, s)| d.abs() <= TINY * (1.0 + s.abs()));
+        let size = iterate.point.iter().fold(1.0, |most: f64, x| most.max(x.abs()));
+        of_slacks && step.x.iter().all(|d| d.abs() <= TINY * size)
+    }
+
+    /// The derivative of the objective of the barrier problem along the step.
+    fn slope(&self, bounds: &Bounds, mu: f64) -> f64 {
+        let Self { layout, iterate, blocks, step, .. } = self;
+        let mut sum = slope(iterate, bounds, step, mu);
+        for (element, block) in layout.elements().zip(blocks.all()) {
+            let columns = layout.unknowns(element).into_iter().flatten();
+            sum +=
+                block.gradient.iter().zip(columns).map(|(slope, column)| slope * step.x[column]).sum::<f64>();
+        }
+        sum
+    }
+
+    /// Shortens the step until the filter accepts the trial point.
+    fn search<P: StagedProblem>(
+        &mut self,
+        problem: &mut Scaled<'_, P>,
+        bounds: &Bounds,
+        (mu, tau): (f64, f64),
+    ) -> Result<Search, SolveError<P::Error>> {
+        let measure = |iterate: &Iterate| Measure {
+            violation: iterate.violation(),
+            objective: iterate.barrier(bounds, mu),
+        };
+        let current = measure(&self.iterate);
+        let slope = self.slope(bounds, mu);
+        let [longest, of_multipliers] = longest_steps(&self.iterate, bounds, &self.step, tau);
+        let least = self.filter.least_length(current.violation, slope);
+        let mut alpha = longest;
+        let mut is_first = true;
+        loop {
+            self.try_step(problem, false, alpha)?;
+            let trial = measure(&self.trial);
+            if let Some(accepted) = self.filter.judge(current, trial, alpha, slope) {
+                self.accept(accepted, current, (alpha, slope));
+                self.move_multipliers(false, (alpha, of_multipliers));
+                return Ok(Search::Accepted(alpha));
+            }
+            if is_first && trial.violation >= current.violation {
+                if let Some(length) =
+                    self.correct(problem, bounds, (current, trial), (mu, tau, alpha, slope))?
+                {
+                    return Ok(Search::Accepted(length));
+                }
+            }
+            is_first = false;
+            alpha *= 0.5;
+            if alpha < least.max(f64::EPSILON) {
+                return Ok(Search::Failed);
+            }
+        }
+    }
+
+    /// Second-order corrections of a step of length alpha: Waechter and Biegler 2006, section 2.4.
+    fn correct<P: StagedProblem>(
+        &mut self,
+        problem: &mut Scaled<'_, P>,
+        bounds: &Bounds,
+        (current, trial): (Measure, Measure),
+        (mu, tau, mut alpha, slope): (f64, f64, f64, f64),
+    ) -> Result<Option<f64>, SolveError<P::Error>> {
+        let (factor, most) = self.settings.filter.correction;
+        let first = alpha;
+        let mut violation = trial.violation;
+        self.corrected.copy_from(&self.residuals);
+        barrier_residuals(&self.iterate, bounds, mu, &mut self.corrected);
+        for _ in 0..most {
+            if !violation.is_finite() {
+                break;
+            }
+            let Self { layout, iterate, trial, blocks, corrected, newton, correction, .. } = self;
+            for (to, c) in corrected.equalities.iter_mut().zip(&trial.values.equalities) {
+                *to = alpha * *to + c;
+            }
+            for (i, to) in corrected.ranges.iter_mut().enumerate() {
+                *to = alpha * *to + trial.values.ranges[i] - trial.slacks[i];
+            }
+            if newton.step(layout, (iterate, bounds), blocks, (corrected, mu), correction).is_err() {
+                break;
+            }
+            let [longest, of_multipliers] = longest_steps(iterate, bounds, correction, tau);
+            alpha = longest;
+            self.try_step(problem, true, alpha)?;
+            let measure =
+                Measure { violation: self.trial.violation(), objective: self.trial.barrier(bounds, mu) };
+            if let Some(accepted) = self.filter.judge(current, measure, first, slope) {
+                self.accept(accepted, current, (first, slope));
+                self.move_multipliers(true, (alpha, of_multipliers));
+                return Ok(Some(alpha));
+            }
+            if measure.violation > factor * violation {
+                break;
+            }
+            violation = measure.violation;
+        }
+        Ok(None)
+    }
+
+    /// The point and slacks at a length along the step, or along its correction.
+    fn try_step<P: StagedProblem>(
+        &mut self,
+        problem: &mut Scaled<'_, P>,
+        is_corrected: bool,
+        alpha: f64,
+    ) -> Result<(), SolveError<P::Error>> {
+        let Self { iterate, trial, step, correction, .. } = self;
+        let step = if is_corrected { correction } else { step };
+        problem.retract(&iterate.point, &step.x, alpha, &mut trial.point);
+        for ((to, s), d) in trial.slacks.iter_mut().zip(&iterate.slacks).zip(&step.slacks) {
+            *to = alpha.mul_add(*d, *s);
+        }
+        Ok(problem.evaluate(&trial.point, &mut trial.values)?)
+    }
+
+    /// Multipliers of the trial point.
+    fn move_multipliers(&mut self, is_corrected: bool, (alpha, of_bounds): (f64, f64)) {
+        let Self { iterate, trial, step, correction, .. } = self;
+        let step = if is_corrected { correction } else { step };
+        let along = |to: &mut [f64], from: &[f64], step: &[f64], length: f64| {
+            to.iter_mut()
+                .zip(from.iter().zip(step))
+                .for_each(|(to, (from, d))| *to = length.mul_add(*d, *from));
+        };
+        along(&mut trial.y, &iterate.y, &step.y, alpha);
+        along(&mut trial.v, &iterate.v, &step.v, alpha);
+        for side in 0..2 {
+            along(&mut trial.z[side], &iterate.z[side], &step.z[side], of_bounds);
+        }
+    }
+
+    /// Notes the current iterate in the filter unless the objective decided.
+    fn accept(&mut self, accepted: Acceptance, current: Measure, (alpha, slope): (f64, f64)) {
+        if accepted == Acceptance::Either || !self.filter.switches(current.violation, alpha, slope) {
+            self.filter.add(current);
+        }
+    }
+}
+
+/// Residuals of slacks with `mu / (s - l)` in the place of z.
+fn barrier_residuals(iterate: &Iterate, bounds: &Bounds, mu: f64, to: &mut Residuals) {
+    for (i, to) in to.slacks.iter_mut().enumerate() {
+        let [below, above] = bounds.gaps(&iterate.slacks, i);
+        *to = mu / above - mu / below - iterate.v[i];
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,8 @@
+//! Programs of optimal control with solutions in closed form, or published by others.
+
+#![allow(clippy::unwrap_used, clippy::panic)]
+
+mod by_duals;
+mod closed_forms;
+mod collocation;
+mod published;
