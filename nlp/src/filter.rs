@@ -99,6 +99,14 @@ impl Filter {
         better.then_some(Acceptance::Either)
     }
 
+    /// Whether no entry is better.
+    pub fn accepts(&self, trial: Measure) -> bool {
+        let is_finite = trial.violation.is_finite() && trial.objective.is_finite();
+        let beaten =
+            |entry: &Measure| trial.violation >= entry.violation && trial.objective >= entry.objective;
+        is_finite && !self.entries.iter().any(beaten)
+    }
+
     /// Whether the objective decides: `alpha (-slope)^s_phi > delta theta^s_theta`.
     pub fn switches(&self, violation: f64, alpha: f64, slope: f64) -> bool {
         let [delta, s_theta, s_phi] = self.settings.switching;

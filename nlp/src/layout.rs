@@ -9,7 +9,7 @@ pub enum Element {
     Node(usize),
     /// Interval k, between nodes k and k + 1: its functions depend on (x_k, w_k, x_k+1, p).
     Interval(usize),
-    /// Both ends: (x_0, x_N, p).
+    /// Both ends: (x_0, x_N, p); of a single node (x_0, p).
     Ends,
 }
 
@@ -184,6 +184,7 @@ impl Layout {
         match element {
             Element::Node(k) => [self.node(k), 0..0, 0..0, shared],
             Element::Interval(k) => [self.node(k), self.private(k), self.node(k + 1), shared],
+            Element::Ends if last == 0 => [self.node(0), 0..0, 0..0, shared],
             Element::Ends => [self.node(0), 0..0, self.node(last), shared],
         }
     }

@@ -12,6 +12,7 @@ mod layout;
 mod newton;
 mod outcome;
 mod problem;
+mod restoration;
 mod scaled;
 mod solve;
 

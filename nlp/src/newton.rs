@@ -74,6 +74,8 @@ pub(crate) struct Newton {
     correction: Step,
     rows: Vec<f64>,
     condensed: Vec<f64>,
+    /// Of one block.
+    product: Vec<f64>,
 }
 
 impl Newton {
@@ -93,6 +95,7 @@ impl Newton {
             correction: Step::zeros(layout),
             rows: vec![0.0; layout.ranges()],
             condensed: vec![0.0; layout.steps() + layout.equalities()],
+            product: vec![0.0; layout.elements().map(width).max().unwrap_or(0)],
         }
     }
 
@@ -269,7 +272,7 @@ impl Newton {
         for (i, entry) in to.x.iter_mut().enumerate() {
             *entry = right.x[i] - self.diagonal[i] * step.x[i];
         }
-        let mut product = std::mem::take(&mut self.condensed);
+        let mut product = std::mem::take(&mut self.product);
         for (element, block) in layout.elements().zip(blocks.all()) {
             subtract_symmetric(layout, element, block, &step.x, &mut product, &mut to.x);
             let (y, v) = (&step.y[layout.equalities_of(element)], &step.v[layout.ranges_of(element)]);
@@ -288,7 +291,7 @@ impl Newton {
                 to.ranges[row] = right.ranges[row] - (to.ranges[row] - step.slacks[row]);
             }
         }
-        self.condensed = product;
+        self.product = product;
         for i in 0..step.slacks.len() {
             to.slacks[i] = right.slacks[i] - (self.weights[i] * step.slacks[i] - step.v[i]);
         }

@@ -10,6 +10,7 @@ use crate::layout::Layout;
 use crate::newton::{Newton, NoStep, RegularisationSettings};
 use crate::outcome::{Iteration, Solution, SolveError, Status};
 use crate::problem::StagedProblem;
+use crate::restoration::{Elastic, Places};
 use crate::scaled::Scaled;
 use std::ops::ControlFlow;
 
@@ -43,10 +44,17 @@ impl Default for Settings {
 /// Steps shorter than this, relative to the point, are rounding.
 const TINY: f64 = 10.0 * f64::EPSILON;
 
+/// Error up to which restoration solves its program: whether a minimum of the violation was found needs no more digits.
+const LEAST_VIOLATION: f64 = 1e-6;
+
+/// Part of the violation that restoration may leave: kappa_resto of IPOPT.
+const RESTORED: f64 = 0.9;
+
 /// Largest multipliers of equations that the first estimate may have: lambda_max of IPOPT.
 const LARGEST_ESTIMATE: f64 = 1e3;
 
-/// Workspace for programs of one layout; no call of [`solve`](Self::solve) allocates but for scales and bounds.
+/// Workspace for programs of one layout. [`solve`](Self::solve) allocates the bounds and scales of the program, and what
+/// restoration needs the first time that no acceptable step is found.
 ///
 /// ```
 /// use costate_nlp::{Blocks, Element, Layout, Rows, Settings, Solver, StagedProblem, Values, Weights};
@@ -116,6 +124,10 @@ pub struct Solver {
     correction: Step,
     filter: Filter,
     dependent: Vec<usize>,
+    /// The elastic program and its solver, once they were needed.
+    restoration: Option<Box<(Places, Solver)>>,
+    /// Whether this is that solver.
+    is_restoring: bool,
 }
 
 /// What a line search found.
@@ -146,6 +158,8 @@ impl Solver {
             correction: Step::zeros(layout),
             filter: Filter::new(settings.filter),
             dependent: Vec::with_capacity(layout.equalities()),
+            restoration: None,
+            is_restoring: false,
             layout: layout.clone(),
         }
     }
@@ -170,13 +184,15 @@ impl Solver {
         &mut self,
         problem: &mut P,
         start: &[f64],
-        observer: impl FnMut(Iteration) -> ControlFlow<()>,
+        mut observer: impl FnMut(Iteration) -> ControlFlow<()>,
     ) -> Result<Solution<'_>, SolveError<P::Error>> {
         self.check(problem, start)?;
         let mut scaled = Scaled::new(problem);
         let bounds = Bounds::new(scaled.bounds());
-        self.begin(&mut scaled, &bounds, start)?;
-        let (status, error, iterations) = self.iterate_to_end(&mut scaled, &bounds, observer)?;
+        let mu = self.settings.barrier.start;
+        self.begin(&mut scaled, &bounds, start, mu)?;
+        let (status, error, iterations) =
+            self.iterate_to_end(&mut scaled, &bounds, mu, &mut |_, iteration| observer(iteration))?;
         let Self { iterate, newton, dependent, layout, .. } = self;
         dependent.clear();
         dependent.extend(newton.dependent(layout));
@@ -241,8 +257,9 @@ impl Solver {
         problem: &mut Scaled<'_, P>,
         bounds: &Bounds,
         start: &[f64],
+        mu: f64,
     ) -> Result<(), SolveError<P::Error>> {
-        let Self { layout, settings, iterate, blocks, residuals, newton, step, .. } = self;
+        let Self { settings, iterate, .. } = self;
         iterate.point.copy_from_slice(start);
         problem.evaluate(start, &mut iterate.values)?;
         if !iterate.values.are_finite() {
@@ -254,7 +271,6 @@ impl Solver {
             };
             return Err(SolveError::NotFinite { what });
         }
-        let mu = settings.barrier.start;
         for i in 0..iterate.slacks.len() {
             let (lower, upper) = (bounds.lower[i], bounds.upper[i]);
             iterate.slacks[i] = settings.barrier.inside(iterate.values.ranges[i], lower, upper);
@@ -264,10 +280,17 @@ impl Solver {
             }
             iterate.v[i] = iterate.z[1][i] - iterate.z[0][i];
         }
-        iterate.y.fill(0.0);
-        let weights = Weights { cost: 1.0, equalities: &iterate.y, ranges: &iterate.v };
-        problem.linearise(&iterate.point, weights, blocks)?;
-        iterate.residuals(layout, blocks, residuals);
+        self.estimate_multipliers(problem)
+    }
+
+    /// Least-squares multipliers of the equations.
+    fn estimate_multipliers<P: StagedProblem>(
+        &mut self,
+        problem: &mut Scaled<'_, P>,
+    ) -> Result<(), SolveError<P::Error>> {
+        self.iterate.y.fill(0.0);
+        self.linearise(problem)?;
+        let Self { layout, iterate, blocks, residuals, newton, step, .. } = self;
         if !residuals.x.iter().all(|slope| slope.is_finite()) {
             return Err(SolveError::NotFinite { what: "a derivative" });
         }
@@ -286,10 +309,10 @@ impl Solver {
         &mut self,
         problem: &mut Scaled<'_, P>,
         bounds: &Bounds,
-        mut observer: impl FnMut(Iteration) -> ControlFlow<()>,
+        mut mu: f64,
+        observer: &mut dyn FnMut(&Iterate, Iteration) -> ControlFlow<()>,
     ) -> Result<(Status, KktError, usize), SolveError<P::Error>> {
         let Settings { tolerance, barrier, .. } = self.settings;
-        let mut mu = barrier.start;
         let has_bounds = bounds.lower.iter().chain(&bounds.upper).any(|bound| bound.is_finite());
         if !has_bounds {
             mu = 0.0;
@@ -309,7 +332,7 @@ impl Solver {
                 regularisation,
                 length,
             };
-            let stopped = observer(seen).is_break();
+            let stopped = observer(&self.iterate, seen).is_break();
             if error.largest() <= tolerance {
                 return Ok((Status::Solved, error, number));
             }
@@ -344,9 +367,14 @@ impl Solver {
                     mu = barrier.next(mu, tolerance);
                     self.filter.clear();
                 }
+                Search::Failed if self.is_tiny() => return Ok((Status::SolvedToRounding, error, number)),
+                Search::Failed if self.is_restoring || seen.violation <= tolerance => {
+                    return Ok((Status::Stalled, error, number));
+                }
                 Search::Failed => {
-                    let status = if self.is_tiny() { Status::SolvedToRounding } else { Status::Stalled };
-                    return Ok((status, error, number));
+                    if let Err(status) = self.restore(problem, bounds, mu)? {
+                        return Ok((status, error, number));
+                    }
                 }
             }
         }
@@ -433,6 +461,77 @@ impl Solver {
                 return Ok(Search::Failed);
             }
         }
+    }
+
+    /// Looks for a point with less violation that the filter accepts; else how the solution ends.
+    fn restore<P: StagedProblem>(
+        &mut self,
+        problem: &mut Scaled<'_, P>,
+        bounds: &Bounds,
+        mu: f64,
+    ) -> Result<Result<(), Status>, SolveError<P::Error>> {
+        let current =
+            Measure { violation: self.iterate.violation(), objective: self.iterate.barrier(bounds, mu) };
+        self.filter.add(current);
+        let (layout, mut settings) = (self.layout.clone(), self.settings);
+        // Elastic variables start where their conditions hold, close to zero if need be.
+        settings.barrier.inside = [f64::MIN_POSITIVE; 2];
+        settings.tolerance = settings.tolerance.max(LEAST_VIOLATION);
+        let len = self.iterate.point.len();
+        let (places, solver) = &mut **self.restoration.get_or_insert_with(|| {
+            let places = Places::new(&layout);
+            let len = places.layout.steps() + len;
+            let solver = Self { is_restoring: true, ..Self::for_points(&places.layout, len, settings) };
+            Box::new((places, solver))
+        });
+        let centre = self.iterate.point.clone();
+        let mut slacks = self.iterate.slacks.clone();
+        let mut most = RESTORED * current.violation;
+        let start_mu = mu.max(current.violation.min(1.0));
+        loop {
+            let mut elastic = Elastic::new(&mut *problem.problem, places, &centre);
+            let start = elastic.start(&self.iterate.values, &self.iterate.slacks, start_mu);
+            let scales = elastic.step_scales().to_vec();
+            let mut scaled = Scaled::new(&mut elastic);
+            let elastic_bounds = Bounds::new(scaled.bounds());
+            solver.begin(&mut scaled, &elastic_bounds, &start, start_mu)?;
+            let mut violation = current.violation;
+            let mut stop_below = |iterate: &Iterate, _: Iteration| {
+                violation = places.violation(&layout, &scales, iterate, &mut slacks);
+                if violation <= most { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            };
+            let (status, ..) =
+                solver.iterate_to_end(&mut scaled, &elastic_bounds, start_mu, &mut stop_below)?;
+            let point = elastic.original_point(&solver.iterate.point).to_vec();
+            if status != Status::Stopped && violation > most {
+                let is_minimum = matches!(status, Status::Solved | Status::SolvedToRounding);
+                return Ok(Err(if is_minimum { Status::LocallyInfeasible } else { Status::Stalled }));
+            }
+            let trial = &mut self.trial;
+            trial.point.copy_from_slice(&point);
+            problem.evaluate(&trial.point, &mut trial.values)?;
+            for (i, slack) in trial.slacks.iter_mut().enumerate() {
+                *slack = slacks[i].clamp(bounds.lower[i], bounds.upper[i]);
+            }
+            let measure = Measure { violation: trial.violation(), objective: trial.barrier(bounds, mu) };
+            if self.filter.accepts(measure) {
+                break;
+            }
+            most *= RESTORED;
+            if most <= f64::MIN_POSITIVE {
+                return Ok(Err(Status::Stalled));
+            }
+        }
+        for i in 0..self.trial.slacks.len() {
+            let gaps = bounds.gaps(&self.trial.slacks, i);
+            for (z, gap) in self.trial.z.iter_mut().zip(gaps) {
+                z[i] = if gap.is_finite() { (mu / gap).min(LARGEST_ESTIMATE) } else { 0.0 };
+            }
+            self.trial.v[i] = self.trial.z[1][i] - self.trial.z[0][i];
+        }
+        std::mem::swap(&mut self.iterate, &mut self.trial);
+        self.estimate_multipliers(problem)?;
+        Ok(Ok(()))
     }
 
     /// Second-order corrections of a step of length alpha: Waechter and Biegler 2006, section 2.4.

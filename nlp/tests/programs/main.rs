@@ -5,4 +5,5 @@
 mod by_duals;
 mod closed_forms;
 mod collocation;
+mod hard;
 mod published;

@@ -1,0 +1,388 @@
+//! Restoration: the least violation near a point, as a staged program of its own.
+//!
+//! $$ \min \sum_i (p_i + n_i) + \tfrac12 \zeta \| D (z - z_R) \|^2 \quad \text{subject to} \quad
+//! c - p + n = 0, \qquad l \le g - p + n \le u, \qquad p, n \ge 0 $$
+//!
+//! Waechter and Biegler 2006, section 3.3. The elastic variables p and n of a row are unknowns of an interval
+//! that it belongs to, those of both ends are shared: the rows of nodes become rows of intervals.
+
+use crate::blocks::{Block, Blocks, Values, Weights};
+use crate::iterate::Iterate;
+use crate::layout::{Element, Layout, Rows};
+use crate::problem::{Scales, StagedProblem};
+use std::error::Error;
+use std::ops::Range;
+
+/// zeta, for displacements and violations in units of their scales. IPOPT has sqrt(mu) / 1000, which rounding
+/// hides beside the curvatures z / s of ranges that are held: minima that are not strict are then found slowly.
+const PROXIMITY: f64 = 1e-3;
+
+/// The elastic program of another one, about its point `centre`.
+pub(crate) struct Elastic<'a, E> {
+    original: &'a mut dyn StagedProblem<Error = E>,
+    places: &'a Places,
+    centre: &'a [f64],
+    /// Of z, from the centre; zeta D^2.
+    displacement: Vec<f64>,
+    proximity: Vec<f64>,
+    values: Values,
+    blocks: Blocks,
+    /// Rows of the original program.
+    weights: [Vec<f64>; 2],
+    bounds: [Vec<f64>; 2],
+    scales: Scales,
+}
+
+/// Where the rows and unknowns of a program stand in its elastic one.
+#[derive(Clone, Debug)]
+pub(crate) struct Places {
+    pub layout: Layout,
+    /// For each element of the program: the element that takes its rows, the first of its equations and ranges there,
+    /// and the first of its elastic variables among all unknowns.
+    parts: Vec<Part>,
+    /// The unknowns of the program among those of the elastic one.
+    unknowns: Vec<usize>,
+}
+
+#[derive(Clone, Debug)]
+struct Part {
+    element: Element,
+    to: Element,
+    /// Its equations and ranges among the rows of `to`.
+    rows: Rows,
+    /// Two for each of its equations, then for each of its ranges.
+    elastic: Range<usize>,
+    /// Columns of its unknowns in the block of `to`, then those of the elastic variables.
+    columns: Vec<usize>,
+    elastic_columns: Range<usize>,
+}
+
+impl Places {
+    pub fn new(layout: &Layout) -> Self {
+        let last = layout.intervals();
+        // A single node has no interval: its elastic variables are shared.
+        let target = |element| match element {
+            Element::Node(k) if last > 0 => Element::Interval(k.min(last - 1)),
+            Element::Node(_) => Element::Ends,
+            other => other,
+        };
+        let elastic_of = |rows: Rows| 2 * (rows.equalities + rows.ranges);
+        let mut private: Vec<usize> = (0..last).map(|k| layout.private(k).len()).collect();
+        let mut shared = layout.shared().len();
+        let mut rows = vec![Rows::default(); 2 * last + 2];
+        let mut parts = Vec::new();
+        for element in layout.elements() {
+            let (own, to) = (layout.rows(element), target(element));
+            let taken = &mut rows[layout.position(to)];
+            let first = *taken;
+            *taken =
+                Rows::new(taken.equalities + own.equalities, taken.ranges + own.ranges + elastic_of(own));
+            let count = match to {
+                Element::Interval(k) => &mut private[k],
+                _ => &mut shared,
+            };
+            let start = *count;
+            *count += elastic_of(own);
+            parts.push(Part {
+                element,
+                to,
+                rows: first,
+                elastic: start..*count,
+                columns: Vec::new(),
+                elastic_columns: 0..0,
+            });
+        }
+        let nodes = (0..=last).map(|k| layout.node(k).len()).collect();
+        let mut elastic = Layout::new(nodes, private, shared);
+        for (element, rows) in layout.elements().zip(rows) {
+            elastic = elastic.with_rows(element, rows);
+        }
+        if layout.couples_ends() {
+            elastic = elastic.with_cost_of_ends();
+        }
+        let mut unknowns = Vec::new();
+        for k in 0..=last {
+            unknowns.extend(elastic.node(k));
+            if k < last {
+                unknowns.extend(elastic.private(k).take(layout.private(k).len()));
+            }
+        }
+        unknowns.extend(elastic.shared().take(layout.shared().len()));
+        for part in &mut parts {
+            let all: Vec<usize> = elastic.unknowns(part.to).into_iter().flatten().collect();
+            let place = |unknown: usize| all.iter().position(|&other| other == unknown).unwrap_or(usize::MAX);
+            let own = layout.unknowns(part.element).into_iter().flatten();
+            part.columns = own.map(|unknown| place(unknowns[unknown])).collect();
+            let start = match part.to {
+                Element::Interval(k) => elastic.private(k).start,
+                _ => elastic.shared().start,
+            };
+            part.elastic = start + part.elastic.start..start + part.elastic.end;
+            if !part.elastic.is_empty() {
+                let first = place(part.elastic.start);
+                part.elastic_columns = first..first + part.elastic.len();
+            }
+        }
+        Self { layout: elastic, parts, unknowns }
+    }
+
+    /// The displacement of the program's point in a step of the elastic one.
+    fn take(&self, from: &[f64], to: &mut [f64]) {
+        to.iter_mut().zip(&self.unknowns).for_each(|(to, &place)| *to = from[place]);
+    }
+
+    /// The violation of the program at an iterate of the elastic one, both scaled: `sum |c| + sum |g - s|`, with s the
+    /// slacks of the ranges there, which go to `slacks`.
+    pub fn violation(&self, layout: &Layout, scales: &[f64], iterate: &Iterate, slacks: &mut [f64]) -> f64 {
+        let mut sum = 0.0;
+        for part in &self.parts {
+            let (equalities, ranges) = (layout.equalities_of(part.element), layout.ranges_of(part.element));
+            let first_equality = self.layout.equalities_of(part.to).start + part.rows.equalities;
+            let first_range = self.layout.ranges_of(part.to).start + part.rows.ranges;
+            let elastic = |i: usize| {
+                let p = part.elastic.start + 2 * i;
+                (iterate.point[p] - iterate.point[p + 1]) / scales[p]
+            };
+            for i in 0..equalities.len() {
+                sum += (iterate.values.equalities[first_equality + i] + elastic(i)).abs();
+            }
+            for (i, row) in ranges.clone().enumerate() {
+                let slack = iterate.slacks[first_range + i];
+                slacks[row] = slack;
+                sum += (iterate.values.ranges[first_range + i] + elastic(equalities.len() + i) - slack).abs();
+            }
+        }
+        sum
+    }
+
+    /// For each equation and each range of the program, its elastic variables p and n in a point.
+    pub fn elastic<'a>(&'a self, layout: &'a Layout) -> impl Iterator<Item = (bool, usize, [usize; 2])> + 'a {
+        self.parts.iter().flat_map(move |part| {
+            let (equalities, ranges) = (layout.equalities_of(part.element), layout.ranges_of(part.element));
+            let rows = equalities.map(|row| (true, row)).chain(ranges.map(|row| (false, row)));
+            rows.zip(part.elastic.clone().step_by(2))
+                .map(|((is_equality, row), p)| (is_equality, row, [p, p + 1]))
+        })
+    }
+}
+
+impl<'a, E: Error> Elastic<'a, E> {
+    /// About the point of an iterate.
+    pub fn new(
+        original: &'a mut dyn StagedProblem<Error = E>,
+        places: &'a Places,
+        centre: &'a [f64],
+    ) -> Self {
+        let layout = original.layout();
+        let (n, m, r) = (layout.steps(), layout.equalities(), layout.ranges());
+        let ones =
+            || Scales { cost: 1.0, steps: vec![1.0; n], equalities: vec![1.0; m], ranges: vec![1.0; r] };
+        let of_original = original.scales().cloned().unwrap_or_else(ones);
+        let all = &places.layout;
+        let mut scales = Scales {
+            cost: 1.0,
+            steps: vec![1.0; all.steps()],
+            equalities: vec![1.0; all.equalities()],
+            ranges: vec![1.0; all.ranges()],
+        };
+        let mut bounds = [vec![0.0; all.ranges()], vec![f64::INFINITY; all.ranges()]];
+        for (&place, &scale) in places.unknowns.iter().zip(&of_original.steps) {
+            scales.steps[place] = scale;
+        }
+        let [lower, upper] = original.bounds();
+        for part in &places.parts {
+            let (equalities, ranges) = (layout.equalities_of(part.element), layout.ranges_of(part.element));
+            let first = all.equalities_of(part.to).start + part.rows.equalities;
+            scales.equalities[first..first + equalities.len()]
+                .copy_from_slice(&of_original.equalities[equalities.clone()]);
+            let first = all.ranges_of(part.to).start + part.rows.ranges;
+            scales.ranges[first..first + ranges.len()].copy_from_slice(&of_original.ranges[ranges.clone()]);
+            bounds[0][first..first + ranges.len()].copy_from_slice(&lower[ranges.clone()]);
+            bounds[1][first..first + ranges.len()].copy_from_slice(&upper[ranges.clone()]);
+            let of_rows =
+                of_original.equalities[equalities].iter().chain(&of_original.ranges[ranges.clone()]);
+            for (i, (&scale, p)) in of_rows.zip(part.elastic.clone().step_by(2)).enumerate() {
+                for side in 0..2 {
+                    scales.steps[p + side] = scale;
+                    scales.ranges[first + ranges.len() + 2 * i + side] = scale;
+                }
+            }
+        }
+        // D measures in units of the scales, and of the size of the point where that is larger.
+        let proximity = of_original.steps.iter().map(|scale| PROXIMITY / (scale * scale)).collect();
+        Self {
+            places,
+            centre,
+            displacement: vec![0.0; n],
+            proximity,
+            values: Values::new(layout),
+            blocks: Blocks::new(layout),
+            weights: [vec![0.0; m], vec![0.0; r]],
+            bounds,
+            scales,
+            original,
+        }
+    }
+
+    /// The start: the centre, with elastic variables that satisfy all rows, and the conditions of optimality of p and n at
+    /// the barrier parameter mu. Values and slacks are those of the scaled program.
+    pub fn start(&self, values: &Values, slacks: &[f64], mu: f64) -> Vec<f64> {
+        let layout = self.original.layout();
+        let mut point = vec![0.0; self.places.layout.steps() + self.centre.len()];
+        let shift = self.places.layout.steps();
+        for (is_equality, row, [p, n]) in self.places.elastic(layout) {
+            let c = if is_equality { values.equalities[row] } else { values.ranges[row] - slacks[row] };
+            let scale = self.scales.steps[p];
+            // (31) to (33).
+            let half = 0.5 * (mu - c);
+            let negative = half + (half * half + 0.5 * mu * c).max(0.0).sqrt();
+            (point[p], point[n]) = ((c + negative) * scale, negative * scale);
+        }
+        point[shift..].copy_from_slice(self.centre);
+        point
+    }
+
+    /// Typical sizes of steps.
+    pub fn step_scales(&self) -> &[f64] {
+        &self.scales.steps
+    }
+
+    /// The point of the program in one of the elastic one.
+    pub fn original_point<'b>(&self, point: &'b [f64]) -> &'b [f64] {
+        &point[self.places.layout.steps()..]
+    }
+}
+
+/// A point has the elastic variables and displacements of all other unknowns from the centre in its first entries, and
+/// the point of the program in the last ones.
+impl<E: Error> StagedProblem for Elastic<'_, E> {
+    type Error = E;
+
+    fn layout(&self) -> &Layout {
+        &self.places.layout
+    }
+
+    fn bounds(&self) -> [&[f64]; 2] {
+        let [lower, upper] = &self.bounds;
+        [lower, upper]
+    }
+
+    fn point_len(&self) -> usize {
+        self.places.layout.steps() + self.centre.len()
+    }
+
+    fn scales(&self) -> Option<&Scales> {
+        Some(&self.scales)
+    }
+
+    fn retract(&self, point: &[f64], step: &[f64], moved: &mut [f64]) {
+        let n = step.len();
+        for ((to, from), step) in moved[..n].iter_mut().zip(point).zip(step) {
+            *to = from + step;
+        }
+        // From the current point, not from the centre: displacements of manifolds do not add up.
+        let mut own = vec![0.0; self.places.unknowns.len()];
+        self.places.take(step, &mut own);
+        self.original.retract(&point[n..], &own, &mut moved[n..]);
+    }
+
+    fn evaluate(&mut self, point: &[f64], values: &mut Values) -> Result<(), E> {
+        let n = self.places.layout.steps();
+        self.original.evaluate(&point[n..], &mut self.values)?;
+        self.places.take(point, &mut self.displacement);
+        let squares = self.displacement.iter().zip(&self.proximity).map(|(d, weight)| weight * d * d);
+        values.cost = 0.5 * squares.sum::<f64>();
+        let layout = self.original.layout();
+        for part in &self.places.parts {
+            let (equalities, ranges) = (layout.equalities_of(part.element), layout.ranges_of(part.element));
+            let first_equality = self.places.layout.equalities_of(part.to).start + part.rows.equalities;
+            let first_range = self.places.layout.ranges_of(part.to).start + part.rows.ranges;
+            let of_rows =
+                self.values.equalities[equalities.clone()].iter().chain(&self.values.ranges[ranges.clone()]);
+            for (i, (&value, p)) in of_rows.zip(part.elastic.clone().step_by(2)).enumerate() {
+                let moved = value - point[p] + point[p + 1];
+                match i.checked_sub(equalities.len()) {
+                    None => values.equalities[first_equality + i] = moved,
+                    Some(i) => values.ranges[first_range + i] = moved,
+                }
+                for side in 0..2 {
+                    values.ranges[first_range + ranges.len() + 2 * i + side] = point[p + side];
+                    values.cost += point[p + side] / self.scales.steps[p + side];
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn linearise(&mut self, point: &[f64], weights: Weights<'_>, blocks: &mut Blocks) -> Result<(), E> {
+        let Self { original, places, displacement, proximity, blocks: own, weights: [y, v], scales, .. } =
+            self;
+        let (all, n) = (&places.layout, places.layout.steps());
+        {
+            let layout = original.layout();
+            for part in &places.parts {
+                let (equalities, ranges) =
+                    (layout.equalities_of(part.element), layout.ranges_of(part.element));
+                let first = all.equalities_of(part.to).start + part.rows.equalities;
+                y[equalities.clone()].copy_from_slice(&weights.equalities[first..first + equalities.len()]);
+                let first = all.ranges_of(part.to).start + part.rows.ranges;
+                v[ranges.clone()].copy_from_slice(&weights.ranges[first..first + ranges.len()]);
+            }
+        }
+        own.fill_zero();
+        original.linearise(&point[n..], Weights { cost: 0.0, equalities: y, ranges: v }, own)?;
+        places.take(point, displacement);
+        let layout = original.layout();
+        for (part, block) in places.parts.iter().zip(own.all()) {
+            let to = blocks.of(part.to);
+            add_block(part, block, layout.rows(part.element), to);
+            for (column, p) in part.elastic_columns.clone().zip(part.elastic.clone()) {
+                to.gradient[column] += scales.steps[p].recip();
+            }
+        }
+        // The distance from the centre, once for each unknown: in the first element that has it.
+        let mut is_done = vec![false; proximity.len()];
+        for part in &places.parts {
+            let block = blocks.of(part.to);
+            let unknowns = layout.unknowns(part.element).into_iter().flatten();
+            for (unknown, &column) in unknowns.zip(&part.columns) {
+                if !std::mem::replace(&mut is_done[unknown], true) {
+                    block.gradient[column] += proximity[unknown] * displacement[unknown];
+                    block.hessian[(column, column)] += weights.cost * proximity[unknown];
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Adds the rows of an element, and their elastic variables; nothing of its cost.
+fn add_block(part: &Part, from: &Block, rows: Rows, to: &mut Block) {
+    let columns = &part.columns;
+    for (i, &row) in columns.iter().enumerate() {
+        for (j, &column) in columns[..=i].iter().enumerate() {
+            to.hessian[(row.max(column), row.min(column))] += from.hessian[(i, j)];
+        }
+    }
+    let elastic = part.elastic_columns.start;
+    for i in 0..rows.equalities {
+        let at = part.rows.equalities + i;
+        for (&column, &entry) in columns.iter().zip(from.equalities.row(i)) {
+            to.equalities[(at, column)] += entry;
+        }
+        to.equalities[(at, elastic + 2 * i)] = -1.0;
+        to.equalities[(at, elastic + 2 * i + 1)] = 1.0;
+    }
+    for i in 0..rows.ranges {
+        let at = part.rows.ranges + i;
+        for (&column, &entry) in columns.iter().zip(from.ranges.row(i)) {
+            to.ranges[(at, column)] += entry;
+        }
+        let first = elastic + 2 * (rows.equalities + i);
+        to.ranges[(at, first)] = -1.0;
+        to.ranges[(at, first + 1)] = 1.0;
+    }
+    for i in 0..part.elastic_columns.len() {
+        to.ranges[(part.rows.ranges + rows.ranges + i, elastic + i)] = 1.0;
+    }
+}

@@ -1,0 +1,130 @@
+//! Programs that need restoration, have no solution, or have equations that depend on others.
+
+use super::by_duals::{ByDuals, Functions, Number, Parts};
+use costate_nlp::{Element, Layout, Rows, Settings, Solver, StagedProblem, Status};
+
+/// A program of one node.
+struct Small<F, const RANGES: usize> {
+    unknowns: usize,
+    equations: usize,
+    bounds: [[f64; 2]; RANGES],
+    of: F,
+}
+
+/// Functions of one node for all numbers.
+trait OfNode {
+    fn of<D: Number>(&self, x: &[D]) -> Parts<D>;
+}
+
+impl<F: OfNode, const RANGES: usize> Functions for Small<F, RANGES> {
+    fn layout(&self) -> Layout {
+        let rows = Rows::new(self.equations, RANGES);
+        Layout::new(vec![self.unknowns], Vec::new(), 0).with_rows(Element::Node(0), rows)
+    }
+    fn bounds(&self, element: Element) -> Vec<[f64; 2]> {
+        if element == Element::Node(0) { self.bounds.to_vec() } else { Vec::new() }
+    }
+    fn of<D: Number>(&self, element: Element, z: &[D]) -> Parts<D> {
+        if element == Element::Node(0) { self.of.of(z) } else { Parts::none() }
+    }
+}
+
+const ABOVE_ZERO: [f64; 2] = [0.0, f64::INFINITY];
+
+/// `min x_1` with `x_1^2 - x_2 = 1`, `x_1 - x_3 = 1/2`, `x_2, x_3 >= 0`: interior-point methods that only shorten
+/// steps fail from (-2, 3, 1) (Waechter and Biegler, "Failure of global convergence for a class of interior point
+/// methods", Mathematical Programming 88 (2000), 565-574).
+struct Failure;
+
+impl OfNode for Failure {
+    fn of<D: Number>(&self, x: &[D]) -> Parts<D> {
+        Parts {
+            cost: x[0],
+            equalities: vec![x[0] * x[0] - x[1] - 1.0, x[0] - x[2] - 0.5],
+            ranges: vec![x[1], x[2]],
+        }
+    }
+}
+
+#[test]
+fn steps_that_end_at_a_bound_are_restored() {
+    let small = Small { unknowns: 3, equations: 2, bounds: [ABOVE_ZERO; 2], of: Failure };
+    let mut problem = ByDuals::new(small);
+    let mut solver = Solver::new(problem.layout(), Settings::default());
+    let solution = solver.solve(&mut problem, &[-2.0, 3.0, 1.0]).unwrap();
+    assert_eq!(solution.status, Status::Solved, "{solution:?}");
+    assert!((solution.cost - 1.0).abs() < 1e-7, "{solution:?}");
+}
+
+/// `x^2 + 1 = 0`, and `y = 3` with `y <= 2`.
+struct Contradiction(bool);
+
+impl OfNode for Contradiction {
+    fn of<D: Number>(&self, x: &[D]) -> Parts<D> {
+        let equation = if self.0 { x[0] * x[0] + 1.0 } else { x[1] - 3.0 };
+        Parts { cost: x[0] * x[0] + x[1] * x[1], equalities: vec![equation], ranges: vec![x[1]] }
+    }
+}
+
+#[test]
+fn what_has_no_solution_ends_at_the_least_violation() {
+    for of_x in [true, false] {
+        let small = Small { unknowns: 2, equations: 1, bounds: [[-2.0, 2.0]], of: Contradiction(of_x) };
+        let mut problem = ByDuals::new(small);
+        let mut solver = Solver::new(problem.layout(), Settings::default());
+        let solution = solver.solve(&mut problem, &[1.5, 1.0]).unwrap();
+        assert_eq!(solution.status, Status::LocallyInfeasible, "{of_x}: {solution:?}");
+    }
+}
+
+/// Rosenbrock's function on a circle, the equation of which stands there twice.
+struct Twice;
+
+impl OfNode for Twice {
+    fn of<D: Number>(&self, x: &[D]) -> Parts<D> {
+        let (a, b) = (-x[0] + 1.0, x[1] - x[0] * x[0]);
+        let circle = x[0] * x[0] + x[1] * x[1] - 1.0;
+        Parts { cost: a * a + b * b * 100.0, equalities: vec![circle, circle * 3.0], ranges: Vec::new() }
+    }
+}
+
+#[test]
+fn equations_that_repeat_others_are_named() {
+    let small = Small { unknowns: 2, equations: 2, bounds: [], of: Twice };
+    let mut problem = ByDuals::new(small);
+    let mut solver = Solver::new(problem.layout(), Settings::default());
+    let solution = solver.solve(&mut problem, &[0.5, 0.5]).unwrap();
+    assert_eq!(solution.status, Status::Solved, "{solution:?}");
+    assert_eq!(solution.dependent.len(), 1, "{solution:?}");
+    // The minimum on the circle: x = 0.78641515, y = 0.61769831 by elimination of y.
+    let [x, y] = [solution.point[0], solution.point[1]];
+    assert!((x - 0.786_415_15).abs() < 1e-7 && (y - 0.617_698_31).abs() < 1e-7, "{x} {y}");
+}
+
+/// Hock and Schittkowski, "Test examples for nonlinear programming codes", problem 71.
+struct Hs71;
+
+impl OfNode for Hs71 {
+    fn of<D: Number>(&self, x: &[D]) -> Parts<D> {
+        let square = x.iter().fold(D::from(0.0), |sum, &x| sum + x * x);
+        Parts {
+            cost: x[0] * x[3] * (x[0] + x[1] + x[2]) + x[2],
+            equalities: vec![square - 40.0],
+            ranges: vec![x[0] * x[1] * x[2] * x[3], x[0], x[1], x[2], x[3]],
+        }
+    }
+}
+
+#[test]
+fn problem_71_of_hock_and_schittkowski() {
+    let box_of = [1.0, 5.0];
+    let bounds = [[25.0, f64::INFINITY], box_of, box_of, box_of, box_of];
+    let mut problem = ByDuals::new(Small { unknowns: 4, equations: 1, bounds, of: Hs71 });
+    let mut solver = Solver::new(problem.layout(), Settings::default());
+    let solution = solver.solve(&mut problem, &[1.0, 5.0, 5.0, 1.0]).unwrap();
+    assert_eq!(solution.status, Status::Solved, "{solution:?}");
+    assert!((solution.cost - 17.014_017_3).abs() < 1e-6, "{solution:?}");
+    assert!(solution.iterations <= 12, "{solution:?}");
+    // At its lower bound, and inside.
+    assert!(solution.ranges[0] < -0.1 && solution.ranges[1] < -0.1 && solution.ranges[2].abs() < 1e-6);
+}
