@@ -144,20 +144,6 @@ impl Iterate {
         }
     }
 
-    pub fn copy_from(&mut self, other: &Self) {
-        let pairs = [
-            (&mut self.point, &other.point),
-            (&mut self.slacks, &other.slacks),
-            (&mut self.y, &other.y),
-            (&mut self.v, &other.v),
-            (&mut self.values.equalities, &other.values.equalities),
-            (&mut self.values.ranges, &other.values.ranges),
-        ];
-        pairs.into_iter().for_each(|(to, from)| to.copy_from_slice(from));
-        self.z.iter_mut().zip(&other.z).for_each(|(to, from)| to.copy_from_slice(from));
-        self.values.cost = other.values.cost;
-    }
-
     /// `sum |c| + sum |g - s|`.
     pub fn violation(&self) -> f64 {
         let rows = self.values.equalities.iter().map(|c| c.abs());

@@ -3,8 +3,10 @@
 #![warn(missing_debug_implementations)]
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::panic))]
 
+mod active;
 mod barrier;
 mod blocks;
+mod certify;
 mod filter;
 mod iterate;
 mod kkt;
@@ -16,6 +18,7 @@ mod restoration;
 mod scaled;
 mod solve;
 
+pub use active::{Certificate, Changes, Held};
 pub use barrier::BarrierSettings;
 pub use blocks::{Block, Blocks, Dense, Values, Weights};
 pub use filter::FilterSettings;

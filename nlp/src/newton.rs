@@ -62,7 +62,7 @@ pub(crate) struct Newton {
     hessians: Vec<Dense>,
     /// Sigma.
     weights: Vec<f64>,
-    /// Added to the diagonal of W.
+    /// Added to the diagonal of W, and zeros.
     diagonal: Vec<f64>,
     settings: RegularisationSettings,
     /// The regularisation that worked last, and the one in use.
@@ -85,7 +85,7 @@ impl Newton {
             chain: Chain::new(layout),
             hessians: layout.elements().map(|element| Dense::zeros(width(element), width(element))).collect(),
             weights: vec![0.0; layout.ranges()],
-            diagonal: vec![0.0; layout.steps()],
+            diagonal: vec![0.0; layout.steps() + layout.equalities()],
             settings,
             remembered: 0.0,
             regularisation: 0.0,
@@ -128,8 +128,9 @@ impl Newton {
             self.settings;
         let mut delta = 0.0;
         loop {
-            self.diagonal.fill(delta);
-            self.inertia = self.chain.factorise((blocks.all(), &self.hessians), &self.diagonal, 0.0);
+            self.diagonal[..layout.steps()].fill(delta);
+            let jacobian = |element: usize| &blocks.all()[element].equalities;
+            self.inertia = self.chain.factorise(&self.hessians, jacobian, &self.diagonal);
             if self.is_right(layout) {
                 break;
             }
@@ -154,8 +155,9 @@ impl Newton {
     /// `(1, C'; C, 0) (d; y) = (-slopes; 0)`.
     pub fn estimate(&mut self, layout: &Layout, blocks: &Blocks, slopes: &[f64], step: &mut Step) {
         self.hessians.iter_mut().for_each(|hessian| hessian.entries_mut().fill(0.0));
-        self.diagonal.fill(1.0);
-        self.inertia = self.chain.factorise((blocks.all(), &self.hessians), &self.diagonal, 0.0);
+        self.diagonal[..layout.steps()].fill(1.0);
+        let jacobian = |element: usize| &blocks.all()[element].equalities;
+        self.inertia = self.chain.factorise(&self.hessians, jacobian, &self.diagonal);
         let n = layout.steps();
         self.condensed[..n].iter_mut().zip(slopes).for_each(|(to, slope)| *to = -slope);
         self.condensed[n..].fill(0.0);

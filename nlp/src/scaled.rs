@@ -1,7 +1,6 @@
 //! A program in units of its typical sizes.
 
 use crate::blocks::{Blocks, Values, Weights};
-use crate::layout::Layout;
 use crate::problem::{Scales, StagedProblem};
 
 /// The program that the algorithm works on: every unknown, row and the cost divided by its typical size.
@@ -11,7 +10,7 @@ use crate::problem::{Scales, StagedProblem};
 /// ```
 pub(crate) struct Scaled<'a, P> {
     pub problem: &'a mut P,
-    scales: Scales,
+    pub scales: Scales,
     is_plain: bool,
     /// Weights and a step of the program itself.
     equalities: Vec<f64>,
@@ -30,10 +29,6 @@ impl<'a, P: StagedProblem> Scaled<'a, P> {
         let scales = scales.unwrap_or_else(ones);
         let (equalities, ranges, step) = (vec![0.0; m], vec![0.0; r], vec![0.0; n]);
         Self { problem, scales, is_plain, equalities, ranges, step }
-    }
-
-    pub fn layout(&self) -> &Layout {
-        self.problem.layout()
     }
 
     /// The bounds of the ranges.
@@ -98,15 +93,13 @@ impl<'a, P: StagedProblem> Scaled<'a, P> {
     }
 
     /// Multipliers of the program itself from those of the scaled one: `y = y^ s_f / s_i`.
-    pub fn unscale(&self, equalities: &mut [f64], ranges: [&mut [f64]; 3]) {
+    pub fn unscale(&self, equalities: &mut [f64], ranges: &mut [f64]) {
         let factor = self.scales.cost;
         for (y, scale) in equalities.iter_mut().zip(&self.scales.equalities) {
             *y *= factor / scale;
         }
-        for multipliers in ranges {
-            for (v, scale) in multipliers.iter_mut().zip(&self.scales.ranges) {
-                *v *= factor / scale;
-            }
+        for (v, scale) in ranges.iter_mut().zip(&self.scales.ranges) {
+            *v *= factor / scale;
         }
     }
 

@@ -2,6 +2,7 @@
 //!
 //! Waechter and Biegler 2006, with the pivots of the stages in place of a general factorisation.
 
+use crate::active::Active;
 use crate::barrier::{BarrierSettings, longest_steps, reset_multipliers, slope};
 use crate::blocks::{Blocks, Weights};
 use crate::filter::{Acceptance, Filter, FilterSettings, Measure};
@@ -111,12 +112,12 @@ const LARGEST_ESTIMATE: f64 = 1e3;
 /// ```
 #[derive(Clone, Debug)]
 pub struct Solver {
-    layout: Layout,
+    pub(crate) layout: Layout,
     settings: Settings,
-    iterate: Iterate,
-    trial: Iterate,
-    blocks: Blocks,
-    residuals: Residuals,
+    pub(crate) iterate: Iterate,
+    pub(crate) trial: Iterate,
+    pub(crate) blocks: Blocks,
+    pub(crate) residuals: Residuals,
     /// Right-hand sides of second-order corrections.
     corrected: Residuals,
     newton: Newton,
@@ -124,6 +125,10 @@ pub struct Solver {
     correction: Step,
     filter: Filter,
     dependent: Vec<usize>,
+    /// Multipliers of the program itself: the iterate has those of the scaled one.
+    multipliers: [Vec<f64>; 2],
+    /// The factorisation at a solution, once it was asked for.
+    pub(crate) active: Option<Box<Active>>,
     /// The elastic program and its solver, once they were needed.
     restoration: Option<Box<(Places, Solver)>>,
     /// Whether this is that solver.
@@ -158,6 +163,8 @@ impl Solver {
             correction: Step::zeros(layout),
             filter: Filter::new(settings.filter),
             dependent: Vec::with_capacity(layout.equalities()),
+            multipliers: [vec![0.0; layout.equalities()], vec![0.0; layout.ranges()]],
+            active: None,
             restoration: None,
             is_restoring: false,
             layout: layout.clone(),
@@ -196,10 +203,12 @@ impl Solver {
         let Self { iterate, newton, dependent, layout, .. } = self;
         dependent.clear();
         dependent.extend(newton.dependent(layout));
-        let [lower, upper] = &mut iterate.z;
-        scaled.unscale(&mut iterate.y, [&mut iterate.v, lower, upper]);
+        let [y, v] = &mut self.multipliers;
+        y.copy_from_slice(&iterate.y);
+        v.copy_from_slice(&iterate.v);
+        scaled.unscale(y, v);
         let cost = scaled.unscaled_cost(iterate.values.cost);
-        let Iterate { point, y, v, .. } = &self.iterate;
+        let ([y, v], point) = (&self.multipliers, &self.iterate.point);
         Ok(Solution {
             status,
             point,
@@ -212,7 +221,11 @@ impl Solver {
         })
     }
 
-    fn check<P: StagedProblem>(&self, problem: &P, start: &[f64]) -> Result<(), SolveError<P::Error>> {
+    pub(crate) fn check<P: StagedProblem>(
+        &self,
+        problem: &P,
+        start: &[f64],
+    ) -> Result<(), SolveError<P::Error>> {
         if *problem.layout() != self.layout {
             return Err(SolveError::Layout);
         }
@@ -220,8 +233,8 @@ impl Solver {
             true => Ok(()),
             false => Err(SolveError::Length { what, found, expected }),
         };
-        length("the program's point", self.iterate.point.len(), problem.point_len())?;
-        length("the start", self.iterate.point.len(), start.len())?;
+        length("the program's point", self.trial.point.len(), problem.point_len())?;
+        length("the start", self.trial.point.len(), start.len())?;
         let [lower, upper] = problem.bounds();
         length("the lower bounds", self.layout.ranges(), lower.len())?;
         length("the upper bounds", self.layout.ranges(), upper.len())?;
@@ -382,7 +395,7 @@ impl Solver {
     }
 
     /// Derivatives at the iterate, and residuals.
-    fn linearise<P: StagedProblem>(
+    pub(crate) fn linearise<P: StagedProblem>(
         &mut self,
         problem: &mut Scaled<'_, P>,
     ) -> Result<(), SolveError<P::Error>> {

@@ -12,7 +12,7 @@
 //! inertia is the sum over all stages (Haynsworth).
 
 use super::front::{Front, Pivot};
-use crate::blocks::{Block, Dense};
+use crate::blocks::Dense;
 use crate::layout::{Element, Layout};
 
 /// Numbers of positive, negative and zero eigenvalues.
@@ -62,7 +62,6 @@ pub(crate) struct Chain {
     front: Front,
     /// Schur complement of the last stage: its rows, sizes of their columns, and the lower triangle by columns.
     carried: Carried,
-    steps: usize,
     has_equalities: bool,
     inertia: Inertia,
     /// Rows with zero pivots.
@@ -127,7 +126,6 @@ impl Chain {
             stages,
             front,
             carried: Carried::default(),
-            steps,
             has_equalities: layout.equalities() > 0,
             inertia: Inertia::default(),
             zeros: Vec::new(),
@@ -135,20 +133,19 @@ impl Chain {
         }
     }
 
-    /// Factors the matrix of these blocks: W are `hessians`, the lower triangles of the Hessians with what is
-    /// condensed into them, by element; `diagonal` is added to W, `dual` subtracted from the diagonal of the
-    /// equations. Without equations and if `definite`, pivots are not chosen: the matrix should be positive
-    /// definite, and the inertia shows whether it is.
-    pub fn factorise(
+    /// Factors the matrix. By element: the lower triangles of W, and the Jacobians of the equations; `diagonal` is
+    /// added to that of all rows. Without equations pivots are not chosen: the matrix should be positive definite,
+    /// and the inertia shows whether it is.
+    pub fn factorise<'a>(
         &mut self,
-        (blocks, hessians): (&[Block], &[Dense]),
+        hessians: &[Dense],
+        jacobian: impl Fn(usize) -> &'a Dense,
         diagonal: &[f64],
-        dual: f64,
     ) -> Inertia {
         self.inertia = Inertia::default();
         self.zeros.clear();
         let definite = !self.has_equalities;
-        let Self { stages, front, carried, steps, inertia, zeros, .. } = self;
+        let Self { stages, front, carried, inertia, zeros, .. } = self;
         carried.clear();
         let count = stages.len();
         for (k, stage) in stages.iter_mut().enumerate() {
@@ -162,15 +159,10 @@ impl Chain {
             factors.rows.extend(own.iter().chain(&*shared));
             carried.add_to(front, &factors.rows[delayed..], delayed);
             for part in parts {
-                add_part(front, part, (&blocks[part.element], &hessians[part.element]), delayed);
+                add_part(front, part, (&hessians[part.element], jacobian(part.element)), delayed);
             }
             for (place, &row) in own.iter().enumerate() {
-                let place = delayed + place;
-                if row < *steps {
-                    front.add(place, place, diagonal[row]);
-                } else {
-                    front.add(place, place, -dual);
-                }
+                front.add(delayed + place, delayed + place, diagonal[row]);
             }
             front.take_sizes();
             let is_last = k + 1 == count;
@@ -207,7 +199,7 @@ impl Chain {
 }
 
 /// Adds the block of an element.
-fn add_part(front: &mut Front, part: &Assembled, (block, hessian): (&Block, &Dense), delayed: usize) {
+fn add_part(front: &mut Front, part: &Assembled, (hessian, jacobian): (&Dense, &Dense), delayed: usize) {
     let Assembled { columns, equalities, .. } = part;
     for (i, &row) in columns.iter().enumerate() {
         for (j, &column) in columns[..=i].iter().enumerate() {
@@ -215,7 +207,7 @@ fn add_part(front: &mut Front, part: &Assembled, (block, hessian): (&Block, &Den
         }
     }
     for (i, &row) in equalities.iter().enumerate() {
-        for (&column, &entry) in columns.iter().zip(block.equalities.row(i)) {
+        for (&column, &entry) in columns.iter().zip(jacobian.row(i)) {
             front.add(delayed + row, delayed + column, entry);
         }
     }

@@ -86,13 +86,6 @@ impl Front {
         self.entries[column * self.size + row] += value;
     }
 
-    /// Adds to consecutive entries of column j, from row i >= j on.
-    #[inline(always)]
-    pub fn add_column(&mut self, i: usize, j: usize, values: &[f64]) {
-        let start = j * self.size + i;
-        self.entries[start..start + values.len()].iter_mut().zip(values).for_each(|(to, value)| *to += value);
-    }
-
     /// Notes the sizes of columns that were not set before.
     pub fn take_sizes(&mut self) {
         for j in 0..self.size {

@@ -1,18 +1,19 @@
 //! Programs that need restoration, have no solution, or have equations that depend on others.
 
 use super::by_duals::{ByDuals, Functions, Number, Parts};
-use costate_nlp::{Element, Layout, Rows, Settings, Solver, StagedProblem, Status};
+use costate_nlp::{Element, Layout, Rows, Scales, Settings, Solver, StagedProblem, Status};
 
 /// A program of one node.
-struct Small<F, const RANGES: usize> {
-    unknowns: usize,
-    equations: usize,
-    bounds: [[f64; 2]; RANGES],
-    of: F,
+pub struct Small<F, const RANGES: usize> {
+    pub unknowns: usize,
+    pub equations: usize,
+    pub bounds: [[f64; 2]; RANGES],
+    pub of: F,
+    pub scales: Option<Scales>,
 }
 
 /// Functions of one node for all numbers.
-trait OfNode {
+pub trait OfNode {
     fn of<D: Number>(&self, x: &[D]) -> Parts<D>;
 }
 
@@ -26,6 +27,9 @@ impl<F: OfNode, const RANGES: usize> Functions for Small<F, RANGES> {
     }
     fn of<D: Number>(&self, element: Element, z: &[D]) -> Parts<D> {
         if element == Element::Node(0) { self.of.of(z) } else { Parts::none() }
+    }
+    fn scales(&self) -> Option<Scales> {
+        self.scales.clone()
     }
 }
 
@@ -48,7 +52,7 @@ impl OfNode for Failure {
 
 #[test]
 fn steps_that_end_at_a_bound_are_restored() {
-    let small = Small { unknowns: 3, equations: 2, bounds: [ABOVE_ZERO; 2], of: Failure };
+    let small = Small { unknowns: 3, equations: 2, bounds: [ABOVE_ZERO; 2], of: Failure, scales: None };
     let mut problem = ByDuals::new(small);
     let mut solver = Solver::new(problem.layout(), Settings::default());
     let solution = solver.solve(&mut problem, &[-2.0, 3.0, 1.0]).unwrap();
@@ -69,7 +73,8 @@ impl OfNode for Contradiction {
 #[test]
 fn what_has_no_solution_ends_at_the_least_violation() {
     for of_x in [true, false] {
-        let small = Small { unknowns: 2, equations: 1, bounds: [[-2.0, 2.0]], of: Contradiction(of_x) };
+        let small =
+            Small { unknowns: 2, equations: 1, bounds: [[-2.0, 2.0]], of: Contradiction(of_x), scales: None };
         let mut problem = ByDuals::new(small);
         let mut solver = Solver::new(problem.layout(), Settings::default());
         let solution = solver.solve(&mut problem, &[1.5, 1.0]).unwrap();
@@ -90,7 +95,7 @@ impl OfNode for Twice {
 
 #[test]
 fn equations_that_repeat_others_are_named() {
-    let small = Small { unknowns: 2, equations: 2, bounds: [], of: Twice };
+    let small = Small { unknowns: 2, equations: 2, bounds: [], of: Twice, scales: None };
     let mut problem = ByDuals::new(small);
     let mut solver = Solver::new(problem.layout(), Settings::default());
     let solution = solver.solve(&mut problem, &[0.5, 0.5]).unwrap();
@@ -119,7 +124,7 @@ impl OfNode for Hs71 {
 fn problem_71_of_hock_and_schittkowski() {
     let box_of = [1.0, 5.0];
     let bounds = [[25.0, f64::INFINITY], box_of, box_of, box_of, box_of];
-    let mut problem = ByDuals::new(Small { unknowns: 4, equations: 1, bounds, of: Hs71 });
+    let mut problem = ByDuals::new(Small { unknowns: 4, equations: 1, bounds, of: Hs71, scales: None });
     let mut solver = Solver::new(problem.layout(), Settings::default());
     let solution = solver.solve(&mut problem, &[1.0, 5.0, 5.0, 1.0]).unwrap();
     assert_eq!(solution.status, Status::Solved, "{solution:?}");

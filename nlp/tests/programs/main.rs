@@ -7,3 +7,4 @@ mod closed_forms;
 mod collocation;
 mod hard;
 mod published;
+mod second_order;

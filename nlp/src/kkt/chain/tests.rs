@@ -67,7 +67,9 @@ impl Random {
     }
 
     fn factorise(&self, chain: &mut Chain, dual: f64) -> Inertia {
-        chain.factorise((self.blocks.all(), &self.hessians), &self.diagonal, dual)
+        let mut diagonal = self.diagonal.clone();
+        diagonal.resize(self.layout.steps() + self.layout.equalities(), -dual);
+        chain.factorise(&self.hessians, |element| &self.blocks.all()[element].equalities, &diagonal)
     }
 }
 

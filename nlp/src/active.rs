@@ -1,0 +1,238 @@
+//! The set of ranges that are held at a solution: second-order conditions, exact solutions, and their derivatives.
+//!
+//! With the gradients A of all equations and of the ranges that are held, the solution is a strict local minimum
+//! if W is positive definite where `A d = 0`: if
+//!
+//! $$ K = \begin{pmatrix} W & A^T \\\\ A & 0 \end{pmatrix} $$
+//!
+//! has as many positive eigenvalues as there are unknowns. W is that of the Lagrangian alone: neither barrier
+//! terms nor a regularisation are in it. Derivatives of the solution by a parameter solve the same equations.
+
+use crate::blocks::{Blocks, Dense};
+use crate::iterate::{Bounds, Iterate};
+use crate::kkt::{Chain, Inertia};
+use crate::layout::{Layout, Rows};
+use crate::newton::{add_transposed, times};
+
+/// What the second-order conditions say about a solution.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Certificate {
+    /// It is a strict local minimum.
+    LocalMinimum,
+    /// Ranges at their bounds with multipliers close to zero decide: with them it is a minimum, without them it is not.
+    Undecided,
+    /// The cost falls along a direction that keeps all equations and held ranges to first order.
+    NotMinimum,
+}
+
+/// Whether a range is held at a bound.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Held {
+    /// Inside its bounds.
+    Free,
+    /// At a bound, with a multiplier close to zero.
+    Weakly,
+    /// At its lower bound.
+    Lower,
+    /// At its upper bound.
+    Upper,
+}
+
+/// Slacks and multipliers below this, both, decide nothing: in units of the scaled program, relative to the largest
+/// multiplier where that is larger than 1.
+const WEAK: f64 = 1e-4;
+
+/// The factorisation at a solution, with held ranges as equations.
+#[derive(Clone, Debug)]
+pub(crate) struct Active {
+    chain: Chain,
+    /// Which ranges are held.
+    pub held: Vec<Held>,
+    hessians: Vec<Dense>,
+    /// Equations, then ranges; rows of free ranges are zero.
+    jacobians: Vec<Dense>,
+    diagonal: Vec<f64>,
+    right: Vec<f64>,
+    solution: Vec<f64>,
+    residual: Vec<f64>,
+}
+
+/// Changes of a solution, or right-hand sides of their equations.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Changes {
+    /// Of the unknowns, or of the gradient of the Lagrangian.
+    pub x: Vec<f64>,
+    /// Of the multipliers of the equations, or of the equations.
+    pub equalities: Vec<f64>,
+    /// Of the multipliers of the ranges, or of the ranges beside the bounds that hold them.
+    pub ranges: Vec<f64>,
+}
+
+impl Changes {
+    /// Zeros.
+    pub fn zeros(layout: &Layout) -> Self {
+        Self {
+            x: vec![0.0; layout.steps()],
+            equalities: vec![0.0; layout.equalities()],
+            ranges: vec![0.0; layout.ranges()],
+        }
+    }
+}
+
+/// Steps of iterative refinement of changes.
+const REFINEMENTS: usize = 3;
+
+impl Active {
+    pub fn new(layout: &Layout) -> Self {
+        let mut extended = layout.clone();
+        let mut jacobians = Vec::new();
+        for element in layout.elements() {
+            let Rows { equalities, ranges } = layout.rows(element);
+            extended = extended.with_rows(element, Rows::new(equalities + ranges, 0));
+            jacobians.push(Dense::zeros(equalities + ranges, layout.width(element)));
+        }
+        let width = |element| layout.width(element);
+        let size = extended.steps() + extended.equalities();
+        Self {
+            chain: Chain::new(&extended),
+            held: vec![Held::Free; layout.ranges()],
+            hessians: layout.elements().map(|element| Dense::zeros(width(element), width(element))).collect(),
+            jacobians,
+            diagonal: vec![0.0; size],
+            right: vec![0.0; size],
+            solution: vec![0.0; size],
+            residual: vec![0.0; size],
+        }
+    }
+
+    /// Finds which ranges an iterate holds.
+    pub fn hold(&mut self, iterate: &Iterate, bounds: &Bounds) {
+        let largest = iterate.v.iter().fold(1.0, |most: f64, v| most.max(v.abs()));
+        for (i, held) in self.held.iter_mut().enumerate() {
+            // Of both bounds of a narrow range: what they do not cancel.
+            let (v, [below, above]) = (iterate.v[i], bounds.gaps(&iterate.slacks, i));
+            let of = |gap: f64, z: f64, side: Held| match (gap.is_finite(), z > gap) {
+                (true, _) if gap <= WEAK && z <= WEAK * largest => Held::Weakly,
+                (true, true) => side,
+                _ => Held::Free,
+            };
+            *held = match (of(below, -v, Held::Lower), of(above, v, Held::Upper)) {
+                (Held::Free, other) => other,
+                (other, _) => other,
+            };
+        }
+    }
+
+    /// Factors K, with weakly held ranges as equations or without them; whether it has as many positive eigenvalues as
+    /// there are unknowns.
+    pub fn factorise(&mut self, layout: &Layout, blocks: &Blocks, with_weak: bool) -> bool {
+        let holds = |held: Held| match held {
+            Held::Free => false,
+            Held::Weakly => with_weak,
+            Held::Lower | Held::Upper => true,
+        };
+        let (steps, mut row_of_all) = (layout.steps(), layout.steps());
+        self.diagonal.fill(0.0);
+        for ((element, block), (hessian, jacobian)) in
+            layout.elements().zip(blocks.all()).zip(self.hessians.iter_mut().zip(&mut self.jacobians))
+        {
+            hessian.entries_mut().copy_from_slice(block.hessian.entries());
+            let Rows { equalities, ranges } = layout.rows(element);
+            (0..equalities).for_each(|i| jacobian.row_mut(i).copy_from_slice(block.equalities.row(i)));
+            for (i, row) in (0..ranges).zip(layout.ranges_of(element)) {
+                let to = jacobian.row_mut(equalities + i);
+                if holds(self.held[row]) {
+                    to.copy_from_slice(block.ranges.row(i));
+                } else {
+                    to.fill(0.0);
+                    // An eigenvalue -1 for itself.
+                    self.diagonal[row_of_all + equalities + i] = -1.0;
+                }
+            }
+            row_of_all += equalities + ranges;
+        }
+        let jacobians = &self.jacobians;
+        let Inertia { positive, .. } =
+            self.chain.factorise(&self.hessians, |element| &jacobians[element], &self.diagonal);
+        positive == steps && self.chain.zeros().iter().all(|&row| row >= steps)
+    }
+
+    /// What the second-order conditions say; the factors are those with strongly held ranges alone, or with weakly held
+    /// ones too where these decide.
+    pub fn certify(&mut self, layout: &Layout, blocks: &Blocks) -> Certificate {
+        if self.factorise(layout, blocks, false) {
+            return Certificate::LocalMinimum;
+        }
+        if self.held.contains(&Held::Weakly) && self.factorise(layout, blocks, true) {
+            return Certificate::Undecided;
+        }
+        Certificate::NotMinimum
+    }
+
+    /// The changes d of the solution with `K d = -rates`.
+    pub fn respond(&mut self, layout: &Layout, rates: &Changes, to: &mut Changes) {
+        self.right[..layout.steps()].iter_mut().zip(&rates.x).for_each(|(to, rate)| *to = -rate);
+        let mut row = layout.steps();
+        for element in layout.elements() {
+            for i in layout.equalities_of(element) {
+                self.right[row] = -rates.equalities[i];
+                row += 1;
+            }
+            for i in layout.ranges_of(element) {
+                // Free ranges have no multiplier.
+                self.right[row] = if self.diagonal[row] == 0.0 { -rates.ranges[i] } else { 0.0 };
+                row += 1;
+            }
+        }
+        self.solution.copy_from_slice(&self.right);
+        self.chain.solve(&mut self.solution);
+        for _ in 0..REFINEMENTS {
+            self.set_residual(layout);
+            self.chain.solve(&mut self.residual);
+            self.solution.iter_mut().zip(&self.residual).for_each(|(to, d)| *to += d);
+        }
+        to.x.copy_from_slice(&self.solution[..layout.steps()]);
+        let mut row = layout.steps();
+        for element in layout.elements() {
+            for i in layout.equalities_of(element) {
+                to.equalities[i] = self.solution[row];
+                row += 1;
+            }
+            for i in layout.ranges_of(element) {
+                to.ranges[i] = self.solution[row];
+                row += 1;
+            }
+        }
+    }
+
+    /// `right - K solution`, zero for rows that depend on others.
+    fn set_residual(&mut self, layout: &Layout) {
+        let Self { chain, hessians, jacobians, diagonal, right, solution, residual, .. } = self;
+        for (i, entry) in residual.iter_mut().enumerate() {
+            *entry = diagonal[i].mul_add(solution[i], -right[i]);
+        }
+        let mut row = layout.steps();
+        for (element, (hessian, jacobian)) in layout.elements().zip(hessians.iter().zip(&*jacobians)) {
+            let columns: Vec<usize> = layout.unknowns(element).into_iter().flatten().collect();
+            for (i, &to) in columns.iter().enumerate() {
+                for (j, &from) in columns.iter().enumerate() {
+                    residual[to] += hessian[(i.max(j), i.min(j))] * solution[from];
+                }
+            }
+            let Rows { equalities, ranges } = layout.rows(element);
+            let rows = row..row + equalities + ranges;
+            row = rows.end;
+            let (in_x, in_rows) = residual.split_at_mut(layout.steps());
+            add_transposed(layout, element, jacobian, &solution[rows.clone()], in_x);
+            let mut products = vec![0.0; rows.len()];
+            times(layout, element, jacobian, solution, &mut products);
+            let first = rows.start - layout.steps();
+            in_rows[first..first + rows.len()]
+                .iter_mut()
+                .zip(products)
+                .for_each(|(to, product)| *to += product);
+        }
+        residual.iter_mut().for_each(|entry| *entry = -*entry);
+        chain.zeros().iter().for_each(|&row| residual[row] = 0.0);
+    }
+}

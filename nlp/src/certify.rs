@@ -1,0 +1,156 @@
+//! What a solver can say about its last solution: second-order conditions, digits, derivatives.
+
+use crate::active::{Active, Certificate, Changes, Held};
+use crate::iterate::{Bounds, KktError, worse};
+use crate::outcome::SolveError;
+use crate::problem::{Scales, StagedProblem};
+use crate::scaled::Scaled;
+use crate::solve::Solver;
+
+/// Most Newton steps of [`Solver::refine`].
+const STEPS: usize = 10;
+
+impl Solver {
+    /// What the second-order conditions say about the last solution of this program.
+    ///
+    /// Convergence of an interior-point method with the right inertia certifies a minimum of the barrier problem alone.
+    /// Here the ranges that are held with a multiplier are equations, and neither the barrier nor a regularisation counts.
+    ///
+    /// # Errors
+    /// [`SolveError`].
+    pub fn certify<P: StagedProblem>(
+        &mut self,
+        problem: &mut P,
+    ) -> Result<Certificate, SolveError<P::Error>> {
+        let mut active = self.take_active(problem)?;
+        let certificate = active.certify(&self.layout, &self.blocks);
+        self.active = Some(active);
+        Ok(certificate)
+    }
+
+    /// Which ranges the last solution holds, by [`certify`](Self::certify) or [`refine`](Self::refine); empty before.
+    pub fn held(&self) -> &[Held] {
+        self.active.as_ref().map_or(&[], |active| &active.held)
+    }
+
+    /// Newton steps on the set of ranges that the last solution holds: they lie on their bounds then, and the error of the
+    /// conditions of optimality falls below `tolerance` or to rounding. Returns that error; the point is
+    /// [`point`](Self::point).
+    ///
+    /// # Errors
+    /// [`SolveError`].
+    pub fn refine<P: StagedProblem>(
+        &mut self,
+        problem: &mut P,
+        tolerance: f64,
+    ) -> Result<KktError, SolveError<P::Error>> {
+        let mut active = self.take_active(problem)?;
+        let outcome = self.refine_with(problem, &mut active, tolerance);
+        self.active = Some(active);
+        outcome
+    }
+
+    /// The point of the last solution, refined if [`refine`](Self::refine) was called.
+    pub fn point(&self) -> &[f64] {
+        &self.iterate.point
+    }
+
+    /// The changes of the last solution at the rates of its equations:
+    ///
+    /// $$ K \begin{pmatrix} x' \\\\ y' \\\\ v' \end{pmatrix} = - \begin{pmatrix} \partial_p \nabla_z L \\\\
+    /// \partial_p c \\\\ \partial_p (g - b) \end{pmatrix} $$
+    ///
+    /// for a parameter p of the program, with b the bounds that hold ranges. K is symmetric, so that the same solves for
+    /// adjoints: with the gradient of a function of the solution in the place of the rates, the products of the changes with
+    /// the rates of each parameter are its derivatives. `None` before [`certify`](Self::certify) or
+    /// [`refine`](Self::refine).
+    pub fn respond<P: StagedProblem>(&mut self, problem: &P, rates: &Changes) -> Option<Changes> {
+        let active = self.active.as_mut()?;
+        let Some(scales) = problem.scales() else {
+            let mut changes = Changes::zeros(&self.layout);
+            active.respond(&self.layout, rates, &mut changes);
+            return Some(changes);
+        };
+        let Scales { cost, steps, equalities, ranges } = scales;
+        let mut scaled = rates.clone();
+        scaled.x.iter_mut().zip(steps).for_each(|(rate, scale)| *rate *= scale / cost);
+        scaled.equalities.iter_mut().zip(equalities).for_each(|(rate, scale)| *rate /= scale);
+        scaled.ranges.iter_mut().zip(ranges).for_each(|(rate, scale)| *rate /= scale);
+        let mut changes = Changes::zeros(&self.layout);
+        active.respond(&self.layout, &scaled, &mut changes);
+        changes.x.iter_mut().zip(steps).for_each(|(change, scale)| *change *= scale);
+        changes.equalities.iter_mut().zip(equalities).for_each(|(change, scale)| *change *= cost / scale);
+        changes.ranges.iter_mut().zip(ranges).for_each(|(change, scale)| *change *= cost / scale);
+        Some(changes)
+    }
+
+    /// Derivatives at the last solution, and which ranges it holds.
+    fn take_active<P: StagedProblem>(
+        &mut self,
+        problem: &mut P,
+    ) -> Result<Box<Active>, SolveError<P::Error>> {
+        let point = std::mem::take(&mut self.iterate.point);
+        let checked = self.check(problem, &point);
+        self.iterate.point = point;
+        checked?;
+        let mut active = self.active.take().unwrap_or_else(|| Box::new(Active::new(&self.layout)));
+        let mut scaled = Scaled::new(problem);
+        let bounds = Bounds::new(scaled.bounds());
+        scaled.evaluate(&self.iterate.point, &mut self.iterate.values)?;
+        self.linearise(&mut scaled)?;
+        active.hold(&self.iterate, &bounds);
+        Ok(active)
+    }
+
+    fn refine_with<P: StagedProblem>(
+        &mut self,
+        problem: &mut P,
+        active: &mut Active,
+        tolerance: f64,
+    ) -> Result<KktError, SolveError<P::Error>> {
+        let mut scaled = Scaled::new(problem);
+        let bounds = scaled.bounds();
+        let (mut rates, mut changes) = (Changes::zeros(&self.layout), Changes::zeros(&self.layout));
+        let mut error = KktError::default();
+        for step in 0..=STEPS {
+            // Ranges that are not held have no multiplier, others lie on their bounds.
+            for (i, held) in active.held.iter().enumerate() {
+                match held {
+                    Held::Free => self.iterate.v[i] = 0.0,
+                    Held::Weakly => self.iterate.v[i] = 0.0,
+                    Held::Lower | Held::Upper => {}
+                }
+            }
+            self.linearise(&mut scaled)?;
+            let before = error.largest();
+            rates.x.copy_from_slice(&self.residuals.x);
+            rates.equalities.copy_from_slice(&self.residuals.equalities);
+            for (i, held) in active.held.iter().enumerate() {
+                rates.ranges[i] = match held {
+                    Held::Free | Held::Weakly => 0.0,
+                    Held::Lower => self.iterate.values.ranges[i] - bounds[0][i],
+                    Held::Upper => self.iterate.values.ranges[i] - bounds[1][i],
+                };
+            }
+            let largest = |values: &[f64]| values.iter().fold(0.0, |most, value| worse(most, value.abs()));
+            error = KktError {
+                stationarity: largest(&rates.x),
+                feasibility: worse(largest(&rates.equalities), largest(&rates.ranges)),
+                complementarity: 0.0,
+            };
+            let falls = step == 0 || error.largest() < 0.5 * before;
+            if error.largest() <= tolerance || !falls || step == STEPS {
+                break;
+            }
+            active.factorise(&self.layout, &self.blocks, false);
+            active.respond(&self.layout, &rates, &mut changes);
+            scaled.retract(&self.iterate.point, &changes.x, 1.0, &mut self.trial.point);
+            std::mem::swap(&mut self.iterate.point, &mut self.trial.point);
+            self.iterate.y.iter_mut().zip(&changes.equalities).for_each(|(y, d)| *y += d);
+            self.iterate.v.iter_mut().zip(&changes.ranges).for_each(|(v, d)| *v += d);
+            scaled.evaluate(&self.iterate.point, &mut self.iterate.values)?;
+        }
+        active.factorise(&self.layout, &self.blocks, false);
+        Ok(error)
+    }
+}

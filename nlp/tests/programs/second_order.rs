@@ -1,0 +1,133 @@
+//! Certificates, refined solutions and their derivatives.
+
+use super::by_duals::{ByDuals, Number, Parts};
+use super::hard::{OfNode, Small};
+use costate_nlp::{Certificate, Changes, Held, Layout, Scales, Settings, Solver, StagedProblem, Status};
+
+/// Hock and Schittkowski 71 with parameters: the sum of squares, and the least product.
+struct Hs71 {
+    square: f64,
+}
+
+impl OfNode for Hs71 {
+    fn of<D: Number>(&self, x: &[D]) -> Parts<D> {
+        let square = x.iter().fold(D::from(0.0), |sum, &x| sum + x * x);
+        Parts {
+            cost: x[0] * x[3] * (x[0] + x[1] + x[2]) + x[2],
+            equalities: vec![square - self.square],
+            ranges: vec![x[0] * x[1] * x[2] * x[3], x[0], x[1], x[2], x[3]],
+        }
+    }
+}
+
+fn hs71(square: f64, product: f64, scales: Option<Scales>) -> ByDuals<Small<Hs71, 5>> {
+    let inside = [1.0, 5.0];
+    let bounds = [[product, f64::INFINITY], inside, inside, inside, inside];
+    ByDuals::new(Small { unknowns: 4, equations: 1, bounds, of: Hs71 { square }, scales })
+}
+
+fn refined(square: f64, product: f64) -> Vec<f64> {
+    let mut problem = hs71(square, product, None);
+    let mut solver = Solver::new(problem.layout(), Settings::default());
+    assert_eq!(solver.solve(&mut problem, &[1.0, 5.0, 5.0, 1.0]).unwrap().status, Status::Solved);
+    let error = solver.refine(&mut problem, 1e-13).unwrap();
+    assert!(error.largest() < 1e-12, "{error:?}");
+    solver.point().to_vec()
+}
+
+#[test]
+fn derivatives_of_a_solution_are_those_of_refined_neighbours() {
+    let scales = Scales {
+        cost: 20.0,
+        steps: vec![3.0, 1.0, 0.5, 2.0],
+        equalities: vec![40.0],
+        ranges: vec![25.0, 1.0, 2.0, 3.0, 4.0],
+    };
+    for scales in [None, Some(scales)] {
+        let mut problem = hs71(40.0, 25.0, scales);
+        let mut solver = Solver::new(problem.layout(), Settings::default());
+        solver.solve(&mut problem, &[1.0, 5.0, 5.0, 1.0]).unwrap();
+        assert_eq!(solver.certify(&mut problem).unwrap(), Certificate::LocalMinimum);
+        assert_eq!(solver.held(), [Held::Lower, Held::Lower, Held::Free, Held::Free, Held::Free]);
+        solver.refine(&mut problem, 1e-13).unwrap();
+        // c = x'x - square, and the bound of the product.
+        let mut rates = [Changes::zeros(problem.layout()), Changes::zeros(problem.layout())];
+        rates[0].equalities[0] = -1.0;
+        rates[1].ranges[0] = -1.0;
+        let step = 1e-4;
+        let differences = [
+            [refined(40.0 + step, 25.0), refined(40.0 - step, 25.0)],
+            [refined(40.0, 25.0 + step), refined(40.0, 25.0 - step)],
+        ];
+        for (rates, [above, below]) in rates.iter().zip(&differences) {
+            let changes = solver.respond(&problem, rates).unwrap();
+            for (k, change) in changes.x.iter().enumerate() {
+                // The third derivative times h^2 / 6, and rounding 1e-13 / h.
+                let difference = (above[k] - below[k]) / (2.0 * step);
+                assert!((change - difference).abs() < 1e-7, "{k}: {change} {difference}");
+            }
+        }
+        // Backward: the derivatives of x_3 + 2 x_2 by both parameters from one solution.
+        let mut gradient = Changes::zeros(problem.layout());
+        (gradient.x[2], gradient.x[1]) = (1.0, 2.0);
+        let adjoint = solver.respond(&problem, &gradient).unwrap();
+        for rates in &rates {
+            let changes = solver.respond(&problem, rates).unwrap();
+            let forward = changes.x[2] + 2.0 * changes.x[1];
+            let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+            let backward = product(&adjoint.x, &rates.x)
+                + product(&adjoint.equalities, &rates.equalities)
+                + product(&adjoint.ranges, &rates.ranges);
+            assert!((forward - backward).abs() < 1e-10, "{forward} {backward}");
+        }
+    }
+}
+
+/// `x^2 - y^2` with a range of y.
+struct Saddle;
+
+impl OfNode for Saddle {
+    fn of<D: Number>(&self, x: &[D]) -> Parts<D> {
+        Parts { cost: x[0] * x[0] - x[1] * x[1], equalities: Vec::new(), ranges: vec![x[1]] }
+    }
+}
+
+#[test]
+fn saddles_and_ranges_without_multipliers_are_no_certified_minima() {
+    let solved = |range: [f64; 2], start: [f64; 2]| {
+        let mut problem =
+            ByDuals::new(Small { unknowns: 2, equations: 0, bounds: [range], of: Saddle, scales: None });
+        let mut solver = Solver::new(problem.layout(), Settings::default());
+        let solution = solver.solve(&mut problem, &start).unwrap();
+        let (status, y) = (solution.status, solution.point[1]);
+        (status, y, solver.certify(&mut problem).unwrap())
+    };
+    // The central path of a symmetric range goes through the saddle.
+    let (status, y, certificate) = solved([-1e6, 1e6], [0.3, 0.0]);
+    assert_eq!((status, certificate), (Status::Solved, Certificate::NotMinimum), "y = {y}");
+    // A range without interior holds y where its multiplier is zero.
+    let (status, y, certificate) = solved([0.0, 0.0], [0.3, 0.0]);
+    assert_eq!((status, certificate), (Status::Solved, Certificate::Undecided), "y = {y}");
+    let (status, y, certificate) = solved([-1.0, 2.0], [0.3, 0.1]);
+    assert_eq!((status, certificate), (Status::Solved, Certificate::LocalMinimum), "y = {y}");
+    assert!((y - 2.0).abs() < 1e-6, "{y}");
+}
+
+#[test]
+fn wrong_arguments_are_named() {
+    let mut problem = hs71(40.0, 25.0, None);
+    let mut solver = Solver::new(problem.layout(), Settings::default());
+    let error = solver.solve(&mut problem, &[1.0; 3]).unwrap_err().to_string();
+    assert_eq!(error, "the start has 3 entries, not 4");
+    let error = solver.solve(&mut problem, &[f64::NAN; 4]).unwrap_err().to_string();
+    assert_eq!(error, "the cost is not finite at the start");
+    let mut other = Solver::new(&Layout::uniform(2, 1, 1, 0), Settings::default());
+    assert!(other.solve(&mut problem, &[1.0; 4]).unwrap_err().to_string().contains("another layout"));
+    let mut empty = hs71(40.0, f64::NAN, None);
+    assert!(solver.solve(&mut empty, &[1.0; 4]).unwrap_err().to_string().contains("range 0 is empty"));
+    let scales =
+        Scales { cost: 1.0, steps: vec![1.0, 0.0, 1.0, 1.0], equalities: vec![1.0], ranges: vec![1.0; 5] };
+    let mut scaled = hs71(40.0, 25.0, Some(scales));
+    let error = solver.solve(&mut scaled, &[1.0; 4]).unwrap_err().to_string();
+    assert_eq!(error, "scale 1 of steps is 0: sizes are positive");
+}
