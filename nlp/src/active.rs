@@ -9,10 +9,10 @@
 //! terms nor a regularisation are in it. Derivatives of the solution by a parameter solve the same equations.
 
 use crate::blocks::{Blocks, Dense};
+use crate::elements::{add_symmetric, add_transposed, gather, scatter, times};
 use crate::iterate::{Bounds, Iterate};
 use crate::kkt::{Chain, Inertia};
 use crate::layout::{Layout, Rows};
-use crate::newton::{add_transposed, times};
 
 /// What the second-order conditions say about a solution.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -55,6 +55,9 @@ pub(crate) struct Active {
     right: Vec<f64>,
     solution: Vec<f64>,
     residual: Vec<f64>,
+    /// Entries and rows of one element.
+    local: [Vec<f64>; 2],
+    products: Vec<f64>,
 }
 
 /// Changes of a solution, or right-hand sides of their equations.
@@ -102,6 +105,8 @@ impl Active {
             right: vec![0.0; size],
             solution: vec![0.0; size],
             residual: vec![0.0; size],
+            local: [0; 2].map(|_| vec![0.0; layout.elements().map(width).max().unwrap_or(0)]),
+            products: vec![0.0; size - layout.steps()],
         }
     }
 
@@ -207,30 +212,26 @@ impl Active {
 
     /// `right - K solution`, zero for rows that depend on others.
     fn set_residual(&mut self, layout: &Layout) {
-        let Self { chain, hessians, jacobians, diagonal, right, solution, residual, .. } = self;
+        let Self { chain, hessians, jacobians, diagonal, right, solution, residual, local, products, .. } =
+            self;
         for (i, entry) in residual.iter_mut().enumerate() {
             *entry = diagonal[i].mul_add(solution[i], -right[i]);
         }
         let mut row = layout.steps();
+        let [d, sum] = local;
         for (element, (hessian, jacobian)) in layout.elements().zip(hessians.iter().zip(&*jacobians)) {
-            let columns: Vec<usize> = layout.unknowns(element).into_iter().flatten().collect();
-            for (i, &to) in columns.iter().enumerate() {
-                for (j, &from) in columns.iter().enumerate() {
-                    residual[to] += hessian[(i.max(j), i.min(j))] * solution[from];
-                }
-            }
             let Rows { equalities, ranges } = layout.rows(element);
             let rows = row..row + equalities + ranges;
             row = rows.end;
-            let (in_x, in_rows) = residual.split_at_mut(layout.steps());
-            add_transposed(layout, element, jacobian, &solution[rows.clone()], in_x);
-            let mut products = vec![0.0; rows.len()];
-            times(layout, element, jacobian, solution, &mut products);
-            let first = rows.start - layout.steps();
-            in_rows[first..first + rows.len()]
-                .iter_mut()
-                .zip(products)
-                .for_each(|(to, product)| *to += product);
+            let width = hessian.columns();
+            let (d, sum, products) = (&mut d[..width], &mut sum[..width], &mut products[..rows.len()]);
+            gather(layout, element, solution, d);
+            sum.fill(0.0);
+            add_symmetric(hessian, d, sum);
+            add_transposed(jacobian, &solution[rows.clone()], sum);
+            scatter(layout, element, sum, residual);
+            times(jacobian, d, products);
+            residual[rows].iter_mut().zip(&*products).for_each(|(to, product)| *to += product);
         }
         residual.iter_mut().for_each(|entry| *entry = -*entry);
         chain.zeros().iter().for_each(|&row| residual[row] = 0.0);

@@ -98,12 +98,14 @@ impl IndexMut<(usize, usize)> for Dense {
 pub struct Block {
     /// Of its part of the cost, without the factor of [`Weights`].
     pub gradient: Vec<f64>,
-    /// Of its part of the Lagrangian. Only the lower triangle is read.
+    /// Of its part of the Lagrangian. Only the upper triangle is read: entries (i, j) with j >= i.
     pub hessian: Dense,
     /// Jacobian of its equations.
     pub equalities: Dense,
     /// Jacobian of its functions with ranges.
     pub ranges: Dense,
+    /// Room for its part of the gradient of the Lagrangian.
+    pub(crate) slope: Vec<f64>,
 }
 
 /// The derivatives of all elements.
@@ -123,6 +125,7 @@ impl Blocks {
                 hessian: Dense::zeros(width, width),
                 equalities: Dense::zeros(rows.equalities, width),
                 ranges: Dense::zeros(rows.ranges, width),
+                slope: vec![0.0; width],
             }
         };
         Self { blocks: layout.elements().map(block).collect(), intervals: layout.intervals() }
@@ -150,7 +153,7 @@ impl Blocks {
     }
 
     pub(crate) fn fill_zero(&mut self) {
-        for Block { gradient, hessian, equalities, ranges } in &mut self.blocks {
+        for Block { gradient, hessian, equalities, ranges, .. } in &mut self.blocks {
             gradient.fill(0.0);
             [hessian, equalities, ranges].into_iter().for_each(|matrix| matrix.entries.fill(0.0));
         }

@@ -1,6 +1,7 @@
 //! A point with its slacks and multipliers, and how far it is from the conditions of optimality.
 
-use crate::blocks::{Blocks, Values};
+use crate::blocks::{Block, Blocks, Values};
+use crate::elements::{add_transposed, scatter};
 use crate::layout::Layout;
 
 /// An iterate of
@@ -165,17 +166,15 @@ impl Iterate {
     }
 
     /// Residuals at the derivatives of this iterate; those of slacks are `-v - z_l + z_u`.
-    pub fn residuals(&self, layout: &Layout, blocks: &Blocks, to: &mut Residuals) {
+    pub fn residuals(&self, layout: &Layout, blocks: &mut Blocks, to: &mut Residuals) {
         to.x.fill(0.0);
-        for (element, block) in layout.elements().zip(blocks.all()) {
+        for (element, block) in layout.elements().zip(blocks.all_mut()) {
             let (y, v) = (&self.y[layout.equalities_of(element)], &self.v[layout.ranges_of(element)]);
-            let columns = layout.unknowns(element).into_iter().flatten();
-            for (i, column) in columns.enumerate() {
-                let mut slope = block.gradient[i];
-                y.iter().enumerate().for_each(|(row, y)| slope += y * block.equalities[(row, i)]);
-                v.iter().enumerate().for_each(|(row, v)| slope += v * block.ranges[(row, i)]);
-                to.x[column] += slope;
-            }
+            let Block { gradient, equalities, ranges, slope, .. } = block;
+            slope.copy_from_slice(gradient);
+            add_transposed(equalities, y, slope);
+            add_transposed(ranges, v, slope);
+            scatter(layout, element, slope, &mut to.x);
         }
         to.equalities.copy_from_slice(&self.values.equalities);
         let [lower, upper] = &self.z;

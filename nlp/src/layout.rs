@@ -228,12 +228,12 @@ mod tests {
 
     #[test]
     fn elements_unknowns_and_rows_are_in_order() {
-        let layout = Layout::new(vec![2, 3, 1], vec![4, 0], 2)
-            .with_rows(Element::Interval(1), Rows::new(1, 2))
-            .with_rows(Element::Node(0), Rows::new(3, 0))
-            .with_rows(Element::Ends, Rows::new(2, 1));
-        let elements: Vec<Element> = layout.elements().collect();
         use Element::{Ends, Interval, Node};
+        let layout = Layout::new(vec![2, 3, 1], vec![4, 0], 2)
+            .with_rows(Interval(1), Rows::new(1, 2))
+            .with_rows(Node(0), Rows::new(3, 0))
+            .with_rows(Ends, Rows::new(2, 1));
+        let elements: Vec<Element> = layout.elements().collect();
         assert_eq!(elements, [Node(0), Interval(0), Node(1), Interval(1), Node(2), Ends]);
         assert!(elements.iter().enumerate().all(|(at, &element)| layout.position(element) == at));
         assert_eq!(layout.unknowns(Interval(0)), [0..2, 2..6, 6..9, 10..12]);

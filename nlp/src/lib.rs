@@ -7,6 +7,7 @@ mod active;
 mod barrier;
 mod blocks;
 mod certify;
+mod elements;
 mod filter;
 mod iterate;
 mod kkt;

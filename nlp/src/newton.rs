@@ -13,9 +13,10 @@
 //! they are small.
 
 use crate::blocks::{Block, Blocks, Dense};
+use crate::elements::{add_symmetric, add_transposed, gather, scatter, times};
 use crate::iterate::{Bounds, Iterate, Residuals, Step, worse};
 use crate::kkt::{Chain, Inertia};
-use crate::layout::{Element, Layout};
+use crate::layout::Layout;
 use costate_numerics::widest_fused;
 
 /// How W is made positive definite where the equations leave it free.
@@ -74,8 +75,8 @@ pub(crate) struct Newton {
     correction: Step,
     rows: Vec<f64>,
     condensed: Vec<f64>,
-    /// Of one block.
-    product: Vec<f64>,
+    /// Entries of one element.
+    local: [Vec<f64>; 2],
 }
 
 impl Newton {
@@ -95,7 +96,7 @@ impl Newton {
             correction: Step::zeros(layout),
             rows: vec![0.0; layout.ranges()],
             condensed: vec![0.0; layout.steps() + layout.equalities()],
-            product: vec![0.0; layout.elements().map(width).max().unwrap_or(0)],
+            local: [0; 2].map(|_| vec![0.0; layout.elements().map(width).max().unwrap_or(0)]),
         }
     }
 
@@ -174,7 +175,7 @@ impl Newton {
             && self.chain.zeros().iter().all(|&row| row >= layout.steps())
     }
 
-    /// `W + G' Sigma G`, lower triangles.
+    /// `W + G' Sigma G`, upper triangles.
     fn condense(&mut self, layout: &Layout, blocks: &Blocks) {
         for ((element, block), hessian) in layout.elements().zip(blocks.all()).zip(&mut self.hessians) {
             hessian.entries_mut().copy_from_slice(block.hessian.entries());
@@ -240,7 +241,7 @@ impl Newton {
 
     /// Without refinement.
     fn solve_once(&mut self, layout: &Layout, blocks: &Blocks, right: &Residuals, step: &mut Step) {
-        let Self { chain, weights, condensed, rows, .. } = self;
+        let Self { chain, weights, condensed, rows, local, .. } = self;
         let n = layout.steps();
         condensed[..n].copy_from_slice(&right.x);
         condensed[n..].copy_from_slice(&right.equalities);
@@ -248,13 +249,24 @@ impl Newton {
             *row = weights[i].mul_add(right.ranges[i], right.slacks[i]);
         }
         for (element, block) in layout.elements().zip(blocks.all()) {
-            add_transposed(layout, element, &block.ranges, &rows[layout.ranges_of(element)], condensed);
+            let own = layout.ranges_of(element);
+            if !own.is_empty() {
+                let [_, sum] = local_of(local, block);
+                sum.fill(0.0);
+                add_transposed(&block.ranges, &rows[own], sum);
+                scatter(layout, element, sum, condensed);
+            }
         }
         chain.solve(condensed);
         step.x.copy_from_slice(&condensed[..n]);
         step.y.copy_from_slice(&condensed[n..]);
         for (element, block) in layout.elements().zip(blocks.all()) {
-            times(layout, element, &block.ranges, &step.x, &mut step.slacks[layout.ranges_of(element)]);
+            let own = layout.ranges_of(element);
+            if !own.is_empty() {
+                let [d, _] = local_of(local, block);
+                gather(layout, element, &step.x, d);
+                times(&block.ranges, d, &mut step.slacks[own]);
+            }
         }
         for i in 0..rows.len() {
             step.slacks[i] -= right.ranges[i];
@@ -274,48 +286,39 @@ impl Newton {
         for (i, entry) in to.x.iter_mut().enumerate() {
             *entry = right.x[i] - self.diagonal[i] * step.x[i];
         }
-        let mut product = std::mem::take(&mut self.product);
+        let mut local = std::mem::take(&mut self.local);
         for (element, block) in layout.elements().zip(blocks.all()) {
-            subtract_symmetric(layout, element, block, &step.x, &mut product, &mut to.x);
-            let (y, v) = (&step.y[layout.equalities_of(element)], &step.v[layout.ranges_of(element)]);
-            subtract_transposed(layout, element, &block.equalities, y, &mut to.x);
-            subtract_transposed(layout, element, &block.ranges, v, &mut to.x);
-            let rows = layout.equalities_of(element);
-            times(layout, element, &block.equalities, &step.x, &mut to.equalities[rows.clone()]);
-            for row in rows {
+            let [d, sum] = local_of(&mut local, block);
+            gather(layout, element, &step.x, d);
+            sum.fill(0.0);
+            add_symmetric(&block.hessian, d, sum);
+            let (equalities, ranges) = (layout.equalities_of(element), layout.ranges_of(element));
+            add_transposed(&block.equalities, &step.y[equalities.clone()], sum);
+            add_transposed(&block.ranges, &step.v[ranges.clone()], sum);
+            sum.iter_mut().for_each(|entry| *entry = -*entry);
+            scatter(layout, element, sum, &mut to.x);
+            times(&block.equalities, d, &mut to.equalities[equalities.clone()]);
+            for row in equalities {
                 // What depends on others and contradicts them cannot be met.
                 let residual = right.equalities[row] - to.equalities[row];
                 to.equalities[row] = if is_dependent(row) { 0.0 } else { residual };
             }
-            let rows = layout.ranges_of(element);
-            times(layout, element, &block.ranges, &step.x, &mut to.ranges[rows.clone()]);
-            for row in rows {
+            times(&block.ranges, d, &mut to.ranges[ranges.clone()]);
+            for row in ranges {
                 to.ranges[row] = right.ranges[row] - (to.ranges[row] - step.slacks[row]);
             }
         }
-        self.product = product;
+        self.local = local;
         for i in 0..step.slacks.len() {
             to.slacks[i] = right.slacks[i] - (self.weights[i] * step.slacks[i] - step.v[i]);
         }
     }
+}
 
-    /// `d' (W + delta) d + d_s' Sigma d_s`, the curvature of the barrier problem along a step.
-    #[cfg(test)]
-    pub fn curvature(&self, layout: &Layout, blocks: &Blocks, step: &Step) -> f64 {
-        let mut negative = vec![0.0; layout.steps()];
-        let mut room = vec![0.0; layout.steps() + layout.equalities()];
-        for (element, block) in layout.elements().zip(blocks.all()) {
-            subtract_symmetric(layout, element, block, &step.x, &mut room, &mut negative);
-        }
-        let of_x: f64 = step
-            .x
-            .iter()
-            .zip(&negative)
-            .zip(&self.diagonal)
-            .map(|((d, wd), delta)| d * (delta * d - wd))
-            .sum();
-        of_x + step.slacks.iter().zip(&self.weights).map(|(ds, weight)| weight * ds * ds).sum::<f64>()
-    }
+/// Room for the entries of an element, twice.
+fn local_of<'a>([first, second]: &'a mut [Vec<f64>; 2], block: &Block) -> [&'a mut [f64]; 2] {
+    let width = block.gradient.len();
+    [&mut first[..width], &mut second[..width]]
 }
 
 impl Residuals {
@@ -354,7 +357,7 @@ impl Step {
     }
 }
 
-/// Adds `G' Sigma G` to the lower triangle.
+/// Adds `G' Sigma G` to the upper triangle.
 #[inline(always)]
 fn add_squares<const FUSED: bool>(hessian: &mut Dense, weights: &[f64], rows: &Dense) {
     for (r, &weight) in weights.iter().enumerate() {
@@ -364,70 +367,9 @@ fn add_squares<const FUSED: bool>(hessian: &mut Dense, weights: &[f64], rows: &D
             if factor == 0.0 {
                 continue;
             }
-            for (to, entry) in hessian.row_mut(i)[..=i].iter_mut().zip(row) {
+            for (to, entry) in hessian.row_mut(i)[i..].iter_mut().zip(&row[i..]) {
                 *to = if FUSED { factor.mul_add(*entry, *to) } else { factor * entry + *to };
             }
         }
     }
-}
-
-/// `to = A d` for the rows of an element.
-pub(crate) fn times(layout: &Layout, element: Element, rows: &Dense, d: &[f64], to: &mut [f64]) {
-    for (i, to) in to.iter_mut().enumerate() {
-        let mut entries = rows.row(i);
-        let mut sum = 0.0;
-        for range in layout.unknowns(element) {
-            let (here, rest) = entries.split_at(range.len());
-            sum += here.iter().zip(&d[range]).map(|(entry, d)| entry * d).sum::<f64>();
-            entries = rest;
-        }
-        *to = sum;
-    }
-}
-
-/// `to += A' y`.
-pub(crate) fn add_transposed(layout: &Layout, element: Element, rows: &Dense, y: &[f64], to: &mut [f64]) {
-    for (i, &y) in y.iter().enumerate() {
-        let mut entries = rows.row(i);
-        for range in layout.unknowns(element) {
-            let (here, rest) = entries.split_at(range.len());
-            to[range].iter_mut().zip(here).for_each(|(to, entry)| *to += y * entry);
-            entries = rest;
-        }
-    }
-}
-
-fn subtract_transposed(layout: &Layout, element: Element, rows: &Dense, y: &[f64], to: &mut [f64]) {
-    for (i, &y) in y.iter().enumerate() {
-        let mut entries = rows.row(i);
-        for range in layout.unknowns(element) {
-            let (here, rest) = entries.split_at(range.len());
-            to[range].iter_mut().zip(here).for_each(|(to, entry)| *to -= y * entry);
-            entries = rest;
-        }
-    }
-}
-
-/// `to -= W d` for the lower triangle of an element; `room` is at least as long as it is wide.
-fn subtract_symmetric(
-    layout: &Layout,
-    element: Element,
-    block: &Block,
-    d: &[f64],
-    room: &mut [f64],
-    to: &mut [f64],
-) {
-    let (width, columns) = (block.gradient.len(), || layout.unknowns(element).into_iter().flatten());
-    let room = &mut room[..width];
-    room.fill(0.0);
-    for (i, row) in columns().enumerate() {
-        let entries = &block.hessian.row(i)[..i];
-        let mut sum = block.hessian[(i, i)] * d[row];
-        for ((j, column), &entry) in columns().enumerate().zip(entries) {
-            sum += entry * d[column];
-            room[j] += entry * d[row];
-        }
-        room[i] += sum;
-    }
-    columns().zip(&*room).for_each(|(row, product)| to[row] -= product);
 }

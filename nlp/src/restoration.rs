@@ -360,8 +360,8 @@ impl<E: Error> StagedProblem for Elastic<'_, E> {
 fn add_block(part: &Part, from: &Block, rows: Rows, to: &mut Block) {
     let columns = &part.columns;
     for (i, &row) in columns.iter().enumerate() {
-        for (j, &column) in columns[..=i].iter().enumerate() {
-            to.hessian[(row.max(column), row.min(column))] += from.hessian[(i, j)];
+        for (j, &column) in columns.iter().enumerate().skip(i) {
+            to.hessian[(row.min(column), row.max(column))] += from.hessian[(i, j)];
         }
     }
     let elastic = part.elastic_columns.start;

@@ -42,6 +42,8 @@ struct Assembled {
     element: usize,
     columns: Vec<usize>,
     equalities: Vec<usize>,
+    /// For each column, the places of the columns from it on: runs of consecutive ones on one side of it.
+    runs: Vec<Vec<(usize, usize)>>,
 }
 
 /// L, M and D of a stage.
@@ -110,10 +112,14 @@ impl Chain {
             elements.iter().for_each(|&element| own.extend(equalities(element)));
             let all: Vec<usize> = own.iter().chain(&shared).copied().collect();
             let place = |row: usize| all.iter().position(|&other| other == row).unwrap_or(usize::MAX);
-            let parts = elements.iter().map(|&element| Assembled {
-                element: layout.position(element),
-                columns: layout.unknowns(element).into_iter().flatten().map(place).collect(),
-                equalities: equalities(element).map(place).collect(),
+            let parts = elements.iter().map(|&element| {
+                let columns: Vec<usize> = layout.unknowns(element).into_iter().flatten().map(place).collect();
+                Assembled {
+                    element: layout.position(element),
+                    runs: (0..columns.len()).map(|i| runs(&columns[i..])).collect(),
+                    columns,
+                    equalities: equalities(element).map(place).collect(),
+                }
             });
             Stage { parts: parts.collect(), own, shared, factors: Factors::default() }
         });
@@ -133,7 +139,7 @@ impl Chain {
         }
     }
 
-    /// Factors the matrix. By element: the lower triangles of W, and the Jacobians of the equations; `diagonal` is
+    /// Factors the matrix. By element: the upper triangles of W, and the Jacobians of the equations; `diagonal` is
     /// added to that of all rows. Without equations pivots are not chosen: the matrix should be positive definite,
     /// and the inertia shows whether it is.
     pub fn factorise<'a>(
@@ -164,7 +170,9 @@ impl Chain {
             for (place, &row) in own.iter().enumerate() {
                 front.add(delayed + place, delayed + place, diagonal[row]);
             }
-            front.take_sizes();
+            if !definite {
+                front.take_sizes();
+            }
             let is_last = k + 1 == count;
             front.factorise(delayed + own.len(), definite, is_last);
             factors.take(front, zeros);
@@ -198,12 +206,32 @@ impl Chain {
     }
 }
 
+/// Runs of consecutive places, each on one side of the first one: (first place, length).
+fn runs(places: &[usize]) -> Vec<(usize, usize)> {
+    let mut runs: Vec<(usize, usize)> = Vec::new();
+    for &place in places {
+        match runs.last_mut() {
+            Some((first, length))
+                if *first + *length == place && (place > places[0]) == (*first >= places[0]) =>
+            {
+                *length += 1;
+            }
+            _ => runs.push((place, 1)),
+        }
+    }
+    runs
+}
+
 /// Adds the block of an element.
 fn add_part(front: &mut Front, part: &Assembled, (hessian, jacobian): (&Dense, &Dense), delayed: usize) {
-    let Assembled { columns, equalities, .. } = part;
+    let Assembled { columns, equalities, runs, .. } = part;
     for (i, &row) in columns.iter().enumerate() {
-        for (j, &column) in columns[..=i].iter().enumerate() {
-            front.add(delayed + row, delayed + column, hessian[(i, j)]);
+        let (row, entries) = (delayed + row, &hessian.row(i)[i..]);
+        // Runs of unknowns that follow one another on either side are added at once.
+        let mut at = 0;
+        for &(first, length) in &runs[i] {
+            front.add_run(row, delayed + first, &entries[at..at + length]);
+            at += length;
         }
     }
     for (i, &row) in equalities.iter().enumerate() {

@@ -86,6 +86,21 @@ impl Front {
         self.entries[column * self.size + row] += value;
     }
 
+    /// Adds to the entries (row, first), (row, first + 1), .. of either triangle; the columns are all before the row, or
+    /// none is.
+    #[inline(always)]
+    pub fn add_run(&mut self, row: usize, first: usize, values: &[f64]) {
+        if first >= row {
+            let start = row * self.size + first;
+            let to = &mut self.entries[start..start + values.len()];
+            to.iter_mut().zip(values).for_each(|(to, value)| *to += value);
+        } else {
+            for (k, value) in values.iter().enumerate() {
+                self.entries[(first + k) * self.size + row] += value;
+            }
+        }
+    }
+
     /// Notes the sizes of columns that were not set before.
     pub fn take_sizes(&mut self) {
         for j in 0..self.size {

@@ -102,7 +102,7 @@ impl<F: Functions> StagedProblem for ByDuals<F> {
                     let weighted = |values: &[HyperDual64], weights: &[f64]| {
                         values.iter().zip(weights).map(|(value, weight)| weight * value.eps1eps2).sum::<f64>()
                     };
-                    block.hessian[(i, j)] = w.cost * parts.cost.eps1eps2
+                    block.hessian[(j, i)] = w.cost * parts.cost.eps1eps2
                         + weighted(&parts.equalities, y)
                         + weighted(&parts.ranges, v);
                     if j == 0 {

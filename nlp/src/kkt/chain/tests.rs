@@ -32,7 +32,7 @@ impl Random {
                 &half + half.transpose()
             };
             let mut hessian = Dense::zeros(n, n);
-            (0..n).for_each(|i| (0..=i).for_each(|j| hessian[(i, j)] = full[(i, j)]));
+            (0..n).for_each(|i| (i..n).for_each(|j| hessian[(i, j)] = full[(i, j)]));
             if element == Element::Ends && !layout.couples_ends() {
                 hessian.entries_mut().fill(0.0);
             }
@@ -51,7 +51,7 @@ impl Random {
             let columns: Vec<usize> = self.layout.unknowns(element).into_iter().flatten().collect();
             for (i, &row) in columns.iter().enumerate() {
                 for (j, &column) in columns.iter().enumerate() {
-                    all[(row, column)] += hessian[(i.max(j), i.min(j))];
+                    all[(row, column)] += hessian[(i.min(j), i.max(j))];
                 }
             }
             for (i, row) in self.layout.equalities_of(element).enumerate() {

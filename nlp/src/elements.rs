@@ -1,0 +1,65 @@
+//! Products with the blocks of elements.
+
+use crate::blocks::Dense;
+use crate::layout::{Element, Layout};
+
+/// The entries of a vector that an element depends on, in the order of its columns.
+#[inline(always)]
+pub(crate) fn gather(layout: &Layout, element: Element, from: &[f64], to: &mut [f64]) {
+    let mut at = 0;
+    for range in layout.unknowns(element) {
+        let end = at + range.len();
+        to[at..end].copy_from_slice(&from[range]);
+        at = end;
+    }
+}
+
+/// Adds the entries of an element to a vector.
+#[inline(always)]
+pub(crate) fn scatter(layout: &Layout, element: Element, from: &[f64], to: &mut [f64]) {
+    let mut at = 0;
+    for range in layout.unknowns(element) {
+        let end = at + range.len();
+        to[range].iter_mut().zip(&from[at..end]).for_each(|(to, from)| *to += from);
+        at = end;
+    }
+}
+
+/// `to = A d`, for the entries d of an element.
+#[inline(always)]
+pub(crate) fn times(rows: &Dense, d: &[f64], to: &mut [f64]) {
+    for (i, to) in to.iter_mut().enumerate() {
+        *to = dot(rows.row(i), d);
+    }
+}
+
+/// `to += A' y`, for the entries `to` of an element.
+#[inline(always)]
+pub(crate) fn add_transposed(rows: &Dense, y: &[f64], to: &mut [f64]) {
+    for (i, &y) in y.iter().enumerate() {
+        to.iter_mut().zip(rows.row(i)).for_each(|(to, entry)| *to += y * entry);
+    }
+}
+
+/// `to += W d`, of the upper triangle of W.
+#[inline(always)]
+pub(crate) fn add_symmetric(hessian: &Dense, d: &[f64], to: &mut [f64]) {
+    for (i, &factor) in d.iter().enumerate() {
+        let row = &hessian.row(i)[i + 1..];
+        let sum = hessian[(i, i)] * factor + dot(row, &d[i + 1..]);
+        to[i] += sum;
+        to[i + 1..].iter_mut().zip(row).for_each(|(to, entry)| *to += entry * factor);
+    }
+}
+
+/// A scalar product as four sums, which a processor adds side by side.
+#[inline(always)]
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<4>(), b.as_chunks::<4>());
+    let mut sums = [0.0; 4];
+    for (a, b) in a.iter().zip(b) {
+        sums.iter_mut().zip(a.iter().zip(b)).for_each(|(sum, (a, b))| *sum += a * b);
+    }
+    let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum();
+    (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest
+}
