@@ -1,7 +1,8 @@
-//! The set of ranges that are held at a solution: second-order conditions, exact solutions, and their derivatives.
+//! The set of ranges that are held at a solution: second-order conditions, exact solutions, and their
+//! derivatives.
 //!
-//! With the gradients A of all equations and of the ranges that are held, the solution is a strict local minimum
-//! if W is positive definite where `A d = 0`: if
+//! With the gradients A of all equations and of the ranges that are held, the solution is a strict local
+//! minimum if W is positive definite where `A d = 0`: if
 //!
 //! $$ K = \begin{pmatrix} W & A^T \\\\ A & 0 \end{pmatrix} $$
 //!
@@ -19,7 +20,8 @@ use crate::layout::{Layout, Rows};
 pub enum Certificate {
     /// It is a strict local minimum.
     LocalMinimum,
-    /// Ranges at their bounds with multipliers close to zero decide: with them it is a minimum, without them it is not.
+    /// Ranges at their bounds with multipliers close to zero decide: with them it is a minimum, without them
+    /// it is not.
     Undecided,
     /// The cost falls along a direction that keeps all equations and held ranges to first order.
     NotMinimum,
@@ -38,8 +40,8 @@ pub enum Held {
     Upper,
 }
 
-/// Slacks and multipliers below this, both, decide nothing: in units of the scaled program, relative to the largest
-/// multiplier where that is larger than 1.
+/// Slacks and multipliers below this, both, decide nothing: in units of the scaled program, relative to the
+/// largest multiplier where that is larger than 1.
 const WEAK: f64 = 1e-4;
 
 /// The factorisation at a solution, with held ranges as equations.
@@ -128,8 +130,8 @@ impl Active {
         }
     }
 
-    /// Factors K, with weakly held ranges as equations or without them; whether it has as many positive eigenvalues as
-    /// there are unknowns.
+    /// Factors K, with weakly held ranges as equations or without them; whether it has as many positive
+    /// eigenvalues as there are unknowns.
     pub fn factorise(&mut self, layout: &Layout, blocks: &Blocks, with_weak: bool) -> bool {
         let holds = |held: Held| match held {
             Held::Free => false,
@@ -162,8 +164,8 @@ impl Active {
         positive == steps && self.chain.zeros().iter().all(|&row| row >= steps)
     }
 
-    /// What the second-order conditions say; the factors are those with strongly held ranges alone, or with weakly held
-    /// ones too where these decide.
+    /// What the second-order conditions say; the factors are those with strongly held ranges alone, or with
+    /// weakly held ones too where these decide.
     pub fn certify(&mut self, layout: &Layout, blocks: &Blocks) -> Certificate {
         if self.factorise(layout, blocks, false) {
             return Certificate::LocalMinimum;

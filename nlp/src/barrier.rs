@@ -17,8 +17,8 @@ pub struct BarrierSettings {
     pub part: f64,
     /// kappa_sigma: multipliers of bounds are kept within this factor of mu over the slack.
     pub neighbourhood: f64,
-    /// kappa_1, kappa_2: slacks start at least this far inside their bounds, relative to the size of the bound and to
-    /// the range.
+    /// kappa_1, kappa_2: slacks start at least this far inside their bounds, relative to the size of the
+    /// bound and to the range.
     pub inside: [f64; 2],
 }
 
@@ -61,8 +61,8 @@ impl BarrierSettings {
     }
 }
 
-/// The longest steps, at most 1, of slacks and of multipliers of bounds that go at most a part tau of the way to
-/// zero.
+/// The longest steps, at most 1, of slacks and of multipliers of bounds that go at most a part tau of the way
+/// to zero.
 pub(crate) fn longest_steps(iterate: &Iterate, bounds: &Bounds, step: &Step, tau: f64) -> [f64; 2] {
     let shorten = |length: f64, value: f64, change: f64| match change < 0.0 {
         true => length.min(-tau * value / change),

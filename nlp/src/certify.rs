@@ -13,8 +13,9 @@ const STEPS: usize = 10;
 impl Solver {
     /// What the second-order conditions say about the last solution of this program.
     ///
-    /// Convergence of an interior-point method with the right inertia certifies a minimum of the barrier problem alone.
-    /// Here the ranges that are held with a multiplier are equations, and neither the barrier nor a regularisation counts.
+    /// Convergence of an interior-point method with the right inertia certifies a minimum of the barrier
+    /// problem alone. Here the ranges that are held with a multiplier are equations, and neither the barrier
+    /// nor a regularisation counts.
     ///
     /// # Errors
     /// [`SolveError`].
@@ -28,14 +29,15 @@ impl Solver {
         Ok(certificate)
     }
 
-    /// Which ranges the last solution holds, by [`certify`](Self::certify) or [`refine`](Self::refine); empty before.
+    /// Which ranges the last solution holds, by [`certify`](Self::certify) or [`refine`](Self::refine); empty
+    /// before.
     pub fn held(&self) -> &[Held] {
         self.active.as_ref().map_or(&[], |active| &active.held)
     }
 
-    /// Newton steps on the set of ranges that the last solution holds: they lie on their bounds then, and the error of the
-    /// conditions of optimality falls below `tolerance` or to rounding. Returns that error; the point is
-    /// [`point`](Self::point).
+    /// Newton steps on the set of ranges that the last solution holds: they lie on their bounds then, and the
+    /// error of the conditions of optimality falls below `tolerance` or to rounding. Returns that error; the
+    /// point is [`point`](Self::point).
     ///
     /// # Errors
     /// [`SolveError`].
@@ -60,10 +62,10 @@ impl Solver {
     /// $$ K \begin{pmatrix} x' \\\\ y' \\\\ v' \end{pmatrix} = - \begin{pmatrix} \partial_p \nabla_z L \\\\
     /// \partial_p c \\\\ \partial_p (g - b) \end{pmatrix} $$
     ///
-    /// for a parameter p of the program, with b the bounds that hold ranges. K is symmetric, so that the same solves for
-    /// adjoints: with the gradient of a function of the solution in the place of the rates, the products of the changes with
-    /// the rates of each parameter are its derivatives. `None` before [`certify`](Self::certify) or
-    /// [`refine`](Self::refine).
+    /// for a parameter p of the program, with b the bounds that hold ranges. K is symmetric, so that the same
+    /// solves for adjoints: with the gradient of a function of the solution in the place of the rates, the
+    /// products of the changes with the rates of each parameter are its derivatives. `None` before
+    /// [`certify`](Self::certify) or [`refine`](Self::refine).
     pub fn respond<P: StagedProblem>(&mut self, problem: &P, rates: &Changes) -> Option<Changes> {
         let active = self.active.as_mut()?;
         let Some(scales) = problem.scales() else {

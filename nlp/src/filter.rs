@@ -2,8 +2,8 @@
 
 /// Constants of the filter line search.
 ///
-/// Source: A. Waechter, L. T. Biegler, "On the implementation of an interior-point filter line-search algorithm
-/// for large-scale nonlinear programming", Mathematical Programming 106 (2006), 25-57, section 2.3.
+/// Source: A. Waechter, L. T. Biegler, "On the implementation of an interior-point filter line-search
+/// algorithm for large-scale nonlinear programming", Mathematical Programming 106 (2006), 25-57, section 2.3.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FilterSettings {
     /// gamma_theta, gamma_phi: least relative decrease of the violation, and least decrease of the objective
@@ -75,8 +75,8 @@ impl Filter {
         self.entries.clear();
     }
 
-    /// Judges a trial point at the step length alpha from the current iterate, where `slope` is the derivative
-    /// of the objective along the step.
+    /// Judges a trial point at the step length alpha from the current iterate, where `slope` is the
+    /// derivative of the objective along the step.
     pub fn judge(&self, current: Measure, trial: Measure, alpha: f64, slope: f64) -> Option<Acceptance> {
         let [gamma_theta, gamma_phi] = self.settings.margins;
         let [largest, small] = self.limits;

@@ -50,7 +50,8 @@ pub(crate) struct Residuals {
     pub ranges: Vec<f64>,
 }
 
-/// The largest parts of the conditions of optimality, scaled as in IPOPT (Waechter and Biegler 2006, eq. (5)).
+/// The largest parts of the conditions of optimality, scaled as in IPOPT (Waechter and Biegler 2006, eq.
+/// (5)).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct KktError {
     /// Of the gradient of the Lagrangian.

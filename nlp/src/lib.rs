@@ -1,4 +1,49 @@
-//! An interior-point solver for staged nonlinear programs with exact second derivatives.
+//! An interior-point solver for staged nonlinear programs with exact second derivatives, such as optimal
+//! control by collocation or multiple shooting. It knows neither robots nor time.
+//!
+//! # Programs
+//!
+//! $$ \min_z \; f(z) \quad \text{subject to} \quad c(z) = 0, \qquad l \le g(z) \le u \qquad (1) $$
+//!
+//! f, c and g are made of functions of one node, of one interval with its two nodes, or of both ends
+//! ([`Element`]); a [`Layout`] counts their unknowns and rows, a [`StagedProblem`] computes values, Jacobians
+//! and the Hessian of the Lagrangian as dense blocks, element by element. Steps are displacements of a point,
+//! so that unknowns may live on manifolds ([`StagedProblem::retract`]), and have typical sizes ([`Scales`]):
+//! other units take the same iterations.
+//!
+//! # Method
+//!
+//! Ranges have slacks s, and a barrier with parameter mu keeps them inside:
+//!
+//! $$ \min \; f(z) - \mu \sum \ln (s - l) - \mu \sum \ln (u - s) \quad \text{subject to} \quad c(z) = 0,
+//! \qquad g(z) - s = 0 \qquad (2) $$
+//!
+//! [`Solver`] takes Newton steps on the conditions of optimality of (2) with multipliers of the bounds
+//! (primal-dual), while mu falls. With the steps of slacks eliminated they are
+//!
+//! $$ \begin{pmatrix} W + G^T \Sigma G + \delta & C^T \\\\ C & 0 \end{pmatrix} \begin{pmatrix} d_z \\\\ d_y
+//! \end{pmatrix} = r, \qquad \Sigma = \frac{z_l}{s - l} + \frac{z_u}{u - s} \qquad (3) $$
+//!
+//! - (3) is factored from stage to stage as LDL' with pivots of order 1 and 2. Rows that find no acceptable
+//!   pivot in a stage are handed on to the next one, so that multipliers are true ones and the inertia is
+//!   exact; equations that depend on others end as zero pivots and are named ([`Solution::dependent`]). The
+//!   time is linear in the number of intervals. Solutions are refined by the residual of the whole system.
+//! - Where the inertia is wrong, delta is added to the diagonal, remembered and decreased
+//!   ([`RegularisationSettings`]).
+//! - Steps are shortened until a filter accepts them, after second-order corrections ([`FilterSettings`]). If
+//!   none is accepted, an elastic program of the form (1) lowers the violation; [`Status::LocallyInfeasible`]
+//!   is a local minimum of it.
+//! - mu falls as fast as the conditions of (2) are met ([`BarrierSettings`]).
+//!
+//! # After a solution
+//!
+//! The right inertia of (3) certifies a minimum of (2). [`Solver::certify`] judges (1): with held ranges as
+//! equations and without barrier or delta. [`Solver::refine`] solves the conditions of (1) on that set by
+//! Newton's method, [`Solver::respond`] differentiates the solution by parameters, forward or backward.
+//!
+//! Sources: A. Waechter, L. T. Biegler, Mathematical Programming 106 (2006), 25-57 (filter, regularisation,
+//! restoration); I. S. Duff, J. K. Reid, ACM TOMS 9 (1983), 302-325 (pivots that are handed on); L. Vanroye,
+//! A. Sathya, J. De Schutter, W. Decre, "FATROP", IROS 2023 (staged programs).
 
 #![warn(missing_debug_implementations)]
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::panic))]

@@ -166,8 +166,8 @@ impl Newton {
         step.y.copy_from_slice(&self.condensed[n..]);
     }
 
-    /// As many positive eigenvalues as unknowns; the others belong to equations, zeros to those that depend on
-    /// others.
+    /// As many positive eigenvalues as unknowns; the others belong to equations, zeros to those that depend
+    /// on others.
     fn is_right(&self, layout: &Layout) -> bool {
         let Inertia { positive, negative, zero } = self.inertia;
         positive == layout.steps()

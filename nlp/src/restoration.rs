@@ -14,7 +14,8 @@ use std::error::Error;
 use std::ops::Range;
 
 /// zeta, for displacements and violations in units of their scales. IPOPT has sqrt(mu) / 1000, which rounding
-/// hides beside the curvatures z / s of ranges that are held: minima that are not strict are then found slowly.
+/// hides beside the curvatures z / s of ranges that are held: minima that are not strict are then found
+/// slowly.
 const PROXIMITY: f64 = 1e-3;
 
 /// The elastic program of another one, about its point `centre`.
@@ -37,8 +38,8 @@ pub(crate) struct Elastic<'a, E> {
 #[derive(Clone, Debug)]
 pub(crate) struct Places {
     pub layout: Layout,
-    /// For each element of the program: the element that takes its rows, the first of its equations and ranges there,
-    /// and the first of its elastic variables among all unknowns.
+    /// For each element of the program: the element that takes its rows, the first of its equations and
+    /// ranges there, and the first of its elastic variables among all unknowns.
     parts: Vec<Part>,
     /// The unknowns of the program among those of the elastic one.
     unknowns: Vec<usize>,
@@ -131,8 +132,8 @@ impl Places {
         to.iter_mut().zip(&self.unknowns).for_each(|(to, &place)| *to = from[place]);
     }
 
-    /// The violation of the program at an iterate of the elastic one, both scaled: `sum |c| + sum |g - s|`, with s the
-    /// slacks of the ranges there, which go to `slacks`.
+    /// The violation of the program at an iterate of the elastic one, both scaled: `sum |c| + sum |g - s|`,
+    /// with s the slacks of the ranges there, which go to `slacks`.
     pub fn violation(&self, layout: &Layout, scales: &[f64], iterate: &Iterate, slacks: &mut [f64]) -> f64 {
         let mut sum = 0.0;
         for part in &self.parts {
@@ -224,8 +225,8 @@ impl<'a, E: Error> Elastic<'a, E> {
         }
     }
 
-    /// The start: the centre, with elastic variables that satisfy all rows, and the conditions of optimality of p and n at
-    /// the barrier parameter mu. Values and slacks are those of the scaled program.
+    /// The start: the centre, with elastic variables that satisfy all rows, and the conditions of optimality
+    /// of p and n at the barrier parameter mu. Values and slacks are those of the scaled program.
     pub fn start(&self, values: &Values, slacks: &[f64], mu: f64) -> Vec<f64> {
         let layout = self.original.layout();
         let mut point = vec![0.0; self.places.layout.steps() + self.centre.len()];
@@ -253,8 +254,8 @@ impl<'a, E: Error> Elastic<'a, E> {
     }
 }
 
-/// A point has the elastic variables and displacements of all other unknowns from the centre in its first entries, and
-/// the point of the program in the last ones.
+/// A point has the elastic variables and displacements of all other unknowns from the centre in its first
+/// entries, and the point of the program in the last ones.
 impl<E: Error> StagedProblem for Elastic<'_, E> {
     type Error = E;
 

@@ -45,7 +45,8 @@ impl Default for Settings {
 /// Steps shorter than this, relative to the point, are rounding.
 const TINY: f64 = 10.0 * f64::EPSILON;
 
-/// Error up to which restoration solves its program: whether a minimum of the violation was found needs no more digits.
+/// Error up to which restoration solves its program: whether a minimum of the violation was found needs no
+/// more digits.
 const LEAST_VIOLATION: f64 = 1e-6;
 
 /// Part of the violation that restoration may leave: kappa_resto of IPOPT.
@@ -54,8 +55,8 @@ const RESTORED: f64 = 0.9;
 /// Largest multipliers of equations that the first estimate may have: lambda_max of IPOPT.
 const LARGEST_ESTIMATE: f64 = 1e3;
 
-/// Workspace for programs of one layout. [`solve`](Self::solve) allocates the bounds and scales of the program, and what
-/// restoration needs the first time that no acceptable step is found.
+/// Workspace for programs of one layout. [`solve`](Self::solve) allocates the bounds and scales of the
+/// program, and what restoration needs the first time that no acceptable step is found.
 ///
 /// ```
 /// use costate_nlp::{Blocks, Element, Layout, Rows, Settings, Solver, StagedProblem, Values, Weights};
@@ -75,7 +76,8 @@ const LARGEST_ESTIMATE: f64 = 1e3;
 ///         for k in 0..n {
 ///             let [q, v, u, q_next, v_next] = [0, 1, 2, 3, 4].map(|i| z[3 * k + i]);
 ///             to.cost += 0.5 * h * u * u;
-///             (to.equalities[2 + 2 * k], to.equalities[3 + 2 * k]) = (q_next - q - h * v, v_next - v - h * u);
+///             to.equalities[2 + 2 * k] = q_next - q - h * v;
+///             to.equalities[3 + 2 * k] = v_next - v - h * u;
 ///         }
 ///         (to.equalities[2 + 2 * n], to.equalities[3 + 2 * n]) = (z[3 * n] - 1.0, z[3 * n + 1]);
 ///         Ok(())
@@ -102,7 +104,8 @@ const LARGEST_ESTIMATE: f64 = 1e3;
 /// for k in 0..50 {
 ///     layout = layout.with_rows(Element::Interval(k), Rows::new(2, 0));
 /// }
-/// let layout = layout.with_rows(Element::Node(0), Rows::new(2, 0)).with_rows(Element::Node(50), Rows::new(2, 0));
+/// let layout = layout.with_rows(Element::Node(0), Rows::new(2, 0));
+/// let layout = layout.with_rows(Element::Node(50), Rows::new(2, 0));
 /// let mut problem = Transfer { layout };
 /// let mut solver = Solver::new(&problem.layout, Settings::default());
 /// let solution = solver.solve(&mut problem, &[0.0; 152])?;
@@ -263,8 +266,8 @@ impl Solver {
         Ok(())
     }
 
-    /// The first iterate: slacks inside their bounds, multipliers of bounds on the central path, those of equations by
-    /// least squares.
+    /// The first iterate: slacks inside their bounds, multipliers of bounds on the central path, those of
+    /// equations by least squares.
     fn begin<P: StagedProblem>(
         &mut self,
         problem: &mut Scaled<'_, P>,

@@ -144,7 +144,8 @@ impl<S: Scalar> Methods<S> {
         Ok(())
     }
 
-    /// (w.tau)_z and (w.tau)_zz, z = (q, v, a), at accelerations with the numbers of u, for the second half of y.
+    /// (w.tau)_z and (w.tau)_zz, z = (q, v, a), at accelerations with the numbers of u, for the second half
+    /// of y.
     #[inline]
     fn inverse_dynamics(
         &mut self,

@@ -5,7 +5,7 @@
 
 use super::function::{DerivativeError, check_length};
 use super::methods::Methods;
-use super::recorded::RecordedRoute;
+use super::other_route::OtherRoute;
 use super::reference::{Automatic, Reference, Rounding};
 use super::report::{StateReport, Verdict};
 use super::row::{Judged, Row};
@@ -33,7 +33,7 @@ pub(crate) const CLOSE: f64 = 0.1;
 /// Also compared: y'F_x and y'F_xx d without a matrix and as products with the matrix, the derivatives of
 /// a(q, v, u) and tau(q, v, a), symmetries, the conservation of energy, and first and second derivatives of
 /// twists, positions and orientation errors, summed with fixed weights over one frame of each link, of the
-/// centre of mass and of momentum; with [`with_route`](Self::with_route) those of recorded programs.
+/// centre of mass and of momentum; with [`with_route`](Self::with_route) those by other means.
 ///
 /// # The bound
 ///
@@ -62,7 +62,7 @@ pub struct Routes {
     reference: Automatic,
     rounded_methods: Methods<Count>,
     rounded_reference: Rounding,
-    recorded: Vec<RecordedRoute>,
+    others: Vec<OtherRoute>,
 }
 
 impl fmt::Debug for Routes {
@@ -81,7 +81,7 @@ impl Routes {
             reference: Automatic::new(robot),
             rounded_methods: Methods::new(robot),
             rounded_reference: Rounding::new(robot),
-            recorded: Vec::new(),
+            others: Vec::new(),
         }
     }
 
@@ -95,8 +95,8 @@ impl Routes {
 
     /// Compares one more method, in a row behind the others of its quantity.
     #[must_use]
-    pub fn with_route(mut self, route: RecordedRoute) -> Self {
-        self.recorded.push(route);
+    pub fn with_route(mut self, route: OtherRoute) -> Self {
+        self.others.push(route);
         self
     }
 
@@ -163,7 +163,7 @@ impl Routes {
         let state = State { q: q.to_vec(), p: p.to_vec(), v, u: u.to_vec(), y: y.to_vec() };
         let reference = self.reference.evaluate(&state)?;
         let mut rows = self.methods.rows(&state, &reference)?;
-        for route in &mut self.recorded {
+        for route in &mut self.others {
             insert(&mut rows, route.row(&state, &reference)?);
         }
         Ok(Evaluated { counted: state.map(Count::variable), mass_matrix, reference, rows })
@@ -173,8 +173,8 @@ impl Routes {
     #[inline]
     fn judged(&mut self, at: &Evaluated, reference: Reference<Count>) -> Result<Vec<Judged>, EvalError> {
         let mut rounded = self.rounded_methods.rows(&at.counted, &reference)?;
-        for route in &mut self.recorded {
-            insert(&mut rounded, route.rounded_row(&at.counted, &reference));
+        for route in &mut self.others {
+            insert(&mut rounded, route.rounded_row(&at.counted, &reference)?);
         }
         Ok(at.rows.iter().cloned().zip(rounded).map(|(row, rounded)| Judged { row, rounded }).collect())
     }
@@ -189,11 +189,9 @@ struct Evaluated {
 }
 
 /// Puts a row behind the others of its quantity.
-fn insert<S>(rows: &mut Vec<Row<S>>, row: Option<Row<S>>) {
-    if let Some(row) = row {
-        let last = rows.iter().rposition(|other| other.name[0] == row.name[0]);
-        rows.insert(last.map_or(rows.len(), |last| last + 1), row);
-    }
+fn insert<S>(rows: &mut Vec<Row<S>>, row: Row<S>) {
+    let last = rows.iter().rposition(|other| other.name[0] == row.name[0]);
+    rows.insert(last.map_or(rows.len(), |last| last + 1), row);
 }
 
 /// `d_i = sqrt(M_ii)`.

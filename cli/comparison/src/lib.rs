@@ -6,7 +6,7 @@
 
 #![warn(missing_debug_implementations)]
 
-use costate::derivative::{DerivativeError, OperationTable, RecordedRoute, StateReport};
+use costate::derivative::{DerivativeError, OperationTable, OtherRoute, StateReport};
 use costate::robot::Robot;
 use costate::scalar::Constants;
 use costate::step::StepError;
@@ -31,7 +31,7 @@ impl Routes {
 
     /// [`derivative::Routes::with_route`].
     #[must_use]
-    pub fn with_route(self, route: RecordedRoute) -> Self {
+    pub fn with_route(self, route: OtherRoute) -> Self {
         Self(self.0.with_route(route))
     }
 

@@ -62,7 +62,8 @@ struct Factors {
 pub(crate) struct Chain {
     stages: Vec<Stage>,
     front: Front,
-    /// Schur complement of the last stage: its rows, sizes of their columns, and the lower triangle by columns.
+    /// Schur complement of the last stage: its rows, sizes of their columns, and the lower triangle by
+    /// columns.
     carried: Carried,
     has_equalities: bool,
     inertia: Inertia,
@@ -139,9 +140,9 @@ impl Chain {
         }
     }
 
-    /// Factors the matrix. By element: the upper triangles of W, and the Jacobians of the equations; `diagonal` is
-    /// added to that of all rows. Without equations pivots are not chosen: the matrix should be positive definite,
-    /// and the inertia shows whether it is.
+    /// Factors the matrix. By element: the upper triangles of W, and the Jacobians of the equations;
+    /// `diagonal` is added to that of all rows. Without equations pivots are not chosen: the matrix should be
+    /// positive definite, and the inertia shows whether it is.
     pub fn factorise<'a>(
         &mut self,
         hessians: &[Dense],

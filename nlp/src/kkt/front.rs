@@ -3,9 +3,9 @@
 //! $$ P A P^T = \begin{pmatrix} L & 0 \\\\ M & 1 \end{pmatrix} \begin{pmatrix} D & 0 \\\\ 0 & S \end{pmatrix}
 //! \begin{pmatrix} L^T & M^T \\\\ 0 & 1 \end{pmatrix} $$
 //!
-//! Pivots are taken among the first rows alone, but are compared with their whole columns (Duff and Reid, "The
-//! multifrontal solution of indefinite sparse symmetric linear equations", ACM TOMS 9 (1983), 302-325): a
-//! pivot of order 1 is accepted if `|a_jj| >= u |a_ij|` for all i, one of order 2 if no entry of
+//! Pivots are taken among the first rows alone, but are compared with their whole columns (Duff and Reid,
+//! "The multifrontal solution of indefinite sparse symmetric linear equations", ACM TOMS 9 (1983), 302-325):
+//! a pivot of order 1 is accepted if `|a_jj| >= u |a_ij|` for all i, one of order 2 if no entry of
 //! `|E^-1| (max_i |a_ij|, max_i |a_ir|)` exceeds 1/u. What finds no pivot is left in S.
 
 use costate_numerics::widest_fused;
@@ -86,8 +86,8 @@ impl Front {
         self.entries[column * self.size + row] += value;
     }
 
-    /// Adds to the entries (row, first), (row, first + 1), .. of either triangle; the columns are all before the row, or
-    /// none is.
+    /// Adds to the entries (row, first), (row, first + 1), .. of either triangle; the columns are all before
+    /// the row, or none is.
     #[inline(always)]
     pub fn add_run(&mut self, row: usize, first: usize, values: &[f64]) {
         if first >= row {
@@ -112,8 +112,8 @@ impl Front {
         }
     }
 
-    /// Eliminates among the first `candidates` rows; of a definite matrix in their order. `forced`: whatever the
-    /// threshold says, if there is nothing better.
+    /// Eliminates among the first `candidates` rows; of a definite matrix in their order. `forced`: whatever
+    /// the threshold says, if there is nothing better.
     pub fn factorise(&mut self, candidates: usize, definite: bool, forced: bool) {
         widest_fused(
             #[inline(always)]

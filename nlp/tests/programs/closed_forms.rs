@@ -163,7 +163,8 @@ fn a_hanging_chain_is_a_catenary() {
     assert!((cost / expected - 1.0).abs() < 1e-6, "{cost} {expected}");
 }
 
-/// Zermelo's particle of constant thrust: least time to height 5, speed 45 and no climb, by the angle of thrust.
+/// Zermelo's particle of constant thrust: least time to height 5, speed 45 and no climb, by the angle of
+/// thrust.
 struct Particle;
 
 impl Ocp for Particle {
@@ -195,7 +196,8 @@ impl Ocp for Particle {
 impl Particle {
     /// The linear tangent law `tan u = tan u_0 (1 - 2 t / T)`: by `v_x = 45` and `y = 5`.
     fn least_time() -> f64 {
-        // With s = tan u_0: v_x = 100 T asinh(s) / s / 2 * 2 .. integrals by Gauss's rule in a bisection of s.
+        // With s = tan u_0: v_x = 100 T asinh(s) / s / 2 * 2 .. integrals by Gauss's rule in a bisection of
+        // s.
         let ends = |s: f64| {
             let count = 20_000;
             let (mut speed, mut slope, mut height) = (0.0, 0.0, 0.0);

@@ -3,8 +3,8 @@
 use super::by_duals::{Functions, Number, Parts};
 use costate_nlp::{Element, Layout, Rows, Scales};
 
-/// Radau IIA of order 5, on (0, 1]: points, matrix and weights (Hairer and Wanner, "Solving ordinary differential
-/// equations II", table IV.5.6).
+/// Radau IIA of order 5, on (0, 1]: points, matrix and weights (Hairer and Wanner, "Solving ordinary
+/// differential equations II", table IV.5.6).
 const POINTS: usize = 3;
 
 fn radau() -> ([f64; POINTS], [[f64; POINTS]; POINTS]) {

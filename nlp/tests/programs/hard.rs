@@ -35,9 +35,9 @@ impl<F: OfNode, const RANGES: usize> Functions for Small<F, RANGES> {
 
 const ABOVE_ZERO: [f64; 2] = [0.0, f64::INFINITY];
 
-/// `min x_1` with `x_1^2 - x_2 = 1`, `x_1 - x_3 = 1/2`, `x_2, x_3 >= 0`: interior-point methods that only shorten
-/// steps fail from (-2, 3, 1) (Waechter and Biegler, "Failure of global convergence for a class of interior point
-/// methods", Mathematical Programming 88 (2000), 565-574).
+/// `min x_1` with `x_1^2 - x_2 = 1`, `x_1 - x_3 = 1/2`, `x_2, x_3 >= 0`: interior-point methods that only
+/// shorten steps fail from (-2, 3, 1) (Waechter and Biegler, "Failure of global convergence for a class of
+/// interior point methods", Mathematical Programming 88 (2000), 565-574).
 struct Failure;
 
 impl OfNode for Failure {
