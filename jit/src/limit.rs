@@ -1,5 +1,6 @@
 //! The lengths up to which machine code pays.
 
+use costate::codegen::Quantity;
 use costate::robot::Robot;
 
 /// Default limit of steps for one state of a robot without branches: longer straight-line code is slower than
@@ -8,6 +9,9 @@ pub const DEFAULT_LIMIT: usize = 18_000;
 
 /// Default limit of steps for four states at once, which do four times the work with the code that is read.
 pub const LANES_LIMIT: usize = 100_000;
+
+/// Part of the limit that holds for quantities without derivatives: the generic code computes them in O(n).
+const OF_VALUES: usize = 3;
 
 /// Most that branches raise the limit by: the memory of a recording is in proportion.
 const MOST_BRANCHED: usize = 4;
@@ -26,6 +30,16 @@ pub fn limit_of(robot: &Robot) -> usize {
     }
     let (n, pairs) = (depths.len(), depths.iter().sum::<usize>().max(1));
     (DEFAULT_LIMIT * n * (n + 1) / (2 * pairs)).clamp(DEFAULT_LIMIT, MOST_BRANCHED * DEFAULT_LIMIT)
+}
+
+/// [`limit_of`] for one quantity: a third of it for those without derivatives, such as F and inverse dynamics.
+pub(crate) fn limit_for(robot: &Robot, quantity: Quantity) -> usize {
+    match quantity {
+        Quantity::F | Quantity::InverseDynamics | Quantity::MassMatrix | Quantity::Energy => {
+            limit_of(robot) / OF_VALUES
+        }
+        _ => limit_of(robot),
+    }
 }
 
 #[cfg(test)]

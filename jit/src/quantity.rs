@@ -3,7 +3,7 @@
 use crate::code::Code;
 use crate::compiled::Compiled;
 use crate::error::JitError;
-use crate::limit::limit_of;
+use crate::limit::limit_for;
 use costate::EvalError;
 use costate::codegen::{CodegenError, Coordinates, Quantity, REGULAR, RobotQuantity, Shape, guarded_program};
 use costate::configuration::Quaternions;
@@ -73,7 +73,8 @@ impl fmt::Display for Backend<'_> {
 }
 
 impl JitQuantity {
-    /// Records and compiles a quantity of at most [`limit_of`] steps; see [`Quantity`] for arguments and
+    /// Records and compiles a quantity of at most [`limit_of`](crate::limit_of) steps, a third of them for
+    /// quantities without derivatives; see [`Quantity`] for arguments and
     /// results.
     ///
     /// A quantity that cannot be compiled is no error: [`backend`](Self::backend) has the reason.
@@ -81,7 +82,7 @@ impl JitQuantity {
     /// # Errors
     /// [`CodegenError::Quantity`] where the quantity is not defined in these coordinates.
     pub fn new(robot: &Robot, quantity: Quantity, coordinates: Coordinates) -> Result<Self, CodegenError> {
-        Self::with_limit(robot, quantity, coordinates, limit_of(robot))
+        Self::with_limit(robot, quantity, coordinates, limit_for(robot, quantity))
     }
 
     /// As [`new`](Self::new), compiled only if the program has at most `limit` steps; 0 selects the generic
