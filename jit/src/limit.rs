@@ -32,7 +32,8 @@ pub fn limit_of(robot: &Robot) -> usize {
     (DEFAULT_LIMIT * n * (n + 1) / (2 * pairs)).clamp(DEFAULT_LIMIT, MOST_BRANCHED * DEFAULT_LIMIT)
 }
 
-/// [`limit_of`] for one quantity: a third of it for those without derivatives, such as F and inverse dynamics.
+/// [`limit_of`] for one quantity: a third of it for those without derivatives, such as F and inverse
+/// dynamics.
 pub(crate) fn limit_for(robot: &Robot, quantity: Quantity) -> usize {
     match quantity {
         Quantity::F | Quantity::InverseDynamics | Quantity::MassMatrix | Quantity::Energy => {
