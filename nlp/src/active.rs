@@ -15,6 +15,16 @@ use crate::iterate::{Bounds, Iterate};
 use crate::kkt::{Chain, Inertia};
 use crate::layout::{Layout, Rows};
 
+/// The curvature of the Lagrangian where equations and held ranges are kept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Curvature {
+    /// Positive in all directions.
+    Positive,
+    /// Zero up to rounding in some, negative in none.
+    Zero,
+    Negative,
+}
+
 /// What the second-order conditions say about a solution.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Certificate {
@@ -25,6 +35,8 @@ pub enum Certificate {
     Undecided,
     /// The cost falls along a direction that keeps all equations and held ranges to first order.
     NotMinimum,
+    /// The conditions of optimality of first order do not hold: there is nothing to certify.
+    NotStationary,
 }
 
 /// Whether a range is held at a bound.
@@ -40,9 +52,12 @@ pub enum Held {
     Upper,
 }
 
-/// Slacks and multipliers below this, both, decide nothing: in units of the scaled program, relative to the
-/// largest multiplier where that is larger than 1.
-const WEAK: f64 = 1e-4;
+/// A range is held if its multiplier is so many times its slack, and free if it is the other way round: both are in
+/// units of the scaled program, and their product is mu.
+const STRONG: f64 = 1e3;
+
+/// Slacks and multipliers below this, both, decide nothing.
+const WEAK: f64 = 1e-6;
 
 /// The factorisation at a solution, with held ranges as equations.
 #[derive(Clone, Debug)]
@@ -114,25 +129,25 @@ impl Active {
 
     /// Finds which ranges an iterate holds.
     pub fn hold(&mut self, iterate: &Iterate, bounds: &Bounds) {
-        let largest = iterate.v.iter().fold(1.0, |most: f64, v| most.max(v.abs()));
         for (i, held) in self.held.iter_mut().enumerate() {
             // Of both bounds of a narrow range: what they do not cancel.
             let (v, [below, above]) = (iterate.v[i], bounds.gaps(&iterate.slacks, i));
-            let of = |gap: f64, z: f64, side: Held| match (gap.is_finite(), z > gap) {
-                (true, _) if gap <= WEAK && z <= WEAK * largest => Held::Weakly,
-                (true, true) => side,
-                _ => Held::Free,
+            let (z, gap, side) = match v > 0.0 || (v == 0.0 && above < below) {
+                true => (v, above, Held::Upper),
+                false => (-v, below, Held::Lower),
             };
-            *held = match (of(below, -v, Held::Lower), of(above, v, Held::Upper)) {
-                (Held::Free, other) => other,
-                (other, _) => other,
+            *held = match () {
+                () if gap.is_infinite() => Held::Free,
+                () if z.max(gap) <= WEAK => Held::Weakly,
+                () if z >= STRONG * gap => side,
+                () if gap >= STRONG * z => Held::Free,
+                () => Held::Weakly,
             };
         }
     }
 
-    /// Factors K, with weakly held ranges as equations or without them; whether it has as many positive
-    /// eigenvalues as there are unknowns.
-    pub fn factorise(&mut self, layout: &Layout, blocks: &Blocks, with_weak: bool) -> bool {
+    /// Factors K, with weakly held ranges as equations or without them.
+    pub fn factorise(&mut self, layout: &Layout, blocks: &Blocks, with_weak: bool) -> Curvature {
         let holds = |held: Held| match held {
             Held::Free => false,
             Held::Weakly => with_weak,
@@ -159,21 +174,29 @@ impl Active {
             row_of_all += equalities + ranges;
         }
         let jacobians = &self.jacobians;
-        let Inertia { positive, .. } =
+        let Inertia { positive, negative, .. } =
             self.chain.factorise(&self.hessians, |element| &jacobians[element], &self.diagonal);
-        positive == steps && self.chain.zeros().iter().all(|&row| row >= steps)
+        let zeros = self.chain.zeros();
+        let rows = self.diagonal.len() - steps - zeros.iter().filter(|&&row| row >= steps).count();
+        match () {
+            () if positive == steps => Curvature::Positive,
+            () if negative > rows => Curvature::Negative,
+            () => Curvature::Zero,
+        }
     }
 
-    /// What the second-order conditions say; the factors are those with strongly held ranges alone, or with
-    /// weakly held ones too where these decide.
+    /// What the second-order conditions say; the factors are those with strongly held ranges alone, or with weakly held
+    /// ones too where these decide.
     pub fn certify(&mut self, layout: &Layout, blocks: &Blocks) -> Certificate {
-        if self.factorise(layout, blocks, false) {
-            return Certificate::LocalMinimum;
+        match self.factorise(layout, blocks, false) {
+            Curvature::Positive => Certificate::LocalMinimum,
+            Curvature::Zero => Certificate::Undecided,
+            Curvature::Negative if !self.held.contains(&Held::Weakly) => Certificate::NotMinimum,
+            Curvature::Negative => match self.factorise(layout, blocks, true) {
+                Curvature::Positive | Curvature::Zero => Certificate::Undecided,
+                Curvature::Negative => Certificate::NotMinimum,
+            },
         }
-        if self.held.contains(&Held::Weakly) && self.factorise(layout, blocks, true) {
-            return Certificate::Undecided;
-        }
-        Certificate::NotMinimum
     }
 
     /// The changes d of the solution with `K d = -rates`.

@@ -29,7 +29,7 @@ impl Values {
 /// What the functions are multiplied by in the Lagrangian `cost f + equalities . c + ranges . g`.
 #[derive(Clone, Copy, Debug)]
 pub struct Weights<'a> {
-    /// The factor of the cost: 1, or 0 where feasibility alone is sought.
+    /// The factor of the cost: its scale's reciprocal, or 0 where feasibility alone is sought.
     pub cost: f64,
     /// Multipliers y of the equations.
     pub equalities: &'a [f64],

@@ -7,6 +7,9 @@ use crate::problem::{Scales, StagedProblem};
 use crate::scaled::Scaled;
 use crate::solve::Solver;
 
+/// Largest error of the conditions of first order that second-order ones are judged at.
+const STATIONARY: f64 = 1e-4;
+
 /// Most Newton steps of [`Solver::refine`].
 const STEPS: usize = 10;
 
@@ -23,8 +26,12 @@ impl Solver {
         &mut self,
         problem: &mut P,
     ) -> Result<Certificate, SolveError<P::Error>> {
+        let bounds = Bounds::new(Scaled::new(problem).bounds());
         let mut active = self.take_active(problem)?;
-        let certificate = active.certify(&self.layout, &self.blocks);
+        let certificate = match self.iterate.error(&bounds, &self.residuals, 0.0).largest() <= STATIONARY {
+            true => active.certify(&self.layout, &self.blocks),
+            false => Certificate::NotStationary,
+        };
         self.active = Some(active);
         Ok(certificate)
     }
@@ -113,14 +120,12 @@ impl Solver {
         let mut scaled = Scaled::new(problem);
         let bounds = scaled.bounds();
         let (mut rates, mut changes) = (Changes::zeros(&self.layout), Changes::zeros(&self.layout));
-        let mut error = KktError::default();
+        let (mut error, mut best) = (KktError::default(), KktError::default());
         for step in 0..=STEPS {
             // Ranges that are not held have no multiplier, others lie on their bounds.
             for (i, held) in active.held.iter().enumerate() {
-                match held {
-                    Held::Free => self.iterate.v[i] = 0.0,
-                    Held::Weakly => self.iterate.v[i] = 0.0,
-                    Held::Lower | Held::Upper => {}
+                if matches!(held, Held::Free | Held::Weakly) {
+                    self.iterate.v[i] = 0.0;
                 }
             }
             self.linearise(&mut scaled)?;
@@ -140,11 +145,24 @@ impl Solver {
                 feasibility: worse(largest(&rates.equalities), largest(&rates.ranges)),
                 complementarity: 0.0,
             };
-            let falls = step == 0 || error.largest() < 0.5 * before;
-            if error.largest() <= tolerance || !falls || step == STEPS {
+            let is_better = error.largest() < before;
+            if step > 0 && !is_better {
+                // Back to the better one.
+                std::mem::swap(&mut self.iterate.point, &mut self.trial.point);
+                self.iterate.y.copy_from_slice(&self.trial.y);
+                self.iterate.v.copy_from_slice(&self.trial.v);
+                scaled.evaluate(&self.iterate.point, &mut self.iterate.values)?;
+                self.linearise(&mut scaled)?;
+                error = best;
+                break;
+            }
+            best = error;
+            if error.largest() <= tolerance || step == STEPS {
                 break;
             }
             active.factorise(&self.layout, &self.blocks, false);
+            self.trial.y.copy_from_slice(&self.iterate.y);
+            self.trial.v.copy_from_slice(&self.iterate.v);
             active.respond(&self.layout, &rates, &mut changes);
             scaled.retract(&self.iterate.point, &changes.x, 1.0, &mut self.trial.point);
             std::mem::swap(&mut self.iterate.point, &mut self.trial.point);

@@ -153,12 +153,13 @@ impl Layout {
     /// If there is no such element.
     pub fn position(&self, element: Element) -> usize {
         let last = self.intervals();
-        match element {
-            Element::Node(k) if k <= last => 2 * k,
-            Element::Interval(k) if k < last => 2 * k + 1,
-            Element::Ends => 2 * last + 1,
-            _ => panic!("there is no {element:?} among {last} intervals"),
-        }
+        let (at, exists) = match element {
+            Element::Node(k) => (2 * k, k <= last),
+            Element::Interval(k) => (2 * k + 1, k < last),
+            Element::Ends => (2 * last + 1, true),
+        };
+        assert!(exists, "there is no {element:?} among {last} intervals");
+        at
     }
 
     /// The entries of a step that belong to node k.

@@ -100,6 +100,11 @@ impl Newton {
         }
     }
 
+    /// Forgets the regularisation of another solution.
+    pub fn forget(&mut self) {
+        self.remembered = 0.0;
+    }
+
     /// What was added to the diagonal of W last.
     pub fn regularisation(&self) -> f64 {
         self.regularisation
@@ -268,9 +273,9 @@ impl Newton {
                 times(&block.ranges, d, &mut step.slacks[own]);
             }
         }
-        for i in 0..rows.len() {
+        for (i, weight) in weights.iter().enumerate() {
             step.slacks[i] -= right.ranges[i];
-            step.v[i] = weights[i] * step.slacks[i] - right.slacks[i];
+            step.v[i] = weight * step.slacks[i] - right.slacks[i];
         }
     }
 

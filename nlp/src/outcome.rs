@@ -11,13 +11,13 @@ pub enum Status {
     Solved,
     /// They hold up to rounding, which is above the tolerance.
     SolvedToRounding,
-    /// The violation has a local minimum here that is not zero. Nothing is said about other points.
+    /// The sum of all violations has a local minimum here that is not zero. Nothing is said about other points.
     LocallyInfeasible,
     /// No acceptable step was found.
     Stalled,
     /// The limit of iterations was reached.
     IterationLimit,
-    /// The observer asked to stop, or the deadline has passed.
+    /// The observer asked to stop.
     Stopped,
 }
 
@@ -26,7 +26,7 @@ pub enum Status {
 pub struct Solution<'a> {
     /// How it ended.
     pub status: Status,
-    /// The last point, the best one that was accepted.
+    /// The last point; with [`Status::LocallyInfeasible`] that of the least violation.
     pub point: &'a [f64],
     /// Its cost.
     pub cost: f64,
@@ -38,7 +38,7 @@ pub struct Solution<'a> {
     pub dependent: &'a [usize],
     /// Error of the conditions of optimality, of the scaled program.
     pub error: KktError,
-    /// Accepted steps.
+    /// Iterations, without those of restoration.
     pub iterations: usize,
 }
 
@@ -86,7 +86,7 @@ pub enum SolveError<E: Error> {
         what: &'static str,
     },
     /// A range is empty.
-    #[error("range {row} is empty: its lower bound {lower} exceeds its upper bound {upper}")]
+    #[error("range {row} is empty: no number lies between its bounds {lower} and {upper}")]
     EmptyRange {
         /// The row.
         row: usize,
@@ -95,6 +95,9 @@ pub enum SolveError<E: Error> {
         /// Its upper bound.
         upper: f64,
     },
+    /// The cost depends on both ends, and the layout does not say so.
+    #[error("the cost depends on both ends: make the layout with `with_cost_of_ends`")]
+    CostOfEnds,
     /// A typical size is not positive and finite.
     #[error("scale {index} of {what} is {value}: sizes are positive")]
     Scale {

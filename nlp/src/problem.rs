@@ -20,8 +20,8 @@ pub trait StagedProblem {
     /// Numbers of unknowns and rows. They never change.
     fn layout(&self) -> &Layout;
 
-    /// l and u, one entry for each function with a range; infinite where there is no bound. `l <= u`; equal
-    /// ends make an equation of a range, which is better posed as one.
+    /// l and u, one entry for each function with a range; infinite where there is no bound. `l <= u`; ranges
+    /// without interior are relaxed by 1e-8 of their size, so that an equation is better posed as one.
     fn bounds(&self) -> [&[f64]; 2];
 
     /// f, c and g at a point.

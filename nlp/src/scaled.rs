@@ -84,6 +84,12 @@ impl<'a, P: StagedProblem> Scaled<'a, P> {
         Ok(())
     }
 
+    /// The size of unknown k, scaled, at least 1; 1 where a point has other entries than a step.
+    pub fn size(&self, point: &[f64], k: usize) -> f64 {
+        let steps = &self.scales.steps;
+        if point.len() == steps.len() { (point[k] / steps[k]).abs().max(1.0) } else { 1.0 }
+    }
+
     /// `moved = point (+) length step`, for a scaled step.
     pub fn retract(&mut self, point: &[f64], step: &[f64], length: f64, moved: &mut [f64]) {
         for ((to, step), scale) in self.step.iter_mut().zip(step).zip(&self.scales.steps) {

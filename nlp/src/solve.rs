@@ -7,7 +7,7 @@ use crate::barrier::{BarrierSettings, longest_steps, reset_multipliers, slope};
 use crate::blocks::{Blocks, Weights};
 use crate::filter::{Acceptance, Filter, FilterSettings, Measure};
 use crate::iterate::{Bounds, Iterate, KktError, Residuals, Step, worse};
-use crate::layout::Layout;
+use crate::layout::{Element, Layout};
 use crate::newton::{Newton, NoStep, RegularisationSettings};
 use crate::outcome::{Iteration, Solution, SolveError, Status};
 use crate::problem::StagedProblem;
@@ -48,6 +48,9 @@ const TINY: f64 = 10.0 * f64::EPSILON;
 /// Error up to which restoration solves its program: whether a minimum of the violation was found needs no
 /// more digits.
 const LEAST_VIOLATION: f64 = 1e-6;
+
+/// Relative decrease of the violation from one centre of restoration to the next below which it has a minimum.
+const LEAST_DECREASE: f64 = 1e-3;
 
 /// Part of the violation that restoration may leave: kappa_resto of IPOPT.
 const RESTORED: f64 = 0.9;
@@ -143,6 +146,8 @@ enum Search {
     /// The trial point is accepted, at this length of the step.
     Accepted(f64),
     Failed,
+    /// There was no step to try.
+    NoStep,
 }
 
 impl Solver {
@@ -197,6 +202,8 @@ impl Solver {
         mut observer: impl FnMut(Iteration) -> ControlFlow<()>,
     ) -> Result<Solution<'_>, SolveError<P::Error>> {
         self.check(problem, start)?;
+        // It belongs to another solution.
+        self.active = None;
         let mut scaled = Scaled::new(problem);
         let bounds = Bounds::new(scaled.bounds());
         let mu = self.settings.barrier.start;
@@ -242,7 +249,8 @@ impl Solver {
         length("the lower bounds", self.layout.ranges(), lower.len())?;
         length("the upper bounds", self.layout.ranges(), upper.len())?;
         for (row, (&lower, &upper)) in lower.iter().zip(upper).enumerate() {
-            if !(lower <= upper) {
+            let holds_numbers = lower <= upper && lower < f64::INFINITY && upper > f64::NEG_INFINITY;
+            if !holds_numbers {
                 return Err(SolveError::EmptyRange { row, lower, upper });
             }
         }
@@ -275,6 +283,7 @@ impl Solver {
         start: &[f64],
         mu: f64,
     ) -> Result<(), SolveError<P::Error>> {
+        self.newton.forget();
         let Self { settings, iterate, .. } = self;
         iterate.point.copy_from_slice(start);
         problem.evaluate(start, &mut iterate.values)?;
@@ -309,6 +318,10 @@ impl Solver {
         let Self { layout, iterate, blocks, residuals, newton, step, .. } = self;
         if !residuals.x.iter().all(|slope| slope.is_finite()) {
             return Err(SolveError::NotFinite { what: "a derivative" });
+        }
+        let ends = layout.position(Element::Ends);
+        if !layout.couples_ends() && blocks.all()[ends].gradient.iter().any(|&slope| slope != 0.0) {
+            return Err(SolveError::CostOfEnds);
         }
         if layout.equalities() > 0 {
             newton.estimate(layout, blocks, &residuals.x, step);
@@ -370,25 +383,30 @@ impl Solver {
             let tau = barrier.part_of_way(mu);
             let search = match found {
                 Ok(()) => self.search(problem, bounds, (mu, tau))?,
-                Err(NoStep::Inertia | NoStep::NotFinite) => Search::Failed,
+                Err(NoStep::Inertia | NoStep::NotFinite) => Search::NoStep,
             };
+            let is_feasible = error.feasibility <= tolerance;
             match search {
                 Search::Accepted(alpha) => {
                     length = alpha;
                     std::mem::swap(&mut self.iterate, &mut self.trial);
                     reset_multipliers(&mut self.iterate, bounds, mu, barrier.neighbourhood);
                 }
-                Search::Failed if mu > 0.1 * tolerance && self.is_tiny() => {
-                    // The barrier problem is solved up to rounding.
+                // The barrier problem is solved up to rounding.
+                Search::Failed if is_feasible && self.is_tiny(problem) => {
+                    if mu <= 0.1 * tolerance {
+                        return Ok((Status::SolvedToRounding, error, number));
+                    }
                     mu = barrier.next(mu, tolerance);
                     self.filter.clear();
                 }
-                Search::Failed if self.is_tiny() => return Ok((Status::SolvedToRounding, error, number)),
-                Search::Failed if self.is_restoring || seen.violation <= tolerance => {
+                Search::Failed | Search::NoStep if self.is_restoring || is_feasible => {
                     return Ok((Status::Stalled, error, number));
                 }
-                Search::Failed => {
+                Search::Failed | Search::NoStep => {
                     if let Err(status) = self.restore(problem, bounds, mu)? {
+                        self.linearise(problem)?;
+                        let error = self.iterate.error(bounds, &self.residuals, 0.0);
                         return Ok((status, error, number));
                     }
                 }
@@ -419,12 +437,11 @@ impl Solver {
     }
 
     /// Whether the step is rounding.
-    fn is_tiny(&self) -> bool {
+    fn is_tiny<P: StagedProblem>(&self, problem: &Scaled<'_, P>) -> bool {
         let Self { step, iterate, .. } = self;
         let of_slacks =
             step.slacks.iter().zip(&iterate.slacks).all(|(d, s)| d.abs() <= TINY * (1.0 + s.abs()));
-        let size = iterate.point.iter().fold(1.0, |most: f64, x| most.max(x.abs()));
-        of_slacks && step.x.iter().all(|d| d.abs() <= TINY * size)
+        of_slacks && step.x.iter().enumerate().all(|(k, d)| d.abs() <= TINY * problem.size(&iterate.point, k))
     }
 
     /// The derivative of the objective of the barrier problem along the step.
@@ -464,12 +481,12 @@ impl Solver {
                 self.move_multipliers(false, (alpha, of_multipliers));
                 return Ok(Search::Accepted(alpha));
             }
-            if is_first && trial.violation >= current.violation {
-                if let Some(length) =
+            if is_first
+                && trial.violation >= current.violation
+                && let Some(length) =
                     self.correct(problem, bounds, (current, trial), (mu, tau, alpha, slope))?
-                {
-                    return Ok(Search::Accepted(length));
-                }
+            {
+                return Ok(Search::Accepted(length));
             }
             is_first = false;
             alpha *= 0.5;
@@ -500,40 +517,56 @@ impl Solver {
             let solver = Self { is_restoring: true, ..Self::for_points(&places.layout, len, settings) };
             Box::new((places, solver))
         });
-        let centre = self.iterate.point.clone();
         let mut slacks = self.iterate.slacks.clone();
         let mut most = RESTORED * current.violation;
-        let start_mu = mu.max(current.violation.min(1.0));
+        let mut before = current.violation;
+        self.trial.point.copy_from_slice(&self.iterate.point);
+        self.trial.slacks.copy_from_slice(&self.iterate.slacks);
+        problem.evaluate(&self.trial.point, &mut self.trial.values)?;
         loop {
+            let centre = self.trial.point.clone();
+            let start_mu = mu.max(before.min(1.0));
             let mut elastic = Elastic::new(&mut *problem.problem, places, &centre);
-            let start = elastic.start(&self.iterate.values, &self.iterate.slacks, start_mu);
+            let start = elastic.start(&self.trial.values, &self.trial.slacks, start_mu);
             let scales = elastic.step_scales().to_vec();
             let mut scaled = Scaled::new(&mut elastic);
             let elastic_bounds = Bounds::new(scaled.bounds());
             solver.begin(&mut scaled, &elastic_bounds, &start, start_mu)?;
-            let mut violation = current.violation;
+            let mut violation = before;
             let mut stop_below = |iterate: &Iterate, _: Iteration| {
                 violation = places.violation(&layout, &scales, iterate, &mut slacks);
                 if violation <= most { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
             };
             let (status, ..) =
                 solver.iterate_to_end(&mut scaled, &elastic_bounds, start_mu, &mut stop_below)?;
-            let point = elastic.original_point(&solver.iterate.point).to_vec();
-            if status != Status::Stopped && violation > most {
-                let is_minimum = matches!(status, Status::Solved | Status::SolvedToRounding);
-                return Ok(Err(if is_minimum { Status::LocallyInfeasible } else { Status::Stalled }));
-            }
             let trial = &mut self.trial;
-            trial.point.copy_from_slice(&point);
+            trial.point.copy_from_slice(elastic.original_point(&solver.iterate.point));
             problem.evaluate(&trial.point, &mut trial.values)?;
             for (i, slack) in trial.slacks.iter_mut().enumerate() {
                 *slack = slacks[i].clamp(bounds.lower[i], bounds.upper[i]);
+            }
+            if violation > most {
+                let is_minimum = matches!(status, Status::Solved | Status::SolvedToRounding);
+                // The minimum about one centre lowers the violation a little: go on from there.
+                if is_minimum && violation < (1.0 - LEAST_DECREASE) * before {
+                    before = violation;
+                    continue;
+                }
+                let status = if is_minimum { Status::LocallyInfeasible } else { Status::Stalled };
+                if trial.values.are_finite() {
+                    trial.y.fill(0.0);
+                    trial.v.fill(0.0);
+                    trial.z.iter_mut().for_each(|z| z.fill(0.0));
+                    std::mem::swap(&mut self.iterate, &mut self.trial);
+                }
+                return Ok(Err(status));
             }
             let measure = Measure { violation: trial.violation(), objective: trial.barrier(bounds, mu) };
             if self.filter.accepts(measure) {
                 break;
             }
-            most *= RESTORED;
+            before = violation;
+            most = RESTORED * violation;
             if most <= f64::MIN_POSITIVE {
                 return Ok(Err(Status::Stalled));
             }
@@ -546,8 +579,10 @@ impl Solver {
             self.trial.v[i] = self.trial.z[1][i] - self.trial.z[0][i];
         }
         std::mem::swap(&mut self.iterate, &mut self.trial);
-        self.estimate_multipliers(problem)?;
-        Ok(Ok(()))
+        match self.estimate_multipliers(problem) {
+            Err(SolveError::NotFinite { .. }) => Ok(Err(Status::Stalled)),
+            other => other.map(Ok),
+        }
     }
 
     /// Second-order corrections of a step of length alpha: Waechter and Biegler 2006, section 2.4.
@@ -642,6 +677,3 @@ fn barrier_residuals(iterate: &Iterate, bounds: &Bounds, mu: f64, to: &mut Resid
         *to = mu / above - mu / below - iterate.v[i];
     }
 }
-
-#[cfg(test)]
-mod tests;

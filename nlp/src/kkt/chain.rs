@@ -79,6 +79,8 @@ struct Carried {
     entries: Vec<f64>,
     /// How many of the rows could have been eliminated.
     delayed: usize,
+    /// Their places in the next front.
+    places: Vec<usize>,
 }
 
 impl Chain {
@@ -268,21 +270,17 @@ impl Carried {
     }
 
     /// Adds the Schur complement to the next front, whose rows after the waiting ones are these.
-    fn add_to(&self, front: &mut Front, rows: &[usize], delayed: usize) {
-        let size = self.rows.len();
-        let place = |i: usize| match i < delayed {
-            true => i,
-            false => {
-                let found = rows.iter().position(|&row| row == self.rows[i]);
-                delayed + found.unwrap_or(usize::MAX - delayed)
-            }
-        };
+    fn add_to(&mut self, front: &mut Front, rows: &[usize], delayed: usize) {
+        self.places.clear();
+        for (i, row) in self.rows.iter().enumerate() {
+            let found = || rows.iter().position(|other| other == row);
+            self.places.push(if i < delayed { i } else { delayed + found().unwrap_or(usize::MAX - delayed) });
+        }
         let mut at = 0;
-        for j in 0..size {
-            let column = place(j);
+        for (j, &column) in self.places.iter().enumerate() {
             front.sizes[column] = f64::max(front.sizes[column], self.sizes[j]);
-            for i in j..size {
-                front.add(place(i), column, self.entries[at]);
+            for &row in &self.places[j..] {
+                front.add(row, column, self.entries[at]);
                 at += 1;
             }
         }
@@ -293,8 +291,8 @@ impl Carried {
         self.clear();
         let eliminated = front.eliminated;
         self.delayed = candidates - eliminated;
-        for j in eliminated..front.size() {
-            self.rows.push(rows[j]);
+        for (j, &row) in rows.iter().enumerate().skip(eliminated) {
+            self.rows.push(row);
             self.sizes.push(front.sizes[j]);
             self.entries.extend_from_slice(front.column(j));
         }

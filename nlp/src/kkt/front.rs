@@ -69,10 +69,6 @@ impl Front {
         self.pivots.reserve(size);
     }
 
-    pub fn size(&self) -> usize {
-        self.size
-    }
-
     /// Column j from the diagonal on, as it stands in place j.
     #[inline(always)]
     pub fn column(&self, j: usize) -> &[f64] {
@@ -126,6 +122,9 @@ impl Front {
 
     #[inline(always)]
     fn eliminate<const FUSED: bool>(&mut self, candidates: usize, definite: bool, forced: bool) {
+        if self.size == 0 {
+            return;
+        }
         while self.eliminated < candidates {
             let k = self.eliminated;
             let choice = if definite { Some(Choice::One(k)) } else { self.choose(candidates, forced) };

@@ -79,6 +79,81 @@ fn what_has_no_solution_ends_at_the_least_violation() {
         let mut solver = Solver::new(problem.layout(), Settings::default());
         let solution = solver.solve(&mut problem, &[1.5, 1.0]).unwrap();
         assert_eq!(solution.status, Status::LocallyInfeasible, "{of_x}: {solution:?}");
+        // A point of the least sum of violations, x = 0 or y from 2 to 3, not that before.
+        let [x, y] = [solution.point[0], solution.point[1]];
+        let is_least = if of_x { x.abs() < 2e-3 } else { (1.998..3.002).contains(&y) };
+        assert!(is_least && solution.error.feasibility > 0.4, "{of_x}: {solution:?}");
+    }
+}
+
+/// `x = 0` and `x = 1`: the first step solves one of them, the next is zero.
+struct Twofold;
+
+impl OfNode for Twofold {
+    fn of<D: Number>(&self, x: &[D]) -> Parts<D> {
+        Parts { cost: x[0] * x[0], equalities: vec![x[0], x[0] - 1.0], ranges: Vec::new() }
+    }
+}
+
+/// `0.005 x = 1` from 0: the way is long in units of x.
+struct FarAway;
+
+impl OfNode for FarAway {
+    fn of<D: Number>(&self, x: &[D]) -> Parts<D> {
+        Parts { cost: x[0] * x[0] * 1e-6, equalities: vec![(x[0] * 0.005).tanh() - 0.9], ranges: vec![x[0]] }
+    }
+}
+
+#[test]
+fn nothing_is_called_solved_that_is_not() {
+    let mut problem =
+        ByDuals::new(Small { unknowns: 1, equations: 2, bounds: [], of: Twofold, scales: None });
+    let mut solver = Solver::new(problem.layout(), Settings::default());
+    let solution = solver.solve(&mut problem, &[0.5]).unwrap();
+    assert_eq!(solution.status, Status::LocallyInfeasible, "{solution:?}");
+    let mut problem =
+        ByDuals::new(Small { unknowns: 1, equations: 1, bounds: [[-1e4, 1e4]], of: FarAway, scales: None });
+    let mut solver = Solver::new(problem.layout(), Settings::default());
+    let solution = solver.solve(&mut problem, &[-900.0]).unwrap();
+    assert_eq!(solution.status, Status::Solved, "{solution:?}");
+    assert!((solution.point[0] - 200.0 * 0.9_f64.atanh()).abs() < 1e-5, "{solution:?}");
+}
+
+/// A stage without unknowns, and a program without any.
+#[test]
+fn stages_may_be_empty() {
+    let layout = Layout::new(vec![0; 4], vec![2; 3], 0).with_rows(Element::Interval(1), Rows::new(1, 0));
+    let mut problem = ByDuals::new(Squares(layout));
+    let mut solver = Solver::new(problem.layout(), Settings::default());
+    let solution = solver.solve(&mut problem, &[1.0; 6]).unwrap();
+    assert_eq!(solution.status, Status::Solved);
+    // The sum of squares with x + y = 1 on one interval.
+    assert!((solution.cost - 0.5).abs() < 1e-12, "{solution:?}");
+    assert_eq!(solver.certify(&mut problem).unwrap(), costate_nlp::Certificate::LocalMinimum);
+    let mut problem = ByDuals::new(Squares(Layout::new(vec![0], Vec::new(), 0)));
+    let mut solver = Solver::new(problem.layout(), Settings::default());
+    assert_eq!(solver.solve(&mut problem, &[]).unwrap().status, Status::Solved);
+}
+
+/// Squares of all unknowns of intervals; the sum of those of interval 1 is 1.
+struct Squares(Layout);
+
+impl Functions for Squares {
+    fn layout(&self) -> Layout {
+        self.0.clone()
+    }
+    fn bounds(&self, _: Element) -> Vec<[f64; 2]> {
+        Vec::new()
+    }
+    fn of<D: Number>(&self, element: Element, z: &[D]) -> Parts<D> {
+        let mut parts = Parts::none();
+        if let Element::Interval(k) = element {
+            parts.cost = z.iter().fold(D::from(0.0), |sum, &x| sum + x * x);
+            if k == 1 {
+                parts.equalities.push(z[0] + z[1] - 1.0);
+            }
+        }
+        parts
     }
 }
 
