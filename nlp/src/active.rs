@@ -52,8 +52,8 @@ pub enum Held {
     Upper,
 }
 
-/// A range is held if its multiplier is so many times its slack, and free if it is the other way round: both are in
-/// units of the scaled program, and their product is mu.
+/// A range is held if its multiplier is so many times its slack, and free if it is the other way round: both
+/// are in units of the scaled program, and their product is mu.
 const STRONG: f64 = 1e3;
 
 /// Slacks and multipliers below this, both, decide nothing.
@@ -185,8 +185,8 @@ impl Active {
         }
     }
 
-    /// What the second-order conditions say; the factors are those with strongly held ranges alone, or with weakly held
-    /// ones too where these decide.
+    /// What the second-order conditions say; the factors are those with strongly held ranges alone, or with
+    /// weakly held ones too where these decide.
     pub fn certify(&mut self, layout: &Layout, blocks: &Blocks) -> Certificate {
         match self.factorise(layout, blocks, false) {
             Curvature::Positive => Certificate::LocalMinimum,

@@ -11,7 +11,8 @@ pub enum Status {
     Solved,
     /// They hold up to rounding, which is above the tolerance.
     SolvedToRounding,
-    /// The sum of all violations has a local minimum here that is not zero. Nothing is said about other points.
+    /// The sum of all violations has a local minimum here that is not zero. Nothing is said about other
+    /// points.
     LocallyInfeasible,
     /// No acceptable step was found.
     Stalled,

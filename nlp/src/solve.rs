@@ -49,7 +49,8 @@ const TINY: f64 = 10.0 * f64::EPSILON;
 /// more digits.
 const LEAST_VIOLATION: f64 = 1e-6;
 
-/// Relative decrease of the violation from one centre of restoration to the next below which it has a minimum.
+/// Relative decrease of the violation from one centre of restoration to the next below which it has a
+/// minimum.
 const LEAST_DECREASE: f64 = 1e-3;
 
 /// Part of the violation that restoration may leave: kappa_resto of IPOPT.
