@@ -30,7 +30,7 @@ pub enum ComparedDerivative {
 
 /// Evaluates a derivative: all arguments one after the other in, all results likewise out, matrices row by
 /// row.
-pub type Evaluate<S> = Box<dyn FnMut(&[S], &mut [S]) -> Result<(), EvalError>>;
+pub type Evaluate<S> = Box<dyn FnMut(&[S], &mut [S]) -> Result<(), EvalError> + Send>;
 
 /// Derivatives by other means than the pipeline, such as machine code: [`Routes`](super::Routes) compares
 /// them, too.
