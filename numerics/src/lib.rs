@@ -11,4 +11,35 @@
 
 mod widest;
 
+/// Calls a function in the widest vectors, with `FUSED` as its parameter: whether products and sums are one
+/// instruction of the processor (otherwise `f64::mul_add` would be a slow function). It must be
+/// `#[inline(always)]`.
+///
+/// ```
+/// use costate_numerics::in_widest;
+///
+/// #[inline(always)]
+/// fn add<const FUSED: bool>(factor: f64, from: &[f64], to: &mut [f64]) {
+///     for (to, from) in to.iter_mut().zip(from) {
+///         *to = if FUSED { factor.mul_add(*from, *to) } else { factor * from + *to };
+///     }
+/// }
+///
+/// let (from, mut to) = (vec![1.0; 100], vec![2.0; 100]);
+/// in_widest!(add(0.5, &from, &mut to));
+/// assert_eq!(to, [2.5; 100]);
+/// ```
+#[macro_export]
+macro_rules! in_widest {
+    ($($function:ident).+($($argument:expr),* $(,)?)) => {
+        $crate::widest_fused(
+            #[inline(always)]
+            |fused| match fused {
+                true => $($function).+::<true>($($argument),*),
+                false => $($function).+::<false>($($argument),*),
+            },
+        )
+    };
+}
+
 pub use widest::{widest, widest_fused};

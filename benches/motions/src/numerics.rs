@@ -8,9 +8,6 @@ mod substitution;
 #[path = "../../../control/src/numerics/tiles.rs"]
 #[allow(unused_imports, reason = "only symmetric factorisations are used")]
 mod tiles;
-#[path = "../../../control/src/numerics/widest.rs"]
-#[allow(unused_imports, reason = "vectors are chosen by the tiles")]
-mod widest;
 
 use tiles::BadPivot;
 

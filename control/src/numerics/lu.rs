@@ -5,8 +5,8 @@
 
 use super::padded::multiply_add;
 use super::products::{subtract_own_products, subtract_products};
-use super::widest::in_widest;
 use costate::matrix::dot;
+use costate_numerics::in_widest;
 
 /// Columns of a panel: numbers of the widest vectors.
 const PANEL: usize = 8;

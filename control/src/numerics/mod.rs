@@ -17,4 +17,3 @@ pub(crate) mod random;
 pub(crate) mod roots;
 mod substitution;
 mod tiles;
-pub(crate) mod widest;

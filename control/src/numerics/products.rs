@@ -2,7 +2,7 @@
 //! [`tiles`](super::tiles), all is compiled once for each kind of vectors.
 
 use super::tiles::{ROWS, in_tiles, subtract, with_rows};
-use super::widest::in_widest;
+use costate_numerics::in_widest;
 use std::ops::Range;
 
 /// A tile minus the products of `factors`, one slice a row of the tile, and of columns from `j` of `from`.

@@ -2,7 +2,7 @@
 
 use super::padded::multiply_add;
 use super::tiles::{ROWS, Tile, in_tiles, part, subtract, with_rows};
-use super::widest::in_widest;
+use costate_numerics::in_widest;
 
 /// y of U'y = r for the rows of a block, in place, and the rest of r without their part.
 #[inline(never)]

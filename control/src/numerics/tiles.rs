@@ -5,7 +5,7 @@
 //! not for each place that calls it: all sizes of tiles together are much code.
 
 use super::padded::multiply_add;
-use super::widest::in_widest;
+use costate_numerics::in_widest;
 
 /// A pivot below this part of the diagonal entry that it came from counts as zero.
 const LEAST_PIVOT: f64 = 1e-14;

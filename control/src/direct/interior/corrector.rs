@@ -19,8 +19,8 @@ use crate::direct::newton::side_terms::add_row;
 use crate::direct::newton::system::System;
 use crate::direct::points::values::{PointDynamics, Points};
 use crate::numerics::chain::dot;
-use crate::numerics::widest::widest_fused;
 use crate::result::stage_times::Stage;
+use costate_numerics::widest_fused;
 
 impl<D: PointDynamics> Interior<D> {
     /// Corrects the step for the barrier that was chosen, as long as that makes it longer. How far slacks and

@@ -10,8 +10,8 @@ use crate::direct::motion::spline::TimeDerivative;
 use crate::direct::points::rates::{SLOPES, combine};
 use crate::direct::points::values::PointDynamics;
 use crate::numerics::chain::dot;
-use crate::numerics::widest::widest_fused;
 use crate::result::stage_times::Stage;
+use costate_numerics::widest_fused;
 
 impl<D: PointDynamics> Interior<D> {
     /// Both parts of the step, and of the change of distances; without corrections.

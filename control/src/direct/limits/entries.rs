@@ -7,7 +7,7 @@ use super::barrier::Barrier;
 use super::vectors::{Lanes, for_vectors, is_limit, part};
 use crate::constants::direct::{FAR, LEAST_PRODUCT, MOST_PRODUCT};
 use crate::numerics::padded::LANES;
-use crate::numerics::widest::widest_fused;
+use costate_numerics::widest_fused;
 
 /// The changes of distances by all parts of a step: at mu = 0, the factor of mu, corrections.
 pub(super) type Changes<'a> = [&'a [f64]; 3];

@@ -1,7 +1,7 @@
 //! Polynomials of one interval.
 
 use super::shape::{MOST_COEFFICIENTS, Shape};
-use crate::numerics::widest::widest_fused;
+use costate_numerics::widest_fused;
 
 /// q, q', q'', q''' at a point as sums over the coefficients: of a quartic the height of the bubble, then q
 /// and q' at the left end and at the right end; of a quintic q, q' and q'' at both ends.

@@ -4,7 +4,7 @@ use crate::direct::motion::shape::{MOST_COEFFICIENTS, MOST_POINTS, Shape};
 use crate::direct::motion::spline::{Spline, TimeDerivative};
 use crate::numerics::chain::ChainMatrix;
 use crate::numerics::padded::{LANES, Parts, combine, padded, sums_of_parts};
-use crate::numerics::widest::in_widest;
+use costate_numerics::in_widest;
 
 /// Most blocks that are summed at once.
 const MOST_BLOCKS: usize = 4;

@@ -8,7 +8,7 @@ use crate::direct::motion::spline::Spline;
 use crate::direct::points::values::Points;
 use crate::numerics::chain::ChainMatrix;
 use crate::numerics::padded::{add_squares, padded};
-use crate::numerics::widest::in_widest;
+use costate_numerics::in_widest;
 
 /// Room for the metric of a point, and of an interval.
 #[derive(Clone, Debug, Default)]

@@ -9,7 +9,7 @@ use crate::direct::motion::spline::{Spline, TimeDerivative};
 use crate::direct::points::running::{ByClock, Running};
 use crate::direct::points::values::Points;
 use crate::numerics::padded::{add_rows, add_squares, pad};
-use crate::numerics::widest::in_widest;
+use costate_numerics::in_widest;
 
 /// What is collected of the Hessian of a point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

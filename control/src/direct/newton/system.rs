@@ -18,7 +18,7 @@ use crate::direct::points::running::Running;
 use crate::direct::points::values::Points;
 use crate::numerics::chain::{ChainMatrix, dot};
 use crate::numerics::padded::add_rows;
-use crate::numerics::widest::in_widest;
+use costate_numerics::in_widest;
 use std::ops::Range;
 
 /// The equations `[K B; B' C] (dx, dy) = -(g, g_y)`, g = g_0 + mu g_1, for the unknowns x of a spline and

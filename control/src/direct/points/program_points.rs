@@ -4,10 +4,10 @@ use super::generic_points::{LanePoints, Rows, groups};
 use super::programs::{Lanes, Programs};
 use super::values::{PointDynamics, Points};
 use crate::constants::programs as constants;
-use crate::numerics::widest::widest;
 use crate::options::MachineCode;
 use costate::EvalError;
 use costate::robot::Robot;
+use costate_numerics::widest;
 use std::ops::Range;
 use std::sync::Arc;
 
