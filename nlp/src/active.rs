@@ -10,7 +10,7 @@
 //! terms nor a regularisation are in it. Derivatives of the solution by a parameter solve the same equations.
 
 use crate::blocks::{Blocks, Dense};
-use crate::elements::{add_symmetric, add_transposed, gather, scatter, times};
+use crate::elements::{add_symmetric, add_transposed, gather, room, scatter, squares, times};
 use crate::iterate::{Bounds, Iterate};
 use crate::kkt::{Chain, Inertia};
 use crate::layout::{Layout, Rows};
@@ -30,8 +30,8 @@ pub(crate) enum Curvature {
 pub enum Certificate {
     /// It is a strict local minimum.
     LocalMinimum,
-    /// Ranges at their bounds with multipliers close to zero decide: with them it is a minimum, without them
-    /// it is not.
+    /// Second derivatives do not decide: the curvature is zero in some direction, or negative in one that a
+    /// range with a multiplier close to zero forbids.
     Undecided,
     /// The cost falls along a direction that keeps all equations and held ranges to first order.
     NotMinimum,
@@ -111,18 +111,17 @@ impl Active {
             extended = extended.with_rows(element, Rows::new(equalities + ranges, 0));
             jacobians.push(Dense::zeros(equalities + ranges, layout.width(element)));
         }
-        let width = |element| layout.width(element);
         let size = extended.steps() + extended.equalities();
         Self {
             chain: Chain::new(&extended),
             held: vec![Held::Free; layout.ranges()],
-            hessians: layout.elements().map(|element| Dense::zeros(width(element), width(element))).collect(),
+            hessians: squares(layout),
             jacobians,
             diagonal: vec![0.0; size],
             right: vec![0.0; size],
             solution: vec![0.0; size],
             residual: vec![0.0; size],
-            local: [0; 2].map(|_| vec![0.0; layout.elements().map(width).max().unwrap_or(0)]),
+            local: room(layout),
             products: vec![0.0; size - layout.steps()],
         }
     }

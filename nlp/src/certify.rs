@@ -1,7 +1,8 @@
 //! What a solver can say about its last solution: second-order conditions, digits, derivatives.
 
 use crate::active::{Active, Certificate, Changes, Held};
-use crate::iterate::{Bounds, KktError, worse};
+use crate::elements::{largest, worse};
+use crate::iterate::{Bounds, KktError};
 use crate::outcome::SolveError;
 use crate::problem::{Scales, StagedProblem};
 use crate::scaled::Scaled;
@@ -26,8 +27,7 @@ impl Solver {
         &mut self,
         problem: &mut P,
     ) -> Result<Certificate, SolveError<P::Error>> {
-        let bounds = Bounds::new(Scaled::new(problem).bounds());
-        let mut active = self.take_active(problem)?;
+        let (mut active, bounds) = self.take_active(problem)?;
         let certificate = match self.iterate.error(&bounds, &self.residuals, 0.0).largest() <= STATIONARY {
             true => active.certify(&self.layout, &self.blocks),
             false => Certificate::NotStationary,
@@ -53,7 +53,7 @@ impl Solver {
         problem: &mut P,
         tolerance: f64,
     ) -> Result<KktError, SolveError<P::Error>> {
-        let mut active = self.take_active(problem)?;
+        let (mut active, _) = self.take_active(problem)?;
         let outcome = self.refine_with(problem, &mut active, tolerance);
         self.active = Some(active);
         outcome
@@ -75,40 +75,32 @@ impl Solver {
     /// [`certify`](Self::certify) or [`refine`](Self::refine).
     pub fn respond<P: StagedProblem>(&mut self, problem: &P, rates: &Changes) -> Option<Changes> {
         let active = self.active.as_mut()?;
-        let Some(scales) = problem.scales() else {
-            let mut changes = Changes::zeros(&self.layout);
-            active.respond(&self.layout, rates, &mut changes);
-            return Some(changes);
-        };
-        let Scales { cost, steps, equalities, ranges } = scales;
-        let mut scaled = rates.clone();
-        scaled.x.iter_mut().zip(steps).for_each(|(rate, scale)| *rate *= scale / cost);
-        scaled.equalities.iter_mut().zip(equalities).for_each(|(rate, scale)| *rate /= scale);
-        scaled.ranges.iter_mut().zip(ranges).for_each(|(rate, scale)| *rate /= scale);
-        let mut changes = Changes::zeros(&self.layout);
+        let ones = || Scales::ones(&self.layout);
+        let Scales { cost, steps, equalities, ranges } = problem.scales().cloned().unwrap_or_else(ones);
+        let (mut scaled, mut changes) = (rates.clone(), Changes::zeros(&self.layout));
+        scaled.x.iter_mut().zip(&steps).for_each(|(rate, scale)| *rate *= scale / cost);
+        scaled.equalities.iter_mut().zip(&equalities).for_each(|(rate, scale)| *rate /= scale);
+        scaled.ranges.iter_mut().zip(&ranges).for_each(|(rate, scale)| *rate /= scale);
         active.respond(&self.layout, &scaled, &mut changes);
-        changes.x.iter_mut().zip(steps).for_each(|(change, scale)| *change *= scale);
-        changes.equalities.iter_mut().zip(equalities).for_each(|(change, scale)| *change *= cost / scale);
-        changes.ranges.iter_mut().zip(ranges).for_each(|(change, scale)| *change *= cost / scale);
+        changes.x.iter_mut().zip(&steps).for_each(|(change, scale)| *change *= scale);
+        changes.equalities.iter_mut().zip(&equalities).for_each(|(change, scale)| *change *= cost / scale);
+        changes.ranges.iter_mut().zip(&ranges).for_each(|(change, scale)| *change *= cost / scale);
         Some(changes)
     }
 
-    /// Derivatives at the last solution, and which ranges it holds.
+    /// Derivatives at the last solution, which ranges it holds, and their bounds.
     fn take_active<P: StagedProblem>(
         &mut self,
         problem: &mut P,
-    ) -> Result<Box<Active>, SolveError<P::Error>> {
-        let point = std::mem::take(&mut self.iterate.point);
-        let checked = self.check(problem, &point);
-        self.iterate.point = point;
-        checked?;
+    ) -> Result<(Box<Active>, Bounds), SolveError<P::Error>> {
+        self.check(problem)?;
         let mut active = self.active.take().unwrap_or_else(|| Box::new(Active::new(&self.layout)));
         let mut scaled = Scaled::new(problem);
         let bounds = Bounds::new(scaled.bounds());
         scaled.evaluate(&self.iterate.point, &mut self.iterate.values)?;
         self.linearise(&mut scaled)?;
         active.hold(&self.iterate, &bounds);
-        Ok(active)
+        Ok((active, bounds))
     }
 
     fn refine_with<P: StagedProblem>(
@@ -139,7 +131,6 @@ impl Solver {
                     Held::Upper => self.iterate.values.ranges[i] - bounds[1][i],
                 };
             }
-            let largest = |values: &[f64]| values.iter().fold(0.0, |most, value| worse(most, value.abs()));
             error = KktError {
                 stationarity: largest(&rates.x),
                 feasibility: worse(largest(&rates.equalities), largest(&rates.ranges)),

@@ -1,7 +1,29 @@
-//! Products with the blocks of elements.
+//! Vectors, and products with the blocks of elements.
 
 use crate::blocks::Dense;
 use crate::layout::{Element, Layout};
+
+/// A square matrix of zeros for each element.
+pub(crate) fn squares(layout: &Layout) -> Vec<Dense> {
+    let square = |element| Dense::zeros(layout.width(element), layout.width(element));
+    layout.elements().map(square).collect()
+}
+
+/// Room for the entries of any element, twice.
+pub(crate) fn room(layout: &Layout) -> [Vec<f64>; 2] {
+    let most = layout.elements().map(|element| layout.width(element)).max().unwrap_or(0);
+    [vec![0.0; most], vec![0.0; most]]
+}
+
+/// The largest absolute value; not-a-number if one is.
+pub(crate) fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |most, value| worse(most, value.abs()))
+}
+
+/// The larger one; not-a-number is the largest.
+pub(crate) fn worse(a: f64, b: f64) -> f64 {
+    if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) }
+}
 
 /// The entries of a vector that an element depends on, in the order of its columns.
 #[inline(always)]

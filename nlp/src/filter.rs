@@ -1,5 +1,7 @@
 //! The filter: pairs of violation and objective that no later iterate may be worse than.
 
+use crate::iterate::{Bounds, Iterate};
+
 /// Constants of the filter line search.
 ///
 /// Source: A. Waechter, L. T. Biegler, "On the implementation of an interior-point filter line-search
@@ -40,6 +42,13 @@ const ROUNDING: f64 = 10.0 * f64::EPSILON;
 pub(crate) struct Measure {
     pub violation: f64,
     pub objective: f64,
+}
+
+impl Measure {
+    /// Those of an iterate of the barrier problem.
+    pub fn of(iterate: &Iterate, bounds: &Bounds, mu: f64) -> Self {
+        Self { violation: iterate.violation(), objective: iterate.barrier(bounds, mu) }
+    }
 }
 
 #[derive(Clone, Debug)]
@@ -84,10 +93,7 @@ impl Filter {
         if !(trial.violation.is_finite() && trial.objective.is_finite()) || trial.violation > largest {
             return None;
         }
-        let blocks = |entry: &Measure| {
-            trial.violation >= entry.violation && trial.objective >= entry.objective + rounding
-        };
-        if self.entries.iter().any(blocks) {
+        if self.beats(trial, rounding) {
             return None;
         }
         if current.violation <= small && self.switches(current.violation, alpha, slope) {
@@ -101,10 +107,15 @@ impl Filter {
 
     /// Whether no entry is better.
     pub fn accepts(&self, trial: Measure) -> bool {
-        let is_finite = trial.violation.is_finite() && trial.objective.is_finite();
-        let beaten =
-            |entry: &Measure| trial.violation >= entry.violation && trial.objective >= entry.objective;
-        is_finite && !self.entries.iter().any(beaten)
+        trial.violation.is_finite() && trial.objective.is_finite() && !self.beats(trial, 0.0)
+    }
+
+    /// Whether an entry is better, its objective by more than rounding.
+    fn beats(&self, trial: Measure, rounding: f64) -> bool {
+        let is_better = |entry: &Measure| {
+            trial.violation >= entry.violation && trial.objective >= entry.objective + rounding
+        };
+        self.entries.iter().any(is_better)
     }
 
     /// Whether the objective decides: `alpha (-slope)^s_phi > delta theta^s_theta`.

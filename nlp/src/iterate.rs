@@ -1,7 +1,7 @@
 //! A point with its slacks and multipliers, and how far it is from the conditions of optimality.
 
 use crate::blocks::{Block, Blocks, Values};
-use crate::elements::{add_transposed, scatter};
+use crate::elements::{add_transposed, largest, scatter, worse};
 use crate::layout::Layout;
 
 /// An iterate of
@@ -70,11 +70,6 @@ impl KktError {
     }
 }
 
-/// The larger one; not-a-number is the largest.
-pub(crate) fn worse(a: f64, b: f64) -> f64 {
-    if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) }
-}
-
 /// Above this mean of the multipliers, errors are relative to it: s_max of IPOPT (Waechter and Biegler 2006,
 /// section 2.1).
 const LARGE_MULTIPLIERS: f64 = 100.0;
@@ -114,6 +109,14 @@ impl Step {
         }
     }
 
+    /// Adds those of x, slacks, y and v.
+    pub fn add(&mut self, other: &Self) {
+        let Self { x, slacks, y, v, .. } = self;
+        for (to, from) in [x, slacks, y, v].into_iter().zip([&other.x, &other.slacks, &other.y, &other.v]) {
+            to.iter_mut().zip(from).for_each(|(to, from)| *to += from);
+        }
+    }
+
     /// Whether all entries are finite.
     pub fn is_finite(&self) -> bool {
         let Self { x, slacks, y, v, z: [lower, upper] } = self;
@@ -130,6 +133,28 @@ impl Residuals {
             equalities: vec![0.0; layout.equalities()],
             ranges,
         }
+    }
+
+    pub fn copy_from(&mut self, other: &Self) {
+        let Self { x, slacks, equalities, ranges } = self;
+        let from = [&other.x, &other.slacks, &other.equalities, &other.ranges];
+        for (to, from) in [x, slacks, equalities, ranges].into_iter().zip(from) {
+            to.copy_from_slice(from);
+        }
+    }
+
+    pub fn copy_negative(&mut self, other: &Self) {
+        let Self { x, slacks, equalities, ranges } = self;
+        let from = [&other.x, &other.slacks, &other.equalities, &other.ranges];
+        for (to, from) in [x, slacks, equalities, ranges].into_iter().zip(from) {
+            to.iter_mut().zip(from).for_each(|(to, from)| *to = -from);
+        }
+    }
+
+    /// The largest entry.
+    pub fn largest(&self) -> f64 {
+        let Self { x, slacks, equalities, ranges } = self;
+        [x, slacks, equalities, ranges].into_iter().fold(0.0, |most, part| worse(most, largest(part)))
     }
 }
 
@@ -196,7 +221,6 @@ impl Iterate {
         let of_bounds = sum(lower) + sum(upper);
         let scale = mean(of_bounds + sum(&self.y) + sum(&self.v), self.y.len() + 3 * self.v.len());
         let scale_of_bounds = mean(of_bounds, 2 * lower.len());
-        let largest = |values: &[f64]| values.iter().fold(0.0, |most, value| worse(most, value.abs()));
         let mut products = 0.0;
         for i in 0..lower.len() {
             for (gap, z) in bounds.gaps(&self.slacks, i).into_iter().zip([lower[i], upper[i]]) {

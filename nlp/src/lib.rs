@@ -69,7 +69,6 @@ pub use barrier::BarrierSettings;
 pub use blocks::{Block, Blocks, Dense, Values, Weights};
 pub use filter::FilterSettings;
 pub use iterate::KktError;
-pub use kkt::Inertia;
 pub use layout::{Element, Layout, Rows};
 pub use newton::RegularisationSettings;
 pub use outcome::{Iteration, Solution, SolveError, Status};

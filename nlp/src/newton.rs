@@ -13,18 +13,18 @@
 //! they are small.
 
 use crate::blocks::{Block, Blocks, Dense};
-use crate::elements::{add_symmetric, add_transposed, gather, scatter, times};
-use crate::iterate::{Bounds, Iterate, Residuals, Step, worse};
+use crate::elements::{add_symmetric, add_transposed, gather, room, scatter, squares, times};
+use crate::iterate::{Bounds, Iterate, Residuals, Step};
 use crate::kkt::{Chain, Inertia};
 use crate::layout::Layout;
-use costate_numerics::widest_fused;
+use costate_numerics::in_widest;
 
 /// How W is made positive definite where the equations leave it free.
 ///
 /// Source: Waechter and Biegler 2006, algorithm IC.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RegularisationSettings {
-    /// First value, and least and largest ones.
+    /// First value.
     pub first: f64,
     /// Least value.
     pub least: f64,
@@ -69,7 +69,6 @@ pub(crate) struct Newton {
     /// The regularisation that worked last, and the one in use.
     remembered: f64,
     regularisation: f64,
-    inertia: Inertia,
     right: Residuals,
     residual: Residuals,
     correction: Step,
@@ -81,22 +80,20 @@ pub(crate) struct Newton {
 
 impl Newton {
     pub fn new(layout: &Layout, settings: RegularisationSettings) -> Self {
-        let width = |element| layout.width(element);
         Self {
             chain: Chain::new(layout),
-            hessians: layout.elements().map(|element| Dense::zeros(width(element), width(element))).collect(),
+            hessians: squares(layout),
             weights: vec![0.0; layout.ranges()],
             diagonal: vec![0.0; layout.steps() + layout.equalities()],
             settings,
             remembered: 0.0,
             regularisation: 0.0,
-            inertia: Inertia::default(),
             right: Residuals::zeros(layout),
             residual: Residuals::zeros(layout),
             correction: Step::zeros(layout),
             rows: vec![0.0; layout.ranges()],
             condensed: vec![0.0; layout.steps() + layout.equalities()],
-            local: [0; 2].map(|_| vec![0.0; layout.elements().map(width).max().unwrap_or(0)]),
+            local: room(layout),
         }
     }
 
@@ -136,8 +133,8 @@ impl Newton {
         loop {
             self.diagonal[..layout.steps()].fill(delta);
             let jacobian = |element: usize| &blocks.all()[element].equalities;
-            self.inertia = self.chain.factorise(&self.hessians, jacobian, &self.diagonal);
-            if self.is_right(layout) {
+            let inertia = self.chain.factorise(&self.hessians, jacobian, &self.diagonal);
+            if self.is_right(layout, inertia) {
                 break;
             }
             delta = match (delta == 0.0, self.remembered == 0.0) {
@@ -163,7 +160,7 @@ impl Newton {
         self.hessians.iter_mut().for_each(|hessian| hessian.entries_mut().fill(0.0));
         self.diagonal[..layout.steps()].fill(1.0);
         let jacobian = |element: usize| &blocks.all()[element].equalities;
-        self.inertia = self.chain.factorise(&self.hessians, jacobian, &self.diagonal);
+        self.chain.factorise(&self.hessians, jacobian, &self.diagonal);
         let n = layout.steps();
         self.condensed[..n].iter_mut().zip(slopes).for_each(|(to, slope)| *to = -slope);
         self.condensed[n..].fill(0.0);
@@ -173,8 +170,7 @@ impl Newton {
 
     /// As many positive eigenvalues as unknowns; the others belong to equations, zeros to those that depend
     /// on others.
-    fn is_right(&self, layout: &Layout) -> bool {
-        let Inertia { positive, negative, zero } = self.inertia;
+    fn is_right(&self, layout: &Layout, Inertia { positive, negative, zero }: Inertia) -> bool {
         positive == layout.steps()
             && negative + zero == layout.equalities()
             && self.chain.zeros().iter().all(|&row| row >= layout.steps())
@@ -185,13 +181,7 @@ impl Newton {
         for ((element, block), hessian) in layout.elements().zip(blocks.all()).zip(&mut self.hessians) {
             hessian.entries_mut().copy_from_slice(block.hessian.entries());
             let weights = &self.weights[layout.ranges_of(element)];
-            widest_fused(
-                #[inline(always)]
-                |fused| match fused {
-                    true => add_squares::<true>(hessian, weights, &block.ranges),
-                    false => add_squares::<false>(hessian, weights, &block.ranges),
-                },
-            );
+            in_widest!(add_squares(hessian, weights, &block.ranges));
         }
     }
 
@@ -223,24 +213,23 @@ impl Newton {
         right.copy_negative(residuals);
         self.solve_once(layout, blocks, &right, step);
         let size = right.largest();
+        let (mut residual, mut correction) =
+            (std::mem::take(&mut self.residual), std::mem::take(&mut self.correction));
         let mut before = f64::INFINITY;
         for _ in 0..REFINEMENTS {
-            let mut residual = std::mem::take(&mut self.residual);
             self.residual_of(layout, blocks, (&right, step), &mut residual);
             let error = residual.largest();
+            let is_rough = error > REFINED * size;
             // Residuals that do not fall any more are rounding.
-            if error > REFINED * size && error < 0.5 * before {
-                before = error;
-                let mut correction = std::mem::take(&mut self.correction);
-                self.solve_once(layout, blocks, &residual, &mut correction);
-                step.add(&correction);
-                self.correction = correction;
-                self.residual = residual;
-            } else {
-                self.residual = residual;
+            let falls = error < 0.5 * before;
+            if !(is_rough && falls) {
                 break;
             }
+            before = error;
+            self.solve_once(layout, blocks, &residual, &mut correction);
+            step.add(&correction);
         }
+        (self.residual, self.correction) = (residual, correction);
         self.right = right;
     }
 
@@ -324,42 +313,6 @@ impl Newton {
 fn local_of<'a>([first, second]: &'a mut [Vec<f64>; 2], block: &Block) -> [&'a mut [f64]; 2] {
     let width = block.gradient.len();
     [&mut first[..width], &mut second[..width]]
-}
-
-impl Residuals {
-    pub fn copy_from(&mut self, other: &Self) {
-        let Self { x, slacks, equalities, ranges } = self;
-        let from = [&other.x, &other.slacks, &other.equalities, &other.ranges];
-        for (to, from) in [x, slacks, equalities, ranges].into_iter().zip(from) {
-            to.copy_from_slice(from);
-        }
-    }
-
-    fn copy_negative(&mut self, other: &Self) {
-        let Self { x, slacks, equalities, ranges } = self;
-        let from = [&other.x, &other.slacks, &other.equalities, &other.ranges];
-        for (to, from) in [x, slacks, equalities, ranges].into_iter().zip(from) {
-            to.iter_mut().zip(from).for_each(|(to, from)| *to = -from);
-        }
-    }
-
-    /// The largest entry.
-    pub fn largest(&self) -> f64 {
-        let Self { x, slacks, equalities, ranges } = self;
-        [x, slacks, equalities, ranges]
-            .into_iter()
-            .flatten()
-            .fold(0.0, |most, entry| worse(most, entry.abs()))
-    }
-}
-
-impl Step {
-    fn add(&mut self, other: &Self) {
-        let Self { x, slacks, y, v, .. } = self;
-        for (to, from) in [x, slacks, y, v].into_iter().zip([&other.x, &other.slacks, &other.y, &other.v]) {
-            to.iter_mut().zip(from).for_each(|(to, from)| *to += from);
-        }
-    }
 }
 
 /// Adds `G' Sigma G` to the upper triangle.

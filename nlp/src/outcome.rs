@@ -113,3 +113,10 @@ pub enum SolveError<E: Error> {
     #[error(transparent)]
     Problem(#[from] E),
 }
+
+impl<E: Error> SolveError<E> {
+    /// Whether an argument has as many entries as it should.
+    pub(crate) fn check_length(what: &'static str, expected: usize, found: usize) -> Result<(), Self> {
+        if expected == found { Ok(()) } else { Err(Self::Length { what, found, expected }) }
+    }
+}

@@ -38,20 +38,20 @@ pub(crate) struct Elastic<'a, E> {
 #[derive(Clone, Debug)]
 pub(crate) struct Places {
     pub layout: Layout,
-    /// For each element of the program: the element that takes its rows, the first of its equations and
-    /// ranges there, and the first of its elastic variables among all unknowns.
+    /// For each element of the program.
     parts: Vec<Part>,
     /// The unknowns of the program among those of the elastic one.
     unknowns: Vec<usize>,
 }
 
+/// An element of the program, and the one that takes its rows.
 #[derive(Clone, Debug)]
 struct Part {
     element: Element,
     to: Element,
-    /// Its equations and ranges among the rows of `to`.
+    /// The first of its equations and ranges among the rows of `to`.
     rows: Rows,
-    /// Two for each of its equations, then for each of its ranges.
+    /// Its elastic variables among all unknowns: two for each of its equations, then for each of its ranges.
     elastic: Range<usize>,
     /// Columns of its unknowns in the block of `to`, then those of the elastic variables.
     columns: Vec<usize>,
@@ -132,25 +132,34 @@ impl Places {
         to.iter_mut().zip(&self.unknowns).for_each(|(to, &place)| *to = from[place]);
     }
 
+    /// The equations and the ranges of a part, in the program and in the elastic one.
+    fn rows(&self, layout: &Layout, part: &Part) -> [[Range<usize>; 2]; 2] {
+        let own = [layout.equalities_of(part.element), layout.ranges_of(part.element)];
+        let first = [
+            self.layout.equalities_of(part.to).start + part.rows.equalities,
+            self.layout.ranges_of(part.to).start + part.rows.ranges,
+        ];
+        let taken = [0, 1].map(|k| first[k]..first[k] + own[k].len());
+        [own, taken]
+    }
+
     /// The violation of the program at an iterate of the elastic one, both scaled: `sum |c| + sum |g - s|`,
     /// with s the slacks of the ranges there, which go to `slacks`.
     pub fn violation(&self, layout: &Layout, scales: &[f64], iterate: &Iterate, slacks: &mut [f64]) -> f64 {
         let mut sum = 0.0;
         for part in &self.parts {
-            let (equalities, ranges) = (layout.equalities_of(part.element), layout.ranges_of(part.element));
-            let first_equality = self.layout.equalities_of(part.to).start + part.rows.equalities;
-            let first_range = self.layout.ranges_of(part.to).start + part.rows.ranges;
+            let [[equalities, ranges], taken] = self.rows(layout, part);
             let elastic = |i: usize| {
                 let p = part.elastic.start + 2 * i;
                 (iterate.point[p] - iterate.point[p + 1]) / scales[p]
             };
-            for i in 0..equalities.len() {
-                sum += (iterate.values.equalities[first_equality + i] + elastic(i)).abs();
+            for (i, row) in taken[0].clone().enumerate() {
+                sum += (iterate.values.equalities[row] + elastic(i)).abs();
             }
-            for (i, row) in ranges.clone().enumerate() {
-                let slack = iterate.slacks[first_range + i];
-                slacks[row] = slack;
-                sum += (iterate.values.ranges[first_range + i] + elastic(equalities.len() + i) - slack).abs();
+            for (i, (row, own)) in taken[1].clone().zip(ranges).enumerate() {
+                let slack = iterate.slacks[row];
+                slacks[own] = slack;
+                sum += (iterate.values.ranges[row] + elastic(equalities.len() + i) - slack).abs();
             }
         }
         sum
@@ -176,40 +185,30 @@ impl<'a, E: Error> Elastic<'a, E> {
     ) -> Self {
         let layout = original.layout();
         let (n, m, r) = (layout.steps(), layout.equalities(), layout.ranges());
-        let ones =
-            || Scales { cost: 1.0, steps: vec![1.0; n], equalities: vec![1.0; m], ranges: vec![1.0; r] };
-        let of_original = original.scales().cloned().unwrap_or_else(ones);
+        let of_original = original.scales().cloned().unwrap_or_else(|| Scales::ones(layout));
         let all = &places.layout;
-        let mut scales = Scales {
-            cost: 1.0,
-            steps: vec![1.0; all.steps()],
-            equalities: vec![1.0; all.equalities()],
-            ranges: vec![1.0; all.ranges()],
-        };
+        let mut scales = Scales::ones(all);
         let mut bounds = [vec![0.0; all.ranges()], vec![f64::INFINITY; all.ranges()]];
         for (&place, &scale) in places.unknowns.iter().zip(&of_original.steps) {
             scales.steps[place] = scale;
         }
         let [lower, upper] = original.bounds();
         for part in &places.parts {
-            let (equalities, ranges) = (layout.equalities_of(part.element), layout.ranges_of(part.element));
-            let first = all.equalities_of(part.to).start + part.rows.equalities;
-            scales.equalities[first..first + equalities.len()]
-                .copy_from_slice(&of_original.equalities[equalities.clone()]);
-            let first = all.ranges_of(part.to).start + part.rows.ranges;
-            scales.ranges[first..first + ranges.len()].copy_from_slice(&of_original.ranges[ranges.clone()]);
-            bounds[0][first..first + ranges.len()].copy_from_slice(&lower[ranges.clone()]);
-            bounds[1][first..first + ranges.len()].copy_from_slice(&upper[ranges.clone()]);
+            let [[equalities, ranges], [to_equalities, to_ranges]] = places.rows(layout, part);
+            scales.equalities[to_equalities].copy_from_slice(&of_original.equalities[equalities.clone()]);
+            scales.ranges[to_ranges.clone()].copy_from_slice(&of_original.ranges[ranges.clone()]);
+            bounds[0][to_ranges.clone()].copy_from_slice(&lower[ranges.clone()]);
+            bounds[1][to_ranges.clone()].copy_from_slice(&upper[ranges.clone()]);
             let of_rows =
                 of_original.equalities[equalities].iter().chain(&of_original.ranges[ranges.clone()]);
             for (i, (&scale, p)) in of_rows.zip(part.elastic.clone().step_by(2)).enumerate() {
                 for side in 0..2 {
                     scales.steps[p + side] = scale;
-                    scales.ranges[first + ranges.len() + 2 * i + side] = scale;
+                    scales.ranges[to_ranges.end + 2 * i + side] = scale;
                 }
             }
         }
-        // D measures in units of the scales, and of the size of the point where that is larger.
+        // D measures in units of the scales.
         let proximity = of_original.steps.iter().map(|scale| PROXIMITY / (scale * scale)).collect();
         Self {
             places,
@@ -295,19 +294,17 @@ impl<E: Error> StagedProblem for Elastic<'_, E> {
         values.cost = 0.5 * squares.sum::<f64>();
         let layout = self.original.layout();
         for part in &self.places.parts {
-            let (equalities, ranges) = (layout.equalities_of(part.element), layout.ranges_of(part.element));
-            let first_equality = self.places.layout.equalities_of(part.to).start + part.rows.equalities;
-            let first_range = self.places.layout.ranges_of(part.to).start + part.rows.ranges;
+            let [[equalities, ranges], [to_equalities, to_ranges]] = self.places.rows(layout, part);
             let of_rows =
-                self.values.equalities[equalities.clone()].iter().chain(&self.values.ranges[ranges.clone()]);
+                self.values.equalities[equalities.clone()].iter().chain(&self.values.ranges[ranges]);
             for (i, (&value, p)) in of_rows.zip(part.elastic.clone().step_by(2)).enumerate() {
                 let moved = value - point[p] + point[p + 1];
                 match i.checked_sub(equalities.len()) {
-                    None => values.equalities[first_equality + i] = moved,
-                    Some(i) => values.ranges[first_range + i] = moved,
+                    None => values.equalities[to_equalities.start + i] = moved,
+                    Some(i) => values.ranges[to_ranges.start + i] = moved,
                 }
                 for side in 0..2 {
-                    values.ranges[first_range + ranges.len() + 2 * i + side] = point[p + side];
+                    values.ranges[to_ranges.end + 2 * i + side] = point[p + side];
                     values.cost += point[p + side] / self.scales.steps[p + side];
                 }
             }
@@ -318,17 +315,11 @@ impl<E: Error> StagedProblem for Elastic<'_, E> {
     fn linearise(&mut self, point: &[f64], weights: Weights<'_>, blocks: &mut Blocks) -> Result<(), E> {
         let Self { original, places, displacement, proximity, blocks: own, weights: [y, v], scales, .. } =
             self;
-        let (all, n) = (&places.layout, places.layout.steps());
-        {
-            let layout = original.layout();
-            for part in &places.parts {
-                let (equalities, ranges) =
-                    (layout.equalities_of(part.element), layout.ranges_of(part.element));
-                let first = all.equalities_of(part.to).start + part.rows.equalities;
-                y[equalities.clone()].copy_from_slice(&weights.equalities[first..first + equalities.len()]);
-                let first = all.ranges_of(part.to).start + part.rows.ranges;
-                v[ranges.clone()].copy_from_slice(&weights.ranges[first..first + ranges.len()]);
-            }
+        let n = places.layout.steps();
+        for part in &places.parts {
+            let [[equalities, ranges], [from_equalities, from_ranges]] = places.rows(original.layout(), part);
+            y[equalities].copy_from_slice(&weights.equalities[from_equalities]);
+            v[ranges].copy_from_slice(&weights.ranges[from_ranges]);
         }
         own.fill_zero();
         original.linearise(&point[n..], Weights { cost: 0.0, equalities: y, ranges: v }, own)?;

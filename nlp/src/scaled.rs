@@ -10,7 +10,7 @@ use crate::problem::{Scales, StagedProblem};
 /// ```
 pub(crate) struct Scaled<'a, P> {
     pub problem: &'a mut P,
-    pub scales: Scales,
+    scales: Scales,
     is_plain: bool,
     /// Weights and a step of the program itself.
     equalities: Vec<f64>,
@@ -22,11 +22,8 @@ impl<'a, P: StagedProblem> Scaled<'a, P> {
     pub fn new(problem: &'a mut P) -> Self {
         let layout = problem.layout();
         let (n, m, r) = (layout.steps(), layout.equalities(), layout.ranges());
-        let scales = problem.scales().cloned();
-        let is_plain = scales.is_none();
-        let ones =
-            || Scales { cost: 1.0, steps: vec![1.0; n], equalities: vec![1.0; m], ranges: vec![1.0; r] };
-        let scales = scales.unwrap_or_else(ones);
+        let is_plain = problem.scales().is_none();
+        let scales = problem.scales().cloned().unwrap_or_else(|| Scales::ones(layout));
         let (equalities, ranges, step) = (vec![0.0; m], vec![0.0; r], vec![0.0; n]);
         Self { problem, scales, is_plain, equalities, ranges, step }
     }

@@ -5,8 +5,9 @@
 use crate::active::Active;
 use crate::barrier::{BarrierSettings, longest_steps, reset_multipliers, slope};
 use crate::blocks::{Blocks, Weights};
+use crate::elements::largest;
 use crate::filter::{Acceptance, Filter, FilterSettings, Measure};
-use crate::iterate::{Bounds, Iterate, KktError, Residuals, Step, worse};
+use crate::iterate::{Bounds, Iterate, KktError, Residuals, Step};
 use crate::layout::{Element, Layout};
 use crate::newton::{Newton, NoStep, RegularisationSettings};
 use crate::outcome::{Iteration, Solution, SolveError, Status};
@@ -202,7 +203,8 @@ impl Solver {
         start: &[f64],
         mut observer: impl FnMut(Iteration) -> ControlFlow<()>,
     ) -> Result<Solution<'_>, SolveError<P::Error>> {
-        self.check(problem, start)?;
+        self.check(problem)?;
+        SolveError::check_length("the start", self.iterate.point.len(), start.len())?;
         // It belongs to another solution.
         self.active = None;
         let mut scaled = Scaled::new(problem);
@@ -232,20 +234,13 @@ impl Solver {
         })
     }
 
-    pub(crate) fn check<P: StagedProblem>(
-        &self,
-        problem: &P,
-        start: &[f64],
-    ) -> Result<(), SolveError<P::Error>> {
+    /// Whether the program is one of this layout, with ranges and scales that hold numbers.
+    pub(crate) fn check<P: StagedProblem>(&self, problem: &P) -> Result<(), SolveError<P::Error>> {
         if *problem.layout() != self.layout {
             return Err(SolveError::Layout);
         }
-        let length = |what, expected: usize, found: usize| match expected == found {
-            true => Ok(()),
-            false => Err(SolveError::Length { what, found, expected }),
-        };
-        length("the program's point", self.trial.point.len(), problem.point_len())?;
-        length("the start", self.trial.point.len(), start.len())?;
+        let length = SolveError::check_length;
+        length("the program's point", self.iterate.point.len(), problem.point_len())?;
         let [lower, upper] = problem.bounds();
         length("the lower bounds", self.layout.ranges(), lower.len())?;
         length("the upper bounds", self.layout.ranges(), upper.len())?;
@@ -326,8 +321,7 @@ impl Solver {
         }
         if layout.equalities() > 0 {
             newton.estimate(layout, blocks, &residuals.x, step);
-            let largest = step.y.iter().fold(0.0, |most, y| worse(most, y.abs()));
-            if largest <= LARGEST_ESTIMATE {
+            if largest(&step.y) <= LARGEST_ESTIMATE {
                 iterate.y.copy_from_slice(&step.y);
             }
         }
@@ -464,11 +458,7 @@ impl Solver {
         bounds: &Bounds,
         (mu, tau): (f64, f64),
     ) -> Result<Search, SolveError<P::Error>> {
-        let measure = |iterate: &Iterate| Measure {
-            violation: iterate.violation(),
-            objective: iterate.barrier(bounds, mu),
-        };
-        let current = measure(&self.iterate);
+        let current = Measure::of(&self.iterate, bounds, mu);
         let slope = self.slope(bounds, mu);
         let [longest, of_multipliers] = longest_steps(&self.iterate, bounds, &self.step, tau);
         let least = self.filter.least_length(current.violation, slope);
@@ -476,7 +466,7 @@ impl Solver {
         let mut is_first = true;
         loop {
             self.try_step(problem, false, alpha)?;
-            let trial = measure(&self.trial);
+            let trial = Measure::of(&self.trial, bounds, mu);
             if let Some(accepted) = self.filter.judge(current, trial, alpha, slope) {
                 self.accept(accepted, current, (alpha, slope));
                 self.move_multipliers(false, (alpha, of_multipliers));
@@ -504,8 +494,7 @@ impl Solver {
         bounds: &Bounds,
         mu: f64,
     ) -> Result<Result<(), Status>, SolveError<P::Error>> {
-        let current =
-            Measure { violation: self.iterate.violation(), objective: self.iterate.barrier(bounds, mu) };
+        let current = Measure::of(&self.iterate, bounds, mu);
         self.filter.add(current);
         let (layout, mut settings) = (self.layout.clone(), self.settings);
         // Elastic variables start where their conditions hold, close to zero if need be.
@@ -562,8 +551,7 @@ impl Solver {
                 }
                 return Ok(Err(status));
             }
-            let measure = Measure { violation: trial.violation(), objective: trial.barrier(bounds, mu) };
-            if self.filter.accepts(measure) {
+            if self.filter.accepts(Measure::of(trial, bounds, mu)) {
                 break;
             }
             before = violation;
@@ -616,8 +604,7 @@ impl Solver {
             let [longest, of_multipliers] = longest_steps(iterate, bounds, correction, tau);
             alpha = longest;
             self.try_step(problem, true, alpha)?;
-            let measure =
-                Measure { violation: self.trial.violation(), objective: self.trial.barrier(bounds, mu) };
+            let measure = Measure::of(&self.trial, bounds, mu);
             if let Some(accepted) = self.filter.judge(current, measure, first, slope) {
                 self.accept(accepted, current, (first, slope));
                 self.move_multipliers(true, (alpha, of_multipliers));

@@ -11,18 +11,15 @@
 //! pivots that are zero then belong to equations that depend on others, or to unknowns without effect. The
 //! inertia is the sum over all stages (Haynsworth).
 
-use super::front::{Front, Pivot};
+use super::front::{Front, Pivot, inverse_of_two};
 use crate::blocks::Dense;
 use crate::layout::{Element, Layout};
 
-/// Numbers of positive, negative and zero eigenvalues.
+/// Numbers of positive, negative and zero eigenvalues; zero up to rounding.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Inertia {
-    /// Positive ones.
+pub(crate) struct Inertia {
     pub positive: usize,
-    /// Negative ones.
     pub negative: usize,
-    /// Zeros up to rounding.
     pub zero: usize,
 }
 
@@ -66,7 +63,6 @@ pub(crate) struct Chain {
     /// columns.
     carried: Carried,
     has_equalities: bool,
-    inertia: Inertia,
     /// Rows with zero pivots.
     zeros: Vec<usize>,
     local: Vec<f64>,
@@ -130,13 +126,12 @@ impl Chain {
         let largest = stages.iter().map(|stage| stage.own.len() + stage.shared.len()).max().unwrap_or(0);
         let mut front = Front::default();
         // At most as many rows wait as there are unknowns of a node that can take them, and their partners.
-        front.reserve(largest + 2 * largest);
+        front.reserve(3 * largest);
         Self {
             stages,
             front,
             carried: Carried::default(),
             has_equalities: layout.equalities() > 0,
-            inertia: Inertia::default(),
             zeros: Vec::new(),
             local: Vec::with_capacity(3 * largest),
         }
@@ -151,10 +146,10 @@ impl Chain {
         jacobian: impl Fn(usize) -> &'a Dense,
         diagonal: &[f64],
     ) -> Inertia {
-        self.inertia = Inertia::default();
+        let mut inertia = Inertia::default();
         self.zeros.clear();
         let definite = !self.has_equalities;
-        let Self { stages, front, carried, inertia, zeros, .. } = self;
+        let Self { stages, front, carried, zeros, .. } = self;
         carried.clear();
         let count = stages.len();
         for (k, stage) in stages.iter_mut().enumerate() {
@@ -180,14 +175,14 @@ impl Chain {
             front.factorise(delayed + own.len(), definite, is_last);
             factors.take(front, zeros);
             for pivot in &factors.pivots {
-                count_pivot(pivot, inertia);
+                count_pivot(pivot, &mut inertia);
             }
             carried.take(front, &factors.rows, delayed + own.len());
         }
         // Whatever the last stage could not eliminate is zero up to rounding.
         inertia.zero += carried.rows.len();
         zeros.extend(&carried.rows);
-        *inertia
+        inertia
     }
 
     /// Rows whose pivots were zero: equations that depend on others (numbers from the number of entries of a
@@ -313,12 +308,10 @@ impl Factors {
         }
         let mut k = 0;
         for pivot in &self.pivots {
-            match pivot {
-                Pivot::Zero => zeros.push(self.rows[k]),
-                Pivot::One(_) => {}
-                Pivot::Two(_) => k += 1,
+            if *pivot == Pivot::Zero {
+                zeros.push(self.rows[k]);
             }
-            k += 1;
+            k += pivot.order();
         }
     }
 
@@ -345,14 +338,9 @@ impl Factors {
             match *pivot {
                 Pivot::Zero => local[k] = 0.0,
                 Pivot::One(d) => local[k] /= d,
-                Pivot::Two([a, b, c]) => {
-                    let (p, q) = (a / b, c / b);
-                    let (y, z, scale) = (local[k], local[k + 1], (p * q - 1.0).recip() / b);
-                    (local[k], local[k + 1]) = ((q * y - z) * scale, (p * z - y) * scale);
-                    k += 1;
-                }
+                Pivot::Two(block) => [local[k], local[k + 1]] = inverse_of_two(block)(local[k], local[k + 1]),
             }
-            k += 1;
+            k += pivot.order();
         }
         let mut end = self.columns.len();
         for k in (0..self.eliminated).rev() {

@@ -8,7 +8,7 @@
 //! a pivot of order 1 is accepted if `|a_jj| >= u |a_ij|` for all i, one of order 2 if no entry of
 //! `|E^-1| (max_i |a_ij|, max_i |a_ir|)` exceeds 1/u. What finds no pivot is left in S.
 
-use costate_numerics::widest_fused;
+use costate_numerics::in_widest;
 
 /// Threshold u of pivots.
 ///
@@ -26,6 +26,22 @@ pub(super) enum Pivot {
     One(f64),
     /// `(e_11, e_21, e_22)`.
     Two([f64; 3]),
+}
+
+impl Pivot {
+    /// How many rows it eliminates.
+    pub fn order(self) -> usize {
+        if matches!(self, Self::Two(_)) { 2 } else { 1 }
+    }
+}
+
+/// `E^-1 (x, y)` for the block `(a, b; b, c)` of a pivot of order 2. Divided by b first: products of small
+/// entries would vanish.
+#[inline(always)]
+pub(super) fn inverse_of_two([a, b, c]: [f64; 3]) -> impl Fn(f64, f64) -> [f64; 2] {
+    let (p, q) = (a / b, c / b);
+    let scale = (p * q - 1.0).recip() / b;
+    move |x, y| [(q * x - y) * scale, (p * y - x) * scale]
 }
 
 /// A matrix under factorisation, and the outcome.
@@ -111,13 +127,7 @@ impl Front {
     /// Eliminates among the first `candidates` rows; of a definite matrix in their order. `forced`: whatever
     /// the threshold says, if there is nothing better.
     pub fn factorise(&mut self, candidates: usize, definite: bool, forced: bool) {
-        widest_fused(
-            #[inline(always)]
-            |fused| match fused {
-                true => self.eliminate::<true>(candidates, definite, forced),
-                false => self.eliminate::<false>(candidates, definite, forced),
-            },
-        );
+        in_widest!(self.eliminate(candidates, definite, forced));
     }
 
     #[inline(always)]
@@ -273,14 +283,12 @@ impl Front {
         let (n, k) = (self.size, self.eliminated);
         let (done, rest) = self.entries.split_at_mut((k + 2) * n);
         let (first, second) = done[k * n..].split_at_mut(n);
-        let (a, b, c) = (first[k], first[k + 1], second[k + 1]);
-        // Divided by b first: products of small entries would vanish.
-        let (p, q) = (a / b, c / b);
-        let scale = (p * q - 1.0).recip() / b;
+        let block = [first[k], first[k + 1], second[k + 1]];
+        let inverse = inverse_of_two(block);
         let [x, y] = &mut self.products;
         for i in k + 2..n {
             (x[i], y[i]) = (first[i], second[i]);
-            (first[i], second[i]) = ((q * x[i] - y[i]) * scale, (p * y[i] - x[i]) * scale);
+            [first[i], second[i]] = inverse(x[i], y[i]);
         }
         first[k + 1] = 0.0;
         for (column, to) in rest.chunks_exact_mut(n).take(candidates - k - 2).enumerate() {
@@ -288,7 +296,7 @@ impl Front {
             add::<FUSED>(&mut to[column..], -x[column], &first[column..]);
             add::<FUSED>(&mut to[column..], -y[column], &second[column..]);
         }
-        self.pivots.push(Pivot::Two([a, b, c]));
+        self.pivots.push(Pivot::Two(block));
         self.eliminated += 2;
     }
 
@@ -311,7 +319,7 @@ impl Front {
                         (weights[k], weights[k + 1]) = (a * x + b * y, b * x + d * y);
                     }
                 }
-                k += if matches!(pivot, Pivot::Two(_)) { 2 } else { 1 };
+                k += pivot.order();
             }
             let to = &mut to[c..];
             let column = |k: usize| &done[k * n + c..(k + 1) * n];

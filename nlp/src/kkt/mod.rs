@@ -5,5 +5,4 @@
 mod chain;
 mod front;
 
-pub(crate) use chain::Chain;
-pub use chain::Inertia;
+pub(crate) use chain::{Chain, Inertia};
