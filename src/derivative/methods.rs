@@ -3,8 +3,9 @@
 // `#[inline]` in this file: compiled where it is used, with all instances of the pipeline that it needs, not
 // by everyone who builds the library.
 
+use super::reference::ComparedDerivative::{AZ, FX, TauZ, WTauZZ, YAZZ, YFXX};
 use super::reference::Reference;
-use super::row::{COSTATE, COSTATE_OF_MOTION, COSTATE_OF_Z, OF_TORQUE, OF_VELOCITY, Row, STATE, matrix};
+use super::row::{COSTATE, Row, matrix};
 use super::state::State;
 use super::weighted_frames::WeightedFrames;
 use crate::configuration::FreeKinematics;
@@ -77,9 +78,7 @@ impl<S: Scalar> Methods<S> {
         rows: &mut Vec<Row<S>>,
     ) -> Result<(), EvalError> {
         let State { q, p, u, y, .. } = state;
-        let mut add = |route, f_x: Block<'_, S>| {
-            rows.push(Row::new(["F_x", route], f_x, to.f_x.view(), [STATE, COSTATE]));
-        };
+        let mut add = |route, f_x: Block<'_, S>| rows.push(to.row(FX, route, f_x));
         add("analytic", self.analytic.first().linearise(q, p, u)?.matrix());
         if self.is_plain {
             add("tensors", self.tensors.first().linearise(q, p, u)?.matrix());
@@ -101,9 +100,7 @@ impl<S: Scalar> Methods<S> {
         rows: &mut Vec<Row<S>>,
     ) -> Result<(), EvalError> {
         let State { q, p, u, y, .. } = state;
-        let mut add = |route, y_f_xx: Block<'_, S>| {
-            rows.push(Row::new(["y'F_xx", route], y_f_xx, to.y_f_xx.view(), [COSTATE, COSTATE]));
-        };
+        let mut add = |route, y_f_xx: Block<'_, S>| rows.push(to.row(YFXX, route, y_f_xx));
         add("analytic", self.analytic.contract(q, p, u, y)?.matrix());
         if self.is_plain {
             add("dual pass", self.dual_pass.contract(q, p, u, y)?.matrix());
@@ -130,17 +127,10 @@ impl<S: Scalar> Methods<S> {
     ) -> Result<(), EvalError> {
         let State { q, v, u, y, .. } = state;
         let second = self.lagrangian.contract_forward_dynamics(q, v, u, &y[v.len()..])?;
-        let mut first = |route, a_z: Block<'_, S>| {
-            let quantity = "a_z, z = (q, v, u)";
-            rows.push(Row::new([quantity, route], a_z, to.a_z.view(), [OF_VELOCITY, COSTATE_OF_Z]));
-        };
-        first("analytic", second.forward_dynamics().matrix());
-        first("dual", to.dual_a_z.view());
-        let mut add = |route, y_a_zz: Block<'_, S>| {
-            rows.push(Row::new(["y'a_zz", route], y_a_zz, to.y_a_zz.view(), [COSTATE_OF_Z, COSTATE_OF_Z]));
-        };
-        add("analytic", second.to_matrix().view());
-        add("dual", to.nested_y_a_zz.view());
+        rows.push(to.row(AZ, "analytic", second.forward_dynamics().matrix()));
+        rows.push(to.row(AZ, "dual", to.dual_a_z.view()));
+        rows.push(to.row(YAZZ, "analytic", second.to_matrix().view()));
+        rows.push(to.row(YAZZ, "dual", to.nested_y_a_zz.view()));
         Ok(())
     }
 
@@ -159,10 +149,8 @@ impl<S: Scalar> Methods<S> {
         let linear = second.inverse_dynamics();
         let parts = [linear.tau_q, linear.tau_v, linear.tau_a];
         let found = matrix(n, 3 * n, |i, j| parts[j / n][(i, j % n)]);
-        let by_motion = [OF_TORQUE, COSTATE_OF_MOTION];
-        rows.push(Row::new(["tau_z, z = (q, v, a)", "analytic"], found.view(), to.tau_z.view(), by_motion));
-        let scales = [COSTATE_OF_MOTION, COSTATE_OF_MOTION];
-        rows.push(Row::new(["w'tau_zz", "analytic"], second.zz().view(), to.w_tau_zz.view(), scales));
+        rows.push(to.row(TauZ, "analytic", found.view()));
+        rows.push(to.row(WTauZZ, "analytic", second.zz().view()));
         Ok(())
     }
 

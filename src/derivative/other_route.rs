@@ -2,31 +2,13 @@
 
 // `#[inline]` in this file: compiled where it is used, not by everyone who builds the library.
 
-use super::reference::Reference;
-use super::row::{COSTATE, COSTATE_OF_MOTION, COSTATE_OF_Z, OF_TORQUE, OF_VELOCITY, Row, STATE, matrix};
+use super::reference::{ComparedDerivative, Reference};
+use super::row::{Row, matrix};
 use super::state::State;
 use crate::error::EvalError;
 use crate::matrix::{Matrix, filled};
 use crate::scalar::{Count, Scalar};
 use std::fmt;
-
-/// A derivative that [`Routes`](super::Routes) compares: what a [`Quantity`](crate::codegen::Quantity)
-/// computes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ComparedDerivative {
-    /// Arguments q, p, u; results F and F_x.
-    FX,
-    /// q, p, u, y (2n): F, F_x and y'F_xx.
-    YFXX,
-    /// q, v, u: a and a_z, z = (q, v, u).
-    AZ,
-    /// q, v, u, y (n): a, a_z, y'a_zz in (q, v), 2n x 2n, and in (u, q).
-    YAZZ,
-    /// q, v, a: tau and tau_z, z = (q, v, a).
-    TauZ,
-    /// q, v, a, w: tau, tau_z, w'tau_zz in (q, v), 2n x 2n, and in (a, q).
-    WTauZZ,
-}
 
 /// Evaluates a derivative: all arguments one after the other in, all results likewise out, matrices row by
 /// row.
@@ -101,15 +83,13 @@ impl OtherRoute {
         let whole = |rows: usize, columns: usize, from: usize| {
             matrix(rows, columns, |i, j| results[from + i * columns + j])
         };
-        let (quantity, found, expected, scales) = match self.derivative {
-            FX => ("F_x", whole(2 * n, 2 * n, 2 * n), &to.f_x, [STATE, COSTATE]),
-            YFXX => ("y'F_xx", whole(2 * n, 2 * n, 2 * n + 4 * n * n), &to.y_f_xx, [COSTATE, COSTATE]),
-            AZ => ("a_z, z = (q, v, u)", whole(n, 3 * n, n), &to.a_z, [OF_VELOCITY, COSTATE_OF_Z]),
-            YAZZ => ("y'a_zz", second(results, n), &to.y_a_zz, [COSTATE_OF_Z, COSTATE_OF_Z]),
-            TauZ => ("tau_z, z = (q, v, a)", whole(n, 3 * n, n), &to.tau_z, [OF_TORQUE, COSTATE_OF_MOTION]),
-            WTauZZ => ("w'tau_zz", second(results, n), &to.w_tau_zz, [COSTATE_OF_MOTION, COSTATE_OF_MOTION]),
+        let found = match self.derivative {
+            FX => whole(2 * n, 2 * n, 2 * n),
+            YFXX => whole(2 * n, 2 * n, 2 * n + 4 * n * n),
+            AZ | TauZ => whole(n, 3 * n, n),
+            YAZZ | WTauZZ => second(results, n),
         };
-        Row::new([quantity, self.name], found.view(), expected.view(), scales)
+        to.row(self.derivative, self.name, found.view())
     }
 }
 

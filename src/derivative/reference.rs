@@ -6,17 +6,41 @@
 use super::called::ByCalls;
 use super::function::{DerivativeError, Function, InnerNumber};
 use super::positions::{Moved, Positions};
-use super::row::matrix;
+use super::row::{COSTATE, Row, STATE, matrix};
 use super::state::State;
 use super::weighted_frames::{WeightedDerivatives, WeightedFrames};
 use super::{CHUNK, ForwardDynamics, Hessian, InverseDynamics, Jacobian, NestedHessian, PhaseVelocity};
 use crate::error::{EvalError, LengthError};
 use crate::hamiltonian::Hamiltonian;
-use crate::matrix::Matrix;
+use crate::matrix::{Block, Matrix};
 use crate::robot::{Robot, Tree};
 use crate::scalar::{Count, Scalar};
 
-/// Derivatives of F, of the acceleration a and of H by automatic differentiation.
+/// A derivative that [`Routes`](super::Routes) compares: what a [`Quantity`](crate::codegen::Quantity)
+/// computes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ComparedDerivative {
+    /// Arguments q, p, u; results F and F_x.
+    FX,
+    /// q, p, u, y (2n): F, F_x and y'F_xx.
+    YFXX,
+    /// q, v, u: a and a_z, z = (q, v, u).
+    AZ,
+    /// q, v, u, y (n): a, a_z, y'a_zz in (q, v), 2n x 2n, and in (u, q).
+    YAZZ,
+    /// q, v, a: tau and tau_z, z = (q, v, a).
+    TauZ,
+    /// q, v, a, w: tau, tau_z, w'tau_zz in (q, v), 2n x 2n, and in (a, q).
+    WTauZZ,
+}
+
+/// Scales, see [`Row`]: of velocities and torques, of what is dual to (q, v, u) and to (q, v, a).
+const OF_VELOCITY: &[i8] = &[1];
+const OF_TORQUE: &[i8] = &[-1];
+const COSTATE_OF_Z: &[i8] = &[-1, -1, 1];
+const COSTATE_OF_MOTION: &[i8] = &[-1, -1, -1];
+
+/// Derivatives of F, a, tau and H, and of weighted sums over frames, by automatic differentiation.
 #[derive(Clone, Debug)]
 pub(super) struct Reference<S> {
     pub f_x: Matrix<S>,
@@ -34,6 +58,23 @@ pub(super) struct Reference<S> {
     pub frames: WeightedDerivatives<S>,
     /// H_x without friction, 2n.
     pub energy_gradient: Vec<S>,
+}
+
+impl<S: Scalar> Reference<S> {
+    /// What a method computes for one derivative, compared with the reference.
+    #[inline]
+    pub fn row(&self, derivative: ComparedDerivative, route: &'static str, found: Block<'_, S>) -> Row<S> {
+        use ComparedDerivative::{AZ, FX, TauZ, WTauZZ, YAZZ, YFXX};
+        let (quantity, expected, scales) = match derivative {
+            FX => ("F_x", &self.f_x, [STATE, COSTATE]),
+            YFXX => ("y'F_xx", &self.y_f_xx, [COSTATE, COSTATE]),
+            AZ => ("a_z, z = (q, v, u)", &self.a_z, [OF_VELOCITY, COSTATE_OF_Z]),
+            YAZZ => ("y'a_zz", &self.y_a_zz, [COSTATE_OF_Z, COSTATE_OF_Z]),
+            TauZ => ("tau_z, z = (q, v, a)", &self.tau_z, [OF_TORQUE, COSTATE_OF_MOTION]),
+            WTauZZ => ("w'tau_zz", &self.w_tau_zz, [COSTATE_OF_MOTION, COSTATE_OF_MOTION]),
+        };
+        Row::new([quantity, route], found, expected.view(), scales)
+    }
 }
 
 impl Reference<f64> {

@@ -10,14 +10,9 @@ const UNIT: f64 = 0.5 * f64::EPSILON;
 /// How many standard deviations of its rounding error a difference may have, see [`Routes`](super::Routes).
 pub const SAFETY: f64 = 32.0;
 
-/// Exponents of the scales `d_i = sqrt(M_ii)`, see [`Row`]: of x = (q, p), of what is dual to it, of
-/// velocities and torques, of what is dual to z = (q, v, u) and to (q, v, a).
+/// Exponents of the scales `d_i = sqrt(M_ii)`, see [`Row`]: of x = (q, p), and of what is dual to it.
 pub(super) const STATE: &[i8] = &[1, -1];
 pub(super) const COSTATE: &[i8] = &[-1, 1];
-pub(super) const OF_VELOCITY: &[i8] = &[1];
-pub(super) const OF_TORQUE: &[i8] = &[-1];
-pub(super) const COSTATE_OF_Z: &[i8] = &[-1, -1, 1];
-pub(super) const COSTATE_OF_MOTION: &[i8] = &[-1, -1, -1];
 
 /// The difference of two matrices that should be equal.
 ///
