@@ -20,6 +20,7 @@
 //! | [`points`] | torques, costs and rates at the points, with their derivatives |
 //! | [`limits`] | sides of limits, rows of tasks, powers, ends; slacks and multipliers |
 //! | [`newton`] | the Lagrange function in the unknowns, Newton's equations and their factorisation |
+//! | [`program`] | a motion on one mesh as a staged nonlinear program |
 //! | [`interior`] | the interior-point iteration on one mesh |
 //! | [`refine`] | estimated errors and limits between the points; the next mesh |
 //! | [`outcome`] | costates, trajectory, report, verification, limits that cannot be kept |
@@ -33,6 +34,7 @@ mod motion;
 mod newton;
 mod outcome;
 mod points;
+mod program;
 mod refine;
 mod solve;
 

@@ -162,6 +162,11 @@ impl Barrier {
         self.at_ends[self.first_at[end] + row].bound = bound;
     }
 
+    /// How far the limit of an entry is moved out.
+    pub fn moved_by(&self, at: usize) -> f64 {
+        self.moved.get(at).copied().unwrap_or(0.0)
+    }
+
     /// Number of intervals.
     pub(super) fn intervals(&self) -> usize {
         self.nodes - 1

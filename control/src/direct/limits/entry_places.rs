@@ -70,6 +70,14 @@ impl Barrier {
         (at < self.sides.len() * self.points).then(|| at / self.sides.len())
     }
 
+    /// The number of its point, or of its Gauss's point, of an entry that has one.
+    pub fn place_in_interval(&self, at: usize) -> usize {
+        match at.checked_sub(self.first_of_rates()) {
+            Some(rate) => rate / self.rates.len(),
+            None => at / self.sides.len(),
+        }
+    }
+
     /// s of an entry.
     pub fn place(&self, at: usize, spline: &Spline) -> f64 {
         let nodes = self.sides.len() * self.points;

@@ -84,7 +84,7 @@ impl RateRows {
     }
 
     /// The same of its value at one of Gauss's points.
-    fn take_value(&mut self, k: usize, j: usize, side: &Side, spline: &Spline, points: &Points) -> f64 {
+    pub fn take_value(&mut self, k: usize, j: usize, side: &Side, spline: &Spline, points: &Points) -> f64 {
         match side.limited {
             Limited::Jerk => self.take_jerk(k, j, side.joint, spline, points)[0],
             Limited::TorqueRate => self.take_torque_rate(k, j, side.joint, spline, points),

@@ -26,7 +26,7 @@ use std::ops::Range;
 /// end follows its start. Slacks and multipliers are eliminated at each point ([`side_terms`]).
 #[derive(Clone, Debug)]
 pub(crate) struct System {
-    pub(super) matrix: ChainMatrix,
+    pub(in crate::direct) matrix: ChainMatrix,
     pub(super) factor: ChainMatrix,
     pub(super) damping: ChainMatrix,
     pub(super) damping_is_current: bool,
@@ -36,10 +36,10 @@ pub(crate) struct System {
     pub shared_gradient: [Vec<f64>; 2],
     pub(super) border: Border,
     /// What rows of both ends add between them: the state of the start by that of the end.
-    pub(super) across: Vec<f64>,
+    pub(in crate::direct) across: Vec<f64>,
     /// What the equations have for the given ends.
     pub(crate) at_ends: EndColumns,
-    pub(super) by_times: ByTimes,
+    pub(in crate::direct) by_times: ByTimes,
     /// The metric of damping in the times, diagonal: cost over the squares of times.
     pub(super) time_metric: Vec<f64>,
     /// Gradient of corrections, in x, in the times and in y.
@@ -108,6 +108,28 @@ impl System {
         running: &mut Running,
         ends: &Ends,
     ) {
+        self.collect(spline, points, barrier, running);
+        if ends.times.count() > 0 {
+            let cost = running.cost(spline, points).abs() / spline.duration();
+            let phases = spline.times.len();
+            self.time_metric.clear();
+            self.time_metric.resize(phases * phases, 0.0);
+            for (phase, time) in spline.times.iter().enumerate() {
+                self.time_metric[(phases + 1) * phase] = cost / time;
+            }
+        }
+        self.at_ends.take(&self.matrix, &self.by_times.columns, &spline.mesh);
+        self.fix(ends, spline);
+    }
+
+    /// Adds all of a motion up, by its unknowns and times, those that are given and shared too.
+    pub(crate) fn collect(
+        &mut self,
+        spline: &Spline,
+        points: &Points,
+        barrier: &Barrier,
+        running: &mut Running,
+    ) {
         self.begin(spline, running);
         self.is_rest = false;
         for p in 0..points.count() {
@@ -123,17 +145,6 @@ impl System {
             self.add_node(k, spline, barrier);
         }
         self.add_ends(spline, points, barrier, |_| true);
-        if ends.times.count() > 0 {
-            let cost = running.cost(spline, points).abs() / spline.duration();
-            let phases = spline.times.len();
-            self.time_metric.clear();
-            self.time_metric.resize(phases * phases, 0.0);
-            for (phase, time) in spline.times.iter().enumerate() {
-                self.time_metric[(phases + 1) * phase] = cost / time;
-            }
-        }
-        self.at_ends.take(&self.matrix, &self.by_times.columns, &spline.mesh);
-        self.fix(ends, spline);
     }
 
     /// Zero everywhere, but for what the times cost.
@@ -342,7 +353,7 @@ impl System {
 
 #[cfg(test)]
 #[path = "system_tests.rs"]
-mod tests;
+pub(in crate::direct) mod tests;
 
 #[cfg(test)]
 #[path = "gait_tests.rs"]

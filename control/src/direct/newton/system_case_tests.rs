@@ -65,9 +65,9 @@ pub struct Case {
     pub barrier: Barrier,
     /// Subtracted from the distances.
     pub shift: Vec<f64>,
-    running: Running,
+    pub running: Running,
     pub ends: Ends,
-    model: Model<PhaseDynamics<RobotPoints>>,
+    pub model: Model<PhaseDynamics<RobotPoints>>,
     pub points: Points,
     pub system: System,
 }

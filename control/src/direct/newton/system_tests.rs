@@ -1,7 +1,7 @@
 //! The assembled gradient and Hessian against central differences.
 
 #[path = "system_case_tests.rs"]
-mod case;
+pub(in crate::direct) mod case;
 
 use crate::direct::motion::shape::Shape;
 use case::{Case, Kind};

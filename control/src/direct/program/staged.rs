@@ -1,0 +1,425 @@
+//! Values and derivatives of a motion on one mesh, as [`StagedProblem`] wants them.
+
+use super::structure::{Column, Row, Structure};
+use crate::direct::limits::at_node::AtNode;
+use crate::direct::limits::barrier::Barrier;
+use crate::direct::limits::ends::Ends;
+use crate::direct::limits::model::Model;
+use crate::direct::limits::side::Limited;
+use crate::direct::motion::shape::{MOST_COEFFICIENTS, POINTS};
+use crate::direct::motion::spline::Spline;
+use crate::direct::newton::side_terms::{add_row, weigh};
+use crate::direct::newton::system::System;
+use crate::direct::points::running::Running;
+use crate::direct::points::values::{PointDynamics, Points};
+use crate::numerics::chain::dot;
+use costate::EvalError;
+use costate_nlp::{Block, Blocks, Dense, Element, Layout, Scales, StagedProblem, Values, Weights};
+
+/// The program of a motion: its functions are those of the bricks that it borrows.
+///
+/// The entries of a point are the free unknowns of the spline in the order of the nodes, then the parameters
+/// of the times and what both ends share. Where the motion goes backward in time, or cannot be evaluated, the
+/// functions have no values.
+pub(crate) struct Program<'a, D> {
+    pub spline: &'a mut Spline,
+    pub points: &'a mut Points,
+    pub barrier: &'a mut Barrier,
+    pub running: &'a mut Running,
+    pub model: &'a mut Model<D>,
+    pub system: &'a mut System,
+    pub ends: &'a Ends,
+    pub structure: &'a Structure,
+    pub work: &'a mut Work,
+}
+
+/// Room of a [`Program`].
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Work {
+    /// The point at which the program was made, the spline there, and changes of its times.
+    pub origin: Vec<f64>,
+    spline: Spline,
+    times: Vec<f64>,
+    /// A row by the unknowns of an interval, and by z.
+    row: Vec<f64>,
+    z: Vec<f64>,
+}
+
+impl Work {
+    /// For the program of a motion. From now on all entries of the barrier that count are without slacks, and
+    /// their distances cost nothing: what is assembled is the Lagrange function with the multipliers.
+    pub fn new(spline: &Spline, barrier: &mut Barrier, ends: &Ends, structure: &Structure) -> Self {
+        barrier.stiffness = 0.0;
+        for (slack, &weight) in barrier.slack.iter_mut().zip(&barrier.weight) {
+            *slack = if weight > 0.0 { 0.0 } else { f64::INFINITY };
+        }
+        let mut origin: Vec<f64> =
+            structure.unknowns.iter().map(|&unknown| spline.unknowns[unknown]).collect();
+        origin.extend(ends.times.values(&spline.times));
+        origin.extend(ends.tied.iter().map(|tie| spline.unknowns[tie.start]));
+        Self { origin, spline: spline.clone(), ..Self::default() }
+    }
+}
+
+impl<D: PointDynamics> Program<'_, D> {
+    /// Takes the spline of a point. Whether it goes forward in time.
+    fn take(&mut self, point: &[f64]) -> bool {
+        let Self { spline, ends, structure, work: Work { origin, spline: first, times, .. }, .. } = self;
+        for (&value, &unknown) in point.iter().zip(&structure.unknowns) {
+            spline.unknowns[unknown] = value;
+        }
+        let shared = structure.layout.shared();
+        let mut changes: Vec<f64> = point[shared.clone()].to_vec();
+        changes.iter_mut().zip(&origin[shared]).for_each(|(change, origin)| *change -= origin);
+        let (of_times, tied) = changes.split_at(ends.times.count());
+        ends.times.expand(of_times, times);
+        for (time, (first, change)) in spline.times.iter_mut().zip(first.times.iter().zip(&*times)) {
+            *time = first + change;
+        }
+        let last = spline.node() * spline.mesh.intervals();
+        for (tie, change) in ends.tied.iter().zip(tied) {
+            spline.unknowns[tie.start] = first.unknowns[tie.start] + change;
+            if let Some(end) = tie.end {
+                spline.unknowns[last + end] = first.unknowns[last + end] + tie.sign * change;
+            }
+        }
+        spline.times.iter().all(|time| *time > 0.0)
+    }
+
+    /// Gives the entries of the barrier the multipliers of the rows, times a factor.
+    fn set_multipliers(&mut self, weights: Weights<'_>, factor: f64) {
+        self.barrier.multiplier.fill(0.0);
+        let Structure { equalities, ranges, .. } = self.structure;
+        let pairs = [(equalities, weights.equalities), (ranges, weights.ranges)];
+        for (rows, weights) in pairs {
+            for (row, weight) in rows.iter().zip(weights) {
+                self.barrier.multiplier[row.entry] = -row.sign * factor * weight;
+            }
+        }
+    }
+
+    /// Adds a multiple of the second derivatives that the equations have at these multipliers.
+    fn add_hessian(&mut self, factor: f64, blocks: &mut Blocks) {
+        let Self { spline, ends, structure, system, .. } = self;
+        let last = structure.layout.intervals();
+        for k in 0..last {
+            let hessian = &mut blocks.of(Element::Interval(k)).hessian;
+            add_interval(structure, system, k, factor, hessian);
+        }
+        if structure.layout.shared().is_empty() {
+            return;
+        }
+        let (times, by_times, phases) = (&ends.times, &system.by_times, spline.mesh.phases());
+        for k in 0..if times.count() > 0 { last } else { 0 } {
+            let (columns, first) = (structure.columns(k), structure.first_shared(k));
+            let hessian = &mut blocks.of(Element::Interval(k)).hessian;
+            for (slot, column) in columns.iter().enumerate() {
+                let Some(unknown) = structure.unknown(k, slot) else { continue };
+                for a in 0..times.count() {
+                    let by = |phase: usize| times.factor(phase, a) * by_times.columns[phase][unknown];
+                    let entry: f64 = (0..phases).map(by).sum();
+                    let (i, j) = (column.at.min(first + a), column.at.max(first + a));
+                    hessian[(i, j)] += factor * column.factor * entry;
+                }
+            }
+        }
+        let (first, hessian) = (structure.first_shared(0), &mut blocks.of(Element::Interval(0)).hessian);
+        for a in 0..times.count() {
+            for b in a..times.count() {
+                let of = |at: usize| times.factor(at / phases, a) * times.factor(at % phases, b);
+                let entry: f64 = by_times.second.iter().enumerate().map(|(at, second)| of(at) * second).sum();
+                hessian[(first + a, first + b)] += factor * entry;
+            }
+        }
+        if !system.across.is_empty() {
+            let hessian = &mut blocks.of(Element::Ends).hessian;
+            for (i, row) in system.across.chunks_exact(structure.node).enumerate() {
+                for (j, &entry) in row.iter().enumerate() {
+                    let [start, end] = structure.columns_of_ends(i, j);
+                    add_to(hessian, (start, end), false, factor * entry);
+                }
+            }
+        }
+    }
+
+    /// The gradient of the cost, from that of the Lagrange function at the multipliers of the barrier: rows
+    /// are there already.
+    fn set_gradient(&mut self, blocks: &mut Blocks) {
+        let Self { spline, barrier, ends, structure, system, .. } = self;
+        for k in 0..structure.layout.intervals() {
+            let gradient = &mut blocks.of(Element::Interval(k)).gradient;
+            for (slot, column) in structure.columns(k).iter().enumerate() {
+                if let Some(unknown) = structure.unknown(k, slot) {
+                    gradient[column.at] += column.factor * system.gradient[0][unknown];
+                }
+            }
+        }
+        if ends.times.count() > 0 {
+            let first = structure.first_shared(0);
+            let gradient = &mut blocks.of(Element::Interval(0)).gradient[first..first + ends.times.count()];
+            let mut reduced = vec![0.0; ends.times.count()];
+            ends.times.reduce(&system.by_times.gradient[0][..spline.times.len()], &mut reduced);
+            gradient.iter_mut().zip(reduced).for_each(|(to, entry)| *to += entry);
+        }
+        for element in structure.layout.elements() {
+            let block = blocks.of(element);
+            let parts = [
+                (&block.equalities, &structure.equalities[structure.layout.equalities_of(element)]),
+                (&block.ranges, &structure.ranges[structure.layout.ranges_of(element)]),
+            ];
+            for (jacobian, rows) in parts {
+                for (i, row) in rows.iter().enumerate() {
+                    // The multiplier of the row.
+                    let weight = -row.sign * barrier.multiplier[row.entry];
+                    if weight != 0.0 {
+                        let pairs = block.gradient.iter_mut().zip(jacobian.row(i));
+                        pairs.for_each(|(slope, entry)| *slope -= weight * entry);
+                    }
+                }
+            }
+        }
+    }
+
+    /// The derivatives of the rows of an interval.
+    fn set_rows(&mut self, k: usize, block: &mut Block) {
+        let Self { spline, points, barrier, structure, system, work, ends, .. } = self;
+        let (element, n, phase) = (Element::Interval(k), spline.dof, spline.mesh.phase(k));
+        let parts = [
+            (&mut block.equalities, &structure.equalities[structure.layout.equalities_of(element)]),
+            (&mut block.ranges, &structure.ranges[structure.layout.ranges_of(element)]),
+        ];
+        let first_point = spline.mesh.first_point(k);
+        let mut differentiated = false;
+        for (jacobian, rows) in parts {
+            let mut place: Option<(usize, [[f64; MOST_COEFFICIENTS]; 3])> = None;
+            for (i, Row { entry, .. }) in rows.iter().enumerate() {
+                let side = barrier.side(*entry);
+                let index = barrier.side_index(*entry).unwrap_or_default();
+                let at_point = barrier.point_of(*entry).filter(|_| !barrier.is_hull(index));
+                let by_time = if let Some(p) = at_point {
+                    let factors = match place {
+                        Some((last, factors)) if last == p => factors,
+                        _ => {
+                            let factors = spline.factors(k, p - first_point);
+                            system.work.differentiate_in_time(points.z(p), spline, k, &factors);
+                            place = Some((p, factors));
+                            factors
+                        }
+                    };
+                    work.z.clear();
+                    work.z.resize(3 * n, 0.0);
+                    add_row(points, p, side, 1.0, &mut work.z);
+                    work.row.clear();
+                    let [of_q, of_v, of_a] = &factors;
+                    for ((f, g), h) in of_q[..structure.coefficients()].iter().zip(of_v).zip(of_a) {
+                        let z = &work.z;
+                        work.row.extend((0..n).map(|l| f * z[l] + (g * z[n + l] + h * z[2 * n + l])));
+                    }
+                    dot(&work.z, &system.work.z_t)
+                } else {
+                    let rates = &mut system.rate_rows;
+                    let j = barrier.place_in_interval(*entry) % POINTS;
+                    if side.limited == Limited::TorqueRate && !std::mem::replace(&mut differentiated, true) {
+                        rates.differentiate_torques(k, spline, points);
+                    }
+                    let by_time = match barrier.is_hull(index) {
+                        true => rates.take_coefficient(k, j, side, spline, points),
+                        false => rates.take_value(k, j, side, spline, points),
+                    };
+                    work.row.clone_from(&rates.row);
+                    by_time
+                };
+                let to = jacobian.row_mut(i);
+                for (column, entry) in structure.columns(k).iter().zip(&work.row) {
+                    to[column.at] += column.factor * entry;
+                }
+                let shared = to[structure.first_shared(k)..].iter_mut().take(ends.times.count());
+                shared.enumerate().for_each(|(a, to)| *to += ends.times.factor(phase, a) * by_time);
+            }
+        }
+    }
+
+    /// The derivatives of the rows of a node.
+    fn set_rows_at(&mut self, k: usize, block: &mut Block) {
+        let Self { spline, points, barrier, structure, ends, .. } = self;
+        let (element, n) = (Element::Node(k), spline.dof);
+        let (at_node, free) = (AtNode::new(spline, k), structure.layout.node(k).len());
+        let parts = [
+            (&mut block.equalities, &structure.equalities[structure.layout.equalities_of(element)]),
+            (&mut block.ranges, &structure.ranges[structure.layout.ranges_of(element)]),
+        ];
+        for (jacobian, rows) in parts {
+            for (i, Row { entry, .. }) in rows.iter().enumerate() {
+                let to = jacobian.row_mut(i);
+                let side = barrier.side(*entry);
+                if barrier.side_index(*entry).is_some() {
+                    let value = at_node.of(side);
+                    let column = structure.column_at(k, value.unknown - structure.node * k);
+                    to[column.at] += column.factor * value.scale;
+                    if let Some(by_time) = value.by_time {
+                        for a in 0..ends.times.count() {
+                            to[free + a] += ends.times.factor(by_time.phase, a) * by_time.first;
+                        }
+                    }
+                    continue;
+                }
+                let row = entry - barrier.at_ends().start;
+                for (l, slope) in points.ends.g_x[2 * n * row..][..2 * n].iter().enumerate() {
+                    let column = structure.column_at(k, l);
+                    to[column.at] += column.factor * slope;
+                }
+            }
+        }
+    }
+
+    /// The derivatives of the rows of both ends.
+    fn set_rows_of_ends(&mut self, block: &mut Block) {
+        let Self { spline, points, barrier, structure, .. } = self;
+        let (element, n) = (Element::Ends, spline.dof);
+        let parts = [
+            (&mut block.equalities, &structure.equalities[structure.layout.equalities_of(element)]),
+            (&mut block.ranges, &structure.ranges[structure.layout.ranges_of(element)]),
+        ];
+        for (jacobian, rows) in parts {
+            for (i, Row { entry, .. }) in rows.iter().enumerate() {
+                let (to, row) = (jacobian.row_mut(i), entry - barrier.at_ends().start);
+                let of = |slopes: &[f64]| slopes[2 * n * row..][..2 * n].to_vec();
+                let both = of(&points.ends.g_x).into_iter().zip(of(&points.ends.far));
+                for (l, (near, far)) in both.enumerate() {
+                    let [start, end] = structure.columns_of_ends(l, l);
+                    to[start.at] += start.factor * near;
+                    to[end.at] += end.factor * far;
+                }
+            }
+        }
+    }
+}
+
+/// Adds the second derivatives of interval k, with those of its left node, to the upper triangle of a
+/// Hessian; those of the last node too.
+fn add_interval(structure: &Structure, system: &System, k: usize, factor: f64, hessian: &mut Dense) {
+    let (node, inner) = (structure.node, structure.inner);
+    let (of_inner, left, right) = system.matrix.blocks(k);
+    let is_last = k + 1 == structure.layout.intervals();
+    let columns = structure.columns(k);
+    let rows = [
+        (of_inner, 0, inner, inner + 2 * node),
+        (left, inner, node, 2 * node),
+        (right, inner + node, if is_last { node } else { 0 }, 2 * node),
+    ];
+    if structure.is_whole(k) {
+        // Columns: left node, inner ones, right node.
+        for (i, row) in of_inner.chunks_exact((inner + 2 * node).max(1)).enumerate() {
+            for (j, entry) in row[inner..inner + node].iter().enumerate() {
+                hessian[(j, node + i)] += factor * entry;
+            }
+            let to = hessian.row_mut(node + i);
+            add(&mut to[node + i..node + inner], factor, &row[i..inner]);
+            add(&mut to[node + inner..][..node], factor, &row[inner + node..]);
+        }
+        for (i, row) in left.chunks_exact(2 * node).enumerate() {
+            let to = hessian.row_mut(i);
+            add(&mut to[i..node], factor, &row[i..node]);
+            add(&mut to[node + inner..][..node], factor, &row[node..]);
+        }
+        return;
+    }
+    for (entries, first, count, width) in rows {
+        for (i, row) in entries.chunks_exact(width.max(1)).take(count).enumerate() {
+            let end = if first == inner + node { node } else { width };
+            for (j, &entry) in row[..end].iter().enumerate().skip(i) {
+                add_to(hessian, (columns[first + i], columns[first + j]), i == j, factor * entry);
+            }
+        }
+    }
+}
+
+fn add(to: &mut [f64], factor: f64, from: &[f64]) {
+    to.iter_mut().zip(from).for_each(|(to, entry)| *to += factor * entry);
+}
+
+/// Adds an entry of a symmetric matrix in two unknowns, which are the same one or not, to the upper triangle
+/// of one in their columns.
+#[inline(always)]
+fn add_to(hessian: &mut Dense, (a, b): (Column, Column), is_same: bool, entry: f64) {
+    let value = a.factor * b.factor * entry;
+    let twice = a.at == b.at && !is_same;
+    hessian[(a.at.min(b.at), a.at.max(b.at))] += if twice { 2.0 * value } else { value };
+}
+
+impl<D: PointDynamics> StagedProblem for Program<'_, D> {
+    type Error = EvalError;
+
+    fn layout(&self) -> &Layout {
+        &self.structure.layout
+    }
+
+    fn bounds(&self) -> [&[f64]; 2] {
+        self.structure.bounds.each_ref().map(Vec::as_slice)
+    }
+
+    fn scales(&self) -> Option<&Scales> {
+        Some(&self.structure.scales)
+    }
+
+    fn evaluate(&mut self, point: &[f64], values: &mut Values) -> Result<(), EvalError> {
+        let is_motion = self.take(point) && self.model.evaluate(self.spline, self.points).is_ok();
+        if !is_motion {
+            values.cost = f64::NAN;
+            return Ok(());
+        }
+        values.cost = self.running.cost(self.spline, self.points);
+        let mut distance = std::mem::take(&mut self.barrier.distance);
+        self.barrier.measure(self.spline, self.points, &mut distance);
+        let lists = [
+            (&mut values.equalities, &self.structure.equalities),
+            (&mut values.ranges, &self.structure.ranges),
+        ];
+        for (values, rows) in lists {
+            for (value, row) in values.iter_mut().zip(rows) {
+                *value = row.sign * distance[row.entry] + row.offset;
+            }
+        }
+        self.barrier.distance = distance;
+        Ok(())
+    }
+
+    fn linearise(
+        &mut self,
+        _: &[f64],
+        weights: Weights<'_>,
+        blocks: &mut Blocks,
+    ) -> Result<(), EvalError> {
+        // The Lagrange function has the cost once. Without it: that with it less the cost alone.
+        let parts = match weights.cost == 0.0 {
+            true => [Some((1.0, 1.0)), Some((-1.0, 0.0))],
+            false => [Some((weights.cost, 1.0 / weights.cost)), None],
+        };
+        for (part, (factor, of_weights)) in parts.into_iter().flatten().enumerate() {
+            self.set_multipliers(weights, of_weights);
+            let Self { spline, points, barrier, running, model, system, .. } = self;
+            weigh(spline, points, barrier, running);
+            model.contract(spline, points)?;
+            system.exact = true;
+            system.collect(spline, points, barrier, running);
+            self.add_hessian(factor, blocks);
+            if part > 0 {
+                continue;
+            }
+            for element in self.structure.layout.elements() {
+                let block = blocks.of(element);
+                match element {
+                    Element::Interval(k) => self.set_rows(k, block),
+                    Element::Node(k) => self.set_rows_at(k, block),
+                    Element::Ends => self.set_rows_of_ends(block),
+                }
+            }
+            self.set_gradient(blocks);
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+#[path = "staged_tests.rs"]
+mod tests;
