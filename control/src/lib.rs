@@ -56,8 +56,8 @@ pub use continuation::{
     Branch, BranchEnd, BranchPoint, Continuation, Parameter, TurningPoint, UnknownParameter,
 };
 pub use direct::{
-    Budget, Feedback, MotionDerivative, MotionParameter, Resolve, ResolveError, ResolveStatus, Resolved,
-    SensitivityError,
+    Budget, Feedback, MotionDerivative, MotionParameter, MotionProgram, ProgramRow, ProgramSample, Resolve,
+    ResolveError, ResolveStatus, Resolved, SensitivityError,
 };
 pub use direct_states::independent::StateVerification;
 pub use direct_states::problem::{DirectDynamics, DirectDynamicsError};

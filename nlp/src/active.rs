@@ -104,13 +104,12 @@ const REFINEMENTS: usize = 3;
 
 impl Active {
     pub fn new(layout: &Layout) -> Self {
-        let mut extended = layout.clone();
         let mut jacobians = Vec::new();
-        for element in layout.elements() {
+        let extended = layout.clone().with_rows_of(|element| {
             let Rows { equalities, ranges } = layout.rows(element);
-            extended = extended.with_rows(element, Rows::new(equalities + ranges, 0));
             jacobians.push(Dense::zeros(equalities + ranges, layout.width(element)));
-        }
+            Rows::new(equalities + ranges, 0)
+        });
         let size = extended.steps() + extended.equalities();
         Self {
             chain: Chain::new(&extended),

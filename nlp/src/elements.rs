@@ -74,14 +74,15 @@ pub(crate) fn add_symmetric(hessian: &Dense, d: &[f64], to: &mut [f64]) {
     }
 }
 
-/// A scalar product as four sums, which a processor adds side by side.
+/// A scalar product as eight sums, which a processor adds side by side.
 #[inline(always)]
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<4>(), b.as_chunks::<4>());
-    let mut sums = [0.0; 4];
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<8>(), b.as_chunks::<8>());
+    let mut sums = [0.0; 8];
     for (a, b) in a.iter().zip(b) {
         sums.iter_mut().zip(a.iter().zip(b)).for_each(|(sum, (a, b))| *sum += a * b);
     }
     let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum();
-    (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest
+    let [p, q, r, s] = [0, 1, 2, 3].map(|i| sums[i] + sums[i + 4]);
+    (p + q) + (r + s) + rest
 }

@@ -111,9 +111,18 @@ impl Step {
 
     /// Adds those of x, slacks, y and v.
     pub fn add(&mut self, other: &Self) {
+        self.add_multiple(1.0, other);
+    }
+
+    /// Takes a step that was added out again.
+    pub fn subtract(&mut self, other: &Self) {
+        self.add_multiple(-1.0, other);
+    }
+
+    fn add_multiple(&mut self, factor: f64, other: &Self) {
         let Self { x, slacks, y, v, .. } = self;
         for (to, from) in [x, slacks, y, v].into_iter().zip([&other.x, &other.slacks, &other.y, &other.v]) {
-            to.iter_mut().zip(from).for_each(|(to, from)| *to += from);
+            to.iter_mut().zip(from).for_each(|(to, from)| *to += factor * from);
         }
     }
 

@@ -89,7 +89,7 @@ impl Layout {
         Self::new(vec![node; intervals + 1], vec![private; intervals], shared)
     }
 
-    /// With these rows of an element.
+    /// With these rows of an element; [`with_rows_of`](Self::with_rows_of) takes those of all at once.
     ///
     /// # Panics
     /// If there is no such element.
@@ -97,12 +97,37 @@ impl Layout {
     pub fn with_rows(mut self, element: Element, rows: Rows) -> Self {
         let at = self.position(element);
         self.rows[at] = rows;
-        for (k, rows) in self.rows.iter().enumerate().skip(at) {
-            let start = self.row_starts[k];
-            self.row_starts[k + 1] =
-                Rows::new(start.equalities + rows.equalities, start.ranges + rows.ranges);
-        }
+        self.add_up();
         self
+    }
+
+    /// With these rows of all elements.
+    ///
+    /// ```
+    /// use costate_nlp::{Element, Layout, Rows};
+    ///
+    /// let rows = |element| match element {
+    ///     Element::Interval(_) => Rows::new(2, 1),
+    ///     Element::Node(0) => Rows::new(2, 0),
+    ///     _ => Rows::default(),
+    /// };
+    /// let layout = Layout::uniform(20, 2, 1, 0).with_rows_of(rows);
+    /// assert_eq!((layout.equalities(), layout.ranges()), (42, 20));
+    /// ```
+    #[must_use]
+    pub fn with_rows_of(mut self, rows: impl FnMut(Element) -> Rows) -> Self {
+        self.rows = self.elements().map(rows).collect();
+        self.add_up();
+        self
+    }
+
+    /// Adds up where the rows begin.
+    fn add_up(&mut self) {
+        let mut start = Rows::default();
+        for (to, rows) in self.row_starts[1..].iter_mut().zip(&self.rows) {
+            start = Rows::new(start.equalities + rows.equalities, start.ranges + rows.ranges);
+            *to = start;
+        }
     }
 
     /// With a cost of both ends, (x_0, x_N, p). It is not needed where there are rows of both ends.

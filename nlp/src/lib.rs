@@ -63,6 +63,7 @@ mod problem;
 mod restoration;
 mod scaled;
 mod solve;
+mod sparse;
 
 pub use active::{Certificate, Changes, Held};
 pub use barrier::BarrierSettings;
@@ -74,3 +75,4 @@ pub use newton::RegularisationSettings;
 pub use outcome::{Iteration, Solution, SolveError, Status};
 pub use problem::{Scales, StagedProblem};
 pub use solve::{Settings, Solver};
+pub use sparse::SparseProgram;

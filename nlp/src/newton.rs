@@ -216,13 +216,16 @@ impl Newton {
         let (mut residual, mut correction) =
             (std::mem::take(&mut self.residual), std::mem::take(&mut self.correction));
         let mut before = f64::INFINITY;
-        for _ in 0..REFINEMENTS {
+        for round in 0..=REFINEMENTS {
             self.residual_of(layout, blocks, (&right, step), &mut residual);
             let error = residual.largest();
-            let is_rough = error > REFINED * size;
+            if error >= before {
+                step.subtract(&correction);
+                break;
+            }
             // Residuals that do not fall any more are rounding.
-            let falls = error < 0.5 * before;
-            if !(is_rough && falls) {
+            let goes_on = error > REFINED * size && error < 0.5 * before && round < REFINEMENTS;
+            if !goes_on {
                 break;
             }
             before = error;
@@ -315,18 +318,33 @@ fn local_of<'a>([first, second]: &'a mut [Vec<f64>; 2], block: &Block) -> [&'a m
     [&mut first[..width], &mut second[..width]]
 }
 
-/// Adds `G' Sigma G` to the upper triangle.
+/// Rows of ranges that are added to a Hessian at once.
+const ROWS: usize = 4;
+
+/// Adds `G' Sigma G` to the upper triangle, some rows at a time.
 #[inline(always)]
 fn add_squares<const FUSED: bool>(hessian: &mut Dense, weights: &[f64], rows: &Dense) {
-    for (r, &weight) in weights.iter().enumerate() {
-        let row = rows.row(r);
-        for (i, &entry) in row.iter().enumerate() {
-            let factor = weight * entry;
-            if factor == 0.0 {
+    for (block, weights) in weights.chunks(ROWS).enumerate() {
+        // The last block repeats its first row, with weights of zero.
+        let row = |r: usize| rows.row(ROWS * block + if r < weights.len() { r } else { 0 });
+        let all: [&[f64]; ROWS] = std::array::from_fn(row);
+        for i in 0..rows.columns() {
+            let factors: [f64; ROWS] =
+                std::array::from_fn(|r| weights.get(r).map_or(0.0, |weight| weight * all[r][i]));
+            // Limits of one unknown have few entries.
+            if factors == [0.0; ROWS] {
                 continue;
             }
-            for (to, entry) in hessian.row_mut(i)[i..].iter_mut().zip(&row[i..]) {
-                *to = if FUSED { factor.mul_add(*entry, *to) } else { factor * entry + *to };
+            let to = &mut hessian.row_mut(i)[i..];
+            let from = all.map(|row| &row[i..][..to.len()]);
+            for (j, to) in to.iter_mut().enumerate() {
+                for r in 0..ROWS {
+                    *to = if FUSED {
+                        factors[r].mul_add(from[r][j], *to)
+                    } else {
+                        factors[r] * from[r][j] + *to
+                    };
+                }
             }
         }
     }

@@ -39,7 +39,7 @@ pub struct Solution<'a> {
     pub dependent: &'a [usize],
     /// Error of the conditions of optimality, of the scaled program.
     pub error: KktError,
-    /// Iterations, without those of restoration.
+    /// Iterations, those of restoration too.
     pub iterations: usize,
 }
 
@@ -47,7 +47,7 @@ pub struct Solution<'a> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Iteration {
-    /// Its number.
+    /// Its number; those of restoration count too.
     pub number: usize,
     /// Cost, and the sum of all violations, of the scaled program.
     pub cost: f64,
@@ -61,6 +61,8 @@ pub struct Iteration {
     pub regularisation: f64,
     /// Length of the step that led here.
     pub length: f64,
+    /// Whether it is one of restoration, whose cost is the violation.
+    pub is_restoration: bool,
 }
 
 /// Why a solution could not be tried.
@@ -108,6 +110,18 @@ pub enum SolveError<E: Error> {
         index: usize,
         /// What it is.
         value: f64,
+    },
+    /// A setting is out of its range.
+    #[error("the setting {name} is {value}, not between {least} and {most}")]
+    Setting {
+        /// Its name.
+        name: &'static str,
+        /// What it is.
+        value: f64,
+        /// Its least value.
+        least: f64,
+        /// Its largest value.
+        most: f64,
     },
     /// The program itself.
     #[error(transparent)]

@@ -94,10 +94,9 @@ impl Places {
             });
         }
         let nodes = (0..=last).map(|k| layout.node(k).len()).collect();
-        let mut elastic = Layout::new(nodes, private, shared);
-        for (element, rows) in layout.elements().zip(rows) {
-            elastic = elastic.with_rows(element, rows);
-        }
+        let mut rows = rows.into_iter();
+        let mut elastic =
+            Layout::new(nodes, private, shared).with_rows_of(|_| rows.next().unwrap_or_default());
         if layout.couples_ends() {
             elastic = elastic.with_cost_of_ends();
         }

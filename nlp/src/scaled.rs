@@ -16,6 +16,8 @@ pub(crate) struct Scaled<'a, P> {
     equalities: Vec<f64>,
     ranges: Vec<f64>,
     step: Vec<f64>,
+    /// Scales of the unknowns of an element.
+    columns: Vec<f64>,
 }
 
 impl<'a, P: StagedProblem> Scaled<'a, P> {
@@ -25,7 +27,8 @@ impl<'a, P: StagedProblem> Scaled<'a, P> {
         let is_plain = problem.scales().is_none();
         let scales = problem.scales().cloned().unwrap_or_else(|| Scales::ones(layout));
         let (equalities, ranges, step) = (vec![0.0; m], vec![0.0; r], vec![0.0; n]);
-        Self { problem, scales, is_plain, equalities, ranges, step }
+        let columns = Vec::with_capacity(layout.steps());
+        Self { problem, scales, is_plain, equalities, ranges, step, columns }
     }
 
     /// The bounds of the ranges.
@@ -55,7 +58,7 @@ impl<'a, P: StagedProblem> Scaled<'a, P> {
         if self.is_plain {
             return self.problem.linearise(point, weights, blocks);
         }
-        let Self { problem, scales, equalities, ranges, .. } = self;
+        let Self { problem, scales, equalities, ranges, columns, .. } = self;
         equalities.copy_from_slice(weights.equalities);
         ranges.copy_from_slice(weights.ranges);
         divide(equalities, &scales.equalities);
@@ -64,18 +67,19 @@ impl<'a, P: StagedProblem> Scaled<'a, P> {
         problem.linearise(point, weights, blocks)?;
         let layout = problem.layout();
         for (element, block) in layout.elements().zip(blocks.all_mut()) {
-            let columns = || layout.unknowns(element).into_iter().flatten().map(|k| scales.steps[k]);
-            for (slope, scale) in block.gradient.iter_mut().zip(columns()) {
-                *slope *= scale / scales.cost;
+            columns.clear();
+            for range in layout.unknowns(element) {
+                columns.extend_from_slice(&scales.steps[range]);
             }
-            for (i, scale) in columns().enumerate() {
-                multiply(block.hessian.row_mut(i), scale, columns());
+            multiply(&mut block.gradient, scales.cost.recip(), columns);
+            for (i, &scale) in columns.iter().enumerate() {
+                multiply(&mut block.hessian.row_mut(i)[i..], scale, &columns[i..]);
             }
             for (i, row) in layout.equalities_of(element).enumerate() {
-                multiply(block.equalities.row_mut(i), scales.equalities[row].recip(), columns());
+                multiply(block.equalities.row_mut(i), scales.equalities[row].recip(), columns);
             }
             for (i, row) in layout.ranges_of(element).enumerate() {
-                multiply(block.ranges.row_mut(i), scales.ranges[row].recip(), columns());
+                multiply(block.ranges.row_mut(i), scales.ranges[row].recip(), columns);
             }
         }
         Ok(())
@@ -116,6 +120,6 @@ fn divide(values: &mut [f64], scales: &[f64]) {
     values.iter_mut().zip(scales).for_each(|(value, scale)| *value /= scale);
 }
 
-fn multiply(row: &mut [f64], factor: f64, columns: impl Iterator<Item = f64>) {
+fn multiply(row: &mut [f64], factor: f64, columns: &[f64]) {
     row.iter_mut().zip(columns).for_each(|(entry, scale)| *entry *= factor * scale);
 }

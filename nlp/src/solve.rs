@@ -43,6 +43,44 @@ impl Default for Settings {
     }
 }
 
+impl Settings {
+    /// The first setting that is out of its range: name, value, least, most.
+    fn first_wrong(&self) -> Option<(&'static str, f64, [f64; 2])> {
+        let Self { tolerance, barrier, filter, regularisation, .. } = self;
+        const BELOW_ONE: [f64; 2] = [f64::MIN_POSITIVE, 1.0 - f64::EPSILON];
+        const POSITIVE: [f64; 2] = [f64::MIN_POSITIVE, f64::MAX];
+        const ABOVE_ONE: [f64; 2] = [1.0 + f64::EPSILON, f64::MAX];
+        let all = [
+            ("tolerance", *tolerance, BELOW_ONE),
+            ("barrier.start", barrier.start, POSITIVE),
+            ("barrier.accuracy", barrier.accuracy, POSITIVE),
+            ("barrier.decrease.0", barrier.decrease.0, BELOW_ONE),
+            ("barrier.decrease.1", barrier.decrease.1, [1.0 + f64::EPSILON, 2.0 - f64::EPSILON]),
+            ("barrier.part", barrier.part, BELOW_ONE),
+            ("barrier.neighbourhood", barrier.neighbourhood, ABOVE_ONE),
+            ("barrier.inside[0]", barrier.inside[0], POSITIVE),
+            ("barrier.inside[1]", barrier.inside[1], [f64::MIN_POSITIVE, 0.5]),
+            ("filter.margins[0]", filter.margins[0], BELOW_ONE),
+            ("filter.margins[1]", filter.margins[1], BELOW_ONE),
+            ("filter.switching[0]", filter.switching[0], POSITIVE),
+            ("filter.switching[1]", filter.switching[1], ABOVE_ONE),
+            ("filter.switching[2]", filter.switching[2], [1.0, f64::MAX]),
+            ("filter.armijo", filter.armijo, [f64::MIN_POSITIVE, 0.5]),
+            ("filter.violations[0]", filter.violations[0], POSITIVE),
+            ("filter.violations[1]", filter.violations[1], POSITIVE),
+            ("filter.correction.0", filter.correction.0, BELOW_ONE),
+            ("regularisation.first", regularisation.first, POSITIVE),
+            ("regularisation.least", regularisation.least, POSITIVE),
+            ("regularisation.largest", regularisation.largest, [regularisation.first, f64::MAX]),
+            ("regularisation.decrease", regularisation.decrease, BELOW_ONE),
+            ("regularisation.increase[0]", regularisation.increase[0], ABOVE_ONE),
+            ("regularisation.increase[1]", regularisation.increase[1], ABOVE_ONE),
+        ];
+        // Not true for NaN.
+        all.into_iter().find(|(_, value, [least, most])| !(value >= least && value <= most))
+    }
+}
+
 /// Steps shorter than this, relative to the point, are rounding.
 const TINY: f64 = 10.0 * f64::EPSILON;
 
@@ -141,6 +179,8 @@ pub struct Solver {
     restoration: Option<Box<(Places, Solver)>>,
     /// Whether this is that solver.
     is_restoring: bool,
+    /// Iterations of restoration.
+    restoring: usize,
 }
 
 /// What a line search found.
@@ -177,6 +217,7 @@ impl Solver {
             active: None,
             restoration: None,
             is_restoring: false,
+            restoring: 0,
             layout: layout.clone(),
         }
     }
@@ -236,6 +277,9 @@ impl Solver {
 
     /// Whether the program is one of this layout, with ranges and scales that hold numbers.
     pub(crate) fn check<P: StagedProblem>(&self, problem: &P) -> Result<(), SolveError<P::Error>> {
+        if let Some((name, value, [least, most])) = self.settings.first_wrong() {
+            return Err(SolveError::Setting { name, value, least, most });
+        }
         if *problem.layout() != self.layout {
             return Err(SolveError::Layout);
         }
@@ -280,6 +324,7 @@ impl Solver {
         mu: f64,
     ) -> Result<(), SolveError<P::Error>> {
         self.newton.forget();
+        self.restoring = 0;
         let Self { settings, iterate, .. } = self;
         iterate.point.copy_from_slice(start);
         problem.evaluate(start, &mut iterate.values)?;
@@ -344,7 +389,8 @@ impl Solver {
         self.filter.restart(self.iterate.violation());
         let mut length = 0.0;
         let mut regularisation = 0.0;
-        for number in 0.. {
+        for own in 0.. {
+            let number = own + self.restoring;
             self.linearise(problem)?;
             let error = self.iterate.error(bounds, &self.residuals, 0.0);
             let seen = Iteration {
@@ -355,6 +401,7 @@ impl Solver {
                 mu,
                 regularisation,
                 length,
+                is_restoration: self.is_restoring,
             };
             let stopped = observer(&self.iterate, seen).is_break();
             if error.largest() <= tolerance {
@@ -363,7 +410,7 @@ impl Solver {
             if stopped {
                 return Ok((Status::Stopped, error, number));
             }
-            if number == self.settings.iterations {
+            if number >= self.settings.iterations {
                 return Ok((Status::IterationLimit, error, number));
             }
             // The next barrier problems that this iterate solves are passed.
@@ -399,10 +446,10 @@ impl Solver {
                     return Ok((Status::Stalled, error, number));
                 }
                 Search::Failed | Search::NoStep => {
-                    if let Err(status) = self.restore(problem, bounds, mu)? {
+                    if let Err(status) = self.restore(problem, bounds, (mu, number), observer)? {
                         self.linearise(problem)?;
                         let error = self.iterate.error(bounds, &self.residuals, 0.0);
-                        return Ok((status, error, number));
+                        return Ok((status, error, own + self.restoring));
                     }
                 }
             }
@@ -492,7 +539,8 @@ impl Solver {
         &mut self,
         problem: &mut Scaled<'_, P>,
         bounds: &Bounds,
-        mu: f64,
+        (mu, number): (f64, usize),
+        observer: &mut dyn FnMut(&Iterate, Iteration) -> ControlFlow<()>,
     ) -> Result<Result<(), Status>, SolveError<P::Error>> {
         let current = Measure::of(&self.iterate, bounds, mu);
         self.filter.add(current);
@@ -509,7 +557,7 @@ impl Solver {
         });
         let mut slacks = self.iterate.slacks.clone();
         let mut most = RESTORED * current.violation;
-        let mut before = current.violation;
+        let (mut before, mut spent) = (current.violation, 0);
         self.trial.point.copy_from_slice(&self.iterate.point);
         self.trial.slacks.copy_from_slice(&self.iterate.slacks);
         problem.evaluate(&self.trial.point, &mut self.trial.values)?;
@@ -522,13 +570,21 @@ impl Solver {
             let mut scaled = Scaled::new(&mut elastic);
             let elastic_bounds = Bounds::new(scaled.bounds());
             solver.begin(&mut scaled, &elastic_bounds, &start, start_mu)?;
-            let mut violation = before;
-            let mut stop_below = |iterate: &Iterate, _: Iteration| {
+            let (mut violation, mut is_stopped, first) = (before, false, number + 1 + spent);
+            solver.settings.iterations = self.settings.iterations.saturating_sub(first);
+            let mut stop_below = |iterate: &Iterate, seen: Iteration| {
                 violation = places.violation(&layout, &scales, iterate, &mut slacks);
-                if violation <= most { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+                is_stopped = observer(iterate, Iteration { number: first + seen.number, ..seen }).is_break();
+                if violation <= most || is_stopped {
+                    ControlFlow::Break(())
+                } else {
+                    ControlFlow::Continue(())
+                }
             };
-            let (status, ..) =
+            let (status, _, iterations) =
                 solver.iterate_to_end(&mut scaled, &elastic_bounds, start_mu, &mut stop_below)?;
+            spent += iterations + 1;
+            self.restoring += iterations + 1;
             let trial = &mut self.trial;
             trial.point.copy_from_slice(elastic.original_point(&solver.iterate.point));
             problem.evaluate(&trial.point, &mut trial.values)?;
@@ -542,7 +598,12 @@ impl Solver {
                     before = violation;
                     continue;
                 }
-                let status = if is_minimum { Status::LocallyInfeasible } else { Status::Stalled };
+                let status = match status {
+                    _ if is_stopped => Status::Stopped,
+                    _ if is_minimum => Status::LocallyInfeasible,
+                    Status::IterationLimit => status,
+                    _ => Status::Stalled,
+                };
                 if trial.values.are_finite() {
                     trial.y.fill(0.0);
                     trial.v.fill(0.0);

@@ -87,6 +87,8 @@ mod _costate {
     #[pymodule_export]
     use crate::motions::problem::ProblemCore;
     #[pymodule_export]
+    use crate::motions::program::ProgramCore;
+    #[pymodule_export]
     use crate::motions::resolve::ResolveCore;
     #[pymodule_export]
     use crate::motions::run::Run;

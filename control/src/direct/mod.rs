@@ -51,3 +51,4 @@ pub(crate) use interior::looseness::Looseness;
 pub(crate) use limits::power::Powers;
 pub(crate) use motion::shape::{PLACES, POINTS, WEIGHTS};
 pub(crate) use solve::direct::Direct;
+pub use solve::motion_program::{MotionProgram, ProgramRow, ProgramSample};

@@ -50,6 +50,7 @@ mod power;
 mod power_refused;
 mod problem_file;
 mod problems;
+mod program;
 mod rabbit_on_one_foot;
 mod rates;
 mod reduced;

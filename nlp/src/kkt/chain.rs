@@ -11,9 +11,11 @@
 //! pivots that are zero then belong to equations that depend on others, or to unknowns without effect. The
 //! inertia is the sum over all stages (Haynsworth).
 
-use super::front::{Front, Pivot, inverse_of_two};
+use super::front::{Front, Pivot, add, inverse_of_two};
 use crate::blocks::Dense;
+use crate::elements::dot;
 use crate::layout::{Element, Layout};
+use costate_numerics::in_widest;
 
 /// Numbers of positive, negative and zero eigenvalues; zero up to rounding.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -193,12 +195,17 @@ impl Chain {
 
     /// Solves with the factors, in place. Entries of rows with zero pivots become zero.
     pub fn solve(&mut self, x: &mut [f64]) {
+        in_widest!(self.substitute(x));
+    }
+
+    #[inline(always)]
+    fn substitute<const FUSED: bool>(&mut self, x: &mut [f64]) {
         let Self { stages, local, zeros, .. } = self;
         for stage in stages.iter() {
-            stage.factors.forward(x, local);
+            stage.factors.forward::<FUSED>(x, local);
         }
         for stage in stages.iter().rev() {
-            stage.factors.backward(x, local);
+            stage.factors.backward::<FUSED>(x, local);
         }
         zeros.iter().for_each(|&row| x[row] = 0.0);
     }
@@ -316,7 +323,8 @@ impl Factors {
     }
 
     /// `y = L^-1 x` of the eliminated rows, and x less M y of the others.
-    fn forward(&self, x: &mut [f64], local: &mut Vec<f64>) {
+    #[inline(always)]
+    fn forward<const FUSED: bool>(&self, x: &mut [f64], local: &mut Vec<f64>) {
         local.clear();
         local.extend(self.rows.iter().map(|&row| x[row]));
         let mut start = 0;
@@ -324,13 +332,14 @@ impl Factors {
             let column = &self.columns[start + 1..start + self.rows.len() - k];
             start += self.rows.len() - k;
             let value = local[k];
-            local[k + 1..].iter_mut().zip(column).for_each(|(to, entry)| *to -= entry * value);
+            add::<FUSED>(&mut local[k + 1..], -value, column);
         }
         self.rows.iter().zip(&*local).for_each(|(&row, &value)| x[row] = value);
     }
 
     /// `L^-T (D^-1 y - M' x)` of the eliminated rows, where x of the others is known.
-    fn backward(&self, x: &mut [f64], local: &mut Vec<f64>) {
+    #[inline(always)]
+    fn backward<const FUSED: bool>(&self, x: &mut [f64], local: &mut Vec<f64>) {
         local.clear();
         local.extend(self.rows.iter().map(|&row| x[row]));
         let mut k = 0;
@@ -347,8 +356,7 @@ impl Factors {
             let start = end - (self.rows.len() - k);
             let column = &self.columns[start + 1..end];
             end = start;
-            let sum: f64 = column.iter().zip(&local[k + 1..]).map(|(entry, value)| entry * value).sum();
-            local[k] -= sum;
+            local[k] -= dot(column, &local[k + 1..]);
         }
         self.rows[..self.eliminated].iter().zip(&*local).for_each(|(&row, &value)| x[row] = value);
     }

@@ -1,7 +1,8 @@
 //! Programs that need restoration, have no solution, or have equations that depend on others.
 
 use super::by_duals::{ByDuals, Functions, Number, Parts};
-use costate_nlp::{Element, Layout, Rows, Scales, Settings, Solver, StagedProblem, Status};
+use costate_nlp::{Element, Iteration, Layout, Rows, Scales, Settings, Solver, StagedProblem, Status};
+use std::ops::ControlFlow;
 
 /// A program of one node.
 pub struct Small<F, const RANGES: usize> {
@@ -58,6 +59,57 @@ fn steps_that_end_at_a_bound_are_restored() {
     let solution = solver.solve(&mut problem, &[-2.0, 3.0, 1.0]).unwrap();
     assert_eq!(solution.status, Status::Solved, "{solution:?}");
     assert!((solution.cost - 1.0).abs() < 1e-7, "{solution:?}");
+}
+
+/// The failure example, from where it needs restoration, stopped after so many iterations by the limit or by
+/// the observer.
+fn stopped_after(most: usize, by_limit: bool) -> (Status, Vec<bool>) {
+    let small = Small { unknowns: 3, equations: 2, bounds: [ABOVE_ZERO; 2], of: Failure, scales: None };
+    let mut problem = ByDuals::new(small);
+    let iterations = if by_limit { most } else { 1000 };
+    let settings = Settings { iterations, ..Settings::default() };
+    let mut solver = Solver::new(problem.layout(), settings);
+    let mut seen = Vec::new();
+    let observer = |iteration: Iteration| {
+        assert_eq!(iteration.number, seen.len());
+        seen.push(iteration.is_restoration);
+        if !by_limit && iteration.number == most { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    };
+    let solution = solver.solve_observed(&mut problem, &[-2.0, 3.0, 1.0], observer).unwrap();
+    assert!(solution.point.iter().all(|entry| entry.is_finite()));
+    (solution.status, seen)
+}
+
+#[test]
+fn restoration_is_seen_and_stops() {
+    let (status, seen) = stopped_after(1000, true);
+    assert_eq!(status, Status::Solved);
+    let first = seen.iter().position(|is_restoration| *is_restoration).unwrap();
+    assert!(seen[first + 1], "{seen:?}");
+    for most in [first, first + 1] {
+        let (status, seen) = stopped_after(most, true);
+        // What restoration found with its last iteration is seen once more.
+        let is_at_limit = (most + 1..=most + 2).contains(&seen.len());
+        assert!(status == Status::IterationLimit && is_at_limit, "{status:?} {seen:?}");
+        let (status, seen) = stopped_after(most, false);
+        assert_eq!((status, seen.len()), (Status::Stopped, most + 1), "{seen:?}");
+    }
+}
+
+#[test]
+fn settings_out_of_their_ranges_are_named() {
+    let wrong = |change: fn(&mut Settings)| {
+        let small = Small { unknowns: 3, equations: 2, bounds: [ABOVE_ZERO; 2], of: Failure, scales: None };
+        let (mut problem, mut settings) = (ByDuals::new(small), Settings::default());
+        change(&mut settings);
+        let mut solver = Solver::new(problem.layout(), settings);
+        solver.solve(&mut problem, &[-2.0, 3.0, 1.0]).unwrap_err().to_string()
+    };
+    let tolerance = wrong(|settings| settings.tolerance = f64::NAN);
+    assert!(tolerance.starts_with("the setting tolerance is NaN, not between"), "{tolerance}");
+    let decrease = wrong(|settings| settings.barrier.decrease.1 = 2.5);
+    assert!(decrease.starts_with("the setting barrier.decrease.1 is 2.5"), "{decrease}");
+    assert!(wrong(|settings| settings.regularisation.largest = 0.0).contains("regularisation.largest"));
 }
 
 /// `x^2 + 1 = 0`, and `y = 3` with `y <= 2`.

@@ -43,6 +43,7 @@ from ._outcomes import Outcome, WorkerDied
 from ._pinocchio import JointMap
 from ._problem import Problem
 from ._remarks import Remark
+from ._program import Program, ProgramRow, ProgramSamples, ProgramSolution
 from ._resolve import Resolve
 from ._run import Iteration
 from ._samples import Gains, Samples, Sensitivity
@@ -76,6 +77,10 @@ __all__ = [
     "ProblemError",
     "ProblemWarning",
     "Remark",
+    "Program",
+    "ProgramRow",
+    "ProgramSamples",
+    "ProgramSolution",
     "Resolve",
     "Resolved",
     "Robot",

@@ -15,6 +15,7 @@ from ._tables import text_of
 
 if TYPE_CHECKING:
     from ._problem import Problem
+    from ._program import Program
     from ._resolve import Resolve
 
     _Path = str | PathLike[str]
@@ -181,6 +182,28 @@ class Solves:
         from ._resolve import Resolve
 
         return Resolve(cast("Problem", self), **options)
+
+    def nlp(self, **options: Any) -> Program:
+        """The nonlinear program of the motion on one mesh, with exact derivatives, for IPOPT and other solvers.
+
+        Parameters
+        ----------
+        **options
+            As in `Program`: ``nodes``, the number of points of the mesh.
+
+        Returns
+        -------
+        Program
+            ``Program(self, **options)``.
+
+        Raises
+        ------
+        ProblemError
+            With ``key``: what is refused; floating and spherical joints.
+        """
+        from ._program import Program
+
+        return Program(cast("Problem", self), **options)
 
 
 def _start(given: Solution | _Path | None) -> Any:

@@ -7,6 +7,7 @@ pub mod arrays;
 pub mod feedback;
 mod limits;
 pub mod problem;
+pub mod program;
 pub mod raise;
 pub mod resolve;
 pub mod run;

@@ -1,5 +1,6 @@
 //! A problem: the text of a problem file, and the robot.
 
+use super::program::ProgramCore;
 use super::raise;
 use super::resolve::ResolveCore;
 use super::run::{Range, Run, Work};
@@ -249,6 +250,13 @@ impl ProblemCore {
             None => Resolve::new(&self.problem, options),
         });
         Ok(ResolveCore::new(made.map_err(|error| raise::problem(py, &error))?))
+    }
+
+    /// The nonlinear program on the first mesh.
+    fn nlp(&self, py: Python<'_>, options: &str) -> PyResult<ProgramCore> {
+        let options = self.options(py, options)?;
+        let made = py.detach(|| self.problem.nlp(&options));
+        Ok(ProgramCore::new(made.map_err(|error| raise::problem(py, &error))?))
     }
 
     /// Reads what `_Solution.json` wrote, or, with all that it leaves out, `_Solution.complete`.

@@ -36,10 +36,12 @@ pub(crate) struct Program<'a, D> {
 /// Room of a [`Program`].
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Work {
-    /// The point at which the program was made, the spline there, and changes of its times.
+    /// The point at which the program was made, the spline there, and its changes.
     pub origin: Vec<f64>,
     spline: Spline,
     times: Vec<f64>,
+    /// Changes of the shared unknowns since then.
+    changes: Vec<f64>,
     /// A row by the unknowns of an interval, and by z.
     row: Vec<f64>,
     z: Vec<f64>,
@@ -63,14 +65,15 @@ impl Work {
 
 impl<D: PointDynamics> Program<'_, D> {
     /// Takes the spline of a point. Whether it goes forward in time.
-    fn take(&mut self, point: &[f64]) -> bool {
-        let Self { spline, ends, structure, work: Work { origin, spline: first, times, .. }, .. } = self;
+    pub(in crate::direct) fn take(&mut self, point: &[f64]) -> bool {
+        let Self { spline, ends, structure, work, .. } = self;
+        let Work { origin, spline: first, times, changes, .. } = &mut **work;
         for (&value, &unknown) in point.iter().zip(&structure.unknowns) {
             spline.unknowns[unknown] = value;
         }
         let shared = structure.layout.shared();
-        let mut changes: Vec<f64> = point[shared.clone()].to_vec();
-        changes.iter_mut().zip(&origin[shared]).for_each(|(change, origin)| *change -= origin);
+        changes.clear();
+        changes.extend(point[shared.clone()].iter().zip(&origin[shared]).map(|(now, origin)| now - origin));
         let (of_times, tied) = changes.split_at(ends.times.count());
         ends.times.expand(of_times, times);
         for (time, (first, change)) in spline.times.iter_mut().zip(first.times.iter().zip(&*times)) {
@@ -145,7 +148,7 @@ impl<D: PointDynamics> Program<'_, D> {
     /// The gradient of the cost, from that of the Lagrange function at the multipliers of the barrier: rows
     /// are there already.
     fn set_gradient(&mut self, blocks: &mut Blocks) {
-        let Self { spline, barrier, ends, structure, system, .. } = self;
+        let Self { barrier, ends, structure, system, .. } = self;
         for k in 0..structure.layout.intervals() {
             let gradient = &mut blocks.of(Element::Interval(k)).gradient;
             for (slot, column) in structure.columns(k).iter().enumerate() {
@@ -154,12 +157,11 @@ impl<D: PointDynamics> Program<'_, D> {
                 }
             }
         }
-        if ends.times.count() > 0 {
-            let first = structure.first_shared(0);
-            let gradient = &mut blocks.of(Element::Interval(0)).gradient[first..first + ends.times.count()];
-            let mut reduced = vec![0.0; ends.times.count()];
-            ends.times.reduce(&system.by_times.gradient[0][..spline.times.len()], &mut reduced);
-            gradient.iter_mut().zip(reduced).for_each(|(to, entry)| *to += entry);
+        let first = structure.first_shared(0);
+        let gradient = &mut blocks.of(Element::Interval(0)).gradient[first..];
+        for (a, to) in gradient.iter_mut().enumerate().take(ends.times.count()) {
+            let by_times = system.by_times.gradient[0].iter().enumerate();
+            *to += by_times.map(|(phase, slope)| ends.times.factor(phase, a) * slope).sum::<f64>();
         }
         for element in structure.layout.elements() {
             let block = blocks.of(element);
@@ -283,8 +285,8 @@ impl<D: PointDynamics> Program<'_, D> {
         for (jacobian, rows) in parts {
             for (i, Row { entry, .. }) in rows.iter().enumerate() {
                 let (to, row) = (jacobian.row_mut(i), entry - barrier.at_ends().start);
-                let of = |slopes: &[f64]| slopes[2 * n * row..][..2 * n].to_vec();
-                let both = of(&points.ends.g_x).into_iter().zip(of(&points.ends.far));
+                let own = 2 * n * row..2 * n * (row + 1);
+                let both = points.ends.g_x[own.clone()].iter().zip(&points.ends.far[own]);
                 for (l, (near, far)) in both.enumerate() {
                     let [start, end] = structure.columns_of_ends(l, l);
                     to[start.at] += start.factor * near;
@@ -384,12 +386,7 @@ impl<D: PointDynamics> StagedProblem for Program<'_, D> {
         Ok(())
     }
 
-    fn linearise(
-        &mut self,
-        _: &[f64],
-        weights: Weights<'_>,
-        blocks: &mut Blocks,
-    ) -> Result<(), EvalError> {
+    fn linearise(&mut self, _: &[f64], weights: Weights<'_>, blocks: &mut Blocks) -> Result<(), EvalError> {
         // The Lagrange function has the cost once. Without it: that with it less the cost alone.
         let parts = match weights.cost == 0.0 {
             true => [Some((1.0, 1.0)), Some((-1.0, 0.0))],

@@ -61,7 +61,7 @@ fn check<D: PointDynamics>(program: &mut Program<'_, D>, name: &str) {
     let layout = program.layout().clone();
     let [y, v] = weights(&layout);
     let found = derivatives(program, &point, 0.7);
-    let step = 1e-5;
+    let step = 1e-6;
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let slope = |found: &Derivatives, cost: f64, j: usize| {
         let of = |rows: &[Vec<f64>], weights: &[f64]| {
@@ -78,7 +78,7 @@ fn check<D: PointDynamics>(program: &mut Program<'_, D>, name: &str) {
         let close = |what: &str, i: usize, value: f64, [a, b]: [f64; 2], size: f64| {
             let difference = (b - a) / (2.0 * step);
             let error = (value - difference).abs();
-            let bound = 1e-6 * (1.0 + size + difference.abs());
+            let bound = 1e-5 * (1.0 + size + difference.abs());
             assert!(error < bound, "{name}: {what} {i}, {j}: {value} {difference}");
         };
         let [a, b] = [&before, &after];
@@ -141,8 +141,16 @@ fn check_problem(problem: &Problem) {
     let of_both = interior.model.tasks.rows_of_both_ends();
     let structure = Structure::new(&interior.spline, &interior.barrier, &interior.ends, (of_both, 1.0));
     let mut work = Work::new(&interior.spline, &mut interior.barrier, &interior.ends, &structure);
-    let crate::direct::interior::iterate::Interior { spline, points, barrier, running, model, system, ends, .. } =
-        &mut interior;
+    let crate::direct::interior::iterate::Interior {
+        spline,
+        points,
+        barrier,
+        running,
+        model,
+        system,
+        ends,
+        ..
+    } = &mut interior;
     let (structure, work) = (&structure, &mut work);
     check(&mut Program { spline, points, barrier, running, model, system, ends, structure, work }, "a step");
 }

@@ -19,7 +19,7 @@ pub(super) struct Column {
 
 /// An equation, or a value with a range: both sides of a limit are one row.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Row {
+pub(crate) struct Row {
     /// Its entries of the barrier. All but the first one are the other side of the same value.
     pub entry: usize,
     pub other: Option<usize>,
@@ -37,11 +37,11 @@ pub(super) struct Row {
 /// phase to its node.
 #[derive(Clone, Debug)]
 pub(crate) struct Structure {
-    pub(super) layout: Layout,
-    pub(super) bounds: [Vec<f64>; 2],
-    pub(super) scales: Scales,
-    pub(super) equalities: Vec<Row>,
-    pub(super) ranges: Vec<Row>,
+    pub layout: Layout,
+    pub bounds: [Vec<f64>; 2],
+    pub scales: Scales,
+    pub equalities: Vec<Row>,
+    pub ranges: Vec<Row>,
     /// For each interval the columns of its unknowns: inner ones, those of the left and of the right node.
     columns: Vec<Column>,
     /// Number of these of an interval.
@@ -52,7 +52,7 @@ pub(crate) struct Structure {
     pub(super) inner: usize,
     /// For each entry of a step the unknown of the spline that it moves; those of the shared ones are not
     /// here.
-    pub(super) unknowns: Vec<usize>,
+    pub unknowns: Vec<usize>,
 }
 
 impl Structure {
@@ -66,18 +66,14 @@ impl Structure {
         let free = |k: usize| (0..node).filter(|i| taken[node * k + i].is_some()).collect::<Vec<_>>();
         let nodes: Vec<Vec<usize>> = (0..=last).map(free).collect();
         let counts = nodes.iter().map(Vec::len).collect();
-        let mut layout = Layout::new(counts, vec![inner; last], ends.shared());
         let (mut equalities, mut ranges) = (Vec::new(), Vec::new());
-        for element in layout.elements().collect::<Vec<_>>() {
-            let (first_equality, first_range) = (equalities.len(), ranges.len());
+        let layout = Layout::new(counts, vec![inner; last], ends.shared()).with_rows_of(|element| {
+            let before = [equalities.len(), ranges.len()];
             for entries in entries_of(element, spline, barrier, of_both) {
                 add_rows(barrier, entries, &mut equalities, &mut ranges);
             }
-            let rows = Rows::new(equalities.len() - first_equality, ranges.len() - first_range);
-            if rows != Rows::default() {
-                layout = layout.with_rows(element, rows);
-            }
-        }
+            Rows::new(equalities.len() - before[0], ranges.len() - before[1])
+        });
         let mut found = Self {
             columns: Vec::new(),
             width: inner + 2 * node,
@@ -213,13 +209,13 @@ impl Structure {
         let shared = self.layout.shared();
         let times = spline.duration() / spline.times.len() as f64;
         self.scales.steps[shared.start..shared.start + ends.times.count()].fill(times);
-        for (scale, tie) in self.scales.steps[shared.start + ends.times.count()..].iter_mut().zip(&ends.tied) {
+        for (scale, tie) in self.scales.steps[shared.start + ends.times.count()..].iter_mut().zip(&ends.tied)
+        {
             *scale = of(tie.start);
         }
-        for (scales, rows) in [
-            (&mut self.scales.equalities, &self.equalities),
-            (&mut self.scales.ranges, &self.ranges),
-        ] {
+        for (scales, rows) in
+            [(&mut self.scales.equalities, &self.equalities), (&mut self.scales.ranges, &self.ranges)]
+        {
             scales.iter_mut().zip(rows).for_each(|(scale, row)| *scale = barrier.side(row.entry).range);
         }
         self.scales.cost = size;

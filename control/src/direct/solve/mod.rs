@@ -16,6 +16,7 @@ mod limits_between;
 mod looks;
 mod mending;
 mod meshes;
+pub(super) mod motion_program;
 mod next_mesh;
 mod once_more;
 pub(super) mod prepare;

@@ -1,0 +1,190 @@
+//! The nonlinear program of a motion on one mesh.
+
+use super::arrays::numbers;
+use crate::errors::evaluation;
+use costate::EvalError;
+use costate_control::MotionProgram;
+use costate_nlp::{Certificate, Settings, SolveError, Solver, SparseProgram, StagedProblem, Status};
+use numpy::PyArray1;
+use pyo3::prelude::*;
+use std::sync::{Mutex, PoisonError};
+
+/// A program whose calls wait for each other, without the interpreter's lock.
+#[pyclass(frozen, name = "_Program", module = "costate._costate")]
+pub struct ProgramCore {
+    inner: Mutex<SparseProgram<MotionProgram>>,
+    start: Vec<f64>,
+    variables: usize,
+    constraints: usize,
+}
+
+type Array<'py> = Bound<'py, PyArray1<f64>>;
+type Indices<'py> = Bound<'py, PyArray1<i64>>;
+
+/// Kind, name, unit and place of a constraint.
+type Row = (&'static str, String, &'static str, f64);
+
+/// Status, point, cost, multipliers, error of the conditions of optimality, iterations, certificate.
+type Solved<'py> = (&'static str, Array<'py>, f64, Array<'py>, f64, usize, &'static str);
+
+impl ProgramCore {
+    pub fn new(program: MotionProgram) -> Self {
+        let start = program.start().to_vec();
+        // The unknowns are numbers: with zero as its centre x is the point itself.
+        let sparse = SparseProgram::at(program, &vec![0.0; start.len()]);
+        let (variables, constraints) = (sparse.variables(), sparse.constraints());
+        Self { inner: Mutex::new(sparse), start, variables, constraints }
+    }
+
+    /// Runs `work` at x.
+    fn at<R: Send>(
+        &self,
+        x: &Bound<'_, PyAny>,
+        work: impl FnOnce(&mut SparseProgram<MotionProgram>, &[f64]) -> Result<R, EvalError> + Send,
+    ) -> PyResult<R> {
+        let (py, x) = (x.py(), numbers(x, "x", Some(self.variables))?);
+        let found = py.detach(|| work(&mut self.inner.lock().unwrap_or_else(PoisonError::into_inner), &x));
+        found.map_err(|error| evaluation(py, error))
+    }
+
+    /// The structure of a matrix.
+    fn structure<'py>(
+        &self,
+        py: Python<'py>,
+        of: impl Fn(&SparseProgram<MotionProgram>) -> [&[usize]; 2],
+    ) -> [Indices<'py>; 2] {
+        let inner = self.inner.lock().unwrap_or_else(PoisonError::into_inner);
+        of(&inner).map(|list| PyArray1::from_iter(py, list.iter().map(|&index| index as i64)))
+    }
+}
+
+#[pymethods]
+impl ProgramCore {
+    /// Numbers of variables, of equations and of all constraints.
+    fn sizes(&self) -> [usize; 3] {
+        let inner = self.inner.lock().unwrap_or_else(PoisonError::into_inner);
+        [self.variables, inner.problem().equalities().len(), self.constraints]
+    }
+
+    fn start<'py>(&self, py: Python<'py>) -> Array<'py> {
+        PyArray1::from_slice(py, &self.start)
+    }
+
+    fn bounds<'py>(&self, py: Python<'py>) -> [Array<'py>; 2] {
+        let inner = self.inner.lock().unwrap_or_else(PoisonError::into_inner);
+        inner.bounds().map(|bounds| PyArray1::from_vec(py, bounds))
+    }
+
+    fn rows(&self) -> Vec<Row> {
+        let inner = self.inner.lock().unwrap_or_else(PoisonError::into_inner);
+        let rows = inner.problem().equalities().iter().chain(inner.problem().ranges());
+        rows.map(|row| (row.kind, row.name.clone(), row.unit, row.place)).collect()
+    }
+
+    fn jacobian_structure<'py>(&self, py: Python<'py>) -> [Indices<'py>; 2] {
+        self.structure(py, SparseProgram::jacobian_structure)
+    }
+
+    fn hessian_structure<'py>(&self, py: Python<'py>) -> [Indices<'py>; 2] {
+        self.structure(py, SparseProgram::hessian_structure)
+    }
+
+    fn cost(&self, x: &Bound<'_, PyAny>) -> PyResult<f64> {
+        self.at(x, SparseProgram::cost)
+    }
+
+    fn gradient<'py>(&self, x: &Bound<'py, PyAny>) -> PyResult<Array<'py>> {
+        let mut values = vec![0.0; self.variables];
+        self.at(x, |program, x| program.gradient(x, &mut values))?;
+        Ok(PyArray1::from_vec(x.py(), values))
+    }
+
+    fn constraints<'py>(&self, x: &Bound<'py, PyAny>) -> PyResult<Array<'py>> {
+        let mut values = vec![0.0; self.constraints];
+        self.at(x, |program, x| program.constraints_at(x, &mut values))?;
+        Ok(PyArray1::from_vec(x.py(), values))
+    }
+
+    fn jacobian<'py>(&self, x: &Bound<'py, PyAny>) -> PyResult<Array<'py>> {
+        let values = self.at(x, |program, x| {
+            let mut values = vec![0.0; program.jacobian_structure()[0].len()];
+            program.jacobian(x, &mut values).map(|()| values)
+        })?;
+        Ok(PyArray1::from_vec(x.py(), values))
+    }
+
+    fn hessian<'py>(
+        &self,
+        x: &Bound<'py, PyAny>,
+        multipliers: &Bound<'py, PyAny>,
+        factor: f64,
+    ) -> PyResult<Array<'py>> {
+        let multipliers = numbers(multipliers, "lagrange", Some(self.constraints))?;
+        let values = self.at(x, |program, x| {
+            let mut values = vec![0.0; program.hessian_structure()[0].len()];
+            program.hessian(x, factor, &multipliers, &mut values).map(|()| values)
+        })?;
+        Ok(PyArray1::from_vec(x.py(), values))
+    }
+
+    /// For each point of the mesh t, then q, v, a and tau.
+    fn sample<'py>(&self, x: &Bound<'py, PyAny>) -> PyResult<(Array<'py>, [Array<'py>; 4])> {
+        let samples = self.at(x, |program, x| program.problem_mut().sample(x))?;
+        let py = x.py();
+        let mut lists = [Vec::new(), Vec::new(), Vec::new(), Vec::new()];
+        for sample in &samples {
+            let parts = [&sample.q, &sample.v, &sample.a, &sample.tau];
+            lists.iter_mut().zip(parts).for_each(|(list, part)| list.extend_from_slice(part));
+        }
+        let times = PyArray1::from_iter(py, samples.iter().map(|sample| sample.t));
+        Ok((times, lists.map(|list| PyArray1::from_vec(py, list))))
+    }
+
+    /// Solves by the solver of the library.
+    fn solve<'py>(&self, x: &Bound<'py, PyAny>, tolerance: f64, iterations: usize) -> PyResult<Solved<'py>> {
+        let py = x.py();
+        let found = self.at(x, |program, x| {
+            let problem = program.problem_mut();
+            let settings = Settings { tolerance, iterations, ..Settings::default() };
+            let mut solver = Solver::new(problem.layout(), settings);
+            let found = match solver.solve(problem, x) {
+                Ok(found) => found,
+                Err(SolveError::Problem(error)) => return Err(error),
+                Err(error) => return Ok(Err(error.to_string())),
+            };
+            let (status, cost, iterations) = (found.status, found.cost, found.iterations);
+            let (point, error) = (found.point.to_vec(), found.error.largest());
+            let multipliers = [found.equalities, found.ranges].concat();
+            let is_solved = matches!(status, Status::Solved | Status::SolvedToRounding);
+            let certificate = match is_solved {
+                true => solver.certify(problem).ok(),
+                false => None,
+            };
+            Ok(Ok((status, point, cost, multipliers, error, iterations, certificate)))
+        })?;
+        let found = found.map_err(pyo3::exceptions::PyValueError::new_err)?;
+        let (status, point, cost, multipliers, error, iterations, certificate) = found;
+        let [point, multipliers] = [point, multipliers].map(|list| PyArray1::from_vec(py, list));
+        Ok((name(status), point, cost, multipliers, error, iterations, certificate_name(certificate)))
+    }
+}
+
+fn name(status: Status) -> &'static str {
+    match status {
+        Status::Solved => "solved",
+        Status::SolvedToRounding => "solved_to_rounding",
+        Status::LocallyInfeasible => "locally_infeasible",
+        Status::IterationLimit => "iteration_limit",
+        _ => "stalled",
+    }
+}
+
+fn certificate_name(certificate: Option<Certificate>) -> &'static str {
+    match certificate {
+        Some(Certificate::LocalMinimum) => "local_minimum",
+        Some(Certificate::NotMinimum) => "not_minimum",
+        Some(Certificate::NotStationary) => "not_stationary",
+        Some(Certificate::Undecided) => "undecided",
+        None => "not_checked",
+    }
+}
