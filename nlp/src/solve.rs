@@ -591,7 +591,7 @@ impl Solver {
             for (i, slack) in trial.slacks.iter_mut().enumerate() {
                 *slack = slacks[i].clamp(bounds.lower[i], bounds.upper[i]);
             }
-            if violation > most {
+            if is_stopped || violation > most {
                 let is_minimum = matches!(status, Status::Solved | Status::SolvedToRounding);
                 // The minimum about one centre lowers the violation a little: go on from there.
                 if is_minimum && violation < (1.0 - LEAST_DECREASE) * before {
