@@ -136,8 +136,7 @@ impl MotionProgram {
         &self.ranges
     }
 
-    /// q, v (rad, m; rad/s, m/s) and the controls (N m, N) at the points of the mesh of a motion: for each the
-    /// time (s), then n entries each.
+    /// The motion of a point of the program, at the points of its mesh.
     ///
     /// # Errors
     /// [`EvalError`] where inverse dynamics has no value.
