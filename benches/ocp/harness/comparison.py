@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy
 
 from classes import CLASSES
+from fatrop import FINEST
 
 # The peer's mesh for the best cost is this many times finer.
 FINER = 4
@@ -26,13 +27,13 @@ LONG = 2.0
 # times in one: machine code of costate is there then, memory of IPOPT too.
 TIMES = 3
 # Sides whose answers count for the best cost known, and costate with the options of its command.
-COUNTED, DEFAULT = ("peer", "costate", "accurate"), "default"
+COUNTED, DEFAULT = ("peer", "costate", "accurate", FINEST), "default"
 
 
 class Comparison:
     def __init__(self, peers, ours, meshes, judge, options):
-        """`peers`, `ours` and `meshes`, peers on the mesh of costate's first answer, by label; the first peer also finds the
-        best costs."""
+        """`peers`, each with its number of intervals, `ours` and `meshes`, peers on the mesh of costate's first answer, by label;
+        "peer" also finds the best costs."""
         self.peers, self.ours, self.meshes, self.judge, self.options = peers, ours, meshes, judge, options
 
     def run(self, task):
@@ -50,10 +51,10 @@ class Comparison:
     def answers(self, task):
         """Of all sides, by label."""
         # Compiled before anything is timed.
-        for peer in [*self.peers.values(), *self.meshes.values()]:
-            peer.points_of(task)
-        sides = {label: (lambda again, peer=peer: peer.solve(task, self.options.elements, times=TIMES if again else 1))
-                 for label, peer in self.peers.items()}
+        for peer in [*(peer for peer, _ in self.peers.values()), *self.meshes.values()]:
+            peer.prepare(task)
+        sides = {label: (lambda again, peer=peer, count=count: peer.solve(task, count, times=TIMES if again else 1))
+                 for label, (peer, count) in self.peers.items()}
         sides |= {label: (lambda again, ours=ours: ours.solve(task, TIMES if again else 1))
                   for label, ours in self.ours.items()}
         answers = {}
@@ -118,12 +119,12 @@ class Comparison:
     def best(self, task, answers, sides):
         """Least cost among those with a small error, and whose it is: the peer's on a finer mesh from several starts, and
         answers that obey the dynamics closely. Where the peer is slow, finer meshes are left out."""
-        peer = self.peers["peer"]
+        peer, _ = self.peers["peer"]
         solved = {label: sides[label] for label in COUNTED if label in sides and sides[label]["solved"]}
         coarse = [answers[label] for label in solved]
         most = BETWEEN_JUMPS if numpy.isfinite(task.u_max).any() else BETWEEN
         costs = [(side["cost"], label) for label, side in solved.items() if side["gap"] <= CLOSE and side["between"] <= most]
-        if any(answer.seconds > LONG for label, answer in answers.items() if label in self.peers):
+        if answers["peer"].seconds > LONG:
             coarse = []
         else:
             coarse.append(peer.cheapest(task, self.options.elements, 1 + BENT))

@@ -15,7 +15,7 @@ from statistics import median
 import casadi as ca
 import numpy as np
 
-import peer
+import markdown
 import soles
 import steps
 import walking
@@ -23,8 +23,9 @@ from comparison import LONG, TIMES
 from ours import SECONDS, SOLVED
 from points import library
 from shell import say
+from solvers import LOOSE, TIGHT, Ipopt
 from steps import Step
-from tables import markdown, spread
+from tables import spread
 
 # So many steps beside that of the example.
 DRAWN = 7
@@ -133,7 +134,7 @@ def theirs(gait, cache, intervals, tolerance, is_compiled=True):
     """The peer on so many intervals."""
     step = Step(gait.walker(), intervals)
     # Multipliers of parameters need the gradient that is switched off.
-    options = {**peer.OPTIONS, **peer.tolerances(tolerance), "ipopt.tol": tolerance, "calc_lam_p": False}
+    options = {**Ipopt.OPTIONS, **Ipopt(tolerance=tolerance).tolerances(), "ipopt.tol": tolerance, "calc_lam_p": False}
     name = f"{gait.problem}_{intervals}"
     solver = compiled(cache, step, name, options) if is_compiled else ca.nlpsol(name, "ipopt", step.nlp, options)
 
@@ -144,7 +145,7 @@ def theirs(gait, cache, intervals, tolerance, is_compiled=True):
             found = solver(**arguments)
             seconds = min(seconds, time.process_time() - begin)
         status = solver.stats()
-        return Answer(status["return_status"] in peer.SOLVED, status["return_status"], float(found["f"]), seconds,
+        return Answer(status["return_status"] in Ipopt.SOLVED, status["return_status"], float(found["f"]), seconds,
                       status["iter_count"], intervals)
 
     form = "" if is_compiled else ", interpreted"
@@ -205,7 +206,7 @@ def verdicts(own, other, tasks, best):
         alone = "".join(f"; {who} alone on {count}" for who, count in zip(("costate", "peer"), only) if count)
         rows.append([f"{GOAL} times faster to a cost within {most:g}", f"{spread(ratios, '{:.1f}')}{alone}",
                      bool(ratios) and median(ratios) >= GOAL and not only[1]])
-    return markdown(["goal", "measured", "verdict"], [[*row[:2], "kept" if row[2] else "**missed**"] for row in rows])
+    return markdown.table(["goal", "measured", "verdict"], [[*row[:2], "kept" if row[2] else "**missed**"] for row in rows])
 
 
 def table(sides, tasks, best):
@@ -217,7 +218,7 @@ def table(sides, tasks, best):
                      spread([answer.iterations for _, answer in done], "{:.0f}"),
                      spread([answer.intervals for _, answer in done], "{:.0f}"),
                      f"{median(errors):.0e}, {max(errors):.0e}" if errors else "-"])
-    return markdown(["solver, tolerance", "solved", "the cheapest", "CPU ms, median (quartiles)", "iterations", "intervals",
+    return markdown.table(["solver, tolerance", "solved", "the cheapest", "CPU ms, median (quartiles)", "iterations", "intervals",
                      "error of the cost, median, worst"], rows)
 
 
@@ -229,7 +230,7 @@ def sizes(sides, tasks, best):
         cells = [f"{1e3 * side.answers[task].seconds:.1f} ({error(side.answers[task], best[task]):.0e})"
                  if side.answers[task].solved else side.answers[task].status for side in sides]
         rows.append([f"{length:g}", f"{length / duration:.3f}", f"{best[task]:.6f}", *cells])
-    return markdown(["length, m", "speed, m/s", "best cost", *(side.name for side in sides)], rows)
+    return markdown.table(["length, m", "speed, m/s", "best cost", *(side.name for side in sides)], rows)
 
 
 def finest_of(gait, cache):
@@ -245,8 +246,8 @@ def text(gait, root, cache, costate, options):
     """Verdicts and tables."""
     tasks = draw(gait, options.seed)
     own = [ours(gait, root, cache, costate, tolerance) for tolerance in TOLERANCES]
-    other = [theirs(gait, cache, count, tolerance) for count in INTERVALS for tolerance in (peer.LOOSE, peer.TIGHT)]
-    plain = theirs(gait, cache, gait.plain, peer.TIGHT, False)
+    other = [theirs(gait, cache, count, tolerance) for count in INTERVALS for tolerance in (LOOSE, TIGHT)]
+    plain = theirs(gait, cache, gait.plain, TIGHT, False)
     finest = finest_of(gait, cache)
     best = {}
     for task in tasks:

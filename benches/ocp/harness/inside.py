@@ -11,6 +11,7 @@ import casadi as ca
 import numpy
 
 import obstacles
+from external import interface
 from model import Model
 from points import Points, entries, library
 from shell import stop
@@ -104,7 +105,8 @@ def source(costate, robot, spheres, key, own, parts):
         ]
     both = " + w[more[k]]" if (more != zero).any() else ""
     lines += [f"  for (int k = 0; k < {count}; k++) res[0][k] = w[at[k]]{both};", "  return 0;", "}"]
-    return "\n".join(lines + interface(key, inputs, count, work)) + "\n"
+    shapes = {label: (rows, 1) for label, rows in zip(("z", "par", "lam"), inputs)}
+    return "\n".join(lines + interface(key, shapes, (count, 1), work)) + "\n"
 
 
 def where(key, n, own, size, places, zero):
@@ -120,27 +122,6 @@ def where(key, n, own, size, places, zero):
         dynamics = 2 * n * i + j if i < 2 * n else 4 * n * n + n * (i - 2 * n) + j if j < n else zero
         found.append((dynamics, clear.get((i, j), zero)))
     return found
-
-
-def interface(name, inputs, count, work):
-    """What CasADi asks an external for."""
-    dense = lambda rows: f"{{{rows}, 1, 1}}" if rows else "{0, 1, 0, 0}"
-    names = ["z", "par", "lam"][: len(inputs)]
-    strings, sparsities = (", ".join(form.format(label) for label in names) for form in ('"{}"', "s_{}"))
-    return [
-        *(f"static const INT s_{label}[] = {dense(rows)};" for label, rows in zip(names, inputs)),
-        f"static const INT s_out[] = {dense(count)};",
-        f"INT {name}_n_in(void) {{ return {len(inputs)}; }}",
-        f"INT {name}_n_out(void) {{ return 1; }}",
-        f"const char *{name}_name_in(INT i) {{ static const char *t[] = {{{strings}}}; return i < {len(inputs)} ? t[i] : 0; }}",
-        f'const char *{name}_name_out(INT i) {{ return i ? 0 : "entries"; }}',
-        f"const INT *{name}_sparsity_in(INT i) {{ static const INT *t[] = {{{sparsities}}}; "
-        f"return i < {len(inputs)} ? t[i] : 0; }}",
-        f"const INT *{name}_sparsity_out(INT i) {{ return i ? 0 : s_out; }}",
-        f"int {name}_work(INT *arg, INT *res, INT *iw, INT *w) {{",
-        *(f"  if ({label}) *{label} = {size};" for label, size in zip(("arg", "res", "iw", "w"), work)),
-        "  return 0;", "}",
-    ]
 
 
 def check(robot, inside, own, spheres, seed=1):

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import agreement
 import derivatives
+import fatrop
 import freely
 import gait_times
 import in_phases
@@ -23,6 +24,7 @@ import points
 import robots
 import same_mesh
 import sensitivities
+import stage
 import tables
 import tasks
 import values
@@ -31,10 +33,11 @@ from classes import CLASSES
 from comparison import DEFAULT, Comparison
 from judge import Judge
 from ours import Ours
-from peer import LOOSE, MIDDLE, TIGHT, Peer
+from peer import Peer
 from record import Record, read
-from same_mesh import SameMesh
+from same_mesh import SameMesh, forms
 from shell import compilers, first_line, say, stop
+from solvers import LOOSE, MIDDLE, TIGHT, Ipopt
 
 ROOT = Path(__file__).resolve().parents[3]
 # Of --values.
@@ -43,7 +46,7 @@ PARTS = {part.__name__: part for part in (derivatives, judged, same_mesh, values
 
 
 def arguments():
-    parser = argparse.ArgumentParser(prog="benches/ocp/run", description="costate optimize beside CasADi and IPOPT")
+    parser = argparse.ArgumentParser(prog="benches/ocp/run", description="costate optimize beside FATROP and IPOPT")
     parser.add_argument("--cache", type=Path, required=True, help=argparse.SUPPRESS)
     parser.add_argument("--write", action="store_true", help="write the tables of BENCHMARKS.md")
     parser.add_argument("--classes", nargs="*", default=list(CLASSES), choices=CLASSES, metavar="CLASS",
@@ -99,7 +102,7 @@ def describe(options, costate):
     model = re.search(r"model name\s*:\s*(.*)", info)
     return {
         "machine": f"{model.group(1) if model else 'unknown'}, one core",
-        "compilers": [first_line(compilers()[0][1], "--version")],
+        "compilers": [first_line(c, "--version") for _, c, _ in compilers()],
         "packages": {name: version(name) for name in ("casadi", "numpy", "scipy")},
         "costate": first_line(costate, "--version"),
         "seed": options.seed,
@@ -115,11 +118,11 @@ def describe(options, costate):
 
 
 def the_peer(options):
-    return Peer(functools.partial(points.build, options.cache), options.time_limit)
+    return Peer(functools.partial(points.build, options.cache), Ipopt(options.time_limit))
 
 
 def on_meshes(options, first):
-    return {measures.MESH: SameMesh(first.points, options.time_limit, TIGHT)}
+    return {measures.MESH: SameMesh(*forms(first.points, Ipopt(options.time_limit)))}
 
 
 def check_robots(options, costate, first):
@@ -167,18 +170,22 @@ def run(options, costate, file):
     first = the_peer(options)
     # The same program to looser tolerances.
     looser = {"middle": MIDDLE, "loose": LOOSE}
-    peers = {"peer": first}
-    peers |= {label: Peer(first.points, options.time_limit, tolerance) for label, tolerance in looser.items()}
+    stages = lambda robot, spheres: stage.Stages(options.cache, robot, spheres, first.points(robot, spheres))
+    others = {"peer": first}
+    others |= {label: Peer(first.points, Ipopt(options.time_limit, tolerance)) for label, tolerance in looser.items()}
     if options.inside:
         own = lambda robot, spheres: inside.build(options.cache, costate, robot, spheres, first.points(robot, spheres))
-        peers["peer_ours"] = Peer(own, options.time_limit)
+        others["peer_ours"] = Peer(own, Ipopt(options.time_limit))
     if options.interpreted:
-        peers["interpreted"] = Peer(points.interpreted, options.time_limit)
+        others["interpreted"] = Peer(points.interpreted, Ipopt(options.time_limit))
+    peers, meshes = fatrop.sides(stages, options.time_limit)
+    peers |= {label: (peer, options.elements) for label, peer in others.items()}
+    meshes |= on_meshes(options, first) if options.mesh else {}
     further = [f"--{text}" for text in options.costate_arguments]
     ours = {label: Ours(options.cache, costate, first, tolerance, options.time_limit, further)
             for label, tolerance in [*measures.tolerances(options.tolerances).items(), (DEFAULT, None)]}
     check_robots(options, costate, first)
-    comparison = Comparison(peers, ours, on_meshes(options, first) if options.mesh else {}, Judge(first), options)
+    comparison = Comparison(peers, ours, meshes, Judge(first), options)
     drawn = functools.partial(tasks.make, ROOT, costate, first, options.classes, options.robots, options.tasks,
                               options.seed)
     if options.only_write_tasks:

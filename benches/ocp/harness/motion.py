@@ -59,9 +59,28 @@ class Collocated(Motion):
         return powers(self.share(t, piece), radau.DEGREE) @ self._torque[piece]
 
 
-class Quartic(Motion):
-    """costate's own motion by the direct method, from positions and rates alone: on an interval q is a polynomial of degree
-    four, and torques are inverse dynamics along it, nowhere cut to their limits. Each interval has five rows, its ends and
+class Polynomials(Motion):
+    """On each interval q is a polynomial of degree four, and torques are inverse dynamics along it, nowhere cut to their limits."""
+
+    def __init__(self, knots, q, v, a, inverse_dynamics, given):
+        """Coefficients of positions, rates and accelerations of every interval, by powers of the share of it, lowest first;
+        `inverse_dynamics` takes rows of q, v and a; `given` are these three where the solver keeps limits."""
+        self._q, self._v, self._a, self._inverse_dynamics = q, v, a, inverse_dynamics
+        super().__init__(knots, (*given[:2], inverse_dynamics(*given)))
+
+    def _values(self, t, piece):
+        x = self.share(t, piece)
+        return [powers(x, len(part[piece])) @ part[piece] for part in (self._q, self._v, self._a)]
+
+    def state(self, t, piece):
+        return numpy.concatenate(self._values(t, piece)[:2])
+
+    def torque(self, t, piece):
+        return self._inverse_dynamics(*(part[None] for part in self._values(t, piece)))[0]
+
+
+class Quartic(Polynomials):
+    """costate's own motion by the direct method, from positions and rates alone. Each interval has five rows, its ends and
     Gauss's three points, at which limits are kept."""
 
     PLACES = numpy.array([0.0, 0.5 - 0.15**0.5, 0.5, 0.5 + 0.15**0.5, 1.0])
@@ -78,32 +97,33 @@ class Quartic(Motion):
         return bool((abs(places - cls.PLACES) < cls.ROUNDING).all())
 
     def __init__(self, t, q, v, inverse_dynamics):
-        """`inverse_dynamics` takes rows of q, v and a."""
         rows, q, v = t.reshape(-1, 5), q.reshape(-1, 5, q.shape[1]), v.reshape(-1, 5, v.shape[1])
-        self._h = rows[:, -1] - rows[:, 0]
+        h = (rows[:, -1] - rows[:, 0])[:, None, None]
         # The rate is a cubic. Its integral is the position, its derivative the acceleration, in units of h.
         at = lambda exponents: self.PLACES[:, None] ** exponents
-        self._v = numpy.linalg.pinv(at(numpy.arange(4))) @ v
-        self._q = numpy.concatenate([q[:, :1], self._h[:, None, None] * self._v / numpy.arange(1, 5)[:, None]], axis=1)
-        self._a = self._v[:, 1:] * numpy.arange(1, 4)[:, None] / self._h[:, None, None]
-        for name, given, found in (("positions", q, self._q), ("rates", v, self._v)):
+        rates = numpy.linalg.pinv(at(numpy.arange(4))) @ v
+        positions = numpy.concatenate([q[:, :1], h * rates / numpy.arange(1, 5)[:, None]], axis=1)
+        for name, given, found in (("positions", q, positions), ("rates", v, rates)):
             missed = abs(at(numpy.arange(found.shape[1])) @ found - given).max()
             if missed > self.EXACT * (1 + abs(given).max()):
                 stop(f"{name} of costate are off its polynomials by {missed:.1e}: are the rows of its JSON object others?")
-        self._inverse_dynamics = inverse_dynamics
-        a = at(numpy.arange(3)) @ self._a
-        points = [part[:, 1:4].reshape(-1, q.shape[2]) for part in (q, v, a)]
-        super().__init__(numpy.append(rows[:, 0], rows[-1, -1]), (*points[:2], inverse_dynamics(*points)))
+        accelerations = rates[:, 1:] * numpy.arange(1, 4)[:, None] / h
+        inner = [part.reshape(-1, q.shape[2]) for part in (q[:, 1:4], v[:, 1:4], (at(numpy.arange(3)) @ accelerations)[:, 1:4])]
+        super().__init__(numpy.append(rows[:, 0], rows[-1, -1]), positions, rates, accelerations, inverse_dynamics, inner)
 
-    def _values(self, t, piece):
-        x = self.share(t, piece)
-        return [powers(x, len(part[piece])) @ part[piece] for part in (self._q, self._v, self._a)]
 
-    def state(self, t, piece):
-        return numpy.concatenate(self._values(t, piece)[:2])
+class Accelerated(Polynomials):
+    """A motion with the polynomials through accelerations at Radau's points, at which limits are kept."""
 
-    def torque(self, t, piece):
-        return self._inverse_dynamics(*(part[None] for part in self._values(t, piece)))[0]
+    def __init__(self, knots, q, v, a, inverse_dynamics):
+        """Positions and rates at the start of every interval, accelerations by interval and point."""
+        h = numpy.diff(knots)[:, None, None]
+        given = a.reshape(-1, a.shape[2])
+        a = numpy.einsum("rk,eri->eki", CONTROL, a)
+        rates = numpy.concatenate([v[:, None], h * a / numpy.arange(1, 4)[:, None]], axis=1)
+        positions = numpy.concatenate([q[:, None], h * rates / numpy.arange(1, 5)[:, None]], axis=1)
+        at = lambda part: (radau.POINTS[:, None] ** numpy.arange(part.shape[1]) @ part).reshape(given.shape)
+        super().__init__(knots, positions, rates, a, inverse_dynamics, (at(positions), at(rates), given))
 
 
 class Sampled(Motion):

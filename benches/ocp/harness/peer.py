@@ -1,4 +1,4 @@
-"""The peer: direct collocation with CasADi's derivatives, solved by IPOPT with MUMPS."""
+"""A peer: a transcription of the task with exact derivatives, and the solver of nonlinear programs that it is given to."""
 
 import resource
 import time
@@ -9,35 +9,8 @@ import numpy
 
 import points
 import shapes
+from solvers import Ipopt
 from transcription import Transcription
-
-OPTIONS = {
-    "print_time": False,
-    # Not needed, and not to be had of compiled functions.
-    "no_nlp_grad": True,
-    "ipopt.print_level": 0,
-    "ipopt.sb": "yes",
-    "ipopt.linear_solver": "mumps",
-    "ipopt.mu_strategy": "adaptive",
-    # Limits are kept, not widened by 1e-8.
-    "ipopt.bound_relax_factor": 0.0,
-    "ipopt.max_iter": 1000,
-}
-# Of IPOPT by default; with which costs come out about as near to the best ones as costate's at its first tolerance; and the
-# number of that tolerance itself.
-TIGHT, MIDDLE, LOOSE = 1e-8, 1e-6, 1e-4
-SOLVED = ("Solve_Succeeded", "Solved_To_Acceptable_Level")
-
-
-def tolerances(tolerance):
-    """Options of IPOPT. What it accepts after 15 iterations without progress is 1e-6 with the tight tolerance, its default, and
-    no looser than the tolerance with others."""
-    if tolerance == TIGHT:
-        return {"ipopt.tol": tolerance}
-    keys = ("tol", "constr_viol_tol", "compl_inf_tol", "acceptable_tol", "acceptable_constr_viol_tol",
-            "acceptable_compl_inf_tol")
-    return {f"ipopt.{key}": tolerance for key in keys}
-
 
 @dataclass
 class Answer:
@@ -57,9 +30,9 @@ class Answer:
 class Peer:
     """Solvers of tasks; compiled functions are kept, a robot's model is built once."""
 
-    def __init__(self, build, limit=60.0, tolerance=TIGHT, transcription=Transcription):
+    def __init__(self, build, solver=None, transcription=Transcription):
         """`build` makes the points of a robot with so many spheres in its way."""
-        self.build, self.limit, self.tolerances, self.transcription = build, limit, tolerances(tolerance), transcription
+        self.build, self.solver, self.transcription = build, solver or Ipopt(), transcription
         self._points, self._forward = {}, {}
 
     def points(self, robot, spheres):
@@ -70,6 +43,10 @@ class Peer:
 
     def points_of(self, task):
         return self.points(task.robot, len(task.obstacles))
+
+    def prepare(self, task):
+        """Compiles what the task needs."""
+        self.transcription(task, self.points_of(task), numpy.array([0.0, 1.0]))
 
     def torques(self, task, q, v, a):
         """Inverse dynamics, a row for each time."""
@@ -107,8 +84,7 @@ class Peer:
         mesh = numpy.linspace(0, 1, elements + 1) if mesh is None else mesh
         unknowns = self.transcription(task, self.points_of(task), mesh)
         program = unknowns.PROGRAM(unknowns)
-        settings = {**OPTIONS, **self.tolerances, "ipopt.max_cpu_time": self.limit, **program.derivatives(), **options}
-        solver = ca.nlpsol("solver", "ipopt", program.nlp(), settings)
+        solver = ca.nlpsol("solver", self.solver.NAME, program.nlp(), {**self.solver.settings(program), **options})
         if start is None:
             end = task.q_end if task.q_end is not None else task.q_guess
             q, v, a = shapes.motion(shapes.cubic, task.q_start, end, task.duration, unknowns.times)
@@ -129,10 +105,10 @@ class Peer:
                               time.process_time() - begin, process_seconds() - before)
             seconds = min(seconds, time.process_time() - begin)
             whole = whole or process_seconds() - before
-        status = solver.stats()
+        stats = solver.stats()
         motion = unknowns.motion(numpy.array(found["x"]).ravel(), lambda *z: self.torques(task, *z))
-        return Answer("peer", status["return_status"], status["return_status"] in SOLVED, float(found["f"]), motion.duration,
-                      status["iter_count"], seconds, whole, motion)
+        status, solved = self.solver.status(stats)
+        return Answer("peer", status, solved, float(found["f"]), motion.duration, stats["iter_count"], seconds, whole, motion)
 
 
 def process_seconds():

@@ -1,19 +1,22 @@
-"""What the peer evaluates at one collocation point: values, Jacobian and contracted Hessian of the constraints there.
+"""What the peers evaluate at one collocation point: values, Jacobian and contracted Hessian of the constraints there.
 
 z = (q, v, a), c(z) = (tau, clearances); Jacobian and lower triangle of the Hessian of lam.c by CasADi. The functions are
 compiled once a robot and called at every point."""
 
-import functools
 import hashlib
+import time
 from dataclasses import dataclass
 
 import casadi as ca
+import numpy
 
 import obstacles
 from model import Model
 from shell import build_once, compilers
 
 FLAGS = "-O3 -march=native"
+# Calls by which the code of two compilers is compared.
+CALLS = 64
 
 
 @dataclass
@@ -25,6 +28,8 @@ class Points:
     jacobian_at: tuple
     hessian_at: tuple
     rows: int
+    # Files with the three functions, none if they are not compiled.
+    libraries: tuple = ()
 
 
 def expressions(robot, spheres):
@@ -48,37 +53,58 @@ def entries(matrix):
 
 
 def compiled(cache, name, function):
-    """The function from C."""
+    """The library of the function, from C."""
     stem = f"{name}_{function.name()}"
     generator = ca.CodeGenerator(f"{stem}.c")
     generator.add(function)
-    return ca.external(function.name(), str(library(cache, stem, generator.dump())))
+    return fastest(cache, stem, generator.dump(), function.name())
 
 
-def library(cache, stem, text, flags=FLAGS):
-    """C compiled by the first compiler that there is; again only if its text has changed."""
+def fastest(cache, stem, text, name, libraries=()):
+    """The library of the compiler whose code of the named function is faster."""
+    found = [library(cache, stem, text, compiler=c, libraries=libraries) for _, c, _ in compilers()]
+    return min(found, key=lambda path: seconds(ca.external(name, str(path)))) if len(found) > 1 else found[0]
+
+
+def seconds(function):
+    """CPU time of many calls, the least of a few."""
+    rng, many = numpy.random.default_rng(1), function.map(CALLS)
+    arguments = [rng.uniform(0.2, 1.0, many.size_in(i)) for i in range(many.n_in())]
+    found = []
+    for _ in range(CALLS // 16):
+        begin = time.process_time()
+        many(*arguments)
+        found.append(time.process_time() - begin)
+    return min(found)
+
+
+def library(cache, stem, text, flags=FLAGS, compiler=None, libraries=()):
+    """C compiled by a compiler, the first one that there is, with libraries that it calls; again only if its text has changed."""
     folder = cache / "points"
     folder.mkdir(exist_ok=True)
     source = folder / f"{stem}_{hashlib.sha256(text.encode()).hexdigest()[:12]}.c"
     if not source.exists():
         source.write_text(text)
-    _, c, _ = compilers()[0]
-    command = [c, "-std=gnu11", *flags.split(), "-w", "-fPIC", "-shared", source, "-lm"]
+    command = [compiler or compilers()[0][1], "-std=gnu11", *flags.split(), "-w", "-fPIC", "-shared", source, *libraries, "-lm"]
     return build_once(cache, f"{stem}.so", command, [source])
 
 
 def build(cache, robot, spheres):
     """Compiled."""
-    name = f"{robot.name}{spheres or ''}"
-    return interpreted(robot, spheres, functools.partial(compiled, cache, name))
+    found, *places = expressions(robot, spheres)
+    libraries = [compiled(cache, f"{robot.name}{spheres or ''}", function) for function in found.values()]
+    return made([ca.external(name, str(path)) for name, path in zip(found, libraries)], *places, libraries)
 
 
-def interpreted(robot, spheres, made=lambda function: function):
-    """As CasADi evaluates them itself, or as what is made of them."""
-    found, in_jacobian, in_hessian = expressions(robot, spheres)
-    rows = found["value"].numel_out(0)
-    found = [made(function) for function in found.values()]
-    return Points(*found, in_jacobian.get_triplet(), in_hessian.get_triplet(), rows)
+def interpreted(robot, spheres):
+    """As CasADi evaluates them itself."""
+    found, *places = expressions(robot, spheres)
+    return made(found.values(), *places)
+
+
+def made(functions, in_jacobian, in_hessian, libraries=()):
+    value, jacobian, hessian = functions
+    return Points(value, jacobian, hessian, in_jacobian.get_triplet(), in_hessian.get_triplet(), value.numel_out(0), libraries)
 
 
 def forward(points, n):

@@ -22,7 +22,8 @@ class Entries:
     def matrix(self):
         rows, columns = (numpy.concatenate(parts).astype(int).tolist() for parts in (self.rows, self.columns))
         pattern, order = ca.Sparsity.triplet(*self.shape, rows, columns, False)[:2]
-        return ca.MX(pattern, ca.vertcat(*self.values).nz[list(order)])
+        values, order = ca.vertcat(*self.values), list(order)
+        return ca.MX(pattern, values if order == list(range(len(order))) else values.nz[order])
 
 
 class Functions:

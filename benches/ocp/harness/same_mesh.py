@@ -1,4 +1,4 @@
-"""The peer on costate's transcription and mesh: IPOPT solves what costate solves on its last mesh, from the peer's first guess.
+"""Peers on costate's last mesh, from the peer's first guess: IPOPT solves what costate solves there, in two forms of its program.
 
 `--values` checks that both then find the same motions where no limit is active: those of the same program."""
 
@@ -14,24 +14,30 @@ from motion import Quartic
 from ours import Ours
 from peer import Answer, Peer
 from quartics import Quartics
+from solvers import LIMIT, Ipopt
 from task import Task
 
 # Tolerance of costate that the check's meshes are of, and the relative difference of costs that it allows.
 TOLERANCE, WITHIN = 1e-4, 1e-8
-LIMIT = 60.0
 # Costs of the two forms that differ by less count as equal, relative.
 NEAR = 1e-4
 
 
+def forms(build, solver):
+    """Peers with costate's own transcription. Neither of the two forms of the program is always the faster one."""
+    return [Peer(build, solver, form) for form in (Quartics, Eliminated)]
+
+
 class SameMesh:
-    """A peer that is given costate's answer. Neither of the two forms of the program is always the faster one, so both are
-    solved, and the answer is that of the faster one whose cost is not above the other's."""
+    """Peers that are given costate's answer. All are solved, and the answer is that of the fastest one whose cost is not above
+    the others'."""
 
-    def __init__(self, build, limit, tolerance):
-        self.peers = [Peer(build, limit, tolerance, form) for form in (Quartics, Eliminated)]
+    def __init__(self, *peers):
+        self.peers = peers
 
-    def points_of(self, task):
-        return self.peers[0].points_of(task)
+    def prepare(self, task):
+        for peer in self.peers:
+            peer.prepare(task)
 
     def solve(self, task, answer, times=1):
         mesh = mesh_of(answer)
@@ -64,13 +70,13 @@ def tasks(root, costate):
 
 def check(root, costate, peer):
     """Whether costs agree, by the judge's quadrature of both motions, at all of these tasks."""
-    kept, same = True, SameMesh(peer.build, LIMIT, 1e-8)
+    kept, peers = True, forms(peer.build, Ipopt())
     with tempfile.TemporaryDirectory() as folder:
         ours = Ours(Path(folder), costate, peer, TOLERANCE, LIMIT, [])
         for task in tasks(root, costate):
             answer = ours.solve(task)
             mesh = mesh_of(answer)
-            for form in same.peers if mesh is not None else []:
+            for form in peers if mesh is not None else []:
                 found = form.solve(task, None, mesh=mesh)
                 costs = [judge.cost(task, side.motion) for side in (answer, found)]
                 difference = abs(costs[1] / costs[0] - 1) if found.solved else numpy.inf

@@ -2,7 +2,10 @@
 
 from statistics import median, quantiles
 
+import fatrop
 import goals
+import levels
+import markdown
 import measures
 from comparison import NEAR, STARTS, TIMES, excess
 from shell import stop
@@ -10,7 +13,10 @@ from shell import stop
 NAMES = {"costate": "costate", "accurate": "costate, accurate", "default": "costate, default options", "peer": "peer",
          "middle": "peer, tolerance 1e-6", "loose": "peer, tolerance 1e-4",
          "mesh": "peer, costate's mesh",
-         "peer_ours": "peer, costate's functions inside", "interpreted": "peer, interpreted"}
+         "peer_ours": "peer, costate's functions inside", "interpreted": "peer, interpreted",
+         **{fatrop.label(mesh, tolerance): f"FATROP, {text}, tolerance {tolerance:g}" for tolerance in fatrop.TOLERANCES
+            for mesh, text in ((20, "20 intervals"), ("mesh", "costate's mesh"))},
+         fatrop.IPOPT: "IPOPT, FATROP's program"}
 
 
 def tables(figures):
@@ -19,13 +25,9 @@ def tables(figures):
             "ocp classes": class_table(figures) + "\n" + robot_table(figures), "ocp losses": losses(figures)}
 
 
-def markdown(head, rows):
-    line = lambda row: f"| {' | '.join(map(str, row))} |"
-    return "\n".join([line(head), "|---" * len(head) + "|", *map(line, rows)]) + "\n"
-
-
 def verdict_table(figures):
-    return markdown(["goal", "measured", "verdict"], goals.verdicts(figures))
+    return "\n".join(filter(None, (levels.text(figures), markdown.table(["goal", "measured", "verdict"],
+                                                                          goals.verdicts(figures)))))
 
 
 def class_table(figures):
@@ -34,7 +36,7 @@ def class_table(figures):
         found = measures.of(figures, kind)
         for label in labels(figures):
             rows.append([f"{kind} {found[0]['title']}" if label == "costate" else "", *line(found, label)])
-    return markdown(HEAD, rows)
+    return markdown.table(HEAD, rows)
 
 
 HEAD = ["class", "solver", "solved", "CPU ms, median (quartiles)", "with start, ms", "peer's time / costate's", "iterations",
@@ -48,13 +50,14 @@ def robot_table(figures):
         found = [row for row in measures.of(figures) if row["robot"] == robot]
         for label in labels(figures):
             rows.append([robot if label == "costate" else "", *line(found, label)])
-    return markdown(["robot", *HEAD[1:]], rows)
+    return markdown.table(["robot", *HEAD[1:]], rows)
 
 
 def labels(figures):
-    """costate first, then what else there is."""
+    """costate first, then what else there is; of FATROP's equal meshes only that of 20 intervals."""
     found = dict.fromkeys(label for row in measures.of(figures) for label in row["sides"])
-    return ["costate", *(label for label in found if label != "costate")]
+    meshes = [fatrop.label(count, tolerance) for count in fatrop.INTERVALS if count != 20 for tolerance in fatrop.TOLERANCES]
+    return ["costate", *(label for label in found if label not in ("costate", *meshes))]
 
 
 def line(rows, label):
@@ -115,7 +118,7 @@ def losses(figures):
         rows.append((0, [f"class {kind}: {len(found)} tasks", "cannot be posed", reason(found[0]["sides"]["costate"]),
                          f"solved {solved}"]))
     rows.sort(key=lambda pair: pair[0])
-    return markdown(["task", "what", "costate", "peer"], [row for _, row in rows]) if rows else "None.\n"
+    return markdown.table(["task", "what", "costate", "peer"], [row for _, row in rows]) if rows else "None.\n"
 
 
 def reason(side):
