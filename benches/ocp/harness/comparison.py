@@ -41,7 +41,7 @@ class Comparison:
         answers = self.answers(task)
         row = {"task": task.name, "class": task.kind, "title": CLASSES[task.kind][0], "robot": task.robot.name, "n": task.n,
                "elements": self.options.elements, "draws": task.draws, "peer_failed": task.peer_failed}
-        judge = lambda label, answer: None if label == DEFAULT else self.judge.judge(task, answer.motion)
+        judge = lambda label, answer: self.judge.judge(task, answer.motion) if answer.solved and label != DEFAULT else None
         row["sides"] = {label: self.side(answer, judge(label, answer), label != DEFAULT) for label, answer in answers.items()}
         self.with_times(answers, row["sides"])
         row["best"], row["best_by"] = self.best(task, answers, row["sides"]) if self.options.best else (None, None)

@@ -6,7 +6,6 @@ import numpy
 import robots
 from eliminated import Eliminated
 from quartics import Quartics
-from stage import Stages
 from staged import Staged
 from task import Task, Tool
 from transcription import Transcription
@@ -24,10 +23,8 @@ def check(root, costate, peer):
         task = Task(name, "check", robot, 0.1 * one, None, 1.3, one, 2 * one, free=True, time_weight=0.7, q_guess=one,
                     tool=Tool((0.1, 0.2, 0.3), numpy.eye(3)), obstacles=[((0.3, 0.2, 0.1), 0.2)], own_radius=0.1,
                     q_min=-one, v_max=3 * one, a_max=20 * one)
-        stages = Stages(lambda _, function: function, robot, 1, peer.points_of(task))
-        for kind, functions in ((Transcription, stages.points), (Quartics, stages.points), (Eliminated, stages.points),
-                                (Staged, stages)):
-            for what, error in errors(kind(task, functions, MESH), rng).items():
+        for kind in (Transcription, Quartics, Eliminated, Staged):
+            for what, error in errors(kind(task, peer.points_of(task), MESH), rng).items():
                 kept &= error <= WITHIN
                 print(f"{name}, {kind.__name__}: {what} against differences: {error:.1e}: "
                       f"{'right' if error <= WITHIN else 'WRONG'}", flush=True)

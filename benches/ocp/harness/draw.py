@@ -76,8 +76,7 @@ class Draw:
 
     def straight(self, task, shape, duration=None):
         """Peaks of rates and torques of a straight motion."""
-        end = task.q_end if task.q_end is not None else task.q_guess
-        q, v, a = shapes.motion(shape, task.q_start, end, duration or task.duration, GRID)
+        q, v, a = shapes.motion(shape, task.q_start, task.q_last, duration or task.duration, GRID)
         return abs(v).max(0), abs(self.peer.torques(task, q, v, a)).max(0)
 
     def unlimited(self, task):

@@ -3,7 +3,7 @@
 
 def interface(name, inputs, output, work):
     """Lines of C; `inputs` are names and shapes, `work` the sizes of vectors of arguments, results, integers and numbers."""
-    dense = lambda rows, columns: f"{{{rows}, {columns}, 1}}" if rows * columns else f"{{{rows}, {columns}" + ", 0" * (columns + 1) + "}"
+    dense = lambda rows, columns: f"{{{rows}, {columns}, {'1' if rows * columns else ', '.join('0' * (columns + 1))}}}"
     strings = ", ".join(f'"{label}"' for label in inputs)
     sparsities = ", ".join(f"{name}_{label}" for label in inputs)
     return [

@@ -1,11 +1,11 @@
-"""FATROP's answers in the comparison: equal meshes, costate's mesh, two tolerances, and IPOPT on the same program."""
+"""FATROP's answers in the comparison: equal meshes, costate's mesh, three tolerances, and IPOPT on the same program."""
 
 from peer import Peer
 from same_mesh import SameMesh
-from solvers import LOOSE, TIGHT, Fatrop, Ipopt
+from solvers import LOOSE, MIDDLE, TIGHT, Fatrop, Ipopt
 from staged import Staged
 
-INTERVALS, TOLERANCES = (5, 10, 20, 40, 80), (TIGHT, LOOSE)
+INTERVALS, TOLERANCES = (5, 10, 20, 40, 80), (TIGHT, MIDDLE, LOOSE)
 # IPOPT's label, and how those of FATROP begin.
 IPOPT, PREFIX = "ipopt staged", "fatrop"
 
@@ -23,11 +23,10 @@ def is_fatrop(name):
     return name.split()[0] == PREFIX
 
 
-def sides(build, limit):
-    """Peers with their numbers of intervals, and peers on the mesh of costate's first answer, by label; `build` makes the stages
-    of a robot with so many spheres in its way."""
-    ipopt = Peer(build, Ipopt(limit), Staged)
-    # Stages are built once.
-    by = {tolerance: Peer(ipopt.points, Fatrop(tolerance), Staged) for tolerance in TOLERANCES}
+def sides(points, limit):
+    """Peers with their numbers of intervals, and peers on the mesh of costate's first answer, by label; `points` makes those of
+    a robot with so many spheres in its way."""
+    by = {tolerance: Peer(points, Fatrop(tolerance), Staged) for tolerance in TOLERANCES}
     equal = {label(count, tolerance): (peer, count) for count in INTERVALS for tolerance, peer in by.items()}
-    return equal | {IPOPT: (ipopt, 20)}, {label("mesh", tolerance): SameMesh(peer) for tolerance, peer in by.items()}
+    equal[IPOPT] = Peer(points, Ipopt(limit), Staged), 20
+    return equal, {label("mesh", tolerance): SameMesh(peer) for tolerance, peer in by.items()}

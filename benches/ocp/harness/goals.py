@@ -6,6 +6,7 @@ from scipy.stats import beta
 
 import speed
 from comparison import NEAR, STARTS, excess
+from fatrop import FATROP
 from measures import ACCURATE, OURS, PEER, is_costate, kinds, of, solved, tolerances
 
 # Share of tasks that must be solved in these classes.
@@ -22,7 +23,7 @@ DEARER = 0.05
 
 def verdicts(figures):
     """(goal, measured, verdict), missed goals first, comparisons without a goal last."""
-    rows = [*speed.goals(figures, verdict), solves_what_the_peer_solves(figures), *sure(figures), *arms(figures),
+    rows = [*speed.goals(figures, verdict), *solves_as_many(figures), *sure(figures), *arms(figures),
             *limits(figures), best_cost(figures)]
     order = {"**missed**": 0, "not measured": 1, "kept, too few tasks to show it": 2, "kept": 3}
     return [*sorted(rows, key=lambda row: order[row[2]]), *speed.comparisons(figures)]
@@ -32,11 +33,14 @@ def verdict(kept):
     return "not measured" if kept is None else "kept" if kept else "**missed**"
 
 
-def solves_what_the_peer_solves(figures):
-    counts = {kind: tuple(len(solved(of(figures, kind), label)) for label in (OURS, PEER)) for kind in kinds(figures)}
-    text = ", ".join(f"{kind} {ours}/{theirs}" for kind, (ours, theirs) in counts.items())
-    return ("solves at least as many tasks as the peer in every class (costate/peer)", text or "-",
-            verdict(all(ours >= theirs for ours, theirs in counts.values()) if counts else None))
+def solves_as_many(figures):
+    """As each of the two peers that were run."""
+    for label, name in ((FATROP, "FATROP"), (PEER, "the peer")):
+        if any(label in row["sides"] for row in of(figures)):
+            counts = {kind: tuple(len(solved(of(figures, kind), side)) for side in (OURS, label)) for kind in kinds(figures)}
+            text = ", ".join(f"{kind} {ours}/{theirs}" for kind, (ours, theirs) in counts.items())
+            yield (f"solves at least as many tasks as {name} in every class (costate/{name.removeprefix('the ')})", text,
+                   verdict(all(ours >= theirs for ours, theirs in counts.values())))
 
 
 def sure(figures):

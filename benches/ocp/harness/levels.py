@@ -10,6 +10,9 @@ from fatrop import FATROP
 from measures import FLOOR, error
 from solvers import TIGHT
 
+FORM = ("FATROP's program has a stage for each interval: states q and v, and T where it is free; controls are the accelerations "
+        "at three Radau points, torques stand in cost and inequalities only. All classes of tasks can be posed in this form, "
+        "none is refused. The cost is in units of that of the first guess, so tolerances are relative.")
 NATIVE = ("FATROP here is the library of CasADi's wheel, whose BLASFEO has generic kernels. A native build of FATROP 1.1.8 is "
           "about 1.6 times as fast: measured in earlier work on 80 tasks of these classes, not by this command, which cannot "
           "reproduce it.")
@@ -36,7 +39,7 @@ def text(figures):
         unreached(figures, own),
         f"FATROP at {TIGHT:g} on 20 intervals, IPOPT on the same program, costate at {figures[0]['tolerances'][0]:g} and with "
         "default options: CPU ms, iterations, errors and tasks solved; medians over tasks that FATROP and costate solved.\n",
-        summary(figures), NATIVE + "\n"])
+        summary(figures), f"{FORM} {NATIVE}\n"])
 
 
 def meshes():
@@ -44,7 +47,7 @@ def meshes():
 
 
 def tolerances():
-    return " and ".join(f"{value:g}" for value in fatrop.TOLERANCES)
+    return ", ".join(f"{value:g}" for value in fatrop.TOLERANCES)
 
 
 def fastest(row, labels, most):
@@ -101,7 +104,8 @@ def unreached(figures, own):
     for label, value in own.items():
         lines.append([f"costate's error at {value:g}, by FATROP", names(at_costates_error(rows, label))])
     for count in fatrop.INTERVALS:
-        lines.append([f"FATROP's error on {count} intervals, by costate", names(at_fatrops_error(rows, fatrop.label(count), own))])
+        found = at_fatrops_error(rows, fatrop.label(count), own)
+        lines.append([f"FATROP's error on {count} intervals, by costate", names(found)])
     return markdown.table(["level", "tasks"], lines)
 
 

@@ -24,7 +24,6 @@ import points
 import robots
 import same_mesh
 import sensitivities
-import stage
 import tables
 import tasks
 import values
@@ -170,7 +169,6 @@ def run(options, costate, file):
     first = the_peer(options)
     # The same program to looser tolerances.
     looser = {"middle": MIDDLE, "loose": LOOSE}
-    stages = lambda robot, spheres: stage.Stages(options.cache, robot, spheres, first.points(robot, spheres))
     others = {"peer": first}
     others |= {label: Peer(first.points, Ipopt(options.time_limit, tolerance)) for label, tolerance in looser.items()}
     if options.inside:
@@ -178,7 +176,7 @@ def run(options, costate, file):
         others["peer_ours"] = Peer(own, Ipopt(options.time_limit))
     if options.interpreted:
         others["interpreted"] = Peer(points.interpreted, Ipopt(options.time_limit))
-    peers, meshes = fatrop.sides(stages, options.time_limit)
+    peers, meshes = fatrop.sides(first.points, options.time_limit)
     peers |= {label: (peer, options.elements) for label, peer in others.items()}
     meshes |= on_meshes(options, first) if options.mesh else {}
     further = [f"--{text}" for text in options.costate_arguments]

@@ -60,7 +60,7 @@ class Collocated(Motion):
 
 
 class Polynomials(Motion):
-    """On each interval q is a polynomial of degree four, and torques are inverse dynamics along it, nowhere cut to their limits."""
+    """On each interval q is a polynomial of degree four; torques are inverse dynamics along it, nowhere cut to their limits."""
 
     def __init__(self, knots, q, v, a, inverse_dynamics, given):
         """Coefficients of positions, rates and accelerations of every interval, by powers of the share of it, lowest first;
@@ -108,7 +108,7 @@ class Quartic(Polynomials):
             if missed > self.EXACT * (1 + abs(given).max()):
                 stop(f"{name} of costate are off its polynomials by {missed:.1e}: are the rows of its JSON object others?")
         accelerations = rates[:, 1:] * numpy.arange(1, 4)[:, None] / h
-        inner = [part.reshape(-1, q.shape[2]) for part in (q[:, 1:4], v[:, 1:4], (at(numpy.arange(3)) @ accelerations)[:, 1:4])]
+        inner = [part[:, 1:4].reshape(-1, q.shape[2]) for part in (q, v, at(numpy.arange(3)) @ accelerations)]
         super().__init__(numpy.append(rows[:, 0], rows[-1, -1]), positions, rates, accelerations, inverse_dynamics, inner)
 
 

@@ -50,6 +50,9 @@ class Peer:
 
     def torques(self, task, q, v, a):
         """Inverse dynamics, a row for each time."""
+        if len(q) == 1:
+            value = self.points_of(task).value(numpy.concatenate([q[0], v[0], a[0]]), task.obstacles_flat)
+            return value.full()[: task.n].T
         z = numpy.vstack([q.T, v.T, a.T])
         par = numpy.tile(numpy.array(task.obstacles_flat)[:, None], z.shape[1])
         return numpy.array(self.points_of(task).value.map(z.shape[1])(z, par))[: task.n].T
@@ -86,8 +89,7 @@ class Peer:
         program = unknowns.PROGRAM(unknowns)
         solver = ca.nlpsol("solver", self.solver.NAME, program.nlp(), {**self.solver.settings(program), **options})
         if start is None:
-            end = task.q_end if task.q_end is not None else task.q_guess
-            q, v, a = shapes.motion(shapes.cubic, task.q_start, end, task.duration, unknowns.times)
+            q, v, a = shapes.motion(shapes.cubic, task.q_start, task.q_last, task.duration, unknowns.times)
             q, v, a = (part + more for part, more in zip((q, v, a), shapes.bump(bend, task.duration, unknowns.times)))
             start = task.duration, q, v, a, self.torques(task, q, v, a)
         else:
@@ -108,7 +110,8 @@ class Peer:
         stats = solver.stats()
         motion = unknowns.motion(numpy.array(found["x"]).ravel(), lambda *z: self.torques(task, *z))
         status, solved = self.solver.status(stats)
-        return Answer("peer", status, solved, float(found["f"]), motion.duration, stats["iter_count"], seconds, whole, motion)
+        return Answer("peer", status, solved, float(found["f"]) / program.unit, motion.duration, stats["iter_count"], seconds,
+                      whole, motion)
 
 
 def process_seconds():

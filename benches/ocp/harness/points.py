@@ -5,7 +5,7 @@ compiled once a robot and called at every point."""
 
 import hashlib
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import casadi as ca
 import numpy
@@ -28,8 +28,11 @@ class Points:
     jacobian_at: tuple
     hessian_at: tuple
     rows: int
-    # Files with the three functions, none if they are not compiled.
+    # Where they are compiled to, and the files with the three functions; none if they are not compiled.
+    cache: object = None
     libraries: tuple = ()
+    # What is compiled of them further, by name.
+    built: dict = field(default_factory=dict)
 
 
 def expressions(robot, spheres):
@@ -79,7 +82,7 @@ def seconds(function):
 
 
 def library(cache, stem, text, flags=FLAGS, compiler=None, libraries=()):
-    """C compiled by a compiler, the first one that there is, with libraries that it calls; again only if its text has changed."""
+    """C compiled by a compiler, the first one that there is, with libraries that it calls; again only if it has changed."""
     folder = cache / "points"
     folder.mkdir(exist_ok=True)
     source = folder / f"{stem}_{hashlib.sha256(text.encode()).hexdigest()[:12]}.c"
@@ -93,7 +96,8 @@ def build(cache, robot, spheres):
     """Compiled."""
     found, *places = expressions(robot, spheres)
     libraries = [compiled(cache, f"{robot.name}{spheres or ''}", function) for function in found.values()]
-    return made([ca.external(name, str(path)) for name, path in zip(found, libraries)], *places, libraries)
+    functions = [ca.external(name, str(path)) for name, path in zip(found, libraries)]
+    return made(functions, *places, cache, libraries)
 
 
 def interpreted(robot, spheres):
@@ -102,9 +106,9 @@ def interpreted(robot, spheres):
     return made(found.values(), *places)
 
 
-def made(functions, in_jacobian, in_hessian, libraries=()):
+def made(functions, in_jacobian, in_hessian, *files):
     value, jacobian, hessian = functions
-    return Points(value, jacobian, hessian, in_jacobian.get_triplet(), in_hessian.get_triplet(), value.numel_out(0), libraries)
+    return Points(value, jacobian, hessian, in_jacobian.get_triplet(), in_hessian.get_triplet(), value.numel_out(0), *files)
 
 
 def forward(points, n):

@@ -27,7 +27,10 @@ class Entries:
 
 
 class Functions:
-    """What IPOPT calls, from the parts of a program: its cost, and equations, jacobian and hessian by their names."""
+    """What solvers call, from the parts of a program: its cost, and equations, jacobian and hessian by their names."""
+
+    # What the cost of the task is multiplied by.
+    unit = 1.0
 
     def nlp(self):
         return {"x": self.x, "f": self.cost(), "g": self.equations()}

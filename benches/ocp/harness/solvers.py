@@ -1,4 +1,4 @@
-"""Solvers of nonlinear programs that CasADi comes with, and what each is given: options, and exact derivatives of a program."""
+"""Solvers of nonlinear programs that CasADi comes with, and what each is given: options and exact derivatives."""
 
 import casadi as ca
 
@@ -63,8 +63,8 @@ class Fatrop:
 
     @staticmethod
     def functions(program):
-        """By the names under which CasADi keeps what it would derive itself. The gradients of the Lagrangian, which FATROP does
-        not use, are zero."""
+        """By the names under which CasADi keeps what it would derive itself. Gradients of the Lagrangian, which FATROP does not
+        use, are zero."""
         weights, weight = ca.MX.sym("lam_g", program.of.rows + program.of.end_rows), ca.MX.sym("lam_f")
         arguments, zeros = [program.x, program.p], ca.DM.zeros(program.of.size)
         weighted = [*arguments, weight, weights]

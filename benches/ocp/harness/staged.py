@@ -1,13 +1,15 @@
-"""Direct collocation of a task in stages, for FATROP: states q and v at the nodes, accelerations at Radau's points as controls.
+"""Direct collocation in stages, for FATROP: states q and v at the nodes, accelerations at Radau's points as controls.
 
 A stage is an interval. Its unknowns are x = (q, v), or (q, v, T) in a free time, and the accelerations at its three points; the
-last stage is x alone. Rows of a stage: x_{k+1} - F(x_k, u_k) = 0, linear in a given time; then, point by point, torques that have
-limits, clearances, and q, v and a where these have limits. Torques are no unknowns: they stand in cost and inequalities only.
-Start and end are bounds of x. stage.py has the functions of a stage."""
+last stage is x alone. Rows of a stage: x_{k+1} - F(x_k, u_k) = 0, linear in a given time; then, point by point, torques that
+have limits, clearances, and q, v and a where these have limits. Torques are no unknowns: they stand in cost and inequalities
+only. Start and end are bounds of x. stage.py has the functions of a stage."""
 
 import numpy
 
 import radau
+import shapes
+import stage
 from motion import Accelerated
 from staged_program import StagedProgram
 
@@ -15,17 +17,17 @@ from staged_program import StagedProgram
 class Staged:
     PROGRAM = StagedProgram
 
-    def __init__(self, task, stages, mesh):
+    def __init__(self, task, points, mesh):
         self.task, self.n, self.mesh = task, task.n, numpy.asarray(mesh)
         self.elements = len(mesh) - 1
         self.limited = {name: numpy.flatnonzero(numpy.isfinite(low) | numpy.isfinite(high)).tolist()
                         for name, (low, high) in self.limits().items()}
-        self.functions = stages.of(task.free, self.limited)
+        self.functions = stage.functions(task, points, self.limited)
         # States and controls of a stage, and unknowns of it.
         self.states, self.controls = 2 * self.n + task.free, radau.DEGREE * self.n
         self.stage = self.states + self.controls
         self.size = self.stage * self.elements + self.states
-        self.clearances = stages.points.rows - self.n
+        self.clearances = points.rows - self.n
         # Rows of a point, and of a stage without and with the next state.
         self.rows_point = self.clearances + sum(map(len, self.limited.values()))
         self.paths = radau.DEGREE * self.rows_point
@@ -33,11 +35,10 @@ class Staged:
         self.rows, self.end_rows = self.rows_stage * self.elements, task.end_rows
         # First unknown of each state, as a column.
         self.first = self.stage * numpy.arange(self.elements + 1)[:, None]
-        self.scale = numpy.ones(stages.points.rows)
+        self.scale = numpy.ones(points.rows)
         self.scale[: self.n] = 1 / task.torque_size
-        points = (self.mesh[:-1, None] + numpy.diff(self.mesh)[:, None] * radau.POINTS).ravel()
         # The first guess is given at the points and then at the nodes.
-        self.times = numpy.append(points, self.mesh)
+        self.times = numpy.append((self.mesh[:-1, None] + numpy.diff(self.mesh)[:, None] * radau.POINTS).ravel(), self.mesh)
 
     def limits(self):
         task = self.task
@@ -49,6 +50,12 @@ class Staged:
         k = self.elements
         return {"N": k, "nx": [self.states] * (k + 1), "nu": [self.controls] * k + [0],
                 "ng": [self.paths] * k + [self.end_rows]}
+
+    def first_guess(self):
+        """The cubic from start to end."""
+        task = self.task
+        motion = shapes.motion(shapes.cubic, task.q_start, task.q_last, task.duration, self.times)
+        return self.guess((task.duration, *motion, None))
 
     def guess(self, motion):
         duration, q, v, a, _ = motion

@@ -1,4 +1,4 @@
-"""The functions of staged.py with exact derivatives, put together from those of the stages: dense blocks, one for each interval."""
+"""The functions of staged.py with exact derivatives, put together from those of the stages: a dense block each."""
 
 import casadi as ca
 import numpy
@@ -18,10 +18,13 @@ class StagedProgram(Functions):
         time = self.w[2 * t.n, :] if task.free else ca.DM([[task.duration] * k])
         across = lambda column: ca.repmat(ca.DM(column), 1, k)
         effort = numpy.outer(task.effort, radau.WEIGHTS)
-        self.arguments = [self.w, time, ca.DM(numpy.diff(t.mesh)).T, across(effort), across(t.scale),
-                          across(task.obstacles_flat)]
         self.duration = self.x[2 * t.n] if task.free else task.duration
         self.end = EndConditions(task)
+        # Effort and weight of time of the cost in its unit: that of the first guess is 1, so that tolerances are relative.
+        self.arguments = [self.w, time, ca.DM(numpy.diff(t.mesh)).T, across(effort), across(t.scale),
+                          across(task.obstacles_flat)]
+        self.unit = 1 / float(ca.Function("cost", [self.x], [self.cost()])(t.first_guess()))
+        self.arguments[3] *= self.unit
 
     def after_states(self):
         """x_1, ..., x_N."""
@@ -35,13 +38,15 @@ class StagedProgram(Functions):
     def cost(self):
         task = self.of.task
         spent = ca.sum2(self.of_stages("cost")) if task.effort.any() else 0
-        return task.time_weight * self.duration + spent
+        return self.unit * task.time_weight * self.duration + spent
 
     def gradient(self):
         t = self.of
         inner = ca.vec(self.of_stages("gradient")) if t.task.effort.any() else ca.DM.zeros(t.stage * t.elements)
         found = ca.vertcat(inner, ca.DM.zeros(t.states))
-        return found + t.task.time_weight * ca.DM.triplet([2 * t.n], [0], [1.0], t.size, 1) if t.task.free else found
+        if not t.task.free:
+            return found
+        return found + self.unit * t.task.time_weight * ca.DM.triplet([2 * t.n], [0], [1.0], t.size, 1)
 
     def equations(self):
         t = self.of

@@ -97,28 +97,32 @@ def worst(sides, key):
 
 
 def losses(figures):
-    """Tasks that the peer solves and costate does not, and those that cost more; then what the peer does not solve."""
+    """Tasks that FATROP or the peer solves and costate does not, those that cost more, then what these two do not solve."""
     rows, refused = [], {}
     for row in measures.of(figures):
-        ours, theirs = row["sides"]["costate"], row["sides"][measures.PEER]
+        ours = row["sides"]["costate"]
+        theirs = [row["sides"][label] for label in (fatrop.FATROP, measures.PEER) if label in row["sides"]]
         above = excess(row, "costate")
+        texts = [reason(ours), *map(reason, theirs)]
         if ours["status"].startswith("refused"):
             refused.setdefault(row["class"], []).append(row)
         elif not ours["solved"]:
-            rows.append((1 if theirs["solved"] else 3, [row["task"], "not solved", reason(ours), reason(theirs)]))
+            rows.append((1 if any(side["solved"] for side in theirs) else 3, [row["task"], "not solved", *texts]))
         elif above is not None and above > NEAR:
             text = f"cost {above:.1e} above the best known"
             if row.get("starts") is not None:
                 text += f", from {STARTS} starts {row['starts'] / row['best'] - 1:.0e}"
-            rows.append((2, [row["task"], text, reason(ours), reason(theirs)]))
-        elif not theirs["solved"]:
-            rows.append((4, [row["task"], "solved by costate only", reason(ours), reason(theirs)]))
+            rows.append((2, [row["task"], text, *texts]))
+        elif not any(side["solved"] for side in theirs):
+            rows.append((4, [row["task"], "solved by costate only", *texts]))
+    head = ["FATROP"] * (fatrop.FATROP in labels(figures)) + ["peer"]
     for kind, found in refused.items():
-        solved = len(measures.solved(found, measures.PEER))
-        rows.append((0, [f"class {kind}: {len(found)} tasks", "cannot be posed", reason(found[0]["sides"]["costate"]),
-                         f"solved {solved}"]))
+        counts = [len(measures.solved(found, label)) for label in (fatrop.FATROP, measures.PEER)]
+        solved = [f"solved {count}" for count in counts[-len(head):]]
+        ours = reason(found[0]["sides"]["costate"])
+        rows.append((0, [f"class {kind}: {len(found)} tasks", "cannot be posed", ours, *solved]))
     rows.sort(key=lambda pair: pair[0])
-    return markdown.table(["task", "what", "costate", "peer"], [row for _, row in rows]) if rows else "None.\n"
+    return markdown.table(["task", "what", "costate", *head], [row for _, row in rows]) if rows else "None.\n"
 
 
 def reason(side):

@@ -59,6 +59,11 @@ class Task:
     def n(self):
         return self.robot.n
 
+    @property
+    def q_last(self):
+        """Where the first guess ends."""
+        return self.q_end if self.q_end is not None else self.q_guess
+
     def but(self, **changes):
         return replace(self, **changes)
 
