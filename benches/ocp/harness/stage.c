@@ -5,27 +5,45 @@
      JACOBIAN, HESSIAN   numbers of entries, and their rows and columns in jacobian_i, jacobian_j, hessian_i, hessian_j
      LIMITED, KEPT       numbers of rows that are kept among torques and clearances, and of z, listed in limited and kept
 
-   and the functions of the points, value, jacobian and hessian. Matrices are stored by columns. */
+   and the functions of the points, value, jacobian and hessian. Matrices are stored by columns. The unit of time of rates and
+   accelerations among the unknowns is given; the functions of the points are called with seconds. */
 
 enum { Z = 3 * N, X = 2 * N + FREE, W = X + 3 * N, PATH = LIMITED + KEPT, ALL = X + 3 * PATH };
 
 typedef struct {
     const double *w, *e, *scale, *par;
     double time, share, h;
+    /* Of q, v and a in seconds. */
+    double units[3];
     double *work;
     INT *integers;
 } Given;
 
 static Given given(const double **arg, INT *integers, double *work) {
-    Given g = {arg[0], arg[3], arg[4], arg[5], *arg[1], *arg[2], *arg[1] * *arg[2], work, integers};
+    double rate = 1 / *arg[6];
+    Given g = {arg[0], arg[3], arg[4], arg[5], *arg[1], *arg[2], *arg[1] * *arg[2], {1, rate, rate * rate}, work, integers};
     return g;
 }
 
 static int call(int (*function)(const double **, double **, INT *, double *, int), const Given *g, const double *z,
                 const double *weights, double *result) {
-    const double *arg[3 + EXTRA] = {z, g->par, weights};
+    double own[Z];
+    for (int i = 0; i < Z; i++) own[i] = g->units[i / N] * z[i];
+    const double *arg[3 + EXTRA] = {own, g->par, weights};
     double *res[1 + EXTRA] = {result};
     return function(arg, res, g->integers, g->work, 0);
+}
+
+static int call_jacobian(const Given *g, const double *z, double *entries) {
+    if (call(jacobian, g, z, 0, entries)) return 1;
+    for (int k = 0; k < JACOBIAN; k++) entries[k] *= g->units[jacobian_j[k] / N];
+    return 0;
+}
+
+static int call_hessian(const Given *g, const double *z, const double *weights, double *entries) {
+    if (call(hessian, g, z, weights, entries)) return 1;
+    for (int k = 0; k < HESSIAN; k++) entries[k] *= g->units[hessian_i[k] / N] * g->units[hessian_j[k] / N];
+    return 0;
 }
 
 /* Factors of v in q, and of the accelerations in q and v of point j; those of the same by T. */
@@ -99,7 +117,7 @@ int gradient(const double **arg, double **res, INT *integers, double *work, int 
     for (int j = 0; j < 3; j++) {
         Factors f = factors(&g, j);
         motion(&g, &f, j, z);
-        if (call(value, &g, z, 0, value_of) || call(jacobian, &g, z, 0, entries)) return 1;
+        if (call(value, &g, z, 0, value_of) || call_jacobian(&g, z, entries)) return 1;
         for (int i = 0; i < Z; i++) by_z[i] = 0;
         for (int k = 0; k < JACOBIAN; k++) {
             int i = jacobian_i[k];
@@ -162,7 +180,7 @@ int jacobian_of_rows(const double **arg, double **res, INT *integers, double *wo
             for (int i = 0; i < PATH * Z; i++) by_z[i] = 0;
             if (LIMITED) {
                 motion(&g, &f, j, z);
-                if (call(jacobian, &g, z, 0, entries)) return 1;
+                if (call_jacobian(&g, z, entries)) return 1;
                 for (int k = 0; k < JACOBIAN; k++) {
                     int i = jacobian_i[k];
                     if (place[i] >= 0) by_z[jacobian_j[k] * PATH + place[i]] = g.scale[i] * entries[k];
@@ -186,10 +204,10 @@ int jacobian_of_rows(const double **arg, double **res, INT *integers, double *wo
 static int second_of_point(const Given *g, int j, const double *z, double weight, const double *lam, const double *nu,
                            double hessian_of[Z][Z], double *first, double *spent) {
     double value_of[ROWS], entries[JACOBIAN], seconds[HESSIAN], weights[ROWS], own[N][Z];
-    if (call(value, g, z, 0, value_of) || call(jacobian, g, z, 0, entries)) return 1;
+    if (call(value, g, z, 0, value_of) || call_jacobian(g, z, entries)) return 1;
     for (int i = 0; i < ROWS; i++) weights[i] = g->scale[i] * lam[i];
     for (int i = 0; i < N; i++) weights[i] += weight * g->h * g->e[j * N + i] * value_of[i];
-    if (call(hessian, g, z, weights, seconds)) return 1;
+    if (call_hessian(g, z, weights, seconds)) return 1;
     for (int i = 0; i < Z; i++) {
         first[i] = nu[i];
         spent[i] = 0;
@@ -221,14 +239,14 @@ static int second_of_point(const Given *g, int j, const double *z, double weight
 
 int second(const double **arg, double **res, INT *integers, double *work, int memory) {
     Given g = given(arg, integers, work);
-    double weight = *arg[6], hessian_of[Z][Z], right[Z][W], z[Z], first[Z], spent[Z], change[Z], bend[N];
+    double weight = *arg[7], hessian_of[Z][Z], right[Z][W], z[Z], first[Z], spent[Z], change[Z], bend[N];
     double (*result)[W] = (double (*)[W]) res[0];
     for (int i = 0; i < W; i++)
         for (int k = 0; k < W; k++) result[i][k] = 0;
     for (int j = 0; j < 3; j++) {
         Factors f = factors(&g, j);
         motion(&g, &f, j, z);
-        if (second_of_point(&g, j, z, weight, arg[7] + j * ROWS, arg[8] + j * Z, hessian_of, first, spent)) return 1;
+        if (second_of_point(&g, j, z, weight, arg[8] + j * ROWS, arg[9] + j * Z, hessian_of, first, spent)) return 1;
         by_time(&g, &f, change, bend);
         for (int i = 0; i < Z; i++) {
             const double *q = hessian_of[i], *v = q + N, *a = v + N;

@@ -26,9 +26,9 @@ BODY = Path(__file__).with_name("stage.c")
 
 
 def functions(task, own, limited):
-    """Functions by name of (w, T, s, e, scale, par): the unknowns, the time, the share of the interval, effort times the weights
-    of the quadrature by point, what rows of torques and clearances are multiplied by, and the obstacles; of "second" also of the
-    weight of the cost and of the multipliers of torques and clearances and of z by point. `own` are the compiled points of the
+    """Functions by name of (w, T, s, e, scale, par, unit): the unknowns, the time, the share of the interval, effort times the
+    weights of the quadrature by point, what rows of torques and clearances are multiplied by, the obstacles, and the unit of time
+    of rates and accelerations, also that of 1/s and e (s); of "second" also of the weight of the cost and of the multipliers of torques and clearances and of z by point. `own` are the compiled points of the
     task, `limited` holds the joints whose q, v, a and torques have limits."""
     kind = f"{task.robot.name}{len(task.obstacles) or ''}{'_free' if task.free else ''}"
     rows = "".join(name + "".join(map(str, joints)) for name, joints in limited.items() if joints) or "no_limits"
@@ -48,7 +48,8 @@ def text(names, task, own, limited):
     torques = [*limited["u"], *range(n, own.rows)]
     kept = [order * n + joint for order, name in enumerate("qva") for joint in limited[name]]
     rows = states + d * (len(torques) + len(kept))
-    inputs = {"w": (w, 1), "T": (1, 1), "s": (1, 1), "e": (n, d), "scale": (own.rows, 1), "par": (4 * len(task.obstacles), 1)}
+    inputs = {"w": (w, 1), "T": (1, 1), "s": (1, 1), "e": (n, d), "scale": (own.rows, 1), "par": (4 * len(task.obstacles), 1),
+              "unit": (1, 1)}
     more = {"weight": (1, 1), "lam": (own.rows, d), "nu": (3 * n, d)}
     outputs = {"cost": (1, 1), "gradient": (w, 1), "second": (w, w), "rows": (rows, 1), "jacobian_of_rows": (rows, w)}
     called = (own.value, own.jacobian, own.hessian)

@@ -21,8 +21,8 @@ class StagedProgram(Functions):
         self.duration = self.x[2 * t.n] if task.free else task.duration
         self.end = EndConditions(task)
         # Effort and weight of time of the cost in its unit: that of the first guess is 1, so that tolerances are relative.
-        self.arguments = [self.w, time, ca.DM(numpy.diff(t.mesh)).T, across(effort), across(t.scale),
-                          across(task.obstacles_flat)]
+        self.arguments = [self.w, time, ca.DM(numpy.diff(t.mesh) / t.unit).T, across(effort * t.unit), across(t.scale),
+                          across(task.obstacles_flat), across(t.unit)]
         self.unit = 1 / float(ca.Function("cost", [self.x], [self.cost()])(t.first_guess()))
         self.arguments[3] *= self.unit
 
