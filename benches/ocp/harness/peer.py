@@ -110,7 +110,7 @@ class Peer:
         stats = solver.stats()
         motion = unknowns.motion(numpy.array(found["x"]).ravel(), lambda *z: self.torques(task, *z))
         status, solved = self.solver.status(stats)
-        return Answer("peer", status, solved, float(found["f"]) / program.unit, motion.duration, stats["iter_count"], seconds,
+        return Answer("peer", status, solved, float(found["f"]) / program.cost_factor, motion.duration, stats["iter_count"], seconds,
                       whole, motion)
 
 

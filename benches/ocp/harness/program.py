@@ -30,7 +30,7 @@ class Functions:
     """What solvers call, from the parts of a program: its cost, and equations, jacobian and hessian by their names."""
 
     # What the cost of the task is multiplied by.
-    unit = 1.0
+    cost_factor = 1.0
 
     def nlp(self):
         return {"x": self.x, "f": self.cost(), "g": self.equations()}

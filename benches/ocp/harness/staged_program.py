@@ -20,11 +20,11 @@ class StagedProgram(Functions):
         effort = numpy.outer(task.effort, radau.WEIGHTS)
         self.duration = self.x[2 * t.n] if task.free else task.duration
         self.end = EndConditions(task)
-        # Effort and weight of time of the cost in its unit: that of the first guess is 1, so that tolerances are relative.
         self.arguments = [self.w, time, ca.DM(numpy.diff(t.mesh) / t.unit).T, across(effort * t.unit), across(t.scale),
                           across(task.obstacles_flat), across(t.unit)]
-        self.unit = 1 / float(ca.Function("cost", [self.x], [self.cost()])(t.first_guess()))
-        self.arguments[3] *= self.unit
+        # The first guess costs 1, so that tolerances are relative.
+        self.cost_factor = 1 / (float(ca.Function("cost", [self.x], [self.cost()])(t.first_guess())) or 1.0)
+        self.arguments[3] *= self.cost_factor
 
     def after_states(self):
         """x_1, ..., x_N."""
@@ -38,7 +38,7 @@ class StagedProgram(Functions):
     def cost(self):
         task = self.of.task
         spent = ca.sum2(self.of_stages("cost")) if task.effort.any() else 0
-        return self.unit * task.time_weight * self.duration + spent
+        return self.cost_factor * task.time_weight * self.duration + spent
 
     def gradient(self):
         t = self.of
@@ -46,7 +46,7 @@ class StagedProgram(Functions):
         found = ca.vertcat(inner, ca.DM.zeros(t.states))
         if not t.task.free:
             return found
-        return found + self.unit * t.task.time_weight * ca.DM.triplet([2 * t.n], [0], [1.0], t.size, 1)
+        return found + self.cost_factor * t.task.time_weight * ca.DM.triplet([2 * t.n], [0], [1.0], t.size, 1)
 
     def equations(self):
         t = self.of

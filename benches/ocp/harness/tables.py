@@ -26,8 +26,8 @@ def tables(figures):
 
 
 def verdict_table(figures):
-    return "\n".join(filter(None, (levels.text(figures), markdown.table(["goal", "measured", "verdict"],
-                                                                          goals.verdicts(figures)))))
+    goals_of_all = markdown.table(["goal", "measured", "verdict"], goals.verdicts(figures))
+    return "\n".join(filter(None, (levels.text(figures), goals_of_all)))
 
 
 def class_table(figures):
