@@ -8,9 +8,10 @@ use crate::problem::StagedProblem;
 /// $$ \min_x f(x) \quad \text{subject to} \quad g_L \le g(x) \le g_U $$
 ///
 /// x are the displacements of the unknowns from a point, in the order of the [`Layout`](crate::Layout), and
-/// with unknowns that are plain numbers the unknowns themselves less those of that point. g are the equations, then the
-/// functions with ranges. Matrices are lists of entries (row, column, value), numbered from zero; entries at
-/// the same place are to be added up. The Hessian is that of `factor f + lambda . g`, its lower triangle.
+/// with unknowns that are plain numbers the unknowns themselves less those of that point. g are the
+/// equations, then the functions with ranges. Matrices are lists of entries (row, column, value), numbered
+/// from zero; entries at the same place are to be added up. The Hessian is that of `factor f + lambda . g`,
+/// its lower triangle.
 ///
 /// Each call takes x; what was computed for the last x is kept.
 ///
