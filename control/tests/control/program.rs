@@ -1,6 +1,6 @@
 //! The program of a motion on one mesh, solved by the solver for staged programs, against the direct method.
 
-use crate::loops::{crank, four_bar};
+use crate::loops::{FREE, crank, four_bar};
 use costate::robot::Robot;
 use costate_control::{FinalTime, MotionLimits, Objective, Polish, Problem, Solver, SolverOptions};
 use costate_nlp::{Certificate, Settings, SparseProgram, StagedProblem, Status};
@@ -12,8 +12,9 @@ fn robot(file: &str) -> Robot {
     Robot::from_file(format!("../robots/{file}")).unwrap()
 }
 
-/// The cost of the program, certified, and what the direct method says with its own meshes.
-fn costs(problem: &Problem) -> [f64; 2] {
+/// The cost of the program, certified as a local minimum or as what is allowed too, and what the direct method
+/// says with its own meshes.
+fn costs(problem: &Problem, allowed: Certificate) -> [f64; 2] {
     let mut program = problem.nlp(&SolverOptions::default().with_nodes(NODES)).unwrap();
     let mut solver = costate_nlp::Solver::new(program.layout(), Settings::default());
     let start = program.start().to_vec();
@@ -21,7 +22,8 @@ fn costs(problem: &Problem) -> [f64; 2] {
     assert!(matches!(solution.status, Status::Solved | Status::SolvedToRounding), "{:?}", solution.status);
     assert!(solution.dependent.is_empty(), "{:?}", solution.dependent);
     let (cost, point, multipliers) = (solution.cost, solution.point.to_vec(), solution.ranges.to_vec());
-    assert_eq!(solver.certify(&mut program).unwrap(), Certificate::LocalMinimum);
+    let certificate = solver.certify(&mut program).unwrap();
+    assert!(certificate == Certificate::LocalMinimum || certificate == allowed, "{certificate:?}");
     // Multipliers of limits that are not reached are small, and ranges are kept.
     let [lower, upper] = program.bounds().map(<[f64]>::to_vec);
     let mut sparse = SparseProgram::at(program, &point);
@@ -45,7 +47,7 @@ fn costs(problem: &Problem) -> [f64; 2] {
 fn programs_have_the_minima_of_the_direct_method() {
     let two_link = || robot("two_link.toml");
     let from = || Problem::rest_to_rest(two_link(), &[0.0, 0.0], &[1.5, 1.5], 1.0);
-    let bounded = MotionLimits::none().with_torque_max(vec![60.0, 15.0]).with_v_max(vec![2.2, 2.4]);
+    let bounded = MotionLimits::none().with_torque_max(vec![80.0, 25.0]).with_v_max(vec![2.2, 2.4]);
     let mut least_time = from().with_limits(MotionLimits::none().with_torque_max(vec![60.0, 15.0]));
     least_time.cost = Objective::new(1.0, vec![0.0; 2]);
     least_time.time = FinalTime::Free { guess: 1.0 };
@@ -59,10 +61,12 @@ fn programs_have_the_minima_of_the_direct_method() {
         ("jerks", from().with_limits(jerk), 1e-3),
         ("least time", least_time, 2e-3),
         ("a joint without a motor", cart, 1e-5),
-        ("a loop", crank(four_bar(), 1e6), 1e-5),
+        ("a loop", crank(four_bar(), FREE), 1e-5),
     ];
     for (name, problem, tolerance) in cases {
-        let [cost, expected] = costs(&problem);
+        // Second derivatives alone do not decide where the limits determine the motion up to its multipliers.
+        let allowed = if name == "least time" { Certificate::Undecided } else { Certificate::LocalMinimum };
+        let [cost, expected] = costs(&problem, allowed);
         assert!((cost / expected - 1.0).abs() < tolerance, "{name}: {cost} {expected}");
     }
 }

@@ -82,25 +82,29 @@ impl fmt::Debug for MotionProgram {
 impl Problem {
     /// The nonlinear program of this motion on the mesh that the [direct method](Method::Direct) begins with:
     /// equal intervals, as many as [`nodes`](SolverOptions::nodes) allows, and nodes at what the problem
-    /// names. It takes trees, loops, steps of gaits, and all limits and costs.
+    /// names. It takes trees, loops, steps of gaits, and all limits and costs. Constraints have coordinates of
+    /// their own after those of the joints, whose accelerations are the multipliers.
     ///
     /// # Errors
     /// [`ProblemError`] as [`Solver::new`](crate::Solver::new); [`ProblemError::FreeJoint`] for floating and
     /// spherical joints.
     pub fn nlp(&self, options: &SolverOptions) -> Result<MotionProgram, ProblemError> {
         self.refuse_free_joints()?;
-        let rows = TaskRows::new(self)?;
         self.check_for(Method::Direct)?;
         options.check()?;
-        let first = First::new(self, &rows, options, 0, None);
-        let mut interior = interior_of(self, &rows, options, &first);
+        let is_constrained = self.gait.is_some() || !self.robot.constraints().is_empty();
+        let with_multipliers = is_constrained.then(|| self.with_multipliers()).transpose()?;
+        let problem = with_multipliers.as_ref().unwrap_or(self);
+        let rows = TaskRows::new(problem)?;
+        let first = First::new(problem, &rows, options, 0, None);
+        let mut interior = interior_of(problem, &rows, options, &first);
         // A guess that cannot be evaluated is told by the solver.
         let size = interior.start(None).map_or(1.0, |()| interior.figures.size);
         let of_both = interior.model.tasks.rows_of_both_ends();
         let Interior { spline, barrier, ends, .. } = &mut interior;
         let structure = Structure::new(spline, barrier, ends, (of_both, size));
         let work = Work::new(spline, barrier, ends, &structure);
-        let coordinates = Coordinates::of(self);
+        let coordinates = Coordinates::of(problem);
         let named = |rows: &[Row]| rows.iter().map(|row| named(&interior, row, &coordinates)).collect();
         let (equalities, ranges) = (named(&structure.equalities), named(&structure.ranges));
         Ok(MotionProgram { interior, structure, work, equalities, ranges })
