@@ -19,7 +19,7 @@ pub(crate) mod samples;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use chart_frame::{ChartFrame, MOST};
+pub(crate) use chart_frame::ChartFrame;
 pub use kinematics::FreeKinematics;
 pub use quaternions::Quaternions;
 

@@ -3,22 +3,24 @@
 use super::ConstrainedHamiltonian;
 use super::blocks::Blocks;
 use super::linearisation::ConstrainedLinearisation;
+use crate::hamiltonian::blocks_of;
 use crate::matrix::{Panel, add_scaled, dot_packs};
 use crate::scalar::Scalar;
 
 impl<S: Scalar> ConstrainedHamiltonian<S> {
     /// F, F_x, mu_x, accelerations and lambda, after [`prepare`](Self::prepare).
     #[inline(never)]
-    pub(super) fn assemble(&mut self, q: &[S], u: &[S]) {
-        self.rate(q, u);
+    pub(super) fn assemble(&mut self, [q, p, u]: [&[S]; 3]) {
+        self.rate([q, p, u]);
         self.conservative();
-        self.add_slopes(q);
+        self.add_slopes([q, p]);
         self.balance();
     }
 
-    /// Adds the slopes of friction and of wrenches from outside to F_x.
-    pub(super) fn add_slopes(&mut self, q: &[S]) {
+    /// Adds the slopes of friction, of wrenches from outside and of brackets to F_x.
+    pub(super) fn add_slopes(&mut self, [q, p]: [&[S]; 2]) {
         let n = self.dof();
+        self.free.add_slopes([p, &self.v, &self.l_q], &mut self.f_x);
         for &i in self.tree.with_friction() {
             let slope = self.friction[i].first;
             let (row, v) = self.f_x.row_mut_and_above(n + i, i);
@@ -81,9 +83,10 @@ impl<S: Scalar> ConstrainedHamiltonian<S> {
     /// exactly symmetric.
     fn forces(&mut self) {
         let (n, blocks) = (self.dof(), &self.moving.blocks);
+        let [_, l_qq] = blocks_of(&self.kernel, self.world.as_deref().filter(|_| self.in_world));
         for i in 0..n {
             for j in 0..=i {
-                let mut entry = self.kernel.l_qq()[(i, j)] - blocks.bend[(i, j)];
+                let mut entry = l_qq.entry(i, j) - blocks.bend[(i, j)];
                 for l in 0..n {
                     entry += self.cross[(l, i)] * self.f_x[(l, j)];
                 }

@@ -1,22 +1,28 @@
 //! Derivatives of g along a motion.
 //!
-//! With `(mu . g)_qq` at hand, `(J v)_q` is the derivative of J along v, and `(mu . J v)_qq` that of `(mu .
-//! g)_qq` for constant mu. Both are tangents of the same code. Their own derivatives along (dq, dv, dmu) are
-//! tangents of tangents: with q + a v + b dq + a b dv and mu + b dmu, the coefficients of b and a b.
+//! With `C = (J'mu)_q` at hand, `(J v)_q` is the derivative of J along v, and `(mu . J v)_qq` that of C for
+//! constant mu. Both are tangents of the same code, at `q (+) a v`. Their own derivatives along (dq, dv, dmu) are
+//! tangents of tangents.
+//!
+//! Displacements of floating and spherical joints do not commute. With N(v) of `hamiltonian/free`,
+//!
+//! $$ (J v)\_q = D\_v J + J N(v)^T, \qquad (\mu \cdot J v)\_{qq} = \operatorname{sym}(D\_v C + N(v) (C + C^T)) $$
 
 use super::Constraints;
+use crate::hamiltonian::Free;
 use crate::matrix::{Matrix, filled};
 use crate::robot::Tree;
 use crate::scalar::{Scalar, Tangent};
+use crate::spatial::{Quaternion, Vec3};
 
 /// What the constraints add to the blocks of the kernels, or its derivative along a direction.
 #[derive(Clone, Debug)]
 pub(super) struct Blocks<S> {
-    /// J, k x n; of the derivatives alone, not of the blocks themselves.
+    /// J, k x n.
     pub jacobian: Matrix<S>,
     /// `(J v)_q`, k x n.
     pub slope: Matrix<S>,
-    /// `(mu . J)_q = (mu . g)_qq`, n x n.
+    /// `C = (J'mu)_q`, n x n.
     pub curvature: Matrix<S>,
     /// `(mu . J v)_qq`, n x n.
     pub bend: Matrix<S>,
@@ -29,47 +35,13 @@ impl<S: Scalar> Blocks<S> {
     }
 }
 
-/// A position with derivatives: constant orientations, and coordinates of the chains of joints that move.
-#[derive(Clone, Debug)]
-pub(super) struct ChartPoint<S, T> {
-    still: Vec<S>,
-    /// nq entries, if there are quaternions among them.
-    pub q: Vec<T>,
-    /// n entries.
-    pub chart: Vec<T>,
-}
-
-impl<S: Scalar, T: Scalar> ChartPoint<S, T> {
-    pub fn new(tree: &Tree) -> Self {
-        let nq = if tree.free().is_empty() { 0 } else { tree.nq() };
-        Self {
-            still: filled(S::zero(), tree.dof()),
-            q: filled(T::zero(), nq),
-            chart: filled(T::zero(), tree.dof()),
-        }
-    }
-
-    /// With the entries of q and of the chart made by these functions.
-    pub fn set(
-        &mut self,
-        rows: &Constraints<T>,
-        q: &[S],
-        constant: impl Fn(S) -> T,
-        moving: impl Fn(S, usize) -> T,
-    ) {
-        rows.tree().chart_coordinates(q, &mut self.still);
-        self.q.iter_mut().zip(q).for_each(|(to, &q)| *to = constant(q));
-        self.chart.iter_mut().zip(&self.still).enumerate().for_each(|(i, (to, &q))| *to = moving(q, i));
-    }
-}
-
 /// The blocks at (q, v, mu).
 #[derive(Clone, Debug)]
 pub(super) struct Moving<S: Scalar> {
-    rows: Constraints<Tangent<S>>,
-    at: ChartPoint<S, Tangent<S>>,
+    pub rows: Constraints<Tangent<S>>,
+    pub free: Free<S>,
+    q: Vec<Tangent<S>>,
     mu: Vec<Tangent<S>>,
-    v: Vec<S>,
     pub blocks: Blocks<S>,
 }
 
@@ -77,97 +49,112 @@ impl<S: Scalar> Moving<S> {
     pub fn new(tree: &Tree) -> Self {
         let rows = Constraints::from_tree(tree);
         let (n, k, zero) = (rows.dof(), rows.count(), Tangent::zero());
-        let (at, mu, v) = (ChartPoint::new(tree), filled(zero, k), filled(S::zero(), n));
-        Self { rows, at, mu, v, blocks: Blocks::new(n, k) }
-    }
-
-    /// The same with displacements of floating joints along the axes of the moved frames, where these rows
-    /// were placed last.
-    pub fn place_in_own_axes(&mut self, q: &[S], v: &[S], mu: &[S], rows: &Constraints<S>) {
-        self.v.copy_from_slice(v);
-        let mut outward = std::mem::take(&mut self.v);
-        rows.frames().iter().for_each(|frame| frame.outward(&mut outward));
-        self.place(q, &outward, mu);
-        self.v = outward;
-        let Blocks { slope, curvature, bend, .. } = &mut self.blocks;
-        for frame in rows.frames() {
-            let (at, _) = frame.place();
-            (0..slope.rows()).for_each(|i| frame.inward(slope.row_mut(i)));
-            [&mut *curvature, &mut *bend].into_iter().for_each(|matrix| frame.turn_symmetric(matrix, &[at]));
-        }
+        let (q, mu) = (filled(zero, tree.nq()), filled(zero, k));
+        Self { rows, free: Free::new(tree), q, mu, blocks: Blocks::new(n, k) }
     }
 
     #[inline(never)]
     pub fn place(&mut self, q: &[S], v: &[S], mu: &[S]) {
-        self.at.set(
-            &self.rows,
-            q,
-            |value| Tangent::new(value, S::zero()),
-            |value, i| Tangent::new(value, v[i]),
-        );
-        self.mu.iter_mut().zip(mu).for_each(|(to, &mu)| *to = Tangent::new(mu, S::zero()));
-        self.rows.place_chart(&self.at.q, &self.at.chart);
-        self.rows.contract(&self.mu);
-        let Blocks { slope, curvature, bend, .. } = &mut self.blocks;
-        let (of_rows, some) = (0..self.rows.count(), self.rows.coordinates());
-        for i in of_rows {
-            let (from, to) = (self.rows.chart_jacobian().row(i), slope.row_mut(i));
-            some.iter().for_each(|&j| to[j] = from[j].eps);
+        self.place_rows(q, v);
+        self.contract(v, mu);
+    }
+
+    /// J and its slope alone.
+    #[inline(never)]
+    pub fn place_rows(&mut self, q: &[S], v: &[S]) {
+        displace(self.rows.tree(), q, v, &mut self.q);
+        self.rows.place(&self.q);
+        let Blocks { jacobian, slope, .. } = &mut self.blocks;
+        take(self.rows.jacobian(), jacobian, |entry| entry.re);
+        take(self.rows.jacobian(), slope, |entry| entry.eps);
+        for e in self.free.of_velocity(v) {
+            (0..slope.rows()).for_each(|i| slope[(i, e.row)] += e.value * jacobian[(i, e.column)]);
         }
-        let both = [curvature, bend];
-        take_entries(some.iter().copied(), some, self.rows.contracted(), |entry| [entry.re, entry.eps], both);
+    }
+
+    /// The other blocks there.
+    #[inline(never)]
+    pub fn contract(&mut self, v: &[S], mu: &[S]) {
+        self.mu.iter_mut().zip(mu).for_each(|(to, &mu)| *to = Tangent::new(mu, S::zero()));
+        let (Blocks { curvature, bend, .. }, found) = (&mut self.blocks, self.rows.contract(&self.mu));
+        take(found, curvature, |entry| entry.re);
+        take(found, bend, |entry| entry.eps);
+        for e in self.free.of_velocity(v) {
+            for j in 0..v.len() {
+                let both = curvature[(e.column, j)] + curvature[(j, e.column)];
+                bend[(e.row, j)] += e.value * both;
+            }
+        }
+        if !self.rows.tree().free().is_empty() {
+            for (i, j) in (0..v.len()).flat_map(|i| (0..i).map(move |j| (i, j))) {
+                let entry = (bend[(i, j)] + bend[(j, i)]).times(0.5);
+                (bend[(i, j)], bend[(j, i)]) = (entry, entry);
+            }
+        }
     }
 }
 
 /// The derivatives of the blocks along (dq, dv, dmu).
 #[derive(Clone, Debug)]
 pub(super) struct Changing<S: Scalar> {
-    rows: Constraints<Tangent<Tangent<S>>>,
-    at: ChartPoint<S, Tangent<Tangent<S>>>,
-    mu: Vec<Tangent<Tangent<S>>>,
+    moving: Moving<Tangent<S>>,
+    q: Vec<Tangent<S>>,
+    v: Vec<Tangent<S>>,
+    mu: Vec<Tangent<S>>,
     pub blocks: Blocks<S>,
 }
 
 impl<S: Scalar> Changing<S> {
     pub fn new(tree: &Tree) -> Self {
-        let rows = Constraints::from_tree(tree);
-        let (n, k, zero) = (rows.dof(), rows.count(), Scalar::zero());
-        Self { rows, at: ChartPoint::new(tree), mu: filled(zero, k), blocks: Blocks::new(n, k) }
+        let (moving, zero) = (Moving::new(tree), Tangent::zero());
+        let (n, k) = (tree.dof(), moving.mu.len());
+        let (q, v, mu) = (filled(zero, tree.nq()), filled(zero, n), filled(zero, k));
+        Self { moving, q, v, mu, blocks: Blocks::new(n, k) }
     }
 
     /// At (q, v, mu), along (dq, dv, dmu).
     #[inline(never)]
     pub fn place(&mut self, [q, v, mu]: [&[S]; 3], [dq, dv, dmu]: [&[S]; 3]) {
-        let still = Tangent::new(S::zero(), S::zero());
-        let moving = |value, i: usize| Tangent::new(Tangent::new(value, v[i]), Tangent::new(dq[i], dv[i]));
-        self.at.set(&self.rows, q, |value| Tangent::new(Tangent::new(value, S::zero()), still), moving);
-        for (i, to) in self.mu.iter_mut().enumerate() {
-            *to = Tangent::new(Tangent::new(mu[i], S::zero()), Tangent::new(dmu[i], S::zero()));
-        }
-        self.rows.place_chart(&self.at.q, &self.at.chart);
-        self.rows.contract(&self.mu);
-        let Blocks { jacobian, slope, curvature, bend } = &mut self.blocks;
-        let (of_rows, some) = (0..self.rows.count(), self.rows.coordinates());
-        let (of_j, of_hessian) = (self.rows.chart_jacobian(), self.rows.contracted());
-        let parts = |entry: Tangent<Tangent<S>>| [entry.eps.re, entry.eps.eps];
-        take_entries(of_rows, some, of_j, parts, [jacobian, slope]);
-        take_entries(some.iter().copied(), some, of_hessian, parts, [curvature, bend]);
+        displace(self.moving.rows.tree(), q, dq, &mut self.q);
+        pair(v, dv, &mut self.v);
+        pair(mu, dmu, &mut self.mu);
+        self.moving.place(&self.q, &self.v, &self.mu);
+        let (from, to) = (&self.moving.blocks, &mut self.blocks);
+        take(&from.jacobian, &mut to.jacobian, |entry| entry.eps);
+        take(&from.slope, &mut to.slope, |entry| entry.eps);
+        take(&from.curvature, &mut to.curvature, |entry| entry.eps);
+        take(&from.bend, &mut to.bend, |entry| entry.eps);
     }
 }
 
-/// Copies two parts of the entries in some rows and columns.
-fn take_entries<T: Scalar, S: Scalar>(
-    rows: impl Iterator<Item = usize>,
-    columns: &[usize],
-    from: &Matrix<T>,
-    parts: impl Fn(T) -> [S; 2],
-    [first, second]: [&mut Matrix<S>; 2],
-) {
-    for i in rows {
-        let (from, first, second) = (from.row(i), first.row_mut(i), second.row_mut(i));
-        for &j in columns {
-            [first[j], second[j]] = parts(from[j]);
+/// Numbers with their derivatives.
+pub(super) fn pair<S: Scalar>(values: &[S], along: &[S], to: &mut [Tangent<S>]) {
+    let both = values.iter().zip(along);
+    to.iter_mut().zip(both).for_each(|(to, (&value, &along))| *to = Tangent::new(value, along));
+}
+
+/// `q (+) a d`, nq, of which the derivative by a is carried.
+pub(super) fn displace<S: Scalar>(tree: &Tree, q: &[S], d: &[S], to: &mut [Tangent<S>]) {
+    to.iter_mut().zip(q).for_each(|(to, &q)| *to = Tangent::new(q, S::zero()));
+    let along = |i: usize| Tangent::new(S::zero(), d[i]);
+    tree.plain_entries().for_each(|(at, i)| to[at] += along(i));
+    for free in tree.free() {
+        let (from, at) = (free.quaternion(to), free.joint.coordinate);
+        let vector = |k: usize| Vec3::new(along(at + k), along(at + k + 1), along(at + k + 2));
+        let slides = free.joint.kind.slides();
+        let turn = Quaternion { vector: vector(slides).times(0.5), scalar: Tangent::one() };
+        to[free.quaternion_entries()].copy_from_slice(&from.then_after(turn).to_array());
+        if slides > 0 {
+            let by = from.rotation().apply(vector(0)).to_array();
+            (0..3).for_each(|k| to[free.joint.position + k] += by[k]);
         }
+    }
+}
+
+/// Copies a part of all entries.
+pub(super) fn take<T: Scalar, S: Scalar>(from: &Matrix<T>, to: &mut Matrix<S>, part: impl Fn(T) -> S) {
+    for i in 0..to.rows() {
+        to.row_mut(i).iter_mut().zip(from.row(i)).for_each(|(to, &from)| *to = part(from));
     }
 }
 
@@ -238,7 +225,7 @@ mod tests {
                     assert!((found - expected.eps).abs() < 1e-11, "{}: {what}", robot.name());
                 }
             };
-            let jacobian = judge.rows.chart_jacobian().as_slice().iter();
+            let jacobian = judge.rows.jacobian().as_slice().iter();
             for (found, expected) in changing.blocks.jacobian.as_slice().iter().zip(jacobian) {
                 assert!((found - expected.re.eps).abs() < 1e-11, "{}: J", robot.name());
             }

@@ -38,8 +38,8 @@ impl<S: Scalar> ConstrainedHamiltonian<S> {
         self.kkt.solve(&self.factor, dv, dmu);
     }
 
-    /// The direction `w = (-y_p, y_q + D_v y_p)` and the response to it.
-    pub(super) fn set_costate(&mut self, y: &[S]) {
+    /// The direction `w = (-y_p, y_q + D_v y_p)`, with brackets, and the response to it.
+    pub(super) fn set_costate(&mut self, p: &[S], y: &[S]) {
         let [mut w_q, mut w_p] = std::mem::take(&mut self.direction);
         let [mut dv, mut dmu] = std::mem::take(&mut self.change);
         let (y_q, y_p) = y.split_at(w_q.len());
@@ -48,6 +48,7 @@ impl<S: Scalar> ConstrainedHamiltonian<S> {
         for &i in self.tree.with_friction() {
             w_p[i] += friction_of(&self.tree, i, self.v[i]).first * y_p[i];
         }
+        self.free.add_weights(p, &w_q, &mut w_p);
         self.respond(&w_q, &w_p, [&mut dv, &mut dmu]);
         self.direction = [w_q, w_p];
         self.change = [dv, dmu];

@@ -86,8 +86,9 @@ pub struct ConstrainedHamiltonian<S: Scalar> {
     pub(super) mu_x: Matrix<S>,
     pub(super) f_u: Matrix<S>,
     pub(super) product: Vec<S>,
-    /// What floating and spherical joints need, if there are any.
-    pub(super) free: Option<Box<Free<S>>>,
+    pub(super) free: Free<S>,
+    /// `L_q - (mu . J v)_q`.
+    pub(super) l_q: Vec<S>,
     /// Acceleration and lambda.
     pub(super) rates: [Vec<S>; 2],
     pub(super) drift: Vec<S>,
@@ -108,7 +109,7 @@ impl<S: Scalar> ConstrainedHamiltonian<S> {
             kernel: KernelOne::new(&tree),
             elimination: Panel::<S>::for_blocks(n, || Elimination::new(&factor, rows.pattern())),
             factor,
-            world: World::where_fast(&tree).map(World::with_own_axes),
+            world: World::where_used(&tree),
             in_world: false,
             rows,
             moving: Moving::new(&tree),
@@ -125,7 +126,8 @@ impl<S: Scalar> ConstrainedHamiltonian<S> {
             mu_x: Matrix::zeros(k, 2 * n),
             f_u,
             product: filled(S::zero(), 2 * n),
-            free: Free::where_any(&tree),
+            free: Free::new(&tree),
+            l_q: zeros.clone(),
             rates: [zeros, multipliers.clone()],
             drift: multipliers,
             tree,
@@ -148,16 +150,13 @@ impl<S: Scalar> ConstrainedHamiltonian<S> {
     /// See [`ConstrainedHamiltonian`].
     pub fn evaluate(&mut self, q: &[S], p: &[S], u: &[S]) -> Result<ConstrainedRate<'_, S>, EvalError> {
         self.check(&[("q", q), ("p", p), ("u", u)])?;
-        if self.free.is_some() {
-            return self.evaluate_free([q, p, u]);
-        }
         self.first_order(q, p)?;
-        self.rows.contract(&self.mu);
-        let n = self.dof();
-        for i in 0..n {
-            self.f[n + i] = self.kernel.l_q()[i] - dot(self.rows.contracted().row(i), &self.v);
+        self.set_gradient();
+        let curvature = self.rows.contract(&self.mu);
+        for (j, &v) in self.v.iter().enumerate() {
+            add_scaled(&mut self.l_q, -v, curvature.row(j));
         }
-        self.add_outer_forces(q, u);
+        self.add_outer_forces([q, p, u]);
         Ok(ConstrainedRate { f: &self.f, mu: &self.mu })
     }
 
@@ -172,11 +171,8 @@ impl<S: Scalar> ConstrainedHamiltonian<S> {
         u: &[S],
     ) -> Result<ConstrainedLinearisation<'_, S>, EvalError> {
         self.check(&[("q", q), ("p", p), ("u", u)])?;
-        if self.free.is_some() {
-            return self.linearise_free([q, p, u]);
-        }
         self.prepare_alone(q, p)?;
-        self.assemble(q, u);
+        self.assemble([q, p, u]);
         Ok(self.linearisation())
     }
 
@@ -194,12 +190,15 @@ impl<S: Scalar> ConstrainedHamiltonian<S> {
         let n = self.dof();
         self.check(&[("q", q), ("p", p), ("u", u)])?;
         check_entries(&self.tree, "y", y, 2 * n)?;
-        if self.free.is_some() {
-            return self.adjoint_free([q, p, u, y]);
+        if !self.tree.free().is_empty() {
+            self.linearise(q, p, u)?;
+            self.product.fill(S::zero());
+            y.iter().zip(0..).for_each(|(&y, i)| add_scaled(&mut self.product, y, self.f_x.row(i)));
+            return Ok(ConstrainedAdjoint { f: &self.f, y_f_x: &self.product });
         }
         self.prepare(q, p)?;
-        self.rate(q, u);
-        self.set_costate(y);
+        self.rate([q, p, u]);
+        self.set_costate(p, y);
         let Self { kernel, moving, cross, direction: [w_q, _], change: [dv, dmu], product, .. } = self;
         let (product_q, product_p) = product.split_at_mut(n);
         product_p.copy_from_slice(dv);

@@ -1,8 +1,7 @@
 //! Constraints that set in: inelastic impacts, landing and release.
 
 use super::blocks::Moving;
-use super::free::Free;
-use super::lagrangian_rows::{add_forces, turn_blocks};
+use super::lagrangian_rows::add_forces;
 use super::{ConstrainedHamiltonian, ConstrainedHamiltonianSecondOrder};
 use crate::error::{EvalError, check_length};
 use crate::matrix::{Block, Matrix, add_scaled, filled};
@@ -56,10 +55,6 @@ pub struct Impact<S: Scalar> {
     second: ConstrainedHamiltonianSecondOrder<S>,
     /// The rows with the impulses, along a direction.
     held: Moving<S>,
-    /// With floating and spherical joints, and `J'Lambda`, and the weights of p+ in the axes of the chains.
-    free: Option<Box<Free<S>>>,
-    force: Vec<S>,
-    along: Vec<S>,
     momentum: Vec<S>,
     weights: Vec<S>,
     p_x: Matrix<S>,
@@ -126,9 +121,6 @@ impl<S: Scalar> Impact<S> {
         let (n, k) = (second.dof(), second.constrained().mu.len());
         Self {
             held: second.constrained().moving.clone(),
-            free: Free::where_any(&second.constrained().tree),
-            force: filled(S::zero(), n),
-            along: filled(S::zero(), n),
             momentum: filled(S::zero(), n),
             weights: filled(S::zero(), k),
             p_x: Matrix::zeros(n, 2 * n),
@@ -165,7 +157,7 @@ impl<S: Scalar> Impact<S> {
     pub fn linearise(&mut self, q: &[S], p: &[S]) -> Result<ImpactLinearisation<'_, S>, EvalError> {
         self.second.first().linearise_velocity(q, p)?;
         self.finish(p);
-        self.differentiate(p);
+        self.differentiate();
         let first = self.second.constrained();
         let (v_x, impulse_x) = (first.velocity_x(), &first.mu_x);
         Ok(ImpactLinearisation { after: self.after(), v_x, p_x: &self.p_x, impulse_x })
@@ -195,18 +187,8 @@ impl<S: Scalar> Impact<S> {
         }
         let xx = self.second.velocity_hessian(q, p, weights.velocity, &self.weights)?;
         self.xx.copy_from(xx);
-        let ConstrainedHamiltonian { rows, mu, mu_x, .. } = self.second.constrained();
-        self.along.copy_from_slice(y);
-        if let Some(free) = &mut self.free {
-            free.set_configuration(q);
-            free.outward(&mut self.along);
-        }
-        self.held.place(q, &self.along, mu);
-        if let Some(free) = &self.free {
-            self.force.fill(S::zero());
-            add_forces(rows, mu, &mut self.force);
-            turn_blocks(free, [&self.force, y], rows.jacobian(), &mut self.held.blocks);
-        }
+        let ConstrainedHamiltonian { mu, mu_x, .. } = self.second.constrained();
+        self.held.place(q, y, mu);
         for i in 0..n {
             add_scaled(&mut self.xx.row_mut(i)[..n], S::one(), self.held.blocks.bend.row(i));
         }
@@ -234,22 +216,13 @@ impl<S: Scalar> Impact<S> {
         AfterImpact { velocity: &first.v, momentum: &self.momentum, impulse: &first.mu, loss }
     }
 
-    /// `p+_x`. With floating and spherical joints `J'Lambda` is `A^-T J_c'Lambda`, J_c by the coordinates of
-    /// the chains of joints and A the map from their rates to v: A^-1 changes with q, too.
-    fn differentiate(&mut self, p: &[S]) {
+    /// `p+_x`.
+    fn differentiate(&mut self) {
         let n = self.dof();
-        let ConstrainedHamiltonian { rows, moving, mu_x, free, .. } = self.second.constrained();
+        let ConstrainedHamiltonian { rows, moving, mu_x, .. } = self.second.constrained();
         self.p_x.fill_zero();
         for i in 0..n {
             self.p_x.row_mut(i)[..n].copy_from_slice(moving.blocks.curvature.row(i));
-        }
-        for part in free.iter().flat_map(|free| &free.parts) {
-            part.frame.turn_block(&mut self.p_x, [0, 0], n);
-            let (at, _) = part.place();
-            for e in &part.frame.chart.rates.first {
-                let given = self.momentum[at + e.row] - p[at + e.row];
-                self.p_x[(at + e.column, at + e.by[0])] += given.times(e.value);
-            }
         }
         for i in 0..n {
             let row = self.p_x.row_mut(i);

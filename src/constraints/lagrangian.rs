@@ -1,16 +1,12 @@
 //! Accelerations and forces of the constraints in (q, v, u), with their Jacobians.
 
-use super::blocks::ChartPoint;
-use super::free::Free;
+use super::blocks::{Moving, displace, pair};
 use super::{ConstrainedHamiltonian, Constraints};
 use crate::error::EvalError;
 use crate::lagrangian::Lagrangian;
 use crate::matrix::{Block, Matrix, filled};
 use crate::robot::{Robot, Tree};
 use crate::scalar::{Scalar, Tangent};
-
-/// A number with its first two derivatives along a motion: q + v t + a t^2 / 2 as q + (s + t) v + s t a.
-type Twice<S> = Tangent<Tangent<S>>;
 
 /// Workspace for the accelerations a and the forces lambda of a robot with holonomic constraints as
 /// functions of z = (q, v, u); no call allocates.
@@ -51,8 +47,6 @@ pub struct ConstrainedLagrangian<S: Scalar> {
     /// The open tree.
     open: Lagrangian<S>,
     pub(super) twice: Moments<S>,
-    /// What floating and spherical joints need, if there are any.
-    pub(super) free: Option<Box<Free<S>>>,
     pub(super) zero: Vec<S>,
     pub(super) a: Vec<S>,
     pub(super) lambda: Vec<S>,
@@ -64,28 +58,26 @@ pub struct ConstrainedLagrangian<S: Scalar> {
     pub(super) column: [Vec<S>; 2],
 }
 
-/// The rows of the constraints along a motion of the chains of joints.
+/// The rows of the constraints along a motion.
 #[derive(Clone, Debug)]
 pub(super) struct Moments<S: Scalar> {
-    pub rows: Constraints<Twice<S>>,
-    at: ChartPoint<S, Twice<S>>,
+    pub rows: Moving<Tangent<S>>,
+    q: Vec<Tangent<S>>,
+    pub v: Vec<Tangent<S>>,
 }
 
 impl<S: Scalar> Moments<S> {
     fn new(tree: &Tree) -> Self {
-        Self { rows: Constraints::from_tree(tree), at: ChartPoint::new(tree) }
+        let zero = Tangent::zero();
+        Self { rows: Moving::new(tree), q: filled(zero, tree.nq()), v: filled(zero, tree.dof()) }
     }
 
+    /// `q (+) t v` and `v + t a`, with the derivatives by t.
     #[inline(never)]
     pub fn place(&mut self, q: &[S], v: &[S], a: &[S]) {
-        let still = Tangent::new(S::zero(), S::zero());
-        self.at.set(
-            &self.rows,
-            q,
-            |value| Tangent::new(Tangent::new(value, S::zero()), still),
-            |value, i| Tangent::new(Tangent::new(value, v[i]), Tangent::new(v[i], a[i])),
-        );
-        self.rows.place_chart(&self.at.q, &self.at.chart);
+        displace(self.rows.rows.tree(), q, v, &mut self.q);
+        pair(v, a, &mut self.v);
+        self.rows.place_rows(&self.q, &self.v);
     }
 }
 
@@ -98,7 +90,6 @@ impl<S: Scalar> ConstrainedLagrangian<S> {
         Self {
             open: Lagrangian::new(&robot.without_constraints()),
             twice: Moments::new(&solver.tree),
-            free: Free::where_any(&solver.tree),
             curvature: Matrix::zeros(n, n),
             moving: [Matrix::zeros(k, n), Matrix::zeros(k, n)],
             zero: zeros.clone(),
@@ -161,19 +152,12 @@ impl<S: Scalar> ConstrainedLagrangian<S> {
     #[inline(never)]
     pub(super) fn solve(&mut self, q: &[S], v: &[S], u: &[S]) -> Result<(), EvalError> {
         self.solver.factor(q)?;
-        let Self { solver, open, twice, free, zero, a, lambda, .. } = self;
+        let Self { solver, open, twice, zero, a, lambda, .. } = self;
         let bias = open.inverse_dynamics(q, v, zero)?;
         a.iter_mut().zip(u.iter().zip(bias)).for_each(|(a, (&u, &bias))| *a = u - bias);
-        match free {
-            Some(free) => {
-                free.set_state(q, v);
-                free.set_acceleration(zero);
-                twice.place(q, &free.v_chain, &free.a_chain);
-            }
-            None => twice.place(q, v, zero),
-        }
-        lambda.iter_mut().zip(twice.rows.values()).for_each(|(to, g)| *to = g.eps.eps);
-        solve_turned(solver, free.as_deref(), a, lambda);
+        twice.place(q, v, zero);
+        lambda.iter_mut().zip(twice.rows.rows.values()).for_each(|(to, g)| *to = g.eps.eps);
+        solver.kkt.solve(&solver.factor, a, lambda);
         Ok(())
     }
 
@@ -182,7 +166,7 @@ impl<S: Scalar> ConstrainedLagrangian<S> {
     #[inline(never)]
     fn differentiate(&mut self, q: &[S], v: &[S]) -> Result<(), EvalError> {
         self.move_rows(q, v);
-        let Self { solver, open, free, a, a_z, lambda_z, curvature, moving, column: [x, m], .. } = self;
+        let Self { solver, open, a, a_z, lambda_z, curvature, moving, column: [x, m], .. } = self;
         let n = v.len();
         let torque = open.linearise_inverse_dynamics(q, v, a)?;
         for j in 0..3 * n {
@@ -201,27 +185,11 @@ impl<S: Scalar> ConstrainedLagrangian<S> {
                 }
                 (_, j) => x[j] = S::one(),
             }
-            solve_turned(solver, free.as_deref(), x, m);
+            solver.kkt.solve(&solver.factor, x, m);
             x.iter().enumerate().for_each(|(i, &x)| a_z[(i, j)] = x);
             m.iter().enumerate().for_each(|(i, &m)| lambda_z[(i, j)] = m);
         }
         Ok(())
-    }
-}
-
-/// `(x; m)` of `(M -J'; -J 0)` in the tangent space, by factors in the axes of the chains of joints.
-pub(super) fn solve_turned<S: Scalar>(
-    solver: &mut ConstrainedHamiltonian<S>,
-    free: Option<&Free<S>>,
-    x: &mut [S],
-    m: &mut [S],
-) {
-    if let Some(free) = free {
-        free.outward(x);
-    }
-    solver.kkt.solve(&solver.factor, x, m);
-    if let Some(free) = free {
-        free.inward(x);
     }
 }
 

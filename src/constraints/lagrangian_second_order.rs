@@ -1,7 +1,6 @@
 //! Contracted second derivatives of accelerations and forces in (q, v, u), by one adjoint solution.
 
 use super::blocks::Moving;
-use super::lagrangian::solve_turned;
 use super::lagrangian_rows::RowHessian;
 use super::{AccelerationLinearisation, ConstrainedLagrangian};
 use crate::error::{EvalError, check_length};
@@ -89,7 +88,7 @@ impl<S: Scalar> ConstrainedLagrangianSecondOrder<S> {
         // (M J'; -J 0) (m_1; m_2) = (e; c): the symmetric matrix for (m_1; -m_2).
         m_1.copy_from_slice(e);
         m_2.copy_from_slice(c);
-        solve_turned(&mut first.solver, first.free.as_deref(), m_1, m_2);
+        first.solver.kkt.solve(&first.solver.factor, m_1, m_2);
         self.differentiate(q, v)?;
         self.transform();
         Ok(AccelerationContraction { linearisation: self.first.linearisation(), zz: &self.zz })
@@ -99,7 +98,7 @@ impl<S: Scalar> ConstrainedLagrangianSecondOrder<S> {
     #[inline(never)]
     fn differentiate(&mut self, q: &[S], v: &[S]) -> Result<(), EvalError> {
         let Self { first, open, held, of_rows, adjoint: [m_1, m_2], curvature, mixed, .. } = self;
-        of_rows.take(first, held, [m_1, m_2], q);
+        of_rows.take(first, held, [m_1, m_2], [q, v]);
         let n = v.len();
         let torque = open.contract_inverse_dynamics(q, v, &first.a, m_1)?;
         let ([in_a, in_lambda], zz, rows) = (mixed, torque.zz(), &of_rows.matrix);

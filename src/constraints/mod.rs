@@ -20,11 +20,8 @@ mod conflict_tests;
 mod directions;
 mod elimination;
 mod error;
-mod free;
-mod free_part;
 #[cfg(test)]
 mod free_samples;
-mod free_state;
 #[cfg(test)]
 mod free_tests;
 mod hamiltonian;

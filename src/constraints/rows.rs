@@ -2,10 +2,10 @@
 
 use super::held::Held;
 use super::position::check_position;
-use crate::configuration::ChartFrame;
 use crate::error::{EvalError, check_length};
+use crate::hamiltonian::Free;
 use crate::kinematics::Kinematics;
-use crate::matrix::{Matrix, filled};
+use crate::matrix::{Matrix, add_scaled, filled};
 use crate::robot::{ConstraintRow, Robot, Tree};
 use crate::scalar::Scalar;
 use std::ops::Range;
@@ -46,15 +46,9 @@ pub struct Constraints<S: Scalar> {
     hessian: Matrix<S>,
     /// Coordinates of the chains of joints.
     chart: Vec<S>,
-    /// For robots with floating or spherical joints, J in the axes of the frames that they move.
-    seen: Option<Box<Seen<S>>>,
-}
-
-/// J in the axes of moved frames.
-#[derive(Clone, Debug)]
-struct Seen<S> {
-    frames: Vec<ChartFrame<S>>,
-    jacobian: Matrix<S>,
+    free: Free<S>,
+    /// `J'mu`.
+    force: Vec<S>,
 }
 
 impl<S: Scalar> Constraints<S> {
@@ -93,10 +87,8 @@ impl<S: Scalar> Constraints<S> {
             sizes: Matrix::zeros(k, n),
             hessian: Matrix::zeros(n, n),
             chart: filled(S::zero(), n),
-            seen: (!tree.free().is_empty()).then(|| {
-                let frames = tree.free().iter().map(ChartFrame::new).collect();
-                Box::new(Seen { frames, jacobian: Matrix::zeros(k, n) })
-            }),
+            free: Free::new(tree),
+            force: filled(S::zero(), n),
         }
     }
 
@@ -146,33 +138,13 @@ impl<S: Scalar> Constraints<S> {
     /// The same without a check.
     #[inline(never)]
     pub(super) fn place(&mut self, q: &[S]) {
-        let mut chart = std::mem::take(&mut self.chart);
-        self.kinematics.tree().chart_coordinates(q, &mut chart);
-        self.place_chart(q, &chart);
-        self.chart = chart;
-        if let Some(seen) = &mut self.seen {
-            let Seen { frames, jacobian } = &mut **seen;
-            jacobian.copy_from(&self.jacobian);
-            for frame in frames {
-                frame.set_configuration(q);
-                (0..jacobian.rows()).for_each(|i| frame.inward(jacobian.row_mut(i)));
-            }
-        }
-    }
-
-    /// At the orientations of q, and these coordinates of the chains of joints.
-    pub(super) fn place_chart(&mut self, q: &[S], chart: &[S]) {
-        self.kinematics.pose_chart(q, chart, &self.links);
+        self.kinematics.tree().chart_coordinates(q, &mut self.chart);
+        self.kinematics.pose_chart(q, &self.chart, &self.links);
         self.jacobian.fill_zero();
         for (held, rows) in self.held.iter_mut().zip(&self.rows) {
-            held.place(&self.kinematics, chart, &mut self.values[rows.clone()]);
+            held.place(&self.kinematics, &self.chart, &mut self.values[rows.clone()]);
             held.add_gradients(&mut self.jacobian, rows.start);
         }
-    }
-
-    /// The coordinates that enter any row.
-    pub(super) fn coordinates(&self) -> &[usize] {
-        &self.coordinates
     }
 
     /// The coordinates that enter each row.
@@ -203,16 +175,6 @@ impl<S: Scalar> Constraints<S> {
 
     /// `J = g_q`, k x n; with floating and spherical joints in the tangent space, `g' = J v`.
     pub fn jacobian(&self) -> &Matrix<S> {
-        self.seen.as_ref().map_or(&self.jacobian, |seen| &seen.jacobian)
-    }
-
-    /// Where floating and spherical joints were at the last call of [`place`](Self::place).
-    pub(super) fn frames(&self) -> &[ChartFrame<S>] {
-        self.seen.as_ref().map_or(&[], |seen| &seen.frames)
-    }
-
-    /// J by the coordinates of the chains of joints.
-    pub(super) fn chart_jacobian(&self) -> &Matrix<S> {
         &self.jacobian
     }
 
@@ -224,23 +186,12 @@ impl<S: Scalar> Constraints<S> {
     pub fn hessian(&mut self, mu: &[S]) -> Result<&Matrix<S>, EvalError> {
         check_length("mu", mu, self.count())?;
         self.contract(mu);
-        let Self { hessian, seen, .. } = self;
-        if let Some(seen) = seen {
-            let Seen { frames, jacobian } = &**seen;
-            for frame in frames {
-                let (at, _) = frame.place();
-                frame.turn_symmetric(hessian, &[at]);
-                for e in &frame.chart.retraction {
-                    let slopes = mu.iter().enumerate().map(|(i, &mu)| mu * jacobian[(i, at + e.row)]);
-                    let slope = slopes.fold(S::zero(), |sum, slope| sum + slope);
-                    hessian[(at + e.column, at + e.by[0])] += slope.times(e.value);
-                }
-            }
-        }
+        self.free.of_momentum(&self.force).iter().for_each(|e| self.hessian[(e.row, e.column)] -= e.value.times(0.5));
         Ok(&self.hessian)
     }
 
-    /// The same without a check.
+    /// `(J'mu)_q`, without a check: entry (i, j) is the derivative of that of `J'mu` at i along j. The
+    /// antisymmetric part is half of K of `J'mu`.
     #[inline(never)]
     pub(super) fn contract(&mut self, mu: &[S]) -> &Matrix<S> {
         for &i in &self.coordinates {
@@ -248,6 +199,13 @@ impl<S: Scalar> Constraints<S> {
         }
         for (held, rows) in self.held.iter().zip(&self.rows) {
             held.add_curvature(&mu[rows.clone()], &mut self.hessian);
+        }
+        if !self.kinematics.tree().free().is_empty() {
+            self.force.fill(S::zero());
+            mu.iter().zip(0..).for_each(|(&mu, i)| add_scaled(&mut self.force, mu, self.jacobian.row(i)));
+            // Chains of joints give the derivative along the joint that is nearer to the base, of the other.
+            let upper = self.free.of_momentum(&self.force).iter().filter(|e| e.row < e.column);
+            upper.for_each(|e| self.hessian[(e.row, e.column)] += e.value);
         }
         &self.hessian
     }

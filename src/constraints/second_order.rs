@@ -4,8 +4,9 @@ use super::ConstrainedHamiltonian;
 use super::blocks::Changing;
 use super::linearisation::ConstrainedContraction;
 use crate::error::{EvalError, check_length};
+use crate::hamiltonian::Change;
 use crate::kernels::{KernelTwo, check_entries, friction_of};
-use crate::matrix::{Left, Matrix, Panel, Part, add_scaled, dot, filled};
+use crate::matrix::{Left, Matrix, Panel, Part, Source, add_scaled, dot, filled};
 use crate::robot::Robot;
 use crate::scalar::Scalar;
 
@@ -20,11 +21,13 @@ use crate::scalar::Scalar;
 /// \tilde w = (w\_q, s\_x w) $$
 ///
 /// with `w = (-y_p, y_q + D_v y_p)` and the curvature `V' (y_p . D_vv) V` of friction. D_w~ of M, P and L_qq
-/// is [`KernelTwo`].
+/// is [`KernelTwo`], or that in the axes of the world with floating or spherical joints.
 #[derive(Clone, Debug)]
 pub struct ConstrainedHamiltonianSecondOrder<S: Scalar> {
     pub(super) first: ConstrainedHamiltonian<S>,
     along: KernelTwo<S>,
+    /// What stands in its place with floating or spherical joints.
+    world: Option<Box<Change<S>>>,
     changing: Changing<S>,
     pub(super) y_f_xx: Matrix<S>,
     panels: Box<Panels<S>>,
@@ -55,6 +58,7 @@ impl<S: Scalar> ConstrainedHamiltonianSecondOrder<S> {
         let both = [filled(S::zero(), n), filled(S::zero(), k)];
         Self {
             along: KernelTwo::new(&first.tree),
+            world: first.world.as_ref().filter(|_| !first.tree.free().is_empty()).map(|world| Box::new(Change::new(world))),
             changing: Changing::new(&first.tree),
             y_f_xx: Matrix::zeros(2 * n, 2 * n),
             panels: Box::new(Panels {
@@ -100,13 +104,14 @@ impl<S: Scalar> ConstrainedHamiltonianSecondOrder<S> {
         let n = self.dof();
         self.first.check(&[("q", q), ("p", p), ("u", u)])?;
         check_entries(&self.first.tree, "y", y, 2 * n)?;
-        if self.first.free.is_some() {
-            return self.contract_free([q, p, u, y]);
-        }
         self.first.prepare(q, p)?;
-        self.differentiate(q, y)?;
-        self.first.assemble(q, u);
+        self.differentiate([q, p], y)?;
+        self.first.rate([q, p, u]);
+        self.first.conservative();
         self.congruence();
+        self.first.free.add_curvature(&y[n..], &self.first.f_x, &mut self.y_f_xx);
+        self.first.add_slopes([q, p]);
+        self.first.balance();
         self.add_friction(&y[n..]);
         if let Some(external) = &mut self.first.external {
             let curvature = external.curvature(q, &y[n..]);
@@ -127,11 +132,18 @@ impl<S: Scalar> ConstrainedHamiltonianSecondOrder<S> {
         self.first.check(&[("q", q), ("p", p)])?;
         check_entries(&self.first.tree, "y", y, 2 * n)?;
         check_entries(&self.first.tree, "d", d, 2 * n)?;
-        if self.first.free.is_some() {
-            return self.hessian_product_free([q, p, y, d]);
+        if self.world.is_some() {
+            // The actuation does not enter.
+            let mut none = std::mem::take(&mut self.response[0]);
+            none.fill(S::zero());
+            let outcome = self.contract(q, p, &none, y).map(drop);
+            self.response[0] = none;
+            outcome?;
+            self.product.iter_mut().zip(0..).for_each(|(entry, i)| *entry = dot(self.y_f_xx.row(i), d));
+            return Ok(&self.product);
         }
         self.first.prepare(q, p)?;
-        self.differentiate(q, y)?;
+        self.differentiate([q, p], y)?;
         let (d_q, d_p) = d.split_at(n);
         let Self { first, along, changing: Changing { blocks, .. }, .. } = self;
         let [dv, dmu] = &mut self.response;
@@ -189,9 +201,6 @@ impl<S: Scalar> ConstrainedHamiltonianSecondOrder<S> {
     pub fn velocity_hessian(&mut self, q: &[S], p: &[S], y: &[S], c: &[S]) -> Result<&Matrix<S>, EvalError> {
         self.first.check(&[("q", q), ("p", p), ("y", y)])?;
         check_length("c", c, self.first.mu.len())?;
-        if self.first.free.is_some() {
-            return self.velocity_hessian_free([q, p, y], c);
-        }
         self.first.responses_at(q, p)?;
         self.first.set_weights(y, c);
         self.along_response(q)?;
@@ -200,31 +209,37 @@ impl<S: Scalar> ConstrainedHamiltonianSecondOrder<S> {
     }
 
     /// The derivatives of all blocks along `w~`.
-    pub(super) fn differentiate(&mut self, q: &[S], y: &[S]) -> Result<(), EvalError> {
-        self.first.set_costate(y);
+    fn differentiate(&mut self, [q, p]: [&[S]; 2], y: &[S]) -> Result<(), EvalError> {
+        self.first.set_costate(p, y);
         self.along_response(q)
     }
 
     /// The same for the direction that is set.
-    pub(super) fn along_response(&mut self, q: &[S]) -> Result<(), EvalError> {
-        let ConstrainedHamiltonian { tree, kernel, v, mu, direction: [w_q, _], change: [dv, dmu], .. } =
-            &self.first;
-        self.along.differentiate(tree, kernel, w_q, dv)?;
+    fn along_response(&mut self, q: &[S]) -> Result<(), EvalError> {
+        let ConstrainedHamiltonian { tree, kernel, world, v, mu, direction, change: [dv, dmu], .. } =
+            &mut self.first;
+        let [w_q, _] = direction;
+        match (world, &mut self.world) {
+            (Some(world), Some(change)) => world.differentiate(tree, change, v, [w_q, dv]),
+            _ => self.along.differentiate(tree, kernel, w_q, dv)?,
+        }
         self.changing.place([q, v, mu], [w_q, dv, dmu]);
         Ok(())
     }
 
     /// `-(dLL_qq + s_x' R + R' s_x)` with `R = dPP [1 0] + dMM s_x / 2`, both triangles.
     #[inline(never)]
-    pub(super) fn congruence(&mut self) {
+    fn congruence(&mut self) {
         let n = self.dof();
-        let Self { first, along, changing: Changing { blocks, .. }, panels, y_f_xx, .. } = self;
+        let Self { first, along, world, changing: Changing { blocks, .. }, panels, y_f_xx, .. } = self;
+        let [m, p, l_qq] = match world {
+            Some(change) => change.panels().each_ref().map(Source::Panel),
+            None => [along.mass_matrix(), along.l_vq(), along.l_qq()].map(Source::Matrix),
+        };
         let Panels { half, response, pull, product, sum } = &mut **panels;
         for i in 0..n {
             response.read_row::<0>(i, first.f_x.row(i));
-            for (j, &entry) in along.mass_matrix().row(i).iter().enumerate() {
-                half.set(i, j, entry.times(0.5));
-            }
+            (0..n).for_each(|j| half.set(i, j, m.entry(i, j).times(0.5)));
         }
         for l in 0..first.mu.len() {
             response.read_row::<0>(n + l, first.mu_x.row(l));
@@ -235,9 +250,8 @@ impl<S: Scalar> ConstrainedHamiltonianSecondOrder<S> {
         }
         pull.set_product::<0, 0>(Left::Rows(half), response, Part::Whole);
         for i in 0..n {
-            let both = along.l_vq().row(i).iter().zip(blocks.curvature.row(i));
-            for (j, (&cross, &curvature)) in both.enumerate() {
-                pull.set(i, j, pull.get(i, j) + cross - curvature);
+            for (j, &curvature) in blocks.curvature.row(i).iter().enumerate() {
+                pull.set(i, j, pull.get(i, j) + p.entry(i, j) - curvature);
             }
         }
         for l in 0..first.mu.len() {
@@ -250,7 +264,7 @@ impl<S: Scalar> ConstrainedHamiltonianSecondOrder<S> {
         (0..2 * n).for_each(|i| sum.write_row::<0>(i, y_f_xx.row_mut(i), |pack| -pack));
         for i in 0..n {
             for j in 0..=i {
-                let entry = y_f_xx[(i, j)] + blocks.bend[(i, j)] - along.l_qq()[(i, j)];
+                let entry = y_f_xx[(i, j)] + blocks.bend[(i, j)] - l_qq.entry(i, j);
                 y_f_xx[(i, j)] = entry;
                 y_f_xx[(j, i)] = entry;
             }
@@ -258,7 +272,7 @@ impl<S: Scalar> ConstrainedHamiltonianSecondOrder<S> {
     }
 
     /// `V' (y_p . D_vv) V`, V the rows of v in F_x.
-    pub(super) fn add_friction(&mut self, y_p: &[S]) {
+    fn add_friction(&mut self, y_p: &[S]) {
         let Self { first, y_f_xx, .. } = self;
         for &l in first.tree.with_friction() {
             if !first.tree.has_coulomb_friction(l) {

@@ -13,8 +13,10 @@ impl<S: Scalar> ConstrainedHamiltonian<S> {
     /// See [`ConstrainedHamiltonian`].
     pub fn momentum(&mut self, q: &[S], v: &[S]) -> Result<&[S], EvalError> {
         self.check(&[("q", q), ("v", v)])?;
-        if self.free.is_some() {
-            return self.momentum_free(q, v);
+        if let Some(world) = self.world.as_mut().filter(|_| !self.tree.free().is_empty()) {
+            world.set_mass_matrix(&self.tree, q);
+            (0..v.len()).for_each(|i| self.v[i] = dot(world.mass_matrix().row(i), v));
+            return Ok(&self.v);
         }
         self.kernel.set_position(&self.tree, q)?;
         self.kernel.set_velocity(&self.tree, v)?;
@@ -28,28 +30,14 @@ impl<S: Scalar> ConstrainedHamiltonian<S> {
     /// See [`ConstrainedHamiltonian`].
     pub fn velocity(&mut self, q: &[S], p: &[S]) -> Result<(&[S], &[S]), EvalError> {
         self.check(&[("q", q), ("p", p)])?;
-        if self.free.is_some() {
-            self.velocity_free(q, p)?;
-        } else {
-            self.solve_velocity(q, p)?;
-        }
+        self.solve_velocity(q, p)?;
         Ok((&self.v, &self.mu))
     }
 
     /// v, mu and their Jacobians v_x, mu_x at (q, p), to be read by [`velocity_x`](Self::velocity_x).
     pub(crate) fn linearise_velocity(&mut self, q: &[S], p: &[S]) -> Result<(), EvalError> {
         self.check(&[("q", q), ("p", p)])?;
-        if self.free.is_none() {
-            return self.responses_at(q, p);
-        }
-        // The actuation does not enter.
-        let mut none = std::mem::take(&mut self.product);
-        none.fill(S::zero());
-        let outcome = self.linearise_free([q, p, &none[..p.len()]]).map(drop);
-        self.product = none;
-        // In the axes of the frames.
-        self.v.copy_from_slice(&self.f[..p.len()]);
-        outcome
+        self.responses_at(q, p)
     }
 
     /// v_x, n x 2n, of the last call that computes it.
@@ -64,12 +52,12 @@ impl<S: Scalar> ConstrainedHamiltonian<S> {
     /// See [`ConstrainedHamiltonian`].
     pub fn energy(&mut self, q: &[S], p: &[S]) -> Result<Energy<S>, EvalError> {
         self.check(&[("q", q), ("p", p)])?;
-        if self.free.is_some() {
-            self.first_order_free(q, p)?;
-        } else {
-            self.first_order(q, p)?;
+        self.solve_velocity(q, p)?;
+        if self.in_world {
+            self.kernel.set_position(&self.tree, q)?;
         }
-        let kinetic = dot(&self.v, self.kernel.momentum()).times(0.5);
+        // mu does no work.
+        let kinetic = dot(&self.v, p).times(0.5);
         Ok(Energy { kinetic, potential: self.kernel.potential(&self.tree) })
     }
 

@@ -1,8 +1,8 @@
 //! The adjoint product y'F_x: the costate equation without F_x.
 
-use super::{Hamiltonian, check};
+use super::Hamiltonian;
 use crate::error::EvalError;
-use crate::kernels::{LagrangianHessian, Route};
+use crate::kernels::{LagrangianHessian, Route, check_entries};
 use crate::matrix::{add_scaled, dot};
 use crate::scalar::Scalar;
 
@@ -21,7 +21,7 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
     /// With `w = (-y_p, y_q + D_v y_p)` and the change of velocity `V w = M^-1 (w_p - P w_q)` along it,
     /// `y'F_x = Hess H w = ( -L_qq w_q - P' V w , V w )`: three matrix-vector products with matrices of the
     /// third stage of kernel one, and one more solve with the factors of M. No matrix is inverted, no two
-    /// matrices are multiplied.
+    /// matrices are multiplied. With floating and spherical joints it is the product with F_x.
     ///
     /// # Errors
     /// See [`Hamiltonian`].
@@ -32,12 +32,16 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
         u: &[S],
         y: &[S],
     ) -> Result<AdjointProduct<'_, S>, EvalError> {
-        if self.free.is_some() {
-            return self.adjoint_free([q, p, u, y]);
-        }
         let n = self.tree.dof();
         self.check(&[("q", q), ("p", p), ("u", u)])?;
-        check(&self.tree, "y", y, 2 * n)?;
+        check_entries(&self.tree, "y", y, 2 * n)?;
+        if !self.tree.free().is_empty() {
+            self.linearise(q, p, u)?;
+            self.product.fill(S::zero());
+            let rows = y.iter().zip(0..);
+            rows.for_each(|(&y, i)| add_scaled(&mut self.product, y, self.state.f_x.row(i)));
+            return Ok(AdjointProduct { f: &self.state.f, y_f_x: &self.product });
+        }
         let Self { tree, flow, state, direction, product, .. } = self;
         flow.first_order(tree, q, p)?;
         flow.kernel.second_order(tree);

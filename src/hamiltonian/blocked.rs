@@ -2,7 +2,7 @@
 //! that the tree leaves.
 
 use super::elimination::Patterns;
-use crate::kernels::{Factor, KernelTwo};
+use crate::kernels::Factor;
 use crate::matrix::{Left, Matrix, Panel, Part, Pattern, Place, Terms, Tiles, Update};
 use crate::scalar::Scalar;
 
@@ -103,11 +103,14 @@ impl<S: Scalar> Blocked<S> {
     }
 
     /// Fills both triangles of the 2n x 2n matrix.
-    pub fn apply(&mut self, along: &KernelTwo<S>, factor: &Factor<S>, y: &Panel<S>, result: &mut Matrix<S>) {
-        let [m, p, l_qq] = &mut self.along;
-        m.read::<0>(along.mass_matrix());
-        p.read::<0>(along.l_vq());
-        l_qq.read::<0>(along.l_qq());
+    pub fn apply(
+        &mut self,
+        along: [&Matrix<S>; 3],
+        factor: &Factor<S>,
+        y: &Panel<S>,
+        result: &mut Matrix<S>,
+    ) {
+        self.along.iter_mut().zip(along).for_each(|(panel, matrix)| panel.read::<0>(matrix));
         let along = std::mem::replace(&mut self.along, [0; 3].map(|_| Panel::zeros(0, 0)));
         self.apply_panels(&along, factor, y, result);
         self.along = along;

@@ -3,7 +3,7 @@
 use super::blocked::Blocked;
 use super::conservative::Conservative;
 use crate::kernels::{Factor, KernelTwo};
-use crate::matrix::{Left, Matrix, Panel, Part, sized};
+use crate::matrix::{Left, Matrix, Panel, Part, Source, sized};
 use crate::scalar::Scalar;
 
 /// `-E' [ A B' ; B C ] E` with `E = [ 1 0 ; -W M^-1 ]`.
@@ -63,36 +63,40 @@ impl<S: Scalar> Congruence<S> {
     /// Fills both triangles of the 2n x 2n matrix h; `flow` must be at its second order.
     #[inline(never)]
     pub fn apply<K>(&mut self, along: &KernelTwo<S>, flow: &Conservative<S, K>, h: &mut Matrix<S>) {
+        let matrices = [along.mass_matrix(), along.l_vq(), along.l_qq()];
+        match self.blocked.as_mut().filter(|_| !Panel::<S>::ONE_LANE) {
+            Some(blocked) => blocked.apply(matrices, &flow.factor, &flow.y, h),
+            None => self.apply_from(matrices.map(Source::Matrix), flow, h),
+        }
+    }
+
+    /// The same from the changes of M, P and L_qq as panels.
+    #[inline(never)]
+    pub fn apply_panels<K>(&mut self, along: &[Panel<S>; 3], flow: &Conservative<S, K>, h: &mut Matrix<S>) {
+        match self.blocked.as_mut().filter(|_| !Panel::<S>::ONE_LANE) {
+            Some(blocked) => blocked.apply_panels(along, &flow.factor, &flow.y, h),
+            None => self.apply_from(along.each_ref().map(Source::Panel), flow, h),
+        }
+    }
+
+    /// Without blocks.
+    #[inline(always)]
+    fn apply_from<K>(&mut self, along: [Source<'_, S>; 3], flow: &Conservative<S, K>, h: &mut Matrix<S>) {
         if Panel::<S>::ONE_LANE {
             self.by_factors(along, &flow.factor, &flow.z);
             self.fill::<0, 0>(h);
-        } else if let Some(blocked) = &mut self.blocked {
-            blocked.apply(along, &flow.factor, &flow.y, h);
         } else {
             let given = (&flow.inverse, &flow.w);
             sized!(S, flow.w.columns(), self.by_products(along, given, h));
         }
     }
 
-    /// The same from the changes of M, P and L_qq as panels, where F_x is computed block by block.
-    #[inline(never)]
-    pub fn apply_in_blocks<K>(
-        &mut self,
-        along: &[Panel<S>; 3],
-        flow: &Conservative<S, K>,
-        h: &mut Matrix<S>,
-    ) {
-        if let Some(blocked) = self.blocked.as_mut().filter(|_| !Panel::<S>::ONE_LANE) {
-            blocked.apply_panels(along, &flow.factor, &flow.y, h);
-        }
-    }
-
-    fn by_factors(&mut self, along: &KernelTwo<S>, factor: &Factor<S>, z: &Panel<S>) {
+    fn by_factors(&mut self, [m, p, l_qq]: [Source<'_, S>; 3], factor: &Factor<S>, z: &Panel<S>) {
         let Self { b, t, qq, pq, pp, qp, .. } = self;
-        qq.read::<0>(along.l_qq());
-        b.read::<0>(along.l_vq());
+        qq.take::<0, 0>(l_qq);
+        b.take::<0, 0>(p);
         factor.first_half(b);
-        pp.read::<0>(along.mass_matrix());
+        pp.take::<0, 0>(m);
         factor.reduce_symmetric(pp);
         t.copy_from::<0, 0>(b);
         t.subtract_product::<0, 0>(Left::Rows(pp), z, Part::Whole);
@@ -108,7 +112,7 @@ impl<S: Scalar> Congruence<S> {
 
     fn by_products<const N: usize, const W: usize>(
         &mut self,
-        along: &KernelTwo<S>,
+        [m, p, l_qq]: [Source<'_, S>; 3],
         (inverse, w): (&Panel<S>, &Panel<S>),
         h: &mut Matrix<S>,
     ) {
@@ -116,9 +120,9 @@ impl<S: Scalar> Congruence<S> {
         for panel in [&*b, c, t, x, qq, pq, pp, qp, inverse, w] {
             panel.has_size::<N, W>();
         }
-        c.read::<N>(along.mass_matrix());
-        b.read::<N>(along.l_vq());
-        qq.read::<N>(along.l_qq());
+        c.take::<N, W>(m);
+        b.take::<N, W>(p);
+        qq.take::<N, W>(l_qq);
         t.copy_from::<N, W>(b);
         x.set_product::<N, W>(Left::Rows(c), inverse, Part::Whole);
         t.subtract_product::<N, W>(Left::Rows(c), w, Part::Whole);

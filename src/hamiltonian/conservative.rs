@@ -4,7 +4,7 @@ use super::elimination::Elimination;
 use super::world::{Change, World};
 use crate::error::EvalError;
 use crate::kernels::{Factor, LagrangianHessian};
-use crate::matrix::{Entry, Left, Matrix, Panel, Part, Place, Update, dot, filled, sized};
+use crate::matrix::{Left, Matrix, Panel, Part, Place, Source, Update, dot, filled, sized};
 use crate::robot::Tree;
 use crate::scalar::Scalar;
 
@@ -49,7 +49,7 @@ impl<S: Scalar, K: LagrangianHessian<S>> Conservative<S, K> {
             p: square.clone(),
             y: Panel::zeros(blocks, blocks),
             z: square,
-            world: if K::WORLD_AXES { World::where_fast(tree).map(World::with_own_axes) } else { None },
+            world: if K::WORLD_AXES { World::where_used(tree) } else { None },
             in_world: false,
         }
     }
@@ -57,6 +57,10 @@ impl<S: Scalar, K: LagrangianHessian<S>> Conservative<S, K> {
     /// M(q) and its factors.
     #[inline(never)]
     pub fn factor(&mut self, tree: &Tree, q: &[S]) -> Result<(), EvalError> {
+        if let Some(world) = self.world.as_mut().filter(|_| !tree.free().is_empty()) {
+            self.in_world = true;
+            return world.factor(tree, q, &mut self.factor, false);
+        }
         self.in_world = false;
         self.kernel.set_position(tree, q)?;
         self.factor_mass_matrix(tree)
@@ -65,9 +69,23 @@ impl<S: Scalar, K: LagrangianHessian<S>> Conservative<S, K> {
     /// The same without what [`first_order`](Self::first_order) needs.
     #[inline(never)]
     pub fn factor_alone(&mut self, tree: &Tree, q: &[S]) -> Result<(), EvalError> {
-        self.in_world = false;
-        self.kernel.set_mass_matrix(tree, q)?;
+        if !tree.free().is_empty() {
+            return self.factor(tree, q);
+        }
+        self.set_mass_matrix(tree, q)?;
         self.factor_mass_matrix(tree)
+    }
+
+    /// M(q) alone.
+    #[inline(never)]
+    pub fn set_mass_matrix(&mut self, tree: &Tree, q: &[S]) -> Result<(), EvalError> {
+        if let Some(world) = self.world.as_mut().filter(|_| !tree.free().is_empty()) {
+            self.in_world = true;
+            world.set_mass_matrix(tree, q);
+            return Ok(());
+        }
+        self.in_world = false;
+        self.kernel.set_mass_matrix(tree, q)
     }
 
     fn factor_mass_matrix(&mut self, tree: &Tree) -> Result<(), EvalError> {
@@ -88,7 +106,11 @@ impl<S: Scalar, K: LagrangianHessian<S>> Conservative<S, K> {
     #[inline(never)]
     pub fn first_order(&mut self, tree: &Tree, q: &[S], p: &[S]) -> Result<(), EvalError> {
         self.solve_velocity(tree, q, p)?;
-        self.kernel.set_velocity(tree, &self.v)
+        match &mut self.world {
+            Some(world) if self.in_world => world.first_order(tree, q, &self.v),
+            _ => self.kernel.set_velocity(tree, &self.v)?,
+        }
+        Ok(())
     }
 
     /// v and L_q, where neither kernel two nor products with P or L_qq are asked for: what follows is
@@ -100,12 +122,10 @@ impl<S: Scalar, K: LagrangianHessian<S>> Conservative<S, K> {
         [q, p]: [&[S]; 2],
         second_order: bool,
     ) -> Result<(), EvalError> {
-        let Some(world) = self.world.as_mut().filter(|_| !Panel::<S>::ONE_LANE) else {
-            return self.first_order(tree, q, p);
-        };
+        let Some(world) = &mut self.world else { return self.first_order(tree, q, p) };
         self.in_world = true;
         world.factor(tree, q, &mut self.factor, !second_order)?;
-        if second_order {
+        if second_order && self.tiles.is_some() {
             // It needs U', which gives v in less time than a substitution.
             self.factor.invert();
         }
@@ -117,24 +137,13 @@ impl<S: Scalar, K: LagrangianHessian<S>> Conservative<S, K> {
 
     /// The kernel in the axes of the world, if it was used last.
     fn world(&self) -> Option<&World<S>> {
-        self.world.as_deref().filter(|_| !Panel::<S>::ONE_LANE && self.in_world)
-    }
-
-    /// Whether [`first_order_alone`](Self::first_order_alone) uses it.
-    pub fn has_world(&self) -> bool {
-        !Panel::<S>::ONE_LANE && self.world.is_some()
+        self.world.as_deref().filter(|_| self.in_world)
     }
 
     /// Whether it was used last.
+    #[cfg(test)]
     pub fn is_in_world(&self) -> bool {
         self.world().is_some()
-    }
-
-    /// See [`World::set_own_axes`].
-    pub fn set_own_axes(&mut self, own_axes: bool) {
-        if let Some(world) = &mut self.world {
-            world.set_own_axes(own_axes);
-        }
     }
 
     /// Changes of M, P and L_qq along (dq, dv) in the axes of the world, after
@@ -148,7 +157,7 @@ impl<S: Scalar, K: LagrangianHessian<S>> Conservative<S, K> {
 
     /// Buffers for that, where [`first_order_alone`](Self::first_order_alone) works in the axes of the world.
     pub fn change(&self) -> Option<Box<Change<S>>> {
-        self.world.as_deref().filter(|_| !Panel::<S>::ONE_LANE).map(|world| Box::new(Change::new(world)))
+        self.world.as_deref().map(|world| Box::new(Change::new(world)))
     }
 
     /// L_q, of either.
@@ -181,31 +190,29 @@ impl<S: Scalar, K: LagrangianHessian<S>> Conservative<S, K> {
     /// Packs of several lanes multiply by M^-1, whose rows are independent, up to 12 joints, and beyond by
     /// R', block by block and without what branches leave empty: only Y, with which
     /// [`place_blocks`](Self::place_blocks) gives the rest. Scalars use the factors of M.
-    ///
-    /// In place of P stands here P without the entries `less`.
     #[inline(never)]
-    pub fn second_order(&mut self, tree: &Tree, less: &[Entry<S>]) {
+    pub fn second_order(&mut self, tree: &Tree) {
         match &mut self.world {
-            Some(world) if !Panel::<S>::ONE_LANE && self.in_world => world.second_order(tree),
+            Some(world) if self.in_world => world.second_order(tree),
             _ => self.kernel.second_order(tree),
         }
         if Panel::<S>::ONE_LANE {
-            self.eliminate_by_factors(less);
+            self.eliminate_by_factors();
         } else if let Some(tiles) = self.tiles.take() {
-            self.eliminate_by_blocks(&tiles, less);
+            self.eliminate_by_blocks(&tiles);
             self.tiles = Some(tiles);
         } else {
-            sized!(S, tree.dof(), self.eliminate_by_products(less));
+            sized!(S, tree.dof(), self.eliminate_by_products());
         }
     }
 
     /// With `Y = L'^-1 P` and `Z = D^-1 Y`: `P' M^-1 P = Y' Z`, `W = L^-1 Z`.
-    fn eliminate_by_factors(&mut self, less: &[Entry<S>]) {
-        let Self { kernel, factor, inverse, p, w, z, reduced, .. } = self;
+    fn eliminate_by_factors(&mut self) {
+        let Self { kernel, factor, inverse, p, w, z, reduced, world, in_world, .. } = self;
+        let [l_vq, l_qq] = blocks_of(kernel, world.as_deref().filter(|_| *in_world));
         factor.form_inverse::<0, 0>(inverse);
-        p.read::<0>(kernel.l_vq());
-        p.subtract_entries(less);
-        reduced.read::<0>(kernel.l_qq());
+        p.take::<0, 0>(l_vq);
+        reduced.take::<0, 0>(l_qq);
         factor.first_half(p);
         z.copy_from::<0, 0>(p);
         factor.divide_by_pivots(z);
@@ -215,14 +222,14 @@ impl<S: Scalar, K: LagrangianHessian<S>> Conservative<S, K> {
         factor.second_half(w);
     }
 
-    fn eliminate_by_products<const N: usize, const W: usize>(&mut self, less: &[Entry<S>]) {
+    fn eliminate_by_products<const N: usize, const W: usize>(&mut self) {
         // The inverse comes first: P and L_qq were stored entry by entry just before, and reading them whole
         // would stall.
         self.factor.form_inverse::<N, W>(&mut self.inverse);
-        self.p.read::<N>(self.kernel.l_vq());
-        self.p.subtract_entries(less);
-        self.reduced.read::<N>(self.kernel.l_qq());
-        let Self { inverse, p, w, reduced, .. } = self;
+        let Self { kernel, inverse, p, w, reduced, world, in_world, .. } = self;
+        let [l_vq, l_qq] = blocks_of(kernel, world.as_deref().filter(|_| *in_world));
+        p.take::<N, W>(l_vq);
+        reduced.take::<N, W>(l_qq);
         [&*inverse, p, w, reduced].into_iter().for_each(Panel::has_size::<N, W>);
         w.set_product::<N, W>(Left::Rows(inverse), p, Part::Whole);
         reduced.subtract_product::<N, W>(Left::Columns(p), w, Part::Lower);
@@ -230,17 +237,16 @@ impl<S: Scalar, K: LagrangianHessian<S>> Conservative<S, K> {
     }
 
     /// R' and `Y = R' P`.
-    fn eliminate_by_blocks(&mut self, tiles: &Elimination, less: &[Entry<S>]) {
+    fn eliminate_by_blocks(&mut self, tiles: &Elimination) {
         let Self { kernel, factor, p, y, world, in_world, .. } = self;
         factor.invert();
         let p = match world {
-            Some(world) if *in_world => world.l_vq_mut(),
+            Some(world) if *in_world => world.l_vq(),
             _ => {
                 p.read::<0>(kernel.l_vq());
-                p
+                &*p
             }
         };
-        p.subtract_entries(less);
         y.set_tiles(&tiles.upper, Left::Rows(factor.root()), p);
     }
 
@@ -271,4 +277,15 @@ impl<S: Scalar, K: LagrangianHessian<S>> Conservative<S, K> {
     pub fn in_blocks(&self) -> bool {
         self.tiles.is_some()
     }
+}
+
+/// P and L_qq of the kernel that was used last.
+#[inline(always)]
+pub(crate) fn blocks_of<'a, S: Scalar, K: LagrangianHessian<S>>(
+    kernel: &'a K,
+    world: Option<&'a World<S>>,
+) -> [Source<'a, S>; 2] {
+    world.map_or([Source::Matrix(kernel.l_vq()), Source::Matrix(kernel.l_qq())], |world| {
+        [Source::Panel(world.l_vq()), Source::Panel(world.l_qq())]
+    })
 }

@@ -84,6 +84,7 @@ impl<S: Scalar, R: Route> DualPass<S, R> {
         y: &[S],
     ) -> Result<HamiltonianContraction<'_, S>, EvalError> {
         let n = self.first.dof();
+        self.first.tree.refuse_free()?;
         self.first.check(&[("q", q), ("p", p), ("u", u)])?;
         check(&self.first.tree, "y", y, 2 * n)?;
         if !self.first.tree.is_conservative() {
@@ -96,7 +97,7 @@ impl<S: Scalar, R: Route> DualPass<S, R> {
             self.p[i] = Tangent::new(p[i], direction.p[i]);
         }
         self.tangent.first_order(&self.first.tree, &self.q, &self.p)?;
-        self.tangent.second_order(&self.first.tree, &[]);
+        self.tangent.second_order(&self.first.tree);
         self.take_values();
         let Hamiltonian { tree, flow, state, .. } = &mut self.first;
         state.rate_of_change(tree, &flow.v, &self.l_q, u);

@@ -49,8 +49,9 @@ impl<S: Scalar> FullHessian<S> {
     /// See [`Hamiltonian`](super::Hamiltonian).
     pub fn hessian_tensor(&mut self, q: &[S], p: &[S]) -> Result<&HessianTensor<S>, EvalError> {
         self.second.first().tree().refuse_free()?;
-        self.second.first().prepare(q, p, &self.zero)?;
-        self.second.first().assembled();
+        self.second.first().prepare([q, p, &self.zero])?;
+        self.second.first().assemble();
+        self.second.first().add_slopes([q, p]);
         self.second.first().state.add_wrench_slopes(q);
         for l in 0..q.len() {
             let slice = self.second.along_joint(l)?;

@@ -3,7 +3,7 @@
 use super::Hamiltonian;
 use crate::error::EvalError;
 use crate::kernels::{LagrangianHessian, Route};
-use crate::matrix::{Block, Matrix};
+use crate::matrix::{Block, Matrix, dot};
 use crate::scalar::Scalar;
 
 /// Jacobian of `p = M(q) v`; borrowed from the workspace.
@@ -30,10 +30,12 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
     /// # Errors
     /// See [`Hamiltonian`].
     pub fn momentum(&mut self, q: &[S], v: &[S]) -> Result<&[S], EvalError> {
-        if self.free.is_some() {
-            return self.momentum_free(q, v);
-        }
         self.check(&[("q", q), ("v", v)])?;
+        if !self.tree.free().is_empty() {
+            self.flow.set_mass_matrix(&self.tree, q)?;
+            (0..v.len()).for_each(|i| self.flow.v[i] = dot(self.flow.mass_matrix().row(i), v));
+            return Ok(&self.flow.v);
+        }
         self.flow.kernel.set_position(&self.tree, q)?;
         self.flow.kernel.set_velocity(&self.tree, v)?;
         Ok(self.flow.kernel.momentum())
@@ -44,9 +46,6 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
     /// # Errors
     /// See [`Hamiltonian`].
     pub fn velocity(&mut self, q: &[S], p: &[S]) -> Result<&[S], EvalError> {
-        if self.free.is_some() {
-            return self.velocity_free(q, p);
-        }
         self.check(&[("q", q), ("p", p)])?;
         self.flow.solve_velocity(&self.tree, q, p)?;
         Ok(&self.flow.v)
@@ -77,10 +76,12 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
         q: &[S],
         p: &[S],
     ) -> Result<VelocityLinearisation<'_, S>, EvalError> {
+        self.tree.refuse_free()?;
         self.check(&[("q", q), ("p", p)])?;
         self.flow.first_order_alone(&self.tree, [q, p], true)?;
-        self.flow.second_order(&self.tree, &[]);
-        let linear = self.assembled();
+        self.flow.second_order(&self.tree);
+        self.assemble();
+        let linear = self.state.linearisation(self.flow.mass_matrix());
         Ok(VelocityLinearisation { dv_dq: linear.qq(), dv_dp: linear.qp() })
     }
 }

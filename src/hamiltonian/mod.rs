@@ -24,7 +24,6 @@ mod direction;
 mod dual_pass;
 mod elimination;
 mod free;
-mod free_state;
 mod full;
 mod legendre;
 mod linearisation;
@@ -45,15 +44,16 @@ pub use tensor::HessianTensor;
 
 use crate::error::EvalError;
 pub(crate) use crate::kernels::check;
-use crate::kernels::{Contracted, LagrangianHessian, Route};
+use crate::kernels::{Contracted, LagrangianHessian, Route, check_entries};
 use crate::matrix::{Matrix, Panel, filled};
 use crate::robot::{Robot, Tree};
 use crate::scalar::Scalar;
 use conservative::Conservative;
+pub(crate) use conservative::blocks_of;
 use direction::Direction;
 pub(crate) use free::Free;
 use state::StateEquation;
-use world::Change;
+pub(crate) use world::Change;
 pub(crate) use world::World;
 
 /// Workspace for the Hamiltonian state equation of one robot; no call allocates.
@@ -83,8 +83,7 @@ pub struct Hamiltonian<S: Scalar, R: Route = Contracted> {
     inverse: Matrix<S>,
     /// y'F_x.
     product: Vec<S>,
-    /// What floating and spherical joints need, if there are any.
-    free: Option<Box<Free<S>>>,
+    free: Free<S>,
 }
 
 /// Kinetic and potential energy (J).
@@ -126,7 +125,7 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
             direction: Direction::new(n),
             inverse: Matrix::zeros(n, n),
             product: filled(S::zero(), 2 * n),
-            free: Free::where_any(&tree),
+            free: Free::new(&tree),
             tree,
         }
     }
@@ -146,13 +145,9 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
     /// # Errors
     /// See [`Hamiltonian`].
     pub fn evaluate(&mut self, q: &[S], p: &[S], u: &[S]) -> Result<&[S], EvalError> {
-        if self.free.is_some() {
-            return self.evaluate_free([q, p, u]);
-        }
         self.check(&[("q", q), ("p", p), ("u", u)])?;
         self.flow.first_order_alone(&self.tree, [q, p], false)?;
-        self.state.rate_of_change(&self.tree, &self.flow.v, self.flow.l_q(), u);
-        self.state.add_wrenches(q);
+        self.set_rate([q, p, u]);
         Ok(&self.state.f)
     }
 
@@ -166,58 +161,47 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
         p: &[S],
         u: &[S],
     ) -> Result<HamiltonianLinearisation<'_, S>, EvalError> {
-        if self.free.is_some() {
-            return self.linearise_free([q, p, u]);
-        }
-        self.prepare_in_world(q, p, u)?;
-        self.assembled();
-        self.state.add_wrench_slopes(q);
+        self.check(&[("q", q), ("p", p), ("u", u)])?;
+        self.prepare_in_world([q, p, u])?;
+        self.assemble();
+        self.add_slopes([q, p]);
         Ok(self.state.linearisation(self.flow.mass_matrix()))
     }
 
     /// F, and all that F_x is made of, in the axes of the world where these take less time.
-    fn prepare_in_world(&mut self, q: &[S], p: &[S], u: &[S]) -> Result<(), EvalError> {
-        self.check(&[("q", q), ("p", p), ("u", u)])?;
+    fn prepare_in_world(&mut self, [q, p, u]: [&[S]; 3]) -> Result<(), EvalError> {
         self.flow.first_order_alone(&self.tree, [q, p], true)?;
-        self.prepare_second_order(q, u);
+        self.flow.second_order(&self.tree);
+        self.set_rate([q, p, u]);
         Ok(())
     }
 
     /// Changes of M, P and L_qq along w~ of [`HamiltonianSecondOrder`] in the axes of the world, after
-    /// [`prepare_in_world`](Self::prepare_in_world); `less` says where P has lost K.
-    fn differentiate_in_world(&mut self, change: &mut Change<S>, y: &[S], less: Option<&Free<S>>) {
-        let Self { tree, flow, direction, .. } = self;
+    /// [`prepare_in_world`](Self::prepare_in_world).
+    fn differentiate_in_world(&mut self, change: &mut Change<S>, p: &[S], y: &[S]) {
+        let Self { tree, flow, direction, free, .. } = self;
         direction.set_costate(tree, &flow.v, y);
-        if let Some(free) = less {
-            free.subtract_momentum_slope(&direction.q, &mut direction.p);
-        }
+        free.add_weights(p, &direction.q, &mut direction.p);
         flow.velocity_change(&direction.q, &direction.p, &mut direction.v);
         flow.differentiate_in_world(tree, change, [&direction.q, &direction.v]);
     }
 
     /// F, and all that F_x and kernel two are made of.
-    fn prepare(&mut self, q: &[S], p: &[S], u: &[S]) -> Result<(), EvalError> {
-        self.check(&[("q", q), ("p", p), ("u", u)])?;
+    fn prepare(&mut self, [q, p, u]: [&[S]; 3]) -> Result<(), EvalError> {
         self.flow.first_order(&self.tree, q, p)?;
-        self.prepare_second_order(q, u);
+        self.flow.second_order(&self.tree);
+        self.set_rate([q, p, u]);
         Ok(())
     }
 
-    /// The same after the first order.
-    fn prepare_second_order(&mut self, q: &[S], u: &[S]) {
-        self.flow.second_order(&self.tree, &[]);
+    /// F after the first order.
+    fn set_rate(&mut self, [q, p, u]: [&[S]; 3]) {
         self.state.rate_of_change(&self.tree, &self.flow.v, self.flow.l_q(), u);
         self.state.add_wrenches(q);
+        self.free.add_rate(p, &mut self.state.f);
     }
 
-    /// Assembles F_x from the blocks of the conservative part and the slopes of friction.
-    pub(super) fn assembled(&mut self) -> HamiltonianLinearisation<'_, S> {
-        self.assemble();
-        self.state.add_slopes(&self.tree);
-        self.state.linearisation(self.flow.mass_matrix())
-    }
-
-    /// The conservative part alone.
+    /// Assembles F_x without what [`add_slopes`](Self::add_slopes) adds.
     fn assemble(&mut self) {
         if !Panel::<S>::ONE_LANE && self.flow.in_blocks() {
             self.state.assemble_by_blocks(&mut self.flow);
@@ -226,16 +210,23 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
         }
     }
 
+    /// Adds the derivatives of friction, wrenches and brackets to F_x.
+    fn add_slopes(&mut self, [q, p]: [&[S]; 2]) {
+        self.state.add_slopes(&self.tree);
+        self.state.add_wrench_slopes(q);
+        self.free.add_slopes([p, &self.flow.v, self.flow.l_q()], &mut self.state.f_x);
+    }
+
     /// Kinetic and potential energy (J); their sum is H(q, p).
     ///
     /// # Errors
     /// See [`Hamiltonian`].
     pub fn energy(&mut self, q: &[S], p: &[S]) -> Result<Energy<S>, EvalError> {
-        if self.free.is_some() {
-            return self.energy_free(q, p);
-        }
         self.check(&[("q", q), ("p", p)])?;
         self.flow.solve_velocity(&self.tree, q, p)?;
+        if !self.tree.free().is_empty() {
+            self.flow.kernel.set_position(&self.tree, q)?;
+        }
         let twice = self.flow.v.iter().zip(p).fold(S::zero(), |sum, (&v, &p)| sum + v * p);
         Ok(Energy { kinetic: twice.times(0.5), potential: self.flow.kernel.potential(&self.tree) })
     }
@@ -253,10 +244,7 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
     /// # Errors
     /// See [`Hamiltonian`].
     pub fn potential(&mut self, q: &[S]) -> Result<S, EvalError> {
-        match self.free {
-            None => self.check(&[("q", q)])?,
-            Some(_) => self.check_free(q, &[])?,
-        }
+        self.check(&[("q", q)])?;
         self.flow.kernel.set_position(&self.tree, q)?;
         Ok(self.flow.kernel.potential(&self.tree))
     }
@@ -266,12 +254,9 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
     /// # Errors
     /// See [`Hamiltonian`].
     pub fn mass_matrix(&mut self, q: &[S]) -> Result<&Matrix<S>, EvalError> {
-        if self.free.is_some() {
-            return self.mass_matrix_free(q);
-        }
         self.check(&[("q", q)])?;
-        self.flow.kernel.set_mass_matrix(&self.tree, q)?;
-        Ok(self.flow.kernel.mass_matrix())
+        self.flow.set_mass_matrix(&self.tree, q)?;
+        Ok(self.flow.mass_matrix())
     }
 
     /// `M^-1`, n x n, exactly symmetric.
@@ -279,9 +264,6 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
     /// # Errors
     /// See [`Hamiltonian`].
     pub fn inverse_mass_matrix(&mut self, q: &[S]) -> Result<&Matrix<S>, EvalError> {
-        if self.free.is_some() {
-            return self.inverse_free(q);
-        }
         self.check(&[("q", q)])?;
         self.flow.factor_alone(&self.tree, q)?;
         self.flow.factor.inverse(&mut self.inverse);
@@ -293,17 +275,25 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
     /// # Errors
     /// See [`Hamiltonian`].
     pub fn solve_mass_matrix(&mut self, q: &[S], x: &mut [S]) -> Result<(), EvalError> {
-        if self.free.is_some() {
-            return self.solve_free(q, x);
-        }
         self.check(&[("q", q), ("x", x)])?;
         self.flow.factor_alone(&self.tree, q)?;
         self.flow.factor.solve(x);
         Ok(())
     }
 
-    /// Every argument has n finite entries.
+    /// Every argument has n finite entries, positions nq.
     fn check(&self, arguments: &[(&'static str, &[S])]) -> Result<(), EvalError> {
-        arguments.iter().try_for_each(|&(what, values)| check(&self.tree, what, values, self.tree.dof()))
+        let (tree, n) = (&self.tree, self.tree.dof());
+        if tree.free().is_empty() {
+            return arguments.iter().try_for_each(|&(what, values)| check(tree, what, values, n));
+        }
+        if !R::Hessian::<S>::FREE_JOINTS {
+            tree.refuse_free()?;
+        }
+        tree.refuse_free_and_wrench()?;
+        arguments.iter().try_for_each(|&(what, values)| match what {
+            "q" => tree.check_configuration(values),
+            _ => check_entries(tree, what, values, n),
+        })
     }
 }

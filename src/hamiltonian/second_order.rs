@@ -2,9 +2,9 @@
 
 use super::congruence::Congruence;
 use super::world::Change;
-use super::{Hamiltonian, HamiltonianContraction, check};
+use super::{Hamiltonian, HamiltonianContraction};
 use crate::error::EvalError;
-use crate::kernels::{KernelTwo, friction_of};
+use crate::kernels::{KernelTwo, check_entries, friction_of};
 use crate::matrix::{Matrix, add_scaled, dot, filled};
 use crate::robot::{Robot, Tree};
 use crate::scalar::Scalar;
@@ -92,25 +92,24 @@ impl<S: Scalar> HamiltonianSecondOrder<S> {
         u: &[S],
         y: &[S],
     ) -> Result<HamiltonianContraction<'_, S>, EvalError> {
-        if self.first.free.is_some() {
-            return self.contract_free([q, p, u, y]);
-        }
-        check(&self.first.tree, "y", y, 2 * self.dof())?;
+        self.first.check(&[("q", q), ("p", p), ("u", u)])?;
+        check_entries(&self.first.tree, "y", y, 2 * self.dof())?;
         if let Some(change) = &mut self.change {
-            self.first.prepare_in_world(q, p, u)?;
-            self.first.differentiate_in_world(change, y, None);
+            self.first.prepare_in_world([q, p, u])?;
+            self.first.differentiate_in_world(change, p, y);
         } else {
-            self.first.prepare(q, p, u)?;
+            self.first.prepare([q, p, u])?;
             self.differentiate(y)?;
         }
         // F_x is put together here: what kernel two has stored entry by entry just before is read whole next.
-        self.first.assembled();
-        self.first.state.add_wrench_slopes(q);
+        self.first.assemble();
         self.apply_congruence();
-        let Hamiltonian { tree, flow, state, .. } = &mut self.first;
-        state.add_curvature(tree, &y[tree.dof()..], &mut self.y_f_xx);
-        state.add_wrench_curvature(q, &y[tree.dof()..], &mut self.y_f_xx);
-        let linearisation = state.linearisation(flow.mass_matrix());
+        let (first, y_p) = (&mut self.first, &y[p.len()..]);
+        first.free.add_curvature(y_p, &first.state.f_x, &mut self.y_f_xx);
+        first.add_slopes([q, p]);
+        first.state.add_curvature(&first.tree, y_p, &mut self.y_f_xx);
+        first.state.add_wrench_curvature(q, y_p, &mut self.y_f_xx);
+        let linearisation = first.state.linearisation(first.flow.mass_matrix());
         Ok(HamiltonianContraction { linearisation, y_f_xx: &self.y_f_xx })
     }
 
@@ -125,13 +124,13 @@ impl<S: Scalar> HamiltonianSecondOrder<S> {
     /// See [`Hamiltonian`].
     #[inline(never)]
     pub fn hessian_product(&mut self, q: &[S], p: &[S], y: &[S], d: &[S]) -> Result<&[S], EvalError> {
-        if self.first.free.is_some() {
-            return self.hessian_product_free([q, p, y, d]);
-        }
         let n = self.dof();
         self.first.check(&[("q", q), ("p", p)])?;
-        check(&self.first.tree, "y", y, 2 * n)?;
-        check(&self.first.tree, "d", d, 2 * n)?;
+        check_entries(&self.first.tree, "y", y, 2 * n)?;
+        check_entries(&self.first.tree, "d", d, 2 * n)?;
+        if !self.first.tree.free().is_empty() {
+            return self.product_by_matrix([q, p, y, d]);
+        }
         self.first.flow.first_order(&self.first.tree, q, p)?;
         self.first.flow.kernel.second_order(&self.first.tree);
         self.differentiate(y)?;
@@ -160,11 +159,23 @@ impl<S: Scalar> HamiltonianSecondOrder<S> {
         Ok(&self.product)
     }
 
+    /// With floating and spherical joints.
+    fn product_by_matrix(&mut self, [q, p, y, d]: [&[S]; 4]) -> Result<&[S], EvalError> {
+        // The actuation does not enter.
+        let mut none = std::mem::take(&mut self.pull);
+        none.fill(S::zero());
+        let outcome = self.contract(q, p, &none, y).map(drop);
+        self.pull = none;
+        outcome?;
+        self.product.iter_mut().enumerate().for_each(|(i, entry)| *entry = dot(self.y_f_xx.row(i), d));
+        Ok(&self.product)
+    }
+
     /// The matrix from the changes of M, P and L_qq.
     pub(super) fn apply_congruence(&mut self) {
         let Self { first: Hamiltonian { flow, .. }, along, change, congruence, y_f_xx, .. } = self;
         match change {
-            Some(change) => congruence.apply_in_blocks(change.panels(), flow, y_f_xx),
+            Some(change) => congruence.apply_panels(change.panels(), flow, y_f_xx),
             None => congruence.apply(along, flow, y_f_xx),
         }
     }

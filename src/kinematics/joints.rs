@@ -47,7 +47,7 @@ impl<S: Scalar> Kinematics<S> {
     /// the square of the size that its rounding errors are in proportion to.
     pub(crate) fn column_seen(&self, joint: usize, from: &Seat<S>, at: Vec3<S>) -> (Motion<S>, S) {
         let body = &self.bodies[joint];
-        let axis = from.direction(body.axis());
+        let axis = from.direction(self.bodies[self.tree.axis_of(joint)].axis());
         match self.tree.joints()[joint].kind {
             JointKind::Revolute => {
                 let origin = from.point(body.position);

@@ -211,28 +211,23 @@ impl<S: Scalar> Kinematics<S> {
         self.zero = zero;
     }
 
-    /// These links alone, parents before children, at q (nq) with the joints of the chains of floating and
-    /// spherical joints at `chart` (n): where the quaternions of q and then the angles of the chart turn
-    /// them. Other entries of q do not count.
+    /// These links alone, parents before children, at q (nq), of which `chart` are the [coordinates of
+    /// chains](Tree::chart_coordinates) (n).
     pub(crate) fn pose_chart(&mut self, q: &[S], chart: &[S], links: &[usize]) {
-        self.orient(q, chart);
+        self.orient(q);
         self.pose_links(chart, links);
     }
 
     /// The same with velocities and accelerations of the chains.
     pub(crate) fn place_moving_chart(&mut self, q: &[S], chart: &[S], [v, a]: [&[S]; 2]) {
-        self.orient(q, chart);
+        self.orient(q);
         self.place(chart, v, a);
     }
 
     /// Takes the orientations of floating and spherical joints.
-    fn orient(&mut self, q: &[S], chart: &[S]) {
-        let Self { tree, orientations, .. } = self;
-        for ((_, orientation), free) in orientations.iter_mut().zip(tree.free()) {
-            let (sin, cos) = chart[free.joint.coordinate + free.joint.kind.slides()].times(0.5).sin_cos();
-            let turn = Quaternion::new([S::zero(), S::zero(), sin, cos]);
-            *orientation = free.orientation(q).then_after(turn);
-        }
+    fn orient(&mut self, q: &[S]) {
+        let both = self.orientations.iter_mut().zip(self.tree.free());
+        both.for_each(|((_, orientation), free)| *orientation = free.orientation(q));
     }
 
     /// As [`set_state`](Self::set_state), without a check.

@@ -51,7 +51,7 @@ impl<S: Scalar> Lagrangian<S> {
             return Ok(self.newton_euler.tau());
         }
         if let Some(world) = &mut self.world {
-            world.set_frames(&self.tree, q);
+            world.set_position(&self.tree, q);
             world.set_motion(&self.tree, &self.zero, None);
             world.sum_forces(&mut self.tau);
         }
@@ -100,7 +100,7 @@ impl<S: Scalar> Lagrangian<S> {
             return self.subtract_wrenches(q);
         }
         if let Some(world) = &mut self.world {
-            world.set_frames(&self.tree, q);
+            world.set_position(&self.tree, q);
             world.set_motion(&self.tree, v, Some(a));
             world.sum_forces(&mut self.tau);
         }
@@ -127,7 +127,7 @@ impl<S: Scalar> Lagrangian<S> {
         let Some(world) = self.world.as_mut().filter(|_| self.routes.derivatives) else {
             return self.factor_by_kernel(q);
         };
-        world.set_frames(&self.tree, q);
+        world.set_position(&self.tree, q);
         world.compose(&self.tree);
         self.factor_placed(q)
     }

@@ -23,7 +23,7 @@ impl<S: Scalar> Lagrangian<S> {
     pub(super) fn place(&mut self, q: &[S]) -> Result<(), EvalError> {
         match &mut self.world {
             Some(world) if self.routes.derivatives => {
-                world.set_frames(&self.tree, q);
+                world.set_position(&self.tree, q);
                 world.compose(&self.tree);
                 Ok(())
             }
@@ -96,7 +96,7 @@ impl<S: Scalar> Lagrangian<S> {
             *a = u - tau;
         }
         let (Some(world), Some(bodies)) = (&mut self.world, &mut self.bodies) else { return Ok(()) };
-        world.set_frames(&self.tree, q);
+        world.set_position(&self.tree, q);
         world.set_motion(&self.tree, v, None);
         let singular = |k: usize| EvalError::SingularMassMatrix { joint: self.tree.name(k).into() };
         bodies.solve(&self.tree, world, rate_v).map_err(singular)

@@ -9,7 +9,7 @@ mod tile;
 mod tiles;
 mod transpose;
 
-pub(crate) use panel::{Panel, sized};
+pub(crate) use panel::{Panel, Source, sized};
 pub(crate) use pattern::Pattern;
 pub(crate) use place::Place;
 pub(crate) use product::{Left, Part};

@@ -1,6 +1,6 @@
 //! A matrix whose rows are whole packs.
 
-use super::{Entry, Matrix};
+use super::Matrix;
 use crate::scalar::{Pack, Scalar};
 
 /// A dense matrix whose rows are padded to a whole number of packs (of registers, if it is computed block by
@@ -13,6 +13,24 @@ pub(crate) struct Panel<S: Scalar> {
     columns: usize,
     width: usize,
     data: Vec<S::Pack>,
+}
+
+/// A square matrix that fills a panel of the same size.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Source<'a, S: Scalar> {
+    Matrix(&'a Matrix<S>),
+    Panel(&'a Panel<S>),
+}
+
+impl<S: Scalar> Source<'_, S> {
+    /// Entry (i, j).
+    #[inline(always)]
+    pub fn entry(&self, i: usize, j: usize) -> S {
+        match self {
+            Self::Matrix(matrix) => matrix[(i, j)],
+            Self::Panel(panel) => panel.get(i, j),
+        }
+    }
 }
 
 /// The rows before one, that one, and those after it.
@@ -163,13 +181,6 @@ impl<S: Scalar> Panel<S> {
         self.data[i * self.width + j / Self::LANES].set_lane(j % Self::LANES, value);
     }
 
-    /// Subtracts some terms.
-    pub fn subtract_entries(&mut self, entries: &[Entry<S>]) {
-        for &Entry { row, column, value } in entries {
-            self.set(row, column, self.get(row, column) - value);
-        }
-    }
-
     /// Fills row `i` with numbers, as many as there are columns. N: their number where known, else 0.
     #[inline(always)]
     pub fn read_row<const N: usize>(&mut self, i: usize, from: &[S]) {
@@ -215,6 +226,15 @@ impl<S: Scalar> Panel<S> {
     pub fn read<const N: usize>(&mut self, from: &Matrix<S>) {
         for i in 0..if N > 0 { N } else { self.rows } {
             self.read_row::<N>(i, from.row(i));
+        }
+    }
+
+    /// The same from either.
+    #[inline(always)]
+    pub fn take<const N: usize, const W: usize>(&mut self, from: Source<'_, S>) {
+        match from {
+            Source::Matrix(matrix) => self.read::<N>(matrix),
+            Source::Panel(panel) => self.copy_from::<N, W>(panel),
         }
     }
 

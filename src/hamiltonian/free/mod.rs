@@ -6,189 +6,107 @@
 //! ([`ConfigurationSpace`](crate::configuration::ConfigurationSpace)): the left-trivialised tangent. F is
 //! the rate (v, p'), and y'F_xx the Hessian of `y . F(q (+) xi, p + dp)` at zero, components of F and y
 //! being those in the tangent space at either point. It is symmetric.
+//!
+//! L_q and the blocks of its symmetric second derivative are those of the kernel. Displacements do not commute,
+//! which adds to the rows of one joint, with linear and angular parts v = (v, w) and p = (f, m),
+//!
+//! $$ \dot p = L\_q + K(p)\, v + u, \qquad K(p) = \begin{pmatrix} 0 & \hat f \\\\ \hat f & \hat m \end{pmatrix},
+//! \qquad N(v) = \begin{pmatrix} \hat w & 0 \\\\ \hat v & \hat w \end{pmatrix}, \qquad K(p)\, v = -N(v)\, p $$
+//!
+//! the coadjoint action (J. E. Marsden, T. S. Ratiu, Introduction to Mechanics and Symmetry (1999), section
+//! 13.5: the Lie-Poisson bracket), to L_qq half of K(L_q), and N(y_p) times rows of F to y'F_xx.
 
-mod part;
 #[cfg(test)]
 mod tests;
 
-use crate::matrix::{Entry, Matrix, add_scaled, filled};
-use crate::robot::Tree;
+use crate::matrix::{Entry, Matrix, add_scaled};
+use crate::robot::{FreeKind, Tree};
 use crate::scalar::Scalar;
-use part::Part;
 
-/// What the state equation needs besides that of the chains of joints.
+/// The brackets of all floating and spherical joints.
 #[derive(Clone, Debug)]
-pub(crate) struct Free<S: Scalar> {
-    pub(crate) parts: Vec<Part<S>>,
-    /// p in the chart, u without that of free joints.
-    pub(crate) p: Vec<S>,
-    pub(crate) u: Vec<S>,
-    /// y of the chart in the axes of the frames, and in those of the parents.
-    pub(crate) y: Vec<S>,
-    pub(crate) y_chart: Vec<S>,
-    pub(crate) mass_matrix: Matrix<S>,
-    /// y'F_x of the chart, by (xi, pi) of free joints, and a sum of rows of F_x.
-    slope: Vec<S>,
-    sum: Vec<S>,
-    /// See [`momentum_slope`](Self::momentum_slope).
-    less: Vec<Entry<S>>,
+pub(crate) struct Free<S> {
+    /// First linear coordinate, if there is one, and first angular one.
+    places: Vec<(Option<usize>, usize)>,
+    /// Those of K or N computed last.
+    entries: Vec<Entry<S>>,
 }
 
 impl<S: Scalar> Free<S> {
-    /// `None` for a robot without such joints.
-    pub fn where_any(tree: &Tree) -> Option<Box<Self>> {
-        let n = tree.dof();
-        let parts: Vec<Part<S>> = tree.free().iter().map(Part::new).collect();
-        (!parts.is_empty()).then(|| {
-            Box::new(Self {
-                parts,
-                p: filled(S::zero(), n),
-                u: filled(S::zero(), n),
-                y: filled(S::zero(), 2 * n),
-                y_chart: filled(S::zero(), 2 * n),
-                mass_matrix: Matrix::zeros(n, n),
-                slope: filled(S::zero(), 2 * n),
-                sum: filled(S::zero(), 2 * n),
-                less: Vec::with_capacity(3 * n),
-            })
-        })
+    /// Without such joints all methods do nothing.
+    pub fn new(tree: &Tree) -> Self {
+        let place = |at: usize, kind: FreeKind| ((kind.slides() > 0).then_some(at), at + kind.slides());
+        let places: Vec<_> =
+            tree.free().iter().map(|free| place(free.joint.coordinate, free.joint.kind)).collect();
+        Self { entries: Vec::with_capacity(18 * places.len()), places }
     }
 
-    pub(crate) fn set_configuration(&mut self, q: &[S]) {
-        self.parts.iter_mut().for_each(|part| part.frame.set_configuration(q));
-    }
-
-    /// A momentum, or a velocity, in the axes of the chart.
-    pub(crate) fn set_momentum(&mut self, p: &[S]) {
-        self.p.copy_from_slice(p);
-        for part in &mut self.parts {
-            part.set_momentum(p);
-            part.frame.outward(&mut self.p);
-        }
-    }
-
-    /// p and u, of chains that are displaced along the axes of the moved frames
-    /// ([`World`](super::World::with_own_axes)).
-    pub(crate) fn set_state_in_own_axes(&mut self, [p, u]: [&[S]; 2]) {
-        self.parts.iter_mut().for_each(|part| part.frame.set_own_axes());
-        self.set_momentum(p);
-        self.set_actuation(u);
-    }
-
-    /// q, p and u in the axes of the chart.
-    pub(crate) fn set_state(&mut self, [q, p, u]: [&[S]; 3]) {
-        self.set_configuration(q);
-        self.set_momentum(p);
-        self.set_actuation(u);
-    }
-
-    pub(crate) fn set_actuation(&mut self, u: &[S]) {
-        self.u.copy_from_slice(u);
-        for (at, m) in self.parts.iter().map(Part::place) {
-            self.u[at..at + m].fill(S::zero());
-        }
-    }
-
-    /// F of the chart becomes that of the tangent space.
-    pub(crate) fn finish_rate(&mut self, f: &mut [S], u: &[S]) {
-        let n = u.len();
-        for part in &mut self.parts {
-            part.finish_rate(f);
-            let (at, m) = part.place();
-            f[n + at..n + at + m].iter_mut().zip(&u[at..at + m]).for_each(|(f, &u)| *f += u);
-        }
-    }
-
-    /// F_x of the chart by (xi, pi), without friction, in the axes of the frames.
-    ///
-    /// The momentum of the chart is `p_c = A'pi`, `dp_c = dpi + K dxi`. Where P has lost K, its formula gives
-    /// the columns by (xi, pi) and a symmetric matrix J F_x, so that its rows are those of `F^p - K'F^q`.
-    pub(crate) fn prepare_jacobian(&self, f_x: &mut Matrix<S>) {
-        self.parts.iter().for_each(|part| part.frame.turn_symplectic(f_x));
-        self.parts.iter().for_each(|part| part.part_rows(f_x));
-    }
-
-    /// The same for rows of other functions of (q, p_c) by (xi, pi), k x 2n.
-    pub(crate) fn prepare_rows(&self, matrix: &mut Matrix<S>) {
-        let n = matrix.columns() / 2;
-        for part in &self.parts {
-            for i in 0..matrix.rows() {
-                let (in_q, in_p) = matrix.row_mut(i).split_at_mut(n);
-                part.frame.inward(in_q);
-                part.frame.inward(in_p);
+    /// K(p) of a momentum, n.
+    pub fn of_momentum(&mut self, p: &[S]) -> &[Entry<S>] {
+        self.entries.clear();
+        for &(linear, angular) in &self.places {
+            cross(&mut self.entries, [angular, angular], &p[angular..]);
+            if let Some(linear) = linear {
+                cross(&mut self.entries, [linear, angular], &p[linear..]);
+                cross(&mut self.entries, [angular, linear], &p[linear..]);
             }
         }
+        &self.entries
     }
 
-    /// K in the axes of the chart, at the momentum set last: the entries that P loses.
-    pub(crate) fn momentum_slope(&mut self) -> &[Entry<S>] {
-        self.less.clear();
-        self.parts.iter().for_each(|part| part.add_momentum_slope(&mut self.less));
-        &self.less
-    }
-
-    /// Subtracts `K d` from `change`, n each, for K of [`momentum_slope`](Self::momentum_slope), called last.
-    pub(crate) fn subtract_momentum_slope(&self, d: &[S], change: &mut [S]) {
-        for entry in &self.less {
-            change[entry.row] -= entry.value * d[entry.column];
+    /// N(v) of a velocity, n.
+    pub fn of_velocity(&mut self, v: &[S]) -> &[Entry<S>] {
+        self.entries.clear();
+        for &(linear, angular) in &self.places {
+            cross(&mut self.entries, [angular, angular], &v[angular..]);
+            if let Some(linear) = linear {
+                cross(&mut self.entries, [linear, linear], &v[angular..]);
+                cross(&mut self.entries, [angular, linear], &v[linear..]);
+            }
         }
+        &self.entries
     }
 
-    /// y'F_xx of the chart in the axes of the frames.
-    pub(crate) fn turn_hessian(&self, matrix: &mut Matrix<S>) {
-        let n = matrix.rows() / 2;
-        for part in &self.parts {
-            let (at, _) = part.place();
-            part.frame.turn_symmetric(matrix, &[at, n + at]);
+    /// Adds `K(p) v` to F, whose first half is v.
+    pub fn add_rate(&mut self, p: &[S], f: &mut [S]) {
+        let (v, f_p) = f.split_at_mut(p.len());
+        self.of_momentum(p).iter().for_each(|e| f_p[e.row] += e.value * v[e.column]);
+    }
+
+    /// Adds its Jacobian, and half of K(L_q), to F_x, at v.
+    pub fn add_slopes(&mut self, [p, v, l_q]: [&[S]; 3], f_x: &mut Matrix<S>) {
+        let n = v.len();
+        for e in self.of_momentum(p) {
+            let (row, source) = f_x.row_mut_and_above(n + e.row, e.column);
+            add_scaled(row, e.value, source);
         }
+        self.of_momentum(l_q).iter().for_each(|e| f_x[(n + e.row, e.column)] += e.value.times(0.5));
+        self.of_velocity(v).iter().for_each(|e| f_x[(n + e.row, n + e.column)] -= e.value);
     }
 
-    /// M, or its inverse, in the axes of the frames.
-    pub(crate) fn turn_symmetric(&self, matrix: &mut Matrix<S>) {
-        self.parts.iter().for_each(|part| part.frame.turn_symmetric(matrix, &[part.place().0]));
+    /// Adds the derivative of `y_p . K(p) v` by v to the weights of v, for `minus_y = -y_p`.
+    pub fn add_weights(&mut self, p: &[S], minus_y: &[S], weights: &mut [S]) {
+        self.of_momentum(p).iter().for_each(|e| weights[e.row] += e.value * minus_y[e.column]);
     }
 
-    pub(crate) fn set_mass_matrix(&mut self, mass_matrix: &Matrix<S>) {
-        self.mass_matrix.copy_from(mass_matrix);
-        self.parts.iter().for_each(|part| {
-            part.frame.turn_symmetric(&mut self.mass_matrix, &[part.place().0]);
-        });
-    }
-
-    /// y'F_xx of the tangent space from that of the chart, both for the costate y, set last; `others` are
-    /// further functions of (q, p) with weights, part of the sum, and their Jacobian, by (xi, pi) as F_x.
-    pub(crate) fn curve(
-        &mut self,
-        y: &[S],
-        f_x: &Matrix<S>,
-        others: Option<(&[S], &Matrix<S>)>,
-        y_f_xx: &mut Matrix<S>,
-    ) {
-        let Self { parts, slope, sum, y: of_chart, .. } = self;
-        let n = f_x.columns() / 2;
-        slope.fill(S::zero());
-        for (weights, rows) in [(&**of_chart, f_x)].into_iter().chain(others) {
-            for (i, &weight) in weights.iter().enumerate() {
-                let own = parts.iter().map(Part::place).flat_map(|(at, m)| [at..at + m, n + at..n + at + m]);
-                for some in own {
-                    add_scaled(&mut slope[some.clone()], weight, &rows.row(i)[some]);
+    /// Adds `N(y_p) F^p_x` to the rows and columns of xi in y'F_xx, `N(y_p)' F^q_x` to those of p, for F_x without
+    /// friction and [brackets](Self::add_slopes).
+    pub fn add_curvature(&mut self, y_p: &[S], f_x: &Matrix<S>, y_f_xx: &mut Matrix<S>) {
+        let n = y_p.len();
+        for e in self.of_velocity(y_p) {
+            for (to, from) in [(e.row, n + e.column), (n + e.column, e.row)] {
+                for (j, &entry) in f_x.row(from).iter().enumerate() {
+                    y_f_xx[(to, j)] += e.value * entry;
+                    y_f_xx[(j, to)] += e.value * entry;
                 }
             }
         }
-        parts.iter().for_each(|part| part.curve([y, slope], f_x, sum, y_f_xx));
     }
+}
 
-    /// The costate of the chart.
-    pub(crate) fn set_costate(&mut self, y: &[S]) {
-        self.y.copy_from_slice(y);
-        for part in &self.parts {
-            part.costate(&mut self.y);
-        }
-        self.y_chart.copy_from_slice(&self.y);
-        let (y_q, y_p) = self.y_chart.split_at_mut(y.len() / 2);
-        for part in &self.parts {
-            part.frame.outward(y_q);
-            part.frame.outward(y_p);
-        }
+/// The matrix of `a x` in rows and columns from these on.
+fn cross<S: Scalar>(entries: &mut Vec<Entry<S>>, [row, column]: [usize; 2], a: &[S]) {
+    for (i, j, value) in [(0, 1, -a[2]), (0, 2, a[1]), (1, 0, a[2]), (1, 2, -a[0]), (2, 0, -a[1]), (2, 1, a[0])] {
+        entries.push(Entry { row: row + i, column: column + j, value });
     }
 }

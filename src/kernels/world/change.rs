@@ -51,7 +51,7 @@ struct Meeting<P> {
 }
 
 impl<S: Scalar> HessianChange<S> {
-    /// Buffers for the tree of a kernel, whose joints are independent.
+    /// Buffers for the tree of a kernel.
     pub fn new(kernel: &WorldKernel<S>) -> Self {
         let (n, groups) = (kernel.places.len(), kernel.groups.len());
         let at_rest = Change {
@@ -77,8 +77,10 @@ impl<S: Scalar> HessianChange<S> {
     #[inline(always)]
     fn set_motion(&mut self, kernel: &WorldKernel<S>, v: &[S], [dq, dv]: [&[S]; 2]) {
         let lanes = WorldKernel::<S>::LANES;
+        // Before the joint: its velocity and the change of that; N that moves its axes, beyond a free joint.
+        let mut outer = [Motion::zero(); 3];
         for (k, place) in kernel.places.iter().enumerate() {
-            let (joint, i) = (&kernel.joints[k], place.joint);
+            let joint = &kernel.joints[k];
             let (z, arm) = (joint.axes[2], joint.arm);
             let ([mut turning, mut velocity], before) = match place.parent {
                 Some(parent) => (
@@ -87,19 +89,31 @@ impl<S: Scalar> HessianChange<S> {
                 ),
                 None => ([Motion::zero(); 2], Motion::zero()),
             };
-            let chi = across(place.kind, turning, z);
-            let psi = across(place.kind, velocity, z) + before.cross(chi);
+            outer = if k > place.first {
+                outer.map(|motion| moved(motion, arm))
+            } else {
+                // All axes of a free joint meet at the origin of its first place.
+                let parts = (k..=place.last).filter(|_| k < place.last);
+                let along = |l: usize| {
+                    let place = &kernel.places[l];
+                    motion_along(place.kind, kernel.joints[l].axes[2].scaled(place.rate(dq)))
+                };
+                [before, velocity, parts.fold(turning, |sum, l| sum + along(l))]
+            };
+            let chi = across(place.kind, outer[2], z);
+            let psi = across(place.kind, outer[1], z) + outer[0].cross(chi);
+            let [dq, dv, rate] = [dq, dv, v].map(|rates| place.rate(rates));
             match place.kind {
                 JointKind::Revolute => {
-                    turning.angular = turning.angular.plus_scaled(z, dq[i]);
-                    velocity.angular = velocity.angular.plus_scaled(z, dv[i]).plus_scaled(chi.angular, v[i]);
+                    turning.angular = turning.angular.plus_scaled(z, dq);
+                    velocity.angular = velocity.angular.plus_scaled(z, dv).plus_scaled(chi.angular, rate);
                 }
                 JointKind::Prismatic => {
-                    turning.linear = turning.linear.plus_scaled(z, dq[i]);
-                    velocity.linear = velocity.linear.plus_scaled(z, dv[i]);
+                    turning.linear = turning.linear.plus_scaled(z, dq);
+                    velocity.linear = velocity.linear.plus_scaled(z, dv);
                 }
             }
-            velocity.linear = velocity.linear.plus_scaled(chi.linear, v[i]);
+            velocity.linear = velocity.linear.plus_scaled(chi.linear, rate);
             self.motions[k] = [turning, velocity];
             let (group, lane) = (&mut self.groups[k / lanes], k % lanes);
             set_motion(&mut group.turning, lane, turning);
@@ -185,7 +199,9 @@ impl<S: Scalar> WorldKernel<S> {
     /// D L_qq,ij = D psi_i . G_j + psi_i . D G_j + D gamma_i . F_j + gamma_i . D F_j
     /// ```
     ///
-    /// [`KernelTwo`](crate::kernels::KernelTwo) computes the same in body frames.
+    /// Axes of a floating or spherical joint move with its link: N_i of chi_i is that beyond the joint, v_i
+    /// and D v_i of D psi_i are those before it. [`KernelTwo`](crate::kernels::KernelTwo) computes the same in
+    /// body frames, for robots without such joints.
     #[inline(never)]
     pub fn differentiate(
         &mut self,
@@ -222,7 +238,7 @@ impl<S: Scalar> WorldKernel<S> {
                 gamma: gravity.cross(motion_along(place.kind, axis).angular).splat(),
                 gamma_change: gravity.cross(chi.angular).splat(),
             };
-            let groups = block..place.end.div_ceil(Self::LANES);
+            let groups = place.first / Self::LANES..place.end.div_ceil(Self::LANES);
             let mut rows = [m.row_mut(k), p.row_mut(k), lower.row_mut(k), l_qq.row_mut(k)];
             let [a, b, c, d] = rows.each_mut().map(|row| row[groups.clone()].iter_mut());
             let forces = self.carried[groups.clone()].iter().zip(&self.rates[groups.clone()]);
@@ -238,8 +254,7 @@ impl<S: Scalar> WorldKernel<S> {
             rows.into_iter().for_each(|row| clear_beyond::<S>(row, place.end));
         }
         self.places.mirror(m, None);
-        self.places.mirror(p, Some(&*lower));
-        self.places.mirror(l_qq, None);
+        self.places.complete([p, lower, l_qq]);
     }
 }
 

@@ -139,7 +139,7 @@ impl<S: Scalar> TorqueContraction<S> {
                 Some(parent) => moved(self.velocities[parent], joint.arm),
                 None => Motion::zero(),
             };
-            outer = if place.continues { moved(outer, joint.arm) } else { velocity };
+            outer = if k > place.first { moved(outer, joint.arm) } else { velocity };
             let chi = across(place.kind, outer, z);
             match place.kind {
                 JointKind::Revolute => velocity.angular = velocity.angular.plus_scaled(z, rate),

@@ -3,7 +3,7 @@
 use super::WorldKernel;
 use super::composite::clear_beyond;
 use super::group::{Carried, add_force, force_lane, motion_lane, set_motion};
-use super::motion::{inward, moved};
+use super::motion::{across, inward, moved};
 use crate::matrix::Panel;
 use crate::robot::{JointKind, Tree};
 use crate::scalar::{Pack, Scalar, inlined};
@@ -22,23 +22,19 @@ impl<S: Scalar> WorldKernel<S> {
     /// Velocities, and momenta of the composite bodies, at the position set last; v has length n.
     #[inline(never)]
     pub fn set_velocity(&mut self, v: &[S]) {
+        let mut outer = Motion::zero();
         for (k, place) in self.places.iter().enumerate() {
             let joint = &self.joints[k];
-            let (z, rate) = (joint.axes[2], v[place.joint]);
+            let (z, rate) = (joint.axes[2], place.rate(v));
             let mut velocity = match place.parent {
                 Some(parent) => moved(self.joints[parent].velocity, joint.arm),
                 None => Motion::zero(),
             };
-            let mut psi = Motion::zero();
+            outer = if k > place.first { moved(outer, joint.arm) } else { velocity };
+            let psi = across(place.kind, outer, z);
             match place.kind {
-                JointKind::Revolute => {
-                    psi = Motion { angular: velocity.angular.cross(z), linear: velocity.linear.cross(z) };
-                    velocity.angular = velocity.angular.plus_scaled(z, rate);
-                }
-                JointKind::Prismatic => {
-                    psi.linear = velocity.angular.cross(z);
-                    velocity.linear = velocity.linear.plus_scaled(z, rate);
-                }
+                JointKind::Revolute => velocity.angular = velocity.angular.plus_scaled(z, rate),
+                JointKind::Prismatic => velocity.linear = velocity.linear.plus_scaled(z, rate),
             }
             self.joints[k].velocity = velocity;
             let (group, lane) = (&mut self.groups[k / Self::LANES], k % Self::LANES);
@@ -61,10 +57,11 @@ impl<S: Scalar> WorldKernel<S> {
     pub fn gradient(&self, tree: &Tree, l_q: &mut [S]) {
         let gravity = Vec3::<S::Pack>::constant(tree.gravity());
         let groups = self.groups.iter().zip(&self.carried);
+        self.places.clear_sums(l_q);
         for (some, (group, carried)) in self.places.chunks(Self::LANES).zip(groups) {
             let entries = group.momentum.dot(group.psi) + carried.inertial.force.dot(gravity);
             for (lane, place) in some.iter().enumerate() {
-                l_q[place.joint] = entries.lane(lane);
+                self.places.add(l_q, place, entries.lane(lane));
             }
         }
     }
@@ -77,6 +74,9 @@ impl<S: Scalar> WorldKernel<S> {
     /// ```
     ///
     /// with `G_j = IC_j psi_j + S_j x* H_j`, as in [`KernelOne`](crate::kernels::KernelOne).
+    ///
+    /// For a floating or spherical joint q is a displacement in the left-trivialised tangent space, psi that of
+    /// the velocity before the joint. Its pairs have P_ji for both orders, and the symmetric part of L_qq.
     #[inline(never)]
     pub fn hessian(&mut self, tree: &Tree, to: [&mut Panel<S>; 2]) {
         for (group, rate) in self.groups.iter().zip(&mut self.rates) {
@@ -95,7 +95,7 @@ impl<S: Scalar> WorldKernel<S> {
         self.meet_for_hessian(tree, [p, l_qq]);
         self.upper = upper;
         for (to, upper) in to.into_iter().zip(&self.upper) {
-            self.places.reorder(upper, |i, j, entry| to.set(i, j, entry));
+            self.places.take_to_coordinates(upper, to);
         }
     }
 
@@ -113,7 +113,7 @@ impl<S: Scalar> WorldKernel<S> {
                 gamma: gravity.cross(axis).splat(),
             };
             let mut rows = [p.row_mut(k), lower.row_mut(k), l_qq.row_mut(k)];
-            let groups = k / Self::LANES..place.end.div_ceil(Self::LANES);
+            let groups = place.first / Self::LANES..place.end.div_ceil(Self::LANES);
             let [a, b, c] = rows.each_mut().map(|row| row[groups.clone()].iter_mut());
             let forces = self.carried[groups.clone()].iter().zip(&self.rates[groups]);
             let entries = forces.zip(a).zip(b).zip(c);
@@ -127,8 +127,7 @@ impl<S: Scalar> WorldKernel<S> {
             }
             rows.into_iter().for_each(|row| clear_beyond::<S>(row, place.end));
         }
-        self.places.mirror(p, Some(&*lower));
-        self.places.mirror(l_qq, None);
+        self.places.complete([p, lower, l_qq]);
     }
 }
 

@@ -56,7 +56,8 @@ pub(crate) struct WorldKernel<S: Scalar> {
     upper: [Panel<S>; 2],
     lower: [Panel<S>; 2],
     mass_matrix: Coupled<Matrix<S>>,
-    /// Whether M by places, with armature, is M: the order is that of the joints, and armature couples none.
+    /// Whether M by places, with armature, is M and factored by blocks: the order is that of the joints, and
+    /// armature couples none.
     factors_panel: bool,
 }
 
@@ -108,17 +109,15 @@ impl<S: Scalar> WorldKernel<S> {
             upper: [panel.clone(), panel.clone()],
             lower: [panel.clone(), panel],
             mass_matrix: Coupled::square(tree),
-            factors_panel: places.are_in_order() && tree.armature().iter().all(|&(i, j, _)| i == j),
+            factors_panel: Panel::<S>::in_blocks(n)
+                && places.are_in_order()
+                && tree.armature().iter().all(|&(i, j, _)| i == j),
             places,
         }
     }
 
-    /// The coordinates of all joints (n) at the configuration set last, which is q (nq).
-    pub fn coordinates<'a>(&'a self, tree: &Tree, q: &'a [S]) -> &'a [S] {
-        if tree.free().is_empty() { q } else { &self.chart }
-    }
-
-    /// Axes and origins at q (rad, m; length nq), and the links there.
+    /// Axes and origins at q (rad, m; length nq), and the links there. Rates of floating and spherical joints
+    /// are those of the twist of the moved frame in its axes.
     #[inline(never)]
     pub fn set_position(&mut self, tree: &Tree, q: &[S]) {
         if !tree.free().is_empty() {
@@ -176,19 +175,12 @@ impl<S: Scalar> WorldKernel<S> {
         for (group, links) in self.groups.iter_mut().zip(&self.links) {
             group.turn_links(links);
         }
-    }
-
-    /// As [`set_position`](Self::set_position), with the axes of displacements turned: coordinates are those
-    /// of twists in moved frames.
-    #[inline(always)]
-    pub fn set_frames(&mut self, tree: &Tree, q: &[S]) {
-        self.set_position(tree, q);
         self.turn_displacements();
     }
 
-    /// Turns the displacements of floating joints, at the position set last, from the axes of the parent to
-    /// those of the moved frame: the axes of their angles.
-    pub fn turn_displacements(&mut self) {
+    /// Turns the displacements of floating joints from the axes of the parent to those of the moved frame: the
+    /// axes of their angles.
+    fn turn_displacements(&mut self) {
         for chain in self.free.iter().filter(|chain| chain.len() == FreeKind::Floating.dof()) {
             // The whole displacement stands before the first slide: nothing is moved out of it and back.
             let (first, slides) = (chain.start, chain.start..chain.start + 3);

@@ -23,7 +23,7 @@ impl<S: Scalar> WorldKernel<S> {
                 Some(outer) => (moved(outer.velocity, arm), moved(outer.acceleration, arm)),
                 None => (Motion::zero(), against_gravity(tree)),
             };
-            outer = if place.continues { moved(outer, arm) } else { velocity };
+            outer = if k > place.first { moved(outer, arm) } else { velocity };
             let psi = across(place.kind, outer, z);
             match place.kind {
                 JointKind::Revolute => {

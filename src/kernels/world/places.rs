@@ -14,8 +14,9 @@ pub(super) struct Place {
     /// The joint turns and slides at this many times the rate of this coordinate.
     pub coordinate: usize,
     pub ratio: f64,
-    /// Whether the joint is part of the same free joint as the one before it.
-    pub continues: bool,
+    /// First and last place of the free joint that the joint is part of: of its own, if there is none.
+    pub first: usize,
+    pub last: usize,
     /// One after the last place of the subtree.
     pub end: usize,
     pub kind: JointKind,
@@ -78,11 +79,14 @@ impl Places {
         let n = tree.joints().len();
         let mut place_of = vec![0; n];
         let mut places: Vec<Place> = Vec::with_capacity(n);
-        let continues = |joint: usize| {
-            tree.free().iter().any(|free| {
+        // How many joints of the same free joint are before a joint, and beyond it.
+        let others = |joint: usize| {
+            let parts = tree.free().iter().map(|free| {
                 let first = free.joint.turned - free.joint.kind.slides();
-                (first + 1..first + free.joint.kind.dof()).contains(&joint)
-            })
+                first..first + free.joint.kind.dof()
+            });
+            let own = parts.into_iter().find(|part| part.contains(&joint)).unwrap_or(joint..joint + 1);
+            (joint - own.start, own.end - 1 - joint)
         };
         let roots = (0..n).filter(|&i| tree.joints()[i].parent.is_none());
         for i in roots.flat_map(|root| tree.subtree(root).iter().copied()) {
@@ -91,8 +95,9 @@ impl Places {
             let parent = joint.parent.map(|parent| place_of[parent]);
             let turns = parent.is_some_and(|p| places[p].turns || places[p].kind == JointKind::Revolute);
             let Row { coordinate, ratio, .. } = tree.row_of(i);
-            let (end, kind, continues) = (k + tree.subtree(i).len(), joint.kind, continues(i));
-            places.push(Place { joint: i, parent, coordinate, ratio, continues, end, kind, turns });
+            let (end, kind, (before, beyond)) = (k + tree.subtree(i).len(), joint.kind, others(i));
+            let (first, last) = (k - before, k + beyond);
+            places.push(Place { joint: i, parent, coordinate, ratio, first, last, end, kind, turns });
         }
         let sums = tree.joint_map().is_some();
         let in_order = !sums && places.iter().enumerate().all(|(k, place)| place.joint == k);
@@ -137,6 +142,19 @@ impl Places {
             }
             entries.set_block::<0>(side, top, &block);
         }
+    }
+
+    /// Completes P, from its rows above and those below the diagonal, and L_qq. Rows of free joints have pairs
+    /// of the joint on both sides of the diagonal.
+    pub fn complete<S: Scalar>(&self, [p, lower, l_qq]: [&mut Panel<S>; 3]) {
+        for (j, place) in self.iter().enumerate() {
+            for i in place.first..j {
+                p.set(i, j, lower.get(j, i));
+                l_qq.set(i, j, (l_qq.get(i, j) + l_qq.get(j, i)).times(0.5));
+            }
+        }
+        self.mirror(p, Some(&*lower));
+        self.mirror(l_qq, None);
     }
 
     /// Blocks (a, b), a <= b, of rows and packs that hold entries of joints on one branch.

@@ -107,13 +107,8 @@ impl<S: Scalar> WorldKernel<S> {
 
     /// The places of the joint that ends at place `k`; `None` for another part of it.
     fn joint_ending_at(&self, k: usize) -> Option<Range<usize>> {
-        match self.places.get(k + 1) {
-            Some(next) if next.continues => None,
-            _ => {
-                let first = (0..=k).rev().find(|&first| !self.places[first].continues).unwrap_or(0);
-                Some(first..k + 1)
-            }
-        }
+        let place = &self.places[k];
+        (k == place.last).then(|| place.first..k + 1)
     }
 
     /// Joint by joint outward: `of(k)` are the motions of place k, about its origin; `take(k, sums, own)`

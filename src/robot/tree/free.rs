@@ -23,6 +23,13 @@ impl Tree {
         &self.free
     }
 
+    /// The joint whose axis is that of joint `i`: floating joints are displaced along the axes of the moved frame,
+    /// those of their angles.
+    pub(crate) fn axis_of(&self, i: usize) -> usize {
+        let slides = |free: &FreeFrame| free.joint.turned - free.joint.kind.slides()..free.joint.turned;
+        if self.free.iter().any(|free| slides(free).contains(&i)) { i + 3 } else { i }
+    }
+
     /// Name of the joint that coordinate `i` belongs to: a floating or spherical one as a whole.
     pub(crate) fn joint_name(&self, i: usize) -> &str {
         let free =
