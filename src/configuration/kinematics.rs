@@ -1,20 +1,13 @@
 //! Kinematics of robots with floating and spherical joints.
-//!
-//! The chain of a joint has velocity `v = B nu` with the twist nu of the moved frame, in its axes, and B the
-//! inverse of A (`chart.rs`), B = 1 at the centre. So Jacobians of the chain, their columns in the axes of
-//! the frame, are those in the tangent space, and
-//!
-//! $$ \dot J = \dot J\_c + J\_c B\_q[\nu], \qquad (w \cdot x)\_{\xi \xi} = (w \cdot x)\_{qq} + (w \cdot x)\_q
-//! \Phi $$
 
-use super::ChartFrame;
+use super::{Brackets, tangent};
 use crate::error::EvalError;
 use crate::kernels::check_entries;
 use crate::kinematics::{CentreOfMass, Kinematics, Momentum, OrientationError, Pose, ReferenceFrame};
-use crate::matrix::{Matrix, filled};
+use crate::matrix::{Matrix, add_scaled, filled};
 use crate::robot::{Robot, Tree};
 use crate::scalar::Scalar;
-use crate::spatial::Motion;
+use crate::spatial::{Motion, Vec3};
 use nalgebra::Rotation3;
 
 /// Poses, twists, accelerations and Jacobians of frames, the centre of mass and momentum, with positions
@@ -45,15 +38,12 @@ use nalgebra::Rotation3;
 #[derive(Clone, Debug)]
 pub struct FreeKinematics<S: Scalar> {
     kinematics: Kinematics<S>,
-    frames: Vec<ChartFrame<S>>,
-    /// v, and coordinates, velocities and accelerations of the chains.
-    velocity: Vec<S>,
+    brackets: Brackets<S>,
+    /// Coordinates, velocities and accelerations of the chains.
     chart: Vec<S>,
     chain: [Vec<S>; 2],
     zero: Vec<S>,
-    /// Six rows and three rows, with their rates.
-    six: [Matrix<S>; 2],
-    three: [Matrix<S>; 2],
+    slope: Vec<S>,
     square: Matrix<S>,
 }
 
@@ -70,13 +60,11 @@ impl<S: Scalar> FreeKinematics<S> {
         // What only free joints need.
         let m = if tree.free().is_empty() { 0 } else { n };
         Self {
-            frames: tree.free().iter().map(ChartFrame::new).collect(),
-            velocity: zeros.clone(),
+            brackets: Brackets::new(&tree),
             chart: zeros.clone(),
             chain: [zeros.clone(), zeros.clone()],
-            zero: zeros,
-            six: [Matrix::zeros(6, m), Matrix::zeros(6, m)],
-            three: [Matrix::zeros(3, m), Matrix::zeros(3, m)],
+            zero: zeros.clone(),
+            slope: zeros,
             square: Matrix::zeros(m, m),
             kinematics: Kinematics::from_tree(tree),
         }
@@ -97,7 +85,7 @@ impl<S: Scalar> FreeKinematics<S> {
     /// # Errors
     /// [`EvalError::WrongLength`], [`EvalError::NonFinite`], [`EvalError::NotUnit`].
     pub fn set_position(&mut self, q: &[S]) -> Result<(), EvalError> {
-        if self.frames.is_empty() {
+        if self.kinematics.tree().free().is_empty() {
             return self.kinematics.set_position(q);
         }
         let zero = std::mem::take(&mut self.zero);
@@ -112,7 +100,7 @@ impl<S: Scalar> FreeKinematics<S> {
     /// # Errors
     /// As [`set_position`](Self::set_position).
     pub fn set_state(&mut self, q: &[S], v: &[S]) -> Result<(), EvalError> {
-        if self.frames.is_empty() {
+        if self.kinematics.tree().free().is_empty() {
             return self.kinematics.set_state(q, v);
         }
         let zero = std::mem::take(&mut self.zero);
@@ -126,7 +114,7 @@ impl<S: Scalar> FreeKinematics<S> {
     /// # Errors
     /// As [`set_position`](Self::set_position).
     pub fn set_motion(&mut self, q: &[S], v: &[S], a: &[S]) -> Result<(), EvalError> {
-        if self.frames.is_empty() {
+        if self.kinematics.tree().free().is_empty() {
             return self.kinematics.set_motion(q, v, a);
         }
         let tree = self.kinematics.tree();
@@ -135,17 +123,20 @@ impl<S: Scalar> FreeKinematics<S> {
         check_entries(tree, "a", a, tree.dof())?;
         tree.chart_coordinates(q, &mut self.chart);
         let [chain_v, chain_a] = &mut self.chain;
-        self.velocity.copy_from_slice(v);
         chain_v.copy_from_slice(v);
         chain_a.copy_from_slice(a);
-        for frame in &mut self.frames {
-            frame.set_configuration(q);
-            let ((at, _), nu) = (frame.place(), frame.entries(v));
-            for e in &frame.chart.rates.first {
-                chain_a[at + e.row] += (nu[e.by[0]] * nu[e.column]).times(e.value);
+        for free in tree.free() {
+            // Slides along the axes of the parent, then angles (x, y, z), at zero, with the rates bent by the others.
+            let ((linear, w), (of_linear, of_angular)) = (tangent(free, v), tangent(free, a));
+            let (at, slides, rotation) =
+                (free.joint.coordinate, free.joint.kind.slides(), free.quaternion(q).rotation());
+            let bent = of_angular + Vec3::new(-(w.y * w.z), w.x * w.z, -(w.x * w.y));
+            chain_a[at + slides..at + slides + 3].copy_from_slice(&bent.to_array());
+            if slides > 0 {
+                let turned = [linear, of_linear + w.cross(linear)].map(|own| rotation.apply(own).to_array());
+                chain_v[at..at + 3].copy_from_slice(&turned[0]);
+                chain_a[at..at + 3].copy_from_slice(&turned[1]);
             }
-            frame.outward(chain_v);
-            frame.outward(chain_a);
         }
         self.kinematics.place_moving_chart(q, &self.chart, [chain_v, chain_a]);
         Ok(())
@@ -192,9 +183,7 @@ impl<S: Scalar> FreeKinematics<S> {
     /// # Errors
     /// See [`FreeKinematics`].
     pub fn jacobian(&mut self, frame: usize, axes: ReferenceFrame) -> Result<&Matrix<S>, EvalError> {
-        let Self { kinematics, frames, six: [jacobian, _], .. } = self;
-        let found = kinematics.jacobian(frame, axes)?;
-        Ok(turned(frames, found, jacobian))
+        self.kinematics.jacobian(frame, axes)
     }
 
     /// The derivative of J in time, 6 x n.
@@ -202,14 +191,7 @@ impl<S: Scalar> FreeKinematics<S> {
     /// # Errors
     /// See [`FreeKinematics`].
     pub fn jacobian_rate(&mut self, frame: usize, axes: ReferenceFrame) -> Result<&Matrix<S>, EvalError> {
-        let Self { kinematics, frames, six: [jacobian, rate], velocity, .. } = self;
-        if frames.is_empty() {
-            return kinematics.jacobian_rate(frame, axes);
-        }
-        turned(frames, kinematics.jacobian(frame, axes)?, jacobian);
-        turned(frames, kinematics.jacobian_rate(frame, axes)?, rate);
-        spread(frames, velocity, jacobian, rate);
-        Ok(rate)
+        self.kinematics.jacobian_rate(frame, axes)
     }
 
     /// `(w . x)_xixi` for the position x of the origin of a frame, n x n, symmetric.
@@ -217,19 +199,18 @@ impl<S: Scalar> FreeKinematics<S> {
     /// # Errors
     /// See [`FreeKinematics`].
     pub fn position_hessian(&mut self, frame: usize, w: &[S; 3]) -> Result<&Matrix<S>, EvalError> {
-        let Self { kinematics, frames, six: [jacobian, _], square, .. } = self;
-        if frames.is_empty() {
+        let Self { kinematics, brackets, slope, square, .. } = self;
+        if kinematics.tree().free().is_empty() {
             return kinematics.position_hessian(frame, w);
         }
-        turned(frames, kinematics.jacobian(frame, ReferenceFrame::LocalWorldAligned)?, jacobian);
+        let jacobian = kinematics.jacobian(frame, ReferenceFrame::LocalWorldAligned)?;
+        slope.fill(S::zero());
+        (0..3).for_each(|k| add_scaled(slope, w[k], jacobian.row(3 + k)));
         square.copy_from(kinematics.position_hessian(frame, w)?);
-        for frame in frames {
-            let (at, _) = frame.place();
-            frame.turn_block(square, [0, 0], square.rows());
-            for e in &frame.chart.retraction {
-                let slope = (0..3).fold(S::zero(), |sum, k| sum + w[k] * jacobian[(3 + k, at + e.row)]);
-                square[(at + e.column, at + e.by[0])] += slope.times(e.value);
-            }
+        // Chains of joints give the derivative along the joint that is nearer to the base, of the other.
+        for e in brackets.of_momentum(slope).iter().filter(|e| e.row < e.column) {
+            square[(e.row, e.column)] += e.value.times(0.5);
+            square[(e.column, e.row)] += e.value.times(0.5);
         }
         Ok(square)
     }
@@ -239,15 +220,7 @@ impl<S: Scalar> FreeKinematics<S> {
     /// # Errors
     /// [`EvalError::Massless`].
     pub fn centre_of_mass(&mut self) -> Result<CentreOfMass<'_, S>, EvalError> {
-        let Self { kinematics, frames, three: [jacobian, rate], velocity, .. } = self;
-        let found = kinematics.centre_of_mass()?;
-        if frames.is_empty() {
-            return Ok(found);
-        }
-        turned(frames, found.jacobian, jacobian);
-        turned(frames, found.jacobian_rate, rate);
-        spread(frames, velocity, jacobian, rate);
-        Ok(CentreOfMass { jacobian, jacobian_rate: rate, ..found })
+        self.kinematics.centre_of_mass()
     }
 
     /// As [`Kinematics::momentum`].
@@ -255,38 +228,6 @@ impl<S: Scalar> FreeKinematics<S> {
     /// # Errors
     /// [`EvalError::Massless`].
     pub fn momentum(&mut self) -> Result<Momentum<'_, S>, EvalError> {
-        let Self { kinematics, frames, six: [matrix, _], .. } = self;
-        let found = kinematics.momentum()?;
-        Ok(Momentum { matrix: turned(frames, found.matrix, matrix), ..found })
-    }
-}
-
-/// Rows of a matrix of the chains, with columns in the axes of the moved frames.
-fn turned<'a, S: Scalar>(
-    frames: &[ChartFrame<S>],
-    of_chains: &'a Matrix<S>,
-    room: &'a mut Matrix<S>,
-) -> &'a Matrix<S> {
-    if frames.is_empty() {
-        return of_chains;
-    }
-    room.copy_from(of_chains);
-    for frame in frames {
-        (0..room.rows()).for_each(|i| frame.inward(room.row_mut(i)));
-    }
-    room
-}
-
-/// Adds `J B_q[nu]` to the rate of J.
-fn spread<S: Scalar>(frames: &[ChartFrame<S>], velocity: &[S], jacobian: &Matrix<S>, rate: &mut Matrix<S>) {
-    for frame in frames {
-        let ((at, _), nu) = (frame.place(), frame.entries(velocity));
-        for e in &frame.chart.rates.first {
-            let factor = nu[e.by[0]].times(e.value);
-            for i in 0..rate.rows() {
-                let entry = jacobian[(i, at + e.row)];
-                rate[(i, at + e.column)] += entry * factor;
-            }
-        }
+        self.kinematics.momentum()
     }
 }

@@ -7,8 +7,7 @@
 //!
 //! $$ q \oplus d = q \exp(d), \qquad q\_1 \ominus q\_0 = \log(q\_0^{-1} q\_1) $$
 
-mod chart;
-mod chart_frame;
+mod brackets;
 mod exponential;
 mod kinematics;
 #[cfg(test)]
@@ -19,7 +18,7 @@ pub(crate) mod samples;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use chart_frame::ChartFrame;
+pub(crate) use brackets::Brackets;
 pub use kinematics::FreeKinematics;
 pub use quaternions::Quaternions;
 

@@ -20,7 +20,7 @@ impl<S: Scalar> ConstrainedHamiltonian<S> {
     /// Adds the slopes of friction, of wrenches from outside and of brackets to F_x.
     pub(super) fn add_slopes(&mut self, [q, p]: [&[S]; 2]) {
         let n = self.dof();
-        self.free.add_slopes([p, &self.v, &self.l_q], &mut self.f_x);
+        self.brackets.add_slopes([p, &self.v, &self.l_q], &mut self.f_x);
         for &i in self.tree.with_friction() {
             let slope = self.friction[i].first;
             let (row, v) = self.f_x.row_mut_and_above(n + i, i);

@@ -9,7 +9,7 @@
 //! $$ (J v)\_q = D\_v J + J N(v)^T, \qquad (\mu \cdot J v)\_{qq} = \operatorname{sym}(D\_v C + N(v) (C + C^T)) $$
 
 use super::Constraints;
-use crate::hamiltonian::Free;
+use crate::configuration::Brackets;
 use crate::matrix::{Matrix, filled};
 use crate::robot::Tree;
 use crate::scalar::{Scalar, Tangent};
@@ -39,7 +39,7 @@ impl<S: Scalar> Blocks<S> {
 #[derive(Clone, Debug)]
 pub(super) struct Moving<S: Scalar> {
     pub rows: Constraints<Tangent<S>>,
-    pub free: Free<S>,
+    pub brackets: Brackets<S>,
     q: Vec<Tangent<S>>,
     mu: Vec<Tangent<S>>,
     pub blocks: Blocks<S>,
@@ -50,7 +50,7 @@ impl<S: Scalar> Moving<S> {
         let rows = Constraints::from_tree(tree);
         let (n, k, zero) = (rows.dof(), rows.count(), Tangent::zero());
         let (q, mu) = (filled(zero, tree.nq()), filled(zero, k));
-        Self { rows, free: Free::new(tree), q, mu, blocks: Blocks::new(n, k) }
+        Self { rows, brackets: Brackets::new(tree), q, mu, blocks: Blocks::new(n, k) }
     }
 
     #[inline(never)]
@@ -67,7 +67,7 @@ impl<S: Scalar> Moving<S> {
         let Blocks { jacobian, slope, .. } = &mut self.blocks;
         take(self.rows.jacobian(), jacobian, |entry| entry.re);
         take(self.rows.jacobian(), slope, |entry| entry.eps);
-        for e in self.free.of_velocity(v) {
+        for e in self.brackets.of_velocity(v) {
             (0..slope.rows()).for_each(|i| slope[(i, e.row)] += e.value * jacobian[(i, e.column)]);
         }
     }
@@ -79,7 +79,7 @@ impl<S: Scalar> Moving<S> {
         let (Blocks { curvature, bend, .. }, found) = (&mut self.blocks, self.rows.contract(&self.mu));
         take(found, curvature, |entry| entry.re);
         take(found, bend, |entry| entry.eps);
-        for e in self.free.of_velocity(v) {
+        for e in self.brackets.of_velocity(v) {
             for j in 0..v.len() {
                 let both = curvature[(e.column, j)] + curvature[(j, e.column)];
                 bend[(e.row, j)] += e.value * both;

@@ -48,7 +48,7 @@ impl<S: Scalar> ConstrainedHamiltonian<S> {
         for &i in self.tree.with_friction() {
             w_p[i] += friction_of(&self.tree, i, self.v[i]).first * y_p[i];
         }
-        self.free.add_weights(p, &w_q, &mut w_p);
+        self.brackets.add_weights(p, &w_q, &mut w_p);
         self.respond(&w_q, &w_p, [&mut dv, &mut dmu]);
         self.direction = [w_q, w_p];
         self.change = [dv, dmu];

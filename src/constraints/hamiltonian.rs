@@ -7,7 +7,8 @@ use super::kkt::Kkt;
 use super::linearisation::{ConstrainedAdjoint, ConstrainedLinearisation, ConstrainedRate};
 use super::position::check_position;
 use crate::error::EvalError;
-use crate::hamiltonian::{Free, World};
+use crate::configuration::Brackets;
+use crate::hamiltonian::World;
 use crate::kernels::{Factor, FrictionDerivatives, KernelOne, check_entries};
 use crate::kinematics::ExternalForces;
 use crate::matrix::{Matrix, Panel, add_scaled, dot, filled};
@@ -86,7 +87,7 @@ pub struct ConstrainedHamiltonian<S: Scalar> {
     pub(super) mu_x: Matrix<S>,
     pub(super) f_u: Matrix<S>,
     pub(super) product: Vec<S>,
-    pub(super) free: Free<S>,
+    pub(super) brackets: Brackets<S>,
     /// `L_q - (mu . J v)_q`.
     pub(super) l_q: Vec<S>,
     /// Acceleration and lambda.
@@ -126,7 +127,7 @@ impl<S: Scalar> ConstrainedHamiltonian<S> {
             mu_x: Matrix::zeros(k, 2 * n),
             f_u,
             product: filled(S::zero(), 2 * n),
-            free: Free::new(&tree),
+            brackets: Brackets::new(&tree),
             l_q: zeros.clone(),
             rates: [zeros, multipliers.clone()],
             drift: multipliers,

@@ -32,7 +32,7 @@ impl<S: Scalar> ConstrainedLagrangian<S> {
         let slope = &twice.rows.blocks.slope;
         take(slope, by_q, |entry| entry.eps);
         take(slope, by_v, |entry| entry.re.times(2.0));
-        for e in solver.free.of_velocity(v) {
+        for e in solver.brackets.of_velocity(v) {
             for i in 0..by_q.rows() {
                 by_q[(i, e.row)] += e.value * slope[(i, e.column)].re;
                 by_v[(i, e.row)] -= e.value * solver.rows.jacobian()[(i, e.column)];
@@ -85,7 +85,7 @@ impl<S: Scalar> RowHessian<S> {
             matrix[(n + i, n + j)] = c[(i, j)].re + c[(j, i)].re;
             (matrix[(2 * n + j, i)], matrix[(i, 2 * n + j)]) = (c[(j, i)].re, c[(j, i)].re);
         }
-        for e in solver.free.of_velocity(v) {
+        for e in solver.brackets.of_velocity(v) {
             for j in 0..n {
                 let bend = e.value * b[(e.column, j)].re;
                 matrix[(e.row, j)] += bend;

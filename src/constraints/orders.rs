@@ -121,6 +121,6 @@ impl<S: Scalar> ConstrainedHamiltonian<S> {
         if let Some(external) = &mut self.external {
             f_p.iter_mut().zip(external.force(q)).for_each(|(f, &tau)| *f += tau);
         }
-        self.free.add_rate(p, &mut self.f);
+        self.brackets.add_rate(p, &mut self.f);
     }
 }

@@ -3,7 +3,7 @@
 use super::held::Held;
 use super::position::check_position;
 use crate::error::{EvalError, check_length};
-use crate::hamiltonian::Free;
+use crate::configuration::Brackets;
 use crate::kinematics::Kinematics;
 use crate::matrix::{Matrix, add_scaled, filled};
 use crate::robot::{ConstraintRow, Robot, Tree};
@@ -46,7 +46,7 @@ pub struct Constraints<S: Scalar> {
     hessian: Matrix<S>,
     /// Coordinates of the chains of joints.
     chart: Vec<S>,
-    free: Free<S>,
+    brackets: Brackets<S>,
     /// `J'mu`.
     force: Vec<S>,
 }
@@ -70,6 +70,7 @@ impl<S: Scalar> Constraints<S> {
         let rows: Vec<_> = rows.collect();
         let mut links: Vec<usize> =
             held.iter().flat_map(Held::frames).flat_map(|frame| tree.path(frame.joint)).collect();
+        links = links.into_iter().flat_map(|joint| tree.path(Some(tree.axis_of(joint)[1]))).collect();
         links.sort_unstable();
         links.dedup();
         let mut coordinates: Vec<usize> = held.iter().flat_map(Held::coordinates).collect();
@@ -87,7 +88,7 @@ impl<S: Scalar> Constraints<S> {
             sizes: Matrix::zeros(k, n),
             hessian: Matrix::zeros(n, n),
             chart: filled(S::zero(), n),
-            free: Free::new(tree),
+            brackets: Brackets::new(tree),
             force: filled(S::zero(), n),
         }
     }
@@ -186,7 +187,7 @@ impl<S: Scalar> Constraints<S> {
     pub fn hessian(&mut self, mu: &[S]) -> Result<&Matrix<S>, EvalError> {
         check_length("mu", mu, self.count())?;
         self.contract(mu);
-        self.free.of_momentum(&self.force).iter().for_each(|e| self.hessian[(e.row, e.column)] -= e.value.times(0.5));
+        self.brackets.of_momentum(&self.force).iter().for_each(|e| self.hessian[(e.row, e.column)] -= e.value.times(0.5));
         Ok(&self.hessian)
     }
 
@@ -204,14 +205,9 @@ impl<S: Scalar> Constraints<S> {
             self.force.fill(S::zero());
             mu.iter().zip(0..).for_each(|(&mu, i)| add_scaled(&mut self.force, mu, self.jacobian.row(i)));
             // Chains of joints give the derivative along the joint that is nearer to the base, of the other.
-            let upper = self.free.of_momentum(&self.force).iter().filter(|e| e.row < e.column);
+            let upper = self.brackets.of_momentum(&self.force).iter().filter(|e| e.row < e.column);
             upper.for_each(|e| self.hessian[(e.row, e.column)] += e.value);
         }
-        &self.hessian
-    }
-
-    /// What [`contract`](Self::contract) computed last.
-    pub(super) fn contracted(&self) -> &Matrix<S> {
         &self.hessian
     }
 

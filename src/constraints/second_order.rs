@@ -109,7 +109,7 @@ impl<S: Scalar> ConstrainedHamiltonianSecondOrder<S> {
         self.first.rate([q, p, u]);
         self.first.conservative();
         self.congruence();
-        self.first.free.add_curvature(&y[n..], &self.first.f_x, &mut self.y_f_xx);
+        self.first.brackets.add_curvature(&y[n..], &self.first.f_x, &mut self.y_f_xx);
         self.first.add_slopes([q, p]);
         self.first.balance();
         self.add_friction(&y[n..]);

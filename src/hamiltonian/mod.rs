@@ -42,6 +42,7 @@ pub use linearisation::HamiltonianLinearisation;
 pub use second_order::HamiltonianSecondOrder;
 pub use tensor::HessianTensor;
 
+use crate::configuration::Brackets;
 use crate::error::EvalError;
 pub(crate) use crate::kernels::check;
 use crate::kernels::{Contracted, LagrangianHessian, Route, check_entries};
@@ -51,7 +52,6 @@ use crate::scalar::Scalar;
 use conservative::Conservative;
 pub(crate) use conservative::blocks_of;
 use direction::Direction;
-pub(crate) use free::Free;
 use state::StateEquation;
 pub(crate) use world::Change;
 pub(crate) use world::World;
@@ -83,7 +83,7 @@ pub struct Hamiltonian<S: Scalar, R: Route = Contracted> {
     inverse: Matrix<S>,
     /// y'F_x.
     product: Vec<S>,
-    free: Free<S>,
+    brackets: Brackets<S>,
 }
 
 /// Kinetic and potential energy (J).
@@ -125,7 +125,7 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
             direction: Direction::new(n),
             inverse: Matrix::zeros(n, n),
             product: filled(S::zero(), 2 * n),
-            free: Free::new(&tree),
+            brackets: Brackets::new(&tree),
             tree,
         }
     }
@@ -179,9 +179,9 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
     /// Changes of M, P and L_qq along w~ of [`HamiltonianSecondOrder`] in the axes of the world, after
     /// [`prepare_in_world`](Self::prepare_in_world).
     fn differentiate_in_world(&mut self, change: &mut Change<S>, p: &[S], y: &[S]) {
-        let Self { tree, flow, direction, free, .. } = self;
+        let Self { tree, flow, direction, brackets, .. } = self;
         direction.set_costate(tree, &flow.v, y);
-        free.add_weights(p, &direction.q, &mut direction.p);
+        brackets.add_weights(p, &direction.q, &mut direction.p);
         flow.velocity_change(&direction.q, &direction.p, &mut direction.v);
         flow.differentiate_in_world(tree, change, [&direction.q, &direction.v]);
     }
@@ -198,7 +198,7 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
     fn set_rate(&mut self, [q, p, u]: [&[S]; 3]) {
         self.state.rate_of_change(&self.tree, &self.flow.v, self.flow.l_q(), u);
         self.state.add_wrenches(q);
-        self.free.add_rate(p, &mut self.state.f);
+        self.brackets.add_rate(p, &mut self.state.f);
     }
 
     /// Assembles F_x without what [`add_slopes`](Self::add_slopes) adds.
@@ -214,7 +214,7 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
     fn add_slopes(&mut self, [q, p]: [&[S]; 2]) {
         self.state.add_slopes(&self.tree);
         self.state.add_wrench_slopes(q);
-        self.free.add_slopes([p, &self.flow.v, self.flow.l_q()], &mut self.state.f_x);
+        self.brackets.add_slopes([p, &self.flow.v, self.flow.l_q()], &mut self.state.f_x);
     }
 
     /// Kinetic and potential energy (J); their sum is H(q, p).

@@ -105,7 +105,7 @@ impl<S: Scalar> HamiltonianSecondOrder<S> {
         self.first.assemble();
         self.apply_congruence();
         let (first, y_p) = (&mut self.first, &y[p.len()..]);
-        first.free.add_curvature(y_p, &first.state.f_x, &mut self.y_f_xx);
+        first.brackets.add_curvature(y_p, &first.state.f_x, &mut self.y_f_xx);
         first.add_slopes([q, p]);
         first.state.add_curvature(&first.tree, y_p, &mut self.y_f_xx);
         first.state.add_wrench_curvature(q, y_p, &mut self.y_f_xx);

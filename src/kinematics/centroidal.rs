@@ -1,6 +1,7 @@
 //! The centre of mass.
 
 use super::body::Body;
+use super::columns::axis_of;
 use super::moment::Moment;
 use super::{Kinematics, put};
 use crate::error::{EvalError, check_length};
@@ -117,9 +118,8 @@ impl<S: Scalar> Kinematics<S> {
     /// The derivative of the first moment of all links by q_j, and its rate: of all that joint j carries,
     /// `z x S` with `z' x S + z x S'`, or `m z` with `m z'`.
     pub(super) fn moment_column(&self, j: usize) -> [Vec3<S>; 2] {
-        let (joint, body, moment) = (&self.tree.joints()[j], &self.bodies[j], &self.moments[j]);
-        let axis = body.axis();
-        let turned = body.angular.cross(axis);
+        let (joint, moment) = (&self.tree.joints()[j], &self.moments[j]);
+        let [axis, turned] = axis_of(&self.tree, &self.bodies, j);
         match joint.kind {
             JointKind::Revolute => {
                 [axis.cross(moment.value), turned.cross(moment.value) + axis.cross(moment.rate)]

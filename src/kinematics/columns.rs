@@ -1,7 +1,7 @@
 //! Columns of Jacobians.
 
 use super::body::Body;
-use crate::robot::JointKind;
+use crate::robot::{JointKind, Tree};
 use crate::scalar::Scalar;
 use crate::spatial::{Motion, Vec3};
 
@@ -46,11 +46,13 @@ impl<S: Scalar> Column<S> {
 
     /// For a revolute joint `(z ; z x r)`, `r = x - o`, with the rate `(z' ; z' x r + z x r')`; for a
     /// prismatic one `(0 ; z)`, `(0 ; z')`. `z' = w x z` with the angular velocity w of the link.
-    pub fn new(kind: JointKind, body: &Body<S>, point: &Point<S>) -> Self {
-        let axis = body.axis();
-        let turned = body.angular.cross(axis);
-        match kind {
+    ///
+    /// Axes of floating and spherical joints are those of the moved frame.
+    pub fn new(tree: &Tree, bodies: &[Body<S>], j: usize, point: &Point<S>) -> Self {
+        let [axis, turned] = axis_of(tree, bodies, j);
+        match tree.joints()[j].kind {
             JointKind::Revolute => {
+                let body = &bodies[j];
                 let (arm, moved) = (point.position - body.position, point.velocity - body.linear);
                 Self {
                     motion: Motion { angular: axis, linear: axis.cross(arm) },
@@ -63,4 +65,10 @@ impl<S: Scalar> Column<S> {
             },
         }
     }
+}
+
+/// The axis of joint j in the tangent space, and its derivative in time.
+pub(super) fn axis_of<S: Scalar>(tree: &Tree, bodies: &[Body<S>], j: usize) -> [Vec3<S>; 2] {
+    let [axis, link] = tree.axis_of(j).map(|joint| &bodies[joint]);
+    [axis.axis(), link.angular.cross(axis.axis())]
 }

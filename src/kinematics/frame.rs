@@ -131,7 +131,7 @@ impl<S: Scalar> Kinematics<S> {
     fn fill_columns(&mut self, k: Option<usize>, point: &Point<S>) {
         let Self { tree, columns, bodies, .. } = self;
         for j in tree.path(k) {
-            columns[j] = Column::new(tree.joints()[j].kind, &bodies[j], point);
+            columns[j] = Column::new(tree, bodies, j, point);
         }
     }
 

@@ -2,6 +2,7 @@
 
 use super::Kinematics;
 use super::body::Body;
+use super::columns::axis_of;
 use super::frame::Placed;
 use crate::robot::{JointKind, TreeFrame};
 use crate::scalar::Scalar;
@@ -47,7 +48,7 @@ impl<S: Scalar> Kinematics<S> {
     /// the square of the size that its rounding errors are in proportion to.
     pub(crate) fn column_seen(&self, joint: usize, from: &Seat<S>, at: Vec3<S>) -> (Motion<S>, S) {
         let body = &self.bodies[joint];
-        let axis = from.direction(self.bodies[self.tree.axis_of(joint)].axis());
+        let [axis, _] = axis_of(&self.tree, &self.bodies, joint).map(|axis| from.direction(axis));
         match self.tree.joints()[joint].kind {
             JointKind::Revolute => {
                 let origin = from.point(body.position);

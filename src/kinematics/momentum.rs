@@ -38,8 +38,10 @@ impl<S: Scalar> Kinematics<S> {
         let [centre, ..] = total.centre(mass);
         self.sum_inertias();
         for (j, joint) in self.tree.joints().iter().enumerate() {
-            let body = &self.bodies[j];
-            let own = unit_momentum(joint.kind, &self.composites[j]);
+            // A floating joint is displaced along the axes of its angles, and these carry the same.
+            let [k, _] = self.tree.axis_of(j);
+            let body = &self.bodies[k];
+            let own = unit_momentum(joint.kind, &self.composites[k]);
             let (moment, force) = (body.in_world(own.moment), body.in_world(own.force));
             put(&mut self.jacobian.all, 0, j, moment + (body.position - centre).cross(force));
             put(&mut self.jacobian.all, 3, j, force);

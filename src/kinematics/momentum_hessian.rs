@@ -79,7 +79,7 @@ impl<S: Scalar> Kinematics<S> {
         let fixed = Point { velocity: Vec3::zero(), acceleration: Vec3::zero(), ..*centre };
         for (j, joint) in self.tree.joints().iter().enumerate() {
             let body = &self.bodies[j];
-            let unit = Column::new(joint.kind, body, &fixed).motion;
+            let unit = Column::new(&self.tree, &self.bodies, j, &fixed).motion;
             let here = Motion {
                 angular: body.angular,
                 linear: Point::on(body, centre.position - body.position).velocity,

@@ -105,14 +105,6 @@ impl<S: Scalar> Matrix<S> {
         (&mut to_k[i * self.columns..(i + 1) * self.columns], &from_k[..self.columns])
     }
 
-    /// Rows `i` to `i + 2`.
-    #[inline(always)]
-    pub(crate) fn three_rows_mut(&mut self, i: usize) -> [&mut [S]; 3] {
-        let (first, rest) = self.data[i * self.columns..][..3 * self.columns].split_at_mut(self.columns);
-        let (second, third) = rest.split_at_mut(self.columns);
-        [first, second, third]
-    }
-
     /// All entries, row by row.
     pub fn as_slice(&self) -> &[S] {
         &self.data

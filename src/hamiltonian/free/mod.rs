@@ -1,72 +1,23 @@
 //! Robots with floating and spherical joints.
 //!
-//! q has [`Tree::nq`] entries, v, p, u and all derivatives have n: p is conjugate to v, so that the momentum
-//! of a floating joint is that of all that it moves, about the origin of the moved frame, in its axes. State
-//! derivatives are those by xi and p, with q (+) xi the configuration moved by `exp(xi)` on the right
+//! q has [`Tree::nq`](crate::robot::Tree::nq) entries, v, p, u and all derivatives have n: p is conjugate to v, so
+//! that the momentum of a floating joint is that of all that it moves, about the origin of the moved frame, in its
+//! axes. State derivatives are those by xi and p, with q (+) xi the configuration moved by `exp(xi)` on the right
 //! ([`ConfigurationSpace`](crate::configuration::ConfigurationSpace)): the left-trivialised tangent. F is
 //! the rate (v, p'), and y'F_xx the Hessian of `y . F(q (+) xi, p + dp)` at zero, components of F and y
 //! being those in the tangent space at either point. It is symmetric.
 //!
-//! L_q and the blocks of its symmetric second derivative are those of the kernel. Displacements do not commute,
-//! which adds to the rows of one joint, with linear and angular parts v = (v, w) and p = (f, m),
-//!
-//! $$ \dot p = L\_q + K(p)\, v + u, \qquad K(p) = \begin{pmatrix} 0 & \hat f \\\\ \hat f & \hat m \end{pmatrix},
-//! \qquad N(v) = \begin{pmatrix} \hat w & 0 \\\\ \hat v & \hat w \end{pmatrix}, \qquad K(p)\, v = -N(v)\, p $$
-//!
-//! the coadjoint action (J. E. Marsden, T. S. Ratiu, Introduction to Mechanics and Symmetry (1999), section
-//! 13.5: the Lie-Poisson bracket), to L_qq half of K(L_q), and N(y_p) times rows of F to y'F_xx.
+//! The kernel gives L_q and the symmetric part of L_qq. [`Brackets`] add `K(p) v` to p', half of K(L_q) to L_qq,
+//! and rows of F_x to y'F_xx. Without such joints they have no entries.
 
 #[cfg(test)]
 mod tests;
 
-use crate::matrix::{Entry, Matrix, add_scaled};
-use crate::robot::{FreeKind, Tree};
+use crate::configuration::Brackets;
+use crate::matrix::{Matrix, add_scaled};
 use crate::scalar::Scalar;
 
-/// The brackets of all floating and spherical joints.
-#[derive(Clone, Debug)]
-pub(crate) struct Free<S> {
-    /// First linear coordinate, if there is one, and first angular one.
-    places: Vec<(Option<usize>, usize)>,
-    /// Those of K or N computed last.
-    entries: Vec<Entry<S>>,
-}
-
-impl<S: Scalar> Free<S> {
-    /// Without such joints all methods do nothing.
-    pub fn new(tree: &Tree) -> Self {
-        let place = |at: usize, kind: FreeKind| ((kind.slides() > 0).then_some(at), at + kind.slides());
-        let places: Vec<_> =
-            tree.free().iter().map(|free| place(free.joint.coordinate, free.joint.kind)).collect();
-        Self { entries: Vec::with_capacity(18 * places.len()), places }
-    }
-
-    /// K(p) of a momentum, n.
-    pub fn of_momentum(&mut self, p: &[S]) -> &[Entry<S>] {
-        self.entries.clear();
-        for &(linear, angular) in &self.places {
-            cross(&mut self.entries, [angular, angular], &p[angular..]);
-            if let Some(linear) = linear {
-                cross(&mut self.entries, [linear, angular], &p[linear..]);
-                cross(&mut self.entries, [angular, linear], &p[linear..]);
-            }
-        }
-        &self.entries
-    }
-
-    /// N(v) of a velocity, n.
-    pub fn of_velocity(&mut self, v: &[S]) -> &[Entry<S>] {
-        self.entries.clear();
-        for &(linear, angular) in &self.places {
-            cross(&mut self.entries, [angular, angular], &v[angular..]);
-            if let Some(linear) = linear {
-                cross(&mut self.entries, [linear, linear], &v[angular..]);
-                cross(&mut self.entries, [angular, linear], &v[linear..]);
-            }
-        }
-        &self.entries
-    }
-
+impl<S: Scalar> Brackets<S> {
     /// Adds `K(p) v` to F, whose first half is v.
     pub fn add_rate(&mut self, p: &[S], f: &mut [S]) {
         let (v, f_p) = f.split_at_mut(p.len());
@@ -101,12 +52,5 @@ impl<S: Scalar> Free<S> {
                 }
             }
         }
-    }
-}
-
-/// The matrix of `a x` in rows and columns from these on.
-fn cross<S: Scalar>(entries: &mut Vec<Entry<S>>, [row, column]: [usize; 2], a: &[S]) {
-    for (i, j, value) in [(0, 1, -a[2]), (0, 2, a[1]), (1, 0, a[2]), (1, 2, -a[0]), (2, 0, -a[1]), (2, 1, a[0])] {
-        entries.push(Entry { row: row + i, column: column + j, value });
     }
 }

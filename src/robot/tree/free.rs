@@ -23,11 +23,13 @@ impl Tree {
         &self.free
     }
 
-    /// The joint whose axis is that of joint `i`: floating joints are displaced along the axes of the moved frame,
-    /// those of their angles.
-    pub(crate) fn axis_of(&self, i: usize) -> usize {
-        let slides = |free: &FreeFrame| free.joint.turned - free.joint.kind.slides()..free.joint.turned;
-        if self.free.iter().any(|free| slides(free).contains(&i)) { i + 3 } else { i }
+    /// The joint whose axis is that of joint `i` in the tangent space, and that to whose link it is fixed: floating
+    /// joints are displaced along the axes of the moved frame, those of their angles.
+    pub(crate) fn axis_of(&self, i: usize) -> [usize; 2] {
+        let place = |free: &FreeFrame| (free.joint.turned - free.joint.kind.slides(), free.joint.turned);
+        let own = |&(first, turned): &(usize, usize)| (first..turned + 3).contains(&i);
+        let found = self.free.iter().map(place).find(own);
+        found.map_or([i, i], |(_, turned)| [if i < turned { i + 3 } else { i }, turned + 2])
     }
 
     /// Name of the joint that coordinate `i` belongs to: a floating or spherical one as a whole.
