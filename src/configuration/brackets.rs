@@ -7,8 +7,8 @@
 //! [e\_i, v] = \sum\_k N\_{ik} e\_k, \qquad K\_{ij} = p \cdot [e\_j, e\_i] $$
 //!
 //! so that `K(p) v = -N(v) p` is the coadjoint action of v on p (J. E. Marsden, T. S. Ratiu, Introduction to
-//! Mechanics and Symmetry (1999), section 13.5), and derivatives of a function along e_j, then of that along e_i,
-//! differ from those in the other order by K_ij of its gradient.
+//! Mechanics and Symmetry (1999), section 13.5), and derivatives of a function along e_j, then of that along
+//! e_i, differ from those in the other order by K_ij of its gradient.
 
 use crate::matrix::Entry;
 use crate::robot::{FreeKind, Tree};
@@ -61,7 +61,9 @@ impl<S: Scalar> Brackets<S> {
 
 /// The matrix of `a x` in rows and columns from these on.
 fn cross<S: Scalar>(entries: &mut Vec<Entry<S>>, [row, column]: [usize; 2], a: &[S]) {
-    for (i, j, value) in [(0, 1, -a[2]), (0, 2, a[1]), (1, 0, a[2]), (1, 2, -a[0]), (2, 0, -a[1]), (2, 1, a[0])] {
+    for (i, j, value) in
+        [(0, 1, -a[2]), (0, 2, a[1]), (1, 0, a[2]), (1, 2, -a[0]), (2, 0, -a[1]), (2, 1, a[0])]
+    {
         entries.push(Entry { row: row + i, column: column + j, value });
     }
 }

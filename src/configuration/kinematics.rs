@@ -126,7 +126,8 @@ impl<S: Scalar> FreeKinematics<S> {
         chain_v.copy_from_slice(v);
         chain_a.copy_from_slice(a);
         for free in tree.free() {
-            // Slides along the axes of the parent, then angles (x, y, z), at zero, with the rates bent by the others.
+            // Slides along the axes of the parent, then angles (x, y, z), at zero, with the rates bent by the
+            // others.
             let ((linear, w), (of_linear, of_angular)) = (tangent(free, v), tangent(free, a));
             let (at, slides, rotation) =
                 (free.joint.coordinate, free.joint.kind.slides(), free.quaternion(q).rotation());

@@ -1,12 +1,13 @@
 //! Derivatives of g along a motion.
 //!
 //! With `C = (J'mu)_q` at hand, `(J v)_q` is the derivative of J along v, and `(mu . J v)_qq` that of C for
-//! constant mu. Both are tangents of the same code, at `q (+) a v`. Their own derivatives along (dq, dv, dmu) are
-//! tangents of tangents.
+//! constant mu. Both are tangents of the same code, at `q (+) a v`; their own derivatives along (dq, dv, dmu)
+//! are tangents of these.
 //!
-//! Displacements of floating and spherical joints do not commute. With N(v) of `hamiltonian/free`,
+//! Displacements of floating and spherical joints do not commute. With N(v) of `configuration/brackets.rs`,
 //!
-//! $$ (J v)\_q = D\_v J + J N(v)^T, \qquad (\mu \cdot J v)\_{qq} = \operatorname{sym}(D\_v C + N(v) (C + C^T)) $$
+//! $$ (J v)\_q = D\_v J + J N(v)^T, \qquad
+//! (\mu \cdot J v)\_{qq} = \operatorname{sym}(D\_v C + N(v) (C + C^T)) $$
 
 use super::Constraints;
 use crate::configuration::Brackets;

@@ -2,8 +2,8 @@
 
 use super::held::Held;
 use super::position::check_position;
-use crate::error::{EvalError, check_length};
 use crate::configuration::Brackets;
+use crate::error::{EvalError, check_length};
 use crate::kinematics::Kinematics;
 use crate::matrix::{Matrix, add_scaled, filled};
 use crate::robot::{ConstraintRow, Robot, Tree};
@@ -187,7 +187,10 @@ impl<S: Scalar> Constraints<S> {
     pub fn hessian(&mut self, mu: &[S]) -> Result<&Matrix<S>, EvalError> {
         check_length("mu", mu, self.count())?;
         self.contract(mu);
-        self.brackets.of_momentum(&self.force).iter().for_each(|e| self.hessian[(e.row, e.column)] -= e.value.times(0.5));
+        self.brackets
+            .of_momentum(&self.force)
+            .iter()
+            .for_each(|e| self.hessian[(e.row, e.column)] -= e.value.times(0.5));
         Ok(&self.hessian)
     }
 

@@ -58,7 +58,11 @@ impl<S: Scalar> ConstrainedHamiltonianSecondOrder<S> {
         let both = [filled(S::zero(), n), filled(S::zero(), k)];
         Self {
             along: KernelTwo::new(&first.tree),
-            world: first.world.as_ref().filter(|_| !first.tree.free().is_empty()).map(|world| Box::new(Change::new(world))),
+            world: first
+                .world
+                .as_ref()
+                .filter(|_| !first.tree.free().is_empty())
+                .map(|world| Box::new(Change::new(world))),
             changing: Changing::new(&first.tree),
             y_f_xx: Matrix::zeros(2 * n, 2 * n),
             panels: Box::new(Panels {

@@ -6,8 +6,8 @@ use crate::matrix::{Matrix, Panel, filled};
 use crate::robot::{Row, Tree, scaled};
 use crate::scalar::Scalar;
 
-/// M, L_q, P and L_qq in the axes of the world: for robots with floating and spherical joints, and for packs of
-/// several lanes and more than 12 independent joints, where that takes less time than in body frames.
+/// M, L_q, P and L_qq in the axes of the world: for robots with floating and spherical joints, and for packs
+/// of several lanes and more than 12 independent joints, where that takes less time than in body frames.
 ///
 /// Derivatives are those in the left-trivialised tangent space, of L_qq the symmetric part.
 #[derive(Clone, Debug)]

@@ -1,9 +1,9 @@
 //! Joints that turn freely: floating and spherical ones.
 //!
 //! A free joint is a chain of joints of one degree of freedom that never leave zero, behind an orientation
-//! that is given by a unit quaternion: a chart of its positions whose centre is the present one. The kernels
-//! run on the chain; results are those in the chart's centre, where nothing is singular. Inverse dynamics in
-//! the axes of the world needs no chart: axes of the chain are fixed to the link (`kernels/world/torque.rs`).
+//! that is given by a unit quaternion. Its axes are fixed to the link, and rates along them are the twist of
+//! the moved frame: derivatives are those in the left-trivialised tangent space (`kernels/world/`). What does
+//! not differentiate by them, as the potential energy, runs on the chain in body frames.
 
 /// The type of a joint that turns freely.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,14 +1,14 @@
 //! Robots with floating and spherical joints.
 //!
-//! q has [`Tree::nq`](crate::robot::Tree::nq) entries, v, p, u and all derivatives have n: p is conjugate to v, so
-//! that the momentum of a floating joint is that of all that it moves, about the origin of the moved frame, in its
-//! axes. State derivatives are those by xi and p, with q (+) xi the configuration moved by `exp(xi)` on the right
-//! ([`ConfigurationSpace`](crate::configuration::ConfigurationSpace)): the left-trivialised tangent. F is
-//! the rate (v, p'), and y'F_xx the Hessian of `y . F(q (+) xi, p + dp)` at zero, components of F and y
-//! being those in the tangent space at either point. It is symmetric.
+//! q has [`Tree::nq`](crate::robot::Tree::nq) entries, v, p, u and all derivatives have n: p is conjugate to
+//! v, so that the momentum of a floating joint is that of all that it moves, about the origin of the moved
+//! frame, in its axes. State derivatives are those by xi and p, with q (+) xi the configuration moved by
+//! `exp(xi)` on the right ([`ConfigurationSpace`](crate::configuration::ConfigurationSpace)): the
+//! left-trivialised tangent. F is the rate (v, p'), and y'F_xx the Hessian of `y . F(q (+) xi, p + dp)` at
+//! zero, components of F and y being those in the tangent space at either point. It is symmetric.
 //!
-//! The kernel gives L_q and the symmetric part of L_qq. [`Brackets`] add `K(p) v` to p', half of K(L_q) to L_qq,
-//! and rows of F_x to y'F_xx. Without such joints they have no entries.
+//! The kernel gives L_q and the symmetric part of L_qq. [`Brackets`] add `K(p) v` to p', half of K(L_q) to
+//! L_qq, and rows of F_x to y'F_xx. Without such joints they have no entries.
 
 #[cfg(test)]
 mod tests;
@@ -40,8 +40,8 @@ impl<S: Scalar> Brackets<S> {
         self.of_momentum(p).iter().for_each(|e| weights[e.row] += e.value * minus_y[e.column]);
     }
 
-    /// Adds `N(y_p) F^p_x` to the rows and columns of xi in y'F_xx, `N(y_p)' F^q_x` to those of p, for F_x without
-    /// friction and [brackets](Self::add_slopes).
+    /// Adds `N(y_p) F^p_x` to the rows and columns of xi in y'F_xx, `N(y_p)' F^q_x` to those of p, for F_x
+    /// without friction and [brackets](Self::add_slopes).
     pub fn add_curvature(&mut self, y_p: &[S], f_x: &Matrix<S>, y_f_xx: &mut Matrix<S>) {
         let n = y_p.len();
         for e in self.of_velocity(y_p) {

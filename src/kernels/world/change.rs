@@ -200,8 +200,8 @@ impl<S: Scalar> WorldKernel<S> {
     /// ```
     ///
     /// Axes of a floating or spherical joint move with its link: N_i of chi_i is that beyond the joint, v_i
-    /// and D v_i of D psi_i are those before it. [`KernelTwo`](crate::kernels::KernelTwo) computes the same in
-    /// body frames, for robots without such joints.
+    /// and D v_i of D psi_i are those before it. [`KernelTwo`](crate::kernels::KernelTwo) computes the same
+    /// in body frames, for robots without such joints.
     #[inline(never)]
     pub fn differentiate(
         &mut self,
@@ -238,7 +238,7 @@ impl<S: Scalar> WorldKernel<S> {
                 gamma: gravity.cross(motion_along(place.kind, axis).angular).splat(),
                 gamma_change: gravity.cross(chi.angular).splat(),
             };
-            let groups = place.first / Self::LANES..place.end.div_ceil(Self::LANES);
+            let groups = place.groups(Self::LANES);
             let mut rows = [m.row_mut(k), p.row_mut(k), lower.row_mut(k), l_qq.row_mut(k)];
             let [a, b, c, d] = rows.each_mut().map(|row| row[groups.clone()].iter_mut());
             let forces = self.carried[groups.clone()].iter().zip(&self.rates[groups.clone()]);
@@ -254,7 +254,8 @@ impl<S: Scalar> WorldKernel<S> {
             rows.into_iter().for_each(|row| clear_beyond::<S>(row, place.end));
         }
         self.places.mirror(m, None);
-        self.places.complete([p, lower, l_qq]);
+        self.places.complete(p, lower);
+        self.places.symmetrise(l_qq);
     }
 }
 

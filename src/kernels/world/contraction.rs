@@ -238,7 +238,7 @@ impl<S: Scalar> WorldKernel<S> {
             let (block, lane) = (k / Self::LANES, k % Self::LANES);
             let meeting = meeting_of(&self.joints[k], &self.groups[block], lane);
             let chi = motion_lane::<S, _>(&work.groups[block].chi, lane).splat();
-            let groups = k / Self::LANES..place.end.div_ceil(Self::LANES);
+            let groups = place.groups(Self::LANES);
             let mut rows = [
                 qq.row_mut(k),
                 vv.row_mut(k),
@@ -264,35 +264,9 @@ impl<S: Scalar> WorldKernel<S> {
             }
             rows.into_iter().for_each(|row| clear_beyond::<S>(row, place.end));
         }
-        self.places.mirror(qq, None);
-        self.places.mirror(vv, None);
-        self.places.mirror(vq, Some(&*vq_lower));
-        self.places.mirror(aq, Some(&*aq_lower));
-        self.set_pairs_of_free_joints(work, to);
-    }
-
-    /// Sets the entries of pairs of one joint, see [`contract_torque`](Self::contract_torque).
-    fn set_pairs_of_free_joints(&self, work: &TorqueContraction<S>, to: &mut TorqueHessian<S>) {
-        for joint in &self.free {
-            for i in joint.clone() {
-                let (own_i, weighted_i) = (self.own(i), work.weighted_at(i));
-                for j in i..joint.end {
-                    let (own_j, weighted_j) = (self.own(j), work.weighted_at(j));
-                    let ij =
-                        self.entries_of_joint(joint, (i, j), [&own_i, &own_j], [&weighted_i, &weighted_j]);
-                    let ji =
-                        self.entries_of_joint(joint, (j, i), [&own_j, &own_i], [&weighted_j, &weighted_i]);
-                    for ((row, column), ij) in [((i, j), &ij), ((j, i), &ji)] {
-                        to.vq.set(column, row, ij.vq);
-                        to.aq.set(column, row, ij.aq);
-                    }
-                    for (panel, entry) in [(&mut to.qq, ij.qq + ji.qq), (&mut to.vv, ij.vv + ji.vv)] {
-                        panel.set(i, j, entry.times(0.5));
-                        panel.set(j, i, entry.times(0.5));
-                    }
-                }
-            }
-        }
+        [qq, vv].into_iter().for_each(|entries| self.places.symmetrise(entries));
+        self.places.complete(vq, vq_lower);
+        self.places.complete(aq, aq_lower);
     }
 
     /// The entries of places i and j of one joint from the motions of i and the forces of j: `vq_ji`,

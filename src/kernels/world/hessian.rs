@@ -75,8 +75,8 @@ impl<S: Scalar> WorldKernel<S> {
     ///
     /// with `G_j = IC_j psi_j + S_j x* H_j`, as in [`KernelOne`](crate::kernels::KernelOne).
     ///
-    /// For a floating or spherical joint q is a displacement in the left-trivialised tangent space, psi that of
-    /// the velocity before the joint. Its pairs have P_ji for both orders, and the symmetric part of L_qq.
+    /// For a floating or spherical joint q is a displacement in the left-trivialised tangent space, psi that
+    /// of the velocity before the joint. Its pairs have P_ji for both orders, and the symmetric part of L_qq.
     #[inline(never)]
     pub fn hessian(&mut self, tree: &Tree, to: [&mut Panel<S>; 2]) {
         for (group, rate) in self.groups.iter().zip(&mut self.rates) {
@@ -113,7 +113,7 @@ impl<S: Scalar> WorldKernel<S> {
                 gamma: gravity.cross(axis).splat(),
             };
             let mut rows = [p.row_mut(k), lower.row_mut(k), l_qq.row_mut(k)];
-            let groups = place.first / Self::LANES..place.end.div_ceil(Self::LANES);
+            let groups = place.groups(Self::LANES);
             let [a, b, c] = rows.each_mut().map(|row| row[groups.clone()].iter_mut());
             let forces = self.carried[groups.clone()].iter().zip(&self.rates[groups]);
             let entries = forces.zip(a).zip(b).zip(c);
@@ -127,7 +127,8 @@ impl<S: Scalar> WorldKernel<S> {
             }
             rows.into_iter().for_each(|row| clear_beyond::<S>(row, place.end));
         }
-        self.places.complete([p, lower, l_qq]);
+        self.places.complete(p, lower);
+        self.places.symmetrise(l_qq);
     }
 }
 

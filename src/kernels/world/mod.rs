@@ -178,8 +178,8 @@ impl<S: Scalar> WorldKernel<S> {
         self.turn_displacements();
     }
 
-    /// Turns the displacements of floating joints from the axes of the parent to those of the moved frame: the
-    /// axes of their angles.
+    /// Turns the displacements of floating joints from the axes of the parent to those of the moved frame:
+    /// the axes of their angles.
     fn turn_displacements(&mut self) {
         for chain in self.free.iter().filter(|chain| chain.len() == FreeKind::Floating.dof()) {
             // The whole displacement stands before the first slide: nothing is moved out of it and back.

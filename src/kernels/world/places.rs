@@ -37,6 +37,13 @@ pub(super) struct Places {
 }
 
 impl Place {
+    /// The groups of so many joints that hold its pairs: with the joints beyond, and with those of its own
+    /// joint.
+    #[inline(always)]
+    pub fn groups(&self, lanes: usize) -> Range<usize> {
+        self.first / lanes..self.end.div_ceil(lanes)
+    }
+
     /// Velocity of the joint, or its change, from those of the coordinates.
     #[inline(always)]
     pub fn rate<S: Scalar>(&self, v: &[S]) -> S {
@@ -144,17 +151,27 @@ impl Places {
         }
     }
 
-    /// Completes P, from its rows above and those below the diagonal, and L_qq. Rows of free joints have pairs
-    /// of the joint on both sides of the diagonal.
-    pub fn complete<S: Scalar>(&self, [p, lower, l_qq]: [&mut Panel<S>; 3]) {
-        for (j, place) in self.iter().enumerate() {
-            for i in place.first..j {
-                p.set(i, j, lower.get(j, i));
-                l_qq.set(i, j, (l_qq.get(i, j) + l_qq.get(j, i)).times(0.5));
-            }
+    /// The same for entries (j, i) and (i, j) of pairs of one free joint, which are those of the rows of a
+    /// lower matrix that hold its pairs on both sides of the diagonal.
+    #[inline(always)]
+    pub fn complete<S: Scalar>(&self, entries: &mut Panel<S>, lower: &Panel<S>) {
+        self.for_own_pairs(|i, j| entries.set(i, j, lower.get(j, i)));
+        self.mirror(entries, Some(lower));
+    }
+
+    /// The same for a symmetric matrix: pairs of one free joint have the mean of both entries.
+    #[inline(always)]
+    pub fn symmetrise<S: Scalar>(&self, entries: &mut Panel<S>) {
+        self.for_own_pairs(|i, j| entries.set(i, j, (entries.get(i, j) + entries.get(j, i)).times(0.5)));
+        self.mirror(entries, None);
+    }
+
+    /// Calls for each pair i <= j of a free joint.
+    #[inline(always)]
+    fn for_own_pairs(&self, mut of: impl FnMut(usize, usize)) {
+        for (j, place) in self.iter().enumerate().filter(|(_, place)| place.first < place.last) {
+            (place.first..=j).for_each(|i| of(i, j));
         }
-        self.mirror(p, Some(&*lower));
-        self.mirror(l_qq, None);
     }
 
     /// Blocks (a, b), a <= b, of rows and packs that hold entries of joints on one branch.

@@ -133,22 +133,6 @@ impl<S: Scalar> WorldKernel<S> {
         }
     }
 
-    /// Corrects the entries of tau_q by places for pairs of one joint, see
-    /// [`torque_derivatives`](Self::torque_derivatives).
-    fn correct_free_joints(&self, q_upper: &mut Panel<S>) {
-        for chain in &self.free {
-            for j in chain.clone() {
-                let of_j = self.own(j);
-                let psi_rate = self.at_end(chain, j, of_j.psi_rate);
-                for i in chain.clone() {
-                    let of_i = self.own(i);
-                    let shifted = self.force_at_end(chain, i, of_i.inertial).dot(psi_rate);
-                    q_upper.set(i, j, of_j.psi.angular.dot_plus(of_i.turning, shifted));
-                }
-            }
-        }
-    }
-
     /// From the origin of place `k` of a free joint to that of its last one: the way there.
     #[inline(always)]
     pub(super) fn to_end(&self, chain: &Range<usize>, k: usize) -> Vec3<S> {
@@ -173,16 +157,15 @@ impl<S: Scalar> WorldKernel<S> {
         for (k, place) in self.places.iter().enumerate() {
             let meeting = meeting_of(&self.joints[k], &self.groups[k / Self::LANES], k % Self::LANES);
             let mut rows = [q_upper.row_mut(k), q_lower.row_mut(k), v_upper.row_mut(k), v_lower.row_mut(k)];
-            let groups = k / Self::LANES..place.end.div_ceil(Self::LANES);
+            let groups = place.groups(Self::LANES);
             match place.kind {
                 JointKind::Revolute => fill(&mut rows, &self.carried, groups, &meeting, revolute),
                 JointKind::Prismatic => fill(&mut rows, &self.carried, groups, &meeting, prismatic),
             }
             rows.into_iter().for_each(|row| clear_beyond::<S>(row, place.end));
         }
-        self.places.mirror(q_upper, Some(&*q_lower));
+        self.places.complete(q_upper, q_lower);
         self.places.mirror(v_upper, Some(&*v_lower));
-        self.correct_free_joints(q_upper);
     }
 
     /// Writes the entries of joints on one branch of an n x n panel by joints to a matrix; others are left as

@@ -23,8 +23,8 @@ impl Tree {
         &self.free
     }
 
-    /// The joint whose axis is that of joint `i` in the tangent space, and that to whose link it is fixed: floating
-    /// joints are displaced along the axes of the moved frame, those of their angles.
+    /// The joint whose axis is that of joint `i` in the tangent space, and that to whose link it is fixed:
+    /// floating joints are displaced along the axes of the moved frame, those of their angles.
     pub(crate) fn axis_of(&self, i: usize) -> [usize; 2] {
         let place = |free: &FreeFrame| (free.joint.turned - free.joint.kind.slides(), free.joint.turned);
         let own = |&(first, turned): &(usize, usize)| (first..turned + 3).contains(&i);
