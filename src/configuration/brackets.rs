@@ -8,7 +8,7 @@
 //!
 //! so that `K(p) v = -N(v) p` is the coadjoint action of v on p (J. E. Marsden, T. S. Ratiu, Introduction to
 //! Mechanics and Symmetry (1999), section 13.5), and derivatives of a function along e_j, then of that along
-//! e_i, differ from those in the other order by K_ij of its gradient.
+//! e_i, differ from those in the other order by K_ji of its gradient.
 
 use crate::matrix::Entry;
 use crate::robot::{FreeKind, Tree};

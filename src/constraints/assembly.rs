@@ -3,7 +3,6 @@
 use super::ConstrainedHamiltonian;
 use super::blocks::Blocks;
 use super::linearisation::ConstrainedLinearisation;
-use crate::hamiltonian::blocks_of;
 use crate::matrix::{Panel, add_scaled, dot_packs};
 use crate::scalar::Scalar;
 
@@ -36,10 +35,10 @@ impl<S: Scalar> ConstrainedHamiltonian<S> {
 
     /// F_x without friction and wrenches from outside, and mu_x.
     pub(super) fn conservative(&mut self) {
-        let Self { kernel, factor, kkt, moving, cross, elimination, f_x, mu_x, world, in_world, .. } = self;
+        let Self { kernel, factor, kkt, moving, cross, elimination, f_x, mu_x, .. } = self;
         let Blocks { curvature, bend, slope, .. } = &moving.blocks;
-        match (elimination, world) {
-            (Some(blocks), Some(world)) if !Panel::<S>::ONE_LANE && *in_world => {
+        match (elimination, kernel.world()) {
+            (Some(blocks), Some(world)) if !Panel::<S>::ONE_LANE => {
                 let take_p = |p: &mut Panel<S>| p.set_difference(world.l_vq(), curvature);
                 let take_l_qq = |p: &mut Panel<S>| p.set_difference(world.l_qq(), bend);
                 blocks.place((factor, kkt), [&take_p, &take_l_qq], slope, [f_x, mu_x]);
@@ -47,7 +46,7 @@ impl<S: Scalar> ConstrainedHamiltonian<S> {
             (Some(blocks), _) if !Panel::<S>::ONE_LANE => {
                 let take_p = |p: &mut Panel<S>| p.read::<0>(cross);
                 let take_l_qq = |p: &mut Panel<S>| {
-                    p.read::<0>(kernel.l_qq());
+                    p.read::<0>(kernel.body.l_qq());
                     (0..bend.rows()).for_each(|i| p.subtract_row(i, bend.row(i)));
                 };
                 blocks.place((factor, kkt), [&take_p, &take_l_qq], slope, [f_x, mu_x]);
@@ -83,7 +82,7 @@ impl<S: Scalar> ConstrainedHamiltonian<S> {
     /// exactly symmetric.
     fn forces(&mut self) {
         let (n, blocks) = (self.dof(), &self.moving.blocks);
-        let [_, l_qq] = blocks_of(&self.kernel, self.world.as_deref().filter(|_| self.in_world));
+        let [_, l_qq] = self.kernel.blocks();
         for i in 0..n {
             for j in 0..=i {
                 let mut entry = l_qq.entry(i, j) - blocks.bend[(i, j)];

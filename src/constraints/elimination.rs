@@ -181,7 +181,7 @@ mod tests {
         assert_eq!(blocks.elimination.is_some(), Panel::<f64>::in_blocks(n));
         columns.elimination = None;
         if nq == n {
-            columns.world = None;
+            columns.kernel.world = None;
         }
         for from in [0.3, 1.1] {
             let mut q = numbers(nq, from);

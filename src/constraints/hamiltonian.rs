@@ -8,7 +8,7 @@ use super::linearisation::{ConstrainedAdjoint, ConstrainedLinearisation, Constra
 use super::position::check_position;
 use crate::configuration::Brackets;
 use crate::error::EvalError;
-use crate::hamiltonian::World;
+use crate::hamiltonian::FirstKernel;
 use crate::kernels::{Factor, FrictionDerivatives, KernelOne, check_entries};
 use crate::kinematics::ExternalForces;
 use crate::matrix::{Matrix, Panel, add_scaled, dot, filled};
@@ -62,16 +62,13 @@ use crate::scalar::Scalar;
 #[derive(Clone, Debug)]
 pub struct ConstrainedHamiltonian<S: Scalar> {
     pub(super) tree: Tree,
-    pub(super) kernel: KernelOne<S>,
+    pub(super) kernel: FirstKernel<S, KernelOne<S>>,
     pub(super) factor: Factor<S>,
     pub(super) rows: Constraints<S>,
     pub(super) moving: Moving<S>,
     pub(super) kkt: Kkt<S>,
     /// F_x block by block, where it is computed so.
     pub(super) elimination: Option<Box<Elimination<S>>>,
-    /// Kernel one in the axes of the world, and whether it was used last.
-    pub(super) world: Option<Box<World<S>>>,
-    pub(super) in_world: bool,
     pub(super) v: Vec<S>,
     pub(super) mu: Vec<S>,
     /// Directions (w_q, w_p), and the changes of v and mu along them.
@@ -107,11 +104,9 @@ impl<S: Scalar> ConstrainedHamiltonian<S> {
         (0..n).for_each(|i| f_u[(n + i, i)] = S::one());
         let factor = Factor::new(&tree);
         Self {
-            kernel: KernelOne::new(&tree),
+            kernel: FirstKernel::new(&tree),
             elimination: Panel::<S>::for_blocks(n, || Elimination::new(&factor, rows.pattern())),
             factor,
-            world: World::where_used(&tree),
-            in_world: false,
             rows,
             moving: Moving::new(&tree),
             kkt: Kkt::new(n, k),
@@ -152,7 +147,7 @@ impl<S: Scalar> ConstrainedHamiltonian<S> {
     pub fn evaluate(&mut self, q: &[S], p: &[S], u: &[S]) -> Result<ConstrainedRate<'_, S>, EvalError> {
         self.check(&[("q", q), ("p", p), ("u", u)])?;
         self.first_order(q, p)?;
-        self.set_gradient();
+        self.l_q.copy_from_slice(self.kernel.l_q());
         let curvature = self.rows.contract(&self.mu);
         for (j, &v) in self.v.iter().enumerate() {
             add_scaled(&mut self.l_q, -v, curvature.row(j));
@@ -204,7 +199,7 @@ impl<S: Scalar> ConstrainedHamiltonian<S> {
         let (product_q, product_p) = product.split_at_mut(n);
         product_p.copy_from_slice(dv);
         for (i, entry) in product_q.iter_mut().enumerate() {
-            *entry = dot(moving.blocks.bend.row(i), w_q) - dot(kernel.l_qq().row(i), w_q);
+            *entry = dot(moving.blocks.bend.row(i), w_q) - dot(kernel.body.l_qq().row(i), w_q);
         }
         dv.iter().enumerate().for_each(|(i, &dv)| add_scaled(product_q, -dv, cross.row(i)));
         dmu.iter().enumerate().for_each(|(i, &dmu)| add_scaled(product_q, dmu, moving.blocks.slope.row(i)));

@@ -127,13 +127,13 @@ impl ConstrainedHamiltonian<f64> {
 
     /// J, and the factors of its product with the weights: those of held joints are zero.
     pub(super) fn weigh(&mut self, q: &[f64], held: &[bool], weights: &mut [f64]) -> Result<(), EvalError> {
-        self.kernel.set_position(&self.tree, q)?;
+        self.kernel.body.set_position(&self.tree, q)?;
         for (i, (weight, &held)) in weights.iter_mut().zip(held).enumerate() {
-            let inertia = self.kernel.mass_matrix()[(i, i)];
+            let inertia = self.kernel.body.mass_matrix()[(i, i)];
             *weight = if held { 0.0 } else { inertia.max(f64::MIN_POSITIVE).recip() };
         }
         self.rows.place(q);
-        self.kkt.set_sizes(self.rows.sizes(), self.kernel.mass_matrix());
+        self.kkt.set_sizes(self.rows.sizes(), self.kernel.body.mass_matrix());
         self.kkt.factor_diagonal(weights, self.rows.jacobian());
         Ok(())
     }

@@ -59,6 +59,7 @@ impl<S: Scalar> ConstrainedHamiltonianSecondOrder<S> {
         Self {
             along: KernelTwo::new(&first.tree),
             world: first
+                .kernel
                 .world
                 .as_ref()
                 .filter(|_| !first.tree.free().is_empty())
@@ -220,12 +221,12 @@ impl<S: Scalar> ConstrainedHamiltonianSecondOrder<S> {
 
     /// The same for the direction that is set.
     fn along_response(&mut self, q: &[S]) -> Result<(), EvalError> {
-        let ConstrainedHamiltonian { tree, kernel, world, v, mu, direction, change: [dv, dmu], .. } =
+        let ConstrainedHamiltonian { tree, kernel, v, mu, direction, change: [dv, dmu], .. } =
             &mut self.first;
         let [w_q, _] = direction;
-        match (world, &mut self.world) {
+        match (&mut kernel.world, &mut self.world) {
             (Some(world), Some(change)) => world.differentiate(tree, change, v, [w_q, dv]),
-            _ => self.along.differentiate(tree, kernel, w_q, dv)?,
+            _ => self.along.differentiate(tree, &kernel.body, w_q, dv)?,
         }
         self.changing.place([q, v, mu], [w_q, dv, dmu]);
         Ok(())

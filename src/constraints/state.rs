@@ -13,14 +13,8 @@ impl<S: Scalar> ConstrainedHamiltonian<S> {
     /// See [`ConstrainedHamiltonian`].
     pub fn momentum(&mut self, q: &[S], v: &[S]) -> Result<&[S], EvalError> {
         self.check(&[("q", q), ("v", v)])?;
-        if let Some(world) = self.world.as_mut().filter(|_| !self.tree.free().is_empty()) {
-            world.set_mass_matrix(&self.tree, q);
-            (0..v.len()).for_each(|i| self.v[i] = dot(world.mass_matrix().row(i), v));
-            return Ok(&self.v);
-        }
-        self.kernel.set_position(&self.tree, q)?;
-        self.kernel.set_velocity(&self.tree, v)?;
-        Ok(self.kernel.momentum())
+        self.kernel.momentum(&self.tree, q, v, &mut self.v)?;
+        Ok(&self.v)
     }
 
     /// v with `J v = 0` (n) and mu (k) at (q, p). For `p = M v-` with any v-, v is the velocity after the
@@ -53,12 +47,9 @@ impl<S: Scalar> ConstrainedHamiltonian<S> {
     pub fn energy(&mut self, q: &[S], p: &[S]) -> Result<Energy<S>, EvalError> {
         self.check(&[("q", q), ("p", p)])?;
         self.solve_velocity(q, p)?;
-        if self.in_world {
-            self.kernel.set_position(&self.tree, q)?;
-        }
         // mu does no work.
         let kinetic = dot(&self.v, p).times(0.5);
-        Ok(Energy { kinetic, potential: self.kernel.potential(&self.tree) })
+        Ok(Energy { kinetic, potential: self.kernel.potential(&self.tree, q)? })
     }
 
     /// `g(q) - g(q_0)` (k), which is constant along exact motions: what the steps of an integrator have let

@@ -52,10 +52,10 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
         let (product_q, product_p) = product.split_at_mut(n);
         product_p.copy_from_slice(&direction.v);
         for (i, entry) in product_q.iter_mut().enumerate() {
-            *entry = -dot(flow.kernel.l_qq().row(i), &direction.q);
+            *entry = -dot(flow.kernel.body.l_qq().row(i), &direction.q);
         }
         for (k, &v) in direction.v.iter().enumerate() {
-            add_scaled(product_q, -v, flow.kernel.l_vq().row(k));
+            add_scaled(product_q, -v, flow.kernel.body.l_vq().row(k));
         }
         state.add_wrench_adjoint(q, &y[n..], product);
         Ok(AdjointProduct { f: &self.state.f, y_f_x: &self.product })

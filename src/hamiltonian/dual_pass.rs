@@ -3,7 +3,7 @@
 use super::conservative::Conservative;
 use super::{Hamiltonian, HamiltonianContraction, check};
 use crate::error::EvalError;
-use crate::kernels::{Contracted, LagrangianHessian, Route};
+use crate::kernels::{Contracted, Route};
 use crate::matrix::{Matrix, filled};
 use crate::robot::{Robot, Tree};
 use crate::scalar::{Scalar, Tangent};

@@ -3,7 +3,7 @@
 use super::Hamiltonian;
 use crate::error::EvalError;
 use crate::kernels::{LagrangianHessian, Route};
-use crate::matrix::{Block, Matrix, dot};
+use crate::matrix::{Block, Matrix};
 use crate::scalar::Scalar;
 
 /// Jacobian of `p = M(q) v`; borrowed from the workspace.
@@ -31,14 +31,9 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
     /// See [`Hamiltonian`].
     pub fn momentum(&mut self, q: &[S], v: &[S]) -> Result<&[S], EvalError> {
         self.check(&[("q", q), ("v", v)])?;
-        if !self.tree.free().is_empty() {
-            self.flow.set_mass_matrix(&self.tree, q)?;
-            (0..v.len()).for_each(|i| self.flow.v[i] = dot(self.flow.mass_matrix().row(i), v));
-            return Ok(&self.flow.v);
-        }
-        self.flow.kernel.set_position(&self.tree, q)?;
-        self.flow.kernel.set_velocity(&self.tree, v)?;
-        Ok(self.flow.kernel.momentum())
+        let Self { tree, flow, .. } = self;
+        flow.kernel.momentum(tree, q, v, &mut flow.v)?;
+        Ok(&flow.v)
     }
 
     /// `v = M(q)^-1 p`, length n.
@@ -63,7 +58,7 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
         self.tree.refuse_free()?;
         self.momentum(q, v)?;
         self.flow.kernel.second_order(&self.tree);
-        let kernel = &self.flow.kernel;
+        let kernel = &self.flow.kernel.body;
         Ok(MomentumLinearisation { dp_dq: kernel.l_vq(), dp_dv: kernel.mass_matrix() })
     }
 

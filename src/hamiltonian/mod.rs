@@ -23,6 +23,7 @@ mod contraction;
 mod direction;
 mod dual_pass;
 mod elimination;
+mod first_kernel;
 mod free;
 mod full;
 mod legendre;
@@ -50,11 +51,10 @@ use crate::matrix::{Matrix, Panel, filled};
 use crate::robot::{Robot, Tree};
 use crate::scalar::Scalar;
 use conservative::Conservative;
-pub(crate) use conservative::blocks_of;
 use direction::Direction;
+pub(crate) use first_kernel::FirstKernel;
 use state::StateEquation;
 pub(crate) use world::Change;
-pub(crate) use world::World;
 
 /// Workspace for the Hamiltonian state equation of one robot; no call allocates.
 ///
@@ -224,11 +224,8 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
     pub fn energy(&mut self, q: &[S], p: &[S]) -> Result<Energy<S>, EvalError> {
         self.check(&[("q", q), ("p", p)])?;
         self.flow.solve_velocity(&self.tree, q, p)?;
-        if !self.tree.free().is_empty() {
-            self.flow.kernel.set_position(&self.tree, q)?;
-        }
         let twice = self.flow.v.iter().zip(p).fold(S::zero(), |sum, (&v, &p)| sum + v * p);
-        Ok(Energy { kinetic: twice.times(0.5), potential: self.flow.kernel.potential(&self.tree) })
+        Ok(Energy { kinetic: twice.times(0.5), potential: self.flow.kernel.potential(&self.tree, q)? })
     }
 
     /// `H(q, p) = 1/2 p' M^-1 p + V(q)` (J).
@@ -245,8 +242,8 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
     /// See [`Hamiltonian`].
     pub fn potential(&mut self, q: &[S]) -> Result<S, EvalError> {
         self.check(&[("q", q)])?;
-        self.flow.kernel.set_position(&self.tree, q)?;
-        Ok(self.flow.kernel.potential(&self.tree))
+        self.flow.kernel.body.set_position(&self.tree, q)?;
+        Ok(self.flow.kernel.body.potential(&self.tree))
     }
 
     /// Mass matrix M(q), armature included, n x n.
@@ -255,7 +252,7 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
     /// See [`Hamiltonian`].
     pub fn mass_matrix(&mut self, q: &[S]) -> Result<&Matrix<S>, EvalError> {
         self.check(&[("q", q)])?;
-        self.flow.set_mass_matrix(&self.tree, q)?;
+        self.flow.kernel.set_mass_matrix(&self.tree, q)?;
         Ok(self.flow.mass_matrix())
     }
 

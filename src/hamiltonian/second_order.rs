@@ -153,7 +153,7 @@ impl<S: Scalar> HamiltonianSecondOrder<S> {
         }
         for k in 0..n {
             add_scaled(product_q, -self.velocity_change[k], b.row(k));
-            add_scaled(product_q, self.pull[k], flow.kernel.l_vq().row(k));
+            add_scaled(product_q, self.pull[k], flow.kernel.body.l_vq().row(k));
         }
         self.first.state.add_wrench_product(q, &y[n..], d_q, &mut self.product);
         Ok(&self.product)
@@ -185,7 +185,7 @@ impl<S: Scalar> HamiltonianSecondOrder<S> {
         let Hamiltonian { tree, flow, direction, .. } = &mut self.first;
         direction.set_costate(tree, &flow.v, y);
         flow.velocity_change(&direction.q, &direction.p, &mut direction.v);
-        self.along.differentiate(tree, &flow.kernel, &direction.q, &direction.v)
+        self.along.differentiate(tree, &flow.kernel.body, &direction.q, &direction.v)
     }
 
     /// The third derivative of H along the axis of q_l, at the state of the last Jacobian; 2n x 2n.
@@ -197,7 +197,7 @@ impl<S: Scalar> HamiltonianSecondOrder<S> {
         for (i, v) in direction.v.iter_mut().enumerate() {
             *v = state.f_x[(i, l)];
         }
-        self.along.differentiate(tree, &flow.kernel, &direction.q, &direction.v)?;
+        self.along.differentiate(tree, &flow.kernel.body, &direction.q, &direction.v)?;
         self.congruence.apply(&self.along, flow, &mut self.y_f_xx);
         Ok(&self.y_f_xx)
     }

@@ -155,7 +155,10 @@ mod tests {
             let of_f = f.iter().fold(1.0, |most: f64, f| most.max(f.abs()));
             let close = |found: &[f64]| found.iter().zip(&f).all(|(a, b)| (a - b).abs() < 1e-12 * of_f);
             assert!(close(both.first().evaluate(&q, &p, &u).unwrap()), "{}, n = {n}", robot.name());
-            assert_eq!(both.first.flow.is_in_world(), Panel::<f64>::in_blocks(n) && is_independent(robot));
+            assert_eq!(
+                both.first.flow.kernel.world().is_some(),
+                Panel::<f64>::in_blocks(n) && is_independent(robot)
+            );
             let world = both.first().linearise(&q, &p, &u).unwrap();
             assert!(close(world.f()));
             let error = (world.matrix().to_nalgebra() - &f_x).amax();

@@ -238,6 +238,15 @@ impl<S: Scalar> Panel<S> {
         }
     }
 
+    /// That panel, or this one with the entries of the matrix.
+    pub fn of<'a>(&'a mut self, from: Source<'a, S>) -> &'a Self {
+        match from {
+            Source::Matrix(matrix) => self.read::<0>(matrix),
+            Source::Panel(panel) => return panel,
+        }
+        self
+    }
+
     /// Fills row `i` with the unit vector `e_i`. W: packs per row if known, else 0.
     #[inline(always)]
     pub fn set_unit_row<const W: usize>(&mut self, i: usize) {
