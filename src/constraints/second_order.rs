@@ -4,9 +4,9 @@ use super::ConstrainedHamiltonian;
 use super::blocks::Changing;
 use super::linearisation::ConstrainedContraction;
 use crate::error::{EvalError, check_length};
-use crate::hamiltonian::Change;
-use crate::kernels::{KernelTwo, check_entries, friction_of};
-use crate::matrix::{Left, Matrix, Panel, Part, Source, add_scaled, dot, filled};
+use crate::hamiltonian::SecondKernel;
+use crate::kernels::{check_entries, friction_of};
+use crate::matrix::{Left, Matrix, Panel, Part, add_scaled, dot, filled};
 use crate::robot::Robot;
 use crate::scalar::Scalar;
 
@@ -21,13 +21,11 @@ use crate::scalar::Scalar;
 /// \tilde w = (w\_q, s\_x w) $$
 ///
 /// with `w = (-y_p, y_q + D_v y_p)` and the curvature `V' (y_p . D_vv) V` of friction. D_w~ of M, P and L_qq
-/// is [`KernelTwo`], or that in the axes of the world with floating or spherical joints.
+/// is [`KernelTwo`](crate::kernels::KernelTwo), or that in the axes of the world with floating or spherical joints.
 #[derive(Clone, Debug)]
 pub struct ConstrainedHamiltonianSecondOrder<S: Scalar> {
     pub(super) first: ConstrainedHamiltonian<S>,
-    along: KernelTwo<S>,
-    /// What stands in its place with floating or spherical joints.
-    world: Option<Box<Change<S>>>,
+    along: SecondKernel<S>,
     changing: Changing<S>,
     pub(super) y_f_xx: Matrix<S>,
     panels: Box<Panels<S>>,
@@ -57,13 +55,7 @@ impl<S: Scalar> ConstrainedHamiltonianSecondOrder<S> {
         let (n, k) = (first.dof(), first.mu.len());
         let both = [filled(S::zero(), n), filled(S::zero(), k)];
         Self {
-            along: KernelTwo::new(&first.tree),
-            world: first
-                .kernel
-                .world
-                .as_ref()
-                .filter(|_| !first.tree.free().is_empty())
-                .map(|world| Box::new(Change::new(world))),
+            along: SecondKernel::new(&first.tree, &first.kernel),
             changing: Changing::new(&first.tree),
             y_f_xx: Matrix::zeros(2 * n, 2 * n),
             panels: Box::new(Panels {
@@ -137,7 +129,7 @@ impl<S: Scalar> ConstrainedHamiltonianSecondOrder<S> {
         self.first.check(&[("q", q), ("p", p)])?;
         check_entries(&self.first.tree, "y", y, 2 * n)?;
         check_entries(&self.first.tree, "d", d, 2 * n)?;
-        if self.world.is_some() {
+        if !self.first.tree.free().is_empty() {
             // The actuation does not enter.
             let mut none = std::mem::take(&mut self.response[0]);
             none.fill(S::zero());
@@ -156,8 +148,8 @@ impl<S: Scalar> ConstrainedHamiltonianSecondOrder<S> {
         let [r_v, r_mu] = &mut self.force;
         // dPP d_q + dMM s_x d.
         for (i, r) in r_v.iter_mut().enumerate() {
-            let moved = dot(along.l_vq().row(i), d_q) - dot(blocks.curvature.row(i), d_q);
-            *r = moved + dot(along.mass_matrix().row(i), dv);
+            let moved = dot(along.body.l_vq().row(i), d_q) - dot(blocks.curvature.row(i), d_q);
+            *r = moved + dot(along.body.mass_matrix().row(i), dv);
             if first.tree.has_coulomb_friction(i) {
                 *r -= y[n + i] * friction_of(&first.tree, i, first.v[i]).second * dv[i];
             }
@@ -168,10 +160,10 @@ impl<S: Scalar> ConstrainedHamiltonianSecondOrder<S> {
         }
         let (product_q, product_p) = self.product.split_at_mut(n);
         for (i, entry) in product_q.iter_mut().enumerate() {
-            *entry = dot(blocks.bend.row(i), d_q) - dot(along.l_qq().row(i), d_q);
+            *entry = dot(blocks.bend.row(i), d_q) - dot(along.body.l_qq().row(i), d_q);
         }
         for (i, &dv) in dv.iter().enumerate() {
-            add_scaled(product_q, -dv, along.l_vq().row(i));
+            add_scaled(product_q, -dv, along.body.l_vq().row(i));
             add_scaled(product_q, dv, blocks.curvature.row(i));
         }
         for (i, &dmu) in dmu.iter().enumerate() {
@@ -224,10 +216,7 @@ impl<S: Scalar> ConstrainedHamiltonianSecondOrder<S> {
         let ConstrainedHamiltonian { tree, kernel, v, mu, direction, change: [dv, dmu], .. } =
             &mut self.first;
         let [w_q, _] = direction;
-        match (&mut kernel.world, &mut self.world) {
-            (Some(world), Some(change)) => world.differentiate(tree, change, v, [w_q, dv]),
-            _ => self.along.differentiate(tree, &kernel.body, w_q, dv)?,
-        }
+        self.along.differentiate(tree, kernel, v, [w_q, dv])?;
         self.changing.place([q, v, mu], [w_q, dv, dmu]);
         Ok(())
     }
@@ -236,11 +225,8 @@ impl<S: Scalar> ConstrainedHamiltonianSecondOrder<S> {
     #[inline(never)]
     fn congruence(&mut self) {
         let n = self.dof();
-        let Self { first, along, world, changing: Changing { blocks, .. }, panels, y_f_xx, .. } = self;
-        let [m, p, l_qq] = match world {
-            Some(change) => change.panels().each_ref().map(Source::Panel),
-            None => [along.mass_matrix(), along.l_vq(), along.l_qq()].map(Source::Matrix),
-        };
+        let Self { first, along, changing: Changing { blocks, .. }, panels, y_f_xx, .. } = self;
+        let [m, p, l_qq] = along.blocks();
         let Panels { half, response, pull, product, sum } = &mut **panels;
         for i in 0..n {
             response.read_row::<0>(i, first.f_x.row(i));

@@ -3,7 +3,7 @@
 
 use super::elimination::Patterns;
 use crate::kernels::Factor;
-use crate::matrix::{Left, Matrix, Panel, Part, Pattern, Place, Terms, Tiles, Update};
+use crate::matrix::{Left, Matrix, Panel, Part, Pattern, Place, Source, Terms, Tiles, Update};
 use crate::scalar::Scalar;
 
 /// The products of [`Blocked::apply`].
@@ -105,26 +105,14 @@ impl<S: Scalar> Blocked<S> {
     /// Fills both triangles of the 2n x 2n matrix.
     pub fn apply(
         &mut self,
-        along: [&Matrix<S>; 3],
+        [m, p, l_qq]: [Source<'_, S>; 3],
         factor: &Factor<S>,
         y: &Panel<S>,
         result: &mut Matrix<S>,
     ) {
-        self.along.iter_mut().zip(along).for_each(|(panel, matrix)| panel.read::<0>(matrix));
-        let along = std::mem::replace(&mut self.along, [0; 3].map(|_| Panel::zeros(0, 0)));
-        self.apply_panels(&along, factor, y, result);
-        self.along = along;
-    }
-
-    /// The same from the changes of M, P and L_qq.
-    pub fn apply_panels(
-        &mut self,
-        [m, p, l_qq]: &[Panel<S>; 3],
-        factor: &Factor<S>,
-        y: &Panel<S>,
-        result: &mut Matrix<S>,
-    ) {
-        let Self { products, t, b, u, g, h, r, c, mixed, back, last, .. } = self;
+        let Self { products, along, t, b, u, g, h, r, c, mixed, back, last } = self;
+        let [of_m, of_p, of_l_qq] = along;
+        let (m, p, l_qq) = (of_m.of(m), of_p.of(p), of_l_qq.of(l_qq));
         let (upper, n) = (factor.root(), y.rows());
         u.take_transpose::<0>(upper);
         b.set_tiles(&products.upper, Left::Columns(u), p);

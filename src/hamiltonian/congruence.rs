@@ -2,7 +2,7 @@
 
 use super::blocked::Blocked;
 use super::conservative::Conservative;
-use crate::kernels::{Factor, KernelTwo};
+use crate::kernels::Factor;
 use crate::matrix::{Left, Matrix, Panel, Part, Source, sized};
 use crate::scalar::Scalar;
 
@@ -60,31 +60,15 @@ impl<S: Scalar> Congruence<S> {
         }
     }
 
-    /// Fills both triangles of the 2n x 2n matrix h; `flow` must be at its second order.
+    /// Fills both triangles of the 2n x 2n matrix h from the changes of M, P and L_qq; `flow` must be at its
+    /// second order.
     #[inline(never)]
-    pub fn apply<K>(&mut self, along: &KernelTwo<S>, flow: &Conservative<S, K>, h: &mut Matrix<S>) {
-        let matrices = [along.mass_matrix(), along.l_vq(), along.l_qq()];
-        match self.blocked.as_mut().filter(|_| !Panel::<S>::ONE_LANE) {
-            Some(blocked) => blocked.apply(matrices, &flow.factor, &flow.y, h),
-            None => self.apply_from(matrices.map(Source::Matrix), flow, h),
-        }
-    }
-
-    /// The same from the changes of M, P and L_qq as panels.
-    #[inline(never)]
-    pub fn apply_panels<K>(&mut self, along: &[Panel<S>; 3], flow: &Conservative<S, K>, h: &mut Matrix<S>) {
-        match self.blocked.as_mut().filter(|_| !Panel::<S>::ONE_LANE) {
-            Some(blocked) => blocked.apply_panels(along, &flow.factor, &flow.y, h),
-            None => self.apply_from(along.each_ref().map(Source::Panel), flow, h),
-        }
-    }
-
-    /// Without blocks.
-    #[inline(always)]
-    fn apply_from<K>(&mut self, along: [Source<'_, S>; 3], flow: &Conservative<S, K>, h: &mut Matrix<S>) {
+    pub fn apply<K>(&mut self, along: [Source<'_, S>; 3], flow: &Conservative<S, K>, h: &mut Matrix<S>) {
         if Panel::<S>::ONE_LANE {
             self.by_factors(along, &flow.factor, &flow.z);
             self.fill::<0, 0>(h);
+        } else if let Some(blocked) = &mut self.blocked {
+            blocked.apply(along, &flow.factor, &flow.y, h);
         } else {
             let given = (&flow.inverse, &flow.w);
             sized!(S, flow.w.columns(), self.by_products(along, given, h));

@@ -1,8 +1,7 @@
 //! The part without friction and actuation: `x' = J grad H`, and Hess H.
 
 use super::elimination::Elimination;
-use super::first_kernel::FirstKernel;
-use super::world::Change;
+use super::kernels::FirstKernel;
 use crate::error::EvalError;
 use crate::kernels::{Factor, LagrangianHessian};
 use crate::matrix::{Left, Matrix, Panel, Part, Place, Update, dot, filled, sized};
@@ -97,20 +96,6 @@ impl<S: Scalar, K: LagrangianHessian<S>> Conservative<S, K> {
         self.v.copy_from_slice(p);
         self.factor.solve(&mut self.v);
         self.kernel.set_velocity(tree, q, &self.v)
-    }
-
-    /// Changes of M, P and L_qq along (dq, dv) in the axes of the world, after
-    /// [`second_order`](Self::second_order) there.
-    pub fn differentiate_in_world(&mut self, tree: &Tree, change: &mut Change<S>, direction: [&[S]; 2]) {
-        let Self { kernel, v, .. } = self;
-        if let Some(world) = &mut kernel.world {
-            world.differentiate(tree, change, v, direction);
-        }
-    }
-
-    /// Buffers for that, where [`first_order_alone`](Self::first_order_alone) works in the axes of the world.
-    pub fn change(&self) -> Option<Box<Change<S>>> {
-        self.kernel.world.as_deref().map(|world| Box::new(Change::new(world)))
     }
 
     /// L_q, of either.

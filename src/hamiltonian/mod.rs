@@ -23,9 +23,9 @@ mod contraction;
 mod direction;
 mod dual_pass;
 mod elimination;
-mod first_kernel;
 mod free;
 mod full;
+mod kernels;
 mod legendre;
 mod linearisation;
 mod second_order;
@@ -52,9 +52,8 @@ use crate::robot::{Robot, Tree};
 use crate::scalar::Scalar;
 use conservative::Conservative;
 use direction::Direction;
-pub(crate) use first_kernel::FirstKernel;
+pub(crate) use kernels::{FirstKernel, SecondKernel};
 use state::StateEquation;
-pub(crate) use world::Change;
 
 /// Workspace for the Hamiltonian state equation of one robot; no call allocates.
 ///
@@ -174,16 +173,6 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
         self.flow.second_order(&self.tree);
         self.set_rate([q, p, u]);
         Ok(())
-    }
-
-    /// Changes of M, P and L_qq along w~ of [`HamiltonianSecondOrder`] in the axes of the world, after
-    /// [`prepare_in_world`](Self::prepare_in_world).
-    fn differentiate_in_world(&mut self, change: &mut Change<S>, p: &[S], y: &[S]) {
-        let Self { tree, flow, direction, brackets, .. } = self;
-        direction.set_costate(tree, &flow.v, y);
-        brackets.add_weights(p, &direction.q, &mut direction.p);
-        flow.velocity_change(&direction.q, &direction.p, &mut direction.v);
-        flow.differentiate_in_world(tree, change, [&direction.q, &direction.v]);
     }
 
     /// F, and all that F_x and kernel two are made of.

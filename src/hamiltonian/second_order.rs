@@ -1,10 +1,9 @@
 //! The contracted Hessian of the state equation by the 2n+1 rule.
 
 use super::congruence::Congruence;
-use super::world::Change;
-use super::{Hamiltonian, HamiltonianContraction};
+use super::{Hamiltonian, HamiltonianContraction, SecondKernel};
 use crate::error::EvalError;
-use crate::kernels::{KernelTwo, check_entries, friction_of};
+use crate::kernels::{check_entries, friction_of};
 use crate::matrix::{Matrix, add_scaled, dot, filled};
 use crate::robot::{Robot, Tree};
 use crate::scalar::Scalar;
@@ -20,7 +19,7 @@ use crate::scalar::Scalar;
 /// E, \qquad E = \begin{pmatrix} 1 & 0 \\\\ -M^{-1} P & M^{-1} \end{pmatrix}, \qquad \tilde w = (w\_q, V w)
 /// $$
 ///
-/// D_w~ is [`KernelTwo`], or the same in the axes of the world where F_x has them; the rest are products of n
+/// D_w~ is [`KernelTwo`](crate::kernels::KernelTwo), or the same in the axes of the world where F_x has them; the rest are products of n
 /// x n matrices with the factors of M. No factorisation is differentiated. Friction D(v) shifts the
 /// direction, `w = (-y_p, y_q + D_v y_p)`, and adds `V' (y_p . D_vv) V`.
 ///
@@ -38,9 +37,7 @@ use crate::scalar::Scalar;
 #[derive(Clone, Debug)]
 pub struct HamiltonianSecondOrder<S: Scalar> {
     pub(super) first: Hamiltonian<S>,
-    pub(super) along: KernelTwo<S>,
-    /// What stands in its place in the axes of the world.
-    pub(super) change: Option<Box<Change<S>>>,
+    pub(super) along: SecondKernel<S>,
     pub(super) congruence: Congruence<S>,
     pub(super) y_f_xx: Matrix<S>,
     /// V d, and the factor of V' in a product with d.
@@ -60,8 +57,7 @@ impl<S: Scalar> HamiltonianSecondOrder<S> {
         let n = tree.dof();
         let first = Hamiltonian::from_tree(tree);
         Self {
-            change: first.flow.change(),
-            along: KernelTwo::new(first.tree()),
+            along: SecondKernel::new(first.tree(), &first.flow.kernel),
             congruence: Congruence::new(&first.flow.factor),
             first,
             y_f_xx: Matrix::zeros(2 * n, 2 * n),
@@ -94,16 +90,11 @@ impl<S: Scalar> HamiltonianSecondOrder<S> {
     ) -> Result<HamiltonianContraction<'_, S>, EvalError> {
         self.first.check(&[("q", q), ("p", p), ("u", u)])?;
         check_entries(&self.first.tree, "y", y, 2 * self.dof())?;
-        if let Some(change) = &mut self.change {
-            self.first.prepare_in_world([q, p, u])?;
-            self.first.differentiate_in_world(change, p, y);
-        } else {
-            self.first.prepare([q, p, u])?;
-            self.differentiate(y)?;
-        }
+        self.first.prepare_in_world([q, p, u])?;
+        self.differentiate(p, y)?;
         // F_x is put together here: what kernel two has stored entry by entry just before is read whole next.
         self.first.assemble();
-        self.apply_congruence();
+        self.congruence.apply(self.along.blocks(), &self.first.flow, &mut self.y_f_xx);
         let (first, y_p) = (&mut self.first, &y[p.len()..]);
         first.brackets.add_curvature(y_p, &first.state.f_x, &mut self.y_f_xx);
         first.add_slopes([q, p]);
@@ -133,11 +124,11 @@ impl<S: Scalar> HamiltonianSecondOrder<S> {
         }
         self.first.flow.first_order(&self.first.tree, q, p)?;
         self.first.flow.kernel.second_order(&self.first.tree);
-        self.differentiate(y)?;
+        self.differentiate(p, y)?;
         let Hamiltonian { tree, flow, .. } = &self.first;
         let (d_q, d_p) = d.split_at(n);
         flow.velocity_change(d_q, d_p, &mut self.velocity_change);
-        let (b, c) = (self.along.l_vq(), self.along.mass_matrix());
+        let (b, c) = (self.along.body.l_vq(), self.along.body.mass_matrix());
         for i in 0..n {
             self.pull[i] = dot(b.row(i), d_q) + dot(c.row(i), &self.velocity_change);
             if tree.has_coulomb_friction(i) {
@@ -148,7 +139,7 @@ impl<S: Scalar> HamiltonianSecondOrder<S> {
         flow.factor.solve(&mut self.pull);
         let (product_q, product_p) = self.product.split_at_mut(n);
         for i in 0..n {
-            product_q[i] = -dot(self.along.l_qq().row(i), d_q);
+            product_q[i] = -dot(self.along.body.l_qq().row(i), d_q);
             product_p[i] = -self.pull[i];
         }
         for k in 0..n {
@@ -171,21 +162,13 @@ impl<S: Scalar> HamiltonianSecondOrder<S> {
         Ok(&self.product)
     }
 
-    /// The matrix from the changes of M, P and L_qq.
-    pub(super) fn apply_congruence(&mut self) {
-        let Self { first: Hamiltonian { flow, .. }, along, change, congruence, y_f_xx, .. } = self;
-        match change {
-            Some(change) => congruence.apply_panels(change.panels(), flow, y_f_xx),
-            None => congruence.apply(along, flow, y_f_xx),
-        }
-    }
-
     /// Kernel two along w~. Kernel one must be at its third stage, and M factored.
-    pub(super) fn differentiate(&mut self, y: &[S]) -> Result<(), EvalError> {
-        let Hamiltonian { tree, flow, direction, .. } = &mut self.first;
+    fn differentiate(&mut self, p: &[S], y: &[S]) -> Result<(), EvalError> {
+        let Hamiltonian { tree, flow, direction, brackets, .. } = &mut self.first;
         direction.set_costate(tree, &flow.v, y);
+        brackets.add_weights(p, &direction.q, &mut direction.p);
         flow.velocity_change(&direction.q, &direction.p, &mut direction.v);
-        self.along.differentiate(tree, &flow.kernel.body, &direction.q, &direction.v)
+        self.along.differentiate(tree, &mut flow.kernel, &flow.v, [&direction.q, &direction.v])
     }
 
     /// The third derivative of H along the axis of q_l, at the state of the last Jacobian; 2n x 2n.
@@ -197,8 +180,8 @@ impl<S: Scalar> HamiltonianSecondOrder<S> {
         for (i, v) in direction.v.iter_mut().enumerate() {
             *v = state.f_x[(i, l)];
         }
-        self.along.differentiate(tree, &flow.kernel.body, &direction.q, &direction.v)?;
-        self.congruence.apply(&self.along, flow, &mut self.y_f_xx);
+        self.along.differentiate(tree, &mut flow.kernel, &flow.v, [&direction.q, &direction.v])?;
+        self.congruence.apply(self.along.blocks(), flow, &mut self.y_f_xx);
         Ok(&self.y_f_xx)
     }
 }

@@ -140,7 +140,7 @@ mod tests {
     fn compare(robot: &Robot) {
         let mut both = HamiltonianSecondOrder::<f64>::new(robot);
         let mut in_body_frames = HamiltonianSecondOrder::<f64>::new(robot);
-        in_body_frames.change = None;
+        in_body_frames.first.flow.kernel.world = None;
         let n = both.dof();
         for turn in [1.0, -0.6] {
             let [q, p, u, y] = state(&ConfigurationSpace::new(robot));

@@ -1,13 +1,13 @@
-//! Kernel one in body frames, or in the axes of the world.
+//! Kernels one and two in body frames, or in the axes of the world.
 
-use super::world::World;
+use super::world::{Change, World};
 use crate::error::EvalError;
-use crate::kernels::{Factor, LagrangianHessian};
+use crate::kernels::{Factor, KernelOne, KernelTwo, LagrangianHessian};
 use crate::matrix::{Matrix, Source, dot};
 use crate::robot::Tree;
 use crate::scalar::Scalar;
 
-/// Both, and which of them was used last.
+/// Kernel one in both, and which of them was used last.
 #[derive(Clone, Debug)]
 pub(crate) struct FirstKernel<S: Scalar, K> {
     pub body: K,
@@ -122,6 +122,46 @@ impl<S: Scalar, K: LagrangianHessian<S>> FirstKernel<S, K> {
         match self.world() {
             Some(world) => [Source::Panel(world.l_vq()), Source::Panel(world.l_qq())],
             None => [Source::Matrix(self.body.l_vq()), Source::Matrix(self.body.l_qq())],
+        }
+    }
+}
+
+/// Kernel two in both.
+#[derive(Clone, Debug)]
+pub(crate) struct SecondKernel<S: Scalar> {
+    pub body: KernelTwo<S>,
+    world: Option<Box<Change<S>>>,
+    in_world: bool,
+}
+
+impl<S: Scalar> SecondKernel<S> {
+    pub fn new(tree: &Tree, kernel: &FirstKernel<S, KernelOne<S>>) -> Self {
+        let world = kernel.world.as_deref().map(|world| Box::new(Change::new(world)));
+        Self { body: KernelTwo::new(tree), world, in_world: false }
+    }
+
+    /// Changes of M, P and L_qq along (dq, dv), where kernel one was used last, after P and L_qq at v.
+    pub fn differentiate(
+        &mut self,
+        tree: &Tree,
+        kernel: &mut FirstKernel<S, KernelOne<S>>,
+        v: &[S],
+        [dq, dv]: [&[S]; 2],
+    ) -> Result<(), EvalError> {
+        self.in_world = kernel.in_world;
+        match (kernel.current(), &mut self.world) {
+            (Some(world), Some(change)) => world.differentiate(tree, change, v, [dq, dv]),
+            _ => self.body.differentiate(tree, &kernel.body, dq, dv)?,
+        }
+        Ok(())
+    }
+
+    /// These changes.
+    #[inline(always)]
+    pub fn blocks(&self) -> [Source<'_, S>; 3] {
+        match self.world.as_ref().filter(|_| self.in_world) {
+            Some(change) => change.panels().each_ref().map(Source::Panel),
+            None => [self.body.mass_matrix(), self.body.l_vq(), self.body.l_qq()].map(Source::Matrix),
         }
     }
 }
