@@ -161,23 +161,15 @@ impl<S: Scalar, R: Route> Hamiltonian<S, R> {
         u: &[S],
     ) -> Result<HamiltonianLinearisation<'_, S>, EvalError> {
         self.check(&[("q", q), ("p", p), ("u", u)])?;
-        self.prepare_in_world([q, p, u])?;
+        self.prepare([q, p, u])?;
         self.assemble();
         self.add_slopes([q, p]);
         Ok(self.state.linearisation(self.flow.mass_matrix()))
     }
 
-    /// F, and all that F_x is made of, in the axes of the world where these take less time.
-    fn prepare_in_world(&mut self, [q, p, u]: [&[S]; 3]) -> Result<(), EvalError> {
-        self.flow.first_order_alone(&self.tree, [q, p], true)?;
-        self.flow.second_order(&self.tree);
-        self.set_rate([q, p, u]);
-        Ok(())
-    }
-
-    /// F, and all that F_x and kernel two are made of.
+    /// F, and all that F_x and kernel two are made of, in the axes of the world where these take less time.
     fn prepare(&mut self, [q, p, u]: [&[S]; 3]) -> Result<(), EvalError> {
-        self.flow.first_order(&self.tree, q, p)?;
+        self.flow.first_order_alone(&self.tree, [q, p], true)?;
         self.flow.second_order(&self.tree);
         self.set_rate([q, p, u]);
         Ok(())

@@ -90,7 +90,7 @@ impl<S: Scalar> HamiltonianSecondOrder<S> {
     ) -> Result<HamiltonianContraction<'_, S>, EvalError> {
         self.first.check(&[("q", q), ("p", p), ("u", u)])?;
         check_entries(&self.first.tree, "y", y, 2 * self.dof())?;
-        self.first.prepare_in_world([q, p, u])?;
+        self.first.prepare([q, p, u])?;
         self.differentiate(p, y)?;
         // F_x is put together here: what kernel two has stored entry by entry just before is read whole next.
         self.first.assemble();
