@@ -21,7 +21,8 @@ use crate::scalar::Scalar;
 /// \tilde w = (w\_q, s\_x w) $$
 ///
 /// with `w = (-y_p, y_q + D_v y_p)` and the curvature `V' (y_p . D_vv) V` of friction. D_w~ of M, P and L_qq
-/// is [`KernelTwo`](crate::kernels::KernelTwo), or that in the axes of the world with floating or spherical joints.
+/// is [`KernelTwo`](crate::kernels::KernelTwo), or that in the axes of the world with floating or spherical
+/// joints.
 #[derive(Clone, Debug)]
 pub struct ConstrainedHamiltonianSecondOrder<S: Scalar> {
     pub(super) first: ConstrainedHamiltonian<S>,

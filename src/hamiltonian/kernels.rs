@@ -47,8 +47,8 @@ impl<S: Scalar, K: LagrangianHessian<S>> FirstKernel<S, K> {
         self.body.set_mass_matrix(tree, q)
     }
 
-    /// M(q) and its factors, `fast` in the axes of the world where there are such; these `alone`: without what
-    /// the next stage needs in body frames, and without M in the axes of the world.
+    /// M(q) and its factors, `fast` in the axes of the world where there are such; these `alone`: without
+    /// what the next stage needs in body frames, and without M in the axes of the world.
     pub fn factor(
         &mut self,
         tree: &Tree,

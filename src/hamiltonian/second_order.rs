@@ -19,9 +19,9 @@ use crate::scalar::Scalar;
 /// E, \qquad E = \begin{pmatrix} 1 & 0 \\\\ -M^{-1} P & M^{-1} \end{pmatrix}, \qquad \tilde w = (w\_q, V w)
 /// $$
 ///
-/// D_w~ is [`KernelTwo`](crate::kernels::KernelTwo), or the same in the axes of the world where F_x has them; the rest are products of n
-/// x n matrices with the factors of M. No factorisation is differentiated. Friction D(v) shifts the
-/// direction, `w = (-y_p, y_q + D_v y_p)`, and adds `V' (y_p . D_vv) V`.
+/// D_w~ is [`KernelTwo`](crate::kernels::KernelTwo), or the same in the axes of the world where F_x has them;
+/// the rest are products of n x n matrices with the factors of M. No factorisation is differentiated.
+/// Friction D(v) shifts the direction, `w = (-y_p, y_q + D_v y_p)`, and adds `V' (y_p . D_vv) V`.
 ///
 /// ```
 /// use costate::hamiltonian::HamiltonianSecondOrder;
