@@ -49,6 +49,7 @@ impl<S: Scalar> FullHessian<S> {
     /// See [`Hamiltonian`](super::Hamiltonian).
     pub fn hessian_tensor(&mut self, q: &[S], p: &[S]) -> Result<&HessianTensor<S>, EvalError> {
         self.second.first().tree().refuse_free()?;
+        self.second.first().check(&[("q", q), ("p", p)])?;
         self.second.first().prepare([q, p, &self.zero])?;
         self.second.first().assemble();
         self.second.first().add_slopes([q, p]);
