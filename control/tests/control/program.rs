@@ -12,8 +12,8 @@ fn robot(file: &str) -> Robot {
     Robot::from_file(format!("../robots/{file}")).unwrap()
 }
 
-/// The cost of the program, certified as a local minimum or as what is allowed too, and what the direct method
-/// says with its own meshes.
+/// The cost of the program, certified as a local minimum or as what is allowed too, and what the direct
+/// method says with its own meshes.
 fn costs(problem: &Problem, allowed: Certificate) -> [f64; 2] {
     let mut program = problem.nlp(&SolverOptions::default().with_nodes(NODES)).unwrap();
     let mut solver = costate_nlp::Solver::new(program.layout(), Settings::default());

@@ -82,8 +82,8 @@ impl fmt::Debug for MotionProgram {
 impl Problem {
     /// The nonlinear program of this motion on the mesh that the [direct method](Method::Direct) begins with:
     /// equal intervals, as many as [`nodes`](SolverOptions::nodes) allows, and nodes at what the problem
-    /// names. It takes trees, loops, steps of gaits, and all limits and costs. Constraints have coordinates of
-    /// their own after those of the joints, whose accelerations are the multipliers.
+    /// names. It takes trees, loops, steps of gaits, and all limits and costs. Constraints have coordinates
+    /// of their own after those of the joints, whose accelerations are the multipliers.
     ///
     /// # Errors
     /// [`ProblemError`] as [`Solver::new`](crate::Solver::new); [`ProblemError::FreeJoint`] for floating and
