@@ -56,6 +56,12 @@ def test_the_solution_is_a_minimum_within_limits(problem):
     assert held.any()
     assert np.all(at_bound[held] < 1e-4)
     assert {row.kind for row in program.rows} == {"torque", "rate"}
+    row = program.rows[0]
+    assert isinstance(row, costate.ProgramRow) and row.name in ("shoulder", "elbow") and 0 <= row.place <= 1
+    assert row.unit in ("N m", "rad/s") and program.problem is problem
+    assert isinstance(found, costate.ProgramSolution) and found.error < 1e-8 and found.iterations < 100
+    assert isinstance(samples, costate.ProgramSamples) and isinstance(program, costate.Program)
+    assert samples.t[0] > 0 and samples.t[-1] < 0.9 and samples.a.shape == (60, 2)
     # The gradient of the Lagrange function vanishes.
     jacobian = dense((program.m, program.n), program.jacobianstructure(), program.jacobian(found.x))
     left = program.gradient(found.x) + found.multipliers @ jacobian

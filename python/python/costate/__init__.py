@@ -42,8 +42,8 @@ from ._feedback import Feedback, MotionDerivative, Resolved
 from ._outcomes import Outcome, WorkerDied
 from ._pinocchio import JointMap
 from ._problem import Problem
-from ._remarks import Remark
 from ._program import Program, ProgramRow, ProgramSamples, ProgramSolution
+from ._remarks import Remark
 from ._resolve import Resolve
 from ._run import Iteration
 from ._samples import Gains, Samples, Sensitivity
@@ -76,11 +76,11 @@ __all__ = [
     "Problem",
     "ProblemError",
     "ProblemWarning",
-    "Remark",
     "Program",
     "ProgramRow",
     "ProgramSamples",
     "ProgramSolution",
+    "Remark",
     "Resolve",
     "Resolved",
     "Robot",

@@ -6,65 +6,93 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
-import numpy as np
-
-from ._problem import Problem
 from ._tables import text_of
 
 if TYPE_CHECKING:
+    import numpy as np
     from numpy.typing import ArrayLike, NDArray
+
+    from ._problem import Problem
 
     _Array = NDArray[np.float64]
     _Indices = NDArray[np.int64]
 
 
 class ProgramRow(NamedTuple):
-    """What a constraint of a `Program` is about."""
+    """What a constraint of a `Program` is about.
+
+    Attributes
+    ----------
+    kind : str
+        What is limited: ``"torque"``, ``"rate"``, ``"task"``, ...
+    name : str
+        The joint, or the row of a task.
+    unit : str
+        Its unit.
+    place : float
+        The place in the motion: 0 at its start, increased by one in each phase.
+    """
 
     kind: str
-    """What is limited: ``"torque"``, ``"rate"``, ``"task"``, ..."""
     name: str
-    """The joint, or the row of a task."""
     unit: str
-    """Its unit."""
     place: float
-    """The place in the motion: 0 at its start, increased by one in each phase."""
 
 
 @dataclass(frozen=True, eq=False)
 class ProgramSamples:
-    """A motion at the points of the mesh of a `Program`: for each point a row of n entries."""
+    """A motion at the points of the mesh of a `Program`.
+
+    Attributes
+    ----------
+    t : array (points)
+        Times (s).
+    q : array (points, n)
+        Positions (rad, m).
+    v : array (points, n)
+        Velocities (rad/s, m/s).
+    a : array (points, n)
+        Accelerations (rad/s^2, m/s^2).
+    tau : array (points, n)
+        Generalised forces of inverse dynamics (N m, N).
+    """
 
     t: _Array
-    """Times (s)."""
     q: _Array
-    """Positions (rad, m)."""
     v: _Array
-    """Velocities (rad/s, m/s)."""
     a: _Array
-    """Accelerations (rad/s^2, m/s^2)."""
     tau: _Array
-    """Generalised forces of inverse dynamics (N m, N)."""
 
 
 @dataclass(frozen=True, eq=False)
 class ProgramSolution:
-    """What `Program.solve` found."""
+    """What `Program.solve` found.
+
+    Attributes
+    ----------
+    status : {"solved", "solved_to_rounding", "locally_infeasible", "iteration_limit", "stalled"}
+        How it ended; ``"locally_infeasible"``: the sum of all violations has a local minimum that is not zero.
+    x : array (n)
+        The last point.
+    cost : float
+        Its cost.
+    multipliers : array (m)
+        The gradient of ``cost + multipliers . g`` is zero. Positive at upper bounds.
+    error : float
+        Largest error of the conditions of optimality, in typical sizes.
+    iterations : int
+        Number of iterations.
+    certificate : {"local_minimum", "undecided", "not_minimum", "not_stationary", "not_checked"}
+        What second derivatives on the active set say; ``"not_checked"`` unless it is solved.
+    """
 
     status: Literal["solved", "solved_to_rounding", "locally_infeasible", "iteration_limit", "stalled"]
-    """How it ended; ``"locally_infeasible"``: the sum of all violations has a local minimum that is not zero."""
     x: _Array
-    """The last point."""
     cost: float
-    """Its cost."""
     multipliers: _Array
-    """Of all constraints: the gradient of ``cost + multipliers . g`` is zero. Positive at upper bounds."""
     error: float
-    """Largest error of the conditions of optimality, in typical sizes."""
     iterations: int
-    """Number of iterations."""
     certificate: Literal["local_minimum", "undecided", "not_minimum", "not_stationary", "not_checked"]
-    """What second derivatives on the active set say; ``"not_checked"`` unless it is solved."""
 
 
 class Program:
@@ -91,6 +119,11 @@ class Program:
         The problem.
     **options
         ``nodes``, the number of points, and other options of ``[solver]``.
+
+    Attributes
+    ----------
+    n, m : int
+        Numbers of variables and of constraints.
 
     Raises
     ------
