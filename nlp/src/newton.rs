@@ -219,7 +219,7 @@ impl Newton {
         for round in 0..=REFINEMENTS {
             self.residual_of(layout, blocks, (&right, step), &mut residual);
             let error = residual.largest();
-            if error >= before {
+            if round > 0 && error >= before {
                 step.subtract(&correction);
                 break;
             }

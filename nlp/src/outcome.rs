@@ -112,7 +112,7 @@ pub enum SolveError<E: Error> {
         value: f64,
     },
     /// A setting is out of its range.
-    #[error("the setting {name} is {value}, not between {least} and {most}")]
+    #[error("the setting {name} is {value:?}, not between {least:?} and {most:?}")]
     Setting {
         /// Its name.
         name: &'static str,

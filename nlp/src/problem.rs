@@ -26,8 +26,8 @@ pub trait StagedProblem {
 
     /// f, c and g at a point.
     ///
-    /// Where functions have no value (outside of their domain), write NaN or infinity: the solver takes a
-    /// shorter step. An error ends the solution.
+    /// Where functions have no value (outside of their domain), write NaN or infinity, for the cost too: the
+    /// solver takes a shorter step. An error ends the solution.
     ///
     /// # Errors
     /// Its own.

@@ -288,6 +288,10 @@ impl<E: Error> StagedProblem for Elastic<'_, E> {
     fn evaluate(&mut self, point: &[f64], values: &mut Values) -> Result<(), E> {
         let n = self.places.layout.steps();
         self.original.evaluate(&point[n..], &mut self.values)?;
+        if !self.values.cost.is_finite() {
+            values.cost = f64::NAN;
+            return Ok(());
+        }
         self.places.take(point, &mut self.displacement);
         let squares = self.displacement.iter().zip(&self.proximity).map(|(d, weight)| weight * d * d);
         values.cost = 0.5 * squares.sum::<f64>();

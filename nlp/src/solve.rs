@@ -594,7 +594,7 @@ impl Solver {
             if is_stopped || violation > most {
                 let is_minimum = matches!(status, Status::Solved | Status::SolvedToRounding);
                 // The minimum about one centre lowers the violation a little: go on from there.
-                if is_minimum && violation < (1.0 - LEAST_DECREASE) * before {
+                if !is_stopped && is_minimum && violation < (1.0 - LEAST_DECREASE) * before {
                     before = violation;
                     continue;
                 }

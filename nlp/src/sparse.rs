@@ -1,13 +1,14 @@
 //! A staged program with one vector of constraints and sparse matrices, for other solvers.
 
 use crate::blocks::{Blocks, Values, Weights};
+use crate::layout::{Element, Layout};
 use crate::problem::StagedProblem;
 
 /// A staged program in the conventions of IPOPT and most other solvers:
 ///
 /// $$ \min_x f(x) \quad \text{subject to} \quad g_L \le g(x) \le g_U $$
 ///
-/// x are the displacements of the unknowns from a point, in the order of the [`Layout`](crate::Layout), and
+/// x are the displacements of the unknowns from a point, in the order of the [`Layout`], and
 /// with unknowns that are plain numbers the unknowns themselves less those of that point. g are the
 /// equations, then the functions with ranges. Matrices are lists of entries (row, column, value), numbered
 /// from zero; entries at the same place are to be added up. The Hessian is that of `factor f + lambda . g`,
@@ -45,7 +46,7 @@ impl<P: StagedProblem> SparseProgram<P> {
             to[0].push(row);
             to[1].push(column);
         };
-        for element in layout.elements() {
+        for element in layout.elements().filter(|&element| is_listed(layout, element)) {
             let columns: Vec<usize> = layout.unknowns(element).into_iter().flatten().collect();
             let ranges = layout.ranges_of(element).map(|row| layout.equalities() + row);
             for row in layout.equalities_of(element).chain(ranges) {
@@ -123,7 +124,7 @@ impl<P: StagedProblem> SparseProgram<P> {
     /// Those of the program.
     ///
     /// # Panics
-    /// If x has another length than [`variables`](Self::variables), as all methods below.
+    /// If x or another argument has the wrong length, as all methods below.
     pub fn cost(&mut self, x: &[f64]) -> Result<f64, P::Error> {
         self.evaluate(x)?;
         Ok(self.values.cost)
@@ -135,6 +136,7 @@ impl<P: StagedProblem> SparseProgram<P> {
     /// Those of the program.
     pub fn constraints_at(&mut self, x: &[f64], g: &mut [f64]) -> Result<(), P::Error> {
         self.evaluate(x)?;
+        assert_eq!(g.len(), self.constraints(), "entries of g");
         let (equalities, ranges) = g.split_at_mut(self.values.equalities.len());
         equalities.copy_from_slice(&self.values.equalities);
         ranges.copy_from_slice(&self.values.ranges);
@@ -147,6 +149,7 @@ impl<P: StagedProblem> SparseProgram<P> {
     /// Those of the program.
     pub fn gradient(&mut self, x: &[f64], gradient: &mut [f64]) -> Result<(), P::Error> {
         self.linearise(x, None)?;
+        assert_eq!(gradient.len(), self.variables(), "entries of the gradient");
         gradient.fill(0.0);
         let Self { problem, blocks, .. } = self;
         let layout = problem.layout();
@@ -163,8 +166,10 @@ impl<P: StagedProblem> SparseProgram<P> {
     /// Those of the program.
     pub fn jacobian(&mut self, x: &[f64], values: &mut [f64]) -> Result<(), P::Error> {
         self.linearise(x, None)?;
-        let mut to = values.iter_mut();
-        for block in self.blocks.all() {
+        assert_eq!(values.len(), self.jacobian[0].len(), "entries of the Jacobian");
+        let (mut to, layout) = (values.iter_mut(), self.problem.layout());
+        let blocks = layout.elements().zip(self.blocks.all());
+        for (_, block) in blocks.filter(|&(element, _)| is_listed(layout, element)) {
             let entries = block.equalities.entries().iter().chain(block.ranges.entries());
             to.by_ref().zip(entries).for_each(|(to, entry)| *to = *entry);
         }
@@ -182,9 +187,12 @@ impl<P: StagedProblem> SparseProgram<P> {
         lambda: &[f64],
         values: &mut [f64],
     ) -> Result<(), P::Error> {
+        assert_eq!(lambda.len(), self.constraints(), "entries of lambda");
         self.linearise(x, Some((factor, lambda)))?;
-        let mut to = values.iter_mut();
-        for block in self.blocks.all() {
+        assert_eq!(values.len(), self.hessian[0].len(), "entries of the Hessian");
+        let (mut to, layout) = (values.iter_mut(), self.problem.layout());
+        let blocks = layout.elements().zip(self.blocks.all());
+        for (_, block) in blocks.filter(|&(element, _)| is_listed(layout, element)) {
             let width = block.gradient.len();
             for i in 0..width {
                 let row = &block.hessian.row(i)[i..];
@@ -198,8 +206,10 @@ impl<P: StagedProblem> SparseProgram<P> {
     fn set(&mut self, x: &[f64]) {
         if self.x != x {
             self.x.copy_from_slice(x);
-            self.problem.retract(&self.centre, x, &mut self.point);
             (self.is_evaluated, self.weights) = (false, None);
+        }
+        if !self.is_evaluated {
+            self.problem.retract(&self.centre, x, &mut self.point);
         }
     }
 
@@ -233,6 +243,11 @@ impl<P: StagedProblem> SparseProgram<P> {
         self.weights = Some((factor, lambda.to_vec()));
         Ok(())
     }
+}
+
+/// Whether an element has entries: both ends have none where nothing depends on both.
+fn is_listed(layout: &Layout, element: Element) -> bool {
+    element != Element::Ends || layout.couples_ends()
 }
 
 #[cfg(test)]
@@ -329,6 +344,9 @@ mod tests {
         let centre = [0.3, -0.7, 1.1, 0.4, 0.9, -1.3];
         let mut program = SparseProgram::at(Products::new(), &centre);
         assert_eq!((program.variables(), program.constraints()), (6, 5));
+        // Nothing depends on both ends: they have no entries.
+        let apart = Products { layout: Layout::uniform(2, 1, 1, 1) };
+        assert_eq!(SparseProgram::at(apart, &centre).hessian_structure()[0].len(), 3 * 3 + 2 * 10);
         let [lower, upper] = program.bounds();
         assert_eq!(lower, [0.0, 0.0, 0.0, -1.0, f64::NEG_INFINITY]);
         assert_eq!(upper, [0.0, 0.0, 0.0, 2.0, 5.0]);

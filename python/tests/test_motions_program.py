@@ -68,8 +68,30 @@ def test_the_solution_is_a_minimum_within_limits(problem):
     assert np.abs(left).max() < 1e-5 * np.abs(program.gradient(found.x)).max()
 
 
+def test_times_that_are_not_positive_have_no_values(problem):
+    tables = {"start": [0.0, 0.3], "end": [0.8, -0.2], "time": {"free": True, "guess": 0.9}, "cost": {"time": 1.0}}
+    free = costate.Problem(problem.robot, **tables, limits={"torque_max": [14.0, 3.0]})
+    program = free.nlp(nodes=13)
+    x = program.x0.copy()
+    before = program.constraints(x), program.gradient(x), program.jacobian(x)
+    assert all(np.isfinite(values).all() for values in before)
+    x[-1] = -1.0
+    assert np.isnan(program.objective(x)) and np.isnan(program.constraints(x)).all()
+    assert np.isnan(program.gradient(x)).any()
+    with pytest.raises(costate.StateError, match="a time is not positive"):
+        program.sample(x)
+    after = program.constraints(program.x0), program.gradient(program.x0), program.jacobian(program.x0)
+    assert all(np.array_equal(a, b) for a, b in zip(before, after, strict=True))
+    # Whatever was asked for in between.
+    program.hessian(program.x0, np.ones(program.m), 1e-9)
+    np.testing.assert_allclose(program.gradient(program.x0), before[1], rtol=1e-6, atol=1e-6)
+    assert program.solve().status == "solved"
+
+
 def test_copies_and_refusals(problem):
     program = problem.nlp(nodes=13)
+    with pytest.raises(ValueError, match="read-only"):
+        program.x0[0] = 1.0
     copy = pickle.loads(pickle.dumps(program))
     assert copy.problem == problem
     assert np.array_equal(copy.x0, program.x0)

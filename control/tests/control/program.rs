@@ -2,8 +2,12 @@
 
 use crate::loops::{FREE, crank, four_bar};
 use costate::robot::Robot;
-use costate_control::{FinalTime, MotionLimits, Objective, Polish, Problem, Solver, SolverOptions};
-use costate_nlp::{Certificate, Settings, SparseProgram, StagedProblem, Status};
+use costate_control::{
+    FinalTime, MotionLimits, MotionProgram, Objective, Polish, Problem, Solver, SolverOptions,
+};
+use costate_nlp::{
+    Blocks, Certificate, Element, Settings, SparseProgram, StagedProblem, Status, Values, Weights,
+};
 
 /// Points of 30 intervals.
 const NODES: usize = 91;
@@ -26,6 +30,7 @@ fn costs(problem: &Problem, allowed: Certificate) -> [f64; 2] {
     assert!(certificate == Certificate::LocalMinimum || certificate == allowed, "{certificate:?}");
     // Multipliers of limits that are not reached are small, and ranges are kept.
     let [lower, upper] = program.bounds().map(<[f64]>::to_vec);
+    let sizes = program.scales().unwrap().ranges.clone();
     let mut sparse = SparseProgram::at(program, &point);
     let mut values = vec![0.0; sparse.constraints()];
     sparse.constraints_at(&vec![0.0; sparse.variables()], &mut values).unwrap();
@@ -34,10 +39,10 @@ fn costs(problem: &Problem, allowed: Certificate) -> [f64; 2] {
     assert_eq!((rows.equalities().len(), rows.ranges().len()), (equalities.len(), ranges.len()));
     assert!(equalities.iter().all(|value| value.abs() < 1e-6), "{equalities:?}");
     for (i, (row, value)) in rows.ranges().iter().zip(ranges).enumerate() {
-        let size = (upper[i] - lower[i]).min(1e3);
         let inside = (value - lower[i]).min(upper[i] - value);
-        assert!(inside > -1e-6 * size, "{row:?}: {value}");
-        assert!(inside < 1e-3 * size || multipliers[i].abs() < 1e-3 * cost, "{row:?}: {}", multipliers[i]);
+        assert!(inside > -1e-6 * sizes[i], "{row:?}: {value}");
+        let multiplier = multipliers[i] * sizes[i];
+        assert!(inside < 1e-3 * sizes[i] || multiplier.abs() < 1e-3 * cost, "{row:?}: {multiplier}");
     }
     let options = SolverOptions::default().with_tolerance(1e-6).with_polish(Polish::Never);
     [cost, Solver::new(problem, options).unwrap().solve().total()]
@@ -69,6 +74,52 @@ fn programs_have_the_minima_of_the_direct_method() {
         let [cost, expected] = costs(&problem, allowed);
         assert!((cost / expected - 1.0).abs() < tolerance, "{name}: {cost} {expected}");
     }
+}
+
+/// Where the motion goes backward in time, and of a point that is not the last one.
+#[test]
+fn programs_say_where_they_have_no_values() {
+    let limits = MotionLimits::none().with_torque_max(vec![60.0, 15.0]);
+    let mut problem = Problem::rest_to_rest(robot("two_link.toml"), &[0.0, 0.0], &[1.5, 1.5], 1.0);
+    problem.time = FinalTime::Free { guess: 1.0 };
+    let mut program = problem.with_limits(limits).nlp(&SolverOptions::default().with_nodes(10)).unwrap();
+    let layout = program.layout().clone();
+    let (mut values, mut blocks) = (Values::new(&layout), Blocks::new(&layout));
+    let (start, ones) = (program.start().to_vec(), vec![1.0; layout.ranges()]);
+    let mut backward = start.clone();
+    backward[layout.shared().start] = -1.0;
+    let weights = Weights { cost: 1.0, equalities: &[], ranges: &ones };
+    program.evaluate(&start, &mut values).unwrap();
+    program.evaluate(&backward, &mut values).unwrap();
+    assert!(values.cost.is_nan() && values.ranges.iter().all(|value| value.is_nan()));
+    program.linearise(&backward, weights, &mut blocks).unwrap();
+    assert!(blocks.of(Element::Interval(0)).gradient.iter().all(|slope| slope.is_nan()));
+    assert!(program.sample(&backward).is_err() && program.sample(&start).is_ok());
+    let gradient = |program: &mut MotionProgram| {
+        let mut blocks = Blocks::new(&layout);
+        program.linearise(&start, weights, &mut blocks).unwrap();
+        blocks.of(Element::Interval(0)).gradient.clone()
+    };
+    let found = gradient(&mut program);
+    program.evaluate(&start, &mut values).unwrap();
+    assert_eq!(found, gradient(&mut program));
+    assert!(found.iter().all(|slope| slope.is_finite()));
+}
+
+/// Everything is given: there is nothing to find, and no panic.
+#[test]
+fn programs_may_have_no_unknowns() {
+    let mut problem = Problem::rest_to_rest(robot("two_link.toml"), &[0.0, 0.0], &[0.5, 0.5], 1.0);
+    (problem.start.a, problem.end.a) = (Some(vec![0.0; 2]), Some(vec![0.0; 2]));
+    let problem = problem.with_limits(MotionLimits::none().with_jerk_max(vec![500.0; 2]));
+    let mut program = problem.nlp(&SolverOptions::default().with_nodes(5)).unwrap();
+    let layout = program.layout().clone();
+    assert_eq!((layout.intervals(), layout.steps()), (1, 0));
+    let (mut values, mut blocks) = (Values::new(&layout), Blocks::new(&layout));
+    program.evaluate(&[], &mut values).unwrap();
+    let ones = vec![1.0; layout.ranges()];
+    program.linearise(&[], Weights { cost: 1.0, equalities: &[], ranges: &ones }, &mut blocks).unwrap();
+    assert!(values.are_finite() && layout.ranges() > 0);
 }
 
 #[test]

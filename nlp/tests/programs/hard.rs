@@ -103,7 +103,9 @@ fn settings_out_of_their_ranges_are_named() {
         let (mut problem, mut settings) = (ByDuals::new(small), Settings::default());
         change(&mut settings);
         let mut solver = Solver::new(problem.layout(), settings);
-        solver.solve(&mut problem, &[-2.0, 3.0, 1.0]).unwrap_err().to_string()
+        let message = solver.solve(&mut problem, &[-2.0, 3.0, 1.0]).unwrap_err().to_string();
+        assert!(message.len() < 120, "{message}");
+        message
     };
     let tolerance = wrong(|settings| settings.tolerance = f64::NAN);
     assert!(tolerance.starts_with("the setting tolerance is NaN, not between"), "{tolerance}");

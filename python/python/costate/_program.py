@@ -28,7 +28,7 @@ class ProgramRow(NamedTuple):
     name : str
         The joint, or the row of a task.
     unit : str
-        Its unit.
+        Its unit in reports; the function itself may be another measure of it, as half a square for the speed of a tool.
     place : float
         The place in the motion: 0 at its start, increased by one in each phase.
     """
@@ -41,7 +41,9 @@ class ProgramRow(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class ProgramSamples:
-    """A motion at the points of the mesh of a `Program`.
+    """A motion at the points of the mesh of a `Program`, where limits hold: three inside of each interval.
+
+    Robots with constraints have further coordinates after those of the joints, whose accelerations are multipliers.
 
     Attributes
     ----------
@@ -100,7 +102,7 @@ class Program:
 
     It is what the direct method poses on its first mesh: the cost f(x) is least subject to ``cl <= g(x) <= cu``. The
     variables are positions and their derivatives at the nodes and the heights of bubbles on the intervals, without what
-    is given at the ends; then free times. All limits, tools, obstacles, vias, loops and gaits of the problem are there.
+    is given at the ends; then free times. It begins at the straight guess. All limits, tools, obstacles, vias, loops and gaits of the problem are there.
 
     The methods `objective`, `gradient`, `constraints`, `jacobian`, `jacobianstructure`, `hessian` and `hessianstructure`
     are those that ``cyipopt.Problem(n=.., m=.., problem_obj=program, cl=program.cl, cu=program.cu)`` calls. Entries of
@@ -118,7 +120,7 @@ class Program:
     problem : Problem
         The problem.
     **options
-        ``nodes``, the number of points, and other options of ``[solver]``.
+        Of ``[solver]``: ``nodes``, the number of points with both ends, ``max_nodes``, ``seed``, ``machine_code``.
 
     Attributes
     ----------
@@ -160,13 +162,13 @@ class Program:
 
     @cached_property
     def x0(self) -> _Array:
-        """The guess, n entries."""
-        return self._core.start()
+        """The guess, n entries; not to be changed."""
+        return _fixed(self._core.start())
 
     @cached_property
     def _bounds(self) -> tuple[_Array, _Array]:
         lower, upper = self._core.bounds()
-        return lower, upper
+        return _fixed(lower), _fixed(upper)
 
     @property
     def cl(self) -> _Array:
@@ -317,13 +319,18 @@ class Program:
         Returns
         -------
         ProgramSolution
-            With ``status``: look at it first.
+            With ``status``: look at it first. Ctrl-C ends it after an iteration.
         """
         start = self.x0 if x0 is None else x0
         return ProgramSolution(*self._core.solve(start, tolerance, iterations))
 
     def __repr__(self) -> str:
         return f"Program(n={self.n}, m={self.m}, of {self._problem!r})"
+
+
+def _fixed(array: _Array) -> _Array:
+    array.flags.writeable = False
+    return array
 
 
 def _again(problem: Problem, options: dict[str, Any]) -> Program:

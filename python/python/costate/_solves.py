@@ -189,7 +189,7 @@ class Solves:
         Parameters
         ----------
         **options
-            As in `Program`: ``nodes``, the number of points of the mesh.
+            As in `Program`: ``nodes``, the number of points of the mesh with both ends.
 
         Returns
         -------

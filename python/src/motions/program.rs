@@ -2,11 +2,13 @@
 
 use super::arrays::numbers;
 use crate::errors::evaluation;
+use crate::signals::Signals;
 use costate::EvalError;
 use costate_control::MotionProgram;
 use costate_nlp::{Certificate, Settings, SolveError, Solver, SparseProgram, StagedProblem, Status};
 use numpy::PyArray1;
 use pyo3::prelude::*;
+use std::ops::ControlFlow;
 use std::sync::{Mutex, PoisonError};
 
 /// A program whose calls wait for each other, without the interpreter's lock.
@@ -14,8 +16,11 @@ use std::sync::{Mutex, PoisonError};
 pub struct ProgramCore {
     inner: Mutex<SparseProgram<MotionProgram>>,
     start: Vec<f64>,
-    variables: usize,
-    constraints: usize,
+    sizes: [usize; 3],
+    bounds: [Vec<f64>; 2],
+    rows: Vec<Row>,
+    jacobian: [Vec<i64>; 2],
+    hessian: [Vec<i64>; 2],
 }
 
 type Array<'py> = Bound<'py, PyArray1<f64>>;
@@ -30,31 +35,33 @@ type Solved<'py> = (&'static str, Array<'py>, f64, Array<'py>, f64, usize, &'sta
 impl ProgramCore {
     pub fn new(program: MotionProgram) -> Self {
         let start = program.start().to_vec();
+        let equalities = program.equalities().len();
+        let rows = program.equalities().iter().chain(program.ranges());
+        let rows = rows.map(|row| (row.kind, row.name.clone(), row.unit, row.place)).collect();
         // The unknowns are numbers: with zero as its centre x is the point itself.
         let sparse = SparseProgram::at(program, &vec![0.0; start.len()]);
-        let (variables, constraints) = (sparse.variables(), sparse.constraints());
-        Self { inner: Mutex::new(sparse), start, variables, constraints }
+        let listed =
+            |lists: [&[usize]; 2]| lists.map(|list| list.iter().map(|&index| index as i64).collect());
+        Self {
+            sizes: [sparse.variables(), equalities, sparse.constraints()],
+            bounds: sparse.bounds(),
+            jacobian: listed(sparse.jacobian_structure()),
+            hessian: listed(sparse.hessian_structure()),
+            inner: Mutex::new(sparse),
+            start,
+            rows,
+        }
     }
 
-    /// Runs `work` at x.
+    /// Runs `work` at x, once no other call uses the program.
     fn at<R: Send>(
         &self,
         x: &Bound<'_, PyAny>,
         work: impl FnOnce(&mut SparseProgram<MotionProgram>, &[f64]) -> Result<R, EvalError> + Send,
     ) -> PyResult<R> {
-        let (py, x) = (x.py(), numbers(x, "x", Some(self.variables))?);
+        let (py, x) = (x.py(), numbers(x, "x", Some(self.start.len()))?);
         let found = py.detach(|| work(&mut self.inner.lock().unwrap_or_else(PoisonError::into_inner), &x));
         found.map_err(|error| evaluation(py, error))
-    }
-
-    /// The structure of a matrix.
-    fn structure<'py>(
-        &self,
-        py: Python<'py>,
-        of: impl Fn(&SparseProgram<MotionProgram>) -> [&[usize]; 2],
-    ) -> [Indices<'py>; 2] {
-        let inner = self.inner.lock().unwrap_or_else(PoisonError::into_inner);
-        of(&inner).map(|list| PyArray1::from_iter(py, list.iter().map(|&index| index as i64)))
     }
 }
 
@@ -62,8 +69,7 @@ impl ProgramCore {
 impl ProgramCore {
     /// Numbers of variables, of equations and of all constraints.
     fn sizes(&self) -> [usize; 3] {
-        let inner = self.inner.lock().unwrap_or_else(PoisonError::into_inner);
-        [self.variables, inner.problem().equalities().len(), self.constraints]
+        self.sizes
     }
 
     fn start<'py>(&self, py: Python<'py>) -> Array<'py> {
@@ -71,22 +77,19 @@ impl ProgramCore {
     }
 
     fn bounds<'py>(&self, py: Python<'py>) -> [Array<'py>; 2] {
-        let inner = self.inner.lock().unwrap_or_else(PoisonError::into_inner);
-        inner.bounds().map(|bounds| PyArray1::from_vec(py, bounds))
+        self.bounds.each_ref().map(|bounds| PyArray1::from_slice(py, bounds))
     }
 
     fn rows(&self) -> Vec<Row> {
-        let inner = self.inner.lock().unwrap_or_else(PoisonError::into_inner);
-        let rows = inner.problem().equalities().iter().chain(inner.problem().ranges());
-        rows.map(|row| (row.kind, row.name.clone(), row.unit, row.place)).collect()
+        self.rows.clone()
     }
 
     fn jacobian_structure<'py>(&self, py: Python<'py>) -> [Indices<'py>; 2] {
-        self.structure(py, SparseProgram::jacobian_structure)
+        self.jacobian.each_ref().map(|list| PyArray1::from_slice(py, list))
     }
 
     fn hessian_structure<'py>(&self, py: Python<'py>) -> [Indices<'py>; 2] {
-        self.structure(py, SparseProgram::hessian_structure)
+        self.hessian.each_ref().map(|list| PyArray1::from_slice(py, list))
     }
 
     fn cost(&self, x: &Bound<'_, PyAny>) -> PyResult<f64> {
@@ -94,13 +97,13 @@ impl ProgramCore {
     }
 
     fn gradient<'py>(&self, x: &Bound<'py, PyAny>) -> PyResult<Array<'py>> {
-        let mut values = vec![0.0; self.variables];
+        let mut values = vec![0.0; self.sizes[0]];
         self.at(x, |program, x| program.gradient(x, &mut values))?;
         Ok(PyArray1::from_vec(x.py(), values))
     }
 
     fn constraints<'py>(&self, x: &Bound<'py, PyAny>) -> PyResult<Array<'py>> {
-        let mut values = vec![0.0; self.constraints];
+        let mut values = vec![0.0; self.sizes[2]];
         self.at(x, |program, x| program.constraints_at(x, &mut values))?;
         Ok(PyArray1::from_vec(x.py(), values))
     }
@@ -119,7 +122,7 @@ impl ProgramCore {
         multipliers: &Bound<'py, PyAny>,
         factor: f64,
     ) -> PyResult<Array<'py>> {
-        let multipliers = numbers(multipliers, "lagrange", Some(self.constraints))?;
+        let multipliers = numbers(multipliers, "lagrange", Some(self.sizes[2]))?;
         let values = self.at(x, |program, x| {
             let mut values = vec![0.0; program.hessian_structure()[0].len()];
             program.hessian(x, factor, &multipliers, &mut values).map(|()| values)
@@ -142,12 +145,16 @@ impl ProgramCore {
 
     /// Solves by the solver of the library.
     fn solve<'py>(&self, x: &Bound<'py, PyAny>, tolerance: f64, iterations: usize) -> PyResult<Solved<'py>> {
-        let py = x.py();
+        let (py, mut signals) = (x.py(), Signals::default());
         let found = self.at(x, |program, x| {
             let problem = program.problem_mut();
             let settings = Settings { tolerance, iterations, ..Settings::default() };
             let mut solver = Solver::new(problem.layout(), settings);
-            let found = match solver.solve(problem, x) {
+            let observer = |_| match signals.came() {
+                true => ControlFlow::Break(()),
+                false => ControlFlow::Continue(()),
+            };
+            let found = match solver.solve_observed(problem, x, observer) {
                 Ok(found) => found,
                 Err(SolveError::Problem(error)) => return Err(error),
                 Err(error) => return Ok(Err(error.to_string())),
@@ -162,6 +169,9 @@ impl ProgramCore {
             };
             Ok(Ok((status, point, cost, multipliers, error, iterations, certificate)))
         })?;
+        if let Some(raised) = signals.raised() {
+            return Err(raised);
+        }
         let found = found.map_err(pyo3::exceptions::PyValueError::new_err)?;
         let (status, point, cost, multipliers, error, iterations, certificate) = found;
         let [point, multipliers] = [point, multipliers].map(|list| PyArray1::from_vec(py, list));

@@ -33,6 +33,9 @@ pub(crate) struct Program<'a, D> {
     pub work: &'a mut Work,
 }
 
+/// Factors of the cost below this are not divided by.
+const LEAST_COST: f64 = 1e-12;
+
 /// Room of a [`Program`].
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Work {
@@ -42,6 +45,9 @@ pub(crate) struct Work {
     times: Vec<f64>,
     /// Changes of the shared unknowns since then.
     changes: Vec<f64>,
+    /// The point of the last values, and whether it has any.
+    last: Vec<f64>,
+    has_values: bool,
     /// A row by the unknowns of an interval, and by z.
     row: Vec<f64>,
     z: Vec<f64>,
@@ -65,7 +71,7 @@ impl Work {
 
 impl<D: PointDynamics> Program<'_, D> {
     /// Takes the spline of a point. Whether it goes forward in time.
-    pub(in crate::direct) fn take(&mut self, point: &[f64]) -> bool {
+    fn take(&mut self, point: &[f64]) -> bool {
         let Self { spline, ends, structure, work, .. } = self;
         let Work { origin, spline: first, times, changes, .. } = &mut **work;
         for (&value, &unknown) in point.iter().zip(&structure.unknowns) {
@@ -87,6 +93,15 @@ impl<D: PointDynamics> Program<'_, D> {
             }
         }
         spline.times.iter().all(|time| *time > 0.0)
+    }
+
+    /// Evaluates the motion of a point. Whether it is one.
+    pub(in crate::direct) fn place(&mut self, point: &[f64]) -> bool {
+        let is_motion = self.take(point) && self.model.evaluate(self.spline, self.points).is_ok();
+        self.work.last.clear();
+        self.work.last.extend_from_slice(point);
+        self.work.has_values = is_motion;
+        is_motion
     }
 
     /// Gives the entries of the barrier the multipliers of the rows, times a factor.
@@ -117,7 +132,9 @@ impl<D: PointDynamics> Program<'_, D> {
             let (columns, first) = (structure.columns(k), structure.first_shared(k));
             let hessian = &mut blocks.of(Element::Interval(k)).hessian;
             for (slot, column) in columns.iter().enumerate() {
-                let Some(unknown) = structure.unknown(k, slot) else { continue };
+                let Some(unknown) = structure.unknown(k, slot).filter(|_| column.factor != 0.0) else {
+                    continue;
+                };
                 for a in 0..times.count() {
                     let by = |phase: usize| times.factor(phase, a) * by_times.columns[phase][unknown];
                     let entry: f64 = (0..phases).map(by).sum();
@@ -153,7 +170,7 @@ impl<D: PointDynamics> Program<'_, D> {
             let gradient = &mut blocks.of(Element::Interval(k)).gradient;
             for (slot, column) in structure.columns(k).iter().enumerate() {
                 if let Some(unknown) = structure.unknown(k, slot) {
-                    gradient[column.at] += column.factor * system.gradient[0][unknown];
+                    column.add(system.gradient[0][unknown], gradient);
                 }
             }
         }
@@ -233,7 +250,7 @@ impl<D: PointDynamics> Program<'_, D> {
                 };
                 let to = jacobian.row_mut(i);
                 for (column, entry) in structure.columns(k).iter().zip(&work.row) {
-                    to[column.at] += column.factor * entry;
+                    column.add(*entry, to);
                 }
                 let shared = to[structure.first_shared(k)..].iter_mut().take(ends.times.count());
                 shared.enumerate().for_each(|(a, to)| *to += ends.times.factor(phase, a) * by_time);
@@ -257,7 +274,7 @@ impl<D: PointDynamics> Program<'_, D> {
                 if barrier.side_index(*entry).is_some() {
                     let value = at_node.of(side);
                     let column = structure.column_at(k, value.unknown - structure.node * k);
-                    to[column.at] += column.factor * value.scale;
+                    column.add(value.scale, to);
                     if let Some(by_time) = value.by_time {
                         for a in 0..ends.times.count() {
                             to[free + a] += ends.times.factor(by_time.phase, a) * by_time.first;
@@ -267,8 +284,7 @@ impl<D: PointDynamics> Program<'_, D> {
                 }
                 let row = entry - barrier.at_ends().start;
                 for (l, slope) in points.ends.g_x[2 * n * row..][..2 * n].iter().enumerate() {
-                    let column = structure.column_at(k, l);
-                    to[column.at] += column.factor * slope;
+                    structure.column_at(k, l).add(*slope, to);
                 }
             }
         }
@@ -289,8 +305,8 @@ impl<D: PointDynamics> Program<'_, D> {
                 let both = points.ends.g_x[own.clone()].iter().zip(&points.ends.far[own]);
                 for (l, (near, far)) in both.enumerate() {
                     let [start, end] = structure.columns_of_ends(l, l);
-                    to[start.at] += start.factor * near;
-                    to[end.at] += end.factor * far;
+                    start.add(*near, to);
+                    end.add(*far, to);
                 }
             }
         }
@@ -344,6 +360,10 @@ fn add(to: &mut [f64], factor: f64, from: &[f64]) {
 /// of one in their columns.
 #[inline(always)]
 fn add_to(hessian: &mut Dense, (a, b): (Column, Column), is_same: bool, entry: f64) {
+    // What is given has no column.
+    if a.factor == 0.0 || b.factor == 0.0 {
+        return;
+    }
     let value = a.factor * b.factor * entry;
     let twice = a.at == b.at && !is_same;
     hessian[(a.at.min(b.at), a.at.max(b.at))] += if twice { 2.0 * value } else { value };
@@ -365,9 +385,10 @@ impl<D: PointDynamics> StagedProblem for Program<'_, D> {
     }
 
     fn evaluate(&mut self, point: &[f64], values: &mut Values) -> Result<(), EvalError> {
-        let is_motion = self.take(point) && self.model.evaluate(self.spline, self.points).is_ok();
-        if !is_motion {
+        if !self.place(point) {
             values.cost = f64::NAN;
+            values.equalities.fill(f64::NAN);
+            values.ranges.fill(f64::NAN);
             return Ok(());
         }
         values.cost = self.running.cost(self.spline, self.points);
@@ -386,10 +407,27 @@ impl<D: PointDynamics> StagedProblem for Program<'_, D> {
         Ok(())
     }
 
-    fn linearise(&mut self, _: &[f64], weights: Weights<'_>, blocks: &mut Blocks) -> Result<(), EvalError> {
-        // The Lagrange function has the cost once. Without it: that with it less the cost alone.
-        let parts = match weights.cost == 0.0 {
-            true => [Some((1.0, 1.0)), Some((-1.0, 0.0))],
+    fn linearise(
+        &mut self,
+        point: &[f64],
+        weights: Weights<'_>,
+        blocks: &mut Blocks,
+    ) -> Result<(), EvalError> {
+        let has_values = match self.work.last == point {
+            true => self.work.has_values,
+            false => self.place(point),
+        };
+        if !has_values {
+            for element in self.structure.layout.elements() {
+                let Block { gradient, hessian, equalities, ranges, .. } = blocks.of(element);
+                let entries = [hessian.entries_mut(), equalities.entries_mut(), ranges.entries_mut()];
+                entries.into_iter().chain([&mut gradient[..]]).for_each(|entries| entries.fill(f64::NAN));
+            }
+            return Ok(());
+        }
+        // The Lagrange function has the cost once. With hardly any: that with it less most of the cost alone.
+        let parts = match weights.cost.abs() < LEAST_COST {
+            true => [Some((1.0, 1.0)), Some((weights.cost - 1.0, 0.0))],
             false => [Some((weights.cost, 1.0 / weights.cost)), None],
         };
         for (part, (factor, of_weights)) in parts.into_iter().flatten().enumerate() {

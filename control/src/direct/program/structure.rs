@@ -17,6 +17,16 @@ pub(super) struct Column {
     pub factor: f64,
 }
 
+impl Column {
+    /// Adds a derivative by its unknown to those by all columns.
+    #[inline(always)]
+    pub fn add(self, derivative: f64, to: &mut [f64]) {
+        if self.factor != 0.0 {
+            to[self.at] += self.factor * derivative;
+        }
+    }
+}
+
 /// An equation, or a value with a range: both sides of a limit are one row.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Row {

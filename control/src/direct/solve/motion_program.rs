@@ -61,7 +61,8 @@ pub struct ProgramRow {
     pub kind: &'static str,
     /// The joint, or the row of a task.
     pub name: String,
-    /// Its unit.
+    /// Its unit in reports. The function itself may be another measure of it: a half of the square of a speed
+    /// over its limit, the acceleration of a multiplier for a force.
     pub unit: &'static str,
     /// The place in the motion: 0 at its start, increased by one in each phase.
     pub place: f64,
@@ -83,7 +84,9 @@ impl Problem {
     /// The nonlinear program of this motion on the mesh that the [direct method](Method::Direct) begins with:
     /// equal intervals, as many as [`nodes`](SolverOptions::nodes) allows, and nodes at what the problem
     /// names. It takes trees, loops, steps of gaits, and all limits and costs. Constraints have coordinates
-    /// of their own after those of the joints, whose accelerations are the multipliers.
+    /// of their own after those of the joints, whose accelerations are the multipliers. Of the options
+    /// `nodes`, `max_nodes`, `seed` and `machine_code` count; it begins at the straight guess, not at a saved
+    /// motion.
     ///
     /// # Errors
     /// [`ProblemError`] as [`Solver::new`](crate::Solver::new); [`ProblemError::FreeJoint`] for floating and
@@ -143,11 +146,13 @@ impl MotionProgram {
     /// The motion of a point of the program, at the points of its mesh.
     ///
     /// # Errors
-    /// [`EvalError`] where inverse dynamics has no value.
+    /// [`EvalError::Model`] where a time is not positive, or inverse dynamics has no value.
     pub fn sample(&mut self, point: &[f64]) -> Result<Vec<ProgramSample>, EvalError> {
         let mut program = self.program();
-        program.take(point);
-        program.model.evaluate(program.spline, program.points)?;
+        if !program.place(point) {
+            let reason = "the point is no motion: a time is not positive, or forces are not finite".into();
+            return Err(EvalError::Model { reason });
+        }
         let Interior { spline, points, .. } = &self.interior;
         let (n, sample) = (spline.dof, |p: usize| sample(spline, points.z(p), points.tau(p), p));
         debug_assert_eq!(points.z.len(), 3 * n * points.count());
