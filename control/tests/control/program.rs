@@ -81,7 +81,7 @@ fn programs_have_the_minima_of_the_direct_method() {
 fn programs_say_where_they_have_no_values() {
     let limits = MotionLimits::none().with_torque_max(vec![60.0, 15.0]);
     let mut problem = Problem::rest_to_rest(robot("two_link.toml"), &[0.0, 0.0], &[1.5, 1.5], 1.0);
-    problem.time = FinalTime::Free { guess: 1.0 };
+    (problem.cost, problem.time) = (Objective::new(1.0, vec![0.0; 2]), FinalTime::Free { guess: 1.0 });
     let mut program = problem.with_limits(limits).nlp(&SolverOptions::default().with_nodes(10)).unwrap();
     let layout = program.layout().clone();
     let (mut values, mut blocks) = (Values::new(&layout), Blocks::new(&layout));
