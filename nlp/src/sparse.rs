@@ -227,7 +227,8 @@ impl<P: StagedProblem> SparseProgram<P> {
         self.evaluate(x)?;
         let is_there = match (&self.weights, weights) {
             (None, _) => false,
-            (Some(_), None) => true,
+            // Some programs divide by the factor.
+            (Some((factor, _)), None) => factor.abs() >= LEAST_FACTOR,
             (Some((factor, own)), Some((other, lambda))) => *factor == other && own == lambda,
         };
         if is_there {
@@ -244,6 +245,9 @@ impl<P: StagedProblem> SparseProgram<P> {
         Ok(())
     }
 }
+
+/// Least factor of the cost with which gradients are taken from what was computed for a Hessian.
+const LEAST_FACTOR: f64 = 1e-3;
 
 /// Whether an element has entries: both ends have none where nothing depends on both.
 fn is_listed(layout: &Layout, element: Element) -> bool {
