@@ -179,7 +179,7 @@ pub struct Solver {
     restoration: Option<Box<(Places, Solver)>>,
     /// Whether this is that solver.
     is_restoring: bool,
-    /// Iterations of restoration.
+    /// Iterations of restoration that the others are numbered after.
     restoring: usize,
 }
 
@@ -446,7 +446,7 @@ impl Solver {
                     return Ok((Status::Stalled, error, number));
                 }
                 Search::Failed | Search::NoStep => {
-                    if let Err(status) = self.restore(problem, bounds, (mu, number), observer)? {
+                    if let Err(status) = self.restore(problem, bounds, (mu, own), observer)? {
                         self.linearise(problem)?;
                         let error = self.iterate.error(bounds, &self.residuals, 0.0);
                         return Ok((status, error, own + self.restoring));
@@ -539,7 +539,7 @@ impl Solver {
         &mut self,
         problem: &mut Scaled<'_, P>,
         bounds: &Bounds,
-        (mu, number): (f64, usize),
+        (mu, own): (f64, usize),
         observer: &mut dyn FnMut(&Iterate, Iteration) -> ControlFlow<()>,
     ) -> Result<Result<(), Status>, SolveError<P::Error>> {
         let current = Measure::of(&self.iterate, bounds, mu);
@@ -557,7 +557,7 @@ impl Solver {
         });
         let mut slacks = self.iterate.slacks.clone();
         let mut most = RESTORED * current.violation;
-        let (mut before, mut spent) = (current.violation, 0);
+        let mut before = current.violation;
         self.trial.point.copy_from_slice(&self.iterate.point);
         self.trial.slacks.copy_from_slice(&self.iterate.slacks);
         problem.evaluate(&self.trial.point, &mut self.trial.values)?;
@@ -570,7 +570,7 @@ impl Solver {
             let mut scaled = Scaled::new(&mut elastic);
             let elastic_bounds = Bounds::new(scaled.bounds());
             solver.begin(&mut scaled, &elastic_bounds, &start, start_mu)?;
-            let (mut violation, mut is_stopped, first) = (before, false, number + 1 + spent);
+            let (mut violation, mut is_stopped, first) = (before, false, own + self.restoring + 1);
             solver.settings.iterations = self.settings.iterations.saturating_sub(first);
             let mut stop_below = |iterate: &Iterate, seen: Iteration| {
                 violation = places.violation(&layout, &scales, iterate, &mut slacks);
@@ -583,7 +583,6 @@ impl Solver {
             };
             let (status, _, iterations) =
                 solver.iterate_to_end(&mut scaled, &elastic_bounds, start_mu, &mut stop_below)?;
-            spent += iterations + 1;
             self.restoring += iterations + 1;
             let trial = &mut self.trial;
             trial.point.copy_from_slice(elastic.original_point(&solver.iterate.point));

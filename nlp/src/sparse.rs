@@ -234,14 +234,16 @@ impl<P: StagedProblem> SparseProgram<P> {
         if is_there {
             return Ok(());
         }
-        let zeros = vec![0.0; if weights.is_none() { self.constraints() } else { 0 }];
-        let (factor, lambda) = weights.unwrap_or((1.0, &zeros));
+        let (factor, lambda) = match weights {
+            Some((factor, lambda)) => (factor, lambda.to_vec()),
+            None => (1.0, vec![0.0; self.constraints()]),
+        };
         let (equalities, ranges) = lambda.split_at(self.values.equalities.len());
         self.weights = None;
         self.blocks.fill_zero();
         let weights = Weights { cost: factor, equalities, ranges };
         self.problem.linearise(&self.point, weights, &mut self.blocks)?;
-        self.weights = Some((factor, lambda.to_vec()));
+        self.weights = Some((factor, lambda));
         Ok(())
     }
 }

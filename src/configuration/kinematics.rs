@@ -126,13 +126,13 @@ impl<S: Scalar> FreeKinematics<S> {
         chain_v.copy_from_slice(v);
         chain_a.copy_from_slice(a);
         for free in tree.free() {
-            // Slides along the axes of the parent, then angles (x, y, z), at zero, with the rates bent by the
-            // others.
+            // Slides along the axes of the parent, then angles (x, y, z), at zero: the accelerations of these
+            // with what their rates add.
             let ((linear, w), (of_linear, of_angular)) = (tangent(free, v), tangent(free, a));
             let (at, slides, rotation) =
                 (free.joint.coordinate, free.joint.kind.slides(), free.quaternion(q).rotation());
-            let bent = of_angular + Vec3::new(-(w.y * w.z), w.x * w.z, -(w.x * w.y));
-            chain_a[at + slides..at + slides + 3].copy_from_slice(&bent.to_array());
+            let of_angles = of_angular + Vec3::new(-(w.y * w.z), w.x * w.z, -(w.x * w.y));
+            chain_a[at + slides..at + slides + 3].copy_from_slice(&of_angles.to_array());
             if slides > 0 {
                 let turned = [linear, of_linear + w.cross(linear)].map(|own| rotation.apply(own).to_array());
                 chain_v[at..at + 3].copy_from_slice(&turned[0]);

@@ -6,7 +6,7 @@ use super::side_terms::add_row;
 use crate::direct::limits::barrier::Barrier;
 use crate::direct::limits::hull::COEFFICIENTS;
 use crate::direct::limits::side::{Limited, Side};
-use crate::direct::motion::shape::{MOST_POINTS, POINTS};
+use crate::direct::motion::shape::{MOST_COEFFICIENTS, MOST_POINTS, POINTS};
 use crate::direct::motion::spline::{Spline, TimeDerivative};
 use crate::direct::points::rates::SLOPES;
 use crate::direct::points::values::Points;
@@ -94,15 +94,40 @@ impl RateRows {
 
     /// The same of what is no rate.
     fn take_at_point(&mut self, k: usize, j: usize, side: &Side, spline: &Spline, points: &Points) -> f64 {
-        let (n, p) = (spline.dof, spline.mesh.first_point(k) + j);
+        let factors = self.go_to((k, j), spline, points);
+        self.take_row(spline.mesh.first_point(k) + j, &factors, side, spline, points)
+    }
+
+    /// Goes to a point of interval `k`: what z depends on there.
+    pub fn go_to(
+        &mut self,
+        (k, j): (usize, usize),
+        spline: &Spline,
+        points: &Points,
+    ) -> [[f64; MOST_COEFFICIENTS]; 3] {
         let factors = spline.factors(k, j);
+        let p = spline.mesh.first_point(k) + j;
         self.work.differentiate_in_time(points.z(p), spline, k, &factors);
+        factors
+    }
+
+    /// Derivatives of the value of a side at point p, gone to last, by the unknowns of the interval, as the
+    /// row; the one by T.
+    pub fn take_row(
+        &mut self,
+        p: usize,
+        factors: &[[f64; MOST_COEFFICIENTS]; 3],
+        side: &Side,
+        spline: &Spline,
+        points: &Points,
+    ) -> f64 {
+        let n = spline.dof;
         let z = &mut self.work.z[0];
         z.fill(0.0);
         add_row(points, p, side, 1.0, z);
         self.row.clear();
         let count = spline.mesh.shape.coefficients();
-        let [values, rates, accelerations, ..] = &factors;
+        let [values, rates, accelerations] = factors;
         for ((f, g), h) in values[..count].iter().zip(rates).zip(accelerations) {
             self.row.extend((0..n).map(|l| f * z[l] + g * z[n + l] + h * z[2 * n + l]));
         }

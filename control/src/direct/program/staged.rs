@@ -8,11 +8,10 @@ use crate::direct::limits::model::Model;
 use crate::direct::limits::side::Limited;
 use crate::direct::motion::shape::{MOST_COEFFICIENTS, POINTS};
 use crate::direct::motion::spline::Spline;
-use crate::direct::newton::side_terms::{add_row, weigh};
+use crate::direct::newton::side_terms::weigh;
 use crate::direct::newton::system::System;
 use crate::direct::points::running::Running;
 use crate::direct::points::values::{PointDynamics, Points};
-use crate::numerics::chain::dot;
 use costate::EvalError;
 use costate_nlp::{Block, Blocks, Dense, Element, Layout, Scales, StagedProblem, Values, Weights};
 
@@ -48,9 +47,6 @@ pub(crate) struct Work {
     /// The point of the last values, and whether it has any.
     last: Vec<f64>,
     has_values: bool,
-    /// A row by the unknowns of an interval, and by z.
-    row: Vec<f64>,
-    z: Vec<f64>,
 }
 
 impl Work {
@@ -182,11 +178,8 @@ impl<D: PointDynamics> Program<'_, D> {
         }
         for element in structure.layout.elements() {
             let block = blocks.of(element);
-            let parts = [
-                (&block.equalities, &structure.equalities[structure.layout.equalities_of(element)]),
-                (&block.ranges, &structure.ranges[structure.layout.ranges_of(element)]),
-            ];
-            for (jacobian, rows) in parts {
+            let jacobians = [&block.equalities, &block.ranges];
+            for (jacobian, rows) in jacobians.into_iter().zip(structure.rows_of(element)) {
                 for (i, row) in rows.iter().enumerate() {
                     // The multiplier of the row.
                     let weight = -row.sign * barrier.multiplier[row.entry];
@@ -201,55 +194,38 @@ impl<D: PointDynamics> Program<'_, D> {
 
     /// The derivatives of the rows of an interval.
     fn set_rows(&mut self, k: usize, block: &mut Block) {
-        let Self { spline, points, barrier, structure, system, work, ends, .. } = self;
-        let (element, n, phase) = (Element::Interval(k), spline.dof, spline.mesh.phase(k));
-        let parts = [
-            (&mut block.equalities, &structure.equalities[structure.layout.equalities_of(element)]),
-            (&mut block.ranges, &structure.ranges[structure.layout.ranges_of(element)]),
-        ];
+        let Self { spline, points, barrier, structure, system, ends, .. } = self;
+        let (element, phase) = (Element::Interval(k), spline.mesh.phase(k));
+        let jacobians = [&mut block.equalities, &mut block.ranges];
         let first_point = spline.mesh.first_point(k);
         let mut differentiated = false;
-        for (jacobian, rows) in parts {
+        for (jacobian, rows) in jacobians.into_iter().zip(structure.rows_of(element)) {
             let mut place: Option<(usize, [[f64; MOST_COEFFICIENTS]; 3])> = None;
             for (i, Row { entry, .. }) in rows.iter().enumerate() {
                 let side = barrier.side(*entry);
                 let index = barrier.side_index(*entry).unwrap_or_default();
                 let at_point = barrier.point_of(*entry).filter(|_| !barrier.is_hull(index));
+                let rates = &mut system.rate_rows;
                 let by_time = if let Some(p) = at_point {
                     let factors = match place {
                         Some((last, factors)) if last == p => factors,
-                        _ => {
-                            let factors = spline.factors(k, p - first_point);
-                            system.work.differentiate_in_time(points.z(p), spline, k, &factors);
-                            place = Some((p, factors));
-                            factors
-                        }
+                        _ => rates.go_to((k, p - first_point), spline, points),
                     };
-                    work.z.clear();
-                    work.z.resize(3 * n, 0.0);
-                    add_row(points, p, side, 1.0, &mut work.z);
-                    work.row.clear();
-                    let [of_q, of_v, of_a] = &factors;
-                    for ((f, g), h) in of_q[..structure.coefficients()].iter().zip(of_v).zip(of_a) {
-                        let z = &work.z;
-                        work.row.extend((0..n).map(|l| f * z[l] + (g * z[n + l] + h * z[2 * n + l])));
-                    }
-                    dot(&work.z, &system.work.z_t)
+                    place = Some((p, factors));
+                    rates.take_row(p, &factors, side, spline, points)
                 } else {
-                    let rates = &mut system.rate_rows;
+                    place = None;
                     let j = barrier.place_in_interval(*entry) % POINTS;
                     if side.limited == Limited::TorqueRate && !std::mem::replace(&mut differentiated, true) {
                         rates.differentiate_torques(k, spline, points);
                     }
-                    let by_time = match barrier.is_hull(index) {
+                    match barrier.is_hull(index) {
                         true => rates.take_coefficient(k, j, side, spline, points),
                         false => rates.take_value(k, j, side, spline, points),
-                    };
-                    work.row.clone_from(&rates.row);
-                    by_time
+                    }
                 };
                 let to = jacobian.row_mut(i);
-                for (column, entry) in structure.columns(k).iter().zip(&work.row) {
+                for (column, entry) in structure.columns(k).iter().zip(&system.rate_rows.row) {
                     column.add(*entry, to);
                 }
                 let shared = to[structure.first_shared(k)..].iter_mut().take(ends.times.count());
@@ -263,11 +239,8 @@ impl<D: PointDynamics> Program<'_, D> {
         let Self { spline, points, barrier, structure, ends, .. } = self;
         let (element, n) = (Element::Node(k), spline.dof);
         let (at_node, free) = (AtNode::new(spline, k), structure.layout.node(k).len());
-        let parts = [
-            (&mut block.equalities, &structure.equalities[structure.layout.equalities_of(element)]),
-            (&mut block.ranges, &structure.ranges[structure.layout.ranges_of(element)]),
-        ];
-        for (jacobian, rows) in parts {
+        let jacobians = [&mut block.equalities, &mut block.ranges];
+        for (jacobian, rows) in jacobians.into_iter().zip(structure.rows_of(element)) {
             for (i, Row { entry, .. }) in rows.iter().enumerate() {
                 let to = jacobian.row_mut(i);
                 let side = barrier.side(*entry);
@@ -294,11 +267,8 @@ impl<D: PointDynamics> Program<'_, D> {
     fn set_rows_of_ends(&mut self, block: &mut Block) {
         let Self { spline, points, barrier, structure, .. } = self;
         let (element, n) = (Element::Ends, spline.dof);
-        let parts = [
-            (&mut block.equalities, &structure.equalities[structure.layout.equalities_of(element)]),
-            (&mut block.ranges, &structure.ranges[structure.layout.ranges_of(element)]),
-        ];
-        for (jacobian, rows) in parts {
+        let jacobians = [&mut block.equalities, &mut block.ranges];
+        for (jacobian, rows) in jacobians.into_iter().zip(structure.rows_of(element)) {
             for (i, Row { entry, .. }) in rows.iter().enumerate() {
                 let (to, row) = (jacobian.row_mut(i), entry - barrier.at_ends().start);
                 let own = 2 * n * row..2 * n * (row + 1);

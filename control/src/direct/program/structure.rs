@@ -30,10 +30,9 @@ impl Column {
 /// An equation, or a value with a range: both sides of a limit are one row.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Row {
-    /// Its entries of the barrier. All but the first one are the other side of the same value.
+    /// Its entry of the barrier; of both sides of a limit the first one.
     pub entry: usize,
-    pub other: Option<usize>,
-    /// Its value is `sign d + offset` with the distance d of the first entry.
+    /// Its value is `sign d + offset` with the distance d of the entry.
     pub sign: f64,
     pub offset: f64,
 }
@@ -56,7 +55,6 @@ pub(crate) struct Structure {
     columns: Vec<Column>,
     /// Number of these of an interval.
     width: usize,
-    coefficients: usize,
     /// Unknowns of a node, and of an interval.
     pub(super) node: usize,
     pub(super) inner: usize,
@@ -71,24 +69,23 @@ impl Structure {
     pub fn new(spline: &Spline, barrier: &Barrier, ends: &Ends, (of_both, size): (usize, f64)) -> Self {
         let (shape, mesh, n) = (spline.mesh.shape, &spline.mesh, spline.dof);
         let (node, inner, last) = (shape.node() * n, shape.inner() * n, mesh.intervals());
-        let mut taken = vec![Some(()); node * (last + 1)];
-        ends.removed(mesh).for_each(|(k, i)| taken[node * k + i] = None);
-        let free = |k: usize| (0..node).filter(|i| taken[node * k + i].is_some()).collect::<Vec<_>>();
+        let mut is_free = vec![true; node * (last + 1)];
+        ends.removed(mesh).for_each(|(k, i)| is_free[node * k + i] = false);
+        let free = |k: usize| (0..node).filter(|i| is_free[node * k + i]).collect::<Vec<_>>();
         let nodes: Vec<Vec<usize>> = (0..=last).map(free).collect();
         let counts = nodes.iter().map(Vec::len).collect();
-        let (mut equalities, mut ranges) = (Vec::new(), Vec::new());
+        let (mut equalities, mut ranges, mut bounds) = (Vec::new(), Vec::new(), [Vec::new(), Vec::new()]);
         let layout = Layout::new(counts, vec![inner; last], ends.shared()).with_rows_of(|element| {
             let before = [equalities.len(), ranges.len()];
             for entries in entries_of(element, spline, barrier, of_both) {
-                add_rows(barrier, entries, &mut equalities, &mut ranges);
+                add_rows(barrier, entries, &mut equalities, (&mut ranges, &mut bounds));
             }
             Rows::new(equalities.len() - before[0], ranges.len() - before[1])
         });
         let mut found = Self {
             columns: Vec::new(),
             width: inner + 2 * node,
-            coefficients: shape.coefficients(),
-            bounds: bounds(barrier, &ranges),
+            bounds,
             scales: Scales::ones(&layout),
             unknowns: vec![0; layout.steps() - ends.shared()],
             layout,
@@ -151,10 +148,10 @@ impl Structure {
         }
     }
 
-    /// Number of coefficients of an interval and joint.
-    #[inline(always)]
-    pub(super) fn coefficients(&self) -> usize {
-        self.coefficients
+    /// The equations of an element, and its values with ranges.
+    pub(super) fn rows_of(&self, element: Element) -> [&[Row]; 2] {
+        let Self { layout, equalities, ranges, .. } = self;
+        [&equalities[layout.equalities_of(element)], &ranges[layout.ranges_of(element)]]
     }
 
     /// The first column of an interval that is that of a shared unknown.
@@ -255,35 +252,31 @@ fn entries_of(element: Element, spline: &Spline, barrier: &Barrier, of_both: usi
     }
 }
 
-/// Adds the rows of the entries of one place, where both sides of a limit stand together.
-fn add_rows(barrier: &Barrier, entries: Range<usize>, equalities: &mut Vec<Row>, ranges: &mut Vec<Row>) {
+/// Adds the rows of the entries of one place, where both sides of a limit stand together, with lower and
+/// upper bounds of the values with ranges.
+fn add_rows(
+    barrier: &Barrier,
+    entries: Range<usize>,
+    equalities: &mut Vec<Row>,
+    (ranges, bounds): (&mut Vec<Row>, &mut [Vec<f64>; 2]),
+) {
     let mut last: Option<(Limited, usize, bool)> = None;
     for at in entries.filter(|&at| barrier.weight[at] > 0.0) {
         let side = barrier.side(at);
-        let offset = side.bound - side.sign * barrier.moved_by(at);
-        let row = Row { entry: at, other: None, sign: side.sign, offset };
+        let bound = side.bound - side.sign * barrier.moved_by(at);
+        let row = Row { entry: at, sign: side.sign, offset: bound };
         if side.is_equation {
             equalities.push(row);
             continue;
         }
         let is_hull = barrier.side_index(at).is_some_and(|side| barrier.is_hull(side));
         let value = Some((side.limited, side.joint, is_hull));
-        match ranges.last_mut() {
-            Some(row) if last == value => row.other = Some(at),
-            _ => ranges.push(row),
+        if last != value {
+            ranges.push(row);
+            bounds[0].push(f64::NEG_INFINITY);
+            bounds[1].push(f64::INFINITY);
         }
+        bounds[usize::from(side.sign < 0.0)][ranges.len() - 1] = bound;
         last = value;
     }
-}
-
-/// Lower and upper bounds of the values with ranges.
-fn bounds(barrier: &Barrier, ranges: &[Row]) -> [Vec<f64>; 2] {
-    let mut bounds = [vec![f64::NEG_INFINITY; ranges.len()], vec![f64::INFINITY; ranges.len()]];
-    for (i, row) in ranges.iter().enumerate() {
-        for at in [Some(row.entry), row.other].into_iter().flatten() {
-            let side = barrier.side(at);
-            bounds[usize::from(side.sign < 0.0)][i] = side.bound - side.sign * barrier.moved_by(at);
-        }
-    }
-    bounds
 }

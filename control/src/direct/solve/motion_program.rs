@@ -5,6 +5,7 @@ use super::prepare::{Dynamics, interior_of};
 use crate::direct::interior::iterate::Interior;
 use crate::direct::motion::spline::Spline;
 use crate::direct::outcome::named::{self, Coordinates};
+use crate::direct::points::values::Points;
 use crate::direct::program::staged::{Program, Work};
 use crate::direct::program::structure::{Row, Structure};
 use crate::options::{Method, SolverOptions};
@@ -154,9 +155,7 @@ impl MotionProgram {
             return Err(EvalError::Model { reason });
         }
         let Interior { spline, points, .. } = &self.interior;
-        let (n, sample) = (spline.dof, |p: usize| sample(spline, points.z(p), points.tau(p), p));
-        debug_assert_eq!(points.z.len(), 3 * n * points.count());
-        Ok((0..points.count()).map(sample).collect())
+        Ok((0..points.count()).map(|p| sample(spline, points, p)).collect())
     }
 
     fn program(&mut self) -> Program<'_, Dynamics> {
@@ -181,9 +180,9 @@ pub struct ProgramSample {
     pub tau: Vec<f64>,
 }
 
-fn sample(spline: &Spline, z: &[f64], tau: &[f64], p: usize) -> ProgramSample {
-    let [q, v, a] = [0, 1, 2].map(|part| z[spline.dof * part..spline.dof * (part + 1)].to_vec());
-    ProgramSample { t: spline.time_of(p), q, v, a, tau: tau.to_vec() }
+fn sample(spline: &Spline, points: &Points, p: usize) -> ProgramSample {
+    let [q, v, a] = [0, 1, 2].map(|part| points.z(p)[points.dof * part..][..points.dof].to_vec());
+    ProgramSample { t: spline.time_of(p), q, v, a, tau: points.tau(p).to_vec() }
 }
 
 impl StagedProblem for MotionProgram {
