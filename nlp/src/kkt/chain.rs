@@ -11,9 +11,9 @@
 //! pivots that are zero then belong to equations that depend on others, or to unknowns without effect. The
 //! inertia is the sum over all stages (Haynsworth).
 
-use super::front::{Front, Pivot, add, inverse_of_two};
+use super::factors::Factors;
+use super::front::{Front, LANES, Pivot};
 use crate::blocks::Dense;
-use crate::elements::dot;
 use crate::layout::{Element, Layout};
 use costate_numerics::in_widest;
 
@@ -31,6 +31,8 @@ struct Stage {
     /// Unknowns and multipliers that it can eliminate, then those that it shares with later stages.
     own: Vec<usize>,
     shared: Vec<usize>,
+    /// Places of what the stage before shares, among its own and shared ones.
+    places: Vec<usize>,
     parts: Vec<Assembled>,
     factors: Factors,
 }
@@ -43,17 +45,6 @@ struct Assembled {
     equalities: Vec<usize>,
     /// For each column, the places of the columns from it on: runs of consecutive ones on one side of it.
     runs: Vec<Vec<(usize, usize)>>,
-}
-
-/// L, M and D of a stage.
-#[derive(Clone, Debug, Default)]
-struct Factors {
-    /// Global numbers of all rows, in the order of elimination.
-    rows: Vec<usize>,
-    pivots: Vec<Pivot>,
-    eliminated: usize,
-    /// The columns of the eliminated rows, each from its diagonal on.
-    columns: Vec<f64>,
 }
 
 /// The factorisation. Rows are numbered as the entries of a step, then the equations.
@@ -77,8 +68,6 @@ struct Carried {
     entries: Vec<f64>,
     /// How many of the rows could have been eliminated.
     delayed: usize,
-    /// Their places in the next front.
-    places: Vec<usize>,
 }
 
 impl Chain {
@@ -91,6 +80,7 @@ impl Chain {
         }
         border.extend(layout.shared());
         let equalities = |element| layout.equalities_of(element).map(move |row| steps + row);
+        let mut before: Vec<usize> = Vec::new();
         let stages = (0..=last).map(|k| {
             let is_last = k == last;
             let mut own: Vec<usize> = Vec::new();
@@ -122,7 +112,9 @@ impl Chain {
                     equalities: equalities(element).map(place).collect(),
                 }
             });
-            Stage { parts: parts.collect(), own, shared, factors: Factors::default() }
+            let (parts, places) = (parts.collect(), before.iter().map(|&row| place(row)).collect());
+            before.clone_from(&shared);
+            Stage { parts, factors: Factors::with_room(own.len(), shared.len()), own, shared, places }
         });
         let stages: Vec<Stage> = stages.collect();
         let largest = stages.iter().map(|stage| stage.own.len() + stage.shared.len()).max().unwrap_or(0);
@@ -132,10 +124,15 @@ impl Chain {
         Self {
             stages,
             front,
-            carried: Carried::default(),
+            carried: Carried {
+                rows: Vec::with_capacity(2 * largest),
+                sizes: Vec::with_capacity(2 * largest),
+                entries: Vec::with_capacity(2 * largest * largest),
+                delayed: 0,
+            },
             has_equalities: layout.equalities() > 0,
-            zeros: Vec::new(),
-            local: Vec::with_capacity(3 * largest),
+            zeros: Vec::with_capacity(layout.steps() + layout.equalities()),
+            local: Vec::with_capacity(3 * largest + LANES),
         }
     }
 
@@ -148,6 +145,16 @@ impl Chain {
         jacobian: impl Fn(usize) -> &'a Dense,
         diagonal: &[f64],
     ) -> Inertia {
+        in_widest!(self.eliminate(hessians, &jacobian, diagonal))
+    }
+
+    #[inline(always)]
+    fn eliminate<'a, const FUSED: bool>(
+        &mut self,
+        hessians: &[Dense],
+        jacobian: &impl Fn(usize) -> &'a Dense,
+        diagonal: &[f64],
+    ) -> Inertia {
         let mut inertia = Inertia::default();
         self.zeros.clear();
         let definite = !self.has_equalities;
@@ -155,18 +162,16 @@ impl Chain {
         carried.clear();
         let count = stages.len();
         for (k, stage) in stages.iter_mut().enumerate() {
-            let Stage { own, shared, parts, factors } = stage;
+            let Stage { own, shared, parts, factors, places } = stage;
             // Rows that wait stand first.
             let delayed = carried.delayed;
             let size = delayed + own.len() + shared.len();
+            let candidates = delayed + own.len();
             front.reset(size);
-            factors.rows.clear();
-            factors.rows.extend(&carried.rows[..delayed]);
-            factors.rows.extend(own.iter().chain(&*shared));
-            carried.add_to(front, &factors.rows[delayed..], delayed);
             for part in parts {
                 add_part(front, part, (&hessians[part.element], jacobian(part.element)), delayed);
             }
+            carried.add_to(front, places);
             for (place, &row) in own.iter().enumerate() {
                 front.add(delayed + place, delayed + place, diagonal[row]);
             }
@@ -174,12 +179,13 @@ impl Chain {
                 front.take_sizes();
             }
             let is_last = k + 1 == count;
-            front.factorise(delayed + own.len(), definite, is_last);
-            factors.take(front, zeros);
+            front.eliminate::<FUSED>(candidates, definite, is_last);
+            factors.take(front, carried.waiting().iter().chain(&*own).chain(&*shared).copied());
+            factors.zeros(zeros);
             for pivot in &factors.pivots {
                 count_pivot(pivot, &mut inertia);
             }
-            carried.take(front, &factors.rows, delayed + own.len());
+            carried.take(front, &factors.rows, candidates);
         }
         // Whatever the last stage could not eliminate is zero up to rounding.
         inertia.zero += carried.rows.len();
@@ -228,6 +234,7 @@ fn runs(places: &[usize]) -> Vec<(usize, usize)> {
 }
 
 /// Adds the block of an element.
+#[inline(always)]
 fn add_part(front: &mut Front, part: &Assembled, (hessian, jacobian): (&Dense, &Dense), delayed: usize) {
     let Assembled { columns, equalities, runs, .. } = part;
     for (i, &row) in columns.iter().enumerate() {
@@ -271,24 +278,38 @@ impl Carried {
         self.delayed = 0;
     }
 
-    /// Adds the Schur complement to the next front, whose rows after the waiting ones are these.
-    fn add_to(&mut self, front: &mut Front, rows: &[usize], delayed: usize) {
-        self.places.clear();
-        for (i, row) in self.rows.iter().enumerate() {
-            let found = || rows.iter().position(|other| other == row);
-            self.places.push(if i < delayed { i } else { delayed + found().unwrap_or(usize::MAX - delayed) });
-        }
+    /// The rows that could have been eliminated.
+    fn waiting(&self) -> &[usize] {
+        &self.rows[..self.delayed]
+    }
+
+    /// Adds the Schur complement to the next front, where the rows that do not wait have these places after
+    /// those that do. Places are in ascending order.
+    #[inline(always)]
+    fn add_to(&self, front: &mut Front, places: &[usize]) {
+        let delayed = self.delayed;
         let mut at = 0;
-        for (j, &column) in self.places.iter().enumerate() {
+        for j in 0..self.rows.len() {
+            let place = |i: usize| if i < delayed { i } else { delayed + places[i - delayed] };
+            let column = place(j);
             front.sizes[column] = f64::max(front.sizes[column], self.sizes[j]);
-            for &row in &self.places[j..] {
-                front.add(row, column, self.entries[at]);
-                at += 1;
+            let to = front.column_mut(column);
+            let mut i = j;
+            while i < self.rows.len() {
+                // Rows that follow one another.
+                let (first, start) = (place(i), i);
+                while i < self.rows.len() && place(i) == first + (i - start) {
+                    i += 1;
+                }
+                let to = &mut to[first - column..][..i - start];
+                to.iter_mut().zip(&self.entries[at..]).for_each(|(to, from)| *to += from);
+                at += i - start;
             }
         }
     }
 
     /// Takes the Schur complement: rows that wait, then the shared ones.
+    #[inline(always)]
     fn take(&mut self, front: &Front, rows: &[usize], candidates: usize) {
         self.clear();
         let eliminated = front.eliminated;
@@ -298,67 +319,6 @@ impl Carried {
             self.sizes.push(front.sizes[j]);
             self.entries.extend_from_slice(front.column(j));
         }
-    }
-}
-
-impl Factors {
-    /// Takes the eliminated columns and the order of rows.
-    fn take(&mut self, front: &Front, zeros: &mut Vec<usize>) {
-        let assembled = std::mem::take(&mut self.rows);
-        self.rows = front.order.iter().map(|&place| assembled[place]).collect();
-        self.pivots.clear();
-        self.pivots.extend_from_slice(&front.pivots);
-        self.eliminated = front.eliminated;
-        self.columns.clear();
-        for j in 0..front.eliminated {
-            self.columns.extend_from_slice(front.column(j));
-        }
-        let mut k = 0;
-        for pivot in &self.pivots {
-            if *pivot == Pivot::Zero {
-                zeros.push(self.rows[k]);
-            }
-            k += pivot.order();
-        }
-    }
-
-    /// `y = L^-1 x` of the eliminated rows, and x less M y of the others.
-    #[inline(always)]
-    fn forward<const FUSED: bool>(&self, x: &mut [f64], local: &mut Vec<f64>) {
-        local.clear();
-        local.extend(self.rows.iter().map(|&row| x[row]));
-        let mut start = 0;
-        for k in 0..self.eliminated {
-            let column = &self.columns[start + 1..start + self.rows.len() - k];
-            start += self.rows.len() - k;
-            let value = local[k];
-            add::<FUSED>(&mut local[k + 1..], -value, column);
-        }
-        self.rows.iter().zip(&*local).for_each(|(&row, &value)| x[row] = value);
-    }
-
-    /// `L^-T (D^-1 y - M' x)` of the eliminated rows, where x of the others is known.
-    #[inline(always)]
-    fn backward<const FUSED: bool>(&self, x: &mut [f64], local: &mut Vec<f64>) {
-        local.clear();
-        local.extend(self.rows.iter().map(|&row| x[row]));
-        let mut k = 0;
-        for pivot in &self.pivots {
-            match *pivot {
-                Pivot::Zero => local[k] = 0.0,
-                Pivot::One(d) => local[k] /= d,
-                Pivot::Two(block) => [local[k], local[k + 1]] = inverse_of_two(block)(local[k], local[k + 1]),
-            }
-            k += pivot.order();
-        }
-        let mut end = self.columns.len();
-        for k in (0..self.eliminated).rev() {
-            let start = end - (self.rows.len() - k);
-            let column = &self.columns[start + 1..end];
-            end = start;
-            local[k] -= dot(column, &local[k + 1..]);
-        }
-        self.rows[..self.eliminated].iter().zip(&*local).for_each(|(&row, &value)| x[row] = value);
     }
 }
 

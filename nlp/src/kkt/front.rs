@@ -3,12 +3,16 @@
 //! $$ P A P^T = \begin{pmatrix} L & 0 \\\\ M & 1 \end{pmatrix} \begin{pmatrix} D & 0 \\\\ 0 & S \end{pmatrix}
 //! \begin{pmatrix} L^T & M^T \\\\ 0 & 1 \end{pmatrix} $$
 //!
-//! Pivots are taken among the first rows alone, but are compared with their whole columns (Duff and Reid,
-//! "The multifrontal solution of indefinite sparse symmetric linear equations", ACM TOMS 9 (1983), 302-325):
-//! a pivot of order 1 is accepted if `|a_jj| >= u |a_ij|` for all i, one of order 2 if no entry of
-//! `|E^-1| (max_i |a_ij|, max_i |a_ir|)` exceeds 1/u. What finds no pivot is left in S.
+//! Pivots are taken among the first rows alone, the candidates, but are compared with their whole columns
+//! (Duff and Reid, "The multifrontal solution of indefinite sparse symmetric linear equations", ACM TOMS 9
+//! (1983), 302-325): a pivot of order 1 is accepted if `|a_jj| >= u |a_ij|` for all i, one of order 2 if no
+//! entry of `|E^-1| (max_i |a_ij|, max_i |a_ir|)` exceeds 1/u. What finds no pivot is left in S.
+//!
+//! A column is updated when it is examined, by all columns that were eliminated since its last update. As
+//! long as pivots are accepted in their order, the lower triangle is enough; the first column that is
+//! refused completes the square of the candidates, so that every column has all of its entries.
 
-use costate_numerics::in_widest;
+use super::tiles::{largest, scale, update};
 
 /// Threshold u of pivots.
 ///
@@ -17,6 +21,9 @@ const THRESHOLD: f64 = 0.01;
 
 /// Columns whose entries are all below this part of what they were before are zero up to rounding.
 const ZERO: f64 = 1e-12;
+
+/// Columns begin at multiples of this.
+pub(super) const LANES: usize = 4;
 
 /// One pivot: its order, and the block E of D.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,8 +55,16 @@ pub(super) fn inverse_of_two([a, b, c]: [f64; 3]) -> impl Fn(f64, f64) -> [f64; 
 #[derive(Clone, Debug, Default)]
 pub(super) struct Front {
     size: usize,
+    /// Length of a column with its padding.
+    stride: usize,
     /// Columns, the lower triangle of which is used; first those of L and M, then S.
     entries: Vec<f64>,
+    /// Columns of `(L; M) D`.
+    products: Vec<f64>,
+    /// By how many eliminated columns each candidate was updated.
+    levels: Vec<usize>,
+    /// Whether candidates have the entries above the diagonal too.
+    is_complete: bool,
     /// The row of the matrix as assembled that stands in each place.
     pub order: Vec<usize>,
     pub pivots: Vec<Pivot>,
@@ -57,26 +72,27 @@ pub(super) struct Front {
     pub eliminated: usize,
     /// Largest entry of each column as assembled.
     pub sizes: Vec<f64>,
-    /// Columns of a pivot before the division.
-    products: [Vec<f64>; 2],
 }
 
 impl Front {
     /// Zeros of this size.
     pub fn reset(&mut self, size: usize) {
         self.size = size;
+        self.stride = size.next_multiple_of(LANES);
         self.entries.clear();
-        self.entries.resize(size * size, 0.0);
+        self.entries.resize(size * self.stride, 0.0);
+        if self.products.len() < size * self.stride {
+            self.products.resize(size * self.stride, 0.0);
+        }
         self.order.clear();
         self.order.extend(0..size);
+        self.levels.clear();
+        self.levels.resize(size, 0);
         self.sizes.clear();
-        self.sizes.resize(size, 0.0);
+        self.sizes.resize(self.stride, 0.0);
         self.pivots.clear();
         self.eliminated = 0;
-        for product in &mut self.products {
-            product.clear();
-            product.resize(size, 0.0);
-        }
+        self.is_complete = false;
     }
 
     /// Room for matrices of this size.
@@ -85,17 +101,33 @@ impl Front {
         self.pivots.reserve(size);
     }
 
+    /// Length of a column with its padding.
+    pub fn stride(&self) -> usize {
+        self.stride
+    }
+
+    /// The eliminated columns of L and M, with padding and whatever stands above the diagonal.
+    pub fn factors(&self) -> &[f64] {
+        &self.entries[..self.eliminated * self.stride]
+    }
+
     /// Column j from the diagonal on, as it stands in place j.
     #[inline(always)]
     pub fn column(&self, j: usize) -> &[f64] {
-        &self.entries[j * self.size + j..(j + 1) * self.size]
+        &self.entries[j * self.stride + j..][..self.size - j]
+    }
+
+    /// The same, to change.
+    #[inline(always)]
+    pub fn column_mut(&mut self, j: usize) -> &mut [f64] {
+        &mut self.entries[j * self.stride + j..][..self.size - j]
     }
 
     /// Adds to the entry (i, j) of either triangle.
     #[inline(always)]
     pub fn add(&mut self, i: usize, j: usize, value: f64) {
         let (row, column) = if i >= j { (i, j) } else { (j, i) };
-        self.entries[column * self.size + row] += value;
+        self.entries[column * self.stride + row] += value;
     }
 
     /// Adds to the entries (row, first), (row, first + 1), .. of either triangle; the columns are all before
@@ -103,132 +135,176 @@ impl Front {
     #[inline(always)]
     pub fn add_run(&mut self, row: usize, first: usize, values: &[f64]) {
         if first >= row {
-            let start = row * self.size + first;
-            let to = &mut self.entries[start..start + values.len()];
+            let to = &mut self.entries[row * self.stride + first..][..values.len()];
             to.iter_mut().zip(values).for_each(|(to, value)| *to += value);
         } else {
-            for (k, value) in values.iter().enumerate() {
-                self.entries[(first + k) * self.size + row] += value;
-            }
+            let columns = self.entries[first * self.stride..].chunks_exact_mut(self.stride);
+            columns.zip(values).for_each(|(column, value)| column[row] += value);
         }
     }
 
-    /// Notes the sizes of columns that were not set before.
+    /// Notes the sizes of columns that were not set before. Entries above the diagonal are zero.
+    #[inline(always)]
     pub fn take_sizes(&mut self) {
-        for j in 0..self.size {
-            for i in j..self.size {
-                let entry = self.entries[j * self.size + i].abs();
-                self.sizes[i] = self.sizes[i].max(entry);
-                self.sizes[j] = self.sizes[j].max(entry);
+        for (j, column) in self.entries.chunks_exact(self.stride.max(1)).enumerate() {
+            let first = j / LANES;
+            let (column, _) = column.as_chunks::<LANES>();
+            let (sizes, _) = self.sizes.as_chunks_mut::<LANES>();
+            let mut most = [0.0; LANES];
+            for (size, entries) in sizes[first..].iter_mut().zip(&column[first..]) {
+                for lane in 0..LANES {
+                    let entry = entries[lane].abs();
+                    size[lane] = if entry > size[lane] { entry } else { size[lane] };
+                    most[lane] = if entry > most[lane] { entry } else { most[lane] };
+                }
             }
+            self.sizes[j] = most.into_iter().fold(self.sizes[j], f64::max);
         }
     }
 
     /// Eliminates among the first `candidates` rows; of a definite matrix in their order. `forced`: whatever
     /// the threshold says, if there is nothing better.
-    pub fn factorise(&mut self, candidates: usize, definite: bool, forced: bool) {
-        in_widest!(self.eliminate(candidates, definite, forced));
-    }
-
     #[inline(always)]
-    fn eliminate<const FUSED: bool>(&mut self, candidates: usize, definite: bool, forced: bool) {
-        if self.size == 0 {
-            return;
-        }
+    pub fn eliminate<const FUSED: bool>(&mut self, candidates: usize, definite: bool, forced: bool) {
+        let (mut cursor, mut refused, mut best) = (0, 0, Best::default());
         while self.eliminated < candidates {
             let k = self.eliminated;
-            let choice = if definite { Some(Choice::One(k)) } else { self.choose(candidates, forced) };
+            let choice = if refused == candidates - k {
+                // No column has changed since it was refused.
+                if !forced {
+                    break;
+                }
+                best.choice
+            } else {
+                cursor = if cursor < candidates { cursor.max(k) } else { k };
+                self.bring_up_to_date::<FUSED>(cursor, candidates);
+                if definite {
+                    Some(Choice::One(k))
+                } else {
+                    self.judge::<FUSED>(cursor, candidates, &mut best)
+                }
+            };
             match choice {
                 Some(Choice::Zero(j)) => {
-                    self.swap(k, j);
-                    self.entries[k * self.size + k..(k + 1) * self.size].fill(0.0);
+                    self.swap(k, j, candidates);
+                    let column = k * self.stride..(k + 1) * self.stride;
+                    self.entries[column.clone()].fill(0.0);
+                    self.products[column].fill(0.0);
                     self.pivots.push(Pivot::Zero);
                     self.eliminated += 1;
                 }
                 Some(Choice::One(j)) => {
-                    self.swap(k, j);
-                    self.eliminate_one::<FUSED>(candidates);
+                    self.swap(k, j, candidates);
+                    self.eliminate_one();
                 }
                 Some(Choice::Two(i, j)) => {
                     // i < j, so that the second exchange does not move what the first one placed.
-                    self.swap(k, i);
-                    self.swap(k + 1, j);
-                    self.eliminate_two::<FUSED>(candidates);
+                    self.swap(k, i, candidates);
+                    self.swap(k + 1, j, candidates);
+                    self.eliminate_two();
                 }
-                None => break,
+                None if refused == candidates - k => break,
+                None => {
+                    refused += 1;
+                    cursor += 1;
+                    continue;
+                }
             }
+            (refused, best) = (0, Best::default());
+            cursor += 1;
         }
+        (self.eliminated..candidates).for_each(|j| self.bring_up_to_date::<FUSED>(j, candidates));
         self.update_rest::<FUSED>(candidates);
     }
 
-    /// The largest entry of column j beside the diagonal, and the candidate with the largest one.
+    /// Updates column j, and those after it that have had the same updates.
     #[inline(always)]
-    fn largest_of(&self, j: usize, candidates: usize) -> (f64, f64, usize) {
-        let (n, k) = (self.size, self.eliminated);
-        let (mut most, mut of_candidate, mut partner) = (0.0, 0.0, j);
-        for i in k..candidates {
-            if i == j {
-                continue;
-            }
-            let entry = self.entry(i, j).abs();
-            if entry > of_candidate {
-                (of_candidate, partner) = (entry, i);
-            }
+    fn bring_up_to_date<const FUSED: bool>(&mut self, j: usize, candidates: usize) {
+        let (stride, level) = (self.stride, self.levels[j]);
+        let sources = level * stride..self.eliminated * stride;
+        if sources.is_empty() {
+            return;
         }
-        for i in candidates..n {
-            most = f64::max(most, self.entries[j * n + i].abs());
-        }
-        (f64::max(most, of_candidate), of_candidate, partner)
+        let first = if self.is_complete { self.eliminated } else { j } / LANES;
+        let same = self.levels[j..candidates].iter().take(4).take_while(|&&other| other == level).count();
+        let (done, rest) = self.entries.split_at_mut(self.eliminated * stride);
+        let from = (&done[sources.clone()], &self.products[sources]);
+        let to = &mut rest[j * stride - done.len()..];
+        let width = update::<FUSED>(from, to, stride, (j, same), first * LANES);
+        self.levels[j..j + width].fill(self.eliminated);
     }
 
+    /// Updates the columns that are no candidates.
     #[inline(always)]
-    fn entry(&self, i: usize, j: usize) -> f64 {
-        let (row, column) = if i >= j { (i, j) } else { (j, i) };
-        self.entries[column * self.size + row]
+    fn update_rest<const FUSED: bool>(&mut self, candidates: usize) {
+        let (stride, mut j) = (self.stride, candidates);
+        let (done, rest) = self.entries.split_at_mut(self.eliminated * stride);
+        let from = (&*done, &self.products[..done.len()]);
+        while j < self.size {
+            let to = &mut rest[j * stride - done.len()..];
+            j += update::<FUSED>(from, to, stride, (j, self.size - j), j / LANES * LANES);
+        }
     }
 
-    /// The next pivot: the first candidate that is acceptable by itself or with a partner; of those that are
-    /// not, the best one if that is `forced`.
-    fn choose(&self, candidates: usize, forced: bool) -> Option<Choice> {
-        let mut best = (0.0, None);
+    /// Updates all candidates, and copies what is below the diagonal to the other side of it.
+    #[inline(always)]
+    fn complete<const FUSED: bool>(&mut self, candidates: usize) {
+        (self.eliminated..candidates).for_each(|j| self.bring_up_to_date::<FUSED>(j, candidates));
         for j in self.eliminated..candidates {
-            let (most, of_candidate, partner) = self.largest_of(j, candidates);
-            let diagonal = self.entry(j, j).abs();
-            if most.max(diagonal) <= ZERO * self.sizes[j] {
-                return Some(Choice::Zero(j));
-            }
-            if diagonal >= THRESHOLD * most {
-                return Some(Choice::One(j));
-            }
-            if forced && diagonal > best.0 * most {
-                best = (diagonal / most, Some(Choice::One(j)));
-            }
-            if of_candidate <= ZERO * self.sizes[j] {
-                continue;
-            }
-            let quality = self.quality_of_two(j, partner, candidates);
-            let pair = Choice::Two(j.min(partner), j.max(partner));
-            if quality >= THRESHOLD {
-                return Some(pair);
-            }
-            if forced && quality > best.0 {
-                best = (quality, Some(pair));
+            for i in j + 1..candidates {
+                self.entries[i * self.stride + j] = self.entries[j * self.stride + i];
             }
         }
-        best.1
+        self.is_complete = true;
     }
 
-    /// The reciprocal of the largest entry of L that columns i and j give together.
-    fn quality_of_two(&self, i: usize, j: usize, candidates: usize) -> f64 {
-        let beside = |column: usize| {
-            let of_candidates = (self.eliminated..candidates).filter(|&row| row != i && row != j);
-            let largest = of_candidates.fold(0.0, |most: f64, row| most.max(self.entry(row, column).abs()));
-            let rest = &self.entries[column * self.size + candidates..(column + 1) * self.size];
-            rest.iter().fold(largest, |most, entry| most.max(entry.abs()))
-        };
-        let (a, b, c) = (self.entry(i, i), self.entry(i, j), self.entry(j, j));
+    /// The largest entry of column j, which is up to date, beside the rows i < r.
+    #[inline(always)]
+    fn largest_beside(&self, j: usize, i: usize, r: usize) -> f64 {
+        let column = &self.entries[j * self.stride..][..self.stride];
+        let first = self.eliminated;
+        largest(&column[first..i]).max(largest(&column[i + 1..r])).max(largest(&column[r + 1..]))
+    }
+
+    /// A pivot of column j, which is up to date, by itself or with a partner, if one is acceptable.
+    #[inline(always)]
+    fn judge<const FUSED: bool>(&mut self, j: usize, candidates: usize, best: &mut Best) -> Option<Choice> {
+        let column = &self.entries[j * self.stride..][..self.stride];
+        let most = largest(&column[self.eliminated.min(j)..j]).max(largest(&column[j + 1..]));
+        let diagonal = column[j].abs();
+        if most.max(diagonal) <= ZERO * self.sizes[j] {
+            return Some(Choice::Zero(j));
+        }
+        if diagonal >= THRESHOLD * most {
+            return Some(Choice::One(j));
+        }
+        best.offer(diagonal / most, Choice::One(j));
+        if !self.is_complete {
+            self.complete::<FUSED>(candidates);
+        }
+        let (mut of_candidate, mut partner) = (0.0, j);
+        let column = &self.entries[j * self.stride..][..candidates];
+        for (i, entry) in column.iter().enumerate().skip(self.eliminated) {
+            if entry.abs() > of_candidate && i != j {
+                (of_candidate, partner) = (entry.abs(), i);
+            }
+        }
+        if of_candidate <= ZERO * self.sizes[j] {
+            return None;
+        }
+        self.bring_up_to_date::<FUSED>(partner, candidates);
+        let (i, j) = (j.min(partner), j.max(partner));
+        let quality = self.quality_of_two(i, j);
+        best.offer(quality, Choice::Two(i, j));
+        (quality >= THRESHOLD).then_some(Choice::Two(i, j))
+    }
+
+    /// The reciprocal of the largest entry of L that columns i < j give together.
+    fn quality_of_two(&self, i: usize, j: usize) -> f64 {
+        let entry = |row: usize, column: usize| self.entries[column * self.stride + row];
+        let (a, b, c) = (entry(i, i), entry(j, i), entry(j, j));
         let determinant = a * c - b * b;
-        let (first, second) = (beside(i), beside(j));
+        let (first, second) = (self.largest_beside(i, i, j), self.largest_beside(j, i, j));
         let growth = f64::max(c.abs() * first + b.abs() * second, b.abs() * first + a.abs() * second);
         if growth == 0.0 {
             if determinant == 0.0 { 0.0 } else { f64::INFINITY }
@@ -237,101 +313,53 @@ impl Front {
         }
     }
 
-    /// Exchanges two rows and columns that are not eliminated.
-    fn swap(&mut self, i: usize, j: usize) {
+    /// Exchanges two rows and columns of candidates that are not eliminated, i <= j.
+    #[inline(always)]
+    fn swap(&mut self, i: usize, j: usize, candidates: usize) {
         if i == j {
             return;
         }
-        let (n, (i, j)) = (self.size, (i.min(j), i.max(j)));
-        for column in 0..i {
-            self.entries.swap(column * n + i, column * n + j);
-        }
-        for between in i + 1..j {
-            self.entries.swap(i * n + between, between * n + j);
-        }
-        self.entries.swap(i * n + i, j * n + j);
-        for row in j + 1..n {
-            self.entries.swap(i * n + row, j * n + row);
-        }
+        let (stride, done) = (self.stride, self.eliminated * self.stride);
+        let (head, tail) = self.entries.split_at_mut(j * stride);
+        head[i * stride..][..stride].swap_with_slice(&mut tail[..stride]);
+        let columns = self.entries[..candidates * stride].chunks_exact_mut(stride);
+        let products = self.products[..done].chunks_exact_mut(stride);
+        columns.chain(products).for_each(|column| column.swap(i, j));
         self.order.swap(i, j);
         self.sizes.swap(i, j);
+        self.levels.swap(i, j);
     }
 
-    /// Eliminates the first row that is left, and updates the columns of the other candidates.
+    /// Eliminates the first row that is left.
     #[inline(always)]
-    fn eliminate_one<const FUSED: bool>(&mut self, candidates: usize) {
-        let (n, k) = (self.size, self.eliminated);
-        let (done, rest) = self.entries.split_at_mut((k + 1) * n);
-        let column = &mut done[k * n..];
-        let pivot = column[k];
-        let [product, _] = &mut self.products;
-        product[k + 1..].copy_from_slice(&column[k + 1..]);
-        let reciprocal = pivot.recip();
-        column[k + 1..].iter_mut().for_each(|entry| *entry *= reciprocal);
-        for (c, to) in rest.chunks_exact_mut(n).take(candidates - k - 1).enumerate() {
-            let c = k + 1 + c;
-            let factor = -product[c];
-            add::<FUSED>(&mut to[c..], factor, &column[c..]);
-        }
+    fn eliminate_one(&mut self) {
+        let (k, first) = (self.eliminated, self.eliminated / LANES * LANES);
+        let column = k * self.stride + first..(k + 1) * self.stride;
+        let pivot = self.entries[k * self.stride + k];
+        scale(&mut self.entries[column.clone()], pivot.recip(), &mut self.products[column]);
         self.pivots.push(Pivot::One(pivot));
         self.eliminated += 1;
     }
 
     /// The same for the first two rows.
     #[inline(always)]
-    fn eliminate_two<const FUSED: bool>(&mut self, candidates: usize) {
-        let (n, k) = (self.size, self.eliminated);
-        let (done, rest) = self.entries.split_at_mut((k + 2) * n);
-        let (first, second) = done[k * n..].split_at_mut(n);
+    fn eliminate_two(&mut self) {
+        let (stride, k) = (self.stride, self.eliminated);
+        let columns = k * stride..(k + 2) * stride;
+        let (first, second) = self.entries[columns.clone()].split_at_mut(stride);
+        let (x, y) = self.products[columns].split_at_mut(stride);
         let block = [first[k], first[k + 1], second[k + 1]];
         let inverse = inverse_of_two(block);
-        let [x, y] = &mut self.products;
-        for i in k + 2..n {
-            (x[i], y[i]) = (first[i], second[i]);
-            [first[i], second[i]] = inverse(x[i], y[i]);
+        let (first, second) = (&mut first[k + 1..], &mut second[k + 1..]);
+        for ((l, m), (x, y)) in
+            first.iter_mut().zip(second.iter_mut()).zip(x[k + 1..].iter_mut().zip(&mut y[k + 1..]))
+        {
+            (*x, *y) = (*l, *m);
+            [*l, *m] = inverse(*x, *y);
         }
-        first[k + 1] = 0.0;
-        for (column, to) in rest.chunks_exact_mut(n).take(candidates - k - 2).enumerate() {
-            let column = k + 2 + column;
-            add::<FUSED>(&mut to[column..], -x[column], &first[column..]);
-            add::<FUSED>(&mut to[column..], -y[column], &second[column..]);
-        }
+        first[0] = 0.0;
         self.pivots.push(Pivot::Two(block));
         self.eliminated += 2;
-    }
-
-    /// Updates the columns that are no candidates, by four eliminated ones at a time.
-    #[inline(always)]
-    fn update_rest<const FUSED: bool>(&mut self, candidates: usize) {
-        let (n, eliminated) = (self.size, self.eliminated);
-        let (done, rest) = self.entries.split_at_mut(candidates * n);
-        let mut weights = std::mem::take(&mut self.products[0]);
-        for (c, to) in rest.chunks_exact_mut(n).enumerate() {
-            let c = candidates + c;
-            // D times row c of L.
-            let mut k = 0;
-            for pivot in &self.pivots {
-                match *pivot {
-                    Pivot::Zero => weights[k] = 0.0,
-                    Pivot::One(d) => weights[k] = d * done[k * n + c],
-                    Pivot::Two([a, b, d]) => {
-                        let (x, y) = (done[k * n + c], done[(k + 1) * n + c]);
-                        (weights[k], weights[k + 1]) = (a * x + b * y, b * x + d * y);
-                    }
-                }
-                k += pivot.order();
-            }
-            let to = &mut to[c..];
-            let column = |k: usize| &done[k * n + c..(k + 1) * n];
-            let mut k = 0;
-            while k + 4 <= eliminated {
-                let factors = [0, 1, 2, 3].map(|i| -weights[k + i]);
-                add_four::<FUSED>(to, factors, [0, 1, 2, 3].map(|i| column(k + i)));
-                k += 4;
-            }
-            (k..eliminated).for_each(|k| add::<FUSED>(to, -weights[k], column(k)));
-        }
-        self.products[0] = weights;
     }
 }
 
@@ -343,25 +371,18 @@ enum Choice {
     Two(usize, usize),
 }
 
-/// `to += factor from`.
-#[inline(always)]
-pub(super) fn add<const FUSED: bool>(to: &mut [f64], factor: f64, from: &[f64]) {
-    for (to, from) in to.iter_mut().zip(from) {
-        *to = fused::<FUSED>(factor, *from, *to);
-    }
+/// The best of the pivots that were refused.
+#[derive(Clone, Copy, Debug, Default)]
+struct Best {
+    quality: f64,
+    choice: Option<Choice>,
 }
 
-#[inline(always)]
-fn add_four<const FUSED: bool>(to: &mut [f64], [a, b, c, d]: [f64; 4], from: [&[f64]; 4]) {
-    let n = to.len();
-    let [p, q, r, s] = from.map(|from| &from[..n]);
-    for i in 0..n {
-        let first = fused::<FUSED>(b, q[i], fused::<FUSED>(a, p[i], to[i]));
-        to[i] = fused::<FUSED>(d, s[i], fused::<FUSED>(c, r[i], first));
+impl Best {
+    #[inline(always)]
+    fn offer(&mut self, quality: f64, choice: Choice) {
+        if quality > self.quality {
+            *self = Self { quality, choice: Some(choice) };
+        }
     }
-}
-
-#[inline(always)]
-fn fused<const FUSED: bool>(a: f64, b: f64, c: f64) -> f64 {
-    if FUSED { a.mul_add(b, c) } else { a * b + c }
 }
