@@ -10,10 +10,12 @@
 //! terms nor a regularisation are in it. Derivatives of the solution by a parameter solve the same equations.
 
 use crate::blocks::{Blocks, Dense};
-use crate::elements::{add_symmetric, add_transposed, gather, room, scatter, squares, times};
+use crate::elements::{Pattern, Room, add_symmetric, add_transposed, gather, scatter, squares, times};
 use crate::iterate::{Bounds, Iterate};
 use crate::kkt::{Chain, Inertia};
 use crate::layout::{Layout, Rows};
+use crate::tiles::fused;
+use costate_numerics::in_widest;
 
 /// The curvature of the Lagrangian where equations and held ranges are kept.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -68,12 +70,13 @@ pub(crate) struct Active {
     hessians: Vec<Dense>,
     /// Equations, then ranges; rows of free ranges are zero.
     jacobians: Vec<Dense>,
+    patterns: Vec<Pattern>,
     diagonal: Vec<f64>,
     right: Vec<f64>,
     solution: Vec<f64>,
     residual: Vec<f64>,
     /// Entries and rows of one element.
-    local: [Vec<f64>; 2],
+    local: Room,
     products: Vec<f64>,
 }
 
@@ -115,12 +118,13 @@ impl Active {
             chain: Chain::new(&extended),
             held: vec![Held::Free; layout.ranges()],
             hessians: squares(layout),
+            patterns: jacobians.iter().map(|rows| Pattern::dense(rows.rows())).collect(),
             jacobians,
             diagonal: vec![0.0; size],
             right: vec![0.0; size],
             solution: vec![0.0; size],
             residual: vec![0.0; size],
-            local: room(layout),
+            local: Room::new(layout),
             products: vec![0.0; size - layout.steps()],
         }
     }
@@ -156,7 +160,10 @@ impl Active {
         for ((element, block), (hessian, jacobian)) in
             layout.elements().zip(blocks.all()).zip(self.hessians.iter_mut().zip(&mut self.jacobians))
         {
-            hessian.entries_mut().copy_from_slice(block.hessian.entries());
+            for i in 0..block.hessian.columns() {
+                let row = block.hessian.row(i);
+                hessian.row_mut(i)[..row.len()].copy_from_slice(row);
+            }
             let Rows { equalities, ranges } = layout.rows(element);
             (0..equalities).for_each(|i| jacobian.row_mut(i).copy_from_slice(block.equalities.row(i)));
             for (i, row) in (0..ranges).zip(layout.ranges_of(element)) {
@@ -235,28 +242,33 @@ impl Active {
 
     /// `right - K solution`, zero for rows that depend on others.
     fn set_residual(&mut self, layout: &Layout) {
-        let Self { chain, hessians, jacobians, diagonal, right, solution, residual, local, products, .. } =
-            self;
+        in_widest!(self.subtract_products(layout));
+        self.chain.zeros().iter().for_each(|&row| self.residual[row] = 0.0);
+    }
+
+    #[inline(always)]
+    fn subtract_products<const FUSED: bool>(&mut self, layout: &Layout) {
+        let Self { hessians, jacobians, patterns, diagonal, right, solution, residual, local, .. } = self;
+        let products = &mut self.products;
         for (i, entry) in residual.iter_mut().enumerate() {
-            *entry = diagonal[i].mul_add(solution[i], -right[i]);
+            *entry = fused::<FUSED>(diagonal[i], solution[i], -right[i]);
         }
         let mut row = layout.steps();
-        let [d, sum] = local;
-        for (element, (hessian, jacobian)) in layout.elements().zip(hessians.iter().zip(&*jacobians)) {
-            let Rows { equalities, ranges } = layout.rows(element);
-            let rows = row..row + equalities + ranges;
-            row = rows.end;
-            let width = hessian.columns();
-            let (d, sum, products) = (&mut d[..width], &mut sum[..width], &mut products[..rows.len()]);
+        for ((element, hessian), rows) in
+            layout.elements().zip(&*hessians).zip(jacobians.iter().zip(&*patterns))
+        {
+            let own = row..row + rows.0.rows();
+            row = own.end;
+            let (d, sum, sums) = local.of(rows.0.columns());
+            let products = &mut products[..own.len()];
             gather(layout, element, solution, d);
             sum.fill(0.0);
-            add_symmetric(hessian, d, sum);
-            add_transposed(jacobian, &solution[rows.clone()], sum);
+            add_symmetric::<FUSED>(hessian, d, sum, sums);
+            add_transposed::<FUSED>(rows, &solution[own.clone()], sum);
             scatter(layout, element, sum, residual);
-            times(jacobian, d, products);
-            residual[rows].iter_mut().zip(&*products).for_each(|(to, product)| *to += product);
+            times::<FUSED>(rows, d, products, sums);
+            residual[own].iter_mut().zip(&*products).for_each(|(to, product)| *to += product);
         }
         residual.iter_mut().for_each(|entry| *entry = -*entry);
-        chain.zeros().iter().for_each(|&row| residual[row] = 0.0);
     }
 }

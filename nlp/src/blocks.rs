@@ -1,5 +1,6 @@
 //! Values and derivatives of a staged program, element by element.
 
+use crate::elements::Pattern;
 use crate::layout::{Element, Layout};
 use std::ops::{Index, IndexMut};
 
@@ -40,6 +41,7 @@ pub struct Weights<'a> {
 /// A dense matrix, row by row.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Dense {
+    rows: usize,
     columns: usize,
     entries: Vec<f64>,
 }
@@ -47,7 +49,12 @@ pub struct Dense {
 impl Dense {
     /// Zeros.
     pub fn zeros(rows: usize, columns: usize) -> Self {
-        Self { columns, entries: vec![0.0; rows * columns] }
+        Self { rows, columns, entries: vec![0.0; rows * columns] }
+    }
+
+    /// Number of rows.
+    pub fn rows(&self) -> usize {
+        self.rows
     }
 
     /// Number of columns.
@@ -106,6 +113,8 @@ pub struct Block {
     pub ranges: Dense,
     /// Room for its part of the gradient of the Lagrangian.
     pub(crate) slope: Vec<f64>,
+    pub(crate) equality_pattern: Pattern,
+    pub(crate) range_pattern: Pattern,
 }
 
 /// The derivatives of all elements.
@@ -126,6 +135,8 @@ impl Blocks {
                 equalities: Dense::zeros(rows.equalities, width),
                 ranges: Dense::zeros(rows.ranges, width),
                 slope: vec![0.0; width],
+                equality_pattern: Pattern::dense(rows.equalities),
+                range_pattern: Pattern::dense(rows.ranges),
             }
         };
         Self { blocks: layout.elements().map(block).collect(), intervals: layout.intervals() }

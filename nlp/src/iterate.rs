@@ -3,6 +3,7 @@
 use crate::blocks::{Block, Blocks, Values};
 use crate::elements::{add_transposed, largest, scatter, worse};
 use crate::layout::Layout;
+use costate_numerics::in_widest;
 
 /// An iterate of
 ///
@@ -202,13 +203,18 @@ impl Iterate {
 
     /// Residuals at the derivatives of this iterate; those of slacks are `-v - z_l + z_u`.
     pub fn residuals(&self, layout: &Layout, blocks: &mut Blocks, to: &mut Residuals) {
+        in_widest!(self.set_residuals(layout, blocks, to));
+    }
+
+    #[inline(always)]
+    fn set_residuals<const FUSED: bool>(&self, layout: &Layout, blocks: &mut Blocks, to: &mut Residuals) {
         to.x.fill(0.0);
         for (element, block) in layout.elements().zip(blocks.all_mut()) {
             let (y, v) = (&self.y[layout.equalities_of(element)], &self.v[layout.ranges_of(element)]);
-            let Block { gradient, equalities, ranges, slope, .. } = block;
+            let Block { gradient, equalities, equality_pattern, ranges, range_pattern, slope, .. } = block;
             slope.copy_from_slice(gradient);
-            add_transposed(equalities, y, slope);
-            add_transposed(ranges, v, slope);
+            add_transposed::<FUSED>((equalities, equality_pattern), y, slope);
+            add_transposed::<FUSED>((ranges, range_pattern), v, slope);
             scatter(layout, element, slope, &mut to.x);
         }
         to.equalities.copy_from_slice(&self.values.equalities);

@@ -52,6 +52,7 @@ mod active;
 mod barrier;
 mod blocks;
 mod certify;
+mod condense;
 mod elements;
 mod filter;
 mod iterate;
@@ -64,6 +65,7 @@ mod restoration;
 mod scaled;
 mod solve;
 mod sparse;
+mod tiles;
 
 pub use active::{Certificate, Changes, Held};
 pub use barrier::BarrierSettings;

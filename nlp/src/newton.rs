@@ -12,12 +12,15 @@
 //! and the rest is factored from stage to stage. Residuals are those of the whole system: it is refined until
 //! they are small.
 
-use crate::blocks::{Block, Blocks, Dense};
-use crate::elements::{add_symmetric, add_transposed, gather, room, scatter, squares, times};
+use crate::blocks::{Block, Blocks};
+use crate::condense::Condensed;
+use crate::elements::{Room, add_symmetric, add_transposed, gather, scatter, times};
 use crate::iterate::{Bounds, Iterate, Residuals, Step};
 use crate::kkt::{Chain, Inertia};
 use crate::layout::Layout;
+use crate::tiles::fused;
 use costate_numerics::in_widest;
+use std::ops::Range;
 
 /// How W is made positive definite where the equations leave it free.
 ///
@@ -59,8 +62,7 @@ pub(crate) enum NoStep {
 #[derive(Clone, Debug)]
 pub(crate) struct Newton {
     chain: Chain,
-    /// `W + G' Sigma G` by element.
-    hessians: Vec<Dense>,
+    condensed: Condensed,
     /// Sigma.
     weights: Vec<f64>,
     /// Added to the diagonal of W, and zeros.
@@ -73,16 +75,16 @@ pub(crate) struct Newton {
     residual: Residuals,
     correction: Step,
     rows: Vec<f64>,
-    condensed: Vec<f64>,
-    /// Entries of one element.
-    local: [Vec<f64>; 2],
+    /// Right-hand side and solution of the condensed equations.
+    solution: Vec<f64>,
+    local: Room,
 }
 
 impl Newton {
     pub fn new(layout: &Layout, settings: RegularisationSettings) -> Self {
         Self {
             chain: Chain::new(layout),
-            hessians: squares(layout),
+            condensed: Condensed::new(layout),
             weights: vec![0.0; layout.ranges()],
             diagonal: vec![0.0; layout.steps() + layout.equalities()],
             settings,
@@ -92,8 +94,8 @@ impl Newton {
             residual: Residuals::zeros(layout),
             correction: Step::zeros(layout),
             rows: vec![0.0; layout.ranges()],
-            condensed: vec![0.0; layout.steps() + layout.equalities()],
-            local: room(layout),
+            solution: vec![0.0; layout.steps() + layout.equalities()],
+            local: Room::new(layout),
         }
     }
 
@@ -126,14 +128,14 @@ impl Newton {
             // An infinite gap has no multiplier.
             *weight = lower[i] / below + upper[i] / above;
         }
-        self.condense(layout, blocks);
+        self.condensed.set(layout, blocks, &self.weights);
         let RegularisationSettings { first, least, largest, decrease, increase: [factor, first_factor] } =
             self.settings;
         let mut delta = 0.0;
         loop {
             self.diagonal[..layout.steps()].fill(delta);
             let jacobian = |element: usize| &blocks.all()[element].equalities;
-            let inertia = self.chain.factorise(&self.hessians, jacobian, &self.diagonal);
+            let inertia = self.chain.factorise(&self.condensed.hessians, jacobian, &self.diagonal);
             if self.is_right(layout, inertia) {
                 break;
             }
@@ -157,15 +159,15 @@ impl Newton {
     /// Least-squares multipliers y for these slopes of the Lagrangian without y, in `step.y`: those of
     /// `(1, C'; C, 0) (d; y) = (-slopes; 0)`.
     pub fn estimate(&mut self, layout: &Layout, blocks: &Blocks, slopes: &[f64], step: &mut Step) {
-        self.hessians.iter_mut().for_each(|hessian| hessian.entries_mut().fill(0.0));
+        self.condensed.hessians.iter_mut().for_each(|hessian| hessian.entries_mut().fill(0.0));
         self.diagonal[..layout.steps()].fill(1.0);
         let jacobian = |element: usize| &blocks.all()[element].equalities;
-        self.chain.factorise(&self.hessians, jacobian, &self.diagonal);
+        self.chain.factorise(&self.condensed.hessians, jacobian, &self.diagonal);
         let n = layout.steps();
-        self.condensed[..n].iter_mut().zip(slopes).for_each(|(to, slope)| *to = -slope);
-        self.condensed[n..].fill(0.0);
-        self.chain.solve(&mut self.condensed);
-        step.y.copy_from_slice(&self.condensed[n..]);
+        self.solution[..n].iter_mut().zip(slopes).for_each(|(to, slope)| *to = -slope);
+        self.solution[n..].fill(0.0);
+        self.chain.solve(&mut self.solution);
+        step.y.copy_from_slice(&self.solution[n..]);
     }
 
     /// As many positive eigenvalues as unknowns; the others belong to equations, zeros to those that depend
@@ -174,15 +176,6 @@ impl Newton {
         positive == layout.steps()
             && negative + zero == layout.equalities()
             && self.chain.zeros().iter().all(|&row| row >= layout.steps())
-    }
-
-    /// `W + G' Sigma G`, upper triangles.
-    fn condense(&mut self, layout: &Layout, blocks: &Blocks) {
-        for ((element, block), hessian) in layout.elements().zip(blocks.all()).zip(&mut self.hessians) {
-            hessian.entries_mut().copy_from_slice(block.hessian.entries());
-            let weights = &self.weights[layout.ranges_of(element)];
-            in_widest!(add_squares(hessian, weights, &block.ranges));
-        }
     }
 
     /// The Newton step for these right-hand sides `b_x = -residuals.x`, .., and for mu that of z:
@@ -211,13 +204,13 @@ impl Newton {
     fn solve(&mut self, layout: &Layout, blocks: &Blocks, residuals: &Residuals, step: &mut Step) {
         let mut right = std::mem::take(&mut self.right);
         right.copy_negative(residuals);
-        self.solve_once(layout, blocks, &right, step);
         let size = right.largest();
         let (mut residual, mut correction) =
             (std::mem::take(&mut self.residual), std::mem::take(&mut self.correction));
+        self.solve_condensed(layout, blocks, &right, step);
+        in_widest!(self.set_residual(layout, blocks, (&right, step), &mut residual, true));
         let mut before = f64::INFINITY;
         for round in 0..=REFINEMENTS {
-            self.residual_of(layout, blocks, (&right, step), &mut residual);
             let error = residual.largest();
             if round > 0 && error >= before {
                 step.subtract(&correction);
@@ -229,123 +222,131 @@ impl Newton {
                 break;
             }
             before = error;
-            self.solve_once(layout, blocks, &residual, &mut correction);
+            self.solve_condensed(layout, blocks, &residual, &mut correction);
+            in_widest!(self.complete(layout, blocks, (&residual, &mut correction)));
             step.add(&correction);
+            in_widest!(self.set_residual(layout, blocks, (&right, step), &mut residual, false));
         }
         (self.residual, self.correction) = (residual, correction);
         self.right = right;
     }
 
-    /// Without refinement.
-    fn solve_once(&mut self, layout: &Layout, blocks: &Blocks, right: &Residuals, step: &mut Step) {
-        let Self { chain, weights, condensed, rows, local, .. } = self;
-        let n = layout.steps();
-        condensed[..n].copy_from_slice(&right.x);
-        condensed[n..].copy_from_slice(&right.equalities);
-        for (i, row) in rows.iter_mut().enumerate() {
-            *row = weights[i].mul_add(right.ranges[i], right.slacks[i]);
+    /// The step of x and y.
+    fn solve_condensed(&mut self, layout: &Layout, blocks: &Blocks, right: &Residuals, step: &mut Step) {
+        in_widest!(self.condense(layout, blocks, right));
+        self.chain.solve(&mut self.solution);
+        let (x, y) = self.solution.split_at(layout.steps());
+        step.x.copy_from_slice(x);
+        step.y.copy_from_slice(y);
+    }
+
+    /// The right-hand side `b_x + G' (Sigma b_g + b_s)`, b_c.
+    #[inline(always)]
+    fn condense<const FUSED: bool>(&mut self, layout: &Layout, blocks: &Blocks, right: &Residuals) {
+        let Self { weights, solution, rows, local, .. } = self;
+        let (x, y) = solution.split_at_mut(layout.steps());
+        x.copy_from_slice(&right.x);
+        y.copy_from_slice(&right.equalities);
+        for (((row, weight), g), s) in rows.iter_mut().zip(&*weights).zip(&right.ranges).zip(&right.slacks) {
+            *row = fused::<FUSED>(*weight, *g, *s);
         }
         for (element, block) in layout.elements().zip(blocks.all()) {
             let own = layout.ranges_of(element);
             if !own.is_empty() {
-                let [_, sum] = local_of(local, block);
+                let (_, sum, _) = local.of(block.gradient.len());
                 sum.fill(0.0);
-                add_transposed(&block.ranges, &rows[own], sum);
-                scatter(layout, element, sum, condensed);
+                add_transposed::<FUSED>((&block.ranges, &block.range_pattern), &rows[own], sum);
+                scatter(layout, element, sum, x);
             }
-        }
-        chain.solve(condensed);
-        step.x.copy_from_slice(&condensed[..n]);
-        step.y.copy_from_slice(&condensed[n..]);
-        for (element, block) in layout.elements().zip(blocks.all()) {
-            let own = layout.ranges_of(element);
-            if !own.is_empty() {
-                let [d, _] = local_of(local, block);
-                gather(layout, element, &step.x, d);
-                times(&block.ranges, d, &mut step.slacks[own]);
-            }
-        }
-        for (i, weight) in weights.iter().enumerate() {
-            step.slacks[i] -= right.ranges[i];
-            step.v[i] = weight * step.slacks[i] - right.slacks[i];
         }
     }
 
-    /// `b - K d`.
-    fn residual_of(
+    /// The step of slacks and v from that of x.
+    #[inline(always)]
+    fn complete<const FUSED: bool>(
         &mut self,
         layout: &Layout,
         blocks: &Blocks,
-        (right, step): (&Residuals, &Step),
-        to: &mut Residuals,
+        (right, step): (&Residuals, &mut Step),
     ) {
-        let is_dependent = |row: usize| self.chain.zeros().contains(&(layout.steps() + row));
-        for (i, entry) in to.x.iter_mut().enumerate() {
-            *entry = right.x[i] - self.diagonal[i] * step.x[i];
-        }
-        let mut local = std::mem::take(&mut self.local);
         for (element, block) in layout.elements().zip(blocks.all()) {
-            let [d, sum] = local_of(&mut local, block);
+            let own = layout.ranges_of(element);
+            if !own.is_empty() {
+                let (d, _, sums) = self.local.of(block.gradient.len());
+                gather(layout, element, &step.x, d);
+                times::<FUSED>((&block.ranges, &block.range_pattern), d, &mut step.slacks[own.clone()], sums);
+                set_slacks(own, &self.weights, right, step);
+            }
+        }
+    }
+
+    /// `b - K d`; `completes`: after the step of slacks and v was set from that of x.
+    #[inline(always)]
+    fn set_residual<const FUSED: bool>(
+        &mut self,
+        layout: &Layout,
+        blocks: &Blocks,
+        (right, step): (&Residuals, &mut Step),
+        to: &mut Residuals,
+        completes: bool,
+    ) {
+        let Self { weights, diagonal, local, chain, .. } = self;
+        for (((entry, right), diagonal), d) in to.x.iter_mut().zip(&right.x).zip(diagonal).zip(&step.x) {
+            *entry = *right - *diagonal * d;
+        }
+        for (element, block) in layout.elements().zip(blocks.all()) {
+            let Block { gradient, hessian, equalities, equality_pattern, ranges, range_pattern, .. } = block;
+            let (equalities, ranges) = ((equalities, equality_pattern), (ranges, range_pattern));
+            let (d, sum, sums) = local.of(gradient.len());
             gather(layout, element, &step.x, d);
             sum.fill(0.0);
-            add_symmetric(&block.hessian, d, sum);
-            let (equalities, ranges) = (layout.equalities_of(element), layout.ranges_of(element));
-            add_transposed(&block.equalities, &step.y[equalities.clone()], sum);
-            add_transposed(&block.ranges, &step.v[ranges.clone()], sum);
+            add_symmetric::<FUSED>(hessian, d, sum, sums);
+            let own = layout.equalities_of(element);
+            if !own.is_empty() {
+                add_transposed::<FUSED>(equalities, &step.y[own.clone()], sum);
+                let to = &mut to.equalities[own.clone()];
+                times::<FUSED>(equalities, d, to, sums);
+                to.iter_mut().zip(&right.equalities[own]).for_each(|(to, right)| *to = right - *to);
+            }
+            let own = layout.ranges_of(element);
+            if !own.is_empty() {
+                let to = &mut to.ranges[own.clone()];
+                times::<FUSED>(ranges, d, to, sums);
+                if completes {
+                    step.slacks[own.clone()].copy_from_slice(to);
+                    set_slacks(own.clone(), weights, right, step);
+                }
+                for ((to, right), slack) in
+                    to.iter_mut().zip(&right.ranges[own.clone()]).zip(&step.slacks[own.clone()])
+                {
+                    *to = right - (*to - slack);
+                }
+                add_transposed::<FUSED>(ranges, &step.v[own], sum);
+            }
             sum.iter_mut().for_each(|entry| *entry = -*entry);
             scatter(layout, element, sum, &mut to.x);
-            times(&block.equalities, d, &mut to.equalities[equalities.clone()]);
-            for row in equalities {
-                // What depends on others and contradicts them cannot be met.
-                let residual = right.equalities[row] - to.equalities[row];
-                to.equalities[row] = if is_dependent(row) { 0.0 } else { residual };
-            }
-            times(&block.ranges, d, &mut to.ranges[ranges.clone()]);
-            for row in ranges {
-                to.ranges[row] = right.ranges[row] - (to.ranges[row] - step.slacks[row]);
-            }
         }
-        self.local = local;
-        for i in 0..step.slacks.len() {
-            to.slacks[i] = right.slacks[i] - (self.weights[i] * step.slacks[i] - step.v[i]);
+        for ((((to, right), weight), slack), v) in
+            to.slacks.iter_mut().zip(&right.slacks).zip(weights).zip(&step.slacks).zip(&step.v)
+        {
+            *to = right - (*weight * slack - v);
+        }
+        // What depends on others and contradicts them cannot be met.
+        for row in chain.zeros() {
+            if let Some(row) = row.checked_sub(layout.steps()) {
+                to.equalities[row] = 0.0;
+            }
         }
     }
 }
 
-/// Room for the entries of an element, twice.
-fn local_of<'a>([first, second]: &'a mut [Vec<f64>; 2], block: &Block) -> [&'a mut [f64]; 2] {
-    let width = block.gradient.len();
-    [&mut first[..width], &mut second[..width]]
-}
-
-/// Rows of ranges that are added to a Hessian at once.
-const ROWS: usize = 4;
-
-/// Adds `G' Sigma G` to the upper triangle, some rows at a time.
+/// `d_s = G d_x - b_g` and `d_v = Sigma d_s - b_s`, where the first product is in the place of the slacks.
 #[inline(always)]
-fn add_squares<const FUSED: bool>(hessian: &mut Dense, weights: &[f64], rows: &Dense) {
-    for (block, weights) in weights.chunks(ROWS).enumerate() {
-        // The last block repeats its first row, with weights of zero.
-        let row = |r: usize| rows.row(ROWS * block + if r < weights.len() { r } else { 0 });
-        let all: [&[f64]; ROWS] = std::array::from_fn(row);
-        for i in 0..rows.columns() {
-            let factors: [f64; ROWS] =
-                std::array::from_fn(|r| weights.get(r).map_or(0.0, |weight| weight * all[r][i]));
-            // Limits of one unknown have few entries.
-            if factors == [0.0; ROWS] {
-                continue;
-            }
-            let to = &mut hessian.row_mut(i)[i..];
-            let from = all.map(|row| &row[i..][..to.len()]);
-            for (j, to) in to.iter_mut().enumerate() {
-                for r in 0..ROWS {
-                    *to = if FUSED {
-                        factors[r].mul_add(from[r][j], *to)
-                    } else {
-                        factors[r] * from[r][j] + *to
-                    };
-                }
-            }
-        }
+fn set_slacks(own: Range<usize>, weights: &[f64], right: &Residuals, step: &mut Step) {
+    let slacks = step.slacks[own.clone()].iter_mut().zip(&mut step.v[own.clone()]);
+    let right = right.ranges[own.clone()].iter().zip(&right.slacks[own.clone()]);
+    for (((slack, v), (g, s)), weight) in slacks.zip(right).zip(&weights[own]) {
+        *slack -= g;
+        *v = weight * *slack - s;
     }
 }

@@ -1,7 +1,9 @@
 //! A program in units of its typical sizes.
 
-use crate::blocks::{Blocks, Values, Weights};
+use crate::blocks::{Block, Blocks, Dense, Values, Weights};
+use crate::elements::Pattern;
 use crate::problem::{Scales, StagedProblem};
+use costate_numerics::in_widest;
 
 /// The program that the algorithm works on: every unknown, row and the cost divided by its typical size.
 ///
@@ -56,15 +58,24 @@ impl<'a, P: StagedProblem> Scaled<'a, P> {
     ) -> Result<(), P::Error> {
         blocks.fill_zero();
         if self.is_plain {
-            return self.problem.linearise(point, weights, blocks);
+            self.problem.linearise(point, weights, blocks)?;
+            blocks.all_mut().iter_mut().for_each(note_patterns);
+            return Ok(());
         }
-        let Self { problem, scales, equalities, ranges, columns, .. } = self;
+        let Self { problem, scales, equalities, ranges, .. } = self;
         equalities.copy_from_slice(weights.equalities);
         ranges.copy_from_slice(weights.ranges);
         divide(equalities, &scales.equalities);
         divide(ranges, &scales.ranges);
         let weights = Weights { cost: weights.cost / scales.cost, equalities, ranges };
         problem.linearise(point, weights, blocks)?;
+        in_widest!(self.scale(blocks));
+        Ok(())
+    }
+
+    #[inline(always)]
+    fn scale<const FUSED: bool>(&mut self, blocks: &mut Blocks) {
+        let Self { problem, scales, columns, .. } = self;
         let layout = problem.layout();
         for (element, block) in layout.elements().zip(blocks.all_mut()) {
             columns.clear();
@@ -75,14 +86,12 @@ impl<'a, P: StagedProblem> Scaled<'a, P> {
             for (i, &scale) in columns.iter().enumerate() {
                 multiply(&mut block.hessian.row_mut(i)[i..], scale, &columns[i..]);
             }
-            for (i, row) in layout.equalities_of(element).enumerate() {
-                multiply(block.equalities.row_mut(i), scales.equalities[row].recip(), columns);
-            }
-            for (i, row) in layout.ranges_of(element).enumerate() {
-                multiply(block.ranges.row_mut(i), scales.ranges[row].recip(), columns);
-            }
+            let Block { equalities, equality_pattern, ranges, range_pattern, .. } = block;
+            let of_equalities = &scales.equalities[layout.equalities_of(element)];
+            let of_ranges = &scales.ranges[layout.ranges_of(element)];
+            scale_rows(equalities, of_equalities, columns, equality_pattern);
+            scale_rows(ranges, of_ranges, columns, range_pattern);
         }
-        Ok(())
     }
 
     /// The size of unknown k, scaled, at least 1; 1 where a point has other entries than a step.
@@ -120,6 +129,32 @@ fn divide(values: &mut [f64], scales: &[f64]) {
     values.iter_mut().zip(scales).for_each(|(value, scale)| *value /= scale);
 }
 
+#[inline(always)]
 fn multiply(row: &mut [f64], factor: f64, columns: &[f64]) {
     row.iter_mut().zip(columns).for_each(|(entry, scale)| *entry *= factor * scale);
+}
+
+#[inline(always)]
+fn scale_rows(rows: &mut Dense, scales: &[f64], columns: &[f64], pattern: &mut Pattern) {
+    pattern.clear();
+    for (i, scale) in scales.iter().enumerate() {
+        let (row, factor) = (rows.row_mut(i), scale.recip());
+        let mut count = 0_u64;
+        for (entry, scale) in row.iter_mut().zip(columns) {
+            count += u64::from(*entry != 0.0);
+            *entry *= factor * scale;
+        }
+        pattern.push(row, count);
+    }
+}
+
+fn note_patterns(block: &mut Block) {
+    let Block { equalities, equality_pattern, ranges, range_pattern, .. } = block;
+    for (rows, pattern) in [(equalities, equality_pattern), (ranges, range_pattern)] {
+        pattern.clear();
+        for i in 0..rows.rows() {
+            let row = rows.row(i);
+            pattern.push(row, row.iter().map(|&entry| u64::from(entry != 0.0)).sum());
+        }
+    }
 }

@@ -12,9 +12,10 @@
 //! inertia is the sum over all stages (Haynsworth).
 
 use super::factors::Factors;
-use super::front::{Front, LANES, Pivot};
+use super::front::{Front, Pivot};
 use crate::blocks::Dense;
 use crate::layout::{Element, Layout};
+use crate::tiles::{LANES, Sums};
 use costate_numerics::in_widest;
 
 /// Numbers of positive, negative and zero eigenvalues; zero up to rounding.
@@ -59,6 +60,7 @@ pub(crate) struct Chain {
     /// Rows with zero pivots.
     zeros: Vec<usize>,
     local: Vec<f64>,
+    sums: Sums,
 }
 
 #[derive(Clone, Debug, Default)]
@@ -133,6 +135,7 @@ impl Chain {
             has_equalities: layout.equalities() > 0,
             zeros: Vec::with_capacity(layout.steps() + layout.equalities()),
             local: Vec::with_capacity(3 * largest + LANES),
+            sums: Sums::default(),
         }
     }
 
@@ -206,12 +209,12 @@ impl Chain {
 
     #[inline(always)]
     fn substitute<const FUSED: bool>(&mut self, x: &mut [f64]) {
-        let Self { stages, local, zeros, .. } = self;
+        let Self { stages, local, zeros, sums, .. } = self;
         for stage in stages.iter() {
             stage.factors.forward::<FUSED>(x, local);
         }
         for stage in stages.iter().rev() {
-            stage.factors.backward::<FUSED>(x, local);
+            stage.factors.backward::<FUSED>(x, local, sums);
         }
         zeros.iter().for_each(|&row| x[row] = 0.0);
     }

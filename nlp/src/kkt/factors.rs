@@ -2,8 +2,8 @@
 //!
 //! Columns are taken four at a time, so that their sums and products are independent.
 
-use super::front::{Front, LANES, Pivot, inverse_of_two};
-use super::tiles::fused;
+use super::front::{Front, Pivot, inverse_of_two};
+use crate::tiles::{LANES, Sums, add_rows, fused, products};
 
 #[derive(Clone, Debug, Default)]
 pub(super) struct Factors {
@@ -69,25 +69,14 @@ impl Factors {
                     done[i] = fused::<FUSED>(-triangle[j][i], done[j], done[i]);
                 }
             }
-            let factors: [f64; LANES] = std::array::from_fn(|j| -done[j]);
-            let [a, b, c, d] = columns;
-            for ((((to, a), b), c), d) in
-                rest.as_chunks_mut::<LANES>().0.iter_mut().zip(a).zip(b).zip(c).zip(d)
-            {
-                for lane in 0..LANES {
-                    let first =
-                        fused::<FUSED>(factors[1], b[lane], fused::<FUSED>(factors[0], a[lane], to[lane]));
-                    to[lane] =
-                        fused::<FUSED>(factors[3], d[lane], fused::<FUSED>(factors[2], c[lane], first));
-                }
-            }
+            add_rows::<FUSED>(columns, std::array::from_fn(|j| -done[j]), rest);
         }
         self.rows.iter().zip(&*local).for_each(|(&row, &value)| x[row] = value);
     }
 
     /// `L^-T (D^-1 y - M' x)` of the eliminated rows, where x of the others is known.
     #[inline(always)]
-    pub fn backward<const FUSED: bool>(&self, x: &mut [f64], local: &mut Vec<f64>) {
+    pub fn backward<const FUSED: bool>(&self, x: &mut [f64], local: &mut Vec<f64>, sums: &mut Sums) {
         self.gather(x, local);
         let mut k = 0;
         for pivot in &self.pivots {
@@ -99,20 +88,12 @@ impl Factors {
             k += pivot.order();
         }
         for (panel, columns) in self.columns.chunks_exact(LANES * self.stride.max(1)).enumerate().rev() {
-            let ([a, b, c, d], triangle) = self.below(columns, panel);
+            let (columns, triangle) = self.below(columns, panel);
             let (done, rest) = local.split_at_mut((panel + 1) * LANES);
-            let mut sums = [[0.0; LANES]; LANES];
-            for ((((x, a), b), c), d) in rest.as_chunks::<LANES>().0.iter().zip(a).zip(b).zip(c).zip(d) {
-                for (sum, column) in sums.iter_mut().zip([a, b, c, d]) {
-                    for lane in 0..LANES {
-                        sum[lane] = fused::<FUSED>(column[lane], x[lane], sum[lane]);
-                    }
-                }
-            }
             let done = &mut done[panel * LANES..];
+            let sums = products::<FUSED>(columns, rest, sums);
             for j in (0..LANES).rev() {
-                let [p, q, r, s] = sums[j];
-                let mut sum = (p + q) + (r + s);
+                let mut sum = sums[j];
                 for i in j + 1..LANES {
                     sum = fused::<FUSED>(triangle[j][i], done[i], sum);
                 }
@@ -132,14 +113,8 @@ impl Factors {
 
     /// Of four columns the rows below the square on the diagonal, and this square.
     #[inline(always)]
-    fn below<'a>(
-        &self,
-        columns: &'a [f64],
-        panel: usize,
-    ) -> ([&'a [[f64; LANES]]; LANES], [&'a [f64; LANES]; LANES]) {
-        let (chunks, _) = columns.as_chunks::<LANES>();
-        let (stride, first) = (self.stride / LANES, panel);
-        let column = |j: usize| &chunks[j * stride..(j + 1) * stride];
-        (std::array::from_fn(|j| &column(j)[first + 1..]), std::array::from_fn(|j| &column(j)[first]))
+    fn below<'a>(&self, columns: &'a [f64], panel: usize) -> ([&'a [f64]; LANES], [&'a [f64]; LANES]) {
+        let column = |j: usize| columns[j * self.stride..][panel * LANES..self.stride].split_at(LANES);
+        (std::array::from_fn(|j| column(j).1), std::array::from_fn(|j| column(j).0))
     }
 }

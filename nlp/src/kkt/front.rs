@@ -12,7 +12,7 @@
 //! long as pivots are accepted in their order, the lower triangle is enough; the first column that is
 //! refused completes the square of the candidates, so that every column has all of its entries.
 
-use super::tiles::{largest, scale, update};
+use crate::tiles::{LANES, largest, scale, update};
 
 /// Threshold u of pivots.
 ///
@@ -21,9 +21,6 @@ const THRESHOLD: f64 = 0.01;
 
 /// Columns whose entries are all below this part of what they were before are zero up to rounding.
 const ZERO: f64 = 1e-12;
-
-/// Columns begin at multiples of this.
-pub(super) const LANES: usize = 4;
 
 /// One pivot: its order, and the block E of D.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -230,7 +227,7 @@ impl Front {
         let (done, rest) = self.entries.split_at_mut(self.eliminated * stride);
         let from = (&done[sources.clone()], &self.products[sources]);
         let to = &mut rest[j * stride - done.len()..];
-        let width = update::<FUSED>(from, to, stride, (j, same), first * LANES);
+        let width = update::<FUSED, false>(from, to, stride, (j, same), first * LANES);
         self.levels[j..j + width].fill(self.eliminated);
     }
 
@@ -242,7 +239,7 @@ impl Front {
         let from = (&*done, &self.products[..done.len()]);
         while j < self.size {
             let to = &mut rest[j * stride - done.len()..];
-            j += update::<FUSED>(from, to, stride, (j, self.size - j), j / LANES * LANES);
+            j += update::<FUSED, false>(from, to, stride, (j, self.size - j), j / LANES * LANES);
         }
     }
 

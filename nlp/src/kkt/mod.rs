@@ -1,11 +1,10 @@
 //! Factorisation of the equations of a Newton step.
 //!
-//! `front` is a partial LDL' of one dense symmetric matrix, `tiles` has its innermost loops; `chain` runs it
-//! from stage to stage, with the factors of a stage in `factors`.
+//! `front` is a partial LDL' of one dense symmetric matrix; `chain` runs it from stage to stage, with the
+//! factors of a stage in `factors`.
 
 mod chain;
 mod factors;
 mod front;
-mod tiles;
 
 pub(crate) use chain::{Chain, Inertia};
