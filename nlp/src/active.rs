@@ -9,8 +9,11 @@
 //! has as many positive eigenvalues as there are unknowns. W is that of the Lagrangian alone: neither barrier
 //! terms nor a regularisation are in it. Derivatives of the solution by a parameter solve the same equations.
 
-use crate::blocks::{Blocks, Dense};
-use crate::elements::{Pattern, Room, add_symmetric, add_transposed, gather, scatter, squares, times};
+use crate::blocks::{Blocks, Dense, Units};
+use crate::condense::{columns_of, scale_hessian, scale_row};
+use crate::elements::{
+    Jacobian, Pattern, Room, add_symmetric, add_transposed, gather, scatter, squares, times,
+};
 use crate::iterate::{Bounds, Iterate};
 use crate::kkt::{Chain, Inertia};
 use crate::layout::{Layout, Rows};
@@ -71,6 +74,8 @@ pub(crate) struct Active {
     /// Equations, then ranges; rows of free ranges are zero.
     jacobians: Vec<Dense>,
     patterns: Vec<Pattern>,
+    /// All matrices are in units of the scaled program.
+    ones: Units,
     diagonal: Vec<f64>,
     right: Vec<f64>,
     solution: Vec<f64>,
@@ -120,6 +125,7 @@ impl Active {
             hessians: squares(layout),
             patterns: jacobians.iter().map(|rows| Pattern::dense(rows.rows())).collect(),
             jacobians,
+            ones: Units::ones(&extended),
             diagonal: vec![0.0; size],
             right: vec![0.0; size],
             solution: vec![0.0; size],
@@ -160,16 +166,17 @@ impl Active {
         for ((element, block), (hessian, jacobian)) in
             layout.elements().zip(blocks.all()).zip(self.hessians.iter_mut().zip(&mut self.jacobians))
         {
-            for i in 0..block.hessian.columns() {
-                let row = block.hessian.row(i);
-                hessian.row_mut(i)[..row.len()].copy_from_slice(row);
+            let (units, Rows { equalities, ranges }) = (&blocks.units, layout.rows(element));
+            let columns = columns_of(layout, element, units, self.local.of(hessian.rows()).0);
+            scale_hessian(&block.hessian, columns, hessian);
+            let [of_equalities, of_ranges] = units.jacobians(layout, element, block);
+            for (i, &factor) in of_equalities.factors.iter().enumerate() {
+                scale_row(of_equalities.rows.row(i), factor, columns, jacobian.row_mut(i));
             }
-            let Rows { equalities, ranges } = layout.rows(element);
-            (0..equalities).for_each(|i| jacobian.row_mut(i).copy_from_slice(block.equalities.row(i)));
             for (i, row) in (0..ranges).zip(layout.ranges_of(element)) {
                 let to = jacobian.row_mut(equalities + i);
                 if holds(self.held[row]) {
-                    to.copy_from_slice(block.ranges.row(i));
+                    scale_row(of_ranges.rows.row(i), of_ranges.factors[i], columns, to);
                 } else {
                     to.fill(0.0);
                     // An eigenvalue -1 for itself.
@@ -248,24 +255,26 @@ impl Active {
 
     #[inline(always)]
     fn subtract_products<const FUSED: bool>(&mut self, layout: &Layout) {
-        let Self { hessians, jacobians, patterns, diagonal, right, solution, residual, local, .. } = self;
+        let Self { hessians, jacobians, patterns, ones, diagonal, right, solution, residual, local, .. } =
+            self;
         let products = &mut self.products;
         for (i, entry) in residual.iter_mut().enumerate() {
             *entry = fused::<FUSED>(diagonal[i], solution[i], -right[i]);
         }
         let mut row = layout.steps();
-        for ((element, hessian), rows) in
-            layout.elements().zip(&*hessians).zip(jacobians.iter().zip(&*patterns))
-        {
-            let own = row..row + rows.0.rows();
+        let matrices = hessians.iter().zip(jacobians.iter().zip(&*patterns));
+        for (element, (hessian, (jacobian, pattern))) in layout.elements().zip(matrices) {
+            let own = row..row + jacobian.rows();
             row = own.end;
-            let (d, sum, sums) = local.of(rows.0.columns());
+            let factors = &ones.equalities[..own.len()];
+            let rows = Jacobian { rows: jacobian, pattern, factors };
+            let (d, sum, sums) = local.of(jacobian.columns());
             let products = &mut products[..own.len()];
-            gather(layout, element, solution, d);
+            gather(layout, element, (solution, &ones.steps), d);
             sum.fill(0.0);
             add_symmetric::<FUSED>(hessian, d, sum, sums);
             add_transposed::<FUSED>(rows, &solution[own.clone()], sum);
-            scatter(layout, element, sum, residual);
+            scatter(layout, element, sum, (residual, &ones.steps));
             times::<FUSED>(rows, d, products, sums);
             residual[own].iter_mut().zip(&*products).for_each(|(to, product)| *to += product);
         }

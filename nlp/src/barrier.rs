@@ -1,6 +1,8 @@
 //! The barrier parameter, and steps that stay inside the bounds.
 
-use crate::iterate::{Bounds, Iterate, Step};
+use crate::iterate::{Bounds, Iterate, Residuals, Step};
+use crate::vectors::{largest_of, sum_of, worse};
+use costate_numerics::in_widest;
 
 /// How the barrier parameter falls.
 ///
@@ -62,38 +64,80 @@ impl BarrierSettings {
 }
 
 /// The longest steps, at most 1, of slacks and of multipliers of bounds that go at most a part tau of the way
-/// to zero.
-pub(crate) fn longest_steps(iterate: &Iterate, bounds: &Bounds, step: &Step, tau: f64) -> [f64; 2] {
-    let shorten = |length: f64, value: f64, change: f64| match change < 0.0 {
-        true => length.min(-tau * value / change),
-        false => length,
-    };
-    let (mut of_slacks, mut of_multipliers) = (1.0, 1.0);
+/// to zero; with the reciprocals of the gaps of slacks.
+pub(crate) fn longest_steps(
+    iterate: &Iterate,
+    [below, above]: &[Vec<f64>; 2],
+    step: &Step,
+    tau: f64,
+) -> [f64; 2] {
     let ([lower, upper], [to_lower, to_upper]) = (&iterate.z, &step.z);
-    for i in 0..lower.len() {
-        let [below, above] = bounds.gaps(&iterate.slacks, i);
-        of_slacks = shorten(of_slacks, below, step.slacks[i]);
-        of_slacks = shorten(of_slacks, above, -step.slacks[i]);
-        of_multipliers = shorten(of_multipliers, lower[i], to_lower[i]);
-        of_multipliers = shorten(of_multipliers, upper[i], to_upper[i]);
-    }
-    [of_slacks, of_multipliers]
+    // The part of the way to zero that a whole step goes.
+    let of_slacks = worse(
+        in_widest!(largest_product(below, &step.slacks, -1.0)),
+        in_widest!(largest_product(above, &step.slacks, 1.0)),
+    );
+    let of_multipliers =
+        worse(in_widest!(largest_decrease(lower, to_lower)), in_widest!(largest_decrease(upper, to_upper)));
+    [of_slacks, of_multipliers].map(|part| (tau / part).min(1.0))
+}
+
+#[inline(always)]
+fn largest_product<const FUSED: bool>(reciprocals: &[f64], changes: &[f64], sign: f64) -> f64 {
+    let changes = &changes[..reciprocals.len()];
+    largest_of(changes.len(), |i| positive(sign * changes[i] * reciprocals[i]))
+}
+
+#[inline(always)]
+fn largest_decrease<const FUSED: bool>(values: &[f64], changes: &[f64]) -> f64 {
+    let changes = &changes[..values.len()];
+    largest_of(changes.len(), |i| if changes[i] < 0.0 { -changes[i] / values[i] } else { 0.0 })
+}
+
+#[inline(always)]
+fn positive(value: f64) -> f64 {
+    if value > 0.0 { value } else { 0.0 }
 }
 
 /// Keeps multipliers of bounds within a factor of `mu / (s - l)`: Waechter and Biegler 2006, eq. (16).
 pub(crate) fn reset_multipliers(iterate: &mut Iterate, bounds: &Bounds, mu: f64, factor: f64) {
-    for i in 0..iterate.slacks.len() {
-        let gaps = bounds.gaps(&iterate.slacks, i);
-        for (z, gap) in iterate.z.iter_mut().zip(gaps) {
-            z[i] = if gap.is_finite() { z[i].clamp(mu / (factor * gap), factor * mu / gap) } else { 0.0 };
-        }
+    let Iterate { slacks, z: [lower, upper], .. } = iterate;
+    in_widest!(reset(lower, slacks, &bounds.lower, mu, factor));
+    in_widest!(reset(upper, &bounds.upper, slacks, mu, factor));
+}
+
+/// Of the bounds of one side, whose gaps are `from - to`.
+#[inline(always)]
+fn reset<const FUSED: bool>(z: &mut [f64], from: &[f64], to: &[f64], mu: f64, factor: f64) {
+    let down = factor.recip();
+    for (z, (from, to)) in z.iter_mut().zip(from.iter().zip(to)) {
+        let gap = from - to;
+        let central = mu / gap;
+        let (least, most) = (down * central, factor * central);
+        let raised = if *z < least { least } else { *z };
+        let kept = if raised > most { most } else { raised };
+        *z = if gap < f64::INFINITY { kept } else { 0.0 };
     }
 }
 
 /// The derivative of `-mu ln (s - l) - mu ln (u - s)` along a step of the slacks.
-pub(crate) fn slope(iterate: &Iterate, bounds: &Bounds, step: &Step, mu: f64) -> f64 {
-    (0..step.slacks.len()).fold(0.0, |sum, i| {
-        let [below, above] = bounds.gaps(&iterate.slacks, i);
-        sum + mu * step.slacks[i] * (above.recip() - below.recip())
-    })
+pub(crate) fn slope(reciprocals: &[Vec<f64>; 2], step: &Step, mu: f64) -> f64 {
+    mu * in_widest!(sum_of_slopes(reciprocals, &step.slacks))
+}
+
+#[inline(always)]
+fn sum_of_slopes<const FUSED: bool>([below, above]: &[Vec<f64>; 2], slacks: &[f64]) -> f64 {
+    let (below, above) = (&below[..slacks.len()], &above[..slacks.len()]);
+    sum_of(slacks.len(), |i| slacks[i] * (above[i] - below[i]))
+}
+
+/// Residuals of slacks with `mu / (s - l)` in the place of z.
+pub(crate) fn barrier_residuals(
+    iterate: &Iterate,
+    [below, above]: &[Vec<f64>; 2],
+    mu: f64,
+    to: &mut Residuals,
+) {
+    let gaps = below.iter().zip(above).zip(&iterate.v);
+    to.slacks.iter_mut().zip(gaps).for_each(|(to, ((below, above), v))| *to = mu * (above - below) - v);
 }

@@ -1,6 +1,6 @@
 //! Values and derivatives of a staged program, element by element.
 
-use crate::elements::Pattern;
+use crate::elements::{Jacobian, Pattern};
 use crate::layout::{Element, Layout};
 use std::ops::{Index, IndexMut};
 
@@ -111,10 +111,59 @@ pub struct Block {
     pub equalities: Dense,
     /// Jacobian of its functions with ranges.
     pub ranges: Dense,
-    /// Room for its part of the gradient of the Lagrangian.
-    pub(crate) slope: Vec<f64>,
+    /// Which rows of both have few entries.
     pub(crate) equality_pattern: Pattern,
     pub(crate) range_pattern: Pattern,
+}
+
+/// What derivatives are multiplied by where they are read: those of the program itself become those of the
+/// scaled one.
+#[derive(Clone, Debug)]
+pub(crate) struct Units {
+    /// Reciprocal of the scale of the cost; the Hessian has it already.
+    pub cost: f64,
+    /// Scales of displacements.
+    pub steps: Vec<f64>,
+    /// Reciprocals of the scales of the equations and of the functions with ranges.
+    pub equalities: Vec<f64>,
+    pub ranges: Vec<f64>,
+}
+
+impl Units {
+    pub fn ones(layout: &Layout) -> Self {
+        let ones = |count| vec![1.0; count];
+        Self {
+            cost: 1.0,
+            steps: ones(layout.steps()),
+            equalities: ones(layout.equalities()),
+            ranges: ones(layout.ranges()),
+        }
+    }
+
+    pub fn copy_from(&mut self, other: &Self) {
+        self.cost = other.cost;
+        self.steps.copy_from_slice(&other.steps);
+        self.equalities.copy_from_slice(&other.equalities);
+        self.ranges.copy_from_slice(&other.ranges);
+    }
+
+    /// The Jacobians of an element.
+    #[inline(always)]
+    pub fn jacobians<'a>(&'a self, layout: &Layout, element: Element, block: &'a Block) -> [Jacobian<'a>; 2] {
+        let Block { equalities, equality_pattern, ranges, range_pattern, .. } = block;
+        [
+            Jacobian {
+                rows: equalities,
+                pattern: equality_pattern,
+                factors: &self.equalities[layout.equalities_of(element)],
+            },
+            Jacobian {
+                rows: ranges,
+                pattern: range_pattern,
+                factors: &self.ranges[layout.ranges_of(element)],
+            },
+        ]
+    }
 }
 
 /// The derivatives of all elements.
@@ -122,6 +171,7 @@ pub struct Block {
 pub struct Blocks {
     blocks: Vec<Block>,
     intervals: usize,
+    pub(crate) units: Units,
 }
 
 impl Blocks {
@@ -134,12 +184,12 @@ impl Blocks {
                 hessian: Dense::zeros(width, width),
                 equalities: Dense::zeros(rows.equalities, width),
                 ranges: Dense::zeros(rows.ranges, width),
-                slope: vec![0.0; width],
                 equality_pattern: Pattern::dense(rows.equalities),
                 range_pattern: Pattern::dense(rows.ranges),
             }
         };
-        Self { blocks: layout.elements().map(block).collect(), intervals: layout.intervals() }
+        let units = Units::ones(layout);
+        Self { blocks: layout.elements().map(block).collect(), intervals: layout.intervals(), units }
     }
 
     /// The block of an element, to be filled. It holds zeros when
@@ -158,9 +208,12 @@ impl Blocks {
         &self.blocks
     }
 
-    /// The same, to change.
-    pub(crate) fn all_mut(&mut self) -> &mut [Block] {
-        &mut self.blocks
+    /// Notes which rows of Jacobians have one entry other than zero.
+    pub(crate) fn note_patterns(&mut self) {
+        for Block { equalities, equality_pattern, ranges, range_pattern, .. } in &mut self.blocks {
+            equality_pattern.set(equalities);
+            range_pattern.set(ranges);
+        }
     }
 
     pub(crate) fn fill_zero(&mut self) {

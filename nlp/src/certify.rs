@@ -1,12 +1,12 @@
 //! What a solver can say about its last solution: second-order conditions, digits, derivatives.
 
 use crate::active::{Active, Certificate, Changes, Held};
-use crate::elements::{largest, worse};
 use crate::iterate::{Bounds, KktError};
 use crate::outcome::SolveError;
 use crate::problem::{Scales, StagedProblem};
 use crate::scaled::Scaled;
 use crate::solve::Solver;
+use crate::vectors::{largest, worse};
 
 /// Largest error of the conditions of first order that second-order ones are judged at.
 const STATIONARY: f64 = 1e-4;

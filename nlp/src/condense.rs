@@ -2,42 +2,103 @@
 //!
 //! $$ W + G^T \Sigma G = W + \sum_r (\sqrt{\sigma_r} g_r) (\sqrt{\sigma_r} g_r)^T $$
 
-use crate::blocks::{Block, Blocks, Dense};
-use crate::elements::squares;
-use crate::layout::Layout;
+use crate::blocks::{Blocks, Dense, Units};
+use crate::elements::{Jacobian, squares};
+use crate::layout::{Element, Layout};
 use crate::tiles::{LANES, update};
 use costate_numerics::in_widest;
 
-/// `W + G' Sigma G` by element.
+/// The matrices of Newton's equations by element, in units of the scaled program.
 #[derive(Clone, Debug)]
 pub(crate) struct Condensed {
-    /// Upper triangles; rows are padded.
+    /// Upper triangles of `W + G' Sigma G`; rows are padded.
     pub hessians: Vec<Dense>,
+    /// Jacobians of the equations.
+    pub jacobians: Vec<Dense>,
+    /// Scales of the unknowns of one element.
+    columns: Vec<f64>,
     /// Rows of one element times the square roots of their weights, padded.
     weighted: Vec<f64>,
 }
 
 impl Condensed {
     pub fn new(layout: &Layout) -> Self {
-        let size = |element| layout.rows(element).ranges * layout.width(element).next_multiple_of(LANES);
-        let most = layout.elements().map(size).max().unwrap_or(0);
-        Self { hessians: squares(layout), weighted: vec![0.0; most] }
+        let padded = |element| layout.width(element).next_multiple_of(LANES);
+        let most = |size: &dyn Fn(Element) -> usize| layout.elements().map(size).max().unwrap_or(0);
+        let jacobian = |element| Dense::zeros(layout.rows(element).equalities, layout.width(element));
+        Self {
+            hessians: squares(layout),
+            jacobians: layout.elements().map(jacobian).collect(),
+            columns: vec![0.0; most(&padded)],
+            weighted: vec![0.0; most(&|element| layout.rows(element).ranges * padded(element))],
+        }
     }
 
-    /// Takes the Hessians of these blocks, for these weights of the ranges.
+    /// Takes these blocks, with weights of the ranges.
     pub fn set(&mut self, layout: &Layout, blocks: &Blocks, weights: &[f64]) {
         in_widest!(self.set_all(layout, blocks, weights));
     }
 
+    /// Takes the Jacobians of these blocks. The Hessians become zero.
+    pub fn set_jacobians(&mut self, layout: &Layout, blocks: &Blocks) {
+        for ((element, block), to) in layout.elements().zip(blocks.all()).zip(&mut self.jacobians) {
+            let columns = columns_of(layout, element, &blocks.units, &mut self.columns);
+            let [equalities, _] = blocks.units.jacobians(layout, element, block);
+            scale_jacobian(equalities, columns, to);
+        }
+        self.hessians.iter_mut().for_each(|hessian| hessian.entries_mut().fill(0.0));
+    }
+
     #[inline(always)]
     fn set_all<const FUSED: bool>(&mut self, layout: &Layout, blocks: &Blocks, weights: &[f64]) {
-        for ((element, block), hessian) in layout.elements().zip(blocks.all()).zip(&mut self.hessians) {
-            for i in 0..block.hessian.columns() {
-                let row = &block.hessian.row(i)[i..];
-                hessian.row_mut(i)[i..i + row.len()].copy_from_slice(row);
-            }
-            add_squares::<FUSED>(hessian, &weights[layout.ranges_of(element)], block, &mut self.weighted);
+        let Self { hessians, jacobians, columns, weighted } = self;
+        let to = hessians.iter_mut().zip(jacobians);
+        for ((element, block), (hessian, jacobian)) in layout.elements().zip(blocks.all()).zip(to) {
+            let columns = columns_of(layout, element, &blocks.units, columns);
+            let [equalities, ranges] = blocks.units.jacobians(layout, element, block);
+            scale_hessian(&block.hessian, columns, hessian);
+            scale_jacobian(equalities, columns, jacobian);
+            add_squares::<FUSED>(hessian, (&weights[layout.ranges_of(element)], ranges), columns, weighted);
         }
+    }
+}
+
+/// The scales of the unknowns of an element.
+#[inline(always)]
+pub(crate) fn columns_of<'a>(
+    layout: &Layout,
+    element: Element,
+    units: &Units,
+    to: &'a mut [f64],
+) -> &'a [f64] {
+    let mut at = 0;
+    for range in layout.unknowns(element) {
+        let from = &units.steps[range];
+        to[at..at + from.len()].copy_from_slice(from);
+        at += from.len();
+    }
+    &to[..at]
+}
+
+/// The upper triangle of a Hessian in these units, with padded rows.
+#[inline(always)]
+pub(crate) fn scale_hessian(hessian: &Dense, columns: &[f64], to: &mut Dense) {
+    for (i, scale) in columns.iter().enumerate() {
+        scale_row(&hessian.row(i)[i..], *scale, &columns[i..], &mut to.row_mut(i)[i..]);
+    }
+}
+
+#[inline(always)]
+fn scale_jacobian(Jacobian { rows, factors, .. }: Jacobian<'_>, columns: &[f64], to: &mut Dense) {
+    for (i, factor) in factors.iter().enumerate() {
+        scale_row(rows.row(i), *factor, columns, to.row_mut(i));
+    }
+}
+
+#[inline(always)]
+pub(crate) fn scale_row(row: &[f64], factor: f64, columns: &[f64], to: &mut [f64]) {
+    for ((to, entry), column) in to.iter_mut().zip(row).zip(columns) {
+        *to = factor * column * entry;
     }
 }
 
@@ -45,12 +106,12 @@ impl Condensed {
 #[inline(always)]
 fn add_squares<const FUSED: bool>(
     hessian: &mut Dense,
-    weights: &[f64],
-    Block { ranges, range_pattern: pattern, .. }: &Block,
+    (weights, Jacobian { rows, pattern, factors }): (&[f64], Jacobian<'_>),
+    columns: &[f64],
     weighted: &mut [f64],
 ) {
     for &[row, column] in &pattern.single {
-        let entry = ranges[(row, column)];
+        let entry = factors[row] * columns[column] * rows[(row, column)];
         hessian[(column, column)] += weights[row] * entry * entry;
     }
     let (stride, count) = (hessian.columns(), pattern.dense.len());
@@ -59,12 +120,11 @@ fn add_squares<const FUSED: bool>(
     }
     let weighted = &mut weighted[..count * stride];
     for (to, &row) in weighted.chunks_exact_mut(stride).zip(&pattern.dense) {
-        let (root, from) = (weights[row].sqrt(), ranges.row(row));
-        let (to, padding) = to.split_at_mut(from.len());
-        to.iter_mut().zip(from).for_each(|(to, from)| *to = root * from);
+        let (to, padding) = to.split_at_mut(columns.len());
+        scale_row(rows.row(row), weights[row].sqrt() * factors[row], columns, to);
         padding.fill(0.0);
     }
-    let (size, mut j) = (ranges.columns(), 0);
+    let (size, mut j) = (columns.len(), 0);
     while j < size {
         let to = &mut hessian.entries_mut()[j * stride..];
         j += update::<FUSED, true>((weighted, weighted), to, stride, (j, size - j), j / LANES * LANES);

@@ -32,6 +32,14 @@ impl Room {
     }
 }
 
+/// A Jacobian, the rows of which are multiplied by factors.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Jacobian<'a> {
+    pub rows: &'a Dense,
+    pub pattern: &'a Pattern,
+    pub factors: &'a [f64],
+}
+
 /// Which rows of a Jacobian have one entry that is not zero, such as limits of one unknown.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Pattern {
@@ -46,18 +54,16 @@ impl Pattern {
         Self { single: Vec::with_capacity(rows), dense: (0..rows).collect() }
     }
 
-    pub fn clear(&mut self) {
+    /// That of these rows.
+    pub fn set(&mut self, rows: &Dense) {
         self.single.clear();
         self.dense.clear();
-    }
-
-    /// Adds the next row, which has so many entries other than zero.
-    #[inline(always)]
-    pub fn push(&mut self, row: &[f64], count: u64) {
-        let i = self.single.len() + self.dense.len();
-        match row.iter().position(|&entry| entry != 0.0) {
-            Some(column) if count == 1 => self.single.push([i, column]),
-            _ => self.dense.push(i),
+        for i in 0..rows.rows() {
+            let mut others = rows.row(i).iter().enumerate().filter(|(_, entry)| **entry != 0.0);
+            match (others.next(), others.next()) {
+                (Some((column, _)), None) => self.single.push([i, column]),
+                _ => self.dense.push(i),
+            }
         }
     }
 
@@ -69,35 +75,28 @@ impl Pattern {
     }
 }
 
-/// The largest absolute value; not-a-number if one is.
-pub(crate) fn largest(values: &[f64]) -> f64 {
-    values.iter().fold(0.0, |most, value| worse(most, value.abs()))
-}
-
-/// The larger one; not-a-number is the largest.
+/// The entries of a vector that an element depends on, in the order of its columns, times factors.
 #[inline(always)]
-pub(crate) fn worse(a: f64, b: f64) -> f64 {
-    if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) }
-}
-
-/// The entries of a vector that an element depends on, in the order of its columns.
-#[inline(always)]
-pub(crate) fn gather(layout: &Layout, element: Element, from: &[f64], to: &mut [f64]) {
+pub(crate) fn gather(layout: &Layout, element: Element, (from, factors): (&[f64], &[f64]), to: &mut [f64]) {
     let mut at = 0;
     for range in layout.unknowns(element) {
-        let end = at + range.len();
-        to[at..end].copy_from_slice(&from[range]);
+        let (from, factors) = (&from[range.clone()], &factors[range]);
+        let end = at + from.len();
+        let to = to[at..end].iter_mut();
+        to.zip(from.iter().zip(factors)).for_each(|(to, (from, factor))| *to = from * factor);
         at = end;
     }
 }
 
-/// Adds the entries of an element to a vector.
+/// Adds the entries of an element, times factors, to a vector.
 #[inline(always)]
-pub(crate) fn scatter(layout: &Layout, element: Element, from: &[f64], to: &mut [f64]) {
+pub(crate) fn scatter(layout: &Layout, element: Element, from: &[f64], (to, factors): (&mut [f64], &[f64])) {
     let mut at = 0;
     for range in layout.unknowns(element) {
-        let end = at + range.len();
-        to[range].iter_mut().zip(&from[at..end]).for_each(|(to, from)| *to += from);
+        let (to, factors) = (&mut to[range.clone()], &factors[range]);
+        let end = at + to.len();
+        let from = from[at..end].iter();
+        to.iter_mut().zip(from.zip(factors)).for_each(|(to, (from, factor))| *to += from * factor);
         at = end;
     }
 }
@@ -105,33 +104,33 @@ pub(crate) fn scatter(layout: &Layout, element: Element, from: &[f64], to: &mut 
 /// `to = A d`, for the entries d of an element.
 #[inline(always)]
 pub(crate) fn times<const FUSED: bool>(
-    (rows, pattern): (&Dense, &Pattern),
+    Jacobian { rows, pattern, factors }: Jacobian<'_>,
     d: &[f64],
     to: &mut [f64],
     sums: &mut Sums,
 ) {
     for &[i, column] in &pattern.single {
-        to[i] = rows[(i, column)] * d[column];
+        to[i] = factors[i] * rows[(i, column)] * d[column];
     }
     for (places, _) in pattern.fours() {
         let found = products::<FUSED>(places.map(|i| rows.row(i)), d, sums);
-        places.into_iter().zip(found).for_each(|(i, product)| to[i] = product);
+        places.into_iter().zip(found).for_each(|(i, product)| to[i] = factors[i] * product);
     }
 }
 
 /// `to += A' y`, for the entries `to` of an element.
 #[inline(always)]
 pub(crate) fn add_transposed<const FUSED: bool>(
-    (rows, pattern): (&Dense, &Pattern),
+    Jacobian { rows, pattern, factors }: Jacobian<'_>,
     y: &[f64],
     to: &mut [f64],
 ) {
     for &[i, column] in &pattern.single {
-        to[column] = fused::<FUSED>(rows[(i, column)], y[i], to[column]);
+        to[column] = fused::<FUSED>(factors[i] * rows[(i, column)], y[i], to[column]);
     }
     for (places, count) in pattern.fours() {
-        let factors = std::array::from_fn(|r| if r < count { y[places[r]] } else { 0.0 });
-        add_rows::<FUSED>(places.map(|i| rows.row(i)), factors, to);
+        let weight = |r: usize| if r < count { factors[places[r]] * y[places[r]] } else { 0.0 };
+        add_rows::<FUSED>(places.map(|i| rows.row(i)), std::array::from_fn(weight), to);
     }
 }
 
@@ -139,22 +138,30 @@ pub(crate) fn add_transposed<const FUSED: bool>(
 #[inline(always)]
 pub(crate) fn add_symmetric<const FUSED: bool>(hessian: &Dense, d: &[f64], to: &mut [f64], sums: &mut Sums) {
     let n = d.len();
-    for i in (0..n).step_by(4) {
-        let end = n.min(i + 4);
+    let whole = n / 4 * 4;
+    for i in (0..whole).step_by(4) {
         // The square on the diagonal, then the rest of its rows.
-        for row in i..end {
-            to[row] = fused::<FUSED>(hessian[(row, row)], d[row], to[row]);
-            for column in row + 1..end {
-                let entry = hessian[(row, column)];
-                to[row] = fused::<FUSED>(entry, d[column], to[row]);
-                to[column] = fused::<FUSED>(entry, d[row], to[column]);
-            }
+        let [a, b, c, e] = [0, 1, 2, 3].map(|r| hessian.row(i + r)[i..n].split_at(4));
+        let [p, q, r, s] = [d[i], d[i + 1], d[i + 2], d[i + 3]];
+        let square = [
+            (a.0[0] * p + a.0[1] * q) + (a.0[2] * r + a.0[3] * s),
+            (a.0[1] * p + b.0[1] * q) + (b.0[2] * r + b.0[3] * s),
+            (a.0[2] * p + b.0[2] * q) + (c.0[2] * r + c.0[3] * s),
+            (a.0[3] * p + b.0[3] * q) + (c.0[3] * r + e.0[3] * s),
+        ];
+        let rows = [a.1, b.1, c.1, e.1];
+        let found = products::<FUSED>(rows, &d[i + 4..], sums);
+        add_rows::<FUSED>(rows, [p, q, r, s], &mut to[i + 4..]);
+        for r in 0..4 {
+            to[i + r] += square[r] + found[r];
         }
-        if end < n {
-            let rows = [0, 1, 2, 3].map(|r| &hessian.row(i + r)[end..n]);
-            let found = products::<FUSED>(rows, &d[end..], sums);
-            add_rows::<FUSED>(rows, [d[i], d[i + 1], d[i + 2], d[i + 3]], &mut to[end..]);
-            to[i..end].iter_mut().zip(found).for_each(|(to, product)| *to += product);
+    }
+    for row in whole..n {
+        to[row] = fused::<FUSED>(hessian[(row, row)], d[row], to[row]);
+        for column in row + 1..n {
+            let entry = hessian[(row, column)];
+            to[row] = fused::<FUSED>(entry, d[column], to[row]);
+            to[column] = fused::<FUSED>(entry, d[row], to[column]);
         }
     }
 }

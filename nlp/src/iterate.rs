@@ -1,8 +1,9 @@
 //! A point with its slacks and multipliers, and how far it is from the conditions of optimality.
 
-use crate::blocks::{Block, Blocks, Values};
-use crate::elements::{add_transposed, largest, scatter, worse};
+use crate::blocks::{Blocks, Values};
+use crate::elements::{Room, add_transposed, scatter};
 use crate::layout::Layout;
+use crate::vectors::{largest, largest_of, sum_of_differences, sum_of_logarithms, sum_of_sizes, worse};
 use costate_numerics::in_widest;
 
 /// An iterate of
@@ -130,7 +131,7 @@ impl Step {
     /// Whether all entries are finite.
     pub fn is_finite(&self) -> bool {
         let Self { x, slacks, y, v, z: [lower, upper] } = self;
-        [x, slacks, y, v, lower, upper].into_iter().flatten().all(|entry| entry.is_finite())
+        [x, slacks, y, v, lower, upper].into_iter().all(|entries| largest(entries).is_finite())
     }
 }
 
@@ -183,46 +184,46 @@ impl Iterate {
 
     /// `sum |c| + sum |g - s|`.
     pub fn violation(&self) -> f64 {
-        let rows = self.values.equalities.iter().map(|c| c.abs());
-        let ranges = self.values.ranges.iter().zip(&self.slacks).map(|(g, s)| (g - s).abs());
-        rows.chain(ranges).sum()
+        sum_of_sizes(&self.values.equalities) + sum_of_differences(&self.values.ranges, &self.slacks)
     }
 
     /// The objective of the barrier problem.
     pub fn barrier(&self, bounds: &Bounds, mu: f64) -> f64 {
-        let mut sum = 0.0;
-        for i in 0..self.slacks.len() {
-            for gap in bounds.gaps(&self.slacks, i) {
-                if gap.is_finite() {
-                    sum += gap.ln();
-                }
-            }
-        }
+        let sum =
+            sum_of_logarithms(&self.slacks, &bounds.lower) + sum_of_logarithms(&bounds.upper, &self.slacks);
         self.values.cost - mu * sum
     }
 
     /// Residuals at the derivatives of this iterate; those of slacks are `-v - z_l + z_u`.
-    pub fn residuals(&self, layout: &Layout, blocks: &mut Blocks, to: &mut Residuals) {
-        in_widest!(self.set_residuals(layout, blocks, to));
+    pub fn residuals(&self, layout: &Layout, blocks: &Blocks, room: &mut Room, to: &mut Residuals) {
+        in_widest!(self.set_residuals(layout, blocks, room, to));
     }
 
     #[inline(always)]
-    fn set_residuals<const FUSED: bool>(&self, layout: &Layout, blocks: &mut Blocks, to: &mut Residuals) {
+    fn set_residuals<const FUSED: bool>(
+        &self,
+        layout: &Layout,
+        blocks: &Blocks,
+        room: &mut Room,
+        to: &mut Residuals,
+    ) {
         to.x.fill(0.0);
-        for (element, block) in layout.elements().zip(blocks.all_mut()) {
+        let units = &blocks.units;
+        for (element, block) in layout.elements().zip(blocks.all()) {
             let (y, v) = (&self.y[layout.equalities_of(element)], &self.v[layout.ranges_of(element)]);
-            let Block { gradient, equalities, equality_pattern, ranges, range_pattern, slope, .. } = block;
-            slope.copy_from_slice(gradient);
-            add_transposed::<FUSED>((equalities, equality_pattern), y, slope);
-            add_transposed::<FUSED>((ranges, range_pattern), v, slope);
-            scatter(layout, element, slope, &mut to.x);
+            let [equalities, ranges] = units.jacobians(layout, element, block);
+            let (slope, ..) = room.of(block.gradient.len());
+            slope.iter_mut().zip(&block.gradient).for_each(|(to, slope)| *to = units.cost * slope);
+            add_transposed::<FUSED>(equalities, y, slope);
+            add_transposed::<FUSED>(ranges, v, slope);
+            scatter(layout, element, slope, (&mut to.x, &units.steps));
         }
         to.equalities.copy_from_slice(&self.values.equalities);
         let [lower, upper] = &self.z;
-        for i in 0..self.slacks.len() {
-            to.ranges[i] = self.values.ranges[i] - self.slacks[i];
-            to.slacks[i] = upper[i] - lower[i] - self.v[i];
-        }
+        let values = self.values.ranges.iter().zip(&self.slacks);
+        to.ranges.iter_mut().zip(values).for_each(|(to, (value, slack))| *to = value - slack);
+        let multipliers = lower.iter().zip(upper).zip(&self.v);
+        to.slacks.iter_mut().zip(multipliers).for_each(|(to, ((lower, upper), v))| *to = upper - lower - v);
     }
 
     /// The error of the conditions of optimality at the barrier parameter mu.
@@ -232,22 +233,27 @@ impl Iterate {
             let mean = if count > 0 { sum / count as f64 } else { 0.0 };
             mean.max(LARGE_MULTIPLIERS) / LARGE_MULTIPLIERS
         };
-        let sum = |values: &[f64]| values.iter().map(|value| value.abs()).sum::<f64>();
-        let of_bounds = sum(lower) + sum(upper);
-        let scale = mean(of_bounds + sum(&self.y) + sum(&self.v), self.y.len() + 3 * self.v.len());
+        let of_bounds = sum_of_sizes(lower) + sum_of_sizes(upper);
+        let sum = of_bounds + sum_of_sizes(&self.y) + sum_of_sizes(&self.v);
+        let scale = mean(sum, self.y.len() + 3 * self.v.len());
         let scale_of_bounds = mean(of_bounds, 2 * lower.len());
-        let mut products = 0.0;
-        for i in 0..lower.len() {
-            for (gap, z) in bounds.gaps(&self.slacks, i).into_iter().zip([lower[i], upper[i]]) {
-                if gap.is_finite() {
-                    products = worse(products, (gap * z - mu).abs());
-                }
-            }
-        }
+        let products = in_widest!(self.largest_product(bounds, mu));
         KktError {
             stationarity: worse(largest(&residuals.x), largest(&residuals.slacks)) / scale,
             feasibility: worse(largest(&residuals.equalities), largest(&residuals.ranges)),
             complementarity: products / scale_of_bounds,
         }
+    }
+
+    /// The largest of `|gap z - mu|` where there is a bound.
+    #[inline(always)]
+    fn largest_product<const FUSED: bool>(&self, bounds: &Bounds, mu: f64) -> f64 {
+        let ([lower, upper], count) = (&self.z, self.slacks.len());
+        let (lower, upper, slacks) = (&lower[..count], &upper[..count], &self.slacks[..count]);
+        let (from, to) = (&bounds.lower[..count], &bounds.upper[..count]);
+        let product = |gap: f64, z: f64| if gap < f64::INFINITY { (gap * z - mu).abs() } else { 0.0 };
+        let largest =
+            |i: usize| worse(product(slacks[i] - from[i], lower[i]), product(to[i] - slacks[i], upper[i]));
+        largest_of(count, largest)
     }
 }

@@ -66,6 +66,7 @@ mod scaled;
 mod solve;
 mod sparse;
 mod tiles;
+mod vectors;
 
 pub use active::{Certificate, Changes, Held};
 pub use barrier::BarrierSettings;

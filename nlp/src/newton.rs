@@ -12,7 +12,7 @@
 //! and the rest is factored from stage to stage. Residuals are those of the whole system: it is refined until
 //! they are small.
 
-use crate::blocks::{Block, Blocks};
+use crate::blocks::Blocks;
 use crate::condense::Condensed;
 use crate::elements::{Room, add_symmetric, add_transposed, gather, scatter, times};
 use crate::iterate::{Bounds, Iterate, Residuals, Step};
@@ -63,8 +63,9 @@ pub(crate) enum NoStep {
 pub(crate) struct Newton {
     chain: Chain,
     condensed: Condensed,
-    /// Sigma.
+    /// Sigma, and the reciprocals of the gaps of slacks.
     weights: Vec<f64>,
+    reciprocals: [Vec<f64>; 2],
     /// Added to the diagonal of W, and zeros.
     diagonal: Vec<f64>,
     settings: RegularisationSettings,
@@ -86,6 +87,7 @@ impl Newton {
             chain: Chain::new(layout),
             condensed: Condensed::new(layout),
             weights: vec![0.0; layout.ranges()],
+            reciprocals: [vec![0.0; layout.ranges()], vec![0.0; layout.ranges()]],
             diagonal: vec![0.0; layout.steps() + layout.equalities()],
             settings,
             remembered: 0.0,
@@ -122,20 +124,15 @@ impl Newton {
         (iterate, bounds): (&Iterate, &Bounds),
         blocks: &Blocks,
     ) -> Result<(), NoStep> {
-        let [lower, upper] = &iterate.z;
-        for (i, weight) in self.weights.iter_mut().enumerate() {
-            let [below, above] = bounds.gaps(&iterate.slacks, i);
-            // An infinite gap has no multiplier.
-            *weight = lower[i] / below + upper[i] / above;
-        }
+        in_widest!(self.set_weights(iterate, bounds));
         self.condensed.set(layout, blocks, &self.weights);
         let RegularisationSettings { first, least, largest, decrease, increase: [factor, first_factor] } =
             self.settings;
         let mut delta = 0.0;
         loop {
             self.diagonal[..layout.steps()].fill(delta);
-            let jacobian = |element: usize| &blocks.all()[element].equalities;
-            let inertia = self.chain.factorise(&self.condensed.hessians, jacobian, &self.diagonal);
+            let Condensed { hessians, jacobians, .. } = &self.condensed;
+            let inertia = self.chain.factorise(hessians, |element| &jacobians[element], &self.diagonal);
             if self.is_right(layout, inertia) {
                 break;
             }
@@ -156,13 +153,33 @@ impl Newton {
         Ok(())
     }
 
+    /// Sigma, where an infinite gap has no multiplier.
+    #[inline(always)]
+    fn set_weights<const FUSED: bool>(&mut self, iterate: &Iterate, bounds: &Bounds) {
+        let Self { weights, reciprocals: [below, above], .. } = self;
+        let gaps = iterate.slacks.iter().zip(bounds.lower.iter().zip(&bounds.upper));
+        for ((below, above), (slack, (lower, upper))) in below.iter_mut().zip(&mut *above).zip(gaps) {
+            (*below, *above) = ((slack - lower).recip(), (upper - slack).recip());
+        }
+        let [lower, upper] = &iterate.z;
+        let parts = lower.iter().zip(below).zip(upper.iter().zip(above));
+        for (weight, ((lower, below), (upper, above))) in weights.iter_mut().zip(parts) {
+            *weight = lower * *below + upper * *above;
+        }
+    }
+
+    /// The reciprocals of the gaps of slacks below and above, at the iterate of the last factorisation.
+    pub fn reciprocals(&self) -> &[Vec<f64>; 2] {
+        &self.reciprocals
+    }
+
     /// Least-squares multipliers y for these slopes of the Lagrangian without y, in `step.y`: those of
     /// `(1, C'; C, 0) (d; y) = (-slopes; 0)`.
     pub fn estimate(&mut self, layout: &Layout, blocks: &Blocks, slopes: &[f64], step: &mut Step) {
-        self.condensed.hessians.iter_mut().for_each(|hessian| hessian.entries_mut().fill(0.0));
+        self.condensed.set_jacobians(layout, blocks);
         self.diagonal[..layout.steps()].fill(1.0);
-        let jacobian = |element: usize| &blocks.all()[element].equalities;
-        self.chain.factorise(&self.condensed.hessians, jacobian, &self.diagonal);
+        let Condensed { hessians, jacobians, .. } = &self.condensed;
+        self.chain.factorise(hessians, |element| &jacobians[element], &self.diagonal);
         let n = layout.steps();
         self.solution[..n].iter_mut().zip(slopes).for_each(|(to, slope)| *to = -slope);
         self.solution[n..].fill(0.0);
@@ -183,19 +200,21 @@ impl Newton {
     pub fn step(
         &mut self,
         layout: &Layout,
-        (iterate, bounds): (&Iterate, &Bounds),
+        iterate: &Iterate,
         blocks: &Blocks,
         (residuals, mu): (&Residuals, f64),
         step: &mut Step,
     ) -> Result<(), NoStep> {
         self.solve(layout, blocks, residuals, step);
-        let [lower, upper] = &iterate.z;
-        let [to_lower, to_upper] = &mut step.z;
-        for i in 0..lower.len() {
-            let [below, above] = bounds.gaps(&iterate.slacks, i);
-            let ds = step.slacks[i];
-            to_lower[i] = (mu - lower[i] * ds) / below - lower[i];
-            to_upper[i] = (mu + upper[i] * ds) / above - upper[i];
+        let Step { slacks, z, .. } = step;
+        for (side, sign) in [(0, -1.0), (1, 1.0)] {
+            in_widest!(set_multipliers(
+                &mut z[side],
+                &iterate.z[side],
+                &self.reciprocals[side],
+                (mu, sign),
+                slacks
+            ));
         }
         if step.is_finite() { Ok(()) } else { Err(NoStep::NotFinite) }
     }
@@ -255,8 +274,9 @@ impl Newton {
             if !own.is_empty() {
                 let (_, sum, _) = local.of(block.gradient.len());
                 sum.fill(0.0);
-                add_transposed::<FUSED>((&block.ranges, &block.range_pattern), &rows[own], sum);
-                scatter(layout, element, sum, x);
+                let [_, ranges] = blocks.units.jacobians(layout, element, block);
+                add_transposed::<FUSED>(ranges, &rows[own], sum);
+                scatter(layout, element, sum, (x, &blocks.units.steps));
             }
         }
     }
@@ -273,8 +293,9 @@ impl Newton {
             let own = layout.ranges_of(element);
             if !own.is_empty() {
                 let (d, _, sums) = self.local.of(block.gradient.len());
-                gather(layout, element, &step.x, d);
-                times::<FUSED>((&block.ranges, &block.range_pattern), d, &mut step.slacks[own.clone()], sums);
+                gather(layout, element, (&step.x, &blocks.units.steps), d);
+                let [_, ranges] = blocks.units.jacobians(layout, element, block);
+                times::<FUSED>(ranges, d, &mut step.slacks[own.clone()], sums);
                 set_slacks(own, &self.weights, right, step);
             }
         }
@@ -295,12 +316,11 @@ impl Newton {
             *entry = *right - *diagonal * d;
         }
         for (element, block) in layout.elements().zip(blocks.all()) {
-            let Block { gradient, hessian, equalities, equality_pattern, ranges, range_pattern, .. } = block;
-            let (equalities, ranges) = ((equalities, equality_pattern), (ranges, range_pattern));
-            let (d, sum, sums) = local.of(gradient.len());
-            gather(layout, element, &step.x, d);
+            let [equalities, ranges] = blocks.units.jacobians(layout, element, block);
+            let (d, sum, sums) = local.of(block.gradient.len());
+            gather(layout, element, (&step.x, &blocks.units.steps), d);
             sum.fill(0.0);
-            add_symmetric::<FUSED>(hessian, d, sum, sums);
+            add_symmetric::<FUSED>(&block.hessian, d, sum, sums);
             let own = layout.equalities_of(element);
             if !own.is_empty() {
                 add_transposed::<FUSED>(equalities, &step.y[own.clone()], sum);
@@ -324,7 +344,7 @@ impl Newton {
                 add_transposed::<FUSED>(ranges, &step.v[own], sum);
             }
             sum.iter_mut().for_each(|entry| *entry = -*entry);
-            scatter(layout, element, sum, &mut to.x);
+            scatter(layout, element, sum, (&mut to.x, &blocks.units.steps));
         }
         for ((((to, right), weight), slack), v) in
             to.slacks.iter_mut().zip(&right.slacks).zip(weights).zip(&step.slacks).zip(&step.v)
@@ -348,5 +368,19 @@ fn set_slacks(own: Range<usize>, weights: &[f64], right: &Residuals, step: &mut 
     for (((slack, v), (g, s)), weight) in slacks.zip(right).zip(&weights[own]) {
         *slack -= g;
         *v = weight * *slack - s;
+    }
+}
+
+/// `d_z = mu / gap - z + sign z / gap d_s` of one side.
+#[inline(always)]
+fn set_multipliers<const FUSED: bool>(
+    to: &mut [f64],
+    z: &[f64],
+    reciprocals: &[f64],
+    (mu, sign): (f64, f64),
+    slacks: &[f64],
+) {
+    for (((to, z), reciprocal), ds) in to.iter_mut().zip(z).zip(reciprocals).zip(slacks) {
+        *to = (mu + sign * z * ds) * reciprocal - z;
     }
 }

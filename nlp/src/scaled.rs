@@ -1,9 +1,7 @@
 //! A program in units of its typical sizes.
 
-use crate::blocks::{Block, Blocks, Dense, Values, Weights};
-use crate::elements::Pattern;
+use crate::blocks::{Blocks, Units, Values, Weights};
 use crate::problem::{Scales, StagedProblem};
-use costate_numerics::in_widest;
 
 /// The program that the algorithm works on: every unknown, row and the cost divided by its typical size.
 ///
@@ -18,8 +16,7 @@ pub(crate) struct Scaled<'a, P> {
     equalities: Vec<f64>,
     ranges: Vec<f64>,
     step: Vec<f64>,
-    /// Scales of the unknowns of an element.
-    columns: Vec<f64>,
+    units: Units,
 }
 
 impl<'a, P: StagedProblem> Scaled<'a, P> {
@@ -29,8 +26,14 @@ impl<'a, P: StagedProblem> Scaled<'a, P> {
         let is_plain = problem.scales().is_none();
         let scales = problem.scales().cloned().unwrap_or_else(|| Scales::ones(layout));
         let (equalities, ranges, step) = (vec![0.0; m], vec![0.0; r], vec![0.0; n]);
-        let columns = Vec::with_capacity(layout.steps());
-        Self { problem, scales, is_plain, equalities, ranges, step, columns }
+        let reciprocals = |scales: &[f64]| scales.iter().map(|scale| scale.recip()).collect();
+        let units = Units {
+            cost: scales.cost.recip(),
+            steps: scales.steps.clone(),
+            equalities: reciprocals(&scales.equalities),
+            ranges: reciprocals(&scales.ranges),
+        };
+        Self { problem, scales, is_plain, equalities, ranges, step, units }
     }
 
     /// The bounds of the ranges.
@@ -49,7 +52,7 @@ impl<'a, P: StagedProblem> Scaled<'a, P> {
         Ok(())
     }
 
-    /// Blocks for these weights of the scaled functions.
+    /// Blocks for these weights of the scaled functions: derivatives of the program itself, and their units.
     pub fn linearise(
         &mut self,
         point: &[f64],
@@ -57,41 +60,14 @@ impl<'a, P: StagedProblem> Scaled<'a, P> {
         blocks: &mut Blocks,
     ) -> Result<(), P::Error> {
         blocks.fill_zero();
-        if self.is_plain {
-            self.problem.linearise(point, weights, blocks)?;
-            blocks.all_mut().iter_mut().for_each(note_patterns);
-            return Ok(());
-        }
-        let Self { problem, scales, equalities, ranges, .. } = self;
-        equalities.copy_from_slice(weights.equalities);
-        ranges.copy_from_slice(weights.ranges);
-        divide(equalities, &scales.equalities);
-        divide(ranges, &scales.ranges);
-        let weights = Weights { cost: weights.cost / scales.cost, equalities, ranges };
+        blocks.units.copy_from(&self.units);
+        let Self { problem, units, equalities, ranges, .. } = self;
+        multiply(weights.equalities, &units.equalities, equalities);
+        multiply(weights.ranges, &units.ranges, ranges);
+        let weights = Weights { cost: weights.cost * units.cost, equalities, ranges };
         problem.linearise(point, weights, blocks)?;
-        in_widest!(self.scale(blocks));
+        blocks.note_patterns();
         Ok(())
-    }
-
-    #[inline(always)]
-    fn scale<const FUSED: bool>(&mut self, blocks: &mut Blocks) {
-        let Self { problem, scales, columns, .. } = self;
-        let layout = problem.layout();
-        for (element, block) in layout.elements().zip(blocks.all_mut()) {
-            columns.clear();
-            for range in layout.unknowns(element) {
-                columns.extend_from_slice(&scales.steps[range]);
-            }
-            multiply(&mut block.gradient, scales.cost.recip(), columns);
-            for (i, &scale) in columns.iter().enumerate() {
-                multiply(&mut block.hessian.row_mut(i)[i..], scale, &columns[i..]);
-            }
-            let Block { equalities, equality_pattern, ranges, range_pattern, .. } = block;
-            let of_equalities = &scales.equalities[layout.equalities_of(element)];
-            let of_ranges = &scales.ranges[layout.ranges_of(element)];
-            scale_rows(equalities, of_equalities, columns, equality_pattern);
-            scale_rows(ranges, of_ranges, columns, range_pattern);
-        }
     }
 
     /// The size of unknown k, scaled, at least 1; 1 where a point has other entries than a step.
@@ -129,32 +105,6 @@ fn divide(values: &mut [f64], scales: &[f64]) {
     values.iter_mut().zip(scales).for_each(|(value, scale)| *value /= scale);
 }
 
-#[inline(always)]
-fn multiply(row: &mut [f64], factor: f64, columns: &[f64]) {
-    row.iter_mut().zip(columns).for_each(|(entry, scale)| *entry *= factor * scale);
-}
-
-#[inline(always)]
-fn scale_rows(rows: &mut Dense, scales: &[f64], columns: &[f64], pattern: &mut Pattern) {
-    pattern.clear();
-    for (i, scale) in scales.iter().enumerate() {
-        let (row, factor) = (rows.row_mut(i), scale.recip());
-        let mut count = 0_u64;
-        for (entry, scale) in row.iter_mut().zip(columns) {
-            count += u64::from(*entry != 0.0);
-            *entry *= factor * scale;
-        }
-        pattern.push(row, count);
-    }
-}
-
-fn note_patterns(block: &mut Block) {
-    let Block { equalities, equality_pattern, ranges, range_pattern, .. } = block;
-    for (rows, pattern) in [(equalities, equality_pattern), (ranges, range_pattern)] {
-        pattern.clear();
-        for i in 0..rows.rows() {
-            let row = rows.row(i);
-            pattern.push(row, row.iter().map(|&entry| u64::from(entry != 0.0)).sum());
-        }
-    }
+fn multiply(values: &[f64], factors: &[f64], to: &mut [f64]) {
+    to.iter_mut().zip(values.iter().zip(factors)).for_each(|(to, (value, factor))| *to = value * factor);
 }

@@ -3,9 +3,9 @@
 //! Waechter and Biegler 2006, with the pivots of the stages in place of a general factorisation.
 
 use crate::active::Active;
-use crate::barrier::{BarrierSettings, longest_steps, reset_multipliers, slope};
+use crate::barrier::{BarrierSettings, barrier_residuals, longest_steps, reset_multipliers, slope};
 use crate::blocks::{Blocks, Weights};
-use crate::elements::largest;
+use crate::elements::{Room, gather};
 use crate::filter::{Acceptance, Filter, FilterSettings, Measure};
 use crate::iterate::{Bounds, Iterate, KktError, Residuals, Step};
 use crate::layout::{Element, Layout};
@@ -14,6 +14,7 @@ use crate::outcome::{Iteration, Solution, SolveError, Status};
 use crate::problem::StagedProblem;
 use crate::restoration::{Elastic, Places};
 use crate::scaled::Scaled;
+use crate::vectors::{largest, move_along};
 use std::ops::ControlFlow;
 
 /// What steers a solution. Each group stands beside the algorithm that it steers.
@@ -167,6 +168,7 @@ pub struct Solver {
     /// Right-hand sides of second-order corrections.
     corrected: Residuals,
     newton: Newton,
+    room: Room,
     step: Step,
     correction: Step,
     filter: Filter,
@@ -209,6 +211,7 @@ impl Solver {
             residuals: Residuals::zeros(layout),
             corrected: Residuals::zeros(layout),
             newton: Newton::new(layout, settings.regularisation),
+            room: Room::new(layout),
             step: Step::zeros(layout),
             correction: Step::zeros(layout),
             filter: Filter::new(settings.filter),
@@ -462,10 +465,10 @@ impl Solver {
         &mut self,
         problem: &mut Scaled<'_, P>,
     ) -> Result<(), SolveError<P::Error>> {
-        let Self { layout, iterate, blocks, residuals, .. } = self;
+        let Self { layout, iterate, blocks, residuals, room, .. } = self;
         let weights = Weights { cost: 1.0, equalities: &iterate.y, ranges: &iterate.v };
         problem.linearise(&iterate.point, weights, blocks)?;
-        iterate.residuals(layout, blocks, residuals);
+        iterate.residuals(layout, blocks, room, residuals);
         Ok(())
     }
 
@@ -474,8 +477,8 @@ impl Solver {
         let Self { layout, iterate, blocks, residuals, corrected, newton, step, .. } = self;
         newton.factorise(layout, (iterate, bounds), blocks)?;
         corrected.copy_from(residuals);
-        barrier_residuals(iterate, bounds, mu, corrected);
-        newton.step(layout, (iterate, bounds), blocks, (corrected, mu), step)
+        barrier_residuals(iterate, newton.reciprocals(), mu, corrected);
+        newton.step(layout, iterate, blocks, (corrected, mu), step)
     }
 
     /// Whether the step is rounding.
@@ -487,13 +490,14 @@ impl Solver {
     }
 
     /// The derivative of the objective of the barrier problem along the step.
-    fn slope(&self, bounds: &Bounds, mu: f64) -> f64 {
-        let Self { layout, iterate, blocks, step, .. } = self;
-        let mut sum = slope(iterate, bounds, step, mu);
+    fn slope(&mut self, mu: f64) -> f64 {
+        let Self { layout, blocks, newton, room, step, .. } = self;
+        let mut sum = slope(newton.reciprocals(), step, mu);
         for (element, block) in layout.elements().zip(blocks.all()) {
-            let columns = layout.unknowns(element).into_iter().flatten();
-            sum +=
-                block.gradient.iter().zip(columns).map(|(slope, column)| slope * step.x[column]).sum::<f64>();
+            let (d, ..) = room.of(block.gradient.len());
+            gather(layout, element, (&step.x, &blocks.units.steps), d);
+            let products = block.gradient.iter().zip(d).map(|(slope, d)| slope * *d);
+            sum += blocks.units.cost * products.sum::<f64>();
         }
         sum
     }
@@ -506,8 +510,9 @@ impl Solver {
         (mu, tau): (f64, f64),
     ) -> Result<Search, SolveError<P::Error>> {
         let current = Measure::of(&self.iterate, bounds, mu);
-        let slope = self.slope(bounds, mu);
-        let [longest, of_multipliers] = longest_steps(&self.iterate, bounds, &self.step, tau);
+        let slope = self.slope(mu);
+        let [longest, of_multipliers] =
+            longest_steps(&self.iterate, self.newton.reciprocals(), &self.step, tau);
         let least = self.filter.least_length(current.violation, slope);
         let mut alpha = longest;
         let mut is_first = true;
@@ -646,7 +651,7 @@ impl Solver {
         let first = alpha;
         let mut violation = trial.violation;
         self.corrected.copy_from(&self.residuals);
-        barrier_residuals(&self.iterate, bounds, mu, &mut self.corrected);
+        barrier_residuals(&self.iterate, self.newton.reciprocals(), mu, &mut self.corrected);
         for _ in 0..most {
             if !violation.is_finite() {
                 break;
@@ -658,10 +663,10 @@ impl Solver {
             for (i, to) in corrected.ranges.iter_mut().enumerate() {
                 *to = alpha * *to + trial.values.ranges[i] - trial.slacks[i];
             }
-            if newton.step(layout, (iterate, bounds), blocks, (corrected, mu), correction).is_err() {
+            if newton.step(layout, iterate, blocks, (corrected, mu), correction).is_err() {
                 break;
             }
-            let [longest, of_multipliers] = longest_steps(iterate, bounds, correction, tau);
+            let [longest, of_multipliers] = longest_steps(iterate, newton.reciprocals(), correction, tau);
             alpha = longest;
             self.try_step(problem, true, alpha)?;
             let measure = Measure::of(&self.trial, bounds, mu);
@@ -688,9 +693,7 @@ impl Solver {
         let Self { iterate, trial, step, correction, .. } = self;
         let step = if is_corrected { correction } else { step };
         problem.retract(&iterate.point, &step.x, alpha, &mut trial.point);
-        for ((to, s), d) in trial.slacks.iter_mut().zip(&iterate.slacks).zip(&step.slacks) {
-            *to = alpha.mul_add(*d, *s);
-        }
+        move_along(&mut trial.slacks, &iterate.slacks, &step.slacks, alpha);
         Ok(problem.evaluate(&trial.point, &mut trial.values)?)
     }
 
@@ -698,15 +701,10 @@ impl Solver {
     fn move_multipliers(&mut self, is_corrected: bool, (alpha, of_bounds): (f64, f64)) {
         let Self { iterate, trial, step, correction, .. } = self;
         let step = if is_corrected { correction } else { step };
-        let along = |to: &mut [f64], from: &[f64], step: &[f64], length: f64| {
-            to.iter_mut()
-                .zip(from.iter().zip(step))
-                .for_each(|(to, (from, d))| *to = length.mul_add(*d, *from));
-        };
-        along(&mut trial.y, &iterate.y, &step.y, alpha);
-        along(&mut trial.v, &iterate.v, &step.v, alpha);
+        move_along(&mut trial.y, &iterate.y, &step.y, alpha);
+        move_along(&mut trial.v, &iterate.v, &step.v, alpha);
         for side in 0..2 {
-            along(&mut trial.z[side], &iterate.z[side], &step.z[side], of_bounds);
+            move_along(&mut trial.z[side], &iterate.z[side], &step.z[side], of_bounds);
         }
     }
 
@@ -715,13 +713,5 @@ impl Solver {
         if accepted == Acceptance::Either || !self.filter.switches(current.violation, alpha, slope) {
             self.filter.add(current);
         }
-    }
-}
-
-/// Residuals of slacks with `mu / (s - l)` in the place of z.
-fn barrier_residuals(iterate: &Iterate, bounds: &Bounds, mu: f64, to: &mut Residuals) {
-    for (i, to) in to.slacks.iter_mut().enumerate() {
-        let [below, above] = bounds.gaps(&iterate.slacks, i);
-        *to = mu / above - mu / below - iterate.v[i];
     }
 }

@@ -154,7 +154,8 @@ pub(crate) fn add_rows<const FUSED: bool>(rows: [&[f64]; 4], [a, b, c, d]: [f64;
     let n = to.len();
     let [p, q, r, s] = rows.map(|row| &row[..n]);
     for i in 0..n {
-        let first = fused::<FUSED>(b, q[i], fused::<FUSED>(a, p[i], to[i]));
-        to[i] = fused::<FUSED>(d, s[i], fused::<FUSED>(c, r[i], first));
+        // Sums that do not wait for those of the rows before.
+        let (first, second) = (fused::<FUSED>(b, q[i], a * p[i]), fused::<FUSED>(d, s[i], c * r[i]));
+        to[i] += first + second;
     }
 }
