@@ -10,14 +10,14 @@
 //! terms nor a regularisation are in it. Derivatives of the solution by a parameter solve the same equations.
 
 use crate::blocks::{Blocks, Dense, Units};
-use crate::condense::{columns_of, scale_hessian, scale_row};
+use crate::condense::{columns_of, scale_hessian};
 use crate::elements::{
     Jacobian, Pattern, Room, add_symmetric, add_transposed, gather, scatter, squares, times,
 };
 use crate::iterate::{Bounds, Iterate};
 use crate::kkt::{Chain, Inertia};
 use crate::layout::{Layout, Rows};
-use crate::tiles::fused;
+use crate::tiles::{fused, scaled_product};
 use costate_numerics::in_widest;
 
 /// The curvature of the Lagrangian where equations and held ranges are kept.
@@ -171,12 +171,12 @@ impl Active {
             scale_hessian(&block.hessian, columns, hessian);
             let [of_equalities, of_ranges] = units.jacobians(layout, element, block);
             for (i, &factor) in of_equalities.factors.iter().enumerate() {
-                scale_row(of_equalities.rows.row(i), factor, columns, jacobian.row_mut(i));
+                scaled_product(factor, of_equalities.rows.row(i), columns, jacobian.row_mut(i));
             }
             for (i, row) in (0..ranges).zip(layout.ranges_of(element)) {
                 let to = jacobian.row_mut(equalities + i);
                 if holds(self.held[row]) {
-                    scale_row(of_ranges.rows.row(i), of_ranges.factors[i], columns, to);
+                    scaled_product(of_ranges.factors[i], of_ranges.rows.row(i), columns, to);
                 } else {
                     to.fill(0.0);
                     // An eigenvalue -1 for itself.

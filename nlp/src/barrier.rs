@@ -84,14 +84,12 @@ pub(crate) fn longest_steps(
 
 #[inline(always)]
 fn largest_product<const FUSED: bool>(reciprocals: &[f64], changes: &[f64], sign: f64) -> f64 {
-    let changes = &changes[..reciprocals.len()];
-    largest_of(changes.len(), |i| positive(sign * changes[i] * reciprocals[i]))
+    largest_of([reciprocals, changes], |[reciprocal, change]| positive(sign * change * reciprocal))
 }
 
 #[inline(always)]
 fn largest_decrease<const FUSED: bool>(values: &[f64], changes: &[f64]) -> f64 {
-    let changes = &changes[..values.len()];
-    largest_of(changes.len(), |i| if changes[i] < 0.0 { -changes[i] / values[i] } else { 0.0 })
+    largest_of([values, changes], |[value, change]| if change < 0.0 { -change / value } else { 0.0 })
 }
 
 #[inline(always)]
@@ -127,8 +125,7 @@ pub(crate) fn slope(reciprocals: &[Vec<f64>; 2], step: &Step, mu: f64) -> f64 {
 
 #[inline(always)]
 fn sum_of_slopes<const FUSED: bool>([below, above]: &[Vec<f64>; 2], slacks: &[f64]) -> f64 {
-    let (below, above) = (&below[..slacks.len()], &above[..slacks.len()]);
-    sum_of(slacks.len(), |i| slacks[i] * (above[i] - below[i]))
+    sum_of([slacks, below, above], |[d, below, above]| d * (above - below))
 }
 
 /// Residuals of slacks with `mu / (s - l)` in the place of z.

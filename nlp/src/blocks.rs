@@ -2,6 +2,7 @@
 
 use crate::elements::{Jacobian, Pattern};
 use crate::layout::{Element, Layout};
+use costate_numerics::in_widest;
 use std::ops::{Index, IndexMut};
 
 /// Cost, equations and functions with ranges at one point.
@@ -210,6 +211,11 @@ impl Blocks {
 
     /// Notes which rows of Jacobians have one entry other than zero.
     pub(crate) fn note_patterns(&mut self) {
+        in_widest!(self.find_patterns());
+    }
+
+    #[inline(always)]
+    fn find_patterns<const FUSED: bool>(&mut self) {
         for Block { equalities, equality_pattern, ranges, range_pattern, .. } in &mut self.blocks {
             equality_pattern.set(equalities);
             range_pattern.set(ranges);

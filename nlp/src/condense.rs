@@ -5,7 +5,7 @@
 use crate::blocks::{Blocks, Dense, Units};
 use crate::elements::{Jacobian, squares};
 use crate::layout::{Element, Layout};
-use crate::tiles::{LANES, update};
+use crate::tiles::{LANES, scaled_product, update};
 use costate_numerics::in_widest;
 
 /// The matrices of Newton's equations by element, in units of the scaled program.
@@ -84,21 +84,14 @@ pub(crate) fn columns_of<'a>(
 #[inline(always)]
 pub(crate) fn scale_hessian(hessian: &Dense, columns: &[f64], to: &mut Dense) {
     for (i, scale) in columns.iter().enumerate() {
-        scale_row(&hessian.row(i)[i..], *scale, &columns[i..], &mut to.row_mut(i)[i..]);
+        scaled_product(*scale, &hessian.row(i)[i..], &columns[i..], &mut to.row_mut(i)[i..]);
     }
 }
 
 #[inline(always)]
 fn scale_jacobian(Jacobian { rows, factors, .. }: Jacobian<'_>, columns: &[f64], to: &mut Dense) {
     for (i, factor) in factors.iter().enumerate() {
-        scale_row(rows.row(i), *factor, columns, to.row_mut(i));
-    }
-}
-
-#[inline(always)]
-pub(crate) fn scale_row(row: &[f64], factor: f64, columns: &[f64], to: &mut [f64]) {
-    for ((to, entry), column) in to.iter_mut().zip(row).zip(columns) {
-        *to = factor * column * entry;
+        scaled_product(*factor, rows.row(i), columns, to.row_mut(i));
     }
 }
 
@@ -121,7 +114,7 @@ fn add_squares<const FUSED: bool>(
     let weighted = &mut weighted[..count * stride];
     for (to, &row) in weighted.chunks_exact_mut(stride).zip(&pattern.dense) {
         let (to, padding) = to.split_at_mut(columns.len());
-        scale_row(rows.row(row), weights[row].sqrt() * factors[row], columns, to);
+        scaled_product(weights[row].sqrt() * factors[row], rows.row(row), columns, to);
         padding.fill(0.0);
     }
     let (size, mut j) = (columns.len(), 0);

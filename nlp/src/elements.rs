@@ -2,7 +2,7 @@
 
 use crate::blocks::Dense;
 use crate::layout::{Element, Layout};
-use crate::tiles::{LANES, Sums, add_rows, fused, products};
+use crate::tiles::{LANES, Sums, add_rows, fused, only_entry, products};
 
 /// A square matrix of zeros for each element, its rows padded for tiles.
 pub(crate) fn squares(layout: &Layout) -> Vec<Dense> {
@@ -55,14 +55,14 @@ impl Pattern {
     }
 
     /// That of these rows.
+    #[inline(always)]
     pub fn set(&mut self, rows: &Dense) {
         self.single.clear();
         self.dense.clear();
         for i in 0..rows.rows() {
-            let mut others = rows.row(i).iter().enumerate().filter(|(_, entry)| **entry != 0.0);
-            match (others.next(), others.next()) {
-                (Some((column, _)), None) => self.single.push([i, column]),
-                _ => self.dense.push(i),
+            match only_entry(rows.row(i)) {
+                Some(column) => self.single.push([i, column]),
+                None => self.dense.push(i),
             }
         }
     }

@@ -228,32 +228,41 @@ impl Iterate {
 
     /// The error of the conditions of optimality at the barrier parameter mu.
     pub fn error(&self, bounds: &Bounds, residuals: &Residuals, mu: f64) -> KktError {
-        let [lower, upper] = &self.z;
-        let mean = |sum: f64, count: usize| {
-            let mean = if count > 0 { sum / count as f64 } else { 0.0 };
-            mean.max(LARGE_MULTIPLIERS) / LARGE_MULTIPLIERS
-        };
-        let of_bounds = sum_of_sizes(lower) + sum_of_sizes(upper);
-        let sum = of_bounds + sum_of_sizes(&self.y) + sum_of_sizes(&self.v);
-        let scale = mean(sum, self.y.len() + 3 * self.v.len());
-        let scale_of_bounds = mean(of_bounds, 2 * lower.len());
-        let products = in_widest!(self.largest_product(bounds, mu));
+        let sum = self.sum_of_bounds() + sum_of_sizes(&self.y) + sum_of_sizes(&self.v);
+        let scale = scale_of(sum, self.y.len() + 3 * self.v.len());
         KktError {
             stationarity: worse(largest(&residuals.x), largest(&residuals.slacks)) / scale,
             feasibility: worse(largest(&residuals.equalities), largest(&residuals.ranges)),
-            complementarity: products / scale_of_bounds,
+            complementarity: self.complementarity(bounds, mu),
         }
+    }
+
+    /// The part of the error that depends on mu.
+    pub fn complementarity(&self, bounds: &Bounds, mu: f64) -> f64 {
+        let scale = scale_of(self.sum_of_bounds(), 2 * self.v.len());
+        in_widest!(self.largest_product(bounds, mu)) / scale
+    }
+
+    /// The sum of the multipliers of bounds.
+    fn sum_of_bounds(&self) -> f64 {
+        let [lower, upper] = &self.z;
+        sum_of_sizes(lower) + sum_of_sizes(upper)
     }
 
     /// The largest of `|gap z - mu|` where there is a bound.
     #[inline(always)]
     fn largest_product<const FUSED: bool>(&self, bounds: &Bounds, mu: f64) -> f64 {
-        let ([lower, upper], count) = (&self.z, self.slacks.len());
-        let (lower, upper, slacks) = (&lower[..count], &upper[..count], &self.slacks[..count]);
-        let (from, to) = (&bounds.lower[..count], &bounds.upper[..count]);
         let product = |gap: f64, z: f64| if gap < f64::INFINITY { (gap * z - mu).abs() } else { 0.0 };
-        let largest =
-            |i: usize| worse(product(slacks[i] - from[i], lower[i]), product(to[i] - slacks[i], upper[i]));
-        largest_of(count, largest)
+        let [lower, upper] = &self.z;
+        largest_of(
+            [&self.slacks, &bounds.lower, &bounds.upper, lower, upper],
+            |[slack, from, to, lower, upper]| worse(product(slack - from, lower), product(to - slack, upper)),
+        )
     }
+}
+
+/// What errors are relative to, by the sum of so many multipliers.
+fn scale_of(sum: f64, count: usize) -> f64 {
+    let mean = if count > 0 { sum / count as f64 } else { 0.0 };
+    mean.max(LARGE_MULTIPLIERS) / LARGE_MULTIPLIERS
 }

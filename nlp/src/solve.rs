@@ -417,9 +417,9 @@ impl Solver {
                 return Ok((Status::IterationLimit, error, number));
             }
             // The next barrier problems that this iterate solves are passed.
-            while mu > 0.1 * tolerance
-                && self.iterate.error(bounds, &self.residuals, mu).largest() <= barrier.accuracy * mu
-            {
+            let error_at =
+                |mu| KktError { complementarity: self.iterate.complementarity(bounds, mu), ..error };
+            while mu > 0.1 * tolerance && error_at(mu).largest() <= barrier.accuracy * mu {
                 mu = barrier.next(mu, tolerance);
                 self.filter.clear();
             }

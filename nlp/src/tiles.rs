@@ -129,9 +129,9 @@ fn tile<const FUSED: bool, const ADD: bool, const W: usize, const R: usize>(
 #[inline(always)]
 pub(crate) fn products<const FUSED: bool>(rows: [&[f64]; 4], x: &[f64], sums: &mut Sums) -> [f64; 4] {
     let n = x.len();
-    let rows = rows.map(|row| row[..n].as_chunks::<LANES>());
+    let rows = rows.map(|row| &row[..n]);
     let (chunks, rest) = x.as_chunks::<LANES>();
-    let columns = rows.map(|(row, _)| &row[..chunks.len()]);
+    let columns = rows.map(|row| &row.as_chunks::<LANES>().0[..chunks.len()]);
     let mut partial = [[0.0; LANES]; 4];
     for i in 0..chunks.len() {
         for w in 0..4 {
@@ -140,22 +140,104 @@ pub(crate) fn products<const FUSED: bool>(rows: [&[f64]; 4], x: &[f64], sums: &m
             }
         }
     }
+    if let Some(last) = x.last_chunk::<LANES>()
+        && !rest.is_empty()
+    {
+        // The last ones once more, without those that were added.
+        let last: [f64; LANES] =
+            std::array::from_fn(|lane| if lane < LANES - rest.len() { 0.0 } else { last[lane] });
+        for w in 0..4 {
+            if let Some(ends) = rows[w].last_chunk::<LANES>() {
+                for lane in 0..LANES {
+                    partial[w][lane] = fused::<FUSED>(ends[lane], last[lane], partial[w][lane]);
+                }
+            }
+        }
+    }
     *sums = partial;
+    let few = if n < LANES { n } else { 0 };
     std::array::from_fn(|w| {
         let [p, q, r, s] = sums[w];
-        let ends = rows[w].1.iter().zip(rest);
-        ends.fold((p + q) + (r + s), |sum, (a, b)| fused::<FUSED>(*a, *b, sum))
+        rows[w].iter().zip(x).take(few).fold((p + q) + (r + s), |sum, (a, b)| fused::<FUSED>(*a, *b, sum))
     })
 }
 
 /// Adds four rows, times factors.
 #[inline(always)]
-pub(crate) fn add_rows<const FUSED: bool>(rows: [&[f64]; 4], [a, b, c, d]: [f64; 4], to: &mut [f64]) {
+pub(crate) fn add_rows<const FUSED: bool>(rows: [&[f64]; 4], factors: [f64; 4], to: &mut [f64]) {
     let n = to.len();
-    let [p, q, r, s] = rows.map(|row| &row[..n]);
-    for i in 0..n {
-        // Sums that do not wait for those of the rows before.
-        let (first, second) = (fused::<FUSED>(b, q[i], a * p[i]), fused::<FUSED>(d, s[i], c * r[i]));
-        to[i] += first + second;
+    let rows = rows.map(|row| &row[..n]);
+    // Sums that do not wait for those of the rows before.
+    let sum = |[a, b, c, d]: [f64; 4]| {
+        let [p, q, r, s] = factors;
+        fused::<FUSED>(q, b, p * a) + fused::<FUSED>(s, d, r * c)
+    };
+    let chunks = rows.map(|row| &row.as_chunks::<LANES>().0[..n / LANES]);
+    for (i, to) in to.as_chunks_mut::<LANES>().0.iter_mut().enumerate() {
+        for lane in 0..LANES {
+            to[lane] += sum(chunks.map(|row| row[i][lane]));
+        }
     }
+    let rest = n % LANES;
+    if rest == 0 {
+        return;
+    }
+    let ends = rows.map(|row| row.last_chunk::<LANES>());
+    if let ([Some(a), Some(b), Some(c), Some(d)], Some(to)) = (ends, to.last_chunk_mut::<LANES>()) {
+        // The last ones once more, of which some are not added.
+        let sums: [f64; LANES] = std::array::from_fn(|lane| sum([a[lane], b[lane], c[lane], d[lane]]));
+        for lane in LANES - rest..LANES {
+            to[lane] += sums[lane];
+        }
+    } else {
+        to.iter_mut().enumerate().for_each(|(i, to)| *to += sum(rows.map(|row| row[i])));
+    }
+}
+
+/// `to = factor (a b)`, entry by entry.
+#[inline(always)]
+pub(crate) fn scaled_product(factor: f64, a: &[f64], b: &[f64], to: &mut [f64]) {
+    let n = a.len();
+    let (b, to) = (&b[..n], &mut to[..n]);
+    let chunks = a.as_chunks::<LANES>().0.iter().zip(b.as_chunks::<LANES>().0);
+    for (to, (a, b)) in to.as_chunks_mut::<LANES>().0.iter_mut().zip(chunks) {
+        for lane in 0..LANES {
+            to[lane] = factor * a[lane] * b[lane];
+        }
+    }
+    // The last ones once more.
+    if let (Some(to), Some(a), Some(b)) =
+        (to.last_chunk_mut::<LANES>(), a.last_chunk::<LANES>(), b.last_chunk::<LANES>())
+    {
+        for lane in 0..LANES {
+            to[lane] = factor * a[lane] * b[lane];
+        }
+    } else {
+        to.iter_mut().zip(a.iter().zip(b)).for_each(|(to, (a, b))| *to = factor * a * b);
+    }
+}
+
+/// The place of the only entry that is not zero, if there is one.
+#[inline(always)]
+pub(crate) fn only_entry(row: &[f64]) -> Option<usize> {
+    let (chunks, rest) = row.as_chunks::<LANES>();
+    let mut found = None;
+    for (i, chunk) in chunks.iter().enumerate() {
+        let mut lanes = 0_u32;
+        for lane in 0..LANES {
+            lanes |= u32::from(chunk[lane] != 0.0) << lane;
+        }
+        if lanes != 0 {
+            if found.is_some() || !lanes.is_power_of_two() {
+                return None;
+            }
+            found = Some(LANES * i + lanes.trailing_zeros() as usize);
+        }
+    }
+    for (i, _) in rest.iter().enumerate().filter(|(_, entry)| **entry != 0.0) {
+        if found.replace(LANES * chunks.len() + i).is_some() {
+            return None;
+        }
+    }
+    found
 }

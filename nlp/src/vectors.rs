@@ -9,30 +9,37 @@ pub(crate) fn worse(a: f64, b: f64) -> f64 {
     if a >= b || a.is_nan() { a } else { b }
 }
 
-/// Folds values of rows 0, 1, .. side by side, then together.
+/// Folds values of entries of some vectors side by side, then together.
 #[inline(always)]
-fn fold(count: usize, value: impl Fn(usize) -> f64, with: impl Fn(f64, f64) -> f64) -> f64 {
-    let mut lanes = [0.0; LANES];
-    let whole = count / LANES * LANES;
-    for i in (0..whole).step_by(LANES) {
-        for lane in 0..LANES {
-            lanes[lane] = with(lanes[lane], value(i + lane));
+fn fold<const K: usize>(
+    from: [&[f64]; K],
+    value: impl Fn([f64; K]) -> f64,
+    with: impl Fn(f64, f64) -> f64,
+) -> f64 {
+    const SUMS: usize = 2 * LANES;
+    let n = from.iter().map(|from| from.len()).min().unwrap_or(0);
+    let from = from.map(|from| &from[..n]);
+    let chunks = from.map(|from| &from.as_chunks::<SUMS>().0[..n / SUMS]);
+    let mut sums = [0.0; SUMS];
+    for i in 0..n / SUMS {
+        for lane in 0..SUMS {
+            sums[lane] = with(sums[lane], value(chunks.map(|chunk| chunk[i][lane])));
         }
     }
-    let [p, q, r, s] = lanes;
-    (whole..count).fold(with(with(p, q), with(r, s)), |sum, i| with(sum, value(i)))
+    let sum = sums.into_iter().fold(0.0, &with);
+    (n / SUMS * SUMS..n).fold(sum, |sum, i| with(sum, value(from.map(|from| from[i]))))
 }
 
-/// The sum of these values of rows 0, 1, ..
+/// The sum of these values of entries.
 #[inline(always)]
-pub(crate) fn sum_of(count: usize, value: impl Fn(usize) -> f64) -> f64 {
-    fold(count, value, |a, b| a + b)
+pub(crate) fn sum_of<const K: usize>(from: [&[f64]; K], value: impl Fn([f64; K]) -> f64) -> f64 {
+    fold(from, value, |a, b| a + b)
 }
 
 /// The largest of these values, which are not negative; not-a-number if one is.
 #[inline(always)]
-pub(crate) fn largest_of(count: usize, value: impl Fn(usize) -> f64) -> f64 {
-    fold(count, value, worse)
+pub(crate) fn largest_of<const K: usize>(from: [&[f64]; K], value: impl Fn([f64; K]) -> f64) -> f64 {
+    fold(from, value, worse)
 }
 
 /// The largest absolute value; not-a-number if one is.
@@ -42,7 +49,7 @@ pub(crate) fn largest(values: &[f64]) -> f64 {
 
 #[inline(always)]
 fn largest_entry<const FUSED: bool>(values: &[f64]) -> f64 {
-    largest_of(values.len(), |i| values[i].abs())
+    largest_of([values], |[value]| value.abs())
 }
 
 /// The sum of absolute values.
@@ -52,7 +59,7 @@ pub(crate) fn sum_of_sizes(values: &[f64]) -> f64 {
 
 #[inline(always)]
 fn sum_of_entries<const FUSED: bool>(values: &[f64]) -> f64 {
-    sum_of(values.len(), |i| values[i].abs())
+    sum_of([values], |[value]| value.abs())
 }
 
 /// The sum of `|a - b|`.
@@ -62,8 +69,7 @@ pub(crate) fn sum_of_differences(a: &[f64], b: &[f64]) -> f64 {
 
 #[inline(always)]
 fn sum_of_gaps<const FUSED: bool>(a: &[f64], b: &[f64]) -> f64 {
-    let b = &b[..a.len()];
-    sum_of(a.len(), |i| (a[i] - b[i]).abs())
+    sum_of([a, b], |[a, b]| (a - b).abs())
 }
 
 /// `to = from + length step`.
@@ -107,7 +113,7 @@ fn logarithms<const FUSED: bool>(a: &[f64], b: &[f64]) -> f64 {
     let exponent = exponents.iter().sum::<u64>() as f64 - (1023 * LANES * a_chunks.len()) as f64;
     let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| logarithm(a - b)).sum();
     let [p, q, r, s] = mantissas.map(f64::ln);
-    exponent.mul_add(std::f64::consts::LN_2, (p + q) + (r + s)) + rest
+    exponent * std::f64::consts::LN_2 + ((p + q) + (r + s)) + rest
 }
 
 /// The bits of a mantissa.
