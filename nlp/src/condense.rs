@@ -103,8 +103,8 @@ fn add_squares<const FUSED: bool>(
     columns: &[f64],
     weighted: &mut [f64],
 ) {
-    for &[row, column] in &pattern.single {
-        let entry = factors[row] * columns[column] * rows[(row, column)];
+    for &(row, column, entry) in &pattern.single {
+        let entry = factors[row] * columns[column] * entry;
         hessian[(column, column)] += weights[row] * entry * entry;
     }
     let (stride, count) = (hessian.columns(), pattern.dense.len());

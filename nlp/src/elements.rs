@@ -2,7 +2,7 @@
 
 use crate::blocks::Dense;
 use crate::layout::{Element, Layout};
-use crate::tiles::{LANES, Sums, add_rows, fused, only_entry, products};
+use crate::tiles::{LANES, Sums, add_all_rows, add_rows, fused, only_entry, products};
 
 /// A square matrix of zeros for each element, its rows padded for tiles.
 pub(crate) fn squares(layout: &Layout) -> Vec<Dense> {
@@ -43,8 +43,8 @@ pub(crate) struct Jacobian<'a> {
 /// Which rows of a Jacobian have one entry that is not zero, such as limits of one unknown.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Pattern {
-    /// Row and column.
-    pub single: Vec<[usize; 2]>,
+    /// Row, column and entry.
+    pub single: Vec<(usize, usize, f64)>,
     pub dense: Vec<usize>,
 }
 
@@ -61,7 +61,7 @@ impl Pattern {
         self.dense.clear();
         for i in 0..rows.rows() {
             match only_entry(rows.row(i)) {
-                Some(column) => self.single.push([i, column]),
+                Some(column) => self.single.push((i, column, rows[(i, column)])),
                 None => self.dense.push(i),
             }
         }
@@ -69,9 +69,8 @@ impl Pattern {
 
     /// The dense rows, four at a time; the last ones are repeated.
     #[inline(always)]
-    fn fours(&self) -> impl Iterator<Item = ([usize; 4], usize)> {
-        let of = |rows: &[usize]| (std::array::from_fn(|r| rows[r.min(rows.len() - 1)]), rows.len());
-        self.dense.chunks(4).map(of)
+    fn fours(&self) -> impl Iterator<Item = [usize; 4]> {
+        self.dense.chunks(4).map(|rows| std::array::from_fn(|r| rows[r.min(rows.len() - 1)]))
     }
 }
 
@@ -109,10 +108,10 @@ pub(crate) fn times<const FUSED: bool>(
     to: &mut [f64],
     sums: &mut Sums,
 ) {
-    for &[i, column] in &pattern.single {
-        to[i] = factors[i] * rows[(i, column)] * d[column];
+    for &(i, column, entry) in &pattern.single {
+        to[i] = factors[i] * entry * d[column];
     }
-    for (places, _) in pattern.fours() {
+    for places in pattern.fours() {
         let found = products::<FUSED>(places.map(|i| rows.row(i)), d, sums);
         places.into_iter().zip(found).for_each(|(i, product)| to[i] = factors[i] * product);
     }
@@ -125,13 +124,11 @@ pub(crate) fn add_transposed<const FUSED: bool>(
     y: &[f64],
     to: &mut [f64],
 ) {
-    for &[i, column] in &pattern.single {
-        to[column] = fused::<FUSED>(factors[i] * rows[(i, column)], y[i], to[column]);
+    for &(i, column, entry) in &pattern.single {
+        to[column] = fused::<FUSED>(factors[i] * entry, y[i], to[column]);
     }
-    for (places, count) in pattern.fours() {
-        let weight = |r: usize| if r < count { factors[places[r]] * y[places[r]] } else { 0.0 };
-        add_rows::<FUSED>(places.map(|i| rows.row(i)), std::array::from_fn(weight), to);
-    }
+    let row = |&i: &usize| (rows.row(i), factors[i] * y[i]);
+    add_all_rows::<FUSED>(pattern.dense.iter().map(row), to);
 }
 
 /// `to += W d`, of the upper triangle of W.

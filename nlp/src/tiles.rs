@@ -168,29 +168,91 @@ pub(crate) fn add_rows<const FUSED: bool>(rows: [&[f64]; 4], factors: [f64; 4], 
     let n = to.len();
     let rows = rows.map(|row| &row[..n]);
     // Sums that do not wait for those of the rows before.
-    let sum = |[a, b, c, d]: [f64; 4]| {
+    let sum = |to: f64, [a, b, c, d]: [f64; 4]| {
         let [p, q, r, s] = factors;
-        fused::<FUSED>(q, b, p * a) + fused::<FUSED>(s, d, r * c)
+        to + (fused::<FUSED>(q, b, p * a) + fused::<FUSED>(s, d, r * c))
     };
-    let chunks = rows.map(|row| &row.as_chunks::<LANES>().0[..n / LANES]);
-    for (i, to) in to.as_chunks_mut::<LANES>().0.iter_mut().enumerate() {
-        for lane in 0..LANES {
-            to[lane] += sum(chunks.map(|row| row[i][lane]));
-        }
-    }
+    for_each_vector(to, rows, sum);
     let rest = n % LANES;
     if rest == 0 {
         return;
     }
     let ends = rows.map(|row| row.last_chunk::<LANES>());
     if let ([Some(a), Some(b), Some(c), Some(d)], Some(to)) = (ends, to.last_chunk_mut::<LANES>()) {
-        // The last ones once more, of which some are not added.
-        let sums: [f64; LANES] = std::array::from_fn(|lane| sum([a[lane], b[lane], c[lane], d[lane]]));
-        for lane in LANES - rest..LANES {
-            to[lane] += sums[lane];
+        // The last ones once more, without those that were added.
+        let (mut sums, [a, b, c, d]) = (*to, [*a, *b, *c, *d]);
+        for lane in 0..LANES {
+            let added = sum(sums[lane], [a[lane], b[lane], c[lane], d[lane]]);
+            sums[lane] = if lane < LANES - rest { sums[lane] } else { added };
         }
+        *to = sums;
     } else {
-        to.iter_mut().enumerate().for_each(|(i, to)| *to += sum(rows.map(|row| row[i])));
+        to.iter_mut().enumerate().for_each(|(i, to)| *to = sum(*to, rows.map(|row| row[i])));
+    }
+}
+
+/// Sets entries from themselves and those of other vectors, as far as there are whole vectors of them.
+///
+/// All that are read are read before any is written, and the loop ends where a slice does: the compiler
+/// neither has to know whether the slices overlap nor makes a loop for many vectors of it.
+#[inline(always)]
+fn for_each_vector<const K: usize>(to: &mut [f64], from: [&[f64]; K], value: impl Fn(f64, [f64; K]) -> f64) {
+    let mut at = 0;
+    while let Some(to) = to.get_mut(at..).and_then(<[f64]>::first_chunk_mut::<LANES>) {
+        let mut inputs = [[0.0; LANES]; K];
+        for (input, from) in inputs.iter_mut().zip(from) {
+            let Some(from) = from.get(at..).and_then(<[f64]>::first_chunk::<LANES>) else { return };
+            *input = *from;
+        }
+        let mut values = *to;
+        for lane in 0..LANES {
+            values[lane] = value(values[lane], inputs.map(|input| input[lane]));
+        }
+        *to = values;
+        at += LANES;
+    }
+}
+
+/// `to += sum of factor row` over any number of rows, which are as long as `to`.
+#[inline(always)]
+pub(crate) fn add_all_rows<'a, const FUSED: bool>(
+    rows: impl Iterator<Item = (&'a [f64], f64)> + Clone,
+    to: &mut [f64],
+) {
+    match to.len() {
+        0..4 => {
+            rows.for_each(|(row, factor)| {
+                to.iter_mut().zip(row).for_each(|(to, entry)| *to += factor * entry)
+            });
+        }
+        4..8 => add_in_tiles::<FUSED, 4>(rows, to),
+        8..16 => add_in_tiles::<FUSED, 8>(rows, to),
+        _ => add_in_tiles::<FUSED, 16>(rows, to),
+    }
+}
+
+/// The same, R entries at a time.
+#[inline(always)]
+fn add_in_tiles<'a, const FUSED: bool, const R: usize>(
+    rows: impl Iterator<Item = (&'a [f64], f64)> + Clone,
+    to: &mut [f64],
+) {
+    let (n, mut done) = (to.len(), 0);
+    while done < n {
+        // The last ones once more, without those that were added.
+        let at = done.min(n - R);
+        let mut sums = [0.0; R];
+        for (row, factor) in rows.clone() {
+            let Some(row) = row[at..].first_chunk::<R>() else { break };
+            for r in 0..R {
+                sums[r] = fused::<FUSED>(factor, row[r], sums[r]);
+            }
+        }
+        let to = &mut to[at..at + R];
+        for r in 0..R {
+            to[r] += if r < done - at { 0.0 } else { sums[r] };
+        }
+        done = at + R;
     }
 }
 
@@ -199,19 +261,13 @@ pub(crate) fn add_rows<const FUSED: bool>(rows: [&[f64]; 4], factors: [f64; 4], 
 pub(crate) fn scaled_product(factor: f64, a: &[f64], b: &[f64], to: &mut [f64]) {
     let n = a.len();
     let (b, to) = (&b[..n], &mut to[..n]);
-    let chunks = a.as_chunks::<LANES>().0.iter().zip(b.as_chunks::<LANES>().0);
-    for (to, (a, b)) in to.as_chunks_mut::<LANES>().0.iter_mut().zip(chunks) {
-        for lane in 0..LANES {
-            to[lane] = factor * a[lane] * b[lane];
-        }
-    }
+    let product = |_, [a, b]: [f64; 2]| factor * a * b;
+    for_each_vector(to, [a, b], product);
     // The last ones once more.
     if let (Some(to), Some(a), Some(b)) =
         (to.last_chunk_mut::<LANES>(), a.last_chunk::<LANES>(), b.last_chunk::<LANES>())
     {
-        for lane in 0..LANES {
-            to[lane] = factor * a[lane] * b[lane];
-        }
+        for_each_vector(to, [a, b], product);
     } else {
         to.iter_mut().zip(a.iter().zip(b)).for_each(|(to, (a, b))| *to = factor * a * b);
     }
