@@ -2,7 +2,6 @@
 
 use crate::elements::{Jacobian, Pattern};
 use crate::layout::{Element, Layout};
-use costate_numerics::in_widest;
 use std::ops::{Index, IndexMut};
 
 /// Cost, equations and functions with ranges at one point.
@@ -167,6 +166,15 @@ impl Units {
     }
 }
 
+impl Block {
+    /// Notes which rows of Jacobians have one entry other than zero.
+    #[inline(always)]
+    pub(crate) fn set_patterns(&mut self) {
+        self.equality_pattern.set(&self.equalities);
+        self.range_pattern.set(&self.ranges);
+    }
+}
+
 /// The derivatives of all elements.
 #[derive(Clone, Debug)]
 pub struct Blocks {
@@ -209,17 +217,9 @@ impl Blocks {
         &self.blocks
     }
 
-    /// Notes which rows of Jacobians have one entry other than zero.
-    pub(crate) fn note_patterns(&mut self) {
-        in_widest!(self.find_patterns());
-    }
-
-    #[inline(always)]
-    fn find_patterns<const FUSED: bool>(&mut self) {
-        for Block { equalities, equality_pattern, ranges, range_pattern, .. } in &mut self.blocks {
-            equality_pattern.set(equalities);
-            range_pattern.set(ranges);
-        }
+    /// The same, to change, and their units.
+    pub(crate) fn parts(&mut self) -> (&mut [Block], &Units) {
+        (&mut self.blocks, &self.units)
     }
 
     pub(crate) fn fill_zero(&mut self) {

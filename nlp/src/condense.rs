@@ -5,7 +5,7 @@
 use crate::blocks::{Blocks, Dense, Units};
 use crate::elements::{Jacobian, squares};
 use crate::layout::{Element, Layout};
-use crate::tiles::{LANES, scaled_product, update};
+use crate::tiles::{LANES, scaled_product, scaled_products, update};
 use costate_numerics::in_widest;
 
 /// The matrices of Newton's equations by element, in units of the scaled program.
@@ -30,7 +30,10 @@ impl Condensed {
             hessians: squares(layout),
             jacobians: layout.elements().map(jacobian).collect(),
             columns: vec![0.0; most(&padded)],
-            weighted: vec![0.0; most(&|element| layout.rows(element).ranges * padded(element))],
+            weighted: vec![
+                0.0;
+                most(&|element| layout.rows(element).ranges.next_multiple_of(4) * padded(element))
+            ],
         }
     }
 
@@ -83,8 +86,16 @@ pub(crate) fn columns_of<'a>(
 /// The upper triangle of a Hessian in these units, with padded rows.
 #[inline(always)]
 pub(crate) fn scale_hessian(hessian: &Dense, columns: &[f64], to: &mut Dense) {
-    for (i, scale) in columns.iter().enumerate() {
-        scaled_product(*scale, &hessian.row(i)[i..], &columns[i..], &mut to.row_mut(i)[i..]);
+    let (n, stride) = (columns.len(), to.columns());
+    let whole = n / 4 * 4;
+    for i in (0..whole).step_by(4) {
+        // Of the square on the diagonal both triangles.
+        let rows = [0, 1, 2, 3].map(|r| &hessian.row(i + r)[i..]);
+        let factors = [0, 1, 2, 3].map(|r| columns[i + r]);
+        scaled_products(factors, rows, &columns[i..], &mut to.entries_mut()[i * stride + i..], stride);
+    }
+    for i in whole..n {
+        scaled_product(columns[i], &hessian.row(i)[i..], &columns[i..], &mut to.row_mut(i)[i..]);
     }
 }
 
@@ -111,13 +122,15 @@ fn add_squares<const FUSED: bool>(
     if count == 0 || stride == 0 {
         return;
     }
-    let weighted = &mut weighted[..count * stride];
-    for (to, &row) in weighted.chunks_exact_mut(stride).zip(&pattern.dense) {
-        let (to, padding) = to.split_at_mut(columns.len());
-        scaled_product(weights[row].sqrt() * factors[row], rows.row(row), columns, to);
-        padding.fill(0.0);
+    let size = columns.len();
+    for (to, dense) in weighted.chunks_mut(4 * stride).zip(pattern.dense.chunks(4)) {
+        let places: [usize; 4] = std::array::from_fn(|r| dense[r.min(dense.len() - 1)]);
+        let factors = places.map(|row| weights[row].sqrt() * factors[row]);
+        scaled_products(factors, places.map(|row| rows.row(row)), columns, to, stride);
+        to.chunks_exact_mut(stride).for_each(|row| row[size..].fill(0.0));
     }
-    let (size, mut j) = (columns.len(), 0);
+    let weighted = &weighted[..count * stride];
+    let mut j = 0;
     while j < size {
         let to = &mut hessian.entries_mut()[j * stride..];
         j += update::<FUSED, true>((weighted, weighted), to, stride, (j, size - j), j / LANES * LANES);

@@ -194,8 +194,9 @@ impl Iterate {
         self.values.cost - mu * sum
     }
 
-    /// Residuals at the derivatives of this iterate; those of slacks are `-v - z_l + z_u`.
-    pub fn residuals(&self, layout: &Layout, blocks: &Blocks, room: &mut Room, to: &mut Residuals) {
+    /// Residuals at the derivatives of this iterate, whose patterns are noted; those of slacks are
+    /// `-v - z_l + z_u`.
+    pub fn residuals(&self, layout: &Layout, blocks: &mut Blocks, room: &mut Room, to: &mut Residuals) {
         in_widest!(self.set_residuals(layout, blocks, room, to));
     }
 
@@ -203,13 +204,15 @@ impl Iterate {
     fn set_residuals<const FUSED: bool>(
         &self,
         layout: &Layout,
-        blocks: &Blocks,
+        blocks: &mut Blocks,
         room: &mut Room,
         to: &mut Residuals,
     ) {
         to.x.fill(0.0);
-        let units = &blocks.units;
-        for (element, block) in layout.elements().zip(blocks.all()) {
+        let (blocks, units) = blocks.parts();
+        for (element, block) in layout.elements().zip(blocks) {
+            // Read here for the first time.
+            block.set_patterns();
             let (y, v) = (&self.y[layout.equalities_of(element)], &self.v[layout.ranges_of(element)]);
             let [equalities, ranges] = units.jacobians(layout, element, block);
             let (slope, ..) = room.of(block.gradient.len());

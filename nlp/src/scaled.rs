@@ -65,9 +65,7 @@ impl<'a, P: StagedProblem> Scaled<'a, P> {
         multiply(weights.equalities, &units.equalities, equalities);
         multiply(weights.ranges, &units.ranges, ranges);
         let weights = Weights { cost: weights.cost * units.cost, equalities, ranges };
-        problem.linearise(point, weights, blocks)?;
-        blocks.note_patterns();
-        Ok(())
+        problem.linearise(point, weights, blocks)
     }
 
     /// The size of unknown k, scaled, at least 1; 1 where a point has other entries than a step.

@@ -32,14 +32,48 @@ pub(crate) fn largest(values: &[f64]) -> f64 {
     rest.iter().fold(larger(larger(p, q), larger(r, s)), |most, value| larger(most, value.abs()))
 }
 
-/// Keeps values in `product`, and multiplies them by a factor.
+/// `to = factor values`.
 #[inline(always)]
-pub(crate) fn scale(values: &mut [f64], factor: f64, product: &mut [f64]) {
-    for (value, product) in
-        values.as_chunks_mut::<LANES>().0.iter_mut().zip(product.as_chunks_mut::<LANES>().0)
-    {
-        *product = *value;
-        value.iter_mut().for_each(|value| *value *= factor);
+pub(crate) fn scale(values: &[f64], factor: f64, to: &mut [f64]) {
+    for_each_vector(to, [values], |_, [value]| factor * value);
+}
+
+/// Columns of a front that are eliminated at once where no pivot has to be chosen.
+pub(crate) const PANEL: usize = 4;
+
+/// The columns of a panel less the products of those before them in it, with its factored square on the
+/// diagonal: `p_ij = a_ij - sum_k l_ik p_jk` for k < j, where `l_ik = p_ik / p_kk`.
+#[inline(always)]
+pub(crate) fn solve_panel<const FUSED: bool>(
+    entries: &[f64],
+    products: &mut [f64],
+    stride: usize,
+    (square, reciprocals): (&[[f64; PANEL]; PANEL], [f64; PANEL]),
+    first: usize,
+) {
+    let mut at = first;
+    while at < stride {
+        let mut panel = [[0.0; LANES]; PANEL];
+        for j in 0..PANEL {
+            let Some(column) = entries[j * stride + at..].first_chunk::<LANES>() else { return };
+            panel[j] = *column;
+        }
+        let mut factors = [[0.0; LANES]; PANEL];
+        for j in 0..PANEL {
+            for k in 0..j {
+                for lane in 0..LANES {
+                    panel[j][lane] = fused::<FUSED>(-square[k][j], factors[k][lane], panel[j][lane]);
+                }
+            }
+            for lane in 0..LANES {
+                factors[j][lane] = reciprocals[j] * panel[j][lane];
+            }
+        }
+        for j in 0..PANEL {
+            let Some(column) = products[j * stride + at..].first_chunk_mut::<LANES>() else { return };
+            *column = panel[j];
+        }
+        at += LANES;
     }
 }
 
@@ -270,6 +304,36 @@ pub(crate) fn scaled_product(factor: f64, a: &[f64], b: &[f64], to: &mut [f64]) 
         for_each_vector(to, [a, b], product);
     } else {
         to.iter_mut().zip(a.iter().zip(b)).for_each(|(to, (a, b))| *to = factor * a * b);
+    }
+}
+
+/// `to = factor (a b)` for four rows a, the outcomes of which are `stride` entries apart.
+#[inline(always)]
+pub(crate) fn scaled_products(
+    factors: [f64; 4],
+    rows: [&[f64]; 4],
+    b: &[f64],
+    to: &mut [f64],
+    stride: usize,
+) {
+    let n = b.len();
+    if n < LANES {
+        for (r, (row, factor)) in rows.into_iter().zip(factors).enumerate() {
+            scaled_product(factor, &row[..n], b, &mut to[r * stride..][..n]);
+        }
+        return;
+    }
+    let mut done = 0;
+    while done < n {
+        // The last ones once more.
+        let at = done.min(n - LANES);
+        let Some(b) = b[at..].first_chunk::<LANES>() else { return };
+        for r in 0..4 {
+            let Some(row) = rows[r][at..].first_chunk::<LANES>() else { return };
+            let product: [f64; LANES] = std::array::from_fn(|lane| factors[r] * b[lane] * row[lane]);
+            to[r * stride + at..][..LANES].copy_from_slice(&product);
+        }
+        done = at + LANES;
     }
 }
 

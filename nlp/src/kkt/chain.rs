@@ -46,6 +46,8 @@ struct Assembled {
     equalities: Vec<usize>,
     /// For each column, the places of the columns from it on: runs of consecutive ones on one side of it.
     runs: Vec<Vec<(usize, usize)>>,
+    /// Whether the columns are all rows of the stage in their order.
+    is_whole: bool,
 }
 
 /// The factorisation. Rows are numbered as the entries of a step, then the equations.
@@ -110,6 +112,7 @@ impl Chain {
                 Assembled {
                     element: layout.position(element),
                     runs: (0..columns.len()).map(|i| runs(&columns[i..])).collect(),
+                    is_whole: columns.iter().copied().eq(0..all.len()),
                     columns,
                     equalities: equalities(element).map(place).collect(),
                 }
@@ -170,8 +173,13 @@ impl Chain {
             let delayed = carried.delayed;
             let size = delayed + own.len() + shared.len();
             let candidates = delayed + own.len();
-            front.reset(size);
-            for part in parts {
+            let is_whole = |part: &Assembled| {
+                let has_size = hessians[part.element].columns() == size.next_multiple_of(LANES);
+                part.is_whole && delayed == 0 && has_size
+            };
+            let whole = parts.iter().position(is_whole);
+            front.reset(size, whole.map(|at| hessians[parts[at].element].entries()));
+            for (_, part) in parts.iter().enumerate().filter(|(at, _)| Some(*at) != whole) {
                 add_part(front, part, (&hessians[part.element], jacobian(part.element)), delayed);
             }
             carried.add_to(front, places);

@@ -12,7 +12,7 @@
 //! long as pivots are accepted in their order, the lower triangle is enough; the first column that is
 //! refused completes the square of the candidates, so that every column has all of its entries.
 
-use crate::tiles::{LANES, largest, scale, update};
+use crate::tiles::{LANES, PANEL, fused, largest, scale, solve_panel, update};
 
 /// Threshold u of pivots.
 ///
@@ -72,12 +72,15 @@ pub(super) struct Front {
 }
 
 impl Front {
-    /// Zeros of this size.
-    pub fn reset(&mut self, size: usize) {
+    /// A matrix of this size: zeros, or these columns with their padding.
+    pub fn reset(&mut self, size: usize, entries: Option<&[f64]>) {
         self.size = size;
         self.stride = size.next_multiple_of(LANES);
         self.entries.clear();
-        self.entries.resize(size * self.stride, 0.0);
+        match entries {
+            Some(entries) => self.entries.extend_from_slice(entries),
+            None => self.entries.resize(size * self.stride, 0.0),
+        }
         if self.products.len() < size * self.stride {
             self.products.resize(size * self.stride, 0.0);
         }
@@ -94,7 +97,7 @@ impl Front {
 
     /// Room for matrices of this size.
     pub fn reserve(&mut self, size: usize) {
-        self.reset(size);
+        self.reset(size, None);
         self.pivots.reserve(size);
     }
 
@@ -140,22 +143,26 @@ impl Front {
         }
     }
 
-    /// Notes the sizes of columns that were not set before. Entries above the diagonal are zero.
+    /// Notes the sizes of columns that were not set before.
     #[inline(always)]
     pub fn take_sizes(&mut self) {
         for (j, column) in self.entries.chunks_exact(self.stride.max(1)).enumerate() {
-            let first = j / LANES;
-            let (column, _) = column.as_chunks::<LANES>();
-            let (sizes, _) = self.sizes.as_chunks_mut::<LANES>();
-            let mut most = [0.0; LANES];
-            for (size, entries) in sizes[first..].iter_mut().zip(&column[first..]) {
-                for lane in 0..LANES {
-                    let entry = entries[lane].abs();
-                    size[lane] = if entry > size[lane] { entry } else { size[lane] };
-                    most[lane] = if entry > most[lane] { entry } else { most[lane] };
-                }
+            let (mut most, next) = (self.sizes[j], (j + 1).next_multiple_of(LANES));
+            for (size, entry) in self.sizes[j..next].iter_mut().zip(&column[j..next]) {
+                *size = size.max(entry.abs());
+                most = most.max(entry.abs());
             }
-            self.sizes[j] = most.into_iter().fold(self.sizes[j], f64::max);
+            let sizes = self.sizes[next..].as_chunks_mut::<LANES>().0.iter_mut();
+            let mut lanes = [most; LANES];
+            for (size, entries) in sizes.zip(column[next..].as_chunks::<LANES>().0) {
+                let (mut sizes, entries) = (*size, entries.map(f64::abs));
+                for lane in 0..LANES {
+                    sizes[lane] = if entries[lane] > sizes[lane] { entries[lane] } else { sizes[lane] };
+                    lanes[lane] = if entries[lane] > lanes[lane] { entries[lane] } else { lanes[lane] };
+                }
+                *size = sizes;
+            }
+            self.sizes[j] = lanes.into_iter().fold(0.0, f64::max);
         }
     }
 
@@ -164,8 +171,14 @@ impl Front {
     #[inline(always)]
     pub fn eliminate<const FUSED: bool>(&mut self, candidates: usize, definite: bool, forced: bool) {
         let (mut cursor, mut refused, mut best) = (0, 0, Best::default());
+        let mut is_regular = true;
         while self.eliminated < candidates {
             let k = self.eliminated;
+            if is_regular && !self.is_complete && k + PANEL <= candidates {
+                is_regular = self.eliminate_panel::<FUSED>(definite, candidates);
+                continue;
+            }
+            cursor = cursor.max(k);
             let choice = if refused == candidates - k {
                 // No column has changed since it was refused.
                 if !forced {
@@ -210,7 +223,9 @@ impl Front {
             (refused, best) = (0, Best::default());
             cursor += 1;
         }
-        (self.eliminated..candidates).for_each(|j| self.bring_up_to_date::<FUSED>(j, candidates));
+        for j in self.eliminated..candidates {
+            self.bring_up_to_date::<FUSED>(j, candidates);
+        }
         self.update_rest::<FUSED>(candidates);
     }
 
@@ -246,7 +261,9 @@ impl Front {
     /// Updates all candidates, and copies what is below the diagonal to the other side of it.
     #[inline(always)]
     fn complete<const FUSED: bool>(&mut self, candidates: usize) {
-        (self.eliminated..candidates).for_each(|j| self.bring_up_to_date::<FUSED>(j, candidates));
+        for j in self.eliminated..candidates {
+            self.bring_up_to_date::<FUSED>(j, candidates);
+        }
         for j in self.eliminated..candidates {
             for i in j + 1..candidates {
                 self.entries[i * self.stride + j] = self.entries[j * self.stride + i];
@@ -327,13 +344,61 @@ impl Front {
         self.levels.swap(i, j);
     }
 
+    /// Eliminates the first four rows that are left in their order, unless that breaks the threshold.
+    #[inline(always)]
+    fn eliminate_panel<const FUSED: bool>(&mut self, definite: bool, candidates: usize) -> bool {
+        let (stride, k) = (self.stride, self.eliminated);
+        for j in k..k + PANEL {
+            self.bring_up_to_date::<FUSED>(j, candidates);
+        }
+        let columns = k * stride..(k + PANEL) * stride;
+        // The square on the diagonal.
+        let mut square: [[f64; PANEL]; PANEL] =
+            std::array::from_fn(|j| std::array::from_fn(|i| self.entries[(k + j) * stride + k + i]));
+        let (mut reciprocals, mut is_accepted) = ([0.0; PANEL], true);
+        for j in 0..PANEL {
+            let pivot = square[j][j];
+            reciprocals[j] = pivot.recip();
+            is_accepted &= pivot.abs() > ZERO * self.sizes[k + j];
+            for i in j + 1..PANEL {
+                let factor = square[j][i] * reciprocals[j];
+                is_accepted &= pivot.abs() >= THRESHOLD * square[j][i].abs();
+                for row in i..PANEL {
+                    square[i][row] = fused::<FUSED>(-factor, square[j][row], square[i][row]);
+                }
+            }
+        }
+        if !(definite || is_accepted) {
+            return false;
+        }
+        let (first, products) = (k / LANES * LANES, &mut self.products[columns.clone()]);
+        solve_panel::<FUSED>(&self.entries[columns.clone()], products, stride, (&square, reciprocals), first);
+        if !definite {
+            for (j, column) in products.chunks_exact(stride).enumerate() {
+                is_accepted &= square[j][j].abs() >= THRESHOLD * largest(&column[k + PANEL..]);
+            }
+            if !is_accepted {
+                return false;
+            }
+        }
+        for (j, (to, from)) in
+            self.entries[columns].chunks_exact_mut(stride).zip(products.chunks_exact(stride)).enumerate()
+        {
+            scale(&from[first..], reciprocals[j], &mut to[first..]);
+        }
+        self.pivots.extend(std::array::from_fn::<_, PANEL, _>(|j| Pivot::One(square[j][j])));
+        self.eliminated += PANEL;
+        true
+    }
+
     /// Eliminates the first row that is left.
     #[inline(always)]
     fn eliminate_one(&mut self) {
         let (k, first) = (self.eliminated, self.eliminated / LANES * LANES);
         let column = k * self.stride + first..(k + 1) * self.stride;
         let pivot = self.entries[k * self.stride + k];
-        scale(&mut self.entries[column.clone()], pivot.recip(), &mut self.products[column]);
+        self.products[column.clone()].copy_from_slice(&self.entries[column.clone()]);
+        scale(&self.products[column.clone()], pivot.recip(), &mut self.entries[column]);
         self.pivots.push(Pivot::One(pivot));
         self.eliminated += 1;
     }
