@@ -323,17 +323,35 @@ pub(crate) fn scaled_products(
         }
         return;
     }
-    let mut done = 0;
-    while done < n {
-        // The last ones once more.
-        let at = done.min(n - LANES);
-        let Some(b) = b[at..].first_chunk::<LANES>() else { return };
-        for r in 0..4 {
-            let Some(row) = rows[r][at..].first_chunk::<LANES>() else { return };
-            let product: [f64; LANES] = std::array::from_fn(|lane| factors[r] * b[lane] * row[lane]);
-            to[r * stride + at..][..LANES].copy_from_slice(&product);
+    let rows = rows.map(|row| &row[..n]);
+    let chunks = rows.map(|row| &row.as_chunks::<LANES>().0[..n / LANES]);
+    let product = |b: [f64; LANES], rows: [[f64; LANES]; 4]| -> [[f64; LANES]; 4] {
+        std::array::from_fn(|r| std::array::from_fn(|lane| factors[r] * b[lane] * rows[r][lane]))
+    };
+    let mut store = |at: usize, products: [[f64; LANES]; 4]| {
+        for (to, product) in to.chunks_mut(stride).zip(products) {
+            to[at..at + LANES].copy_from_slice(&product);
         }
-        done = at + LANES;
+    };
+    for (i, b) in b.as_chunks::<LANES>().0.iter().enumerate() {
+        store(i * LANES, product(*b, chunks.map(|row| row[i])));
+    }
+    // The last ones once more.
+    let ends = rows.map(|row| row.last_chunk::<LANES>());
+    if let ([Some(p), Some(q), Some(r), Some(s)], Some(b)) = (ends, b.last_chunk::<LANES>()) {
+        store(n - LANES, product(*b, [*p, *q, *r, *s]));
+    }
+}
+
+/// `to += values`.
+#[inline(always)]
+pub(crate) fn add(to: &mut [f64], values: &[f64]) {
+    let n = to.len().min(values.len());
+    let (to, values) = (&mut to[..n], &values[..n]);
+    for_each_vector(to, [values], |to, [value]| to + value);
+    let rest = n / LANES * LANES;
+    for i in rest..n.min(rest + LANES - 1) {
+        to[i] += values[i];
     }
 }
 

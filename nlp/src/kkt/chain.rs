@@ -44,8 +44,10 @@ struct Assembled {
     element: usize,
     columns: Vec<usize>,
     equalities: Vec<usize>,
-    /// For each column, the places of the columns from it on: runs of consecutive ones on one side of it.
+    /// For each column, the places of the columns from it on, and for each equation the places of all
+    /// columns: runs of consecutive ones on one side of it.
     runs: Vec<Vec<(usize, usize)>>,
+    equality_runs: Vec<Vec<(usize, usize)>>,
     /// Whether the columns are all rows of the stage in their order.
     is_whole: bool,
 }
@@ -72,6 +74,8 @@ struct Carried {
     entries: Vec<f64>,
     /// How many of the rows could have been eliminated.
     delayed: usize,
+    /// Rows whose places in the next front follow one another: the first one, its place, their number.
+    runs: Vec<[usize; 3]>,
 }
 
 impl Chain {
@@ -111,7 +115,8 @@ impl Chain {
                 let columns: Vec<usize> = layout.unknowns(element).into_iter().flatten().map(place).collect();
                 Assembled {
                     element: layout.position(element),
-                    runs: (0..columns.len()).map(|i| runs(&columns[i..])).collect(),
+                    runs: (0..columns.len()).map(|i| runs(columns[i], &columns[i..])).collect(),
+                    equality_runs: equalities(element).map(|row| runs(place(row), &columns)).collect(),
                     is_whole: columns.iter().copied().eq(0..all.len()),
                     columns,
                     equalities: equalities(element).map(place).collect(),
@@ -134,6 +139,7 @@ impl Chain {
                 sizes: Vec::with_capacity(2 * largest),
                 entries: Vec::with_capacity(2 * largest * largest),
                 delayed: 0,
+                runs: Vec::with_capacity(2 * largest),
             },
             has_equalities: layout.equalities() > 0,
             zeros: Vec::with_capacity(layout.steps() + layout.equalities()),
@@ -228,14 +234,12 @@ impl Chain {
     }
 }
 
-/// Runs of consecutive places, each on one side of the first one: (first place, length).
-fn runs(places: &[usize]) -> Vec<(usize, usize)> {
+/// Runs of consecutive places, each on one side of a row: (first place, length).
+fn runs(row: usize, places: &[usize]) -> Vec<(usize, usize)> {
     let mut runs: Vec<(usize, usize)> = Vec::new();
     for &place in places {
         match runs.last_mut() {
-            Some((first, length))
-                if *first + *length == place && (place > places[0]) == (*first >= places[0]) =>
-            {
+            Some((first, length)) if *first + *length == place && (place > row) == (*first >= row) => {
                 *length += 1;
             }
             _ => runs.push((place, 1)),
@@ -247,20 +251,20 @@ fn runs(places: &[usize]) -> Vec<(usize, usize)> {
 /// Adds the block of an element.
 #[inline(always)]
 fn add_part(front: &mut Front, part: &Assembled, (hessian, jacobian): (&Dense, &Dense), delayed: usize) {
-    let Assembled { columns, equalities, runs, .. } = part;
-    for (i, &row) in columns.iter().enumerate() {
-        let (row, entries) = (delayed + row, &hessian.row(i)[i..]);
-        // Runs of unknowns that follow one another on either side are added at once.
-        let mut at = 0;
-        for &(first, length) in &runs[i] {
-            front.add_run(row, delayed + first, &entries[at..at + length]);
-            at += length;
+    let Assembled { columns, equalities, runs, equality_runs, .. } = part;
+    // Runs of unknowns that follow one another on either side of the row are added at once.
+    let mut add_all = |row: usize, runs: &[(usize, usize)], mut entries: &[f64]| {
+        for &(first, length) in runs {
+            let (values, rest) = entries.split_at(length);
+            front.add_run(delayed + row, delayed + first, values);
+            entries = rest;
         }
+    };
+    for (i, (&row, runs)) in columns.iter().zip(runs).enumerate() {
+        add_all(row, runs, &hessian.row(i)[i..]);
     }
-    for (i, &row) in equalities.iter().enumerate() {
-        for (&column, &entry) in columns.iter().zip(jacobian.row(i)) {
-            front.add(delayed + row, delayed + column, entry);
-        }
+    for (i, (&row, runs)) in equalities.iter().zip(equality_runs).enumerate() {
+        add_all(row, runs, jacobian.row(i));
     }
 }
 
@@ -297,24 +301,29 @@ impl Carried {
     /// Adds the Schur complement to the next front, where the rows that do not wait have these places after
     /// those that do. Places are in ascending order.
     #[inline(always)]
-    fn add_to(&self, front: &mut Front, places: &[usize]) {
-        let delayed = self.delayed;
-        let mut at = 0;
-        for j in 0..self.rows.len() {
-            let place = |i: usize| if i < delayed { i } else { delayed + places[i - delayed] };
-            let column = place(j);
-            front.sizes[column] = f64::max(front.sizes[column], self.sizes[j]);
-            let to = front.column_mut(column);
-            let mut i = j;
-            while i < self.rows.len() {
-                // Rows that follow one another.
-                let (first, start) = (place(i), i);
-                while i < self.rows.len() && place(i) == first + (i - start) {
-                    i += 1;
+    fn add_to(&mut self, front: &mut Front, places: &[usize]) {
+        let Self { rows, sizes, entries, delayed, runs } = self;
+        runs.clear();
+        let all = (0..*delayed).chain(places.iter().map(|place| *delayed + place));
+        for (i, place) in all.enumerate().take(rows.len()) {
+            match runs.last_mut() {
+                Some([_, first, length]) if *first + *length == place => *length += 1,
+                _ => runs.push([i, place, 1]),
+            }
+        }
+        let mut entries = &entries[..];
+        for (k, &[start, first, length]) in runs.iter().enumerate() {
+            for j in 0..length {
+                let column = first + j;
+                front.sizes[column] = f64::max(front.sizes[column], sizes[start + j]);
+                let (values, rest) = entries.split_at(length - j);
+                front.add_run(column, column, values);
+                entries = rest;
+                for &[_, first, length] in &runs[k + 1..] {
+                    let (values, rest) = entries.split_at(length);
+                    front.add_run(column, first, values);
+                    entries = rest;
                 }
-                let to = &mut to[first - column..][..i - start];
-                to.iter_mut().zip(&self.entries[at..]).for_each(|(to, from)| *to += from);
-                at += i - start;
             }
         }
     }

@@ -12,7 +12,7 @@
 //! long as pivots are accepted in their order, the lower triangle is enough; the first column that is
 //! refused completes the square of the candidates, so that every column has all of its entries.
 
-use crate::tiles::{LANES, PANEL, fused, largest, scale, solve_panel, update};
+use crate::tiles::{LANES, PANEL, Sums, add, fused, largest, scale, solve_panel, update};
 
 /// Threshold u of pivots.
 ///
@@ -69,6 +69,7 @@ pub(super) struct Front {
     pub eliminated: usize,
     /// Largest entry of each column as assembled.
     pub sizes: Vec<f64>,
+    lanes: Sums,
 }
 
 impl Front {
@@ -135,8 +136,7 @@ impl Front {
     #[inline(always)]
     pub fn add_run(&mut self, row: usize, first: usize, values: &[f64]) {
         if first >= row {
-            let to = &mut self.entries[row * self.stride + first..][..values.len()];
-            to.iter_mut().zip(values).for_each(|(to, value)| *to += value);
+            add(&mut self.entries[row * self.stride + first..], values);
         } else {
             let columns = self.entries[first * self.stride..].chunks_exact_mut(self.stride);
             columns.zip(values).for_each(|(column, value)| column[row] += value);
@@ -146,23 +146,37 @@ impl Front {
     /// Notes the sizes of columns that were not set before.
     #[inline(always)]
     pub fn take_sizes(&mut self) {
-        for (j, column) in self.entries.chunks_exact(self.stride.max(1)).enumerate() {
-            let (mut most, next) = (self.sizes[j], (j + 1).next_multiple_of(LANES));
-            for (size, entry) in self.sizes[j..next].iter_mut().zip(&column[j..next]) {
-                *size = size.max(entry.abs());
-                most = most.max(entry.abs());
-            }
-            let sizes = self.sizes[next..].as_chunks_mut::<LANES>().0.iter_mut();
-            let mut lanes = [most; LANES];
-            for (size, entries) in sizes.zip(column[next..].as_chunks::<LANES>().0) {
-                let (mut sizes, entries) = (*size, entries.map(f64::abs));
-                for lane in 0..LANES {
-                    sizes[lane] = if entries[lane] > sizes[lane] { entries[lane] } else { sizes[lane] };
-                    lanes[lane] = if entries[lane] > lanes[lane] { entries[lane] } else { lanes[lane] };
+        let (stride, larger) = (self.stride, |a: f64, b: f64| if b > a { b } else { a });
+        for j in (0..self.size).step_by(LANES) {
+            let count = LANES.min(self.size - j);
+            // The square on the diagonal, then four columns below it; the last one is repeated.
+            for column in j..j + count {
+                for row in column..j + count {
+                    let entry = self.entries[column * stride + row].abs();
+                    self.sizes[row] = larger(self.sizes[row], entry);
+                    self.sizes[column] = larger(self.sizes[column], entry);
                 }
-                *size = sizes;
             }
-            self.sizes[j] = lanes.into_iter().fold(0.0, f64::max);
+            let columns: [&[f64]; 4] =
+                std::array::from_fn(|w| &self.entries[(j + w.min(count - 1)) * stride..][..stride]);
+            let mut lanes = Sums::default();
+            for at in (j + LANES..stride).step_by(LANES) {
+                let Some(sizes) = self.sizes[at..].first_chunk_mut::<LANES>() else { break };
+                let mut most = *sizes;
+                for w in 0..4 {
+                    let Some(column) = columns[w][at..].first_chunk::<LANES>() else { break };
+                    for lane in 0..LANES {
+                        let entry = column[lane].abs();
+                        most[lane] = larger(most[lane], entry);
+                        lanes[w][lane] = larger(lanes[w][lane], entry);
+                    }
+                }
+                *sizes = most;
+            }
+            self.lanes = lanes;
+            for (size, [p, q, r, s]) in self.sizes[j..j + count].iter_mut().zip(self.lanes) {
+                *size = larger(*size, larger(larger(p, q), larger(r, s)));
+            }
         }
     }
 
