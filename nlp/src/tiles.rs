@@ -138,12 +138,15 @@ fn tile<const FUSED: bool, const ADD: bool, const W: usize, const R: usize>(
             sums[w][r] = to[r];
         }
     }
-    for (column, weights) in columns.chunks_exact(stride).zip(products.chunks_exact(stride)) {
+    // No iterator of chunks: it divides to find their number.
+    let mut at = 0;
+    while at < columns.len() {
         let (Some(column), Some(weights)) =
-            (column[row..].first_chunk::<R>(), weights[j..].first_chunk::<W>())
+            (columns[at + row..].first_chunk::<R>(), products[at + j..].first_chunk::<W>())
         else {
             break;
         };
+        at += stride;
         for w in 0..W {
             let weight = if ADD { weights[w] } else { -weights[w] };
             for r in 0..R {
@@ -329,8 +332,8 @@ pub(crate) fn scaled_products(
         std::array::from_fn(|r| std::array::from_fn(|lane| factors[r] * b[lane] * rows[r][lane]))
     };
     let mut store = |at: usize, products: [[f64; LANES]; 4]| {
-        for (to, product) in to.chunks_mut(stride).zip(products) {
-            to[at..at + LANES].copy_from_slice(&product);
+        for r in 0..4 {
+            to[r * stride + at..][..LANES].copy_from_slice(&products[r]);
         }
     };
     for (i, b) in b.as_chunks::<LANES>().0.iter().enumerate() {

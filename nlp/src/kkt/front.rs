@@ -118,12 +118,6 @@ impl Front {
         &self.entries[j * self.stride + j..][..self.size - j]
     }
 
-    /// The same, to change.
-    #[inline(always)]
-    pub fn column_mut(&mut self, j: usize) -> &mut [f64] {
-        &mut self.entries[j * self.stride + j..][..self.size - j]
-    }
-
     /// Adds to the entry (i, j) of either triangle.
     #[inline(always)]
     pub fn add(&mut self, i: usize, j: usize, value: f64) {
@@ -388,17 +382,17 @@ impl Front {
         let (first, products) = (k / LANES * LANES, &mut self.products[columns.clone()]);
         solve_panel::<FUSED>(&self.entries[columns.clone()], products, stride, (&square, reciprocals), first);
         if !definite {
-            for (j, column) in products.chunks_exact(stride).enumerate() {
-                is_accepted &= square[j][j].abs() >= THRESHOLD * largest(&column[k + PANEL..]);
+            for j in 0..PANEL {
+                let column = &products[j * stride + k + PANEL..(j + 1) * stride];
+                is_accepted &= square[j][j].abs() >= THRESHOLD * largest(column);
             }
             if !is_accepted {
                 return false;
             }
         }
-        for (j, (to, from)) in
-            self.entries[columns].chunks_exact_mut(stride).zip(products.chunks_exact(stride)).enumerate()
-        {
-            scale(&from[first..], reciprocals[j], &mut to[first..]);
+        for j in 0..PANEL {
+            let column = j * stride + first..(j + 1) * stride;
+            scale(&products[column.clone()], reciprocals[j], &mut self.entries[k * stride..][column]);
         }
         self.pivots.extend(std::array::from_fn::<_, PANEL, _>(|j| Pivot::One(square[j][j])));
         self.eliminated += PANEL;
