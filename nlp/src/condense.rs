@@ -122,15 +122,19 @@ fn add_squares<const FUSED: bool>(
     if count == 0 || stride == 0 {
         return;
     }
-    let size = columns.len();
     for (to, dense) in weighted.chunks_mut(4 * stride).zip(pattern.dense.chunks(4)) {
         let places: [usize; 4] = std::array::from_fn(|r| dense[r.min(dense.len() - 1)]);
         let factors = places.map(|row| weights[row].sqrt() * factors[row]);
+        // Padding, and entries that are set next.
+        for row in to.chunks_exact_mut(stride) {
+            if let Some(last) = row.last_chunk_mut::<LANES>() {
+                *last = [0.0; LANES];
+            }
+        }
         scaled_products(factors, places.map(|row| rows.row(row)), columns, to, stride);
-        to.chunks_exact_mut(stride).for_each(|row| row[size..].fill(0.0));
     }
     let weighted = &weighted[..count * stride];
-    let mut j = 0;
+    let (size, mut j) = (columns.len(), 0);
     while j < size {
         let to = &mut hessian.entries_mut()[j * stride..];
         j += update::<FUSED, true>((weighted, weighted), to, stride, (j, size - j), j / LANES * LANES);

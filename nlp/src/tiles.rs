@@ -3,6 +3,9 @@
 //! Inlined into code for the widest vectors ([`in_widest`](costate_numerics::in_widest)). Sums are written so
 //! that the compiler keeps them in vectors of [`LANES`] numbers.
 
+// Loops over lanes in this form become vectors; copies of slices and iterators keep arrays out of registers.
+#![allow(clippy::manual_memcpy, clippy::needless_range_loop)]
+
 /// Rows and columns of matrices that are read by tiles are padded to multiples of this.
 pub(crate) const LANES: usize = 4;
 
@@ -40,6 +43,23 @@ pub(crate) fn scale(values: &[f64], factor: f64, to: &mut [f64]) {
 
 /// Columns of a front that are eliminated at once where no pivot has to be chosen.
 pub(crate) const PANEL: usize = 4;
+
+/// Factors the square on the diagonal of a panel, of which column j has rows from j on: its columns become
+/// those of L D. Returns the reciprocals of the pivots.
+#[inline(always)]
+pub(crate) fn factor_square<const FUSED: bool>(square: &mut [[f64; PANEL]; PANEL]) -> [f64; PANEL] {
+    let mut reciprocals = [0.0; PANEL];
+    for j in 0..PANEL {
+        reciprocals[j] = square[j][j].recip();
+        for i in j + 1..PANEL {
+            let factor = square[j][i] * reciprocals[j];
+            for row in i..PANEL {
+                square[i][row] = fused::<FUSED>(-factor, square[j][row], square[i][row]);
+            }
+        }
+    }
+    reciprocals
+}
 
 /// The columns of a panel less the products of those before them in it, with its factored square on the
 /// diagonal: `p_ij = a_ij - sum_k l_ik p_jk` for k < j, where `l_ik = p_ik / p_kk`.
@@ -278,16 +298,22 @@ fn add_in_tiles<'a, const FUSED: bool, const R: usize>(
     while done < n {
         // The last ones once more, without those that were added.
         let at = done.min(n - R);
-        let mut sums = [0.0; R];
-        for (row, factor) in rows.clone() {
+        // Two rows at once: their sums do not wait for each other.
+        let (mut even, mut odd, mut rows) = ([0.0; R], [0.0; R], rows.clone());
+        while let Some((row, factor)) = rows.next() {
             let Some(row) = row[at..].first_chunk::<R>() else { break };
             for r in 0..R {
-                sums[r] = fused::<FUSED>(factor, row[r], sums[r]);
+                even[r] = fused::<FUSED>(factor, row[r], even[r]);
+            }
+            let Some((row, factor)) = rows.next() else { break };
+            let Some(row) = row[at..].first_chunk::<R>() else { break };
+            for r in 0..R {
+                odd[r] = fused::<FUSED>(factor, row[r], odd[r]);
             }
         }
         let to = &mut to[at..at + R];
         for r in 0..R {
-            to[r] += if r < done - at { 0.0 } else { sums[r] };
+            to[r] += if r < done - at { 0.0 } else { even[r] + odd[r] };
         }
         done = at + R;
     }

@@ -12,7 +12,7 @@
 //! long as pivots are accepted in their order, the lower triangle is enough; the first column that is
 //! refused completes the square of the candidates, so that every column has all of its entries.
 
-use crate::tiles::{LANES, PANEL, Sums, add, fused, largest, scale, solve_panel, update};
+use crate::tiles::{LANES, PANEL, Sums, add, factor_square, largest, scale, solve_panel, update};
 
 /// Threshold u of pivots.
 ///
@@ -363,18 +363,11 @@ impl Front {
         // The square on the diagonal.
         let mut square: [[f64; PANEL]; PANEL] =
             std::array::from_fn(|j| std::array::from_fn(|i| self.entries[(k + j) * stride + k + i]));
-        let (mut reciprocals, mut is_accepted) = ([0.0; PANEL], true);
-        for j in 0..PANEL {
-            let pivot = square[j][j];
-            reciprocals[j] = pivot.recip();
-            is_accepted &= pivot.abs() > ZERO * self.sizes[k + j];
-            for i in j + 1..PANEL {
-                let factor = square[j][i] * reciprocals[j];
-                is_accepted &= pivot.abs() >= THRESHOLD * square[j][i].abs();
-                for row in i..PANEL {
-                    square[i][row] = fused::<FUSED>(-factor, square[j][row], square[i][row]);
-                }
-            }
+        let reciprocals = factor_square::<FUSED>(&mut square);
+        let mut is_accepted = true;
+        for (j, column) in square.iter().enumerate() {
+            let (pivot, most) = (column[j].abs(), largest(&column[j + 1..]));
+            is_accepted &= pivot > ZERO * self.sizes[k + j] && pivot >= THRESHOLD * most;
         }
         if !(definite || is_accepted) {
             return false;
@@ -382,17 +375,17 @@ impl Front {
         let (first, products) = (k / LANES * LANES, &mut self.products[columns.clone()]);
         solve_panel::<FUSED>(&self.entries[columns.clone()], products, stride, (&square, reciprocals), first);
         if !definite {
-            for j in 0..PANEL {
+            for (j, pivots) in square.iter().enumerate() {
                 let column = &products[j * stride + k + PANEL..(j + 1) * stride];
-                is_accepted &= square[j][j].abs() >= THRESHOLD * largest(column);
+                is_accepted &= pivots[j].abs() >= THRESHOLD * largest(column);
             }
             if !is_accepted {
                 return false;
             }
         }
-        for j in 0..PANEL {
+        for (j, reciprocal) in reciprocals.into_iter().enumerate() {
             let column = j * stride + first..(j + 1) * stride;
-            scale(&products[column.clone()], reciprocals[j], &mut self.entries[k * stride..][column]);
+            scale(&products[column.clone()], reciprocal, &mut self.entries[k * stride..][column]);
         }
         self.pivots.extend(std::array::from_fn::<_, PANEL, _>(|j| Pivot::One(square[j][j])));
         self.eliminated += PANEL;
