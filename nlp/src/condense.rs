@@ -140,3 +140,47 @@ fn add_squares<const FUSED: bool>(
         j += update::<FUSED, true>((weighted, weighted), to, stride, (j, size - j), j / LANES * LANES);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::Condensed;
+    use crate::blocks::Blocks;
+    use crate::layout::{Element, Layout, Rows};
+
+    #[test]
+    fn condensed_hessians_are_those_of_all_entries() {
+        let mut random = fastrand::Rng::with_seed(3);
+        let mut number = || random.f64() - 0.5;
+        for width in 1..36 {
+            let ranges = width % 7;
+            let layout =
+                Layout::new(vec![width], vec![], 0).with_rows(Element::Node(0), Rows::new(1, ranges));
+            let mut blocks = Blocks::new(&layout);
+            blocks.units.steps.iter_mut().for_each(|step| *step = 1.0 + number());
+            blocks.units.ranges.iter_mut().for_each(|scale| *scale = 1.0 + number());
+            let block = blocks.of(Element::Node(0));
+            block.hessian.entries_mut().iter_mut().for_each(|entry| *entry = number());
+            block.ranges.entries_mut().iter_mut().for_each(|entry| *entry = number());
+            if ranges > 1 {
+                block.ranges.row_mut(1).fill(0.0);
+                block.ranges[(1, width / 2)] = 2.0;
+            }
+            block.set_patterns();
+            let weights: Vec<f64> = (0..ranges).map(|_| 1.0 + number()).collect();
+            let mut condensed = Condensed::new(&layout);
+            condensed.set(&layout, &blocks, &weights);
+            let (block, units) = (&blocks.all()[0], &blocks.units);
+            for i in 0..width {
+                for j in i..width {
+                    let mut sum = block.hessian[(i, j)];
+                    for (r, weight) in weights.iter().enumerate() {
+                        let factor = weight * units.ranges[r] * units.ranges[r];
+                        sum += factor * block.ranges[(r, i)] * block.ranges[(r, j)];
+                    }
+                    sum *= units.steps[i] * units.steps[j];
+                    assert!((condensed.hessians[0][(i, j)] - sum).abs() < 1e-13, "{width}: {i} {j}");
+                }
+            }
+        }
+    }
+}

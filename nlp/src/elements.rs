@@ -162,3 +162,54 @@ pub(crate) fn add_symmetric<const FUSED: bool>(hessian: &Dense, d: &[f64], to: &
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Jacobian, Pattern, add_symmetric, add_transposed, times};
+    use crate::blocks::Dense;
+    use crate::tiles::Sums;
+
+    /// Products of blocks of all sizes with vectors, against sums over all entries.
+    #[test]
+    fn products_are_those_of_all_entries() {
+        let mut random = fastrand::Rng::with_seed(7);
+        let mut number = || 2.0 * random.f64() - 1.0;
+        for n in 0..40 {
+            let mut dense = |rows: usize| {
+                let mut matrix = Dense::zeros(rows, n);
+                matrix.entries_mut().iter_mut().for_each(|entry| *entry = number());
+                matrix
+            };
+            let (hessian, mut jacobian) = (dense(n), dense(1 + n % 11));
+            if n > 0 {
+                // A limit of one unknown.
+                jacobian.row_mut(0).fill(0.0);
+                jacobian[(0, n / 2)] = 3.0;
+            }
+            let mut pattern = Pattern::dense(jacobian.rows());
+            pattern.set(&jacobian);
+            assert_eq!(
+                pattern.single.len(),
+                usize::from(n > 0) + if n == 1 { jacobian.rows() - 1 } else { 0 }
+            );
+            let mut vector = |len: usize| -> Vec<f64> { (0..len).map(|_| number()).collect() };
+            let (d, start) = (vector(n), vector(n));
+            let (y, factors) = (vector(jacobian.rows()), vector(jacobian.rows()));
+            let rows = Jacobian { rows: &jacobian, pattern: &pattern, factors: &factors };
+            let (mut sums, mut found) = (Sums::default(), start.clone());
+            add_symmetric::<false>(&hessian, &d, &mut found, &mut sums);
+            add_transposed::<false>(rows, &y, &mut found);
+            for i in 0..n {
+                let of_hessian: f64 = (0..n).map(|j| hessian[(i.min(j), i.max(j))] * d[j]).sum();
+                let of_rows: f64 = (0..y.len()).map(|r| jacobian[(r, i)] * factors[r] * y[r]).sum();
+                assert!((found[i] - start[i] - of_hessian - of_rows).abs() < 1e-13, "{n} {i}");
+            }
+            let mut products = vec![f64::NAN; y.len()];
+            times::<false>(rows, &d, &mut products, &mut sums);
+            for (r, product) in products.iter().enumerate() {
+                let expected: f64 = (0..n).map(|j| jacobian[(r, j)] * d[j]).sum();
+                assert!((product - factors[r] * expected).abs() < 1e-13, "{n} {r}");
+            }
+        }
+    }
+}

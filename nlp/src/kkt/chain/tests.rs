@@ -73,9 +73,14 @@ impl Random {
     }
 }
 
+/// Few unknowns, or as many as fill several panels.
 fn layouts() -> impl Strategy<Value = Layout> {
-    let interval = (0..4_usize, 0..3_usize, 0..4_usize);
-    let nodes = (1..5_usize, 0..3_usize);
+    prop_oneof![9 => sized_layouts(5, 4), 1 => sized_layouts(14, 8)]
+}
+
+fn sized_layouts(node: usize, private: usize) -> impl Strategy<Value = Layout> {
+    let interval = (0..private, 0..3_usize, 0..4_usize);
+    let nodes = (1..node, 0..3_usize);
     (proptest::collection::vec((interval, nodes), 1..6), 0..3_usize, 0..3_usize, any::<bool>()).prop_map(
         |(parts, shared, ends, cost)| {
             let sizes: Vec<usize> = parts.iter().map(|(_, (node, _))| *node).chain([2]).collect();
