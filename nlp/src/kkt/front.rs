@@ -186,7 +186,6 @@ impl Front {
                 is_regular = self.eliminate_panel::<FUSED>(definite, candidates);
                 continue;
             }
-            cursor = cursor.max(k);
             let choice = if refused == candidates - k {
                 // No column has changed since it was refused.
                 if !forced {
