@@ -9,8 +9,9 @@
 //! has as many positive eigenvalues as there are unknowns. W is that of the Lagrangian alone: neither barrier
 //! terms nor a regularisation are in it. Derivatives of the solution by a parameter solve the same equations.
 
-use crate::blocks::{Blocks, Dense, Units};
+use crate::blocks::{Blocks, Units};
 use crate::condense::{columns_of, scale_hessian};
+use crate::dense::Dense;
 use crate::elements::{
     Jacobian, Pattern, Room, add_symmetric, add_transposed, gather, scatter, squares, times,
 };

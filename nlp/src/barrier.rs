@@ -4,49 +4,111 @@ use crate::iterate::{Bounds, Iterate, Residuals, Step};
 use crate::vectors::{largest_of, sum_of, worse};
 use costate_numerics::in_widest;
 
-/// How the barrier parameter falls.
+/// Slacks begin at least so far inside their bounds.
+pub(crate) const LEAST_ROOM: f64 = 1e-12;
+
+/// How the barrier parameter changes, and where iterates begin.
 ///
-/// Source: Waechter and Biegler 2006, sections 2 and 3.6.
+/// Sources: S. Mehrotra, "On the implementation of a primal-dual interior point method", SIAM Journal on
+/// Optimization 2 (1992), 575-601; J. Nocedal, A. Waechter, R. A. Waltz, "Adaptive barrier update strategies
+/// for nonlinear interior methods", SIAM Journal on Optimization 19 (2009), 1674-1693; Waechter and Biegler
+/// 2006.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BarrierSettings {
     /// mu at the start.
     pub start: f64,
-    /// kappa_epsilon: the barrier problem is solved up to an error of this many times mu.
-    pub accuracy: f64,
-    /// kappa_mu and theta_mu: the next mu is `min(kappa_mu mu, mu^theta_mu)`.
-    pub decrease: (f64, f64),
-    /// tau_min: a step goes at most this part of the way to a bound, or `1 - mu` if that is larger.
+    /// mu_target: the program is solved where the conditions of the barrier problem at this mu hold. Zero:
+    /// with mu as far down as the tolerance needs, a tenth of it, and conditions of the program itself.
+    pub least: f64,
+    /// Smallest and largest factor from the mean of all products of slacks and multipliers to the next mu.
+    /// Between them it is sigma = (mu_aff / mu)^3 with the mean mu_aff that the step for mu = 0 would leave
+    /// (Mehrotra 1992).
+    pub change: [f64; 2],
+    /// The mean is not made smaller than this part of the Newton decrement over the number of bounds: far
+    /// from the central path slacks would come close to zero before the others.
+    pub centring: f64,
+    /// Where the Hessian was regularised, a short step for mu = 0 says nothing: mu stays until the decrement
+    /// is below the first one, a part of the sum of the products, and falls by the second one, a factor,
+    /// then.
+    pub regularised: [f64; 2],
+    /// tau_min: a step goes at most this part of the way to a bound, or `1 - mu` if that is larger (Waechter
+    /// and Biegler 2006, eq. (8)).
     pub part: f64,
-    /// kappa_sigma: multipliers of bounds are kept within this factor of mu over the slack.
+    /// kappa_sigma: multipliers of bounds are kept within this factor of mu over the slack (eq. (16)).
     pub neighbourhood: f64,
     /// kappa_1, kappa_2: slacks start at least this far inside their bounds, relative to the size of the
-    /// bound and to the range.
+    /// bound and to the range (section 3.6).
     pub inside: [f64; 2],
+    /// From given multipliers, slacks begin where these are on the central path, at most the first one
+    /// inside, if the function is no farther. Then multipliers come within the second, a factor, of it.
+    pub near: [f64; 2],
 }
 
 impl Default for BarrierSettings {
     fn default() -> Self {
         Self {
             start: 0.1,
-            accuracy: 10.0,
-            decrease: (0.2, 1.5),
+            least: 0.0,
+            change: [1e-3, 10.0],
+            centring: 0.01,
+            regularised: [1e-3, 0.125],
             part: 0.99,
             neighbourhood: 1e10,
             inside: [1e-2, 1e-2],
+            near: [0.05, 10.0],
         }
     }
 }
 
 impl BarrierSettings {
-    /// The next mu, not below a tenth of the tolerance.
-    pub(crate) fn next(&self, mu: f64, tolerance: f64) -> f64 {
-        let (linear, power) = self.decrease;
-        (linear * mu).min(mu.powf(power)).max(0.1 * tolerance)
+    /// The last mu, for this tolerance.
+    pub(crate) fn last(&self, tolerance: f64) -> f64 {
+        if self.least > 0.0 { self.least } else { 0.1 * tolerance }
+    }
+
+    /// The next mu, not below the last one, from the mean of all products now: `part` of it is left by the
+    /// step for mu = 0, `None` if that step is regularised; `decrement` is that of the step over the number
+    /// of bounds.
+    pub(crate) fn next(&self, mean: f64, part: Option<f64>, decrement: f64, last: f64) -> f64 {
+        let [least, most] = self.change;
+        let [small, factor] = self.regularised;
+        let sigma = match part {
+            Some(part) => part.clamp(0.0, 1.0).powi(3),
+            None if decrement < small * mean => factor,
+            None => 1.0,
+        };
+        let centre = (self.centring * decrement).min(most * mean);
+        (mean * sigma.max(least)).max(centre).max(last)
     }
 
     /// tau.
     pub(crate) fn part_of_way(&self, mu: f64) -> f64 {
         self.part.max(1.0 - mu)
+    }
+
+    /// Slacks and multipliers for the functions of an iterate and this mu: near its multipliers v if these
+    /// are known, else on the central path.
+    pub(crate) fn begin(&self, iterate: &mut Iterate, bounds: &Bounds, (mu, are_known): (f64, bool)) {
+        let [most, factor] = self.near;
+        let Iterate { slacks, v, z, values, .. } = iterate;
+        for (i, slack) in slacks.iter_mut().enumerate() {
+            let (value, lower, upper) = (values.ranges[i], bounds.lower[i], bounds.upper[i]);
+            // Where a multiplier is on the central path.
+            let room = |z: f64| (mu / z.max(f64::MIN_POSITIVE)).clamp(LEAST_ROOM, most);
+            let (low, high) = (lower + room(-v[i]), upper - room(v[i]));
+            *slack = match are_known {
+                false => self.inside(value, lower, upper),
+                true if low < high => value.clamp(low, high),
+                true => 0.5 * (lower + upper),
+            };
+            let central = bounds.central(*slack, i, mu);
+            let near = |z: f64, central: f64| z.clamp(central / factor, central * factor);
+            [z[0][i], z[1][i]] = match are_known {
+                false => central,
+                true => [near(-v[i], central[0]), near(v[i], central[1])],
+            };
+            v[i] = z[1][i] - z[0][i];
+        }
     }
 
     /// The value nearest to `value` that is inside the bounds by the distances of a start.

@@ -1,8 +1,9 @@
 //! Values and derivatives of a staged program, element by element.
 
+use crate::dense::Dense;
 use crate::elements::{Jacobian, Pattern};
 use crate::layout::{Element, Layout};
-use std::ops::{Index, IndexMut};
+use crate::scales::Scales;
 
 /// Cost, equations and functions with ranges at one point.
 #[derive(Clone, Debug)]
@@ -38,68 +39,6 @@ pub struct Weights<'a> {
     pub ranges: &'a [f64],
 }
 
-/// A dense matrix, row by row.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Dense {
-    rows: usize,
-    columns: usize,
-    entries: Vec<f64>,
-}
-
-impl Dense {
-    /// Zeros.
-    pub fn zeros(rows: usize, columns: usize) -> Self {
-        Self { rows, columns, entries: vec![0.0; rows * columns] }
-    }
-
-    /// Number of rows.
-    pub fn rows(&self) -> usize {
-        self.rows
-    }
-
-    /// Number of columns.
-    pub fn columns(&self) -> usize {
-        self.columns
-    }
-
-    /// Row i.
-    #[inline(always)]
-    pub fn row(&self, i: usize) -> &[f64] {
-        &self.entries[i * self.columns..][..self.columns]
-    }
-
-    /// The same, to change.
-    #[inline(always)]
-    pub fn row_mut(&mut self, i: usize) -> &mut [f64] {
-        &mut self.entries[i * self.columns..][..self.columns]
-    }
-
-    /// All entries, row by row.
-    pub fn entries(&self) -> &[f64] {
-        &self.entries
-    }
-
-    /// The same, to change.
-    pub fn entries_mut(&mut self) -> &mut [f64] {
-        &mut self.entries
-    }
-}
-
-impl Index<(usize, usize)> for Dense {
-    type Output = f64;
-    #[inline(always)]
-    fn index(&self, (i, j): (usize, usize)) -> &f64 {
-        &self.entries[i * self.columns + j]
-    }
-}
-
-impl IndexMut<(usize, usize)> for Dense {
-    #[inline(always)]
-    fn index_mut(&mut self, (i, j): (usize, usize)) -> &mut f64 {
-        &mut self.entries[i * self.columns + j]
-    }
-}
-
 /// Derivatives of one element by its own unknowns, in the order of [`Layout::unknowns`].
 #[derive(Clone, Debug)]
 pub struct Block {
@@ -118,7 +57,7 @@ pub struct Block {
 
 /// What derivatives are multiplied by where they are read: those of the program itself become those of the
 /// scaled one.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Units {
     /// Reciprocal of the scale of the cost; the Hessian has it already.
     pub cost: f64,
@@ -137,6 +76,16 @@ impl Units {
             steps: ones(layout.steps()),
             equalities: ones(layout.equalities()),
             ranges: ones(layout.ranges()),
+        }
+    }
+
+    /// Takes those of a program with these scales.
+    pub fn take(&mut self, scales: &Scales) {
+        self.cost = scales.cost.recip();
+        self.steps.copy_from_slice(&scales.steps);
+        let pairs = [(&mut self.equalities, &scales.equalities), (&mut self.ranges, &scales.ranges)];
+        for (to, scales) in pairs {
+            to.iter_mut().zip(scales).for_each(|(to, scale)| *to = scale.recip());
         }
     }
 
@@ -225,7 +174,7 @@ impl Blocks {
     pub(crate) fn fill_zero(&mut self) {
         for Block { gradient, hessian, equalities, ranges, .. } in &mut self.blocks {
             gradient.fill(0.0);
-            [hessian, equalities, ranges].into_iter().for_each(|matrix| matrix.entries.fill(0.0));
+            [hessian, equalities, ranges].into_iter().for_each(|matrix| matrix.entries_mut().fill(0.0));
         }
     }
 }

@@ -3,8 +3,9 @@
 use crate::active::{Active, Certificate, Changes, Held};
 use crate::iterate::{Bounds, KktError};
 use crate::outcome::SolveError;
-use crate::problem::{Scales, StagedProblem};
+use crate::problem::StagedProblem;
 use crate::scaled::Scaled;
+use crate::scales::Scales;
 use crate::solve::Solver;
 use crate::vectors::{largest, worse};
 
@@ -59,7 +60,7 @@ impl Solver {
         outcome
     }
 
-    /// The point of the last solution, refined if [`refine`](Self::refine) was called.
+    /// The point of the last iterate or solution, refined if [`refine`](Self::refine) was called.
     pub fn point(&self) -> &[f64] {
         &self.iterate.point
     }
@@ -76,7 +77,7 @@ impl Solver {
     pub fn respond<P: StagedProblem>(&mut self, problem: &P, rates: &Changes) -> Option<Changes> {
         let active = self.active.as_mut()?;
         let ones = || Scales::ones(&self.layout);
-        let Scales { cost, steps, equalities, ranges } = problem.scales().cloned().unwrap_or_else(ones);
+        let Scales { cost, steps, equalities, ranges, .. } = problem.scales().cloned().unwrap_or_else(ones);
         let (mut scaled, mut changes) = (rates.clone(), Changes::zeros(&self.layout));
         scaled.x.iter_mut().zip(&steps).for_each(|(rate, scale)| *rate *= scale / cost);
         scaled.equalities.iter_mut().zip(&equalities).for_each(|(rate, scale)| *rate /= scale);
@@ -96,7 +97,7 @@ impl Solver {
         self.check(problem)?;
         let mut active = self.active.take().unwrap_or_else(|| Box::new(Active::new(&self.layout)));
         let mut scaled = Scaled::new(problem);
-        let bounds = Bounds::new(scaled.bounds());
+        let bounds = scaled.bounds_of_slacks();
         scaled.evaluate(&self.iterate.point, &mut self.iterate.values)?;
         self.linearise(&mut scaled)?;
         active.hold(&self.iterate, &bounds);

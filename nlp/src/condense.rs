@@ -2,7 +2,8 @@
 //!
 //! $$ W + G^T \Sigma G = W + \sum_r (\sqrt{\sigma_r} g_r) (\sqrt{\sigma_r} g_r)^T $$
 
-use crate::blocks::{Blocks, Dense, Units};
+use crate::blocks::{Blocks, Units};
+use crate::dense::Dense;
 use crate::elements::{Jacobian, squares};
 use crate::layout::{Element, Layout};
 use crate::tiles::{LANES, scaled_product, scaled_products, update};

@@ -1,6 +1,6 @@
 //! Vectors, and products with the blocks of elements.
 
-use crate::blocks::Dense;
+use crate::dense::Dense;
 use crate::layout::{Element, Layout};
 use crate::tiles::{LANES, Sums, add_all_rows, add_rows, fused, only_entry, products};
 
@@ -166,7 +166,7 @@ pub(crate) fn add_symmetric<const FUSED: bool>(hessian: &Dense, d: &[f64], to: &
 #[cfg(test)]
 mod tests {
     use super::{Jacobian, Pattern, add_symmetric, add_transposed, times};
-    use crate::blocks::Dense;
+    use crate::dense::Dense;
     use crate::tiles::Sums;
 
     /// Products of blocks of all sizes with vectors, against sums over all entries.

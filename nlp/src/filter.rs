@@ -1,4 +1,5 @@
-//! The filter: pairs of violation and objective that no later iterate may be worse than.
+//! The filter: pairs of violation and objective that no later iterate may be worse than. The barrier
+//! parameter changes from one iteration to the next, so entries keep cost and logarithms apart.
 
 use crate::iterate::{Bounds, Iterate};
 
@@ -18,6 +19,9 @@ pub struct FilterSettings {
     /// Violations above this many times that of the start are refused; below the second, relative to it as
     /// well, the switching condition may hold.
     pub violations: [f64; 2],
+    /// Steps along which the objective rises by more than this many times its size, or that of 1, are
+    /// refused: the linear equations of a step hold near the point alone. IPOPT has 1e5 (obj_max_inc).
+    pub increase: f64,
     /// kappa_soc, and how many second-order corrections are tried.
     pub correction: (f64, usize),
 }
@@ -29,25 +33,39 @@ impl Default for FilterSettings {
             switching: [1.0, 1.1, 2.3],
             armijo: 1e-8,
             violations: [1e4, 1e-4],
+            increase: 100.0,
             correction: (0.99, 4),
         }
     }
 }
 
+/// How often entries are forgotten because no step is better than all of them.
+const MOST_FORGOTTEN: usize = 5;
+
 /// Rounding of the objective that counts as no increase, in units of its size.
 const ROUNDING: f64 = 10.0 * f64::EPSILON;
 
-/// A violation and an objective.
+/// What an iterate is judged by.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Measure {
     pub violation: f64,
-    pub objective: f64,
+    pub cost: f64,
+    /// Sum of the logarithms of the distances to bounds.
+    pub logarithms: f64,
 }
 
 impl Measure {
-    /// Those of an iterate of the barrier problem.
-    pub fn of(iterate: &Iterate, bounds: &Bounds, mu: f64) -> Self {
-        Self { violation: iterate.violation(), objective: iterate.barrier(bounds, mu) }
+    pub fn of(iterate: &Iterate, bounds: &Bounds) -> Self {
+        Self {
+            violation: iterate.violation(),
+            cost: iterate.values.cost,
+            logarithms: iterate.logarithms(bounds),
+        }
+    }
+
+    /// The objective of the barrier problem.
+    pub fn objective(&self, mu: f64) -> f64 {
+        if mu > 0.0 { self.cost - mu * self.logarithms } else { self.cost }
     }
 }
 
@@ -57,6 +75,8 @@ pub(crate) struct Filter {
     entries: Vec<Measure>,
     /// Largest and small violations.
     limits: [f64; 2],
+    /// How often entries were forgotten.
+    forgotten: usize,
 }
 
 /// Why a trial point is accepted.
@@ -70,50 +90,61 @@ pub(crate) enum Acceptance {
 
 impl Filter {
     pub fn new(settings: FilterSettings) -> Self {
-        Self { settings, entries: Vec::with_capacity(256), limits: [f64::INFINITY, 0.0] }
+        Self { settings, entries: Vec::with_capacity(256), limits: [f64::INFINITY, 0.0], forgotten: 0 }
     }
 
     /// Forgets all entries, for a start with this violation.
     pub fn restart(&mut self, violation: f64) {
         self.entries.clear();
         self.limits = self.settings.violations.map(|factor| factor * violation.max(1.0));
+        self.forgotten = 0;
     }
 
-    /// Forgets all entries: the objective has changed.
-    pub fn clear(&mut self) {
+    /// Forgets all entries. False if there are none, or if that happened too often.
+    pub fn forget(&mut self) -> bool {
+        let again = !self.entries.is_empty() && self.forgotten < MOST_FORGOTTEN;
         self.entries.clear();
+        self.forgotten += 1;
+        again
     }
 
     /// Judges a trial point at the step length alpha from the current iterate, where `slope` is the
-    /// derivative of the objective along the step.
-    pub fn judge(&self, current: Measure, trial: Measure, alpha: f64, slope: f64) -> Option<Acceptance> {
+    /// derivative of the objective for mu along the step.
+    pub fn judge(
+        &self,
+        [current, trial]: [Measure; 2],
+        mu: f64,
+        (alpha, slope): (f64, f64),
+    ) -> Option<Acceptance> {
         let [gamma_theta, gamma_phi] = self.settings.margins;
         let [largest, small] = self.limits;
-        let rounding = ROUNDING * current.objective.abs();
-        if !(trial.violation.is_finite() && trial.objective.is_finite()) || trial.violation > largest {
+        let [now, next] = [current, trial].map(|measure| measure.objective(mu));
+        let rounding = ROUNDING * now.abs();
+        if !(trial.violation.is_finite() && next.is_finite()) || trial.violation > largest {
             return None;
         }
-        if self.beats(trial, rounding) {
+        if next - now > self.settings.increase * now.abs().max(1.0) || self.beats(trial, mu, rounding) {
             return None;
         }
         if current.violation <= small && self.switches(current.violation, alpha, slope) {
-            let allowed = current.objective + self.settings.armijo * alpha * slope + rounding;
-            return (trial.objective <= allowed).then_some(Acceptance::Objective);
+            let allowed = now + self.settings.armijo * alpha * slope + rounding;
+            return (next <= allowed).then_some(Acceptance::Objective);
         }
         let better = trial.violation <= (1.0 - gamma_theta) * current.violation
-            || trial.objective <= current.objective - gamma_phi * current.violation + rounding;
+            || next <= now - gamma_phi * current.violation + rounding;
         better.then_some(Acceptance::Either)
     }
 
     /// Whether no entry is better.
-    pub fn accepts(&self, trial: Measure) -> bool {
-        trial.violation.is_finite() && trial.objective.is_finite() && !self.beats(trial, 0.0)
+    pub fn accepts(&self, trial: Measure, mu: f64) -> bool {
+        trial.violation.is_finite() && trial.objective(mu).is_finite() && !self.beats(trial, mu, 0.0)
     }
 
     /// Whether an entry is better, its objective by more than rounding.
-    fn beats(&self, trial: Measure, rounding: f64) -> bool {
+    fn beats(&self, trial: Measure, mu: f64, rounding: f64) -> bool {
+        let objective = trial.objective(mu);
         let is_better = |entry: &Measure| {
-            trial.violation >= entry.violation && trial.objective >= entry.objective + rounding
+            trial.violation >= entry.violation && objective >= entry.objective(mu) + rounding
         };
         self.entries.iter().any(is_better)
     }
@@ -129,11 +160,9 @@ impl Filter {
         let [gamma_theta, gamma_phi] = self.settings.margins;
         let entry = Measure {
             violation: (1.0 - gamma_theta) * current.violation,
-            objective: current.objective - gamma_phi * current.violation,
+            cost: current.cost - gamma_phi * current.violation,
+            ..current
         };
-        let worse =
-            |other: &Measure| other.violation >= entry.violation && other.objective >= entry.objective;
-        self.entries.retain(|other| !worse(other));
         if self.entries.len() == self.entries.capacity() {
             // The oldest one: nothing is allocated.
             self.entries.remove(0);
@@ -162,22 +191,29 @@ mod tests {
 
     #[test]
     fn a_point_that_is_worse_in_both_is_refused() {
-        let at = |violation, objective| Measure { violation, objective };
+        let at = |violation, cost| Measure { violation, cost, logarithms: 0.0 };
         let mut filter = Filter::new(FilterSettings::default());
         filter.restart(1.0);
         let current = at(1.0, 5.0);
-        assert_eq!(filter.judge(current, at(0.5, 9.0), 1.0, 1.0), Some(Acceptance::Either));
-        assert_eq!(filter.judge(current, at(2.0, 4.0), 1.0, 1.0), Some(Acceptance::Either));
-        assert_eq!(filter.judge(current, at(1.0, 5.1), 1.0, 1.0), None);
-        assert_eq!(filter.judge(current, at(f64::NAN, 0.0), 1.0, 1.0), None);
-        assert_eq!(filter.judge(current, at(1e5, 0.0), 1.0, 1.0), None, "too far from feasible");
+        assert_eq!(filter.judge([current, at(0.5, 9.0)], 0.1, (1.0, 1.0)), Some(Acceptance::Either));
+        assert_eq!(filter.judge([current, at(2.0, 4.0)], 0.1, (1.0, 1.0)), Some(Acceptance::Either));
+        assert_eq!(filter.judge([current, at(1.0, 5.1)], 0.1, (1.0, 1.0)), None);
+        assert_eq!(filter.judge([current, at(f64::NAN, 0.0)], 0.1, (1.0, 1.0)), None);
+        assert_eq!(filter.judge([current, at(1e5, 0.0)], 0.1, (1.0, 1.0)), None, "too far from feasible");
         filter.add(at(0.6, 4.0));
-        assert_eq!(filter.judge(current, at(0.7, 4.5), 1.0, 1.0), None, "an earlier iterate was better");
-        assert_eq!(filter.judge(current, at(0.5, 4.5), 1.0, 1.0), Some(Acceptance::Either));
+        assert_eq!(
+            filter.judge([current, at(0.7, 4.5)], 0.1, (1.0, 1.0)),
+            None,
+            "an earlier iterate was better"
+        );
+        assert_eq!(filter.judge([current, at(0.5, 4.5)], 0.1, (1.0, 1.0)), Some(Acceptance::Either));
         // Feasible: the objective has to fall as its slope says, but for rounding.
         let feasible = at(0.0, 5.0);
-        assert_eq!(filter.judge(feasible, at(0.0, 4.0), 1.0, -1.0), Some(Acceptance::Objective));
-        assert_eq!(filter.judge(feasible, at(0.0, 5.0 + 1e-15), 1.0, -1e-20), Some(Acceptance::Objective));
-        assert_eq!(filter.judge(feasible, at(0.0, 5.1), 1.0, -1.0), None);
+        assert_eq!(filter.judge([feasible, at(0.0, 4.0)], 0.1, (1.0, -1.0)), Some(Acceptance::Objective));
+        assert_eq!(
+            filter.judge([feasible, at(0.0, 5.0 + 1e-15)], 0.1, (1.0, -1e-20)),
+            Some(Acceptance::Objective)
+        );
+        assert_eq!(filter.judge([feasible, at(0.0, 5.1)], 0.1, (1.0, -1.0)), None);
     }
 }

@@ -3,7 +3,10 @@
 use crate::blocks::{Blocks, Values};
 use crate::elements::{Room, add_transposed, scatter};
 use crate::layout::Layout;
-use crate::vectors::{largest, largest_of, sum_of_differences, sum_of_logarithms, sum_of_sizes, worse};
+use crate::scales::Scales;
+use crate::vectors::{
+    largest, largest_of, product, sum_of, sum_of_differences, sum_of_logarithms, sum_of_sizes, worse,
+};
 use costate_numerics::in_widest;
 
 /// An iterate of
@@ -22,7 +25,7 @@ pub(crate) struct Iterate {
     pub values: Values,
 }
 
-/// Bounds of the slacks; infinite where there is none.
+/// Bounds of the slacks, infinite where there is none.
 #[derive(Clone, Debug)]
 pub(crate) struct Bounds {
     pub lower: Vec<f64>,
@@ -60,7 +63,7 @@ pub struct KktError {
     pub stationarity: f64,
     /// Of the equations, and of functions beside their slacks.
     pub feasibility: f64,
-    /// Of the products of slacks and multipliers beside mu.
+    /// Of the products of slacks and multipliers, beside mu.
     pub complementarity: f64,
 }
 
@@ -82,14 +85,40 @@ impl Bounds {
     /// IPOPT's bound_relax_factor.
     const RELAXATION: f64 = 1e-8;
 
-    pub fn new([mut lower, mut upper]: [Vec<f64>; 2]) -> Self {
-        for (l, u) in lower.iter_mut().zip(&mut upper) {
+    pub fn new([lower, upper]: [Vec<f64>; 2]) -> Self {
+        let mut bounds = Self { lower, upper };
+        bounds.relax();
+        bounds
+    }
+
+    fn relax(&mut self) {
+        for (l, u) in self.lower.iter_mut().zip(&mut self.upper) {
             let room = Self::RELAXATION * l.abs().max(u.abs()).max(1.0);
             if *u - *l < 2.0 * room {
                 (*l, *u) = (*l - room, *u + room);
             }
         }
-        Self { lower, upper }
+    }
+
+    /// Takes the bounds and sizes of another program with the same layout.
+    pub fn take(&mut self, [lower, upper]: [&[f64]; 2], scales: &Scales) {
+        let bounds = self.lower.iter_mut().zip(&mut self.upper).zip(lower.iter().zip(upper));
+        for (((l, u), (lower, upper)), scale) in bounds.zip(&scales.ranges) {
+            (*l, *u) = (lower / scale, upper / scale);
+        }
+        self.relax();
+    }
+
+    /// How many there are.
+    pub fn count(&self) -> usize {
+        self.lower.iter().chain(&self.upper).filter(|bound| bound.is_finite()).count()
+    }
+
+    /// Multipliers of the bounds of row i on the central path.
+    #[inline(always)]
+    pub fn central(&self, slack: f64, i: usize, mu: f64) -> [f64; 2] {
+        let of = |gap: f64| if gap.is_finite() { mu / gap } else { 0.0 };
+        [of(slack - self.lower[i]), of(self.upper[i] - slack)]
     }
 
     /// How far a slack is from its bounds.
@@ -162,6 +191,14 @@ impl Residuals {
         }
     }
 
+    /// `d' (W + G' Sigma G) d` of the step d that solves with these residuals, whose slacks are those of the
+    /// barrier.
+    pub fn decrement(&self, step: &Step) -> f64 {
+        product(&self.equalities, &step.y) + product(&self.ranges, &step.v)
+            - product(&self.x, &step.x)
+            - product(&self.slacks, &step.slacks)
+    }
+
     /// The largest entry.
     pub fn largest(&self) -> f64 {
         let Self { x, slacks, equalities, ranges } = self;
@@ -187,11 +224,9 @@ impl Iterate {
         sum_of_sizes(&self.values.equalities) + sum_of_differences(&self.values.ranges, &self.slacks)
     }
 
-    /// The objective of the barrier problem.
-    pub fn barrier(&self, bounds: &Bounds, mu: f64) -> f64 {
-        let sum =
-            sum_of_logarithms(&self.slacks, &bounds.lower) + sum_of_logarithms(&bounds.upper, &self.slacks);
-        self.values.cost - mu * sum
+    /// The sum of the logarithms of distances to bounds.
+    pub fn logarithms(&self, bounds: &Bounds) -> f64 {
+        sum_of_logarithms(&self.slacks, &bounds.lower) + sum_of_logarithms(&bounds.upper, &self.slacks)
     }
 
     /// Residuals at the derivatives of this iterate, whose patterns are noted; those of slacks are
@@ -227,6 +262,45 @@ impl Iterate {
         to.ranges.iter_mut().zip(values).for_each(|(to, (value, slack))| *to = value - slack);
         let multipliers = lower.iter().zip(upper).zip(&self.v);
         to.slacks.iter_mut().zip(multipliers).for_each(|(to, ((lower, upper), v))| *to = upper - lower - v);
+    }
+
+    /// The sum of all products of distances to bounds and their multipliers.
+    pub fn gap(&self, bounds: &Bounds) -> f64 {
+        in_widest!(self.sum_of_products(bounds))
+    }
+
+    #[inline(always)]
+    fn sum_of_products<const FUSED: bool>(&self, bounds: &Bounds) -> f64 {
+        let product = |gap: f64, z: f64| if gap < f64::INFINITY { gap * z } else { 0.0 };
+        let [lower, upper] = &self.z;
+        sum_of(
+            [&self.slacks, &bounds.lower, &bounds.upper, lower, upper],
+            |[slack, from, to, lower, upper]| product(slack - from, lower) + product(to - slack, upper),
+        )
+    }
+
+    /// The same after these parts of a step, of slacks and of multipliers.
+    pub fn gap_after(&self, bounds: &Bounds, step: &Step, parts: [f64; 2]) -> f64 {
+        in_widest!(self.sum_of_products_after(bounds, step, parts))
+    }
+
+    #[inline(always)]
+    fn sum_of_products_after<const FUSED: bool>(
+        &self,
+        bounds: &Bounds,
+        step: &Step,
+        [of_slacks, of_multipliers]: [f64; 2],
+    ) -> f64 {
+        let product = |gap: f64, z: f64| if gap < f64::INFINITY { gap * z } else { 0.0 };
+        let ([lower, upper], [to_lower, to_upper]) = (&self.z, &step.z);
+        sum_of(
+            [&self.slacks, &step.slacks, &bounds.lower, &bounds.upper, lower, to_lower, upper, to_upper],
+            |[slack, d, from, to, lower, to_lower, upper, to_upper]| {
+                let moved = slack + of_slacks * d;
+                product(moved - from, lower + of_multipliers * to_lower)
+                    + product(to - moved, upper + of_multipliers * to_upper)
+            },
+        )
     }
 
     /// The error of the conditions of optimality at the barrier parameter mu.

@@ -21,19 +21,24 @@
 //! [`Solver`] takes Newton steps on the conditions of optimality of (2) with multipliers of the bounds
 //! (primal-dual), while mu falls. With the steps of slacks eliminated they are
 //!
-//! $$ \begin{pmatrix} W + G^T \Sigma G + \delta & C^T \\\\ C & 0 \end{pmatrix} \begin{pmatrix} d_z \\\\ d_y
+//! $$ \begin{pmatrix} W + G^T \Sigma G + \delta M & C^T \\\\ C & 0 \end{pmatrix} \begin{pmatrix} d_z \\\\ d_y
 //! \end{pmatrix} = r, \qquad \Sigma = \frac{z_l}{s - l} + \frac{z_u}{u - s} \qquad (3) $$
 //!
 //! - (3) is factored from stage to stage as LDL' with pivots of order 1 and 2. Rows that find no acceptable
 //!   pivot in a stage are handed on to the next one, so that multipliers are true ones and the inertia is
 //!   exact; equations that depend on others end as zero pivots and are named ([`Solution::dependent`]). The
 //!   time is linear in the number of intervals. Solutions are refined by the residual of the whole system.
-//! - Where the inertia is wrong, delta is added to the diagonal, remembered and decreased
-//!   ([`RegularisationSettings`]).
+//! - Where the inertia is wrong, a multiple delta of a metric M is added to W, remembered and decreased
+//!   ([`RegularisationSettings`]): by default that of the typical sizes of steps, or that of the program
+//!   ([`StagedProblem::add_metric`]).
 //! - Steps are shortened until a filter accepts them, after second-order corrections ([`FilterSettings`]). If
 //!   none is accepted, an elastic program of the form (1) lowers the violation; [`Status::LocallyInfeasible`]
 //!   is a local minimum of it.
-//! - mu falls as fast as the conditions of (2) are met ([`BarrierSettings`]).
+//! - mu is chosen anew in each iteration, by how much of the complementarity a step for mu = 0 would leave
+//!   ([`BarrierSettings`]).
+//!
+//! A solution may begin with multipliers that are known from another mesh or an earlier instant ([`Start`]),
+//! and go on one iteration at a time ([`Solver::begin`], [`Solver::advance`]).
 //!
 //! # After a solution
 //!
@@ -42,8 +47,9 @@
 //! Newton's method, [`Solver::respond`] differentiates the solution by parameters, forward or backward.
 //!
 //! Sources: A. Waechter, L. T. Biegler, Mathematical Programming 106 (2006), 25-57 (filter, regularisation,
-//! restoration); I. S. Duff, J. K. Reid, ACM TOMS 9 (1983), 302-325 (pivots that are handed on); L. Vanroye,
-//! A. Sathya, J. De Schutter, W. Decre, "FATROP", IROS 2023 (staged programs).
+//! restoration); S. Mehrotra, SIAM Journal on Optimization 2 (1992), 575-601 (choice of mu); I. S. Duff, J.
+//! K. Reid, ACM TOMS 9 (1983), 302-325 (pivots that are handed on); L. Vanroye, A. Sathya, J. De Schutter, W.
+//! Decre, "FATROP", IROS 2023 (staged programs).
 
 #![warn(missing_debug_implementations)]
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::panic))]
@@ -53,6 +59,7 @@ mod barrier;
 mod blocks;
 mod certify;
 mod condense;
+mod dense;
 mod elements;
 mod filter;
 mod iterate;
@@ -62,7 +69,11 @@ mod newton;
 mod outcome;
 mod problem;
 mod restoration;
+mod restore;
 mod scaled;
+mod scales;
+mod search;
+mod settings;
 mod solve;
 mod sparse;
 mod tiles;
@@ -70,12 +81,15 @@ mod vectors;
 
 pub use active::{Certificate, Changes, Held};
 pub use barrier::BarrierSettings;
-pub use blocks::{Block, Blocks, Dense, Values, Weights};
+pub use blocks::{Block, Blocks, Values, Weights};
+pub use dense::Dense;
 pub use filter::FilterSettings;
 pub use iterate::KktError;
 pub use layout::{Element, Layout, Rows};
 pub use newton::RegularisationSettings;
 pub use outcome::{Iteration, Solution, SolveError, Status};
-pub use problem::{Scales, StagedProblem};
-pub use solve::{Settings, Solver};
+pub use problem::StagedProblem;
+pub use scales::Scales;
+pub use settings::Settings;
+pub use solve::{Solver, Start};
 pub use sparse::SparseProgram;

@@ -22,7 +22,8 @@ use crate::tiles::fused;
 use costate_numerics::in_widest;
 use std::ops::Range;
 
-/// How W is made positive definite where the equations leave it free.
+/// How W is made positive definite where the equations leave it free: by multiples of a metric
+/// ([`StagedProblem::add_metric`](crate::StagedProblem::add_metric)).
 ///
 /// Source: Waechter and Biegler 2006, algorithm IC.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -106,7 +107,7 @@ impl Newton {
         self.remembered = 0.0;
     }
 
-    /// What was added to the diagonal of W last.
+    /// The multiple of the metric that was added to W last.
     pub fn regularisation(&self) -> f64 {
         self.regularisation
     }
@@ -117,40 +118,56 @@ impl Newton {
         self.chain.zeros().iter().filter_map(move |row| row.checked_sub(steps))
     }
 
-    /// Factors the matrix at an iterate, with the regularisation that its inertia asks for.
-    pub fn factorise(
+    /// Factors the matrix at an iterate, with the regularisation that its inertia asks for: `add_metric` adds
+    /// a multiple of the metric to the Hessians.
+    pub fn factorise<E>(
         &mut self,
         layout: &Layout,
-        (iterate, bounds): (&Iterate, &Bounds),
-        blocks: &Blocks,
-    ) -> Result<(), NoStep> {
+        at: (&Iterate, &Bounds),
+        blocks: &mut Blocks,
+        mut add_metric: impl FnMut(f64, &mut Blocks) -> Result<(), E>,
+    ) -> Result<Result<(), NoStep>, E> {
+        self.begin(at);
+        while !self.factorise_once(layout, blocks) {
+            match self.regularise() {
+                Ok(more) => add_metric(more, blocks)?,
+                Err(no_step) => return Ok(Err(no_step)),
+            }
+        }
+        Ok(Ok(()))
+    }
+
+    /// Begins without regularisation.
+    fn begin(&mut self, (iterate, bounds): (&Iterate, &Bounds)) {
         in_widest!(self.set_weights(iterate, bounds));
+        self.regularisation = 0.0;
+        self.diagonal.fill(0.0);
+    }
+
+    /// Factors; whether the inertia is right.
+    fn factorise_once(&mut self, layout: &Layout, blocks: &Blocks) -> bool {
         self.condensed.set(layout, blocks, &self.weights);
+        let Condensed { hessians, jacobians, .. } = &self.condensed;
+        let inertia = self.chain.factorise(hessians, |element| &jacobians[element], &self.diagonal);
+        let is_right = self.is_right(layout, inertia);
+        if is_right && self.regularisation > 0.0 {
+            self.remembered = self.regularisation;
+        }
+        is_right
+    }
+
+    /// The next regularisation: how much is added.
+    fn regularise(&mut self) -> Result<f64, NoStep> {
         let RegularisationSettings { first, least, largest, decrease, increase: [factor, first_factor] } =
             self.settings;
-        let mut delta = 0.0;
-        loop {
-            self.diagonal[..layout.steps()].fill(delta);
-            let Condensed { hessians, jacobians, .. } = &self.condensed;
-            let inertia = self.chain.factorise(hessians, |element| &jacobians[element], &self.diagonal);
-            if self.is_right(layout, inertia) {
-                break;
-            }
-            delta = match (delta == 0.0, self.remembered == 0.0) {
-                (true, true) => first,
-                (true, false) => (decrease * self.remembered).max(least),
-                (false, true) => first_factor * delta,
-                (false, false) => factor * delta,
-            };
-            if delta > largest {
-                return Err(NoStep::Inertia);
-            }
-        }
-        self.regularisation = delta;
-        if delta > 0.0 {
-            self.remembered = delta;
-        }
-        Ok(())
+        let delta = self.regularisation;
+        self.regularisation = match (delta == 0.0, self.remembered == 0.0) {
+            (true, true) => first,
+            (true, false) => (decrease * self.remembered).max(least),
+            (false, true) => first_factor * delta,
+            (false, false) => factor * delta,
+        };
+        if self.regularisation > largest { Err(NoStep::Inertia) } else { Ok(self.regularisation - delta) }
     }
 
     /// Sigma, where an infinite gap has no multiplier.

@@ -61,6 +61,11 @@ pub struct Iteration {
     pub regularisation: f64,
     /// Length of the step that led here.
     pub length: f64,
+    /// The sum of all products of distances to bounds and their multipliers.
+    pub gap: f64,
+    /// Newton decrement of the barrier problem, `d' (W + G' Sigma G) d` of the step that led here: about
+    /// twice what the whole step promised; infinite before the first step.
+    pub decrement: f64,
     /// Whether it is one of restoration, whose cost is the violation.
     pub is_restoration: bool,
 }

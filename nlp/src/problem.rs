@@ -1,8 +1,10 @@
 //! What the solver asks of a program.
 
 use crate::blocks::{Blocks, Values, Weights};
-use crate::layout::Layout;
+use crate::layout::{Element, Layout};
+use crate::scales::Scales;
 use std::error::Error;
+use std::ops::Range;
 
 /// A staged nonlinear program with exact first and second derivatives:
 ///
@@ -45,6 +47,22 @@ pub trait StagedProblem {
         blocks: &mut Blocks,
     ) -> Result<(), Self::Error>;
 
+    /// Adds `factor M` to the Hessians, at the point of the last [`linearise`](Self::linearise). M is
+    /// positive definite: it measures how far a step goes, `d' M d` in units of the cost, where W has to be
+    /// made positive definite and where steps are too long. By default a step of the typical sizes has the
+    /// square of the length of as many typical costs as there are unknowns.
+    ///
+    /// A metric in which smooth steps are short lets these be long. Metrics of motions are those of their
+    /// accelerations.
+    ///
+    /// # Errors
+    /// Its own.
+    fn add_metric(&mut self, point: &[f64], factor: f64, blocks: &mut Blocks) -> Result<(), Self::Error> {
+        let _ = point;
+        add_scales(self.layout(), self.scales(), factor, blocks);
+        Ok(())
+    }
+
     /// Number of entries of a point.
     fn point_len(&self) -> usize {
         self.layout().steps()
@@ -66,28 +84,23 @@ pub trait StagedProblem {
     }
 }
 
-/// Typical sizes, all positive.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Scales {
-    /// Of the cost.
-    pub cost: f64,
-    /// Of displacements of the unknowns.
-    pub steps: Vec<f64>,
-    /// Of the equations.
-    pub equalities: Vec<f64>,
-    /// Of the functions with ranges.
-    pub ranges: Vec<f64>,
-}
-
-impl Scales {
-    /// All of them 1.
-    pub fn ones(layout: &Layout) -> Self {
-        let ones = |count| vec![1.0; count];
-        Self {
-            cost: 1.0,
-            steps: ones(layout.steps()),
-            equalities: ones(layout.equalities()),
-            ranges: ones(layout.ranges()),
+/// Adds the metric of typical sizes: each unknown in the element of its node or interval, shared ones in that
+/// of the first node.
+fn add_scales(layout: &Layout, scales: Option<&Scales>, factor: f64, blocks: &mut Blocks) {
+    let cost = scales.map_or(1.0, |scales| scales.cost);
+    let mut add = |element: Element, first: usize, unknowns: Range<usize>| {
+        let hessian = &mut blocks.of(element).hessian;
+        for (column, unknown) in (first..).zip(unknowns) {
+            let size = scales.map_or(1.0, |scales| scales.steps[unknown]);
+            hessian[(column, column)] += factor * cost / (size * size);
+        }
+    };
+    let last = layout.intervals();
+    for k in 0..=last {
+        add(Element::Node(k), 0, layout.node(k));
+        if k < last {
+            add(Element::Interval(k), layout.node(k).len(), layout.private(k));
         }
     }
+    add(Element::Node(0), layout.node(0).len(), layout.shared());
 }

@@ -9,7 +9,8 @@
 use crate::blocks::{Block, Blocks, Values, Weights};
 use crate::iterate::Iterate;
 use crate::layout::{Element, Layout, Rows};
-use crate::problem::{Scales, StagedProblem};
+use crate::problem::StagedProblem;
+use crate::scales::Scales;
 use std::error::Error;
 use std::ops::Range;
 
@@ -131,6 +132,11 @@ impl Places {
         to.iter_mut().zip(&self.unknowns).for_each(|(to, &place)| *to = from[place]);
     }
 
+    /// The point of the program in one of the elastic one.
+    pub fn original_point<'b>(&self, point: &'b [f64]) -> &'b [f64] {
+        &point[self.layout.steps()..]
+    }
+
     /// The equations and the ranges of a part, in the program and in the elastic one.
     fn rows(&self, layout: &Layout, part: &Part) -> [[Range<usize>; 2]; 2] {
         let own = [layout.equalities_of(part.element), layout.ranges_of(part.element)];
@@ -244,11 +250,6 @@ impl<'a, E: Error> Elastic<'a, E> {
     /// Typical sizes of steps.
     pub fn step_scales(&self) -> &[f64] {
         &self.scales.steps
-    }
-
-    /// The point of the program in one of the elastic one.
-    pub fn original_point<'b>(&self, point: &'b [f64]) -> &'b [f64] {
-        &point[self.places.layout.steps()..]
     }
 }
 

@@ -1,7 +1,10 @@
 //! A program in units of its typical sizes.
 
 use crate::blocks::{Blocks, Units, Values, Weights};
-use crate::problem::{Scales, StagedProblem};
+use crate::iterate::Bounds;
+use crate::layout::Layout;
+use crate::problem::StagedProblem;
+use crate::scales::Scales;
 
 /// The program that the algorithm works on: every unknown, row and the cost divided by its typical size.
 ///
@@ -10,6 +13,12 @@ use crate::problem::{Scales, StagedProblem};
 /// ```
 pub(crate) struct Scaled<'a, P> {
     pub problem: &'a mut P,
+    scaling: Scaling,
+}
+
+/// The typical sizes of a program, and room for what is scaled.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Scaling {
     scales: Scales,
     is_plain: bool,
     /// Weights and a step of the program itself.
@@ -19,67 +28,40 @@ pub(crate) struct Scaled<'a, P> {
     units: Units,
 }
 
-impl<'a, P: StagedProblem> Scaled<'a, P> {
-    pub fn new(problem: &'a mut P) -> Self {
-        let layout = problem.layout();
-        let (n, m, r) = (layout.steps(), layout.equalities(), layout.ranges());
-        let is_plain = problem.scales().is_none();
-        let scales = problem.scales().cloned().unwrap_or_else(|| Scales::ones(layout));
-        let (equalities, ranges, step) = (vec![0.0; m], vec![0.0; r], vec![0.0; n]);
-        let reciprocals = |scales: &[f64]| scales.iter().map(|scale| scale.recip()).collect();
-        let units = Units {
-            cost: scales.cost.recip(),
-            steps: scales.steps.clone(),
-            equalities: reciprocals(&scales.equalities),
-            ranges: reciprocals(&scales.ranges),
-        };
-        Self { problem, scales, is_plain, equalities, ranges, step, units }
-    }
-
-    /// The bounds of the ranges.
-    pub fn bounds(&self) -> [Vec<f64>; 2] {
-        let scaled = |bounds: &[f64]| bounds.iter().zip(&self.scales.ranges).map(|(b, s)| b / s).collect();
-        self.problem.bounds().map(scaled)
-    }
-
-    pub fn evaluate(&mut self, point: &[f64], values: &mut Values) -> Result<(), P::Error> {
-        self.problem.evaluate(point, values)?;
-        if !self.is_plain {
-            values.cost /= self.scales.cost;
-            divide(&mut values.equalities, &self.scales.equalities);
-            divide(&mut values.ranges, &self.scales.ranges);
+impl Scaling {
+    pub fn new(layout: &Layout) -> Self {
+        let scales = Scales::ones(layout);
+        Self {
+            is_plain: true,
+            equalities: scales.equalities.clone(),
+            ranges: scales.ranges.clone(),
+            step: scales.steps.clone(),
+            units: Units::ones(layout),
+            scales,
         }
-        Ok(())
     }
 
-    /// Blocks for these weights of the scaled functions: derivatives of the program itself, and their units.
-    pub fn linearise(
-        &mut self,
-        point: &[f64],
-        weights: Weights<'_>,
-        blocks: &mut Blocks,
-    ) -> Result<(), P::Error> {
-        blocks.fill_zero();
-        blocks.units.copy_from(&self.units);
-        let Self { problem, units, equalities, ranges, .. } = self;
-        multiply(weights.equalities, &units.equalities, equalities);
-        multiply(weights.ranges, &units.ranges, ranges);
-        let weights = Weights { cost: weights.cost * units.cost, equalities, ranges };
-        problem.linearise(point, weights, blocks)
+    pub fn scales(&self) -> &Scales {
+        &self.scales
     }
 
-    /// The size of unknown k, scaled, at least 1; 1 where a point has other entries than a step.
-    pub fn size(&self, point: &[f64], k: usize) -> f64 {
-        let steps = &self.scales.steps;
-        if point.len() == steps.len() { (point[k] / steps[k]).abs().max(1.0) } else { 1.0 }
-    }
-
-    /// `moved = point (+) length step`, for a scaled step.
-    pub fn retract(&mut self, point: &[f64], step: &[f64], length: f64, moved: &mut [f64]) {
-        for ((to, step), scale) in self.step.iter_mut().zip(step).zip(&self.scales.steps) {
-            *to = length * step * scale;
+    /// Takes the sizes of a program with the same layout.
+    pub fn take(&mut self, scales: Option<&Scales>) {
+        self.is_plain = scales.is_none();
+        let Scales { cost, steps, equalities, ranges } = &mut self.scales;
+        match scales {
+            Some(scales) => {
+                *cost = scales.cost;
+                let pairs =
+                    [(steps, &scales.steps), (equalities, &scales.equalities), (ranges, &scales.ranges)];
+                pairs.into_iter().for_each(|(to, from)| to.copy_from_slice(from));
+            }
+            None => {
+                *cost = 1.0;
+                [steps, equalities, ranges].into_iter().for_each(|to| to.fill(1.0));
+            }
         }
-        self.problem.retract(point, &self.step, moved);
+        self.units.take(&self.scales);
     }
 
     /// Multipliers of the program itself from those of the scaled one: `y = y^ s_f / s_i`.
@@ -93,9 +75,106 @@ impl<'a, P: StagedProblem> Scaled<'a, P> {
         }
     }
 
+    /// The other way round.
+    pub fn scale(&self, equalities: &mut [f64], ranges: &mut [f64]) {
+        let factor = self.scales.cost.recip();
+        for (y, scale) in equalities.iter_mut().zip(&self.scales.equalities) {
+            *y *= factor * scale;
+        }
+        for (v, scale) in ranges.iter_mut().zip(&self.scales.ranges) {
+            *v *= factor * scale;
+        }
+    }
+
     /// The cost of the program itself.
     pub fn unscaled_cost(&self, cost: f64) -> f64 {
         cost * self.scales.cost
+    }
+}
+
+impl<'a, P: StagedProblem> Scaled<'a, P> {
+    /// With new room.
+    pub fn new(problem: &'a mut P) -> Self {
+        let mut scaling = Scaling::new(problem.layout());
+        scaling.take(problem.scales());
+        Self { problem, scaling }
+    }
+
+    /// With the sizes that were taken before.
+    pub fn with(problem: &'a mut P, scaling: Scaling) -> Self {
+        Self { problem, scaling }
+    }
+
+    /// The room, for later.
+    pub fn into_scaling(self) -> Scaling {
+        self.scaling
+    }
+
+    /// The bounds of the ranges.
+    pub fn bounds(&self) -> [Vec<f64>; 2] {
+        let scaled =
+            |bounds: &[f64]| bounds.iter().zip(&self.scaling.scales.ranges).map(|(b, s)| b / s).collect();
+        self.problem.bounds().map(scaled)
+    }
+
+    /// Multipliers of the scaled program from those of the program itself.
+    pub fn scale(&self, equalities: &mut [f64], ranges: &mut [f64]) {
+        self.scaling.scale(equalities, ranges);
+    }
+
+    /// The bounds of the slacks.
+    pub fn bounds_of_slacks(&self) -> Bounds {
+        Bounds::new(self.bounds())
+    }
+
+    #[inline(never)]
+    pub fn evaluate(&mut self, point: &[f64], values: &mut Values) -> Result<(), P::Error> {
+        self.problem.evaluate(point, values)?;
+        let Scaling { scales, is_plain, .. } = &self.scaling;
+        if !is_plain {
+            values.cost /= scales.cost;
+            divide(&mut values.equalities, &scales.equalities);
+            divide(&mut values.ranges, &scales.ranges);
+        }
+        Ok(())
+    }
+
+    /// Blocks for these weights of the scaled functions: derivatives of the program itself, and their units.
+    #[inline(never)]
+    pub fn linearise(
+        &mut self,
+        point: &[f64],
+        weights: Weights<'_>,
+        blocks: &mut Blocks,
+    ) -> Result<(), P::Error> {
+        blocks.fill_zero();
+        blocks.units.copy_from(&self.scaling.units);
+        let Self { problem, scaling: Scaling { units, equalities, ranges, .. } } = self;
+        multiply(weights.equalities, &units.equalities, equalities);
+        multiply(weights.ranges, &units.ranges, ranges);
+        let weights = Weights { cost: weights.cost * units.cost, equalities, ranges };
+        problem.linearise(point, weights, blocks)
+    }
+
+    /// Adds a multiple of the metric, over the scale of the cost.
+    pub fn add_metric(&mut self, point: &[f64], factor: f64, blocks: &mut Blocks) -> Result<(), P::Error> {
+        let factor = factor * self.scaling.units.cost;
+        self.problem.add_metric(point, factor, blocks)
+    }
+
+    /// The size of unknown k, scaled, at least 1; 1 where a point has other entries than a step.
+    pub fn size(&self, point: &[f64], k: usize) -> f64 {
+        let steps = &self.scaling.scales.steps;
+        if point.len() == steps.len() { (point[k] / steps[k]).abs().max(1.0) } else { 1.0 }
+    }
+
+    /// `moved = point (+) length step`, for a scaled step.
+    pub fn retract(&mut self, point: &[f64], step: &[f64], length: f64, moved: &mut [f64]) {
+        let Scaling { scales, step: unscaled, .. } = &mut self.scaling;
+        for ((to, step), scale) in unscaled.iter_mut().zip(step).zip(&scales.steps) {
+            *to = length * step * scale;
+        }
+        self.problem.retract(point, unscaled, moved);
     }
 }
 

@@ -3,104 +3,54 @@
 //! Waechter and Biegler 2006, with the pivots of the stages in place of a general factorisation.
 
 use crate::active::Active;
-use crate::barrier::{BarrierSettings, barrier_residuals, longest_steps, reset_multipliers, slope};
+use crate::barrier::{barrier_residuals, longest_steps, reset_multipliers};
 use crate::blocks::{Blocks, Weights};
-use crate::elements::{Room, gather};
-use crate::filter::{Acceptance, Filter, FilterSettings, Measure};
+use crate::elements::Room;
+use crate::filter::Filter;
 use crate::iterate::{Bounds, Iterate, KktError, Residuals, Step};
 use crate::layout::{Element, Layout};
-use crate::newton::{Newton, NoStep, RegularisationSettings};
+use crate::newton::Newton;
 use crate::outcome::{Iteration, Solution, SolveError, Status};
 use crate::problem::StagedProblem;
-use crate::restoration::{Elastic, Places};
-use crate::scaled::Scaled;
-use crate::vectors::{largest, move_along};
+use crate::restoration::Places;
+use crate::scaled::{Scaled, Scaling};
+use crate::settings::Settings;
+use crate::vectors::largest;
 use std::ops::ControlFlow;
 
-/// What steers a solution. Each group stands beside the algorithm that it steers.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Settings {
-    /// Largest error of the conditions of optimality, of the scaled program.
-    pub tolerance: f64,
-    /// Most iterations.
-    pub iterations: usize,
-    /// The barrier parameter.
-    pub barrier: BarrierSettings,
-    /// The line search.
-    pub filter: FilterSettings,
-    /// The regularisation of Hessians.
-    pub regularisation: RegularisationSettings,
-}
-
-impl Default for Settings {
-    fn default() -> Self {
-        Self {
-            tolerance: 1e-8,
-            iterations: 1000,
-            barrier: BarrierSettings::default(),
-            filter: FilterSettings::default(),
-            regularisation: RegularisationSettings::default(),
-        }
-    }
-}
-
-impl Settings {
-    /// The first setting that is out of its range: name, value, least, most.
-    fn first_wrong(&self) -> Option<(&'static str, f64, [f64; 2])> {
-        let Self { tolerance, barrier, filter, regularisation, .. } = self;
-        const BELOW_ONE: [f64; 2] = [f64::MIN_POSITIVE, 1.0 - f64::EPSILON];
-        const POSITIVE: [f64; 2] = [f64::MIN_POSITIVE, f64::MAX];
-        const ABOVE_ONE: [f64; 2] = [1.0 + f64::EPSILON, f64::MAX];
-        let all = [
-            ("tolerance", *tolerance, BELOW_ONE),
-            ("barrier.start", barrier.start, POSITIVE),
-            ("barrier.accuracy", barrier.accuracy, POSITIVE),
-            ("barrier.decrease.0", barrier.decrease.0, BELOW_ONE),
-            ("barrier.decrease.1", barrier.decrease.1, [1.0 + f64::EPSILON, 2.0 - f64::EPSILON]),
-            ("barrier.part", barrier.part, BELOW_ONE),
-            ("barrier.neighbourhood", barrier.neighbourhood, ABOVE_ONE),
-            ("barrier.inside[0]", barrier.inside[0], POSITIVE),
-            ("barrier.inside[1]", barrier.inside[1], [f64::MIN_POSITIVE, 0.5]),
-            ("filter.margins[0]", filter.margins[0], BELOW_ONE),
-            ("filter.margins[1]", filter.margins[1], BELOW_ONE),
-            ("filter.switching[0]", filter.switching[0], POSITIVE),
-            ("filter.switching[1]", filter.switching[1], ABOVE_ONE),
-            ("filter.switching[2]", filter.switching[2], [1.0, f64::MAX]),
-            ("filter.armijo", filter.armijo, [f64::MIN_POSITIVE, 0.5]),
-            ("filter.violations[0]", filter.violations[0], POSITIVE),
-            ("filter.violations[1]", filter.violations[1], POSITIVE),
-            ("filter.correction.0", filter.correction.0, BELOW_ONE),
-            ("regularisation.first", regularisation.first, POSITIVE),
-            ("regularisation.least", regularisation.least, POSITIVE),
-            ("regularisation.largest", regularisation.largest, [regularisation.first, f64::MAX]),
-            ("regularisation.decrease", regularisation.decrease, BELOW_ONE),
-            ("regularisation.increase[0]", regularisation.increase[0], ABOVE_ONE),
-            ("regularisation.increase[1]", regularisation.increase[1], ABOVE_ONE),
-        ];
-        // Not true for NaN.
-        all.into_iter().find(|(_, value, [least, most])| !(value >= least && value <= most))
-    }
-}
-
-/// Steps shorter than this, relative to the point, are rounding.
-const TINY: f64 = 10.0 * f64::EPSILON;
+/// Largest multipliers of equations that the first estimate may have: lambda_max of IPOPT.
+pub(crate) const LARGEST_ESTIMATE: f64 = 1e3;
 
 /// Error up to which restoration solves its program: whether a minimum of the violation was found needs no
 /// more digits.
 const LEAST_VIOLATION: f64 = 1e-6;
 
-/// Relative decrease of the violation from one centre of restoration to the next below which it has a
-/// minimum.
-const LEAST_DECREASE: f64 = 1e-3;
+/// Where a solution begins.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Start<'a> {
+    /// The point.
+    pub point: &'a [f64],
+    /// Multipliers of the equations, as in [`Solution::equalities`]; `None`: by least squares.
+    pub equalities: Option<&'a [f64]>,
+    /// Multipliers of the functions with ranges, as in [`Solution::ranges`]; `None`: those of the central
+    /// path.
+    pub ranges: Option<&'a [f64]>,
+    /// The barrier parameter, of the scaled program; `None`:
+    /// [`BarrierSettings::start`](crate::BarrierSettings).
+    pub mu: Option<f64>,
+}
 
-/// Part of the violation that restoration may leave: kappa_resto of IPOPT.
-const RESTORED: f64 = 0.9;
+impl<'a> Start<'a> {
+    /// A point of which nothing else is known.
+    pub fn at(point: &'a [f64]) -> Self {
+        Self { point, equalities: None, ranges: None, mu: None }
+    }
+}
 
-/// Largest multipliers of equations that the first estimate may have: lambda_max of IPOPT.
-const LARGEST_ESTIMATE: f64 = 1e3;
-
-/// Workspace for programs of one layout. [`solve`](Self::solve) allocates the bounds and scales of the
-/// program, and what restoration needs the first time that no acceptable step is found.
+/// Workspace for programs of one layout. [`solve`](Self::solve) runs until the end;
+/// [`begin`](Self::begin) and [`advance`](Self::advance) do the same one iteration at a time. What
+/// restoration needs is allocated the first time that no acceptable step is found, nothing else after the
+/// workspace is built.
 ///
 /// ```
 /// use costate_nlp::{Blocks, Element, Layout, Rows, Settings, Solver, StagedProblem, Values, Weights};
@@ -160,38 +110,85 @@ const LARGEST_ESTIMATE: f64 = 1e3;
 #[derive(Clone, Debug)]
 pub struct Solver {
     pub(crate) layout: Layout,
-    settings: Settings,
+    pub(crate) settings: Settings,
+    pub(crate) bounds: Bounds,
     pub(crate) iterate: Iterate,
     pub(crate) trial: Iterate,
     pub(crate) blocks: Blocks,
     pub(crate) residuals: Residuals,
     /// Right-hand sides of second-order corrections.
-    corrected: Residuals,
-    newton: Newton,
-    room: Room,
-    step: Step,
-    correction: Step,
-    filter: Filter,
+    pub(crate) corrected: Residuals,
+    pub(crate) newton: Newton,
+    pub(crate) room: Room,
+    pub(crate) step: Step,
+    pub(crate) correction: Step,
+    pub(crate) filter: Filter,
+    pub(crate) progress: Progress,
+    scaling: Scaling,
     dependent: Vec<usize>,
     /// Multipliers of the program itself: the iterate has those of the scaled one.
     multipliers: [Vec<f64>; 2],
     /// The factorisation at a solution, once it was asked for.
     pub(crate) active: Option<Box<Active>>,
     /// The elastic program and its solver, once they were needed.
-    restoration: Option<Box<(Places, Solver)>>,
+    pub(crate) restoration: Option<Box<Restoration>>,
     /// Whether this is that solver.
-    is_restoring: bool,
-    /// Iterations of restoration that the others are numbered after.
-    restoring: usize,
+    pub(crate) is_restoring: bool,
 }
 
-/// What a line search found.
-enum Search {
-    /// The trial point is accepted, at this length of the step.
-    Accepted(f64),
-    Failed,
-    /// There was no step to try.
-    NoStep,
+/// How far a solution has come.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Progress {
+    /// Iterations, those of restoration too.
+    pub number: usize,
+    pub mu: f64,
+    /// Of the iterate.
+    pub error: KktError,
+    /// Of the step that led there.
+    pub length: f64,
+    pub regularisation: f64,
+    pub decrement: f64,
+}
+
+/// The elastic program about a point, and its solver.
+#[derive(Clone, Debug)]
+pub(crate) struct Restoration {
+    /// Whether the solution is in it.
+    pub is_on: bool,
+    pub solver: Solver,
+    pub places: Places,
+    pub centre: Vec<f64>,
+    /// The violation at the centre, and the one that is wanted.
+    pub before: f64,
+    pub most: f64,
+    /// Slacks of the program.
+    pub slacks: Vec<f64>,
+}
+
+impl Restoration {
+    pub fn new(solver: &Solver) -> Self {
+        let places = Places::new(&solver.layout);
+        let mut settings: Settings = solver.settings;
+        // Elastic variables start where their conditions hold, close to zero if need be.
+        settings.barrier.inside = [f64::MIN_POSITIVE; 2];
+        settings.barrier.least = 0.0;
+        settings.tolerance = settings.tolerance.max(LEAST_VIOLATION);
+        settings.feasibility = settings.tolerance;
+        // Its iterations are counted by the solution.
+        settings.iterations = usize::MAX;
+        let len = solver.iterate.point.len();
+        let mut inner = Solver::for_points(&places.layout, places.layout.steps() + len, settings);
+        inner.is_restoring = true;
+        Self {
+            is_on: false,
+            solver: inner,
+            places,
+            centre: vec![0.0; len],
+            before: 0.0,
+            most: 0.0,
+            slacks: vec![0.0; solver.layout.ranges()],
+        }
+    }
 }
 
 impl Solver {
@@ -203,8 +200,10 @@ impl Solver {
     /// The same for points of another length.
     pub fn for_points(layout: &Layout, point_len: usize, settings: Settings) -> Self {
         let iterate = Iterate::new(layout, point_len);
+        let ranges = layout.ranges();
         Self {
             settings,
+            bounds: Bounds::new([vec![0.0; ranges], vec![0.0; ranges]]),
             trial: iterate.clone(),
             iterate,
             blocks: Blocks::new(layout),
@@ -215,14 +214,20 @@ impl Solver {
             step: Step::zeros(layout),
             correction: Step::zeros(layout),
             filter: Filter::new(settings.filter),
+            progress: Progress::default(),
+            scaling: Scaling::new(layout),
             dependent: Vec::with_capacity(layout.equalities()),
-            multipliers: [vec![0.0; layout.equalities()], vec![0.0; layout.ranges()]],
+            multipliers: [vec![0.0; layout.equalities()], vec![0.0; ranges]],
             active: None,
             restoration: None,
             is_restoring: false,
-            restoring: 0,
             layout: layout.clone(),
         }
+    }
+
+    /// What steers the next solution.
+    pub fn settings_mut(&mut self) -> &mut Settings {
+        &mut self.settings
     }
 
     /// Solves a program from a point.
@@ -234,48 +239,164 @@ impl Solver {
         problem: &mut P,
         start: &[f64],
     ) -> Result<Solution<'_>, SolveError<P::Error>> {
-        self.solve_observed(problem, start, |_| ControlFlow::Continue(()))
+        self.solve_observed(problem, Start::at(start), |_| ControlFlow::Continue(()))
     }
 
-    /// The same; `observer` is called after each iteration, and may stop the solution.
+    /// The same from any start; `observer` is called after each iteration, and may stop the solution.
     ///
     /// # Errors
     /// [`SolveError`].
     pub fn solve_observed<P: StagedProblem>(
         &mut self,
         problem: &mut P,
-        start: &[f64],
+        start: Start<'_>,
         mut observer: impl FnMut(Iteration) -> ControlFlow<()>,
     ) -> Result<Solution<'_>, SolveError<P::Error>> {
+        let mut ended = self.begin(problem, start)?;
+        loop {
+            let is_stopped = observer(self.iteration()).is_break();
+            match ended {
+                Some(status) => return Ok(self.solution(status)),
+                None if is_stopped => {
+                    self.leave_restoration(problem)?;
+                    return Ok(self.solution(Status::Stopped));
+                }
+                None => ended = self.advance(problem)?,
+            }
+        }
+    }
+
+    /// Begins a solution: slacks inside their bounds, multipliers as given. Returns how it ended, if that is
+    /// at the start.
+    ///
+    /// # Errors
+    /// [`SolveError`].
+    pub fn begin<P: StagedProblem>(
+        &mut self,
+        problem: &mut P,
+        start: Start<'_>,
+    ) -> Result<Option<Status>, SolveError<P::Error>> {
         self.check(problem)?;
-        SolveError::check_length("the start", self.iterate.point.len(), start.len())?;
+        let length = SolveError::check_length;
+        length("the start", self.iterate.point.len(), start.point.len())?;
+        for (what, given, expected) in [
+            ("the multipliers of the equations", start.equalities, self.layout.equalities()),
+            ("the multipliers of the ranges", start.ranges, self.layout.ranges()),
+        ] {
+            length(what, expected, given.map_or(expected, <[f64]>::len))?;
+        }
+        if let Some(value) = start.mu.filter(|mu| !(*mu > 0.0 && mu.is_finite())) {
+            let (name, least, most) = ("start.mu", f64::MIN_POSITIVE, f64::MAX);
+            return Err(SolveError::Setting { name, value, least, most });
+        }
+        self.begin_unchecked(problem, start)
+    }
+
+    pub(crate) fn begin_unchecked<P: StagedProblem>(
+        &mut self,
+        problem: &mut P,
+        start: Start<'_>,
+    ) -> Result<Option<Status>, SolveError<P::Error>> {
         // It belongs to another solution.
         self.active = None;
-        let mut scaled = Scaled::new(problem);
-        let bounds = Bounds::new(scaled.bounds());
-        let mu = self.settings.barrier.start;
-        self.begin(&mut scaled, &bounds, start, mu)?;
-        let (status, error, iterations) =
-            self.iterate_to_end(&mut scaled, &bounds, mu, &mut |_, iteration| observer(iteration))?;
-        let Self { iterate, newton, dependent, layout, .. } = self;
+        self.scaling.take(problem.scales());
+        self.bounds.take(problem.bounds(), self.scaling.scales());
+        self.with_scaled(problem, |solver, scaled| solver.begin_scaled(scaled, start))?;
+        Ok(self.ended())
+    }
+
+    /// One iteration, of restoration if no acceptable step is found. Returns how the solution ended, or
+    /// `None` if it goes on. The program is the one that it began with.
+    ///
+    /// # Errors
+    /// [`SolveError`].
+    pub fn advance<P: StagedProblem>(
+        &mut self,
+        problem: &mut P,
+    ) -> Result<Option<Status>, SolveError<P::Error>> {
+        if *problem.layout() != self.layout {
+            return Err(SolveError::Layout);
+        }
+        if let Some(status) = self.ended() {
+            self.leave_restoration(problem)?;
+            return Ok(Some(status));
+        }
+        self.progress.number += 1;
+        if let Some(status) = self.with_scaled(problem, Self::advance_scaled)? {
+            return Ok(Some(status));
+        }
+        let ended = self.ended();
+        if ended.is_some() {
+            self.leave_restoration(problem)?;
+        }
+        Ok(ended)
+    }
+
+    /// The iterate of a solution under way.
+    pub fn iteration(&self) -> Iteration {
+        let Progress { number, mu, error, length, regularisation, decrement } = self.progress;
+        if let Some(restoration) = self.restoration.as_ref().filter(|restoration| restoration.is_on) {
+            return Iteration { number, is_restoration: true, ..restoration.solver.iteration() };
+        }
+        Iteration {
+            number,
+            cost: self.iterate.values.cost,
+            violation: self.iterate.violation(),
+            error,
+            mu,
+            regularisation,
+            length,
+            gap: self.iterate.gap(&self.bounds),
+            decrement,
+            is_restoration: false,
+        }
+    }
+
+    /// The iterate as a solution that ended so.
+    pub fn solution(&mut self, status: Status) -> Solution<'_> {
+        let Self { iterate, newton, dependent, layout, scaling, progress, .. } = self;
         dependent.clear();
         dependent.extend(newton.dependent(layout));
         let [y, v] = &mut self.multipliers;
         y.copy_from_slice(&iterate.y);
         v.copy_from_slice(&iterate.v);
-        scaled.unscale(y, v);
-        let cost = scaled.unscaled_cost(iterate.values.cost);
-        let ([y, v], point) = (&self.multipliers, &self.iterate.point);
-        Ok(Solution {
+        scaling.unscale(y, v);
+        Solution {
             status,
-            point,
-            cost,
+            point: &iterate.point,
+            cost: scaling.unscaled_cost(iterate.values.cost),
             equalities: y,
             ranges: v,
-            dependent: &self.dependent,
-            error,
-            iterations,
-        })
+            dependent,
+            error: progress.error,
+            iterations: progress.number,
+        }
+    }
+
+    /// Whether the iterate is a solution, or there were enough of them.
+    fn ended(&self) -> Option<Status> {
+        let Settings { tolerance, feasibility, iterations, .. } = self.settings;
+        let Progress { error, number, .. } = self.progress;
+        let is_restoring = self.restoration.as_ref().is_some_and(|restoration| restoration.is_on);
+        match () {
+            () if !is_restoring && error.largest() <= tolerance && error.feasibility <= feasibility => {
+                Some(Status::Solved)
+            }
+            () if number >= iterations => Some(Status::IterationLimit),
+            () => None,
+        }
+    }
+
+    /// Lends the room for scales.
+    pub(crate) fn with_scaled<P: StagedProblem, T>(
+        &mut self,
+        problem: &mut P,
+        f: impl FnOnce(&mut Self, &mut Scaled<'_, P>) -> T,
+    ) -> T {
+        let mut scaled = Scaled::with(problem, std::mem::take(&mut self.scaling));
+        let found = f(self, &mut scaled);
+        self.scaling = scaled.into_scaling();
+        found
     }
 
     /// Whether the program is one of this layout, with ranges and scales that hold numbers.
@@ -317,20 +438,22 @@ impl Solver {
         Ok(())
     }
 
-    /// The first iterate: slacks inside their bounds, multipliers of bounds on the central path, those of
-    /// equations by least squares.
-    fn begin<P: StagedProblem>(
+    /// The first iterate: slacks inside their bounds, multipliers of bounds on the central path or near it,
+    /// those of equations by least squares.
+    fn begin_scaled<P: StagedProblem>(
         &mut self,
         problem: &mut Scaled<'_, P>,
-        bounds: &Bounds,
-        start: &[f64],
-        mu: f64,
+        start: Start<'_>,
     ) -> Result<(), SolveError<P::Error>> {
         self.newton.forget();
-        self.restoring = 0;
-        let Self { settings, iterate, .. } = self;
-        iterate.point.copy_from_slice(start);
-        problem.evaluate(start, &mut iterate.values)?;
+        if let Some(restoration) = &mut self.restoration {
+            restoration.is_on = false;
+        }
+        let Self { settings: Settings { barrier, .. }, iterate, bounds, .. } = self;
+        let mu = if bounds.count() > 0 { start.mu.unwrap_or(barrier.start) } else { 0.0 };
+        self.progress = Progress { mu, decrement: f64::INFINITY, ..Progress::default() };
+        iterate.point.copy_from_slice(start.point);
+        problem.evaluate(start.point, &mut iterate.values)?;
         if !iterate.values.are_finite() {
             let finite = |values: &[f64]| values.iter().all(|value| value.is_finite());
             let what = match (iterate.values.cost.is_finite(), finite(&iterate.values.equalities)) {
@@ -340,124 +463,96 @@ impl Solver {
             };
             return Err(SolveError::NotFinite { what });
         }
-        for i in 0..iterate.slacks.len() {
-            let (lower, upper) = (bounds.lower[i], bounds.upper[i]);
-            iterate.slacks[i] = settings.barrier.inside(iterate.values.ranges[i], lower, upper);
-            let gaps = bounds.gaps(&iterate.slacks, i);
-            for (z, gap) in iterate.z.iter_mut().zip(gaps) {
-                z[i] = if gap.is_finite() { mu / gap } else { 0.0 };
+        for (to, given) in [(&mut iterate.y, start.equalities), (&mut iterate.v, start.ranges)] {
+            match given {
+                Some(given) => to.copy_from_slice(given),
+                None => to.fill(0.0),
             }
-            iterate.v[i] = iterate.z[1][i] - iterate.z[0][i];
         }
-        self.estimate_multipliers(problem)
+        problem.scale(&mut iterate.y, &mut iterate.v);
+        barrier.begin(iterate, bounds, (mu, start.ranges.is_some()));
+        match start.equalities {
+            Some(_) => {
+                self.linearise(problem)?;
+                self.check_derivatives()?;
+            }
+            None => self.estimate_multipliers(problem)?,
+        }
+        self.filter.restart(self.iterate.violation());
+        self.measure();
+        Ok(())
     }
 
-    /// Least-squares multipliers of the equations.
-    fn estimate_multipliers<P: StagedProblem>(
+    /// Least-squares multipliers of the equations, and derivatives with them.
+    pub(crate) fn estimate_multipliers<P: StagedProblem>(
         &mut self,
         problem: &mut Scaled<'_, P>,
     ) -> Result<(), SolveError<P::Error>> {
         self.iterate.y.fill(0.0);
         self.linearise(problem)?;
+        self.check_derivatives()?;
         let Self { layout, iterate, blocks, residuals, newton, step, .. } = self;
-        if !residuals.x.iter().all(|slope| slope.is_finite()) {
+        if layout.equalities() == 0 {
+            return Ok(());
+        }
+        newton.estimate(layout, blocks, &residuals.x, step);
+        if largest(&step.y) > LARGEST_ESTIMATE {
+            return Ok(());
+        }
+        iterate.y.copy_from_slice(&step.y);
+        self.linearise(problem)
+    }
+
+    /// Whether the first derivatives are finite, and where the layout says.
+    fn check_derivatives<E: std::error::Error>(&self) -> Result<(), SolveError<E>> {
+        if !self.residuals.x.iter().all(|slope| slope.is_finite()) {
             return Err(SolveError::NotFinite { what: "a derivative" });
         }
-        let ends = layout.position(Element::Ends);
-        if !layout.couples_ends() && blocks.all()[ends].gradient.iter().any(|&slope| slope != 0.0) {
+        let ends = self.layout.position(Element::Ends);
+        let slopes = &self.blocks.all()[ends].gradient;
+        if !self.layout.couples_ends() && slopes.iter().any(|&slope| slope != 0.0) {
             return Err(SolveError::CostOfEnds);
-        }
-        if layout.equalities() > 0 {
-            newton.estimate(layout, blocks, &residuals.x, step);
-            if largest(&step.y) <= LARGEST_ESTIMATE {
-                iterate.y.copy_from_slice(&step.y);
-            }
         }
         Ok(())
     }
 
-    /// Iterates until the end.
-    fn iterate_to_end<P: StagedProblem>(
+    /// A step from the iterate, whose derivatives are known; how the solution ended, if it did.
+    fn advance_scaled<P: StagedProblem>(
         &mut self,
         problem: &mut Scaled<'_, P>,
-        bounds: &Bounds,
-        mut mu: f64,
-        observer: &mut dyn FnMut(&Iterate, Iteration) -> ControlFlow<()>,
-    ) -> Result<(Status, KktError, usize), SolveError<P::Error>> {
-        let Settings { tolerance, barrier, .. } = self.settings;
-        let has_bounds = bounds.lower.iter().chain(&bounds.upper).any(|bound| bound.is_finite());
-        if !has_bounds {
-            mu = 0.0;
+    ) -> Result<Option<Status>, SolveError<P::Error>> {
+        if self.restoration.as_ref().is_some_and(|restoration| restoration.is_on) {
+            return self.go_on_restoring(problem);
         }
-        self.filter.restart(self.iterate.violation());
-        let mut length = 0.0;
-        let mut regularisation = 0.0;
-        for own in 0.. {
-            let number = own + self.restoring;
-            self.linearise(problem)?;
-            let error = self.iterate.error(bounds, &self.residuals, 0.0);
-            let seen = Iteration {
-                number,
-                cost: self.iterate.values.cost,
-                violation: self.iterate.violation(),
-                error,
-                mu,
-                regularisation,
-                length,
-                is_restoration: self.is_restoring,
-            };
-            let stopped = observer(&self.iterate, seen).is_break();
-            if error.largest() <= tolerance {
-                return Ok((Status::Solved, error, number));
+        let Settings { tolerance, feasibility, barrier, .. } = self.settings;
+        let last = barrier.last(tolerance);
+        let found = self.newton_step(problem, last)?;
+        let mu = self.progress.mu;
+        self.progress.regularisation = self.newton.regularisation();
+        let is_feasible = self.progress.error.feasibility <= tolerance.min(feasibility);
+        if found {
+            if let Some(length) = self.search(problem, (mu, barrier.part_of_way(mu)))? {
+                self.progress.length = length;
+                std::mem::swap(&mut self.iterate, &mut self.trial);
+                reset_multipliers(&mut self.iterate, &self.bounds, mu, barrier.neighbourhood);
+                self.linearise(problem)?;
+                self.measure();
+                return Ok(None);
             }
-            if stopped {
-                return Ok((Status::Stopped, error, number));
+            if is_feasible && mu <= last && self.is_tiny(problem) {
+                return Ok(Some(Status::SolvedToRounding));
             }
-            if number >= self.settings.iterations {
-                return Ok((Status::IterationLimit, error, number));
-            }
-            // The next barrier problems that this iterate solves are passed.
-            let error_at =
-                |mu| KktError { complementarity: self.iterate.complementarity(bounds, mu), ..error };
-            while mu > 0.1 * tolerance && error_at(mu).largest() <= barrier.accuracy * mu {
-                mu = barrier.next(mu, tolerance);
-                self.filter.clear();
-            }
-            let found = self.newton_step(bounds, mu);
-            regularisation = self.newton.regularisation();
-            let tau = barrier.part_of_way(mu);
-            let search = match found {
-                Ok(()) => self.search(problem, bounds, (mu, tau))?,
-                Err(NoStep::Inertia | NoStep::NotFinite) => Search::NoStep,
-            };
-            let is_feasible = error.feasibility <= tolerance;
-            match search {
-                Search::Accepted(alpha) => {
-                    length = alpha;
-                    std::mem::swap(&mut self.iterate, &mut self.trial);
-                    reset_multipliers(&mut self.iterate, bounds, mu, barrier.neighbourhood);
-                }
-                // The barrier problem is solved up to rounding.
-                Search::Failed if is_feasible && self.is_tiny(problem) => {
-                    if mu <= 0.1 * tolerance {
-                        return Ok((Status::SolvedToRounding, error, number));
-                    }
-                    mu = barrier.next(mu, tolerance);
-                    self.filter.clear();
-                }
-                Search::Failed | Search::NoStep if self.is_restoring || is_feasible => {
-                    return Ok((Status::Stalled, error, number));
-                }
-                Search::Failed | Search::NoStep => {
-                    if let Err(status) = self.restore(problem, bounds, (mu, own), observer)? {
-                        self.linearise(problem)?;
-                        let error = self.iterate.error(bounds, &self.residuals, 0.0);
-                        return Ok((status, error, own + self.restoring));
-                    }
-                }
+            // A barrier with another mu may have made the filter too narrow.
+            if self.filter.forget() {
+                // Without the metric that was added.
+                self.linearise(problem)?;
+                return Ok(None);
             }
         }
-        unreachable!("numbers do not end")
+        if self.is_restoring || is_feasible {
+            return Ok(Some(Status::Stalled));
+        }
+        self.begin_restoration(problem)
     }
 
     /// Derivatives at the iterate, and residuals.
@@ -472,246 +567,56 @@ impl Solver {
         Ok(())
     }
 
-    /// The Newton step of the barrier problem.
-    fn newton_step(&mut self, bounds: &Bounds, mu: f64) -> Result<(), NoStep> {
-        let Self { layout, iterate, blocks, residuals, corrected, newton, step, .. } = self;
-        newton.factorise(layout, (iterate, bounds), blocks)?;
+    /// The error of the iterate, whose derivatives are known.
+    pub(crate) fn measure(&mut self) {
+        let target = if self.progress.mu > 0.0 { self.settings.barrier.least } else { 0.0 };
+        self.progress.error = self.iterate.error(&self.bounds, &self.residuals, target);
+    }
+
+    /// The Newton step of the barrier problem, with mu as Mehrotra chooses it but no smaller than `last`;
+    /// whether there is one.
+    fn newton_step<P: StagedProblem>(
+        &mut self,
+        problem: &mut Scaled<'_, P>,
+        last: f64,
+    ) -> Result<bool, P::Error> {
+        let Self { layout, iterate, bounds, blocks, newton, .. } = self;
+        let point = &iterate.point;
+        let add_metric = |factor: f64, blocks: &mut Blocks| problem.add_metric(point, factor, blocks);
+        if newton.factorise(layout, (iterate, bounds), blocks, add_metric)?.is_err() {
+            return Ok(false);
+        }
+        if bounds.count() > 0 && !self.choose_mu(last) {
+            return Ok(false);
+        }
+        let mu = self.progress.mu;
+        Ok(self.step_for(mu))
+    }
+
+    /// The step for this mu with the factors of the last factorisation; whether it is finite.
+    fn step_for(&mut self, mu: f64) -> bool {
+        let Self { layout, iterate, blocks, residuals, corrected, newton, step, progress, .. } = self;
         corrected.copy_from(residuals);
         barrier_residuals(iterate, newton.reciprocals(), mu, corrected);
-        newton.step(layout, iterate, blocks, (corrected, mu), step)
+        let is_found = newton.step(layout, iterate, blocks, (corrected, mu), step).is_ok();
+        progress.decrement = corrected.decrement(step);
+        is_found
     }
 
-    /// Whether the step is rounding.
-    fn is_tiny<P: StagedProblem>(&self, problem: &Scaled<'_, P>) -> bool {
-        let Self { step, iterate, .. } = self;
-        let of_slacks =
-            step.slacks.iter().zip(&iterate.slacks).all(|(d, s)| d.abs() <= TINY * (1.0 + s.abs()));
-        of_slacks && step.x.iter().enumerate().all(|(k, d)| d.abs() <= TINY * problem.size(&iterate.point, k))
-    }
-
-    /// The derivative of the objective of the barrier problem along the step.
-    fn slope(&mut self, mu: f64) -> f64 {
-        let Self { layout, blocks, newton, room, step, .. } = self;
-        let mut sum = slope(newton.reciprocals(), step, mu);
-        for (element, block) in layout.elements().zip(blocks.all()) {
-            let (d, ..) = room.of(block.gradient.len());
-            gather(layout, element, (&step.x, &blocks.units.steps), d);
-            let products = block.gradient.iter().zip(d).map(|(slope, d)| slope * *d);
-            sum += blocks.units.cost * products.sum::<f64>();
+    /// Chooses mu by the step for mu = 0; whether that is finite.
+    fn choose_mu(&mut self, last: f64) -> bool {
+        if !self.step_for(0.0) {
+            return false;
         }
-        sum
-    }
-
-    /// Shortens the step until the filter accepts the trial point.
-    fn search<P: StagedProblem>(
-        &mut self,
-        problem: &mut Scaled<'_, P>,
-        bounds: &Bounds,
-        (mu, tau): (f64, f64),
-    ) -> Result<Search, SolveError<P::Error>> {
-        let current = Measure::of(&self.iterate, bounds, mu);
-        let slope = self.slope(mu);
-        let [longest, of_multipliers] =
-            longest_steps(&self.iterate, self.newton.reciprocals(), &self.step, tau);
-        let least = self.filter.least_length(current.violation, slope);
-        let mut alpha = longest;
-        let mut is_first = true;
-        loop {
-            self.try_step(problem, false, alpha)?;
-            let trial = Measure::of(&self.trial, bounds, mu);
-            if let Some(accepted) = self.filter.judge(current, trial, alpha, slope) {
-                self.accept(accepted, current, (alpha, slope));
-                self.move_multipliers(false, (alpha, of_multipliers));
-                return Ok(Search::Accepted(alpha));
-            }
-            if is_first
-                && trial.violation >= current.violation
-                && let Some(length) =
-                    self.correct(problem, bounds, (current, trial), (mu, tau, alpha, slope))?
-            {
-                return Ok(Search::Accepted(length));
-            }
-            is_first = false;
-            alpha *= 0.5;
-            if alpha < least.max(f64::EPSILON) {
-                return Ok(Search::Failed);
-            }
-        }
-    }
-
-    /// Looks for a point with less violation that the filter accepts; else how the solution ends.
-    fn restore<P: StagedProblem>(
-        &mut self,
-        problem: &mut Scaled<'_, P>,
-        bounds: &Bounds,
-        (mu, own): (f64, usize),
-        observer: &mut dyn FnMut(&Iterate, Iteration) -> ControlFlow<()>,
-    ) -> Result<Result<(), Status>, SolveError<P::Error>> {
-        let current = Measure::of(&self.iterate, bounds, mu);
-        self.filter.add(current);
-        let (layout, mut settings) = (self.layout.clone(), self.settings);
-        // Elastic variables start where their conditions hold, close to zero if need be.
-        settings.barrier.inside = [f64::MIN_POSITIVE; 2];
-        settings.tolerance = settings.tolerance.max(LEAST_VIOLATION);
-        let len = self.iterate.point.len();
-        let (places, solver) = &mut **self.restoration.get_or_insert_with(|| {
-            let places = Places::new(&layout);
-            let len = places.layout.steps() + len;
-            let solver = Self { is_restoring: true, ..Self::for_points(&places.layout, len, settings) };
-            Box::new((places, solver))
+        let Self { iterate, bounds, newton, step, progress, settings: Settings { barrier, .. }, .. } = self;
+        let (count, gap) = (bounds.count() as f64, iterate.gap(bounds));
+        let is_whole = newton.regularisation() == 0.0;
+        let part = is_whole.then(|| {
+            let tau = barrier.part_of_way(progress.mu);
+            let lengths = longest_steps(iterate, newton.reciprocals(), step, tau);
+            iterate.gap_after(bounds, step, lengths) / gap
         });
-        let mut slacks = self.iterate.slacks.clone();
-        let mut most = RESTORED * current.violation;
-        let mut before = current.violation;
-        self.trial.point.copy_from_slice(&self.iterate.point);
-        self.trial.slacks.copy_from_slice(&self.iterate.slacks);
-        problem.evaluate(&self.trial.point, &mut self.trial.values)?;
-        loop {
-            let centre = self.trial.point.clone();
-            let start_mu = mu.max(before.min(1.0));
-            let mut elastic = Elastic::new(&mut *problem.problem, places, &centre);
-            let start = elastic.start(&self.trial.values, &self.trial.slacks, start_mu);
-            let scales = elastic.step_scales().to_vec();
-            let mut scaled = Scaled::new(&mut elastic);
-            let elastic_bounds = Bounds::new(scaled.bounds());
-            solver.begin(&mut scaled, &elastic_bounds, &start, start_mu)?;
-            let (mut violation, mut is_stopped, first) = (before, false, own + self.restoring + 1);
-            solver.settings.iterations = self.settings.iterations.saturating_sub(first);
-            let mut stop_below = |iterate: &Iterate, seen: Iteration| {
-                violation = places.violation(&layout, &scales, iterate, &mut slacks);
-                is_stopped = observer(iterate, Iteration { number: first + seen.number, ..seen }).is_break();
-                if violation <= most || is_stopped {
-                    ControlFlow::Break(())
-                } else {
-                    ControlFlow::Continue(())
-                }
-            };
-            let (status, _, iterations) =
-                solver.iterate_to_end(&mut scaled, &elastic_bounds, start_mu, &mut stop_below)?;
-            self.restoring += iterations + 1;
-            let trial = &mut self.trial;
-            trial.point.copy_from_slice(elastic.original_point(&solver.iterate.point));
-            problem.evaluate(&trial.point, &mut trial.values)?;
-            for (i, slack) in trial.slacks.iter_mut().enumerate() {
-                *slack = slacks[i].clamp(bounds.lower[i], bounds.upper[i]);
-            }
-            if is_stopped || violation > most {
-                let is_minimum = matches!(status, Status::Solved | Status::SolvedToRounding);
-                // The minimum about one centre lowers the violation a little: go on from there.
-                if !is_stopped && is_minimum && violation < (1.0 - LEAST_DECREASE) * before {
-                    before = violation;
-                    continue;
-                }
-                let status = match status {
-                    _ if is_stopped => Status::Stopped,
-                    _ if is_minimum => Status::LocallyInfeasible,
-                    Status::IterationLimit => status,
-                    _ => Status::Stalled,
-                };
-                if trial.values.are_finite() {
-                    trial.y.fill(0.0);
-                    trial.v.fill(0.0);
-                    trial.z.iter_mut().for_each(|z| z.fill(0.0));
-                    std::mem::swap(&mut self.iterate, &mut self.trial);
-                }
-                return Ok(Err(status));
-            }
-            if self.filter.accepts(Measure::of(trial, bounds, mu)) {
-                break;
-            }
-            before = violation;
-            most = RESTORED * violation;
-            if most <= f64::MIN_POSITIVE {
-                return Ok(Err(Status::Stalled));
-            }
-        }
-        for i in 0..self.trial.slacks.len() {
-            let gaps = bounds.gaps(&self.trial.slacks, i);
-            for (z, gap) in self.trial.z.iter_mut().zip(gaps) {
-                z[i] = if gap.is_finite() { (mu / gap).min(LARGEST_ESTIMATE) } else { 0.0 };
-            }
-            self.trial.v[i] = self.trial.z[1][i] - self.trial.z[0][i];
-        }
-        std::mem::swap(&mut self.iterate, &mut self.trial);
-        match self.estimate_multipliers(problem) {
-            Err(SolveError::NotFinite { .. }) => Ok(Err(Status::Stalled)),
-            other => other.map(Ok),
-        }
-    }
-
-    /// Second-order corrections of a step of length alpha: Waechter and Biegler 2006, section 2.4.
-    fn correct<P: StagedProblem>(
-        &mut self,
-        problem: &mut Scaled<'_, P>,
-        bounds: &Bounds,
-        (current, trial): (Measure, Measure),
-        (mu, tau, mut alpha, slope): (f64, f64, f64, f64),
-    ) -> Result<Option<f64>, SolveError<P::Error>> {
-        let (factor, most) = self.settings.filter.correction;
-        let first = alpha;
-        let mut violation = trial.violation;
-        self.corrected.copy_from(&self.residuals);
-        barrier_residuals(&self.iterate, self.newton.reciprocals(), mu, &mut self.corrected);
-        for _ in 0..most {
-            if !violation.is_finite() {
-                break;
-            }
-            let Self { layout, iterate, trial, blocks, corrected, newton, correction, .. } = self;
-            for (to, c) in corrected.equalities.iter_mut().zip(&trial.values.equalities) {
-                *to = alpha * *to + c;
-            }
-            for (i, to) in corrected.ranges.iter_mut().enumerate() {
-                *to = alpha * *to + trial.values.ranges[i] - trial.slacks[i];
-            }
-            if newton.step(layout, iterate, blocks, (corrected, mu), correction).is_err() {
-                break;
-            }
-            let [longest, of_multipliers] = longest_steps(iterate, newton.reciprocals(), correction, tau);
-            alpha = longest;
-            self.try_step(problem, true, alpha)?;
-            let measure = Measure::of(&self.trial, bounds, mu);
-            if let Some(accepted) = self.filter.judge(current, measure, first, slope) {
-                self.accept(accepted, current, (first, slope));
-                self.move_multipliers(true, (alpha, of_multipliers));
-                return Ok(Some(alpha));
-            }
-            if measure.violation > factor * violation {
-                break;
-            }
-            violation = measure.violation;
-        }
-        Ok(None)
-    }
-
-    /// The point and slacks at a length along the step, or along its correction.
-    fn try_step<P: StagedProblem>(
-        &mut self,
-        problem: &mut Scaled<'_, P>,
-        is_corrected: bool,
-        alpha: f64,
-    ) -> Result<(), SolveError<P::Error>> {
-        let Self { iterate, trial, step, correction, .. } = self;
-        let step = if is_corrected { correction } else { step };
-        problem.retract(&iterate.point, &step.x, alpha, &mut trial.point);
-        move_along(&mut trial.slacks, &iterate.slacks, &step.slacks, alpha);
-        Ok(problem.evaluate(&trial.point, &mut trial.values)?)
-    }
-
-    /// Multipliers of the trial point.
-    fn move_multipliers(&mut self, is_corrected: bool, (alpha, of_bounds): (f64, f64)) {
-        let Self { iterate, trial, step, correction, .. } = self;
-        let step = if is_corrected { correction } else { step };
-        move_along(&mut trial.y, &iterate.y, &step.y, alpha);
-        move_along(&mut trial.v, &iterate.v, &step.v, alpha);
-        for side in 0..2 {
-            move_along(&mut trial.z[side], &iterate.z[side], &step.z[side], of_bounds);
-        }
-    }
-
-    /// Notes the current iterate in the filter unless the objective decided.
-    fn accept(&mut self, accepted: Acceptance, current: Measure, (alpha, slope): (f64, f64)) {
-        if accepted == Acceptance::Either || !self.filter.switches(current.violation, alpha, slope) {
-            self.filter.add(current);
-        }
+        progress.mu = barrier.next(gap / count, part, progress.decrement.abs() / count, last);
+        true
     }
 }

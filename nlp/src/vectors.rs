@@ -62,6 +62,16 @@ fn sum_of_entries<const FUSED: bool>(values: &[f64]) -> f64 {
     sum_of([values], |[value]| value.abs())
 }
 
+/// The sum of the products of entries.
+pub(crate) fn product(a: &[f64], b: &[f64]) -> f64 {
+    in_widest!(product_of(a, b))
+}
+
+#[inline(always)]
+fn product_of<const FUSED: bool>(a: &[f64], b: &[f64]) -> f64 {
+    sum_of([a, b], |[a, b]| a * b)
+}
+
 /// The sum of `|a - b|`.
 pub(crate) fn sum_of_differences(a: &[f64], b: &[f64]) -> f64 {
     in_widest!(sum_of_gaps(a, b))

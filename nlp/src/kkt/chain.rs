@@ -13,7 +13,7 @@
 
 use super::factors::Factors;
 use super::front::{Front, Pivot};
-use crate::blocks::Dense;
+use crate::dense::Dense;
 use crate::layout::{Element, Layout};
 use crate::tiles::{LANES, Sums};
 use costate_numerics::in_widest;

@@ -14,16 +14,17 @@ pub fn solve<F: Functions>(problem: &mut ByDuals<F>, start: &[f64]) -> (f64, Vec
 
 /// Bryson and Denham: a double integrator from (0, 1) to (0, -1) in one second with x <= l, least effort:
 /// `4 / (9 l)` for l <= 1/6 (Bryson and Ho, "Applied optimal control", section 3.11).
-struct BrysonDenham {
-    height: f64,
+pub struct BrysonDenham {
+    pub height: f64,
+    pub intervals: usize,
     /// Units of length and time.
-    units: [f64; 2],
+    pub units: [f64; 2],
 }
 
 impl Ocp for BrysonDenham {
     const SIZES: [usize; 3] = [2, 1, 0];
     fn intervals(&self) -> usize {
-        60
+        self.intervals
     }
     fn duration<D: Number>(&self, _: &[D]) -> D {
         D::from(self.units[1])
@@ -62,7 +63,7 @@ impl Ocp for BrysonDenham {
 #[test]
 fn a_limit_of_positions_costs_what_bryson_and_denham_say() {
     for height in [0.05, 0.1, 1.0 / 6.0] {
-        let mut problem = ByDuals::new(Collocated(BrysonDenham { height, units: [1.0, 1.0] }));
+        let mut problem = ByDuals::new(Collocated(BrysonDenham { height, intervals: 60, units: [1.0, 1.0] }));
         let start = problem.functions.start(
             |s| vec![height * 4.0 * s * (1.0 - s), 1.0 - 2.0 * s],
             |_| vec![-2.0],
@@ -78,7 +79,8 @@ fn a_limit_of_positions_costs_what_bryson_and_denham_say() {
 #[test]
 fn units_change_no_iteration() {
     let solved = |length: f64, time: f64| {
-        let mut problem = ByDuals::new(Collocated(BrysonDenham { height: 0.1, units: [length, time] }));
+        let mut problem =
+            ByDuals::new(Collocated(BrysonDenham { height: 0.1, intervals: 60, units: [length, time] }));
         let rate = length / time;
         let start = problem.functions.start(
             |s| vec![0.4 * length * s * (1.0 - s), rate * (1.0 - 2.0 * s)],

@@ -1,7 +1,7 @@
 //! Programs that need restoration, have no solution, or have equations that depend on others.
 
 use super::by_duals::{ByDuals, Functions, Number, Parts};
-use costate_nlp::{Element, Iteration, Layout, Rows, Scales, Settings, Solver, StagedProblem, Status};
+use costate_nlp::{Element, Iteration, Layout, Rows, Scales, Settings, Solver, StagedProblem, Start, Status};
 use std::ops::ControlFlow;
 
 /// A program of one node.
@@ -75,7 +75,7 @@ fn stopped_after(most: usize, by_limit: bool) -> (Status, Vec<bool>) {
         seen.push(iteration.is_restoration);
         if !by_limit && iteration.number == most { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };
-    let solution = solver.solve_observed(&mut problem, &[-2.0, 3.0, 1.0], observer).unwrap();
+    let solution = solver.solve_observed(&mut problem, Start::at(&[-2.0, 3.0, 1.0]), observer).unwrap();
     assert!(solution.point.iter().all(|entry| entry.is_finite()));
     (solution.status, seen)
 }
@@ -84,15 +84,14 @@ fn stopped_after(most: usize, by_limit: bool) -> (Status, Vec<bool>) {
 fn restoration_is_seen_and_stops() {
     let (status, seen) = stopped_after(1000, true);
     assert_eq!(status, Status::Solved);
-    let first = seen.iter().position(|is_restoration| *is_restoration).unwrap();
-    assert!(seen[first + 1], "{seen:?}");
+    let first = seen.windows(2).position(|pair| pair[0] && pair[1]).unwrap();
     for most in [first, first + 1] {
-        let (status, seen) = stopped_after(most, true);
-        // What restoration found with its last iteration is seen once more.
-        let is_at_limit = (most + 1..=most + 2).contains(&seen.len());
-        assert!(status == Status::IterationLimit && is_at_limit, "{status:?} {seen:?}");
-        let (status, seen) = stopped_after(most, false);
-        assert_eq!((status, seen.len()), (Status::Stopped, most + 1), "{seen:?}");
+        for (by_limit, expected) in [(true, Status::IterationLimit), (false, Status::Stopped)] {
+            let (status, seen) = stopped_after(most, by_limit);
+            assert_eq!((status, seen.len()), (expected, most + 1), "{seen:?}");
+            // At the limit the solver has left it.
+            assert_eq!(seen[most], !by_limit);
+        }
     }
 }
 
@@ -109,8 +108,8 @@ fn settings_out_of_their_ranges_are_named() {
     };
     let tolerance = wrong(|settings| settings.tolerance = f64::NAN);
     assert!(tolerance.starts_with("the setting tolerance is NaN, not between"), "{tolerance}");
-    let decrease = wrong(|settings| settings.barrier.decrease.1 = 2.5);
-    assert!(decrease.starts_with("the setting barrier.decrease.1 is 2.5"), "{decrease}");
+    let change = wrong(|settings| settings.barrier.change[1] = 0.5);
+    assert!(change.starts_with("the setting barrier.change[1] is 0.5"), "{change}");
     assert!(wrong(|settings| settings.regularisation.largest = 0.0).contains("regularisation.largest"));
 }
 

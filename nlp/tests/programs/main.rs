@@ -8,3 +8,4 @@ mod collocation;
 mod hard;
 mod published;
 mod second_order;
+mod steps;

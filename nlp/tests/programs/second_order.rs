@@ -125,8 +125,7 @@ fn wrong_arguments_are_named() {
     assert!(other.solve(&mut problem, &[1.0; 4]).unwrap_err().to_string().contains("another layout"));
     let mut empty = hs71(40.0, f64::NAN, None);
     assert!(solver.solve(&mut empty, &[1.0; 4]).unwrap_err().to_string().contains("range 0 is empty"));
-    let scales =
-        Scales { cost: 1.0, steps: vec![1.0, 0.0, 1.0, 1.0], equalities: vec![1.0], ranges: vec![1.0; 5] };
+    let scales = Scales { steps: vec![1.0, 0.0, 1.0, 1.0], ..Scales::ones(problem.layout()) };
     let mut scaled = hs71(40.0, 25.0, Some(scales));
     let error = solver.solve(&mut scaled, &[1.0; 4]).unwrap_err().to_string();
     assert_eq!(error, "scale 1 of steps is 0: sizes are positive");

@@ -5,7 +5,7 @@ use crate::errors::evaluation;
 use crate::signals::Signals;
 use costate::EvalError;
 use costate_control::MotionProgram;
-use costate_nlp::{Certificate, Settings, SolveError, Solver, SparseProgram, StagedProblem, Status};
+use costate_nlp::{Certificate, Settings, SolveError, Solver, SparseProgram, StagedProblem, Start, Status};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use std::ops::ControlFlow;
@@ -154,7 +154,7 @@ impl ProgramCore {
                 true => ControlFlow::Break(()),
                 false => ControlFlow::Continue(()),
             };
-            let found = match solver.solve_observed(problem, x, observer) {
+            let found = match solver.solve_observed(problem, Start::at(x), observer) {
                 Ok(found) => found,
                 Err(SolveError::Problem(error)) => return Err(error),
                 Err(error) => return Ok(Err(error.to_string())),

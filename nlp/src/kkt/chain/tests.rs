@@ -1,7 +1,8 @@
 //! The chain against dense factorisations and eigenvalues.
 
 use super::{Chain, Inertia};
-use crate::blocks::{Blocks, Dense};
+use crate::blocks::Blocks;
+use crate::dense::Dense;
 use crate::layout::{Element, Layout, Rows};
 use nalgebra::{DMatrix, DVector};
 use proptest::prelude::*;

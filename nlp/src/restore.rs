@@ -1,0 +1,152 @@
+//! How a solution enters and leaves restoration: where no acceptable step is found, the elastic program is
+//! solved from there until the filter accepts a point with less violation.
+
+use crate::filter::Measure;
+use crate::iterate::Bounds;
+use crate::outcome::{SolveError, Status};
+use crate::problem::StagedProblem;
+use crate::restoration::Elastic;
+use crate::scaled::Scaled;
+use crate::solve::{LARGEST_ESTIMATE, Restoration, Solver, Start};
+
+/// Relative decrease of the violation from one centre of restoration to the next below which it has a
+/// minimum.
+const LEAST_DECREASE: f64 = 1e-3;
+
+/// Part of the violation that restoration may leave: kappa_resto of IPOPT.
+const RESTORED: f64 = 0.9;
+
+impl Solver {
+    /// Enters restoration at the iterate.
+    pub(crate) fn begin_restoration<P: StagedProblem>(
+        &mut self,
+        problem: &mut Scaled<'_, P>,
+    ) -> Result<Option<Status>, SolveError<P::Error>> {
+        let current = Measure::of(&self.iterate, &self.bounds);
+        self.filter.add(current);
+        let Self { iterate, trial, .. } = self;
+        trial.point.copy_from_slice(&iterate.point);
+        trial.slacks.copy_from_slice(&iterate.slacks);
+        problem.evaluate(&trial.point, &mut trial.values)?;
+        self.centre_restoration(problem, current.violation)
+    }
+
+    /// Begins about the trial point, which has this violation.
+    fn centre_restoration<P: StagedProblem>(
+        &mut self,
+        problem: &mut Scaled<'_, P>,
+        violation: f64,
+    ) -> Result<Option<Status>, SolveError<P::Error>> {
+        let mut restoration = self.restoration.take().unwrap_or_else(|| Box::new(Restoration::new(self)));
+        let Restoration { is_on, solver, places, centre, before, most, .. } = &mut *restoration;
+        (*is_on, *before, *most) = (true, violation, RESTORED * violation);
+        centre.copy_from_slice(&self.trial.point);
+        let mu = self.progress.mu.max(violation.min(1.0));
+        let mut elastic = Elastic::new(&mut *problem.problem, places, centre);
+        let start = elastic.start(&self.trial.values, &self.trial.slacks, mu);
+        let begun = solver.begin_unchecked(&mut elastic, Start { mu: Some(mu), ..Start::at(&start) });
+        self.restoration = Some(restoration);
+        begun.map(|_| None)
+    }
+
+    /// One iteration of restoration.
+    pub(crate) fn go_on_restoring<P: StagedProblem>(
+        &mut self,
+        problem: &mut Scaled<'_, P>,
+    ) -> Result<Option<Status>, SolveError<P::Error>> {
+        let Some(restoration) = &mut self.restoration else { return Ok(Some(Status::Stalled)) };
+        let Restoration { solver, places, centre, before, most, slacks, .. } = &mut **restoration;
+        let mut elastic = Elastic::new(&mut *problem.problem, places, centre);
+        let status = solver.advance(&mut elastic)?;
+        let violation = places.violation(&self.layout, elastic.step_scales(), &solver.iterate, slacks);
+        let (before, most) = (*before, *most);
+        if status.is_none() && violation > most {
+            return Ok(None);
+        }
+        self.take_restored(problem)?;
+        if violation > most {
+            let is_minimum = matches!(status, Some(Status::Solved | Status::SolvedToRounding));
+            // The minimum about one centre lowers the violation a little: go on from there.
+            if is_minimum && violation < (1.0 - LEAST_DECREASE) * before {
+                return self.centre_restoration(problem, violation);
+            }
+            self.leave_at_trial(problem)?;
+            return Ok(Some(if is_minimum { Status::LocallyInfeasible } else { Status::Stalled }));
+        }
+        if !self.filter.accepts(Measure::of(&self.trial, &self.bounds), self.progress.mu) {
+            if RESTORED * violation <= f64::MIN_POSITIVE {
+                self.leave_at_trial(problem)?;
+                return Ok(Some(Status::Stalled));
+            }
+            return self.centre_restoration(problem, violation);
+        }
+        let (mu, Self { trial, bounds, .. }) = (self.progress.mu, &mut *self);
+        for i in 0..trial.slacks.len() {
+            let central = bounds.central(trial.slacks[i], i, mu).map(|z| z.min(LARGEST_ESTIMATE));
+            [trial.z[0][i], trial.z[1][i]] = central;
+            trial.v[i] = central[1] - central[0];
+        }
+        self.stop_restoring();
+        std::mem::swap(&mut self.iterate, &mut self.trial);
+        match self.estimate_multipliers(problem) {
+            Err(SolveError::NotFinite { .. }) => return Ok(Some(Status::Stalled)),
+            other => other?,
+        }
+        self.measure();
+        Ok(None)
+    }
+
+    /// Takes the point of restoration, if it is under way, as the iterate: without multipliers.
+    pub(crate) fn leave_restoration<P: StagedProblem>(
+        &mut self,
+        problem: &mut P,
+    ) -> Result<(), SolveError<P::Error>> {
+        if !self.restoration.as_ref().is_some_and(|restoration| restoration.is_on) {
+            return Ok(());
+        }
+        self.with_scaled(problem, |solver, scaled| {
+            solver.take_restored(scaled)?;
+            solver.leave_at_trial(scaled)
+        })
+    }
+
+    /// The point of restoration as the trial point.
+    fn take_restored<P: StagedProblem>(
+        &mut self,
+        problem: &mut Scaled<'_, P>,
+    ) -> Result<(), SolveError<P::Error>> {
+        let Self { trial, restoration, bounds: Bounds { lower, upper, .. }, .. } = self;
+        let Some(restoration) = restoration else { return Ok(()) };
+        let Restoration { solver, places, slacks, .. } = &**restoration;
+        trial.point.copy_from_slice(places.original_point(&solver.iterate.point));
+        problem.evaluate(&trial.point, &mut trial.values)?;
+        for (i, to) in trial.slacks.iter_mut().enumerate() {
+            *to = slacks[i].clamp(lower[i], upper[i]);
+        }
+        Ok(())
+    }
+
+    /// Ends at the trial point, without multipliers.
+    fn leave_at_trial<P: StagedProblem>(
+        &mut self,
+        problem: &mut Scaled<'_, P>,
+    ) -> Result<(), SolveError<P::Error>> {
+        self.stop_restoring();
+        let trial = &mut self.trial;
+        if trial.values.are_finite() {
+            trial.y.fill(0.0);
+            trial.v.fill(0.0);
+            trial.z.iter_mut().for_each(|z| z.fill(0.0));
+            std::mem::swap(&mut self.iterate, &mut self.trial);
+        }
+        self.linearise(problem)?;
+        self.measure();
+        Ok(())
+    }
+
+    fn stop_restoring(&mut self) {
+        if let Some(restoration) = &mut self.restoration {
+            restoration.is_on = false;
+        }
+    }
+}

@@ -1,0 +1,173 @@
+//! Solutions one iteration at a time, from multipliers that are known, and in metrics of their own.
+
+use super::by_duals::{ByDuals, Number, Parts};
+use super::closed_forms::BrysonDenham;
+use super::collocation::Collocated;
+use super::hard::{OfNode, Small};
+use costate_nlp::{
+    Blocks, Element, Iteration, Layout, Settings, SolveError, Solver, StagedProblem, Start, Status, Values,
+    Weights,
+};
+use std::ops::ControlFlow;
+
+type Transfer = ByDuals<Collocated<BrysonDenham>>;
+
+fn transfer(intervals: usize) -> (Transfer, Vec<f64>) {
+    let problem = ByDuals::new(Collocated(BrysonDenham { height: 0.1, intervals, units: [1.0, 1.0] }));
+    let start = problem.functions.start(|s| vec![s * (1.0 - s), 1.0 - 2.0 * s], |_| vec![-2.0], &[]);
+    (problem, start)
+}
+
+#[test]
+fn one_iteration_at_a_time_is_the_whole_solution() {
+    let (mut problem, start) = transfer(20);
+    let mut solver = Solver::new(problem.layout(), Settings::default());
+    let mut seen: Vec<Iteration> = Vec::new();
+    let observer = |iteration| {
+        seen.push(iteration);
+        ControlFlow::Continue(())
+    };
+    let solution = solver.solve_observed(&mut problem, Start::at(&start), observer).unwrap();
+    let (cost, multipliers) = (solution.cost, solution.ranges.to_vec());
+    let mut ended = solver.begin(&mut problem, Start::at(&start)).unwrap();
+    for iteration in &seen {
+        assert_eq!(solver.iteration(), *iteration);
+        if ended.is_none() {
+            ended = solver.advance(&mut problem).unwrap();
+        }
+    }
+    assert_eq!(ended, Some(Status::Solved));
+    let solution = solver.solution(Status::Solved);
+    assert_eq!((solution.cost, solution.ranges), (cost, &multipliers[..]));
+    assert_eq!(solution.iterations + 1, seen.len());
+    // The decrement of the last step and the gap bound what is left.
+    let last = seen.last().unwrap();
+    assert!(last.decrement < 1e-6 && last.gap < 1e-5, "{last:?}");
+    // Another solution begins anew.
+    assert_eq!(solver.solve(&mut problem, &start).unwrap().iterations + 1, seen.len());
+}
+
+/// Values at the middles of intervals of twice as many.
+fn onto_halves(values: &[f64], each: usize) -> Vec<f64> {
+    values.chunks(each).flat_map(|of_interval| [of_interval, of_interval].concat()).map(|v| 0.5 * v).collect()
+}
+
+#[test]
+fn known_multipliers_save_iterations() {
+    let (mut problem, start) = transfer(20);
+    let mut solver = Solver::new(problem.layout(), Settings::default());
+    let cold = solver.solve(&mut problem, &start).unwrap();
+    let (point, [y, v]) = (cold.point.to_vec(), [cold.equalities, cold.ranges].map(<[f64]>::to_vec));
+    let iterations = cold.iterations;
+    let known = |mu| Start { point: &point, equalities: Some(&y), ranges: Some(&v), mu: Some(mu) };
+    let same = solver.solve_observed(&mut problem, known(1e-9), |_| ControlFlow::Continue(())).unwrap();
+    assert!(same.status == Status::Solved && same.iterations <= 2, "{} {iterations}", same.iterations);
+    let off = same.ranges.iter().zip(&v).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
+    assert!(off < 1e-2, "{off}");
+    // On halved intervals: the motion between the points, and half of each multiplier of a range.
+    let (mut finer, start) = transfer(40);
+    let mut solver = Solver::new(finer.layout(), Settings::default());
+    let cold = solver.solve(&mut finer, &start).unwrap();
+    let (cost, iterations) = (cold.cost, cold.iterations);
+    let cold_point = cold.point.to_vec();
+    let point: Vec<f64> = cold_point.iter().enumerate().map(|(i, x)| x + 1e-3 * (i as f64).sin()).collect();
+    let ranges = onto_halves(&v, 3);
+    let start = Start { point: &point, equalities: None, ranges: Some(&ranges), mu: Some(1e-4) };
+    let warm = solver.solve_observed(&mut finer, start, |_| ControlFlow::Continue(())).unwrap();
+    assert!(warm.status == Status::Solved && (warm.cost / cost - 1.0).abs() < 1e-6, "{warm:?}");
+    assert!(warm.iterations < iterations, "{} {iterations}", warm.iterations);
+}
+
+#[test]
+fn starts_that_do_not_fit_are_named() {
+    let (mut problem, start) = transfer(4);
+    let mut solver = Solver::new(problem.layout(), Settings::default());
+    let short = Start { equalities: Some(&[0.0]), ..Start::at(&start) };
+    let error = solver.begin(&mut problem, short).unwrap_err();
+    assert!(error.to_string().starts_with("the multipliers of the equations has 1 entries"), "{error}");
+    for mu in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        let error = solver.begin(&mut problem, Start { mu: Some(mu), ..Start::at(&start) }).unwrap_err();
+        assert!(matches!(error, SolveError::Setting { name: "start.mu", .. }), "{error}");
+    }
+    let unknown = vec![f64::NAN; problem.layout().ranges()];
+    let error =
+        solver.begin(&mut problem, Start { ranges: Some(&unknown), ..Start::at(&start) }).unwrap_err();
+    assert!(matches!(error, SolveError::NotFinite { .. }), "{error}");
+    let (mut other, _) = transfer(5);
+    assert_eq!(solver.advance(&mut other).unwrap_err(), SolveError::Layout);
+}
+
+/// `x^4 / 4 - x^2 / 2 + 50 y^2`, which is not convex about 0.
+struct TwoWells;
+
+impl OfNode for TwoWells {
+    fn of<D: Number>(&self, x: &[D]) -> Parts<D> {
+        let (x, y) = (x[0], x[1]);
+        Parts { cost: x * x * x * x * 0.25 - x * x * 0.5 + y * y * 50.0, equalities: vec![], ranges: vec![] }
+    }
+}
+
+/// The same with lengths of its own, of each unknown.
+struct InMetric<P> {
+    problem: P,
+    squares: [f64; 2],
+    added: Vec<f64>,
+}
+
+impl<P: StagedProblem> StagedProblem for InMetric<P> {
+    type Error = P::Error;
+    fn layout(&self) -> &Layout {
+        self.problem.layout()
+    }
+    fn bounds(&self) -> [&[f64]; 2] {
+        self.problem.bounds()
+    }
+    fn evaluate(&mut self, point: &[f64], values: &mut Values) -> Result<(), P::Error> {
+        self.problem.evaluate(point, values)
+    }
+    fn linearise(
+        &mut self,
+        point: &[f64],
+        weights: Weights<'_>,
+        blocks: &mut Blocks,
+    ) -> Result<(), P::Error> {
+        self.problem.linearise(point, weights, blocks)
+    }
+    fn add_metric(&mut self, _: &[f64], factor: f64, blocks: &mut Blocks) -> Result<(), P::Error> {
+        self.added.push(factor);
+        for (i, square) in self.squares.into_iter().enumerate() {
+            blocks.of(Element::Node(0)).hessian[(i, i)] += factor * square;
+        }
+        Ok(())
+    }
+}
+
+/// A first step from 0.1 along which the Hessian is regularised, in a metric and by default.
+#[test]
+fn hessians_are_regularised_in_the_metric_of_the_program() {
+    let problem =
+        || ByDuals::new(Small { unknowns: 2, equations: 0, bounds: [], of: TwoWells, scales: None });
+    let from = [0.1, 0.5];
+    let mut plain = problem();
+    let mut solver = Solver::new(plain.layout(), Settings::default());
+    solver.begin(&mut plain, Start::at(&from)).unwrap();
+    solver.advance(&mut plain).unwrap();
+    let Iteration { regularisation, length, .. } = solver.iteration();
+    // x' = x - f' / (f'' + delta), with f = x^4 / 4 - x^2 / 2.
+    let slope = 0.1_f64.powi(3) - 0.1;
+    let step = -slope / (0.03 - 1.0 + regularisation);
+    assert!((solver.point()[0] - 0.1 - length * step).abs() < 1e-12, "{:?}", solver.point());
+    let mut own = InMetric { problem: problem(), squares: [1000.0, 1e-3], added: Vec::new() };
+    let mut solver = Solver::new(own.layout(), Settings::default());
+    solver.begin(&mut own, Start::at(&from)).unwrap();
+    solver.advance(&mut own).unwrap();
+    let Iteration { regularisation, length, .. } = solver.iteration();
+    let sum: f64 = own.added.iter().sum();
+    assert!(regularisation > 0.0 && (sum / regularisation - 1.0).abs() < 1e-12, "{:?}", own.added);
+    let step = -slope / (0.03 - 1.0 + 1000.0 * regularisation);
+    assert!((solver.point()[0] - 0.1 - length * step).abs() < 1e-12, "{:?}", solver.point());
+    let y = 0.5 - length * 50.0 / (100.0 + 1e-3 * regularisation);
+    assert!((solver.point()[1] - y).abs() < 1e-12, "{:?}", solver.point());
+    let solution = solver.solve(&mut own, &from).unwrap();
+    assert!(solution.status == Status::Solved && (solution.cost + 0.25).abs() < 1e-12, "{solution:?}");
+}
