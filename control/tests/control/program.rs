@@ -3,7 +3,7 @@
 use crate::loops::{FREE, crank, four_bar};
 use costate::robot::Robot;
 use costate_control::{
-    FinalTime, MotionLimits, MotionProgram, Objective, Polish, Problem, Solver, SolverOptions,
+    FinalTime, MotionLimits, MotionProgram, Objective, Polish, Problem, Solver, SolverOptions, Task, ToolPose,
 };
 use costate_nlp::{
     Blocks, Certificate, Element, Settings, SparseProgram, StagedProblem, Status, Values, Weights,
@@ -136,4 +136,19 @@ fn rows_have_names_units_and_places() {
     let samples = program.sample(&start).unwrap();
     assert_eq!(samples.len(), 9);
     assert!(samples.iter().all(|sample| sample.t > 0.0 && sample.t < 1.0 && sample.tau.len() == 2));
+}
+
+/// Rows of a task at an end are those of that end.
+#[test]
+fn rows_at_ends_have_names() {
+    let mut problem = Problem::rest_to_rest(robot("two_link.toml"), &[0.0; 2], &[1.0, 0.5], 1.0);
+    problem.end.q_free = vec![0, 1];
+    let tip = ToolPose::of("joint:elbow").with_position([FREE, 1.2, FREE]);
+    let problem = problem.with_limits(MotionLimits::none()).with_task(Task::default().with_end_tool(tip));
+    let program = problem.nlp(&SolverOptions::default().with_nodes(10)).unwrap();
+    let rows = program.equalities();
+    assert!(
+        rows.len() == 1 && rows[0].kind == "task" && rows[0].place.to_bits() == 1.0_f64.to_bits(),
+        "{rows:?}"
+    );
 }

@@ -277,7 +277,7 @@ pub(super) fn named(interior: &Interior<Dynamics>, side: &Side, coordinates: &Co
         (false, true) => " min",
         (false, false) => " max",
     };
-    format!("{} {own}{end}", kind(interior, side, coordinates))
+    format!("{} {own}{end}", kind(interior, side, None, coordinates))
 }
 
 impl fmt::Debug for Resolve {

@@ -13,8 +13,9 @@ use crate::direct::limits::ends::Ends;
 use crate::direct::limits::model::Model;
 use crate::direct::limits::multipliers::Multipliers;
 use crate::direct::limits::settled::settled;
-use crate::direct::limits::side::{Limited, Side};
+use crate::direct::limits::side::Side;
 use crate::direct::motion::spline::Spline;
+use crate::direct::newton::metric::weigh_torques;
 use crate::direct::newton::system::System;
 use crate::direct::points::running::Running;
 use crate::direct::points::values::{PointDynamics, Points};
@@ -154,18 +155,6 @@ impl<D: PointDynamics> Interior<D> {
         self.model.rows()
     }
 
-    /// Weight of a squared change of a torque in the metric of damping: the effort; without it the cost of a
-    /// second over the square of the range of the torque.
-    fn metric_weight(&self, joint: usize) -> f64 {
-        let effort = self.running.effort[joint];
-        if effort > 0.0 {
-            return effort;
-        }
-        let own = |side: &&Side| side.limited == Limited::Torque && side.joint == joint;
-        let range = self.barrier.sides().iter().find(own).map_or(1.0, |side| side.range);
-        self.figures.size / self.spline.duration() / (range * range)
-    }
-
     /// Iterates until gap and decrement are below `tolerance` times the cost; `watch` sees each iterate with
     /// the part of the step that led to it, and may stop it.
     pub fn iterate(
@@ -293,9 +282,8 @@ impl<D: PointDynamics> Interior<D> {
     }
 
     pub(crate) fn factorise(&mut self, damping: f64) -> bool {
-        for joint in 0..self.weights.len() {
-            self.weights[joint] = self.metric_weight(joint);
-        }
+        let rate = self.figures.size / self.spline.duration();
+        weigh_torques(&self.running, &self.barrier, rate, &mut self.weights);
         self.system.factorise(damping, &self.ends, &self.spline, &self.points, &self.weights).is_ok()
             && self.relaxation.factorise(&mut self.system)
     }

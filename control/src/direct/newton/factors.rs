@@ -19,8 +19,7 @@ impl System {
         self.factor.copy_from(&self.matrix);
         if damping > 0.0 {
             if !self.damping_is_current {
-                self.damping.reset(spline.mesh.intervals());
-                self.metric.fill(&mut self.damping, spline, points, weights);
+                self.collect_metric(spline, points, weights);
                 self.border.collect_metric(&self.time_metric, &self.damping, ends, &spline.mesh);
                 ends.removed(&spline.mesh).for_each(|(k, i)| self.damping.remove(k, i));
                 self.damping_is_current = true;
@@ -32,6 +31,12 @@ impl System {
             true => Ok(()),
             false => Err(NotPositiveDefinite { block: spline.mesh.nodes.len() }),
         }
+    }
+
+    /// Collects the metric of all unknowns of the spline.
+    pub fn collect_metric(&mut self, spline: &Spline, points: &Points, weights: &[f64]) {
+        self.damping.reset(spline.mesh.intervals());
+        self.metric.fill(&mut self.damping, spline, points, weights);
     }
 
     /// Makes room for the metric of damping.

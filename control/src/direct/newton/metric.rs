@@ -3,12 +3,25 @@
 
 use super::interval::{IntervalHessian, row_length};
 use crate::constants::direct::REST_OF_METRIC;
+use crate::direct::limits::barrier::Barrier;
+use crate::direct::limits::side::{Limited, Side};
 use crate::direct::motion::shape::Shape;
 use crate::direct::motion::spline::Spline;
+use crate::direct::points::running::Running;
 use crate::direct::points::values::Points;
 use crate::numerics::chain::ChainMatrix;
 use crate::numerics::padded::{add_squares, padded};
 use costate_numerics::in_widest;
+
+/// Weights of squared changes of torques in the metric: the effort; without it this cost of a second over the
+/// square of the range of the torque.
+pub(in crate::direct) fn weigh_torques(running: &Running, barrier: &Barrier, rate: f64, to: &mut [f64]) {
+    for (joint, (to, &effort)) in to.iter_mut().zip(&running.effort).enumerate() {
+        let own = |side: &&Side| side.limited == Limited::Torque && side.joint == joint;
+        let range = || barrier.sides().iter().find(own).map_or(1.0, |side| side.range);
+        *to = if effort > 0.0 { effort } else { rate / range().powi(2) };
+    }
+}
 
 /// Room for the metric of a point, and of an interval.
 #[derive(Clone, Debug, Default)]

@@ -28,7 +28,7 @@ use std::ops::Range;
 pub(crate) struct System {
     pub(in crate::direct) matrix: ChainMatrix,
     pub(super) factor: ChainMatrix,
-    pub(super) damping: ChainMatrix,
+    pub(in crate::direct) damping: ChainMatrix,
     pub(super) damping_is_current: bool,
     /// Gradients in x at mu = 0 and its factor of mu.
     pub gradient: [Vec<f64>; 2],

@@ -65,7 +65,7 @@ fn limit<D: PointDynamics>(
     let side = interior.barrier.numbered(given.side);
     let rate = interior.barrier.point_of(given.at).and_then(|p| rate(interior, side, interior.points.z(p)));
     RelaxedLimit {
-        kind: kind(interior, side, coordinates).into(),
+        kind: kind(interior, side, None, coordinates).into(),
         name: name(interior, side, None, coordinates).into(),
         side: match (side.is_half, side.sign > 0.0) {
             (true, _) => "equal",

@@ -67,9 +67,10 @@ pub(in crate::direct) fn subject<D>(
 pub(in crate::direct) fn kind<D>(
     interior: &Interior<D>,
     side: &Side,
+    end: Option<usize>,
     coordinates: &Coordinates,
 ) -> &'static str {
-    match subject(interior, side, None, coordinates) {
+    match subject(interior, side, end, coordinates) {
         Subject::GroundForce => "ground_force",
         Subject::LandingImpulse => "landing_impulse",
         Subject::Task => side.limited.name(),

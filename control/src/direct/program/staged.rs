@@ -8,10 +8,12 @@ use crate::direct::limits::model::Model;
 use crate::direct::limits::side::Limited;
 use crate::direct::motion::shape::{MOST_COEFFICIENTS, POINTS};
 use crate::direct::motion::spline::Spline;
+use crate::direct::newton::metric::weigh_torques;
 use crate::direct::newton::side_terms::weigh;
 use crate::direct::newton::system::System;
 use crate::direct::points::running::Running;
 use crate::direct::points::values::{PointDynamics, Points};
+use crate::numerics::chain::ChainMatrix;
 use costate::EvalError;
 use costate_nlp::{Block, Blocks, Dense, Element, Layout, Scales, StagedProblem, Values, Weights};
 
@@ -47,6 +49,9 @@ pub(crate) struct Work {
     /// The point of the last values, and whether it has any.
     last: Vec<f64>,
     has_values: bool,
+    /// Weights of torques in the metric, and whether it is that of the last derivatives.
+    weights: Vec<f64>,
+    has_metric: bool,
 }
 
 impl Work {
@@ -61,7 +66,7 @@ impl Work {
             structure.unknowns.iter().map(|&unknown| spline.unknowns[unknown]).collect();
         origin.extend(ends.times.values(&spline.times));
         origin.extend(ends.tied.iter().map(|tie| spline.unknowns[tie.start]));
-        Self { origin, spline: spline.clone(), ..Self::default() }
+        Self { origin, spline: spline.clone(), weights: vec![0.0; spline.dof], ..Self::default() }
     }
 }
 
@@ -118,7 +123,7 @@ impl<D: PointDynamics> Program<'_, D> {
         let last = structure.layout.intervals();
         for k in 0..last {
             let hessian = &mut blocks.of(Element::Interval(k)).hessian;
-            add_interval(structure, system, k, factor, hessian);
+            add_interval(structure, &system.matrix, k, factor, hessian);
         }
         if structure.layout.shared().is_empty() {
             return;
@@ -283,11 +288,11 @@ impl<D: PointDynamics> Program<'_, D> {
     }
 }
 
-/// Adds the second derivatives of interval k, with those of its left node, to the upper triangle of a
-/// Hessian; those of the last node too.
-fn add_interval(structure: &Structure, system: &System, k: usize, factor: f64, hessian: &mut Dense) {
+/// Adds a matrix in the unknowns of the spline, of interval k with its left node, to the upper triangle of a
+/// Hessian; that of the last node too.
+fn add_interval(structure: &Structure, matrix: &ChainMatrix, k: usize, factor: f64, hessian: &mut Dense) {
     let (node, inner) = (structure.node, structure.inner);
-    let (of_inner, left, right) = system.matrix.blocks(k);
+    let (of_inner, left, right) = matrix.blocks(k);
     let is_last = k + 1 == structure.layout.intervals();
     let columns = structure.columns(k);
     let rows = [
@@ -383,6 +388,7 @@ impl<D: PointDynamics> StagedProblem for Program<'_, D> {
         weights: Weights<'_>,
         blocks: &mut Blocks,
     ) -> Result<(), EvalError> {
+        self.work.has_metric = false;
         let has_values = match self.work.last == point {
             true => self.work.has_values,
             false => self.place(point),
@@ -420,6 +426,27 @@ impl<D: PointDynamics> StagedProblem for Program<'_, D> {
                 }
             }
             self.set_gradient(blocks);
+        }
+        Ok(())
+    }
+
+    /// That of accelerations, as torques ([`Metric`](crate::direct::newton::metric::Metric)); of the times
+    /// the cost over their squares.
+    fn add_metric(&mut self, _: &[f64], factor: f64, blocks: &mut Blocks) -> Result<(), EvalError> {
+        let Self { spline, points, barrier, running, system, structure, ends, work, .. } = self;
+        let cost = structure.scales.cost;
+        if !std::mem::replace(&mut work.has_metric, true) {
+            weigh_torques(running, barrier, cost / spline.duration(), &mut work.weights);
+            system.collect_metric(spline, points, &work.weights);
+        }
+        let layout = &structure.layout;
+        for k in 0..layout.intervals() {
+            let hessian = &mut blocks.of(Element::Interval(k)).hessian;
+            add_interval(structure, &system.damping, k, factor, hessian);
+        }
+        let (first, hessian) = (structure.first_shared(0), &mut blocks.of(Element::Interval(0)).hessian);
+        for (a, time) in layout.shared().take(ends.times.count()).enumerate() {
+            hessian[(first + a, first + a)] += factor * cost / structure.scales.steps[time].powi(2);
         }
         Ok(())
     }

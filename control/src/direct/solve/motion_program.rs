@@ -121,7 +121,7 @@ fn named(interior: &Interior<Dynamics>, row: &Row, coordinates: &Coordinates) ->
     let side = barrier.side(row.entry);
     let end = barrier.side_index(row.entry).is_none().then(|| barrier.end_of(row.entry));
     ProgramRow {
-        kind: named::kind(interior, side, coordinates),
+        kind: named::kind(interior, side, end, coordinates),
         name: named::name(interior, side, end, coordinates).to_owned(),
         unit: named::unit(interior, side, end, coordinates),
         place: barrier.place(row.entry, &interior.spline),
@@ -211,5 +211,9 @@ impl StagedProblem for MotionProgram {
         blocks: &mut Blocks,
     ) -> Result<(), EvalError> {
         self.program().linearise(point, weights, blocks)
+    }
+
+    fn add_metric(&mut self, point: &[f64], factor: f64, blocks: &mut Blocks) -> Result<(), EvalError> {
+        self.program().add_metric(point, factor, blocks)
     }
 }
