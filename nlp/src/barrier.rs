@@ -27,9 +27,9 @@ pub struct BarrierSettings {
     /// The mean is not made smaller than this part of the Newton decrement over the number of bounds: far
     /// from the central path slacks would come close to zero before the others.
     pub centring: f64,
-    /// Where the Hessian was regularised, a short step for mu = 0 says nothing: mu stays until the decrement
-    /// is below the first one, a part of the sum of the products, and falls by the second one, a factor,
-    /// then.
+    /// Where the Hessian is regularised, a short step for mu = 0 says nothing: mu stays until its decrement, or
+    /// that of the step before, is below the first one, a part of the sum of the products, and falls by the
+    /// second one, a factor, then.
     pub regularised: [f64; 2],
     /// tau_min: a step goes at most this part of the way to a bound, or `1 - mu` if that is larger (Waechter
     /// and Biegler 2006, eq. (8)).
@@ -66,18 +66,19 @@ impl BarrierSettings {
         if self.least > 0.0 { self.least } else { 0.1 * tolerance }
     }
 
-    /// The next mu, not below the last one, from the mean of all products now: `part` of it is left by the
-    /// step for mu = 0, `None` if that step is regularised; `decrement` is that of the step over the number
-    /// of bounds.
-    pub(crate) fn next(&self, mean: f64, part: Option<f64>, decrement: f64, last: f64) -> f64 {
+    /// The next mu, not below the last one, from the mean of all products now: `part` of it is left by the step
+    /// for mu = 0, `None` where the Hessian is regularised. The decrements, over the number of bounds, are those
+    /// of that step and of the one before.
+    pub(crate) fn next(&self, mean: f64, part: Option<f64>, decrements: [f64; 2], last: f64) -> f64 {
         let [least, most] = self.change;
         let [small, factor] = self.regularised;
+        let [now, before] = decrements;
         let sigma = match part {
             Some(part) => part.clamp(0.0, 1.0).powi(3),
-            None if decrement < small * mean => factor,
+            None if now.min(before) < small * mean => factor,
             None => 1.0,
         };
-        let centre = (self.centring * decrement).min(most * mean);
+        let centre = (self.centring * now).min(most * mean);
         (mean * sigma.max(least)).max(centre).max(last)
     }
 
@@ -94,12 +95,13 @@ impl BarrierSettings {
         for (i, slack) in slacks.iter_mut().enumerate() {
             let (value, lower, upper) = (values.ranges[i], bounds.lower[i], bounds.upper[i]);
             // Where a multiplier is on the central path.
-            let room = |z: f64| (mu / z.max(f64::MIN_POSITIVE)).clamp(LEAST_ROOM, most);
-            let (low, high) = (lower + room(-v[i]), upper - room(v[i]));
+            let room = |z: f64, bound: f64| {
+                let size = if bound.is_finite() { bound.abs().max(1.0) } else { 1.0 };
+                (mu / z.max(f64::MIN_POSITIVE)).min(most).max(LEAST_ROOM * size)
+            };
             *slack = match are_known {
                 false => self.inside(value, lower, upper),
-                true if low < high => value.clamp(low, high),
-                true => 0.5 * (lower + upper),
+                true => between(value, lower + room(-v[i], lower), upper - room(v[i], upper)),
             };
             let central = bounds.central(*slack, i, mu);
             let near = |z: f64, central: f64| z.clamp(central / factor, central * factor);
@@ -117,12 +119,17 @@ impl BarrierSettings {
         let range = upper - lower;
         let room = |bound: f64| (absolute * bound.abs().max(1.0)).min(relative * range);
         match (lower.is_finite(), upper.is_finite()) {
-            (true, true) => value.clamp(lower + room(lower), upper - room(upper)),
+            (true, true) => between(value, lower + room(lower), upper - room(upper)),
             (true, false) => value.max(lower + absolute * lower.abs().max(1.0)),
             (false, true) => value.min(upper - absolute * upper.abs().max(1.0)),
             (false, false) => value,
         }
     }
+}
+
+/// The value nearest to this one between these, or their middle if they leave no room.
+fn between(value: f64, low: f64, high: f64) -> f64 {
+    if low < high { value.clamp(low, high) } else { 0.5 * (low + high) }
 }
 
 /// The longest steps, at most 1, of slacks and of multipliers of bounds that go at most a part tau of the way

@@ -39,6 +39,9 @@ impl Default for FilterSettings {
     }
 }
 
+/// Most entries.
+const MOST_ENTRIES: usize = 256;
+
 /// How often entries are forgotten because no step is better than all of them.
 const MOST_FORGOTTEN: usize = 5;
 
@@ -90,17 +93,24 @@ pub(crate) enum Acceptance {
 
 impl Filter {
     pub fn new(settings: FilterSettings) -> Self {
-        Self { settings, entries: Vec::with_capacity(256), limits: [f64::INFINITY, 0.0], forgotten: 0 }
+        Self {
+            settings,
+            entries: Vec::with_capacity(MOST_ENTRIES),
+            limits: [f64::INFINITY, 0.0],
+            forgotten: 0,
+        }
     }
 
     /// Forgets all entries, for a start with this violation.
-    pub fn restart(&mut self, violation: f64) {
+    pub fn restart(&mut self, settings: FilterSettings, violation: f64) {
+        self.settings = settings;
         self.entries.clear();
         self.limits = self.settings.violations.map(|factor| factor * violation.max(1.0));
         self.forgotten = 0;
     }
 
-    /// Forgets all entries. False if there are none, or if that happened too often.
+    /// Forgets all entries: objectives of other barriers make it narrow. False if there are none, or if that
+    /// happened too often: then the iterate itself is what is left to compare with.
     pub fn forget(&mut self) -> bool {
         let again = !self.entries.is_empty() && self.forgotten < MOST_FORGOTTEN;
         self.entries.clear();
@@ -163,7 +173,7 @@ impl Filter {
             cost: current.cost - gamma_phi * current.violation,
             ..current
         };
-        if self.entries.len() == self.entries.capacity() {
+        if self.entries.len() == MOST_ENTRIES {
             // The oldest one: nothing is allocated.
             self.entries.remove(0);
         }
@@ -193,7 +203,7 @@ mod tests {
     fn a_point_that_is_worse_in_both_is_refused() {
         let at = |violation, cost| Measure { violation, cost, logarithms: 0.0 };
         let mut filter = Filter::new(FilterSettings::default());
-        filter.restart(1.0);
+        filter.restart(FilterSettings::default(), 1.0);
         let current = at(1.0, 5.0);
         assert_eq!(filter.judge([current, at(0.5, 9.0)], 0.1, (1.0, 1.0)), Some(Acceptance::Either));
         assert_eq!(filter.judge([current, at(2.0, 4.0)], 0.1, (1.0, 1.0)), Some(Acceptance::Either));

@@ -67,7 +67,7 @@ pub(crate) struct Newton {
     /// Sigma, and the reciprocals of the gaps of slacks.
     weights: Vec<f64>,
     reciprocals: [Vec<f64>; 2],
-    /// Added to the diagonal of W, and zeros.
+    /// Zeros, but for the estimate of multipliers.
     diagonal: Vec<f64>,
     settings: RegularisationSettings,
     /// The regularisation that worked last, and the one in use.
@@ -102,9 +102,9 @@ impl Newton {
         }
     }
 
-    /// Forgets the regularisation of another solution.
-    pub fn forget(&mut self) {
-        self.remembered = 0.0;
+    /// Begins another solution with these settings.
+    pub fn restart(&mut self, settings: RegularisationSettings) {
+        (self.settings, self.remembered) = (settings, 0.0);
     }
 
     /// The multiple of the metric that was added to W last.
@@ -141,7 +141,6 @@ impl Newton {
     fn begin(&mut self, (iterate, bounds): (&Iterate, &Bounds)) {
         in_widest!(self.set_weights(iterate, bounds));
         self.regularisation = 0.0;
-        self.diagonal.fill(0.0);
     }
 
     /// Factors; whether the inertia is right.
@@ -197,6 +196,7 @@ impl Newton {
         self.diagonal[..layout.steps()].fill(1.0);
         let Condensed { hessians, jacobians, .. } = &self.condensed;
         self.chain.factorise(hessians, |element| &jacobians[element], &self.diagonal);
+        self.diagonal.fill(0.0);
         let n = layout.steps();
         self.solution[..n].iter_mut().zip(slopes).for_each(|(to, slope)| *to = -slope);
         self.solution[n..].fill(0.0);
@@ -328,10 +328,8 @@ impl Newton {
         to: &mut Residuals,
         completes: bool,
     ) {
-        let Self { weights, diagonal, local, chain, .. } = self;
-        for (((entry, right), diagonal), d) in to.x.iter_mut().zip(&right.x).zip(diagonal).zip(&step.x) {
-            *entry = *right - *diagonal * d;
-        }
+        let Self { weights, local, chain, .. } = self;
+        to.x.copy_from_slice(&right.x);
         for (element, block) in layout.elements().zip(blocks.all()) {
             let [equalities, ranges] = blocks.units.jacobians(layout, element, block);
             let (d, sum, sums) = local.of(block.gradient.len());

@@ -47,13 +47,13 @@ pub trait StagedProblem {
         blocks: &mut Blocks,
     ) -> Result<(), Self::Error>;
 
-    /// Adds `factor M` to the Hessians, at the point of the last [`linearise`](Self::linearise). M is
-    /// positive definite: it measures how far a step goes, `d' M d` in units of the cost, where W has to be
-    /// made positive definite and where steps are too long. By default a step of the typical sizes has the
-    /// square of the length of as many typical costs as there are unknowns.
+    /// Adds `factor M` to the Hessians, at the point of the last [`linearise`](Self::linearise). M is positive
+    /// definite; `d' M d` says how far a step goes, in units of the cost, where W has to be made positive
+    /// definite. By default it is `s_f sum (d_k / s_k)^2`, with the [`scales`](Self::scales) of the cost and of
+    /// the unknowns.
     ///
-    /// A metric in which smooth steps are short lets these be long. Metrics of motions are those of their
-    /// accelerations.
+    /// In a good metric steps that keep the quality of a point are short: those of motions are measured by
+    /// their accelerations.
     ///
     /// # Errors
     /// Its own.

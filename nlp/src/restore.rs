@@ -38,7 +38,9 @@ impl Solver {
         violation: f64,
     ) -> Result<Option<Status>, SolveError<P::Error>> {
         let mut restoration = self.restoration.take().unwrap_or_else(|| Box::new(Restoration::new(self)));
-        let Restoration { is_on, solver, places, centre, before, most, .. } = &mut *restoration;
+        let Restoration { is_on, solver, places, centre, before, most, slacks } = &mut *restoration;
+        solver.settings = Restoration::settings(self.settings);
+        slacks.copy_from_slice(&self.trial.slacks);
         (*is_on, *before, *most) = (true, violation, RESTORED * violation);
         centre.copy_from_slice(&self.trial.point);
         let mu = self.progress.mu.max(violation.min(1.0));
@@ -88,12 +90,14 @@ impl Solver {
         }
         self.stop_restoring();
         std::mem::swap(&mut self.iterate, &mut self.trial);
-        match self.estimate_multipliers(problem) {
-            Err(SolveError::NotFinite { .. }) => return Ok(Some(Status::Stalled)),
-            other => other?,
-        }
+        let found = self.estimate_multipliers(problem);
         self.measure();
-        Ok(None)
+        // No step led here.
+        (self.progress.length, self.progress.decrement) = (0.0, f64::INFINITY);
+        match found {
+            Err(SolveError::NotFinite { .. }) => Ok(Some(Status::Stalled)),
+            other => other.map(|()| None),
+        }
     }
 
     /// Takes the point of restoration, if it is under way, as the iterate: without multipliers.
@@ -139,9 +143,7 @@ impl Solver {
             trial.z.iter_mut().for_each(|z| z.fill(0.0));
             std::mem::swap(&mut self.iterate, &mut self.trial);
         }
-        self.linearise(problem)?;
-        self.measure();
-        Ok(())
+        self.stay(problem)
     }
 
     fn stop_restoring(&mut self) {

@@ -137,8 +137,10 @@ pub struct Solver {
 }
 
 /// How far a solution has come.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Progress {
+    /// How it ended, once it has.
+    pub ended: Option<Status>,
     /// Iterations, those of restoration too.
     pub number: usize,
     pub mu: f64,
@@ -168,15 +170,8 @@ pub(crate) struct Restoration {
 impl Restoration {
     pub fn new(solver: &Solver) -> Self {
         let places = Places::new(&solver.layout);
-        let mut settings: Settings = solver.settings;
-        // Elastic variables start where their conditions hold, close to zero if need be.
-        settings.barrier.inside = [f64::MIN_POSITIVE; 2];
-        settings.barrier.least = 0.0;
-        settings.tolerance = settings.tolerance.max(LEAST_VIOLATION);
-        settings.feasibility = settings.tolerance;
-        // Its iterations are counted by the solution.
-        settings.iterations = usize::MAX;
         let len = solver.iterate.point.len();
+        let settings = Self::settings(solver.settings);
         let mut inner = Solver::for_points(&places.layout, places.layout.steps() + len, settings);
         inner.is_restoring = true;
         Self {
@@ -187,6 +182,35 @@ impl Restoration {
             before: 0.0,
             most: 0.0,
             slacks: vec![0.0; solver.layout.ranges()],
+        }
+    }
+
+    /// Those of its solver.
+    pub fn settings(mut settings: Settings) -> Settings {
+        // Elastic variables start where their conditions hold, close to zero if need be.
+        settings.barrier.inside = [4.0 * f64::EPSILON; 2];
+        settings.barrier.least = 0.0;
+        settings.tolerance = settings.tolerance.max(LEAST_VIOLATION);
+        settings.feasibility = settings.tolerance;
+        // Its iterations are counted by the solution.
+        settings.iterations = usize::MAX;
+        settings
+    }
+}
+
+impl Progress {
+    /// Of a solution that has not begun.
+    fn none() -> Self {
+        let error = KktError { stationarity: f64::INFINITY, ..KktError::default() };
+        let (mu, length, regularisation) = (0.0, 0.0, 0.0);
+        Self {
+            ended: Some(Status::Stopped),
+            number: 0,
+            mu,
+            error,
+            length,
+            regularisation,
+            decrement: f64::INFINITY,
         }
     }
 }
@@ -214,7 +238,7 @@ impl Solver {
             step: Step::zeros(layout),
             correction: Step::zeros(layout),
             filter: Filter::new(settings.filter),
-            progress: Progress::default(),
+            progress: Progress::none(),
             scaling: Scaling::new(layout),
             dependent: Vec::with_capacity(layout.equalities()),
             multipliers: [vec![0.0; layout.equalities()], vec![0.0; ranges]],
@@ -255,14 +279,10 @@ impl Solver {
         let mut ended = self.begin(problem, start)?;
         loop {
             let is_stopped = observer(self.iteration()).is_break();
-            match ended {
-                Some(status) => return Ok(self.solution(status)),
-                None if is_stopped => {
-                    self.leave_restoration(problem)?;
-                    return Ok(self.solution(Status::Stopped));
-                }
-                None => ended = self.advance(problem)?,
+            if ended.is_some() || is_stopped {
+                return self.stop(problem);
             }
+            ended = self.advance(problem)?;
         }
     }
 
@@ -280,10 +300,14 @@ impl Solver {
         let length = SolveError::check_length;
         length("the start", self.iterate.point.len(), start.point.len())?;
         for (what, given, expected) in [
-            ("the multipliers of the equations", start.equalities, self.layout.equalities()),
-            ("the multipliers of the ranges", start.ranges, self.layout.ranges()),
+            ("the list of multipliers of equations", start.equalities, self.layout.equalities()),
+            ("the list of multipliers of ranges", start.ranges, self.layout.ranges()),
         ] {
-            length(what, expected, given.map_or(expected, <[f64]>::len))?;
+            let Some(given) = given else { continue };
+            length(what, expected, given.len())?;
+            if !given.iter().all(|multiplier| multiplier.is_finite()) {
+                return Err(SolveError::NotFinite { what });
+            }
         }
         if let Some(value) = start.mu.filter(|mu| !(*mu > 0.0 && mu.is_finite())) {
             let (name, least, most) = ("start.mu", f64::MIN_POSITIVE, f64::MAX);
@@ -297,19 +321,22 @@ impl Solver {
         problem: &mut P,
         start: Start<'_>,
     ) -> Result<Option<Status>, SolveError<P::Error>> {
-        // It belongs to another solution.
-        self.active = None;
+        // They belong to another solution.
+        (self.active, self.progress) = (None, Progress::none());
+        self.dependent.clear();
+        self.newton.restart(self.settings.regularisation);
         self.scaling.take(problem.scales());
         self.bounds.take(problem.bounds(), self.scaling.scales());
         self.with_scaled(problem, |solver, scaled| solver.begin_scaled(scaled, start))?;
-        Ok(self.ended())
+        self.progress.ended = self.judge();
+        Ok(self.progress.ended)
     }
 
-    /// One iteration, of restoration if no acceptable step is found. Returns how the solution ended, or
-    /// `None` if it goes on. The program is the one that it began with.
+    /// One iteration, of restoration if no acceptable step is found. Returns how the solution ended, or `None`
+    /// if it goes on; nothing is done after its end. The program is the one that it began with.
     ///
     /// # Errors
-    /// [`SolveError`].
+    /// [`SolveError`]; the solution has ended then.
     pub fn advance<P: StagedProblem>(
         &mut self,
         problem: &mut P,
@@ -317,24 +344,32 @@ impl Solver {
         if *problem.layout() != self.layout {
             return Err(SolveError::Layout);
         }
-        if let Some(status) = self.ended() {
-            self.leave_restoration(problem)?;
-            return Ok(Some(status));
+        if self.progress.ended.is_none() {
+            self.progress.number += 1;
+            // Of an error.
+            self.progress.ended = Some(Status::Stopped);
+            let ended = self.with_scaled(problem, Self::advance_scaled)?.or_else(|| self.judge());
+            if ended.is_some() {
+                self.leave_restoration(problem)?;
+            }
+            self.progress.ended = ended;
         }
-        self.progress.number += 1;
-        if let Some(status) = self.with_scaled(problem, Self::advance_scaled)? {
-            return Ok(Some(status));
-        }
-        let ended = self.ended();
-        if ended.is_some() {
-            self.leave_restoration(problem)?;
-        }
-        Ok(ended)
+        Ok(self.progress.ended)
+    }
+
+    /// Ends a solution that has not ended: in restoration at its last point.
+    ///
+    /// # Errors
+    /// [`SolveError`].
+    pub fn stop<P: StagedProblem>(&mut self, problem: &mut P) -> Result<Solution<'_>, SolveError<P::Error>> {
+        self.leave_restoration(problem)?;
+        self.progress.ended.get_or_insert(Status::Stopped);
+        Ok(self.solution())
     }
 
     /// The iterate of a solution under way.
     pub fn iteration(&self) -> Iteration {
-        let Progress { number, mu, error, length, regularisation, decrement } = self.progress;
+        let Progress { number, mu, error, length, regularisation, decrement, .. } = self.progress;
         if let Some(restoration) = self.restoration.as_ref().filter(|restoration| restoration.is_on) {
             return Iteration { number, is_restoration: true, ..restoration.solver.iteration() };
         }
@@ -352,17 +387,19 @@ impl Solver {
         }
     }
 
-    /// The iterate as a solution that ended so.
-    pub fn solution(&mut self, status: Status) -> Solution<'_> {
+    /// The iterate, with multipliers of the program itself.
+    pub fn solution(&mut self) -> Solution<'_> {
         let Self { iterate, newton, dependent, layout, scaling, progress, .. } = self;
         dependent.clear();
-        dependent.extend(newton.dependent(layout));
+        if progress.number > 0 {
+            dependent.extend(newton.dependent(layout));
+        }
         let [y, v] = &mut self.multipliers;
         y.copy_from_slice(&iterate.y);
         v.copy_from_slice(&iterate.v);
         scaling.unscale(y, v);
         Solution {
-            status,
+            status: progress.ended.unwrap_or(Status::Stopped),
             point: &iterate.point,
             cost: scaling.unscaled_cost(iterate.values.cost),
             equalities: y,
@@ -374,7 +411,7 @@ impl Solver {
     }
 
     /// Whether the iterate is a solution, or there were enough of them.
-    fn ended(&self) -> Option<Status> {
+    fn judge(&self) -> Option<Status> {
         let Settings { tolerance, feasibility, iterations, .. } = self.settings;
         let Progress { error, number, .. } = self.progress;
         let is_restoring = self.restoration.as_ref().is_some_and(|restoration| restoration.is_on);
@@ -445,13 +482,12 @@ impl Solver {
         problem: &mut Scaled<'_, P>,
         start: Start<'_>,
     ) -> Result<(), SolveError<P::Error>> {
-        self.newton.forget();
         if let Some(restoration) = &mut self.restoration {
             restoration.is_on = false;
         }
         let Self { settings: Settings { barrier, .. }, iterate, bounds, .. } = self;
         let mu = if bounds.count() > 0 { start.mu.unwrap_or(barrier.start) } else { 0.0 };
-        self.progress = Progress { mu, decrement: f64::INFINITY, ..Progress::default() };
+        self.progress.mu = mu;
         iterate.point.copy_from_slice(start.point);
         problem.evaluate(start.point, &mut iterate.values)?;
         if !iterate.values.are_finite() {
@@ -478,7 +514,7 @@ impl Solver {
             }
             None => self.estimate_multipliers(problem)?,
         }
-        self.filter.restart(self.iterate.violation());
+        self.filter.restart(self.settings.filter, self.iterate.violation());
         self.measure();
         Ok(())
     }
@@ -542,10 +578,10 @@ impl Solver {
             if is_feasible && mu <= last && self.is_tiny(problem) {
                 return Ok(Some(Status::SolvedToRounding));
             }
-            // A barrier with another mu may have made the filter too narrow.
+            // Iterates with another mu may have made the filter too narrow: once more without them, and with
+            // less of the metric.
             if self.filter.forget() {
-                // Without the metric that was added.
-                self.linearise(problem)?;
+                self.stay(problem)?;
                 return Ok(None);
             }
         }
@@ -564,6 +600,18 @@ impl Solver {
         let weights = Weights { cost: 1.0, equalities: &iterate.y, ranges: &iterate.v };
         problem.linearise(&iterate.point, weights, blocks)?;
         iterate.residuals(layout, blocks, room, residuals);
+        Ok(())
+    }
+
+    /// Takes values and derivatives at the iterate again, to which no step led.
+    pub(crate) fn stay<P: StagedProblem>(
+        &mut self,
+        problem: &mut Scaled<'_, P>,
+    ) -> Result<(), SolveError<P::Error>> {
+        problem.evaluate(&self.iterate.point, &mut self.iterate.values)?;
+        self.linearise(problem)?;
+        self.measure();
+        (self.progress.length, self.progress.decrement) = (0.0, f64::INFINITY);
         Ok(())
     }
 
@@ -605,6 +653,7 @@ impl Solver {
 
     /// Chooses mu by the step for mu = 0; whether that is finite.
     fn choose_mu(&mut self, last: f64) -> bool {
+        let before = self.progress.decrement.abs();
         if !self.step_for(0.0) {
             return false;
         }
@@ -616,7 +665,8 @@ impl Solver {
             let lengths = longest_steps(iterate, newton.reciprocals(), step, tau);
             iterate.gap_after(bounds, step, lengths) / gap
         });
-        progress.mu = barrier.next(gap / count, part, progress.decrement.abs() / count, last);
+        let decrements = [progress.decrement.abs(), before].map(|decrement| decrement / count);
+        progress.mu = barrier.next(gap / count, part, decrements, last);
         true
     }
 }

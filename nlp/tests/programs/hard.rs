@@ -1,7 +1,9 @@
 //! Programs that need restoration, have no solution, or have equations that depend on others.
 
 use super::by_duals::{ByDuals, Functions, Number, Parts};
-use costate_nlp::{Element, Iteration, Layout, Rows, Scales, Settings, Solver, StagedProblem, Start, Status};
+use costate_nlp::{
+    Element, Iteration, Layout, Rows, Scales, Settings, Solver, StagedProblem, Start, Status, Values,
+};
 use std::ops::ControlFlow;
 
 /// A program of one node.
@@ -77,7 +79,14 @@ fn stopped_after(most: usize, by_limit: bool) -> (Status, Vec<bool>) {
     };
     let solution = solver.solve_observed(&mut problem, Start::at(&[-2.0, 3.0, 1.0]), observer).unwrap();
     assert!(solution.point.iter().all(|entry| entry.is_finite()));
-    (solution.status, seen)
+    let (status, error, point) = (solution.status, solution.error, solution.point.to_vec());
+    // Slacks are those of this point: nothing is off by more than its functions.
+    let mut values = Values::new(problem.layout());
+    problem.evaluate(&point, &mut values).unwrap();
+    let below = values.ranges.iter().map(|value| (-value).max(0.0));
+    let most = values.equalities.iter().map(|c| c.abs()).chain(below).fold(0.0, f64::max);
+    assert!(error.feasibility <= most + 1e-6, "{status:?} {error:?} {most}");
+    (status, seen)
 }
 
 #[test]

@@ -5,8 +5,8 @@ use super::closed_forms::BrysonDenham;
 use super::collocation::Collocated;
 use super::hard::{OfNode, Small};
 use costate_nlp::{
-    Blocks, Element, Iteration, Layout, Settings, SolveError, Solver, StagedProblem, Start, Status, Values,
-    Weights,
+    Blocks, Element, Iteration, Layout, Scales, Settings, SolveError, Solver, StagedProblem, Start, Status,
+    Values, Weights,
 };
 use std::ops::ControlFlow;
 
@@ -37,12 +37,16 @@ fn one_iteration_at_a_time_is_the_whole_solution() {
         }
     }
     assert_eq!(ended, Some(Status::Solved));
-    let solution = solver.solution(Status::Solved);
+    let solution = solver.solution();
+    assert_eq!(solution.status, Status::Solved);
     assert_eq!((solution.cost, solution.ranges), (cost, &multipliers[..]));
     assert_eq!(solution.iterations + 1, seen.len());
     // The decrement of the last step and the gap bound what is left.
     let last = seen.last().unwrap();
-    assert!(last.decrement < 1e-6 && last.gap < 1e-5, "{last:?}");
+    assert!(last.decrement.abs() < 1e-6 && last.gap < 1e-5, "{last:?}");
+    // Nothing is done after the end.
+    assert_eq!(solver.advance(&mut problem).unwrap(), Some(Status::Solved));
+    assert_eq!(solver.iteration(), *last);
     // Another solution begins anew.
     assert_eq!(solver.solve(&mut problem, &start).unwrap().iterations + 1, seen.len());
 }
@@ -84,7 +88,7 @@ fn starts_that_do_not_fit_are_named() {
     let mut solver = Solver::new(problem.layout(), Settings::default());
     let short = Start { equalities: Some(&[0.0]), ..Start::at(&start) };
     let error = solver.begin(&mut problem, short).unwrap_err();
-    assert!(error.to_string().starts_with("the multipliers of the equations has 1 entries"), "{error}");
+    assert!(error.to_string().starts_with("the list of multipliers of equations has 1 entries"), "{error}");
     for mu in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         let error = solver.begin(&mut problem, Start { mu: Some(mu), ..Start::at(&start) }).unwrap_err();
         assert!(matches!(error, SolveError::Setting { name: "start.mu", .. }), "{error}");
@@ -92,7 +96,10 @@ fn starts_that_do_not_fit_are_named() {
     let unknown = vec![f64::NAN; problem.layout().ranges()];
     let error =
         solver.begin(&mut problem, Start { ranges: Some(&unknown), ..Start::at(&start) }).unwrap_err();
-    assert!(matches!(error, SolveError::NotFinite { .. }), "{error}");
+    assert_eq!(error.to_string(), "the list of multipliers of ranges is not finite at the start");
+    // What did not begin is not solved.
+    assert_eq!(solver.advance(&mut problem).unwrap(), Some(Status::Stopped));
+    assert!(solver.iteration().error.largest().is_infinite());
     let (mut other, _) = transfer(5);
     assert_eq!(solver.advance(&mut other).unwrap_err(), SolveError::Layout);
 }
@@ -170,4 +177,63 @@ fn hessians_are_regularised_in_the_metric_of_the_program() {
     assert!((solver.point()[1] - y).abs() < 1e-12, "{:?}", solver.point());
     let solution = solver.solve(&mut own, &from).unwrap();
     assert!(solution.status == Status::Solved && (solution.cost + 0.25).abs() < 1e-12, "{solution:?}");
+}
+
+/// `min x`, and another unknown without effect: every Hessian is regularised.
+struct Flat;
+
+impl OfNode for Flat {
+    fn of<D: Number>(&self, x: &[D]) -> Parts<D> {
+        Parts { cost: x[0] + x[1] * 0.0, equalities: vec![], ranges: vec![x[0]] }
+    }
+}
+
+#[test]
+fn mu_falls_where_hessians_are_regularised() {
+    let bounds = [[0.0, 1.0]];
+    let mut flat = ByDuals::new(Small { unknowns: 2, equations: 0, bounds, of: Flat, scales: None });
+    let mut solver = Solver::new(flat.layout(), Settings::default());
+    let solution = solver.solve(&mut flat, &[0.5, 0.0]).unwrap();
+    assert!(solution.status == Status::Solved && solution.point[0].abs() < 1e-7, "{solution:?}");
+    assert!(solution.iterations < 30, "{}", solution.iterations);
+}
+
+/// A clone has room of its own for the filter, and settings may change between solutions.
+#[test]
+fn solvers_are_cloned_and_their_settings_changed() {
+    let (mut problem, start) = transfer(6);
+    let mut solver = Solver::new(problem.layout(), Settings::default()).clone();
+    let cost = solver.solve(&mut problem, &start).unwrap().cost;
+    let mut wells = ByDuals::new(Small { unknowns: 2, equations: 0, bounds: [], of: TwoWells, scales: None });
+    let mut of_wells = Solver::new(wells.layout(), Settings::default());
+    of_wells.solve(&mut wells, &[0.1, 0.5]).unwrap();
+    of_wells.settings_mut().regularisation.first = 2.0;
+    of_wells.begin(&mut wells, Start::at(&[0.1, 0.5])).unwrap();
+    of_wells.advance(&mut wells).unwrap();
+    assert_eq!(of_wells.iteration().regularisation, 2.0);
+    assert_eq!(solver.solve(&mut problem, &start).unwrap().cost, cost);
+}
+
+/// Ranges far from zero, and without room: slacks begin inside.
+#[test]
+fn starts_on_large_bounds_are_inside() {
+    let bounds = [[1e9, 2e9], [-0.5, 0.87]];
+    struct Sum;
+    impl OfNode for Sum {
+        fn of<D: Number>(&self, x: &[D]) -> Parts<D> {
+            Parts { cost: x[0] + x[1], equalities: vec![], ranges: vec![x[0], x[1]] }
+        }
+    }
+    let scales = Scales { steps: vec![1e9, 1.0], cost: 1e9, ..Scales::default() };
+    let scales = Scales { equalities: vec![], ranges: vec![1.0, 1.0], ..scales };
+    let mut sum = ByDuals::new(Small { unknowns: 2, equations: 0, bounds, of: Sum, scales: Some(scales) });
+    let mut settings = Settings::default();
+    settings.barrier.inside = [1.0, 0.5];
+    let mut solver = Solver::new(sum.layout(), settings);
+    let start = Start { point: &[1e9, 0.0], equalities: None, ranges: Some(&[-1.0, 0.0]), mu: Some(1e-9) };
+    solver.begin(&mut sum, start).unwrap();
+    assert!(solver.iteration().gap.is_finite(), "{:?}", solver.iteration());
+    // Half of the range to both sides leaves its middle.
+    solver.begin(&mut sum, Start::at(&[1e9, 0.0])).unwrap();
+    assert!(solver.iteration().gap.is_finite(), "{:?}", solver.iteration());
 }
