@@ -27,9 +27,9 @@ pub struct BarrierSettings {
     /// The mean is not made smaller than this part of the Newton decrement over the number of bounds: far
     /// from the central path slacks would come close to zero before the others.
     pub centring: f64,
-    /// Where the Hessian is regularised, a short step for mu = 0 says nothing: mu stays until its decrement, or
-    /// that of the step before, is below the first one, a part of the sum of the products, and falls by the
-    /// second one, a factor, then.
+    /// Where the Hessian is regularised, a short step for mu = 0 says nothing: mu stays until its decrement,
+    /// or that of the step before, is below the first one, a part of the sum of the products, and falls by
+    /// the second one, a factor, then.
     pub regularised: [f64; 2],
     /// tau_min: a step goes at most this part of the way to a bound, or `1 - mu` if that is larger (Waechter
     /// and Biegler 2006, eq. (8)).
@@ -66,9 +66,9 @@ impl BarrierSettings {
         if self.least > 0.0 { self.least } else { 0.1 * tolerance }
     }
 
-    /// The next mu, not below the last one, from the mean of all products now: `part` of it is left by the step
-    /// for mu = 0, `None` where the Hessian is regularised. The decrements, over the number of bounds, are those
-    /// of that step and of the one before.
+    /// The next mu, not below the last one, from the mean of all products now: `part` of it is left by the
+    /// step for mu = 0, `None` where the Hessian is regularised. The decrements, over the number of bounds,
+    /// are those of that step and of the one before.
     pub(crate) fn next(&self, mean: f64, part: Option<f64>, decrements: [f64; 2], last: f64) -> f64 {
         let [least, most] = self.change;
         let [small, factor] = self.regularised;

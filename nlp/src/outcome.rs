@@ -27,8 +27,8 @@ pub enum Status {
 pub struct Solution<'a> {
     /// How it ended; [`Status::Stopped`] while it has not.
     pub status: Status,
-    /// The last point; with [`Status::LocallyInfeasible`] that of the least violation. Where a solution ends in
-    /// restoration there are no multipliers: they are zero.
+    /// The last point; with [`Status::LocallyInfeasible`] that of the least violation. Where a solution ends
+    /// in restoration there are no multipliers: they are zero.
     pub point: &'a [f64],
     /// Its cost.
     pub cost: f64,
@@ -64,9 +64,9 @@ pub struct Iteration {
     pub length: f64,
     /// The sum of all products of distances to bounds and their multipliers.
     pub gap: f64,
-    /// Newton decrement of the barrier problem, `d' (W + G' Sigma G) d` of the step that led here: about twice
-    /// what the whole step promised. It may be negative while equations are violated, and is infinite where no
-    /// step led here: at the start, and after restoration.
+    /// Newton decrement of the barrier problem, `d' (W + G' Sigma G) d` of the step that led here: about
+    /// twice what the whole step promised. It may be negative while equations are violated, and is infinite
+    /// where no step led here: at the start, and after restoration.
     pub decrement: f64,
     /// Whether it is one of restoration, whose cost is the violation.
     pub is_restoration: bool,

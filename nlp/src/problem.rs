@@ -47,10 +47,10 @@ pub trait StagedProblem {
         blocks: &mut Blocks,
     ) -> Result<(), Self::Error>;
 
-    /// Adds `factor M` to the Hessians, at the point of the last [`linearise`](Self::linearise). M is positive
-    /// definite; `d' M d` says how far a step goes, in units of the cost, where W has to be made positive
-    /// definite. By default it is `s_f sum (d_k / s_k)^2`, with the [`scales`](Self::scales) of the cost and of
-    /// the unknowns.
+    /// Adds `factor M` to the Hessians, at the point of the last [`linearise`](Self::linearise). M is
+    /// positive definite; `d' M d` says how far a step goes, in units of the cost, where W has to be made
+    /// positive definite. By default it is `s_f sum (d_k / s_k)^2`, with the [`scales`](Self::scales) of the
+    /// cost and of the unknowns.
     ///
     /// In a good metric steps that keep the quality of a point are short: those of motions are measured by
     /// their accelerations.

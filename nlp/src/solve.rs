@@ -332,8 +332,8 @@ impl Solver {
         Ok(self.progress.ended)
     }
 
-    /// One iteration, of restoration if no acceptable step is found. Returns how the solution ended, or `None`
-    /// if it goes on; nothing is done after its end. The program is the one that it began with.
+    /// One iteration, of restoration if no acceptable step is found. Returns how the solution ended, or
+    /// `None` if it goes on; nothing is done after its end. The program is the one that it began with.
     ///
     /// # Errors
     /// [`SolveError`]; the solution has ended then.
