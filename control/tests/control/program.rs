@@ -3,7 +3,8 @@
 use crate::loops::{FREE, crank, four_bar};
 use costate::robot::Robot;
 use costate_control::{
-    FinalTime, MotionLimits, MotionProgram, Objective, Polish, Problem, Solver, SolverOptions, Task, ToolPose,
+    FinalTime, MotionLimits, MotionProgram, Objective, Polish, Problem, Solver, SolverOptions, Task, Tool,
+    ToolPose,
 };
 use costate_nlp::{
     Blocks, Certificate, Element, Settings, SparseProgram, StagedProblem, Status, Values, Weights,
@@ -143,7 +144,8 @@ fn rows_have_names_units_and_places() {
 fn rows_at_ends_have_names() {
     let mut problem = Problem::rest_to_rest(robot("two_link.toml"), &[0.0; 2], &[1.0, 0.5], 1.0);
     problem.end.q_free = vec![0, 1];
-    let tip = ToolPose::of("joint:elbow").with_position([FREE, 1.2, FREE]);
+    let tip = Tool::new("joint:elbow").with_offset([1.0, 0.0, 0.0]);
+    let tip = ToolPose::of(tip).with_position([FREE, 1.2, FREE]);
     let problem = problem.with_limits(MotionLimits::none()).with_task(Task::default().with_end_tool(tip));
     let program = problem.nlp(&SolverOptions::default().with_nodes(10)).unwrap();
     let rows = program.equalities();
