@@ -70,13 +70,8 @@ pub(crate) struct Units {
 
 impl Units {
     pub fn ones(layout: &Layout) -> Self {
-        let ones = |count| vec![1.0; count];
-        Self {
-            cost: 1.0,
-            steps: ones(layout.steps()),
-            equalities: ones(layout.equalities()),
-            ranges: ones(layout.ranges()),
-        }
+        let Scales { cost, steps, equalities, ranges } = Scales::ones(layout);
+        Self { cost, steps, equalities, ranges }
     }
 
     /// Takes those of a program with these scales.

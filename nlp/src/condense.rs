@@ -123,8 +123,7 @@ fn add_squares<const FUSED: bool>(
     if count == 0 || stride == 0 {
         return;
     }
-    for (to, dense) in weighted.chunks_mut(4 * stride).zip(pattern.dense.chunks(4)) {
-        let places: [usize; 4] = std::array::from_fn(|r| dense[r.min(dense.len() - 1)]);
+    for (to, places) in weighted.chunks_mut(4 * stride).zip(pattern.fours()) {
         let factors = places.map(|row| weights[row].sqrt() * factors[row]);
         // Padding, and entries that are set next.
         for row in to.chunks_exact_mut(stride) {

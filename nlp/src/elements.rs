@@ -69,7 +69,7 @@ impl Pattern {
 
     /// The dense rows, four at a time; the last ones are repeated.
     #[inline(always)]
-    fn fours(&self) -> impl Iterator<Item = [usize; 4]> {
+    pub fn fours(&self) -> impl Iterator<Item = [usize; 4]> {
         self.dense.chunks(4).map(|rows| std::array::from_fn(|r| rows[r.min(rows.len() - 1)]))
     }
 }

@@ -91,9 +91,7 @@ impl Solver {
         self.stop_restoring();
         std::mem::swap(&mut self.iterate, &mut self.trial);
         let found = self.estimate_multipliers(problem);
-        self.measure();
-        // No step led here.
-        (self.progress.length, self.progress.decrement) = (0.0, f64::INFINITY);
+        self.measure_without_step();
         match found {
             Err(SolveError::NotFinite { .. }) => Ok(Some(Status::Stalled)),
             other => other.map(|()| None),
@@ -105,7 +103,7 @@ impl Solver {
         &mut self,
         problem: &mut P,
     ) -> Result<(), SolveError<P::Error>> {
-        if !self.restoration.as_ref().is_some_and(|restoration| restoration.is_on) {
+        if !self.is_in_restoration() {
             return Ok(());
         }
         self.with_scaled(problem, |solver, scaled| {
@@ -146,7 +144,12 @@ impl Solver {
         self.stay(problem)
     }
 
-    fn stop_restoring(&mut self) {
+    /// Whether the solution is in restoration.
+    pub(crate) fn is_in_restoration(&self) -> bool {
+        self.restoration.as_ref().is_some_and(|restoration| restoration.is_on)
+    }
+
+    pub(crate) fn stop_restoring(&mut self) {
         if let Some(restoration) = &mut self.restoration {
             restoration.is_on = false;
         }

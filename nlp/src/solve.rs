@@ -414,7 +414,7 @@ impl Solver {
     fn judge(&self) -> Option<Status> {
         let Settings { tolerance, feasibility, iterations, .. } = self.settings;
         let Progress { error, number, .. } = self.progress;
-        let is_restoring = self.restoration.as_ref().is_some_and(|restoration| restoration.is_on);
+        let is_restoring = self.is_in_restoration();
         match () {
             () if !is_restoring && error.largest() <= tolerance && error.feasibility <= feasibility => {
                 Some(Status::Solved)
@@ -482,9 +482,7 @@ impl Solver {
         problem: &mut Scaled<'_, P>,
         start: Start<'_>,
     ) -> Result<(), SolveError<P::Error>> {
-        if let Some(restoration) = &mut self.restoration {
-            restoration.is_on = false;
-        }
+        self.stop_restoring();
         let Self { settings: Settings { barrier, .. }, iterate, bounds, .. } = self;
         let mu = if bounds.count() > 0 { start.mu.unwrap_or(barrier.start) } else { 0.0 };
         self.progress.mu = mu;
@@ -557,7 +555,7 @@ impl Solver {
         &mut self,
         problem: &mut Scaled<'_, P>,
     ) -> Result<Option<Status>, SolveError<P::Error>> {
-        if self.restoration.as_ref().is_some_and(|restoration| restoration.is_on) {
+        if self.is_in_restoration() {
             return self.go_on_restoring(problem);
         }
         let Settings { tolerance, feasibility, barrier, .. } = self.settings;
@@ -610,8 +608,7 @@ impl Solver {
     ) -> Result<(), SolveError<P::Error>> {
         problem.evaluate(&self.iterate.point, &mut self.iterate.values)?;
         self.linearise(problem)?;
-        self.measure();
-        (self.progress.length, self.progress.decrement) = (0.0, f64::INFINITY);
+        self.measure_without_step();
         Ok(())
     }
 
@@ -619,6 +616,12 @@ impl Solver {
     pub(crate) fn measure(&mut self) {
         let target = if self.progress.mu > 0.0 { self.settings.barrier.least } else { 0.0 };
         self.progress.error = self.iterate.error(&self.bounds, &self.residuals, target);
+    }
+
+    /// The same of an iterate to which no step led.
+    pub(crate) fn measure_without_step(&mut self) {
+        self.measure();
+        (self.progress.length, self.progress.decrement) = (0.0, f64::INFINITY);
     }
 
     /// The Newton step of the barrier problem, with mu as Mehrotra chooses it but no smaller than `last`;

@@ -109,27 +109,13 @@ pub(crate) fn update<const FUSED: bool, const ADD: bool>(
     first: usize,
 ) -> usize {
     let from = (columns, products);
-    let mut row = first;
     if count >= 4 {
-        while row + 8 <= stride {
-            tile::<FUSED, ADD, 4, 8>(from, to, stride, j, row);
-            row += 8;
-        }
-        if row < stride {
-            tile::<FUSED, ADD, 4, 4>(from, to, stride, j, row);
-        }
-        return 4;
+        return update_columns::<FUSED, ADD, 4>(from, to, stride, j, first);
     }
     if count >= 2 {
-        while row + 8 <= stride {
-            tile::<FUSED, ADD, 2, 8>(from, to, stride, j, row);
-            row += 8;
-        }
-        if row < stride {
-            tile::<FUSED, ADD, 2, 4>(from, to, stride, j, row);
-        }
-        return 2;
+        return update_columns::<FUSED, ADD, 2>(from, to, stride, j, first);
     }
+    let mut row = first;
     while row + 16 <= stride {
         tile::<FUSED, ADD, 1, 16>(from, to, stride, j, row);
         row += 16;
@@ -139,6 +125,25 @@ pub(crate) fn update<const FUSED: bool, const ADD: bool>(
         row += 4;
     }
     1
+}
+
+/// The same for W columns, eight rows at a time: returns W.
+#[inline(always)]
+fn update_columns<const FUSED: bool, const ADD: bool, const W: usize>(
+    from: (&[f64], &[f64]),
+    to: &mut [f64],
+    stride: usize,
+    j: usize,
+    mut row: usize,
+) -> usize {
+    while row + 8 <= stride {
+        tile::<FUSED, ADD, W, 8>(from, to, stride, j, row);
+        row += 8;
+    }
+    if row < stride {
+        tile::<FUSED, ADD, W, 4>(from, to, stride, j, row);
+    }
+    W
 }
 
 /// The same for R rows from `row` on, of W columns.
