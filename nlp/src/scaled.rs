@@ -17,7 +17,7 @@ pub(crate) struct Scaled<'a, P> {
 }
 
 /// The typical sizes of a program, and room for what is scaled.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(crate) struct Scaling {
     scales: Scales,
     is_plain: bool,
@@ -26,6 +26,21 @@ pub(crate) struct Scaling {
     ranges: Vec<f64>,
     step: Vec<f64>,
     units: Units,
+}
+
+/// Without entries: what a solver keeps while its room is lent.
+impl Default for Scaling {
+    fn default() -> Self {
+        let none = Vec::new;
+        Self {
+            scales: Scales { cost: 1.0, steps: none(), equalities: none(), ranges: none() },
+            is_plain: true,
+            equalities: none(),
+            ranges: none(),
+            step: none(),
+            units: Units::default(),
+        }
+    }
 }
 
 impl Scaling {

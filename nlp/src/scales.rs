@@ -3,7 +3,7 @@
 use crate::layout::Layout;
 
 /// Typical sizes, all positive.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Scales {
     /// Of the cost.
     pub cost: f64,

@@ -224,8 +224,7 @@ fn starts_on_large_bounds_are_inside() {
             Parts { cost: x[0] + x[1], equalities: vec![], ranges: vec![x[0], x[1]] }
         }
     }
-    let scales = Scales { steps: vec![1e9, 1.0], cost: 1e9, ..Scales::default() };
-    let scales = Scales { equalities: vec![], ranges: vec![1.0, 1.0], ..scales };
+    let scales = Scales { steps: vec![1e9, 1.0], cost: 1e9, equalities: vec![], ranges: vec![1.0, 1.0] };
     let mut sum = ByDuals::new(Small { unknowns: 2, equations: 0, bounds, of: Sum, scales: Some(scales) });
     let mut settings = Settings::default();
     settings.barrier.inside = [1.0, 0.5];
