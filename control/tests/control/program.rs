@@ -3,8 +3,8 @@
 use crate::loops::{FREE, crank, four_bar};
 use costate::robot::Robot;
 use costate_control::{
-    FinalTime, MotionLimits, MotionProgram, Objective, Polish, Problem, Solver, SolverOptions, Task, Tool,
-    ToolPose,
+    FinalTime, MotionLimits, MotionProgram, Objective, Polish, Problem, ProgramRow, Solver, SolverOptions,
+    Task, Tool, ToolPose,
 };
 use costate_nlp::{
     Blocks, Certificate, Element, Settings, SparseProgram, StagedProblem, Status, Values, Weights,
@@ -68,6 +68,7 @@ fn programs_have_the_minima_of_the_direct_method() {
         ("least time", least_time, 2e-3),
         ("a joint without a motor", cart, 1e-5),
         ("a loop", crank(four_bar(), FREE), 1e-5),
+        ("a tool at the end", with_tip_at_end(), 1e-5),
     ];
     for (name, problem, tolerance) in cases {
         // Second derivatives alone do not decide where the limits determine the motion up to its multipliers.
@@ -139,18 +140,20 @@ fn rows_have_names_units_and_places() {
     assert!(samples.iter().all(|sample| sample.t > 0.0 && sample.t < 1.0 && sample.tau.len() == 2));
 }
 
-/// Rows of a task at an end are those of that end.
-#[test]
-fn rows_at_ends_have_names() {
+/// A motion to a place of the tip.
+fn with_tip_at_end() -> Problem {
     let mut problem = Problem::rest_to_rest(robot("two_link.toml"), &[0.0; 2], &[1.0, 0.5], 1.0);
     problem.end.q_free = vec![0, 1];
     let tip = Tool::new("joint:elbow").with_offset([1.0, 0.0, 0.0]);
-    let tip = ToolPose::of(tip).with_position([FREE, 1.2, FREE]);
-    let problem = problem.with_limits(MotionLimits::none()).with_task(Task::default().with_end_tool(tip));
-    let program = problem.nlp(&SolverOptions::default().with_nodes(10)).unwrap();
+    let tip = ToolPose::of(tip).with_position([0.4, 1.2, FREE]);
+    problem.with_limits(MotionLimits::none()).with_task(Task::default().with_end_tool(tip))
+}
+
+/// Rows of a task at an end are those of that end.
+#[test]
+fn rows_at_ends_have_names() {
+    let program = with_tip_at_end().nlp(&SolverOptions::default().with_nodes(10)).unwrap();
     let rows = program.equalities();
-    assert!(
-        rows.len() == 1 && rows[0].kind == "task" && rows[0].place.to_bits() == 1.0_f64.to_bits(),
-        "{rows:?}"
-    );
+    let is_at_end = |row: &ProgramRow| row.kind == "task" && row.place.to_bits() == 1.0_f64.to_bits();
+    assert!(rows.len() == 2 && rows.iter().all(is_at_end), "{rows:?}");
 }

@@ -32,7 +32,8 @@ impl Column {
 pub(crate) struct Row {
     /// Its entry of the barrier; of both sides of a limit the first one.
     pub entry: usize,
-    /// Its value is `sign d + offset` with the distance d of the entry.
+    /// Its value is `sign d + offset` with the distance d of the entry; without offset for an equation, whose
+    /// value is its residual.
     pub sign: f64,
     pub offset: f64,
 }
@@ -263,12 +264,13 @@ fn add_rows(
     let mut last: Option<(Limited, usize, bool)> = None;
     for at in entries.filter(|&at| barrier.weight[at] > 0.0) {
         let side = barrier.side(at);
-        let bound = side.bound - side.sign * barrier.moved_by(at);
-        let row = Row { entry: at, sign: side.sign, offset: bound };
+        let row = Row { entry: at, sign: side.sign, offset: 0.0 };
         if side.is_equation {
             equalities.push(row);
             continue;
         }
+        let bound = side.bound - side.sign * barrier.moved_by(at);
+        let row = Row { offset: bound, ..row };
         let is_hull = barrier.side_index(at).is_some_and(|side| barrier.is_hull(side));
         let value = Some((side.limited, side.joint, is_hull));
         if last != value {
