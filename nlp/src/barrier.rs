@@ -1,5 +1,6 @@
 //! The barrier parameter, and steps that stay inside the bounds.
 
+use crate::centrality::Targets;
 use crate::iterate::{Bounds, Iterate, Residuals, Step};
 use crate::vectors::{largest_of, sum_of, worse};
 use costate_numerics::in_widest;
@@ -197,13 +198,16 @@ fn sum_of_slopes<const FUSED: bool>([below, above]: &[Vec<f64>; 2], slacks: &[f6
     sum_of([slacks, below, above], |[d, below, above]| d * (above - below))
 }
 
-/// Residuals of slacks with `mu / (s - l)` in the place of z.
+/// Residuals of slacks with `t / (s - l)` in the place of z, where t are the targets of the step: mu, unless
+/// it is corrected.
 pub(crate) fn barrier_residuals(
     iterate: &Iterate,
     [below, above]: &[Vec<f64>; 2],
-    mu: f64,
+    [of_below, of_above]: &Targets,
     to: &mut Residuals,
 ) {
-    let gaps = below.iter().zip(above).zip(&iterate.v);
-    to.slacks.iter_mut().zip(gaps).for_each(|(to, ((below, above), v))| *to = mu * (above - below) - v);
+    let gaps = below.iter().zip(of_below).zip(above.iter().zip(of_above)).zip(&iterate.v);
+    for (to, (((below, of_below), (above, of_above)), v)) in to.slacks.iter_mut().zip(gaps) {
+        *to = (of_above * above - of_below * below) - v;
+    }
 }

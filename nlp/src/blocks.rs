@@ -166,6 +166,11 @@ impl Blocks {
         (&mut self.blocks, &self.units)
     }
 
+    /// Fills the Hessians with zeros.
+    pub fn clear_hessians(&mut self) {
+        self.blocks.iter_mut().for_each(|block| block.hessian.entries_mut().fill(0.0));
+    }
+
     pub(crate) fn fill_zero(&mut self) {
         for Block { gradient, hessian, equalities, ranges, .. } in &mut self.blocks {
             gradient.fill(0.0);

@@ -28,14 +28,16 @@
 //!   pivot in a stage are handed on to the next one, so that multipliers are true ones and the inertia is
 //!   exact; equations that depend on others end as zero pivots and are named ([`Solution::dependent`]). The
 //!   time is linear in the number of intervals. Solutions are refined by the residual of the whole system.
-//! - Where the inertia is wrong, a multiple delta of a metric M is added to W, remembered and decreased
-//!   ([`RegularisationSettings`]): by default that of the typical sizes of steps, or that of the program
-//!   ([`StagedProblem::add_metric`]).
+//! - Where the inertia is wrong, a convex Hessian of the program takes the place of W
+//!   ([`StagedProblem::convexify`], [`ConvexSettings`]), or a multiple delta of a metric M is added to it,
+//!   remembered and decreased ([`RegularisationSettings`]): by default that of the typical sizes of steps, or
+//!   that of the program ([`StagedProblem::add_metric`]).
 //! - Steps are shortened until a filter accepts them, after second-order corrections ([`FilterSettings`]). If
 //!   none is accepted, an elastic program of the form (1) lowers the violation; [`Status::LocallyInfeasible`]
 //!   is a local minimum of it.
 //! - mu is chosen anew in each iteration, by how much of the complementarity a step for mu = 0 would leave
-//!   ([`BarrierSettings`]).
+//!   ([`BarrierSettings`]). A step that bounds cut short is corrected towards the central path, with the
+//!   same factors ([`CentralitySettings`]).
 //!
 //! A solution may begin with multipliers that are known from another mesh or an earlier instant ([`Start`]),
 //! and go on one iteration at a time ([`Solver::begin`], [`Solver::advance`]).
@@ -47,7 +49,8 @@
 //! Newton's method, [`Solver::respond`] differentiates the solution by parameters, forward or backward.
 //!
 //! Sources: A. Waechter, L. T. Biegler, Mathematical Programming 106 (2006), 25-57 (filter, regularisation,
-//! restoration); S. Mehrotra, SIAM Journal on Optimization 2 (1992), 575-601 (choice of mu); I. S. Duff, J.
+//! restoration); S. Mehrotra, SIAM Journal on Optimization 2 (1992), 575-601 (choice of mu); J. Gondzio,
+//! Computational Optimization and Applications 6 (1996), 137-156 (corrections); I. S. Duff, J.
 //! K. Reid, ACM TOMS 9 (1983), 302-325 (pivots that are handed on); L. Vanroye, A. Sathya, J. De Schutter, W.
 //! Decre, "FATROP", IROS 2023 (staged programs).
 
@@ -57,8 +60,11 @@
 mod active;
 mod barrier;
 mod blocks;
+mod centrality;
 mod certify;
 mod condense;
+mod convex;
+mod correctors;
 mod dense;
 mod elements;
 mod filter;
@@ -82,6 +88,8 @@ mod vectors;
 pub use active::{Certificate, Changes, Held};
 pub use barrier::BarrierSettings;
 pub use blocks::{Block, Blocks, Values, Weights};
+pub use centrality::CentralitySettings;
+pub use convex::ConvexSettings;
 pub use dense::Dense;
 pub use filter::FilterSettings;
 pub use iterate::KktError;

@@ -13,7 +13,9 @@
 //! they are small.
 
 use crate::blocks::Blocks;
+use crate::centrality::Targets;
 use crate::condense::Condensed;
+use crate::convex::{Convex, ConvexSettings};
 use crate::elements::{Room, add_symmetric, add_transposed, gather, scatter, times};
 use crate::iterate::{Bounds, Iterate, Residuals, Step};
 use crate::kkt::{Chain, Inertia};
@@ -59,6 +61,15 @@ pub(crate) enum NoStep {
     NotFinite,
 }
 
+/// How W changes where the inertia is wrong.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Change {
+    /// A convex one takes its place, if there is any.
+    Convexify,
+    /// This multiple of the metric is added.
+    AddMetric(f64),
+}
+
 /// Workspace.
 #[derive(Clone, Debug)]
 pub(crate) struct Newton {
@@ -73,6 +84,9 @@ pub(crate) struct Newton {
     /// The regularisation that worked last, and the one in use.
     remembered: f64,
     regularisation: f64,
+    /// Whether a convex Hessian is in the place of W.
+    is_convexified: bool,
+    convex: Convex,
     right: Residuals,
     residual: Residuals,
     correction: Step,
@@ -93,6 +107,8 @@ impl Newton {
             settings,
             remembered: 0.0,
             regularisation: 0.0,
+            is_convexified: false,
+            convex: Convex::default(),
             right: Residuals::zeros(layout),
             residual: Residuals::zeros(layout),
             correction: Step::zeros(layout),
@@ -103,13 +119,19 @@ impl Newton {
     }
 
     /// Begins another solution with these settings.
-    pub fn restart(&mut self, settings: RegularisationSettings) {
+    pub fn restart(&mut self, settings: RegularisationSettings, convex: ConvexSettings) {
         (self.settings, self.remembered) = (settings, 0.0);
+        self.convex.restart(convex);
     }
 
     /// The multiple of the metric that was added to W last.
     pub fn regularisation(&self) -> f64 {
         self.regularisation
+    }
+
+    /// Whether W was the exact Hessian, and nothing added to it.
+    pub fn is_exact(&self) -> bool {
+        !self.is_convexified && self.regularisation == 0.0
     }
 
     /// Equations that depend on others, by the last factorisation.
@@ -118,38 +140,58 @@ impl Newton {
         self.chain.zeros().iter().filter_map(move |row| row.checked_sub(steps))
     }
 
-    /// Factors the matrix at an iterate, with the regularisation that its inertia asks for: `add_metric` adds
-    /// a multiple of the metric to the Hessians.
+    /// Factors the matrix at an iterate, with the changes of the Hessians that its inertia asks for: `change`
+    /// makes one, and says whether it did.
     pub fn factorise<E>(
         &mut self,
         layout: &Layout,
         at: (&Iterate, &Bounds),
         blocks: &mut Blocks,
-        mut add_metric: impl FnMut(f64, &mut Blocks) -> Result<(), E>,
+        mut change: impl FnMut(Change, &mut Blocks) -> Result<bool, E>,
     ) -> Result<Result<(), NoStep>, E> {
         self.begin(at);
+        let mut may_be_convex = true;
         while !self.factorise_once(layout, blocks) {
-            match self.regularise() {
-                Ok(more) => add_metric(more, blocks)?,
-                Err(no_step) => return Ok(Err(no_step)),
+            if std::mem::take(&mut may_be_convex)
+                && self.convex.may_begin()
+                && change(Change::Convexify, blocks)?
+            {
+                self.is_convexified = true;
+                self.regularisation = self.convex.begin().min(self.settings.largest);
+                if self.regularisation > 0.0 {
+                    change(Change::AddMetric(self.regularisation), blocks)?;
+                }
+                continue;
             }
+            match self.regularise() {
+                Ok(more) => change(Change::AddMetric(more), blocks)?,
+                Err(no_step) => return Ok(Err(no_step)),
+            };
         }
         Ok(Ok(()))
+    }
+
+    /// Takes note of the part of the longest step that was accepted.
+    pub fn adapt(&mut self, part: f64) {
+        if self.is_convexified {
+            self.convex.adapt(self.regularisation, part);
+        }
     }
 
     /// Begins without regularisation.
     fn begin(&mut self, (iterate, bounds): (&Iterate, &Bounds)) {
         in_widest!(self.set_weights(iterate, bounds));
-        self.regularisation = 0.0;
+        (self.regularisation, self.is_convexified) = (0.0, false);
     }
 
     /// Factors; whether the inertia is right.
     fn factorise_once(&mut self, layout: &Layout, blocks: &Blocks) -> bool {
         self.condensed.set(layout, blocks, &self.weights);
         let Condensed { hessians, jacobians, .. } = &self.condensed;
-        let inertia = self.chain.factorise(hessians, |element| &jacobians[element], &self.diagonal);
+        let jacobian = |element: usize| &jacobians[element];
+        let inertia = self.chain.factorise_unless(hessians, jacobian, &self.diagonal, layout.equalities());
         let is_right = self.is_right(layout, inertia);
-        if is_right && self.regularisation > 0.0 {
+        if is_right && self.regularisation > 0.0 && !self.is_convexified {
             self.remembered = self.regularisation;
         }
         is_right
@@ -212,14 +254,14 @@ impl Newton {
             && self.chain.zeros().iter().all(|&row| row >= layout.steps())
     }
 
-    /// The Newton step for these right-hand sides `b_x = -residuals.x`, .., and for mu that of z:
-    /// `d_z = mu / (s - l) - z - z / (s - l) d_s`.
+    /// The Newton step for these right-hand sides `b_x = -residuals.x`, .., and for products t of both sides
+    /// that of z: `d_z = t / (s - l) - z - z / (s - l) d_s`.
     pub fn step(
         &mut self,
         layout: &Layout,
         iterate: &Iterate,
         blocks: &Blocks,
-        (residuals, mu): (&Residuals, f64),
+        (residuals, targets): (&Residuals, &Targets),
         step: &mut Step,
     ) -> Result<(), NoStep> {
         self.solve(layout, blocks, residuals, step);
@@ -229,7 +271,7 @@ impl Newton {
                 &mut z[side],
                 &iterate.z[side],
                 &self.reciprocals[side],
-                (mu, sign),
+                (&targets[side], sign),
                 slacks
             ));
         }
@@ -386,16 +428,18 @@ fn set_slacks(own: Range<usize>, weights: &[f64], right: &Residuals, step: &mut 
     }
 }
 
-/// `d_z = mu / gap - z + sign z / gap d_s` of one side.
+/// `d_z = t / gap - z + sign z / gap d_s` of one side.
 #[inline(always)]
 fn set_multipliers<const FUSED: bool>(
     to: &mut [f64],
     z: &[f64],
     reciprocals: &[f64],
-    (mu, sign): (f64, f64),
+    (targets, sign): (&[f64], f64),
     slacks: &[f64],
 ) {
-    for (((to, z), reciprocal), ds) in to.iter_mut().zip(z).zip(reciprocals).zip(slacks) {
-        *to = (mu + sign * z * ds) * reciprocal - z;
+    for ((((to, z), reciprocal), ds), target) in
+        to.iter_mut().zip(z).zip(reciprocals).zip(slacks).zip(targets)
+    {
+        *to = (target + sign * z * ds) * reciprocal - z;
     }
 }

@@ -60,13 +60,17 @@ pub struct Iteration {
     pub mu: f64,
     /// The multiple of the metric that was added to W.
     pub regularisation: f64,
+    /// Whether the step that led here was made with the exact Hessian, to which nothing was added; true where
+    /// no step led here.
+    pub is_exact: bool,
     /// Length of the step that led here.
     pub length: f64,
     /// The sum of all products of distances to bounds and their multipliers.
     pub gap: f64,
-    /// Newton decrement of the barrier problem, `d' (W + G' Sigma G) d` of the step that led here: about
-    /// twice what the whole step promised. It may be negative while equations are violated, and is infinite
-    /// where no step led here: at the start, and after restoration.
+    /// Newton decrement of the barrier problem, `d' (W + G' Sigma G) d` of the step that led here, before
+    /// centrality correctors and with W as it was used: about twice what the whole step promised. It may be
+    /// negative while equations are violated, and is infinite where no step led here: at the start, and after
+    /// restoration.
     pub decrement: f64,
     /// Whether it is one of restoration, whose cost is the violation.
     pub is_restoration: bool,

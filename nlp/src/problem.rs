@@ -47,6 +47,26 @@ pub trait StagedProblem {
         blocks: &mut Blocks,
     ) -> Result<(), Self::Error>;
 
+    /// Replaces the Hessians of the last [`linearise`](Self::linearise) by ones that are positive
+    /// semidefinite, or nearer to that, for the same point and weights ([`Blocks::clear_hessians`] makes room
+    /// for them). Whether there are any: by default there are none, and the blocks stay as they are.
+    ///
+    /// The solver asks for them where the inertia is wrong. Where costs are sums of squares, Gauss-Newton
+    /// Hessians, without second derivatives of what is squared, lead farther than multiples of a metric,
+    /// which are added where the inertia is still wrong.
+    ///
+    /// # Errors
+    /// Its own.
+    fn convexify(
+        &mut self,
+        point: &[f64],
+        weights: Weights<'_>,
+        blocks: &mut Blocks,
+    ) -> Result<bool, Self::Error> {
+        let _ = (point, weights, blocks);
+        Ok(false)
+    }
+
     /// Adds `factor M` to the Hessians, at the point of the last [`linearise`](Self::linearise). M is
     /// positive definite; `d' M d` says how far a step goes, in units of the cost, where W has to be made
     /// positive definite. By default it is `s_f sum (d_k / s_k)^2`, with the [`scales`](Self::scales) of the

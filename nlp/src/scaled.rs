@@ -171,6 +171,14 @@ impl<'a, P: StagedProblem> Scaled<'a, P> {
         problem.linearise(point, weights, blocks)
     }
 
+    /// Convex Hessians for the weights of the last derivatives, with this weight of the cost, if there are
+    /// any.
+    pub fn convexify(&mut self, point: &[f64], cost: f64, blocks: &mut Blocks) -> Result<bool, P::Error> {
+        let Self { problem, scaling: Scaling { units, equalities, ranges, .. } } = self;
+        let weights = Weights { cost: cost * units.cost, equalities, ranges };
+        problem.convexify(point, weights, blocks)
+    }
+
     /// Adds a multiple of the metric, over the scale of the cost.
     pub fn add_metric(&mut self, point: &[f64], factor: f64, blocks: &mut Blocks) -> Result<(), P::Error> {
         let factor = factor * self.scaling.units.cost;

@@ -22,7 +22,7 @@ impl Solver {
     }
 
     /// The derivative of the objective of the barrier problem along the step.
-    fn slope(&mut self, mu: f64) -> f64 {
+    pub(crate) fn slope(&mut self, mu: f64) -> f64 {
         let Self { layout, blocks, newton, room, step, .. } = self;
         let mut sum = slope(newton.reciprocals(), step, mu);
         for (element, block) in layout.elements().zip(blocks.all()) {
@@ -53,17 +53,20 @@ impl Solver {
             if let Some(accepted) = self.filter.judge([current, trial], mu, (alpha, slope)) {
                 self.accept(accepted, current, (alpha, slope));
                 self.move_multipliers(false, (alpha, of_multipliers));
+                self.newton.adapt(alpha / longest);
                 return Ok(Some(alpha));
             }
             if is_first
                 && trial.violation >= current.violation
                 && let Some(length) = self.correct(problem, (current, trial), (mu, tau, alpha, slope))?
             {
+                self.newton.adapt((length / longest).min(1.0));
                 return Ok(Some(length));
             }
             is_first = false;
             alpha *= 0.5;
             if alpha < least.max(f64::EPSILON) {
+                self.newton.adapt(0.0);
                 return Ok(None);
             }
         }
@@ -80,19 +83,19 @@ impl Solver {
         let first = alpha;
         let mut violation = trial.violation;
         self.corrected.copy_from(&self.residuals);
-        barrier_residuals(&self.iterate, self.newton.reciprocals(), mu, &mut self.corrected);
+        barrier_residuals(&self.iterate, self.newton.reciprocals(), &self.targets, &mut self.corrected);
         for _ in 0..most {
             if !violation.is_finite() {
                 break;
             }
-            let Self { layout, iterate, trial, blocks, corrected, newton, correction, .. } = self;
+            let Self { layout, iterate, trial, blocks, corrected, newton, correction, targets, .. } = self;
             for (to, c) in corrected.equalities.iter_mut().zip(&trial.values.equalities) {
                 *to = alpha * *to + c;
             }
             for (i, to) in corrected.ranges.iter_mut().enumerate() {
                 *to = alpha * *to + trial.values.ranges[i] - trial.slacks[i];
             }
-            if newton.step(layout, iterate, blocks, (corrected, mu), correction).is_err() {
+            if newton.step(layout, iterate, blocks, (corrected, targets), correction).is_err() {
                 break;
             }
             let [longest, of_multipliers] = longest_steps(iterate, newton.reciprocals(), correction, tau);

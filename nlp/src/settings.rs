@@ -1,6 +1,8 @@
 //! What steers a solution.
 
 use crate::barrier::{BarrierSettings, LEAST_ROOM};
+use crate::centrality::CentralitySettings;
+use crate::convex::ConvexSettings;
 use crate::filter::FilterSettings;
 use crate::newton::RegularisationSettings;
 
@@ -18,6 +20,10 @@ pub struct Settings {
     pub barrier: BarrierSettings,
     /// The line search.
     pub filter: FilterSettings,
+    /// Centrality correctors.
+    pub centrality: CentralitySettings,
+    /// Convex Hessians in the place of indefinite ones.
+    pub convex: ConvexSettings,
     /// The regularisation of Hessians.
     pub regularisation: RegularisationSettings,
 }
@@ -30,6 +36,8 @@ impl Default for Settings {
             iterations: 1000,
             barrier: BarrierSettings::default(),
             filter: FilterSettings::default(),
+            centrality: CentralitySettings::default(),
+            convex: ConvexSettings::default(),
             regularisation: RegularisationSettings::default(),
         }
     }
@@ -38,7 +46,7 @@ impl Default for Settings {
 impl Settings {
     /// The first setting that is out of its range: name, value, least, most.
     pub(crate) fn first_wrong(&self) -> Option<(&'static str, f64, [f64; 2])> {
-        let Self { tolerance, feasibility, barrier, filter, regularisation, .. } = self;
+        let Self { tolerance, feasibility, barrier, filter, centrality, convex, regularisation, .. } = self;
         const BELOW_ONE: [f64; 2] = [f64::MIN_POSITIVE, 1.0 - f64::EPSILON];
         const POSITIVE: [f64; 2] = [f64::MIN_POSITIVE, f64::MAX];
         const ABOVE_ONE: [f64; 2] = [1.0 + f64::EPSILON, f64::MAX];
@@ -68,6 +76,18 @@ impl Settings {
             ("filter.violations[1]", filter.violations[1], POSITIVE),
             ("filter.increase", filter.increase, POSITIVE),
             ("filter.correction.0", filter.correction.0, BELOW_ONE),
+            ("centrality.longer", centrality.longer, BELOW_ONE),
+            ("centrality.enough", centrality.enough, BELOW_ONE),
+            ("centrality.products[0]", centrality.products[0], BELOW_ONE),
+            ("centrality.products[1]", centrality.products[1], ABOVE_ONE),
+            ("centrality.gain", centrality.gain, BELOW_ONE),
+            ("centrality.descent", centrality.descent, BELOW_ONE),
+            ("convex.accepted[0]", convex.accepted[0], BELOW_ONE),
+            ("convex.accepted[1]", convex.accepted[1], [convex.accepted[0], 1.0 - f64::EPSILON]),
+            ("convex.metric[0]", convex.metric[0], POSITIVE),
+            ("convex.metric[1]", convex.metric[1], POSITIVE),
+            ("convex.factors[0]", convex.factors[0], ABOVE_ONE),
+            ("convex.factors[1]", convex.factors[1], BELOW_ONE),
             ("regularisation.first", regularisation.first, POSITIVE),
             ("regularisation.least", regularisation.least, POSITIVE),
             ("regularisation.largest", regularisation.largest, [regularisation.first, f64::MAX]),

@@ -5,11 +5,12 @@
 use crate::active::Active;
 use crate::barrier::{barrier_residuals, longest_steps, reset_multipliers};
 use crate::blocks::{Blocks, Weights};
+use crate::centrality::Targets;
 use crate::elements::Room;
 use crate::filter::Filter;
 use crate::iterate::{Bounds, Iterate, KktError, Residuals, Step};
 use crate::layout::{Element, Layout};
-use crate::newton::Newton;
+use crate::newton::{Change, Newton};
 use crate::outcome::{Iteration, Solution, SolveError, Status};
 use crate::problem::StagedProblem;
 use crate::restoration::Places;
@@ -116,12 +117,18 @@ pub struct Solver {
     pub(crate) trial: Iterate,
     pub(crate) blocks: Blocks,
     pub(crate) residuals: Residuals,
-    /// Right-hand sides of second-order corrections.
+    /// Right-hand sides of steps.
     pub(crate) corrected: Residuals,
     pub(crate) newton: Newton,
     pub(crate) room: Room,
     pub(crate) step: Step,
     pub(crate) correction: Step,
+    /// Complementarity products that the step and its second-order corrections are for.
+    pub(crate) targets: Targets,
+    /// Those of the step before a corrector.
+    pub(crate) targets_before: Targets,
+    /// Whether the step is a corrected one.
+    is_corrected: bool,
     pub(crate) filter: Filter,
     pub(crate) progress: Progress,
     scaling: Scaling,
@@ -149,6 +156,7 @@ pub(crate) struct Progress {
     /// Of the step that led there.
     pub length: f64,
     pub regularisation: f64,
+    pub is_exact: bool,
     pub decrement: f64,
 }
 
@@ -190,6 +198,8 @@ impl Restoration {
         // Elastic variables start where their conditions hold, close to zero if need be.
         settings.barrier.inside = [4.0 * f64::EPSILON; 2];
         settings.barrier.least = 0.0;
+        // Elastic variables at their bounds are no reason to stay away from them.
+        settings.centrality.correctors = 0;
         settings.tolerance = settings.tolerance.max(LEAST_VIOLATION);
         settings.feasibility = settings.tolerance;
         // Its iterations are counted by the solution.
@@ -210,6 +220,7 @@ impl Progress {
             error,
             length,
             regularisation,
+            is_exact: true,
             decrement: f64::INFINITY,
         }
     }
@@ -237,6 +248,9 @@ impl Solver {
             room: Room::new(layout),
             step: Step::zeros(layout),
             correction: Step::zeros(layout),
+            targets: [vec![0.0; ranges], vec![0.0; ranges]],
+            targets_before: [vec![0.0; ranges], vec![0.0; ranges]],
+            is_corrected: false,
             filter: Filter::new(settings.filter),
             progress: Progress::none(),
             scaling: Scaling::new(layout),
@@ -324,7 +338,7 @@ impl Solver {
         // They belong to another solution.
         (self.active, self.progress) = (None, Progress::none());
         self.dependent.clear();
-        self.newton.restart(self.settings.regularisation);
+        self.newton.restart(self.settings.regularisation, self.settings.convex);
         self.scaling.take(problem.scales());
         self.bounds.take(problem.bounds(), self.scaling.scales());
         self.with_scaled(problem, |solver, scaled| solver.begin_scaled(scaled, start))?;
@@ -369,7 +383,7 @@ impl Solver {
 
     /// The iterate of a solution under way.
     pub fn iteration(&self) -> Iteration {
-        let Progress { number, mu, error, length, regularisation, decrement, .. } = self.progress;
+        let Progress { number, mu, error, length, regularisation, is_exact, decrement, .. } = self.progress;
         if let Some(restoration) = self.restoration.as_ref().filter(|restoration| restoration.is_on) {
             return Iteration { number, is_restoration: true, ..restoration.solver.iteration() };
         }
@@ -380,6 +394,7 @@ impl Solver {
             error,
             mu,
             regularisation,
+            is_exact,
             length,
             gap: self.iterate.gap(&self.bounds),
             decrement,
@@ -563,9 +578,16 @@ impl Solver {
         let found = self.newton_step(problem, last)?;
         let mu = self.progress.mu;
         self.progress.regularisation = self.newton.regularisation();
+        self.progress.is_exact = self.newton.is_exact();
         let is_feasible = self.progress.error.feasibility <= tolerance.min(feasibility);
         if found {
-            if let Some(length) = self.search(problem, (mu, barrier.part_of_way(mu)))? {
+            let tau = barrier.part_of_way(mu);
+            let mut length = self.search(problem, (mu, tau))?;
+            // Without correctors the step is one of descent.
+            if length.is_none() && self.is_corrected && self.step_for(mu) {
+                length = self.search(problem, (mu, tau))?;
+            }
+            if let Some(length) = length {
                 self.progress.length = length;
                 std::mem::swap(&mut self.iterate, &mut self.trial);
                 reset_multipliers(&mut self.iterate, &self.bounds, mu, barrier.neighbourhood);
@@ -622,6 +644,7 @@ impl Solver {
     pub(crate) fn measure_without_step(&mut self) {
         self.measure();
         (self.progress.length, self.progress.decrement) = (0.0, f64::INFINITY);
+        (self.progress.regularisation, self.progress.is_exact) = (0.0, true);
     }
 
     /// The Newton step of the barrier problem, with mu as Mehrotra chooses it but no smaller than `last`;
@@ -633,23 +656,30 @@ impl Solver {
     ) -> Result<bool, P::Error> {
         let Self { layout, iterate, bounds, blocks, newton, .. } = self;
         let point = &iterate.point;
-        let add_metric = |factor: f64, blocks: &mut Blocks| problem.add_metric(point, factor, blocks);
-        if newton.factorise(layout, (iterate, bounds), blocks, add_metric)?.is_err() {
+        let change = |change: Change, blocks: &mut Blocks| match change {
+            Change::Convexify => problem.convexify(point, 1.0, blocks),
+            Change::AddMetric(factor) => problem.add_metric(point, factor, blocks).map(|()| true),
+        };
+        if newton.factorise(layout, (iterate, bounds), blocks, change)?.is_err() {
             return Ok(false);
         }
-        if bounds.count() > 0 && !self.choose_mu(last) {
+        let has_bounds = bounds.count() > 0;
+        if has_bounds && !self.choose_mu(last) {
             return Ok(false);
         }
-        let mu = self.progress.mu;
-        Ok(self.step_for(mu))
+        let is_found = self.step_for(self.progress.mu);
+        self.is_corrected = is_found && has_bounds && self.correct_products(self.progress.mu);
+        Ok(is_found)
     }
 
     /// The step for this mu with the factors of the last factorisation; whether it is finite.
     fn step_for(&mut self, mu: f64) -> bool {
-        let Self { layout, iterate, blocks, residuals, corrected, newton, step, progress, .. } = self;
+        let Self { layout, iterate, blocks, residuals, corrected, newton, step, progress, targets, .. } =
+            self;
         corrected.copy_from(residuals);
-        barrier_residuals(iterate, newton.reciprocals(), mu, corrected);
-        let is_found = newton.step(layout, iterate, blocks, (corrected, mu), step).is_ok();
+        targets.iter_mut().for_each(|targets| targets.fill(mu));
+        barrier_residuals(iterate, newton.reciprocals(), targets, corrected);
+        let is_found = newton.step(layout, iterate, blocks, (corrected, targets), step).is_ok();
         progress.decrement = corrected.decrement(step);
         is_found
     }

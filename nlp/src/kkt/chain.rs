@@ -157,7 +157,19 @@ impl Chain {
         jacobian: impl Fn(usize) -> &'a Dense,
         diagonal: &[f64],
     ) -> Inertia {
-        in_widest!(self.eliminate(hessians, &jacobian, diagonal))
+        self.factorise_unless(hessians, jacobian, diagonal, usize::MAX)
+    }
+
+    /// The same, but where more than so many eigenvalues are negative it ends as soon as that is known: the
+    /// inertia is a part of the whole one then, and there are no factors.
+    pub fn factorise_unless<'a>(
+        &mut self,
+        hessians: &[Dense],
+        jacobian: impl Fn(usize) -> &'a Dense,
+        diagonal: &[f64],
+        negative: usize,
+    ) -> Inertia {
+        in_widest!(self.eliminate(hessians, &jacobian, diagonal, negative))
     }
 
     #[inline(always)]
@@ -166,6 +178,7 @@ impl Chain {
         hessians: &[Dense],
         jacobian: &impl Fn(usize) -> &'a Dense,
         diagonal: &[f64],
+        negative: usize,
     ) -> Inertia {
         let mut inertia = Inertia::default();
         self.zeros.clear();
@@ -201,6 +214,9 @@ impl Chain {
             factors.zeros(zeros);
             for pivot in &factors.pivots {
                 count_pivot(pivot, &mut inertia);
+            }
+            if inertia.negative > negative {
+                return inertia;
             }
             carried.take(front, &factors.rows, candidates);
         }

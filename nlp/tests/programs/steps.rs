@@ -114,11 +114,19 @@ impl OfNode for TwoWells {
     }
 }
 
-/// The same with lengths of its own, of each unknown.
+/// The same with lengths of its own, of each unknown, and with diagonal Hessians that are convex.
 struct InMetric<P> {
     problem: P,
     squares: [f64; 2],
     added: Vec<f64>,
+    convex: fn(&[f64]) -> Option<[f64; 2]>,
+    asked: usize,
+}
+
+impl<P> InMetric<P> {
+    fn new(problem: P, squares: [f64; 2]) -> Self {
+        Self { problem, squares, added: Vec::new(), convex: |_| None, asked: 0 }
+    }
 }
 
 impl<P: StagedProblem> StagedProblem for InMetric<P> {
@@ -139,6 +147,15 @@ impl<P: StagedProblem> StagedProblem for InMetric<P> {
         blocks: &mut Blocks,
     ) -> Result<(), P::Error> {
         self.problem.linearise(point, weights, blocks)
+    }
+    fn convexify(&mut self, x: &[f64], w: Weights<'_>, blocks: &mut Blocks) -> Result<bool, P::Error> {
+        self.asked += 1;
+        let Some(diagonal) = (self.convex)(x) else { return Ok(false) };
+        blocks.clear_hessians();
+        for (i, entry) in diagonal.into_iter().enumerate() {
+            blocks.of(Element::Node(0)).hessian[(i, i)] = w.cost * entry;
+        }
+        Ok(true)
     }
     fn add_metric(&mut self, _: &[f64], factor: f64, blocks: &mut Blocks) -> Result<(), P::Error> {
         self.added.push(factor);
@@ -164,7 +181,7 @@ fn hessians_are_regularised_in_the_metric_of_the_program() {
     let slope = 0.1_f64.powi(3) - 0.1;
     let step = -slope / (0.03 - 1.0 + regularisation);
     assert!((solver.point()[0] - 0.1 - length * step).abs() < 1e-12, "{:?}", solver.point());
-    let mut own = InMetric { problem: problem(), squares: [1000.0, 1e-3], added: Vec::new() };
+    let mut own = InMetric::new(problem(), [1000.0, 1e-3]);
     let mut solver = Solver::new(own.layout(), Settings::default());
     solver.begin(&mut own, Start::at(&from)).unwrap();
     solver.advance(&mut own).unwrap();
@@ -177,6 +194,101 @@ fn hessians_are_regularised_in_the_metric_of_the_program() {
     assert!((solver.point()[1] - y).abs() < 1e-12, "{:?}", solver.point());
     let solution = solver.solve(&mut own, &from).unwrap();
     assert!(solution.status == Status::Solved && (solution.cost + 0.25).abs() < 1e-12, "{solution:?}");
+}
+
+/// Steps from 0.1 with the part 3 x^2 of the second derivative `3 x^2 - 1`.
+#[test]
+fn convex_hessians_take_the_place_of_indefinite_ones() {
+    let small = Small { unknowns: 2, equations: 0, bounds: [], of: TwoWells, scales: None };
+    let convex = |x: &[f64]| Some([3.0 * x[0] * x[0], 100.0]);
+    let mut own = InMetric { convex, ..InMetric::new(ByDuals::new(small), [1.0, 1.0]) };
+    let mut solver = Solver::new(own.layout(), Settings::default());
+    let from = [0.1, 0.5];
+    solver.begin(&mut own, Start::at(&from)).unwrap();
+    assert!(solver.iteration().is_exact);
+    solver.advance(&mut own).unwrap();
+    let Iteration { is_exact, regularisation, length, .. } = solver.iteration();
+    assert!(!is_exact && regularisation == 0.0 && own.asked == 1 && own.added.is_empty());
+    let step = -(0.1_f64.powi(3) - 0.1) / 0.03;
+    assert!((solver.point()[0] - 0.1 - length * step).abs() < 1e-12, "{:?}", solver.point());
+    let solution = solver.solve(&mut own, &from).unwrap();
+    assert!(solution.status == Status::Solved && (solution.cost + 0.25).abs() < 1e-12, "{solution:?}");
+    // The last steps are exact ones.
+    assert!(solver.iteration().is_exact);
+    // Where the inertia is wrong with them too, the metric is added.
+    own.convex = |_| Some([-0.5, 100.0]);
+    solver.begin(&mut own, Start::at(&from)).unwrap();
+    solver.advance(&mut own).unwrap();
+    assert!(!solver.iteration().is_exact && solver.iteration().regularisation > 0.5 && !own.added.is_empty());
+    // Without such steps the program is not asked.
+    own.asked = 0;
+    solver.settings_mut().convex.most = 0;
+    let solution = solver.solve(&mut own, &from).unwrap();
+    assert!(solution.status == Status::Solved && own.asked == 0 && !own.added.is_empty(), "{solution:?}");
+}
+
+/// From multipliers and slacks far from the central path.
+#[test]
+fn centrality_correctors_save_iterations() {
+    let (mut problem, start) = transfer(40);
+    let count = problem.layout().ranges();
+    let off: Vec<f64> = (0..count).map(|i| 10.0_f64.powf(4.0 * (i as f64).sin())).collect();
+    let mut solver = Solver::new(problem.layout(), Settings::default());
+    let mut solve = |correctors: usize| {
+        solver.settings_mut().centrality.correctors = correctors;
+        let start = Start { point: &start, equalities: None, ranges: Some(&off), mu: Some(0.1) };
+        let solution = solver.solve_observed(&mut problem, start, |_| ControlFlow::Continue(())).unwrap();
+        assert_eq!(solution.status, Status::Solved);
+        (solution.cost, solution.iterations)
+    };
+    let [(plain, before), (cost, iterations)] = [solve(0), solve(2)];
+    assert!(
+        (cost / plain - 1.0).abs() < 1e-6 && iterations < before,
+        "{cost} {plain}, {iterations} {before}"
+    );
+}
+
+/// `min x` with `x >= 0`.
+struct Least;
+
+impl OfNode for Least {
+    fn of<D: Number>(&self, x: &[D]) -> Parts<D> {
+        Parts { cost: x[0], equalities: vec![], ranges: vec![x[0]] }
+    }
+}
+
+/// `min 0.783 x + 29.7 y` with x, y and two sums of their multiples above bounds.
+struct Linear;
+
+impl OfNode for Linear {
+    fn of<D: Number>(&self, x: &[D]) -> Parts<D> {
+        let (x, y) = (x[0], x[1]);
+        let sums = [x * 1.0764 + y * 1.4689, x * 0.5916 + y * 0.9672];
+        Parts { cost: x * 0.783 + y * 29.7, equalities: vec![], ranges: vec![x, y, sums[0], sums[1]] }
+    }
+}
+
+/// Long corrected steps would lead uphill here.
+#[test]
+fn corrected_steps_descend() {
+    let above = [0.0, f64::INFINITY];
+    let small = Small { unknowns: 1, equations: 0, bounds: [above], of: Least, scales: None };
+    let mut least = ByDuals::new(small);
+    let mut solver = Solver::new(least.layout(), Settings::default());
+    let mut costs = Vec::new();
+    let observer = |iteration: Iteration| {
+        costs.push(iteration.cost);
+        ControlFlow::Continue(())
+    };
+    let solution = solver.solve_observed(&mut least, Start::at(&[1.0]), observer).unwrap();
+    assert!(solution.status == Status::Solved && solution.cost < 1e-7, "{solution:?}");
+    assert!(costs.windows(2).all(|pair| pair[1] < pair[0] + 1e-9), "{costs:?}");
+    let bounds = [above, above, [1.0, f64::INFINITY], [0.5, f64::INFINITY]];
+    let mut linear = ByDuals::new(Small { unknowns: 2, equations: 0, bounds, of: Linear, scales: None });
+    let mut solver = Solver::new(linear.layout(), Settings::default());
+    let solution = solver.solve(&mut linear, &[0.2561, 2.3699]).unwrap();
+    assert_eq!(solution.status, Status::Solved);
+    assert!((solution.cost - 0.783 / 1.0764).abs() < 1e-6, "{solution:?}");
 }
 
 /// `min x`, and another unknown without effect: every Hessian is regularised.
