@@ -7,8 +7,10 @@ use costate_control::{
     Task, Tool, ToolPose,
 };
 use costate_nlp::{
-    Blocks, Certificate, Element, Settings, SparseProgram, StagedProblem, Status, Values, Weights,
+    Blocks, Certificate, Element, Iteration, Settings, SparseProgram, StagedProblem, Start, Status, Values,
+    Weights,
 };
+use std::ops::ControlFlow;
 
 /// Points of 30 intervals.
 const NODES: usize = 91;
@@ -138,6 +140,23 @@ fn rows_have_names_units_and_places() {
     let samples = program.sample(&start).unwrap();
     assert_eq!(samples.len(), 9);
     assert!(samples.iter().all(|sample| sample.t > 0.0 && sample.t < 1.0 && sample.tau.len() == 2));
+}
+
+/// The first step of a motion whose Hessian is indefinite is one of Gauss and Newton.
+#[test]
+fn programs_offer_convex_hessians() {
+    let problem = Problem::rest_to_rest(robot("two_link.toml"), &[0.0; 2], &[3.0, -2.5], 0.3);
+    let mut program = problem.with_limits(MotionLimits::none()).nlp(&SolverOptions::default()).unwrap();
+    let mut solver = costate_nlp::Solver::new(program.layout(), Settings::default());
+    let start = program.start().to_vec();
+    let mut seen = Vec::new();
+    let observer = |iteration: Iteration| {
+        seen.push((iteration.is_exact, iteration.regularisation));
+        ControlFlow::Continue(())
+    };
+    let solution = solver.solve_observed(&mut program, Start::at(&start), observer).unwrap();
+    assert_eq!(solution.status, Status::Solved);
+    assert!(seen.contains(&(false, 0.0)), "{seen:?}");
 }
 
 /// A motion to a place of the tip.

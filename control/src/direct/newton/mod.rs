@@ -17,4 +17,5 @@ pub(super) mod rests;
 pub(super) mod side_terms;
 pub(super) mod system;
 pub(super) mod system_rates;
+pub(super) mod torque_rows;
 mod touches;

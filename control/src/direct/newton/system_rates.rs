@@ -107,7 +107,11 @@ impl System {
                     rows.differentiate_torques(k, spline, points);
                 }
                 for c in 0..POINTS {
-                    let second = own().map(|own| barrier.curvature(barrier.in_interval(k, own)[c])).sum();
+                    let second: f64 =
+                        own().map(|own| barrier.curvature(barrier.in_interval(k, own)[c])).sum();
+                    if second == 0.0 {
+                        continue;
+                    }
                     let first = rows.take_coefficient(k, c, side, spline, points);
                     let in_time = InTime { first, mixed: 0.0, second: 0.0, gradient: 0.0 };
                     self.add_row(k, spline, &rows.row, &Term { second, ..Term::default() }, &in_time);

@@ -11,6 +11,7 @@ use crate::direct::motion::spline::Spline;
 use crate::direct::newton::metric::weigh_torques;
 use crate::direct::newton::side_terms::weigh;
 use crate::direct::newton::system::System;
+use crate::direct::newton::torque_rows::{Order, TorqueRows};
 use crate::direct::points::running::Running;
 use crate::direct::points::values::{PointDynamics, Points};
 use crate::numerics::chain::ChainMatrix;
@@ -52,6 +53,7 @@ pub(crate) struct Work {
     /// Weights of torques in the metric, and whether it is that of the last derivatives.
     weights: Vec<f64>,
     has_metric: bool,
+    torques: TorqueRows,
 }
 
 impl Work {
@@ -66,7 +68,13 @@ impl Work {
             structure.unknowns.iter().map(|&unknown| spline.unknowns[unknown]).collect();
         origin.extend(ends.times.values(&spline.times));
         origin.extend(ends.tied.iter().map(|tie| spline.unknowns[tie.start]));
-        Self { origin, spline: spline.clone(), weights: vec![0.0; spline.dof], ..Self::default() }
+        Self {
+            origin,
+            spline: spline.clone(),
+            weights: vec![0.0; spline.dof],
+            torques: TorqueRows::new(spline.dof, spline.mesh.shape),
+            ..Self::default()
+        }
     }
 }
 
@@ -199,10 +207,15 @@ impl<D: PointDynamics> Program<'_, D> {
 
     /// The derivatives of the rows of an interval.
     fn set_rows(&mut self, k: usize, block: &mut Block) {
-        let Self { spline, points, barrier, structure, system, ends, .. } = self;
+        let Self { spline, points, barrier, structure, system, ends, work, .. } = self;
+        let torques = &mut work.torques;
         let (element, phase) = (Element::Interval(k), spline.mesh.phase(k));
         let jacobians = [&mut block.equalities, &mut block.ranges];
-        let first_point = spline.mesh.first_point(k);
+        let (first_point, columns) = (spline.mesh.first_point(k), structure.columns(k));
+        let order = if structure.is_whole(k) { Order::LeftFirst } else { Order::InnerFirst };
+        let add = |row: &[f64], to: &mut [f64]| {
+            columns.iter().zip(row).for_each(|(column, entry)| column.add(*entry, to));
+        };
         let mut differentiated = false;
         for (jacobian, rows) in jacobians.into_iter().zip(structure.rows_of(element)) {
             let mut place: Option<(usize, [[f64; MOST_COEFFICIENTS]; 3])> = None;
@@ -211,28 +224,40 @@ impl<D: PointDynamics> Program<'_, D> {
                 let index = barrier.side_index(*entry).unwrap_or_default();
                 let at_point = barrier.point_of(*entry).filter(|_| !barrier.is_hull(index));
                 let rates = &mut system.rate_rows;
-                let by_time = if let Some(p) = at_point {
+                let to = jacobian.row_mut(i);
+                let by_time = if side.limited == Limited::Torque {
+                    torques.take(k, order, spline, points);
+                    let (row, by_time) = match at_point {
+                        Some(p) => torques.at_point(p - first_point, side.joint),
+                        None => torques.coefficient(barrier.place_in_interval(*entry) % POINTS, side.joint),
+                    };
+                    match order {
+                        Order::LeftFirst => to[..row.len()].copy_from_slice(row),
+                        Order::InnerFirst => add(row, to),
+                    }
+                    by_time
+                } else if let Some(p) = at_point {
                     let factors = match place {
                         Some((last, factors)) if last == p => factors,
                         _ => rates.go_to((k, p - first_point), spline, points),
                     };
                     place = Some((p, factors));
-                    rates.take_row(p, &factors, side, spline, points)
+                    let by_time = rates.take_row(p, &factors, side, spline, points);
+                    add(&rates.row, to);
+                    by_time
                 } else {
                     place = None;
                     let j = barrier.place_in_interval(*entry) % POINTS;
                     if side.limited == Limited::TorqueRate && !std::mem::replace(&mut differentiated, true) {
                         rates.differentiate_torques(k, spline, points);
                     }
-                    match barrier.is_hull(index) {
+                    let by_time = match barrier.is_hull(index) {
                         true => rates.take_coefficient(k, j, side, spline, points),
                         false => rates.take_value(k, j, side, spline, points),
-                    }
+                    };
+                    add(&rates.row, to);
+                    by_time
                 };
-                let to = jacobian.row_mut(i);
-                for (column, entry) in structure.columns(k).iter().zip(&system.rate_rows.row) {
-                    column.add(*entry, to);
-                }
                 let shared = to[structure.first_shared(k)..].iter_mut().take(ends.times.count());
                 shared.enumerate().for_each(|(a, to)| *to += ends.times.factor(phase, a) * by_time);
             }
@@ -417,6 +442,7 @@ impl<D: PointDynamics> StagedProblem for Program<'_, D> {
             if part > 0 {
                 continue;
             }
+            self.work.torques.invalidate();
             for element in self.structure.layout.elements() {
                 let block = blocks.of(element);
                 match element {
@@ -428,6 +454,25 @@ impl<D: PointDynamics> StagedProblem for Program<'_, D> {
             self.set_gradient(blocks);
         }
         Ok(())
+    }
+
+    /// Gauss-Newton Hessians: without second derivatives of torques and rows. What depends on times and other
+    /// costs than that of torques keeps its own, so they are positive semidefinite where times are fixed and
+    /// only torques cost something. There are some where all torques do, without equations and without limits
+    /// of jerks and rates of torques.
+    fn convexify(&mut self, _: &[f64], weights: Weights<'_>, blocks: &mut Blocks) -> Result<bool, EvalError> {
+        let is_smooth = self.spline.mesh.shape.is_smooth();
+        let has_cost = weights.cost > LEAST_COST && self.running.effort.iter().all(|weight| *weight > 0.0);
+        if is_smooth || !self.structure.equalities.is_empty() || !has_cost {
+            return Ok(false);
+        }
+        let Self { spline, points, barrier, running, system, .. } = self;
+        system.exact = false;
+        system.collect(spline, points, barrier, running);
+        blocks.clear_hessians();
+        self.add_hessian(weights.cost, blocks);
+        self.system.exact = true;
+        Ok(true)
     }
 
     /// That of accelerations, as torques ([`Metric`](crate::direct::newton::metric::Metric)); of the times

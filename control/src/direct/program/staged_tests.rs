@@ -5,11 +5,12 @@ use crate::direct::limits::gait_rows::tests::{rabbit, rabbit_on_both_feet, seven
 use crate::direct::motion::shape::Shape;
 use crate::direct::newton::system::tests::case::{Case, Kind};
 use crate::direct::points::values::PointDynamics;
-use crate::direct::program::structure::Structure;
-use crate::direct::solve::prepare::interior;
+use crate::direct::program::structure::{Row, Structure};
+use crate::direct::solve::prepare::{Dynamics, interior};
 use crate::options::SolverOptions;
-use crate::problem::Problem;
+use crate::problem::{MotionLimits, Problem};
 use crate::task::build::TaskRows;
+use costate::robot::Robot;
 use costate_nlp::{Blocks, Layout, StagedProblem, Values, Weights};
 
 /// Weights of the rows of a layout.
@@ -29,10 +30,16 @@ struct Derivatives {
 
 fn derivatives<D: PointDynamics>(program: &mut Program<'_, D>, point: &[f64], cost: f64) -> Derivatives {
     let layout = program.layout().clone();
-    let (size, [y, v]) = (layout.steps(), weights(&layout));
+    let [y, v] = weights(&layout);
     let (mut values, mut blocks) = (Values::new(&layout), Blocks::new(&layout));
     program.evaluate(point, &mut values).unwrap();
     program.linearise(point, Weights { cost, equalities: &y, ranges: &v }, &mut blocks).unwrap();
+    summed(&layout, values, &mut blocks)
+}
+
+/// All elements together.
+fn summed(layout: &Layout, values: Values, blocks: &mut Blocks) -> Derivatives {
+    let size = layout.steps();
     let zeros = |count: usize| vec![vec![0.0; size]; count];
     let (mut equalities, mut ranges) = (zeros(layout.equalities()), zeros(layout.ranges()));
     let (mut gradient, mut hessian) = (vec![0.0; size], zeros(size));
@@ -133,7 +140,55 @@ fn derivatives_of_steps_are_those_of_their_values() {
     }
 }
 
+/// With one cost, that of torques, they are the squares of its derivatives, which limits of torques have too.
+#[test]
+fn convex_hessians_are_squares_of_torques() {
+    let robot = Robot::from_file("../robots/two_link.toml").unwrap();
+    let problem = Problem::rest_to_rest(robot, &[0.1, 0.2], &[1.5, 1.1], 0.8);
+    let problem = problem.with_limits(MotionLimits::none().with_torque_max(vec![80.0, 40.0]));
+    with_program(&problem, |program| {
+        let (point, layout) = (program.work.origin.clone(), program.layout().clone());
+        let (mut values, mut blocks) = (Values::new(&layout), Blocks::new(&layout));
+        let [y, v] = weights(&layout);
+        let weights = Weights { cost: 0.7, equalities: &y, ranges: &v };
+        program.evaluate(&point, &mut values).unwrap();
+        program.linearise(&point, weights, &mut blocks).unwrap();
+        let exact = summed(&layout, values.clone(), &mut blocks);
+        assert!(program.convexify(&point, weights, &mut blocks).unwrap());
+        let convex = summed(&layout, values, &mut blocks);
+        assert!(convex.gradient == exact.gradient && convex.ranges == exact.ranges);
+        let (spline, barrier) = (&program.spline, &program.barrier);
+        let weight = |row: &Row| {
+            let p = barrier.point_of(row.entry).unwrap();
+            0.7 * spline.duration()
+                * spline.mesh.point(p).1
+                * program.running.effort[barrier.side(row.entry).joint]
+        };
+        let weights: Vec<f64> = program.structure.ranges.iter().map(weight).collect();
+        let largest = convex.hessian.iter().flatten().fold(0.0, |most: f64, entry| most.max(entry.abs()));
+        for i in 0..layout.steps() {
+            for j in 0..layout.steps() {
+                let of = |(row, weight): (&Vec<f64>, &f64)| weight * row[i] * row[j];
+                let expected: f64 = convex.ranges.iter().zip(&weights).map(of).sum();
+                assert!((convex.hessian[i][j] - expected).abs() < 1e-12 * largest, "{i}, {j}");
+            }
+        }
+        let most = |a: &[Vec<f64>], b: &[Vec<f64>]| {
+            let pairs = a.iter().flatten().zip(b.iter().flatten());
+            pairs.fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()))
+        };
+        assert!(most(&exact.hessian, &convex.hessian) > 1e-3 * largest);
+        // The exact one comes back.
+        let again = derivatives(program, &point, 0.7);
+        assert_eq!(most(&exact.hessian, &again.hessian), 0.0);
+    });
+}
+
 fn check_problem(problem: &Problem) {
+    with_program(problem, |program| check(program, "a step"));
+}
+
+fn with_program(problem: &Problem, check: impl FnOnce(&mut Program<'_, Dynamics>)) {
     let rows = TaskRows::new(problem).unwrap();
     let options = SolverOptions::default().with_nodes(7);
     let mut interior = interior(problem, &rows, &options, 0, None);
@@ -152,5 +207,5 @@ fn check_problem(problem: &Problem) {
         ..
     } = &mut interior;
     let (structure, work) = (&structure, &mut work);
-    check(&mut Program { spline, points, barrier, running, model, system, ends, structure, work }, "a step");
+    check(&mut Program { spline, points, barrier, running, model, system, ends, structure, work });
 }

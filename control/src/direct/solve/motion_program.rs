@@ -213,6 +213,15 @@ impl StagedProblem for MotionProgram {
         self.program().linearise(point, weights, blocks)
     }
 
+    fn convexify(
+        &mut self,
+        point: &[f64],
+        weights: Weights<'_>,
+        blocks: &mut Blocks,
+    ) -> Result<bool, EvalError> {
+        self.program().convexify(point, weights, blocks)
+    }
+
     fn add_metric(&mut self, point: &[f64], factor: f64, blocks: &mut Blocks) -> Result<(), EvalError> {
         self.program().add_metric(point, factor, blocks)
     }
