@@ -265,6 +265,28 @@ impl Newton {
         step: &mut Step,
     ) -> Result<(), NoStep> {
         self.solve(layout, blocks, residuals, step);
+        self.finish(iterate, targets, step)
+    }
+
+    /// The same without refinement: enough to choose mu by.
+    pub fn rough_step(
+        &mut self,
+        layout: &Layout,
+        iterate: &Iterate,
+        blocks: &Blocks,
+        (residuals, targets): (&Residuals, &Targets),
+        step: &mut Step,
+    ) -> Result<(), NoStep> {
+        let mut right = std::mem::take(&mut self.right);
+        right.copy_negative(residuals);
+        self.solve_condensed(layout, blocks, &right, step);
+        in_widest!(self.complete(layout, blocks, (&right, step)));
+        self.right = right;
+        self.finish(iterate, targets, step)
+    }
+
+    /// The step of z from that of slacks.
+    fn finish(&self, iterate: &Iterate, targets: &Targets, step: &mut Step) -> Result<(), NoStep> {
         let Step { slacks, z, .. } = step;
         for (side, sign) in [(0, -1.0), (1, 1.0)] {
             in_widest!(set_multipliers(

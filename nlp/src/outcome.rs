@@ -18,6 +18,8 @@ pub enum Status {
     Stalled,
     /// The limit of iterations was reached.
     IterationLimit,
+    /// The time limit was reached.
+    TimeLimit,
     /// The observer asked to stop.
     Stopped,
 }

@@ -5,6 +5,7 @@ use crate::centrality::CentralitySettings;
 use crate::convex::ConvexSettings;
 use crate::filter::FilterSettings;
 use crate::newton::RegularisationSettings;
+use std::time::Duration;
 
 /// What steers a solution. Each group stands beside the algorithm that it steers.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,6 +17,8 @@ pub struct Settings {
     pub feasibility: f64,
     /// Most iterations.
     pub iterations: usize,
+    /// A solution begins no iteration after this time since its start; `None` for no limit.
+    pub time_limit: Option<Duration>,
     /// The barrier parameter.
     pub barrier: BarrierSettings,
     /// The line search.
@@ -34,6 +37,7 @@ impl Default for Settings {
             tolerance: 1e-8,
             feasibility: 1e-8,
             iterations: 1000,
+            time_limit: None,
             barrier: BarrierSettings::default(),
             filter: FilterSettings::default(),
             centrality: CentralitySettings::default(),

@@ -10,7 +10,7 @@ use crate::elements::Room;
 use crate::filter::Filter;
 use crate::iterate::{Bounds, Iterate, KktError, Residuals, Step};
 use crate::layout::{Element, Layout};
-use crate::newton::{Change, Newton};
+use crate::newton::{Change, Newton, NoStep};
 use crate::outcome::{Iteration, Solution, SolveError, Status};
 use crate::problem::StagedProblem;
 use crate::restoration::Places;
@@ -18,9 +18,14 @@ use crate::scaled::{Scaled, Scaling};
 use crate::settings::Settings;
 use crate::vectors::largest;
 use std::ops::ControlFlow;
+use std::time::Instant;
 
 /// Largest multipliers of equations that the first estimate may have: lambda_max of IPOPT.
 pub(crate) const LARGEST_ESTIMATE: f64 = 1e3;
+
+/// [`Newton::step`], or the one without refinement.
+type Solve =
+    fn(&mut Newton, &Layout, &Iterate, &Blocks, (&Residuals, &Targets), &mut Step) -> Result<(), NoStep>;
 
 /// Error up to which restoration solves its program: whether a minimum of the violation was found needs no
 /// more digits.
@@ -148,6 +153,8 @@ pub struct Solver {
 pub(crate) struct Progress {
     /// How it ended, once it has.
     pub ended: Option<Status>,
+    /// When it began, if there is a limit of time.
+    pub begun: Option<Instant>,
     /// Iterations, those of restoration too.
     pub number: usize,
     pub mu: f64,
@@ -202,8 +209,9 @@ impl Restoration {
         settings.centrality.correctors = 0;
         settings.tolerance = settings.tolerance.max(LEAST_VIOLATION);
         settings.feasibility = settings.tolerance;
-        // Its iterations are counted by the solution.
+        // Its iterations and its time are counted by the solution.
         settings.iterations = usize::MAX;
+        settings.time_limit = None;
         settings
     }
 }
@@ -215,6 +223,7 @@ impl Progress {
         let (mu, length, regularisation) = (0.0, 0.0, 0.0);
         Self {
             ended: Some(Status::Stopped),
+            begun: None,
             number: 0,
             mu,
             error,
@@ -337,6 +346,7 @@ impl Solver {
     ) -> Result<Option<Status>, SolveError<P::Error>> {
         // They belong to another solution.
         (self.active, self.progress) = (None, Progress::none());
+        self.progress.begun = self.settings.time_limit.map(|_| Instant::now());
         self.dependent.clear();
         self.newton.restart(self.settings.regularisation, self.settings.convex);
         self.scaling.take(problem.scales());
@@ -427,14 +437,17 @@ impl Solver {
 
     /// Whether the iterate is a solution, or there were enough of them.
     fn judge(&self) -> Option<Status> {
-        let Settings { tolerance, feasibility, iterations, .. } = self.settings;
-        let Progress { error, number, .. } = self.progress;
+        let Settings { tolerance, feasibility, iterations, time_limit, .. } = self.settings;
+        let Progress { error, number, begun, .. } = self.progress;
         let is_restoring = self.is_in_restoration();
         match () {
             () if !is_restoring && error.largest() <= tolerance && error.feasibility <= feasibility => {
                 Some(Status::Solved)
             }
             () if number >= iterations => Some(Status::IterationLimit),
+            () if time_limit.is_some_and(|most| begun.is_some_and(|begun| begun.elapsed() >= most)) => {
+                Some(Status::TimeLimit)
+            }
             () => None,
         }
     }
@@ -674,12 +687,16 @@ impl Solver {
 
     /// The step for this mu with the factors of the last factorisation; whether it is finite.
     fn step_for(&mut self, mu: f64) -> bool {
+        self.set_step(mu, Newton::step)
+    }
+
+    fn set_step(&mut self, mu: f64, solve: Solve) -> bool {
         let Self { layout, iterate, blocks, residuals, corrected, newton, step, progress, targets, .. } =
             self;
         corrected.copy_from(residuals);
         targets.iter_mut().for_each(|targets| targets.fill(mu));
         barrier_residuals(iterate, newton.reciprocals(), targets, corrected);
-        let is_found = newton.step(layout, iterate, blocks, (corrected, targets), step).is_ok();
+        let is_found = solve(newton, layout, iterate, blocks, (corrected, targets), step).is_ok();
         progress.decrement = corrected.decrement(step);
         is_found
     }
@@ -687,7 +704,7 @@ impl Solver {
     /// Chooses mu by the step for mu = 0; whether that is finite.
     fn choose_mu(&mut self, last: f64) -> bool {
         let before = self.progress.decrement.abs();
-        if !self.step_for(0.0) {
+        if !self.set_step(0.0, Newton::rough_step) {
             return false;
         }
         let Self { iterate, bounds, newton, step, progress, settings: Settings { barrier, .. }, .. } = self;

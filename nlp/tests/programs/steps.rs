@@ -9,6 +9,7 @@ use costate_nlp::{
     Values, Weights,
 };
 use std::ops::ControlFlow;
+use std::time::Duration;
 
 type Transfer = ByDuals<Collocated<BrysonDenham>>;
 
@@ -308,6 +309,30 @@ fn mu_falls_where_hessians_are_regularised() {
     let solution = solver.solve(&mut flat, &[0.5, 0.0]).unwrap();
     assert!(solution.status == Status::Solved && solution.point[0].abs() < 1e-7, "{solution:?}");
     assert!(solution.iterations < 30, "{}", solution.iterations);
+}
+
+#[test]
+fn solutions_end_at_their_time_limit() {
+    let (mut problem, start) = transfer(20);
+    let settings = Settings { time_limit: Some(Duration::ZERO), ..Settings::default() };
+    let mut solver = Solver::new(problem.layout(), settings);
+    let solution = solver.solve(&mut problem, &start).unwrap();
+    assert_eq!((solution.status, solution.iterations), (Status::TimeLimit, 0));
+    assert_eq!(solution.point, start);
+    // What is solved in time is solved, and the time begins with each solution.
+    solver.settings_mut().time_limit = Some(Duration::from_secs(3600));
+    assert_eq!(solver.solve(&mut problem, &start).unwrap().status, Status::Solved);
+    solver.settings_mut().time_limit = Some(Duration::from_millis(50));
+    let mut seen = 0;
+    let observer = |_| {
+        seen += 1;
+        std::thread::sleep(Duration::from_millis(30));
+        ControlFlow::Continue(())
+    };
+    let solution = solver.solve_observed(&mut problem, Start::at(&start), observer).unwrap();
+    // Two observations take longer than that.
+    assert!(solution.status == Status::TimeLimit && solution.iterations <= 2, "{solution:?}");
+    assert_eq!(seen, solution.iterations + 1);
 }
 
 /// A clone has room of its own for the filter, and settings may change between solutions.
