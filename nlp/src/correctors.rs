@@ -3,6 +3,7 @@
 use crate::barrier::{barrier_residuals, longest_steps};
 use crate::centrality::{CentralitySettings, set_targets};
 use crate::iterate::Step;
+use crate::newton::Accuracy;
 use crate::solve::Solver;
 
 impl Solver {
@@ -41,7 +42,9 @@ impl Solver {
             let range = products.map(|part| part * mu);
             set_targets(targets, targets_before, (iterate, step, newton.reciprocals()), wanted, range);
             barrier_residuals(iterate, newton.reciprocals(), targets, corrected);
-            let is_found = newton.step(layout, iterate, blocks, (corrected, targets), correction).is_ok();
+            let is_found = newton
+                .step(layout, iterate, blocks, (corrected, targets), (Accuracy::Refined, correction))
+                .is_ok();
             let found = lengths(self, &self.correction);
             let [before, after, most] = [reached, found, wanted].map(|lengths| lengths[0] + lengths[1]);
             let is_longer = found[0] >= reached[0] && found[1] >= reached[1];

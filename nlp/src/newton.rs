@@ -61,6 +61,15 @@ pub(crate) enum NoStep {
     NotFinite,
 }
 
+/// How exactly a step solves its equations.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Accuracy {
+    /// As the factors do.
+    Rough,
+    /// Refined by the residual of the whole system.
+    Refined,
+}
+
 /// How W changes where the inertia is wrong.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Change {
@@ -262,31 +271,9 @@ impl Newton {
         iterate: &Iterate,
         blocks: &Blocks,
         (residuals, targets): (&Residuals, &Targets),
-        step: &mut Step,
+        (accuracy, step): (Accuracy, &mut Step),
     ) -> Result<(), NoStep> {
-        self.solve(layout, blocks, residuals, step);
-        self.finish(iterate, targets, step)
-    }
-
-    /// The same without refinement: enough to choose mu by.
-    pub fn rough_step(
-        &mut self,
-        layout: &Layout,
-        iterate: &Iterate,
-        blocks: &Blocks,
-        (residuals, targets): (&Residuals, &Targets),
-        step: &mut Step,
-    ) -> Result<(), NoStep> {
-        let mut right = std::mem::take(&mut self.right);
-        right.copy_negative(residuals);
-        self.solve_condensed(layout, blocks, &right, step);
-        in_widest!(self.complete(layout, blocks, (&right, step)));
-        self.right = right;
-        self.finish(iterate, targets, step)
-    }
-
-    /// The step of z from that of slacks.
-    fn finish(&self, iterate: &Iterate, targets: &Targets, step: &mut Step) -> Result<(), NoStep> {
+        self.solve(layout, blocks, residuals, (accuracy, step));
         let Step { slacks, z, .. } = step;
         for (side, sign) in [(0, -1.0), (1, 1.0)] {
             in_widest!(set_multipliers(
@@ -300,15 +287,30 @@ impl Newton {
         if step.is_finite() { Ok(()) } else { Err(NoStep::NotFinite) }
     }
 
-    /// The step of x, slacks, y and v, refined.
-    fn solve(&mut self, layout: &Layout, blocks: &Blocks, residuals: &Residuals, step: &mut Step) {
+    /// The step of x, slacks, y and v.
+    fn solve(
+        &mut self,
+        layout: &Layout,
+        blocks: &Blocks,
+        residuals: &Residuals,
+        (accuracy, step): (Accuracy, &mut Step),
+    ) {
         let mut right = std::mem::take(&mut self.right);
         right.copy_negative(residuals);
+        self.solve_condensed(layout, blocks, &right, step);
+        match accuracy {
+            Accuracy::Rough => in_widest!(self.complete(layout, blocks, (&right, step))),
+            Accuracy::Refined => self.refine(layout, blocks, &right, step),
+        }
+        self.right = right;
+    }
+
+    /// Completes the step of x and y, and refines it.
+    fn refine(&mut self, layout: &Layout, blocks: &Blocks, right: &Residuals, step: &mut Step) {
         let size = right.largest();
         let (mut residual, mut correction) =
             (std::mem::take(&mut self.residual), std::mem::take(&mut self.correction));
-        self.solve_condensed(layout, blocks, &right, step);
-        in_widest!(self.set_residual(layout, blocks, (&right, step), &mut residual, true));
+        in_widest!(self.set_residual(layout, blocks, (right, step), &mut residual, true));
         let mut before = f64::INFINITY;
         for round in 0..=REFINEMENTS {
             let error = residual.largest();
@@ -325,10 +327,9 @@ impl Newton {
             self.solve_condensed(layout, blocks, &residual, &mut correction);
             in_widest!(self.complete(layout, blocks, (&residual, &mut correction)));
             step.add(&correction);
-            in_widest!(self.set_residual(layout, blocks, (&right, step), &mut residual, false));
+            in_widest!(self.set_residual(layout, blocks, (right, step), &mut residual, false));
         }
         (self.residual, self.correction) = (residual, correction);
-        self.right = right;
     }
 
     /// The step of x and y.

@@ -3,6 +3,7 @@
 use crate::barrier::{barrier_residuals, longest_steps, slope};
 use crate::elements::gather;
 use crate::filter::{Acceptance, Measure};
+use crate::newton::Accuracy;
 use crate::outcome::SolveError;
 use crate::problem::StagedProblem;
 use crate::scaled::Scaled;
@@ -95,7 +96,10 @@ impl Solver {
             for (i, to) in corrected.ranges.iter_mut().enumerate() {
                 *to = alpha * *to + trial.values.ranges[i] - trial.slacks[i];
             }
-            if newton.step(layout, iterate, blocks, (corrected, targets), correction).is_err() {
+            if newton
+                .step(layout, iterate, blocks, (corrected, targets), (Accuracy::Refined, correction))
+                .is_err()
+            {
                 break;
             }
             let [longest, of_multipliers] = longest_steps(iterate, newton.reciprocals(), correction, tau);

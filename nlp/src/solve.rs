@@ -10,7 +10,7 @@ use crate::elements::Room;
 use crate::filter::Filter;
 use crate::iterate::{Bounds, Iterate, KktError, Residuals, Step};
 use crate::layout::{Element, Layout};
-use crate::newton::{Change, Newton, NoStep};
+use crate::newton::{Accuracy, Change, Newton};
 use crate::outcome::{Iteration, Solution, SolveError, Status};
 use crate::problem::StagedProblem;
 use crate::restoration::Places;
@@ -22,10 +22,6 @@ use std::time::Instant;
 
 /// Largest multipliers of equations that the first estimate may have: lambda_max of IPOPT.
 pub(crate) const LARGEST_ESTIMATE: f64 = 1e3;
-
-/// [`Newton::step`], or the one without refinement.
-type Solve =
-    fn(&mut Newton, &Layout, &Iterate, &Blocks, (&Residuals, &Targets), &mut Step) -> Result<(), NoStep>;
 
 /// Error up to which restoration solves its program: whether a minimum of the violation was found needs no
 /// more digits.
@@ -445,7 +441,7 @@ impl Solver {
                 Some(Status::Solved)
             }
             () if number >= iterations => Some(Status::IterationLimit),
-            () if time_limit.is_some_and(|most| begun.is_some_and(|begun| begun.elapsed() >= most)) => {
+            () if begun.zip(time_limit).is_some_and(|(begun, most)| begun.elapsed() >= most) => {
                 Some(Status::TimeLimit)
             }
             () => None,
@@ -597,7 +593,7 @@ impl Solver {
             let tau = barrier.part_of_way(mu);
             let mut length = self.search(problem, (mu, tau))?;
             // Without correctors the step is one of descent.
-            if length.is_none() && self.is_corrected && self.step_for(mu) {
+            if length.is_none() && self.is_corrected && self.step_for(mu, Accuracy::Refined) {
                 length = self.search(problem, (mu, tau))?;
             }
             if let Some(length) = length {
@@ -680,23 +676,19 @@ impl Solver {
         if has_bounds && !self.choose_mu(last) {
             return Ok(false);
         }
-        let is_found = self.step_for(self.progress.mu);
+        let is_found = self.step_for(self.progress.mu, Accuracy::Refined);
         self.is_corrected = is_found && has_bounds && self.correct_products(self.progress.mu);
         Ok(is_found)
     }
 
     /// The step for this mu with the factors of the last factorisation; whether it is finite.
-    fn step_for(&mut self, mu: f64) -> bool {
-        self.set_step(mu, Newton::step)
-    }
-
-    fn set_step(&mut self, mu: f64, solve: Solve) -> bool {
+    fn step_for(&mut self, mu: f64, accuracy: Accuracy) -> bool {
         let Self { layout, iterate, blocks, residuals, corrected, newton, step, progress, targets, .. } =
             self;
         corrected.copy_from(residuals);
         targets.iter_mut().for_each(|targets| targets.fill(mu));
         barrier_residuals(iterate, newton.reciprocals(), targets, corrected);
-        let is_found = solve(newton, layout, iterate, blocks, (corrected, targets), step).is_ok();
+        let is_found = newton.step(layout, iterate, blocks, (corrected, targets), (accuracy, step)).is_ok();
         progress.decrement = corrected.decrement(step);
         is_found
     }
@@ -704,7 +696,7 @@ impl Solver {
     /// Chooses mu by the step for mu = 0; whether that is finite.
     fn choose_mu(&mut self, last: f64) -> bool {
         let before = self.progress.decrement.abs();
-        if !self.set_step(0.0, Newton::rough_step) {
+        if !self.step_for(0.0, Accuracy::Rough) {
             return false;
         }
         let Self { iterate, bounds, newton, step, progress, settings: Settings { barrier, .. }, .. } = self;
