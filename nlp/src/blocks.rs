@@ -111,7 +111,7 @@ impl Units {
 }
 
 impl Block {
-    /// Notes which rows of Jacobians have one entry other than zero.
+    /// Notes which rows of Jacobians have few entries other than zero.
     #[inline(always)]
     pub(crate) fn set_patterns(&mut self) {
         self.equality_pattern.set(&self.equalities);
@@ -137,8 +137,8 @@ impl Blocks {
                 hessian: Dense::zeros(width, width),
                 equalities: Dense::zeros(rows.equalities, width),
                 ranges: Dense::zeros(rows.ranges, width),
-                equality_pattern: Pattern::dense(rows.equalities),
-                range_pattern: Pattern::dense(rows.ranges),
+                equality_pattern: Pattern::with_room(rows.equalities, width),
+                range_pattern: Pattern::with_room(rows.ranges, width),
             }
         };
         let units = Units::ones(layout);

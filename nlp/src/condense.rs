@@ -115,9 +115,12 @@ fn add_squares<const FUSED: bool>(
     columns: &[f64],
     weighted: &mut [f64],
 ) {
-    for &(row, column, entry) in &pattern.single {
-        let entry = factors[row] * columns[column] * entry;
-        hessian[(column, column)] += weights[row] * entry * entry;
+    for (row, entries) in pattern.sparse() {
+        let scaled = |(column, entry): (usize, f64)| factors[row] * columns[column] * entry;
+        for (at, &first) in entries.iter().enumerate() {
+            let (factor, to) = (weights[row] * scaled(first), hessian.row_mut(first.0));
+            entries[at..].iter().for_each(|&second| to[second.0] += factor * scaled(second));
+        }
     }
     let (stride, count) = (hessian.columns(), pattern.dense.len());
     if count == 0 || stride == 0 {
@@ -152,7 +155,7 @@ mod tests {
         let mut random = fastrand::Rng::with_seed(3);
         let mut number = || random.f64() - 0.5;
         for width in 1..36 {
-            let ranges = width % 7;
+            let ranges = width % 11;
             let layout =
                 Layout::new(vec![width], vec![], 0).with_rows(Element::Node(0), Rows::new(1, ranges));
             let mut blocks = Blocks::new(&layout);
@@ -161,9 +164,14 @@ mod tests {
             let block = blocks.of(Element::Node(0));
             block.hessian.entries_mut().iter_mut().for_each(|entry| *entry = number());
             block.ranges.entries_mut().iter_mut().for_each(|entry| *entry = number());
-            if ranges > 1 {
-                block.ranges.row_mut(1).fill(0.0);
-                block.ranges[(1, width / 2)] = 2.0;
+            // One entry, and three.
+            for (row, count) in [(1, 1), (2, 3)] {
+                if row < ranges {
+                    block.ranges.row_mut(row).fill(0.0);
+                    (0..count).for_each(|at| {
+                        block.ranges[(row, (at * width / 3).max(width / 7))] = 2.0 + at as f64
+                    });
+                }
             }
             block.set_patterns();
             let weights: Vec<f64> = (0..ranges).map(|_| 1.0 + number()).collect();

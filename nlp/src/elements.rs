@@ -2,7 +2,7 @@
 
 use crate::dense::Dense;
 use crate::layout::{Element, Layout};
-use crate::tiles::{LANES, Sums, add_all_rows, add_rows, fused, only_entry, products};
+use crate::tiles::{LANES, Sums, add_all_rows, add_entries, add_rows, fused, products};
 
 /// A square matrix of zeros for each element, its rows padded for tiles.
 pub(crate) fn squares(layout: &Layout) -> Vec<Dense> {
@@ -40,31 +40,61 @@ pub(crate) struct Jacobian<'a> {
     pub factors: &'a [f64],
 }
 
-/// Which rows of a Jacobian have one entry that is not zero, such as limits of one unknown.
+/// Rows with more entries that are not zero, or more than one in four, are dense ones: from there on products
+/// of whole vectors are faster than those of single entries.
+const MOST_ENTRIES: usize = 8;
+
+/// Most entries of sparse rows of this length.
+fn most_entries(width: usize) -> usize {
+    (width / 4).clamp(1, MOST_ENTRIES)
+}
+
+/// Which rows of a Jacobian have few entries that are not zero, such as limits of one unknown, or of a joint
+/// at a point between nodes.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Pattern {
-    /// Row, column and entry.
-    pub single: Vec<(usize, usize, f64)>,
+    /// Rows, and where their entries end in the list of all of them.
+    sparse: Vec<(usize, usize)>,
+    /// Columns in their order, and entries.
+    entries: Vec<(usize, f64)>,
     pub dense: Vec<usize>,
 }
 
 impl Pattern {
-    /// Of so many rows, all dense.
+    /// Of so many rows, all dense, for good.
     pub fn dense(rows: usize) -> Self {
-        Self { single: Vec::with_capacity(rows), dense: (0..rows).collect() }
+        Self { dense: (0..rows).collect(), ..Self::default() }
+    }
+
+    /// With room for that of so many rows of this length.
+    pub fn with_room(rows: usize, width: usize) -> Self {
+        let entries = Vec::with_capacity(most_entries(width) * rows);
+        Self { sparse: Vec::with_capacity(rows), entries, ..Self::dense(rows) }
     }
 
     /// That of these rows.
     #[inline(always)]
     pub fn set(&mut self, rows: &Dense) {
-        self.single.clear();
+        self.sparse.clear();
+        self.entries.clear();
         self.dense.clear();
         for i in 0..rows.rows() {
-            match only_entry(rows.row(i)) {
-                Some(column) => self.single.push((i, column, rows[(i, column)])),
-                None => self.dense.push(i),
+            match add_entries(rows.row(i), most_entries(rows.columns()), &mut self.entries) {
+                true => self.sparse.push((i, self.entries.len())),
+                false => self.dense.push(i),
             }
         }
+    }
+
+    /// The rows with few entries: columns in their order, and entries.
+    #[inline(always)]
+    pub fn sparse(&self) -> impl Iterator<Item = (usize, &[(usize, f64)])> {
+        let mut first = 0;
+        self.sparse.iter().map(move |&(row, end)| {
+            let entries = &self.entries[first..end];
+            first = end;
+            (row, entries)
+        })
     }
 
     /// The dense rows, four at a time; the last ones are repeated.
@@ -108,8 +138,8 @@ pub(crate) fn times<const FUSED: bool>(
     to: &mut [f64],
     sums: &mut Sums,
 ) {
-    for &(i, column, entry) in &pattern.single {
-        to[i] = factors[i] * entry * d[column];
+    for (i, entries) in pattern.sparse() {
+        to[i] = factors[i] * entries.iter().map(|&(column, entry)| entry * d[column]).sum::<f64>();
     }
     for places in pattern.fours() {
         let found = products::<FUSED>(places.map(|i| rows.row(i)), d, sums);
@@ -124,8 +154,11 @@ pub(crate) fn add_transposed<const FUSED: bool>(
     y: &[f64],
     to: &mut [f64],
 ) {
-    for &(i, column, entry) in &pattern.single {
-        to[column] = fused::<FUSED>(factors[i] * entry, y[i], to[column]);
+    for (i, entries) in pattern.sparse() {
+        let factor = factors[i] * y[i];
+        for &(column, entry) in entries {
+            to[column] = fused::<FUSED>(factor, entry, to[column]);
+        }
     }
     let row = |&i: &usize| (rows.row(i), factors[i] * y[i]);
     add_all_rows::<FUSED>(pattern.dense.iter().map(row), to);
@@ -165,7 +198,7 @@ pub(crate) fn add_symmetric<const FUSED: bool>(hessian: &Dense, d: &[f64], to: &
 
 #[cfg(test)]
 mod tests {
-    use super::{Jacobian, Pattern, add_symmetric, add_transposed, times};
+    use super::{Jacobian, MOST_ENTRIES, Pattern, add_symmetric, add_transposed, most_entries, times};
     use crate::dense::Dense;
     use crate::tiles::Sums;
 
@@ -180,35 +213,39 @@ mod tests {
                 matrix.entries_mut().iter_mut().for_each(|entry| *entry = number());
                 matrix
             };
-            let (hessian, mut jacobian) = (dense(n), dense(1 + n % 11));
-            if n > 0 {
-                // A limit of one unknown.
-                jacobian.row_mut(0).fill(0.0);
-                jacobian[(0, n / 2)] = 3.0;
+            // Full rows, then one without entries, with one, two and so on.
+            let full = 1 + n % 6;
+            let rows = full + 1 + (MOST_ENTRIES + 1).min(n);
+            let (hessian, mut jacobian) = (dense(n), dense(rows));
+            for count in 0..rows - full {
+                let row = jacobian.row_mut(full + count);
+                row.fill(0.0);
+                (0..count).for_each(|entry| row[n - 1 - entry * n / count] = 3.0 - entry as f64 / 7.0);
             }
-            let mut pattern = Pattern::dense(jacobian.rows());
+            let mut pattern = Pattern::with_room(rows, n);
             pattern.set(&jacobian);
-            assert_eq!(
-                pattern.single.len(),
-                usize::from(n > 0) + if n == 1 { jacobian.rows() - 1 } else { 0 }
-            );
+            let most = most_entries(n);
+            let few = (0..rows).filter(|&i| if i < full { n <= most } else { i - full <= most });
+            assert!(pattern.sparse().map(|(i, _)| i).eq(few), "{n}");
             let mut vector = |len: usize| -> Vec<f64> { (0..len).map(|_| number()).collect() };
             let (d, start) = (vector(n), vector(n));
             let (y, factors) = (vector(jacobian.rows()), vector(jacobian.rows()));
-            let rows = Jacobian { rows: &jacobian, pattern: &pattern, factors: &factors };
-            let (mut sums, mut found) = (Sums::default(), start.clone());
-            add_symmetric::<false>(&hessian, &d, &mut found, &mut sums);
-            add_transposed::<false>(rows, &y, &mut found);
-            for i in 0..n {
-                let of_hessian: f64 = (0..n).map(|j| hessian[(i.min(j), i.max(j))] * d[j]).sum();
-                let of_rows: f64 = (0..y.len()).map(|r| jacobian[(r, i)] * factors[r] * y[r]).sum();
-                assert!((found[i] - start[i] - of_hessian - of_rows).abs() < 1e-13, "{n} {i}");
-            }
-            let mut products = vec![f64::NAN; y.len()];
-            times::<false>(rows, &d, &mut products, &mut sums);
-            for (r, product) in products.iter().enumerate() {
-                let expected: f64 = (0..n).map(|j| jacobian[(r, j)] * d[j]).sum();
-                assert!((product - factors[r] * expected).abs() < 1e-13, "{n} {r}");
+            for pattern in [&pattern, &Pattern::dense(rows)] {
+                let rows = Jacobian { rows: &jacobian, pattern, factors: &factors };
+                let (mut sums, mut found) = (Sums::default(), start.clone());
+                add_symmetric::<false>(&hessian, &d, &mut found, &mut sums);
+                add_transposed::<false>(rows, &y, &mut found);
+                for i in 0..n {
+                    let of_hessian: f64 = (0..n).map(|j| hessian[(i.min(j), i.max(j))] * d[j]).sum();
+                    let of_rows: f64 = (0..y.len()).map(|r| jacobian[(r, i)] * factors[r] * y[r]).sum();
+                    assert!((found[i] - start[i] - of_hessian - of_rows).abs() < 1e-13, "{n} {i}");
+                }
+                let mut products = vec![f64::NAN; y.len()];
+                times::<false>(rows, &d, &mut products, &mut sums);
+                for (r, product) in products.iter().enumerate() {
+                    let expected: f64 = (0..n).map(|j| jacobian[(r, j)] * d[j]).sum();
+                    assert!((product - factors[r] * expected).abs() < 1e-13, "{n} {r}");
+                }
             }
         }
     }

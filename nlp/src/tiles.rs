@@ -19,9 +19,9 @@ pub(crate) fn fused<const FUSED: bool>(a: f64, b: f64, c: f64) -> f64 {
     if FUSED { a.mul_add(b, c) } else { a * b + c }
 }
 
-/// The largest absolute value.
+/// The largest absolute value, without what is not a number.
 #[inline(always)]
-pub(crate) fn largest(values: &[f64]) -> f64 {
+pub(crate) fn largest_number(values: &[f64]) -> f64 {
     let larger = |a: f64, b: f64| if b > a { b } else { a };
     // From the end: padding makes it a multiple of the vectors.
     let (rest, chunks) = values.as_rchunks::<LANES>();
@@ -389,27 +389,33 @@ pub(crate) fn add(to: &mut [f64], values: &[f64]) {
     }
 }
 
-/// The place of the only entry that is not zero, if there is one.
+/// Adds the places of the entries that are not zero to a list, with their values; whether they are `most` or
+/// fewer. If not, the list is as before.
 #[inline(always)]
-pub(crate) fn only_entry(row: &[f64]) -> Option<usize> {
+pub(crate) fn add_entries(row: &[f64], most: usize, to: &mut Vec<(usize, f64)>) -> bool {
     let (chunks, rest) = row.as_chunks::<LANES>();
-    let mut found = None;
+    let before = to.len();
     for (i, chunk) in chunks.iter().enumerate() {
         let mut lanes = 0_u32;
         for lane in 0..LANES {
             lanes |= u32::from(chunk[lane] != 0.0) << lane;
         }
-        if lanes != 0 {
-            if found.is_some() || !lanes.is_power_of_two() {
-                return None;
-            }
-            found = Some(LANES * i + lanes.trailing_zeros() as usize);
+        if to.len() - before + lanes.count_ones() as usize > most {
+            to.truncate(before);
+            return false;
+        }
+        while lanes != 0 {
+            let lane = lanes.trailing_zeros() as usize;
+            to.push((LANES * i + lane, chunk[lane]));
+            lanes &= lanes - 1;
         }
     }
-    for (i, _) in rest.iter().enumerate().filter(|(_, entry)| **entry != 0.0) {
-        if found.replace(LANES * chunks.len() + i).is_some() {
-            return None;
+    for (i, &entry) in rest.iter().enumerate().filter(|(_, entry)| **entry != 0.0) {
+        if to.len() - before == most {
+            to.truncate(before);
+            return false;
         }
+        to.push((LANES * chunks.len() + i, entry));
     }
-    found
+    true
 }

@@ -12,7 +12,7 @@
 //! long as pivots are accepted in their order, the lower triangle is enough; the first column that is
 //! refused completes the square of the candidates, so that every column has all of its entries.
 
-use crate::tiles::{LANES, PANEL, Sums, add, factor_square, largest, scale, solve_panel, update};
+use crate::tiles::{LANES, PANEL, Sums, add, factor_square, largest_number, scale, solve_panel, update};
 
 /// Threshold u of pivots.
 ///
@@ -284,14 +284,16 @@ impl Front {
     fn largest_beside(&self, j: usize, i: usize, r: usize) -> f64 {
         let column = &self.entries[j * self.stride..][..self.stride];
         let first = self.eliminated;
-        largest(&column[first..i]).max(largest(&column[i + 1..r])).max(largest(&column[r + 1..]))
+        largest_number(&column[first..i])
+            .max(largest_number(&column[i + 1..r]))
+            .max(largest_number(&column[r + 1..]))
     }
 
     /// A pivot of column j, which is up to date, by itself or with a partner, if one is acceptable.
     #[inline(always)]
     fn judge<const FUSED: bool>(&mut self, j: usize, candidates: usize, best: &mut Best) -> Option<Choice> {
         let column = &self.entries[j * self.stride..][..self.stride];
-        let most = largest(&column[self.eliminated.min(j)..j]).max(largest(&column[j + 1..]));
+        let most = largest_number(&column[self.eliminated.min(j)..j]).max(largest_number(&column[j + 1..]));
         let diagonal = column[j].abs();
         if most.max(diagonal) <= ZERO * self.sizes[j] {
             return Some(Choice::Zero(j));
@@ -365,7 +367,7 @@ impl Front {
         let reciprocals = factor_square::<FUSED>(&mut square);
         let mut is_accepted = true;
         for (j, column) in square.iter().enumerate() {
-            let (pivot, most) = (column[j].abs(), largest(&column[j + 1..]));
+            let (pivot, most) = (column[j].abs(), largest_number(&column[j + 1..]));
             is_accepted &= pivot > ZERO * self.sizes[k + j] && pivot >= THRESHOLD * most;
         }
         if !(definite || is_accepted) {
@@ -376,7 +378,7 @@ impl Front {
         if !definite {
             for (j, pivots) in square.iter().enumerate() {
                 let column = &products[j * stride + k + PANEL..(j + 1) * stride];
-                is_accepted &= pivots[j].abs() >= THRESHOLD * largest(column);
+                is_accepted &= pivots[j].abs() >= THRESHOLD * largest_number(column);
             }
             if !is_accepted {
                 return false;
