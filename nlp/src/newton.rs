@@ -20,6 +20,8 @@ use crate::elements::{Room, add_symmetric, add_transposed, gather, scatter, time
 use crate::iterate::{Bounds, Iterate, Residuals, Step};
 use crate::kkt::{Chain, Inertia};
 use crate::layout::Layout;
+use crate::problem::StagedProblem;
+use crate::scaled::Scaled;
 use crate::tiles::fused;
 use costate_numerics::in_widest;
 use std::ops::Range;
@@ -68,15 +70,6 @@ pub(crate) enum Accuracy {
     Rough,
     /// Refined by the residual of the whole system.
     Refined,
-}
-
-/// How W changes where the inertia is wrong.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Change {
-    /// A convex one takes its place, if there is any.
-    Convexify,
-    /// This multiple of the metric is added.
-    AddMetric(f64),
 }
 
 /// Workspace.
@@ -149,33 +142,32 @@ impl Newton {
         self.chain.zeros().iter().filter_map(move |row| row.checked_sub(steps))
     }
 
-    /// Factors the matrix at an iterate, with the changes of the Hessians that its inertia asks for: `change`
-    /// makes one, and says whether it did.
-    pub fn factorise<E>(
+    /// Factors the matrix at an iterate. Where its inertia is wrong, a convex Hessian of the program takes
+    /// the place of W, or multiples of its metric are added.
+    pub fn factorise<P: StagedProblem>(
         &mut self,
         layout: &Layout,
-        at: (&Iterate, &Bounds),
+        (iterate, bounds): (&Iterate, &Bounds),
         blocks: &mut Blocks,
-        mut change: impl FnMut(Change, &mut Blocks) -> Result<bool, E>,
-    ) -> Result<Result<(), NoStep>, E> {
-        self.begin(at);
-        let mut may_be_convex = true;
+        problem: &mut Scaled<'_, P>,
+    ) -> Result<Result<(), NoStep>, P::Error> {
+        self.begin(iterate, bounds);
+        let (point, mut may_be_convex) = (&iterate.point, true);
         while !self.factorise_once(layout, blocks) {
-            if std::mem::take(&mut may_be_convex)
-                && self.convex.may_begin()
-                && change(Change::Convexify, blocks)?
-            {
+            let tries_convex = std::mem::take(&mut may_be_convex) && self.convex.may_begin();
+            let more = if tries_convex && problem.convexify(point, 1.0, blocks)? {
                 self.is_convexified = true;
                 self.regularisation = self.convex.begin().min(self.settings.largest);
-                if self.regularisation > 0.0 {
-                    change(Change::AddMetric(self.regularisation), blocks)?;
+                self.regularisation
+            } else {
+                match self.regularise() {
+                    Ok(more) => more,
+                    Err(no_step) => return Ok(Err(no_step)),
                 }
-                continue;
-            }
-            match self.regularise() {
-                Ok(more) => change(Change::AddMetric(more), blocks)?,
-                Err(no_step) => return Ok(Err(no_step)),
             };
+            if more > 0.0 {
+                problem.add_metric(point, more, blocks)?;
+            }
         }
         Ok(Ok(()))
     }
@@ -188,7 +180,7 @@ impl Newton {
     }
 
     /// Begins without regularisation.
-    fn begin(&mut self, (iterate, bounds): (&Iterate, &Bounds)) {
+    fn begin(&mut self, iterate: &Iterate, bounds: &Bounds) {
         in_widest!(self.set_weights(iterate, bounds));
         (self.regularisation, self.is_convexified) = (0.0, false);
     }

@@ -210,7 +210,11 @@ impl Chain {
             }
             let is_last = k + 1 == count;
             front.eliminate::<FUSED>(candidates, definite, is_last);
-            factors.take(front, carried.waiting().iter().chain(&*own).chain(&*shared).copied());
+            let waiting = carried.waiting();
+            factors.take(front, |place| match place.checked_sub(delayed) {
+                None => waiting[place],
+                Some(place) => own.get(place).copied().unwrap_or_else(|| shared[place - own.len()]),
+            });
             factors.zeros(zeros);
             for pivot in &factors.pivots {
                 count_pivot(pivot, &mut inertia);

@@ -14,8 +14,6 @@ pub(super) struct Factors {
     stride: usize,
     /// The columns of the eliminated rows with padding, and columns of zeros up to a multiple of four.
     columns: Vec<f64>,
-    /// The rows as they were assembled.
-    assembled: Vec<usize>,
 }
 
 impl Factors {
@@ -26,17 +24,16 @@ impl Factors {
             rows: Vec::with_capacity(size),
             pivots: Vec::with_capacity(own),
             columns: Vec::with_capacity((own + LANES) * size),
-            assembled: Vec::with_capacity(size),
             ..Self::default()
         }
     }
 
-    /// Takes the eliminated columns, and the order of rows, which are those of the front as assembled.
-    pub fn take(&mut self, front: &Front, rows: impl Iterator<Item = usize>) {
-        self.assembled.clear();
-        self.assembled.extend(rows);
+    /// Takes the eliminated columns, and the order of rows; `row` is that at a place of the front as it was
+    /// assembled.
+    #[inline(always)]
+    pub fn take(&mut self, front: &Front, row: impl Fn(usize) -> usize) {
         self.rows.clear();
-        self.rows.extend(front.order.iter().map(|&place| self.assembled[place]));
+        self.rows.extend(front.order.iter().map(|&place| row(place)));
         self.pivots.clear();
         self.pivots.extend_from_slice(&front.pivots);
         (self.eliminated, self.stride) = (front.eliminated, front.stride());
