@@ -84,6 +84,11 @@ pub(crate) struct Active {
     /// Entries and rows of one element.
     local: Room,
     products: Vec<f64>,
+    /// Rates of a Newton step, and the step.
+    pub newton: [Changes; 2],
+    /// Whether the ranges are those that the last iterate holds, and the factors those there.
+    pub has_held: bool,
+    pub is_factored: bool,
 }
 
 /// Changes of a solution, or right-hand sides of their equations.
@@ -133,11 +138,20 @@ impl Active {
             residual: vec![0.0; size],
             local: Room::new(layout),
             products: vec![0.0; size - layout.steps()],
+            newton: [Changes::zeros(layout), Changes::zeros(layout)],
+            has_held: false,
+            is_factored: false,
         }
+    }
+
+    /// What is known belongs to another iterate.
+    pub fn forget(&mut self) {
+        (self.has_held, self.is_factored) = (false, false);
     }
 
     /// Finds which ranges an iterate holds.
     pub fn hold(&mut self, iterate: &Iterate, bounds: &Bounds) {
+        (self.has_held, self.is_factored) = (true, false);
         for (i, held) in self.held.iter_mut().enumerate() {
             // Of both bounds of a narrow range: what they do not cancel.
             let (v, [below, above]) = (iterate.v[i], bounds.gaps(&iterate.slacks, i));
@@ -157,6 +171,7 @@ impl Active {
 
     /// Factors K, with weakly held ranges as equations or without them.
     pub fn factorise(&mut self, layout: &Layout, blocks: &Blocks, with_weak: bool) -> Curvature {
+        self.is_factored = true;
         let holds = |held: Held| match held {
             Held::Free => false,
             Held::Weakly => with_weak,

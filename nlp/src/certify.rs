@@ -1,7 +1,7 @@
 //! What a solver can say about its last solution: second-order conditions, digits, derivatives.
 
 use crate::active::{Active, Certificate, Changes, Held};
-use crate::iterate::{Bounds, KktError};
+use crate::iterate::KktError;
 use crate::outcome::SolveError;
 use crate::problem::StagedProblem;
 use crate::scaled::Scaled;
@@ -20,7 +20,7 @@ impl Solver {
     ///
     /// Convergence of an interior-point method with the right inertia certifies a minimum of the barrier
     /// problem alone. Here the ranges that are held with a multiplier are equations, and neither the barrier
-    /// nor a regularisation counts.
+    /// nor a regularisation counts. The program has the bounds and scales that it was solved with.
     ///
     /// # Errors
     /// [`SolveError`].
@@ -28,8 +28,9 @@ impl Solver {
         &mut self,
         problem: &mut P,
     ) -> Result<Certificate, SolveError<P::Error>> {
-        let (mut active, bounds) = self.take_active(problem)?;
-        let certificate = match self.iterate.error(&bounds, &self.residuals, 0.0).largest() <= STATIONARY {
+        let mut active = self.take_active(problem)?;
+        let error = self.iterate.error(&self.bounds, &self.residuals, 0.0);
+        let certificate = match error.largest() <= STATIONARY {
             true => active.certify(&self.layout, &self.blocks),
             false => Certificate::NotStationary,
         };
@@ -40,7 +41,7 @@ impl Solver {
     /// Which ranges the last solution holds, by [`certify`](Self::certify) or [`refine`](Self::refine); empty
     /// before.
     pub fn held(&self) -> &[Held] {
-        self.active.as_ref().map_or(&[], |active| &active.held)
+        self.active.as_ref().filter(|active| active.has_held).map_or(&[], |active| &active.held)
     }
 
     /// Newton steps on the set of ranges that the last solution holds: they lie on their bounds then, and the
@@ -54,8 +55,13 @@ impl Solver {
         problem: &mut P,
         tolerance: f64,
     ) -> Result<KktError, SolveError<P::Error>> {
-        let (mut active, _) = self.take_active(problem)?;
-        let outcome = self.refine_with(problem, &mut active, tolerance);
+        let mut active = self.take_active(problem)?;
+        let none = || Changes { x: Vec::new(), equalities: Vec::new(), ranges: Vec::new() };
+        let mut room = std::mem::replace(&mut active.newton, [none(), none()]);
+        let outcome = self.with_scaled(problem, |solver, scaled| {
+            solver.refine_with(scaled, (&mut active, &mut room), tolerance)
+        });
+        active.newton = room;
         self.active = Some(active);
         outcome
     }
@@ -72,10 +78,14 @@ impl Solver {
     ///
     /// for a parameter p of the program, with b the bounds that hold ranges. K is symmetric, so that the same
     /// solves for adjoints: with the gradient of a function of the solution in the place of the rates, the
-    /// products of the changes with the rates of each parameter are its derivatives. `None` before
-    /// [`certify`](Self::certify) or [`refine`](Self::refine).
+    /// products of the changes with the rates of each parameter are its derivatives. `None` unless
+    /// [`certify`](Self::certify) or [`refine`](Self::refine) has factored K at the last solution, which
+    /// `certify` does where it is stationary; and for rates of other lengths.
     pub fn respond<P: StagedProblem>(&mut self, problem: &P, rates: &Changes) -> Option<Changes> {
-        let active = self.active.as_mut()?;
+        let lengths = |changes: &Changes| [&changes.x, &changes.equalities, &changes.ranges].map(Vec::len);
+        let expected = [self.layout.steps(), self.layout.equalities(), self.layout.ranges()];
+        let is_known = |active: &&mut Box<Active>| active.is_factored && lengths(rates) == expected;
+        let active = self.active.as_mut().filter(is_known)?;
         let ones = || Scales::ones(&self.layout);
         let Scales { cost, steps, equalities, ranges, .. } = problem.scales().cloned().unwrap_or_else(ones);
         let (mut scaled, mut changes) = (rates.clone(), Changes::zeros(&self.layout));
@@ -89,30 +99,36 @@ impl Solver {
         Some(changes)
     }
 
-    /// Derivatives at the last solution, which ranges it holds, and their bounds.
+    /// Derivatives at the last solution, and which ranges it holds.
     fn take_active<P: StagedProblem>(
         &mut self,
         problem: &mut P,
-    ) -> Result<(Box<Active>, Bounds), SolveError<P::Error>> {
+    ) -> Result<Box<Active>, SolveError<P::Error>> {
+        self.forget_active();
         self.check(problem)?;
+        self.take_sizes(problem);
+        self.with_scaled(problem, |solver, scaled| {
+            scaled.evaluate(&solver.iterate.point, &mut solver.iterate.values)?;
+            solver.linearise(scaled)
+        })?;
         let mut active = self.active.take().unwrap_or_else(|| Box::new(Active::new(&self.layout)));
-        let mut scaled = Scaled::new(problem);
-        let bounds = scaled.bounds_of_slacks();
-        scaled.evaluate(&self.iterate.point, &mut self.iterate.values)?;
-        self.linearise(&mut scaled)?;
-        active.hold(&self.iterate, &bounds);
-        Ok((active, bounds))
+        active.hold(&self.iterate, &self.bounds);
+        Ok(active)
+    }
+
+    /// What is known of the last solution is of another one from here on.
+    pub(crate) fn forget_active(&mut self) {
+        if let Some(active) = &mut self.active {
+            active.forget();
+        }
     }
 
     fn refine_with<P: StagedProblem>(
         &mut self,
-        problem: &mut P,
-        active: &mut Active,
+        scaled: &mut Scaled<'_, P>,
+        (active, [rates, changes]): (&mut Active, &mut [Changes; 2]),
         tolerance: f64,
     ) -> Result<KktError, SolveError<P::Error>> {
-        let mut scaled = Scaled::new(problem);
-        let bounds = scaled.bounds();
-        let (mut rates, mut changes) = (Changes::zeros(&self.layout), Changes::zeros(&self.layout));
         let (mut error, mut best) = (KktError::default(), KktError::default());
         for step in 0..=STEPS {
             // Ranges that are not held have no multiplier, others lie on their bounds.
@@ -121,15 +137,15 @@ impl Solver {
                     self.iterate.v[i] = 0.0;
                 }
             }
-            self.linearise(&mut scaled)?;
+            self.linearise(scaled)?;
             let before = error.largest();
             rates.x.copy_from_slice(&self.residuals.x);
             rates.equalities.copy_from_slice(&self.residuals.equalities);
             for (i, held) in active.held.iter().enumerate() {
                 rates.ranges[i] = match held {
                     Held::Free | Held::Weakly => 0.0,
-                    Held::Lower => self.iterate.values.ranges[i] - bounds[0][i],
-                    Held::Upper => self.iterate.values.ranges[i] - bounds[1][i],
+                    Held::Lower => self.iterate.values.ranges[i] - scaled.bound(0, i),
+                    Held::Upper => self.iterate.values.ranges[i] - scaled.bound(1, i),
                 };
             }
             error = KktError {
@@ -144,7 +160,7 @@ impl Solver {
                 self.iterate.y.copy_from_slice(&self.trial.y);
                 self.iterate.v.copy_from_slice(&self.trial.v);
                 scaled.evaluate(&self.iterate.point, &mut self.iterate.values)?;
-                self.linearise(&mut scaled)?;
+                self.linearise(scaled)?;
                 error = best;
                 break;
             }
@@ -155,7 +171,7 @@ impl Solver {
             active.factorise(&self.layout, &self.blocks, false);
             self.trial.y.copy_from_slice(&self.iterate.y);
             self.trial.v.copy_from_slice(&self.iterate.v);
-            active.respond(&self.layout, &rates, &mut changes);
+            active.respond(&self.layout, rates, changes);
             scaled.retract(&self.iterate.point, &changes.x, 1.0, &mut self.trial.point);
             std::mem::swap(&mut self.iterate.point, &mut self.trial.point);
             self.iterate.y.iter_mut().zip(&changes.equalities).for_each(|(y, d)| *y += d);

@@ -24,6 +24,12 @@ pub(crate) struct Elastic<'a, E> {
     original: &'a mut dyn StagedProblem<Error = E>,
     places: &'a Places,
     centre: &'a [f64],
+    room: &'a mut ElasticRoom,
+}
+
+/// Arrays of an elastic program.
+#[derive(Clone, Debug)]
+pub(crate) struct ElasticRoom {
     /// Of z, from the centre; zeta D^2.
     displacement: Vec<f64>,
     proximity: Vec<f64>,
@@ -57,6 +63,8 @@ struct Part {
     /// Columns of its unknowns in the block of `to`, then those of the elastic variables.
     columns: Vec<usize>,
     elastic_columns: Range<usize>,
+    /// Its unknowns that no element before it has, and their columns in the block of `to`.
+    first: Vec<(usize, usize)>,
 }
 
 impl Places {
@@ -92,6 +100,7 @@ impl Places {
                 elastic: start..*count,
                 columns: Vec::new(),
                 elastic_columns: 0..0,
+                first: Vec::new(),
             });
         }
         let nodes = (0..=last).map(|k| layout.node(k).len()).collect();
@@ -109,11 +118,18 @@ impl Places {
             }
         }
         unknowns.extend(elastic.shared().take(layout.shared().len()));
+        let mut is_new = vec![true; unknowns.len()];
         for part in &mut parts {
             let all: Vec<usize> = elastic.unknowns(part.to).into_iter().flatten().collect();
             let place = |unknown: usize| all.iter().position(|&other| other == unknown).unwrap_or(usize::MAX);
             let own = layout.unknowns(part.element).into_iter().flatten();
-            part.columns = own.map(|unknown| place(unknowns[unknown])).collect();
+            for unknown in own {
+                let column = place(unknowns[unknown]);
+                part.columns.push(column);
+                if std::mem::take(&mut is_new[unknown]) {
+                    part.first.push((unknown, column));
+                }
+            }
             let start = match part.to {
                 Element::Interval(k) => elastic.private(k).start,
                 _ => elastic.shared().start,
@@ -181,75 +197,84 @@ impl Places {
     }
 }
 
-impl<'a, E: Error> Elastic<'a, E> {
-    /// About the point of an iterate.
-    pub fn new(
-        original: &'a mut dyn StagedProblem<Error = E>,
-        places: &'a Places,
-        centre: &'a [f64],
-    ) -> Self {
-        let layout = original.layout();
-        let (n, m, r) = (layout.steps(), layout.equalities(), layout.ranges());
-        let of_original = original.scales().cloned().unwrap_or_else(|| Scales::ones(layout));
+impl ElasticRoom {
+    /// For the elastic program of one with this layout.
+    pub fn new(layout: &Layout, places: &Places) -> Self {
         let all = &places.layout;
-        let mut scales = Scales::ones(all);
-        let mut bounds = [vec![0.0; all.ranges()], vec![f64::INFINITY; all.ranges()]];
-        for (&place, &scale) in places.unknowns.iter().zip(&of_original.steps) {
-            scales.steps[place] = scale;
+        Self {
+            displacement: vec![0.0; layout.steps()],
+            proximity: vec![0.0; layout.steps()],
+            values: Values::new(layout),
+            blocks: Blocks::new(layout),
+            weights: [vec![0.0; layout.equalities()], vec![0.0; layout.ranges()]],
+            bounds: [vec![0.0; all.ranges()], vec![f64::INFINITY; all.ranges()]],
+            scales: Scales::ones(all),
         }
-        let [lower, upper] = original.bounds();
+    }
+
+    /// Takes the bounds of a program, and its typical sizes.
+    pub fn take(&mut self, layout: &Layout, places: &Places, bounds: [&[f64]; 2], sizes: &Scales) {
+        let Self { proximity, bounds: [lower, upper], scales, .. } = self;
+        for (&place, &size) in places.unknowns.iter().zip(&sizes.steps) {
+            scales.steps[place] = size;
+        }
         for part in &places.parts {
             let [[equalities, ranges], [to_equalities, to_ranges]] = places.rows(layout, part);
-            scales.equalities[to_equalities].copy_from_slice(&of_original.equalities[equalities.clone()]);
-            scales.ranges[to_ranges.clone()].copy_from_slice(&of_original.ranges[ranges.clone()]);
-            bounds[0][to_ranges.clone()].copy_from_slice(&lower[ranges.clone()]);
-            bounds[1][to_ranges.clone()].copy_from_slice(&upper[ranges.clone()]);
-            let of_rows =
-                of_original.equalities[equalities].iter().chain(&of_original.ranges[ranges.clone()]);
-            for (i, (&scale, p)) in of_rows.zip(part.elastic.clone().step_by(2)).enumerate() {
+            scales.equalities[to_equalities].copy_from_slice(&sizes.equalities[equalities.clone()]);
+            scales.ranges[to_ranges.clone()].copy_from_slice(&sizes.ranges[ranges.clone()]);
+            lower[to_ranges.clone()].copy_from_slice(&bounds[0][ranges.clone()]);
+            upper[to_ranges.clone()].copy_from_slice(&bounds[1][ranges.clone()]);
+            let of_rows = sizes.equalities[equalities].iter().chain(&sizes.ranges[ranges.clone()]);
+            for (i, (&size, p)) in of_rows.zip(part.elastic.clone().step_by(2)).enumerate() {
                 for side in 0..2 {
-                    scales.steps[p + side] = scale;
-                    scales.ranges[to_ranges.end + 2 * i + side] = scale;
+                    scales.steps[p + side] = size;
+                    scales.ranges[to_ranges.end + 2 * i + side] = size;
                 }
             }
         }
         // D measures in units of the scales.
-        let proximity = of_original.steps.iter().map(|scale| PROXIMITY / (scale * scale)).collect();
-        Self {
-            places,
-            centre,
-            displacement: vec![0.0; n],
-            proximity,
-            values: Values::new(layout),
-            blocks: Blocks::new(layout),
-            weights: [vec![0.0; m], vec![0.0; r]],
-            bounds,
-            scales,
-            original,
+        for (proximity, size) in proximity.iter_mut().zip(&sizes.steps) {
+            *proximity = PROXIMITY / (size * size);
         }
     }
 
-    /// The start: the centre, with elastic variables that satisfy all rows, and the conditions of optimality
-    /// of p and n at the barrier parameter mu. Values and slacks are those of the scaled program.
-    pub fn start(&self, values: &Values, slacks: &[f64], mu: f64) -> Vec<f64> {
-        let layout = self.original.layout();
-        let mut point = vec![0.0; self.places.layout.steps() + self.centre.len()];
-        let shift = self.places.layout.steps();
-        for (is_equality, row, [p, n]) in self.places.elastic(layout) {
+    /// Where a solution begins: the centre, with elastic variables that satisfy all rows, and the conditions
+    /// of optimality of p and n at the barrier parameter mu. Values and slacks are those of the scaled
+    /// program.
+    pub fn start(
+        &self,
+        (layout, places): (&Layout, &Places),
+        centre: &[f64],
+        (values, slacks, mu): (&Values, &[f64], f64),
+        start: &mut [f64],
+    ) {
+        let (elastic, point) = start.split_at_mut(places.layout.steps());
+        elastic.fill(0.0);
+        for (is_equality, row, [p, n]) in places.elastic(layout) {
             let c = if is_equality { values.equalities[row] } else { values.ranges[row] - slacks[row] };
             let scale = self.scales.steps[p];
             // (31) to (33).
             let half = 0.5 * (mu - c);
             let negative = half + (half * half + 0.5 * mu * c).max(0.0).sqrt();
-            (point[p], point[n]) = ((c + negative) * scale, negative * scale);
+            (elastic[p], elastic[n]) = ((c + negative) * scale, negative * scale);
         }
-        point[shift..].copy_from_slice(self.centre);
-        point
+        point.copy_from_slice(centre);
     }
 
     /// Typical sizes of steps.
     pub fn step_scales(&self) -> &[f64] {
         &self.scales.steps
+    }
+}
+
+impl<'a, E: Error> Elastic<'a, E> {
+    /// About a point; `room` has [taken](ElasticRoom::take) the program's bounds and sizes.
+    pub fn new(
+        original: &'a mut dyn StagedProblem<Error = E>,
+        (places, room): (&'a Places, &'a mut ElasticRoom),
+        centre: &'a [f64],
+    ) -> Self {
+        Self { original, places, centre, room }
     }
 }
 
@@ -263,8 +288,7 @@ impl<E: Error> StagedProblem for Elastic<'_, E> {
     }
 
     fn bounds(&self) -> [&[f64]; 2] {
-        let [lower, upper] = &self.bounds;
-        [lower, upper]
+        self.room.bounds.each_ref().map(Vec::as_slice)
     }
 
     fn point_len(&self) -> usize {
@@ -272,35 +296,37 @@ impl<E: Error> StagedProblem for Elastic<'_, E> {
     }
 
     fn scales(&self) -> Option<&Scales> {
-        Some(&self.scales)
+        Some(&self.room.scales)
     }
 
     fn retract(&self, point: &[f64], step: &[f64], moved: &mut [f64]) {
         let n = step.len();
-        for ((to, from), step) in moved[..n].iter_mut().zip(point).zip(step) {
+        let (elastic, moved) = moved.split_at_mut(n);
+        // From the current point, not from the centre: displacements of manifolds do not add up. There is
+        // room for the step of the program where the elastic variables stand next.
+        let own = &mut elastic[..self.places.unknowns.len()];
+        self.places.take(step, own);
+        self.original.retract(&point[n..], own, moved);
+        for ((to, from), step) in elastic.iter_mut().zip(point).zip(step) {
             *to = from + step;
         }
-        // From the current point, not from the centre: displacements of manifolds do not add up.
-        let mut own = vec![0.0; self.places.unknowns.len()];
-        self.places.take(step, &mut own);
-        self.original.retract(&point[n..], &own, &mut moved[n..]);
     }
 
     fn evaluate(&mut self, point: &[f64], values: &mut Values) -> Result<(), E> {
-        let n = self.places.layout.steps();
-        self.original.evaluate(&point[n..], &mut self.values)?;
-        if !self.values.cost.is_finite() {
+        let Self { original, places, room, .. } = self;
+        let ElasticRoom { displacement, proximity, values: own, scales, .. } = &mut **room;
+        original.evaluate(&point[places.layout.steps()..], own)?;
+        if !own.cost.is_finite() {
             values.cost = f64::NAN;
             return Ok(());
         }
-        self.places.take(point, &mut self.displacement);
-        let squares = self.displacement.iter().zip(&self.proximity).map(|(d, weight)| weight * d * d);
+        places.take(point, displacement);
+        let squares = displacement.iter().zip(&*proximity).map(|(d, weight)| weight * d * d);
         values.cost = 0.5 * squares.sum::<f64>();
-        let layout = self.original.layout();
-        for part in &self.places.parts {
-            let [[equalities, ranges], [to_equalities, to_ranges]] = self.places.rows(layout, part);
-            let of_rows =
-                self.values.equalities[equalities.clone()].iter().chain(&self.values.ranges[ranges]);
+        let layout = original.layout();
+        for part in &places.parts {
+            let [[equalities, ranges], [to_equalities, to_ranges]] = places.rows(layout, part);
+            let of_rows = own.equalities[equalities.clone()].iter().chain(&own.ranges[ranges]);
             for (i, (&value, p)) in of_rows.zip(part.elastic.clone().step_by(2)).enumerate() {
                 let moved = value - point[p] + point[p + 1];
                 match i.checked_sub(equalities.len()) {
@@ -309,7 +335,7 @@ impl<E: Error> StagedProblem for Elastic<'_, E> {
                 }
                 for side in 0..2 {
                     values.ranges[to_ranges.end + 2 * i + side] = point[p + side];
-                    values.cost += point[p + side] / self.scales.steps[p + side];
+                    values.cost += point[p + side] / scales.steps[p + side];
                 }
             }
         }
@@ -317,8 +343,8 @@ impl<E: Error> StagedProblem for Elastic<'_, E> {
     }
 
     fn linearise(&mut self, point: &[f64], weights: Weights<'_>, blocks: &mut Blocks) -> Result<(), E> {
-        let Self { original, places, displacement, proximity, blocks: own, weights: [y, v], scales, .. } =
-            self;
+        let Self { original, places, room, .. } = self;
+        let ElasticRoom { displacement, proximity, blocks: own, weights: [y, v], scales, .. } = &mut **room;
         let n = places.layout.steps();
         for part in &places.parts {
             let [[equalities, ranges], [from_equalities, from_ranges]] = places.rows(original.layout(), part);
@@ -336,16 +362,12 @@ impl<E: Error> StagedProblem for Elastic<'_, E> {
                 to.gradient[column] += scales.steps[p].recip();
             }
         }
-        // The distance from the centre, once for each unknown: in the first element that has it.
-        let mut is_done = vec![false; proximity.len()];
+        // The distance from the centre, once for each unknown.
         for part in &places.parts {
             let block = blocks.of(part.to);
-            let unknowns = layout.unknowns(part.element).into_iter().flatten();
-            for (unknown, &column) in unknowns.zip(&part.columns) {
-                if !std::mem::replace(&mut is_done[unknown], true) {
-                    block.gradient[column] += proximity[unknown] * displacement[unknown];
-                    block.hessian[(column, column)] += weights.cost * proximity[unknown];
-                }
+            for &(unknown, column) in &part.first {
+                block.gradient[column] += proximity[unknown] * displacement[unknown];
+                block.hessian[(column, column)] += weights.cost * proximity[unknown];
             }
         }
         Ok(())

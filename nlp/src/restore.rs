@@ -38,15 +38,18 @@ impl Solver {
         violation: f64,
     ) -> Result<Option<Status>, SolveError<P::Error>> {
         let mut restoration = self.restoration.take().unwrap_or_else(|| Box::new(Restoration::new(self)));
-        let Restoration { is_on, solver, places, centre, before, most, slacks } = &mut *restoration;
+        let Restoration { is_on, solver, places, room, centre, start, before, most, slacks } =
+            &mut *restoration;
         solver.settings = Restoration::settings(self.settings);
         slacks.copy_from_slice(&self.trial.slacks);
         (*is_on, *before, *most) = (true, violation, RESTORED * violation);
         centre.copy_from_slice(&self.trial.point);
         let mu = self.progress.mu.max(violation.min(1.0));
-        let mut elastic = Elastic::new(&mut *problem.problem, places, centre);
-        let start = elastic.start(&self.trial.values, &self.trial.slacks, mu);
-        let begun = solver.begin_unchecked(&mut elastic, Start { mu: Some(mu), ..Start::at(&start) });
+        room.take(&self.layout, places, problem.problem.bounds(), problem.scales());
+        let from = (&self.trial.values, &self.trial.slacks[..], mu);
+        room.start((&self.layout, places), centre, from, start);
+        let mut elastic = Elastic::new(&mut *problem.problem, (places, room), centre);
+        let begun = solver.begin_unchecked(&mut elastic, Start { mu: Some(mu), ..Start::at(start) });
         self.restoration = Some(restoration);
         begun.map(|_| None)
     }
@@ -57,10 +60,9 @@ impl Solver {
         problem: &mut Scaled<'_, P>,
     ) -> Result<Option<Status>, SolveError<P::Error>> {
         let Some(restoration) = &mut self.restoration else { return Ok(Some(Status::Stalled)) };
-        let Restoration { solver, places, centre, before, most, slacks, .. } = &mut **restoration;
-        let mut elastic = Elastic::new(&mut *problem.problem, places, centre);
-        let status = solver.advance(&mut elastic)?;
-        let violation = places.violation(&self.layout, elastic.step_scales(), &solver.iterate, slacks);
+        let Restoration { solver, places, room, centre, before, most, slacks, .. } = &mut **restoration;
+        let status = solver.advance(&mut Elastic::new(&mut *problem.problem, (places, room), centre))?;
+        let violation = places.violation(&self.layout, room.step_scales(), &solver.iterate, slacks);
         let (before, most) = (*before, *most);
         if status.is_none() && violation > most {
             return Ok(None);

@@ -1,7 +1,6 @@
 //! A program in units of its typical sizes.
 
 use crate::blocks::{Blocks, Units, Values, Weights};
-use crate::iterate::Bounds;
 use crate::layout::Layout;
 use crate::problem::StagedProblem;
 use crate::scales::Scales;
@@ -108,13 +107,6 @@ impl Scaling {
 }
 
 impl<'a, P: StagedProblem> Scaled<'a, P> {
-    /// With new room.
-    pub fn new(problem: &'a mut P) -> Self {
-        let mut scaling = Scaling::new(problem.layout());
-        scaling.take(problem.scales());
-        Self { problem, scaling }
-    }
-
     /// With the sizes that were taken before.
     pub fn with(problem: &'a mut P, scaling: Scaling) -> Self {
         Self { problem, scaling }
@@ -125,21 +117,19 @@ impl<'a, P: StagedProblem> Scaled<'a, P> {
         self.scaling
     }
 
-    /// The bounds of the ranges.
-    pub fn bounds(&self) -> [Vec<f64>; 2] {
-        let scaled =
-            |bounds: &[f64]| bounds.iter().zip(&self.scaling.scales.ranges).map(|(b, s)| b / s).collect();
-        self.problem.bounds().map(scaled)
+    /// Bound of a range, the lower or the upper one.
+    pub fn bound(&self, side: usize, row: usize) -> f64 {
+        self.problem.bounds()[side][row] / self.scaling.scales.ranges[row]
+    }
+
+    /// The typical sizes.
+    pub fn scales(&self) -> &Scales {
+        &self.scaling.scales
     }
 
     /// Multipliers of the scaled program from those of the program itself.
     pub fn scale(&self, equalities: &mut [f64], ranges: &mut [f64]) {
         self.scaling.scale(equalities, ranges);
-    }
-
-    /// The bounds of the slacks.
-    pub fn bounds_of_slacks(&self) -> Bounds {
-        Bounds::new(self.bounds())
     }
 
     #[inline(never)]

@@ -10,10 +10,10 @@ use crate::elements::Room;
 use crate::filter::Filter;
 use crate::iterate::{Bounds, Iterate, KktError, Residuals, Step};
 use crate::layout::{Element, Layout};
-use crate::newton::{Accuracy, Change, Newton};
+use crate::newton::{Accuracy, Newton};
 use crate::outcome::{Iteration, Solution, SolveError, Status};
 use crate::problem::StagedProblem;
-use crate::restoration::Places;
+use crate::restoration::{ElasticRoom, Places};
 use crate::scaled::{Scaled, Scaling};
 use crate::settings::Settings;
 use crate::vectors::largest;
@@ -50,9 +50,10 @@ impl<'a> Start<'a> {
 }
 
 /// Workspace for programs of one layout. [`solve`](Self::solve) runs until the end;
-/// [`begin`](Self::begin) and [`advance`](Self::advance) do the same one iteration at a time. What
-/// restoration needs is allocated the first time that no acceptable step is found, nothing else after the
-/// workspace is built.
+/// [`begin`](Self::begin) and [`advance`](Self::advance) do the same one iteration at a time. Room for
+/// restoration is allocated the first time that no acceptable step is found, that of
+/// [`certify`](Self::certify) and [`refine`](Self::refine) at their first call, and
+/// [`respond`](Self::respond) allocates its result; nothing else allocates after the workspace is built.
 ///
 /// ```
 /// use costate_nlp::{Blocks, Element, Layout, Rows, Settings, Solver, StagedProblem, Values, Weights};
@@ -136,7 +137,7 @@ pub struct Solver {
     dependent: Vec<usize>,
     /// Multipliers of the program itself: the iterate has those of the scaled one.
     multipliers: [Vec<f64>; 2],
-    /// The factorisation at a solution, once it was asked for.
+    /// The factorisation at a solution, once one was asked for.
     pub(crate) active: Option<Box<Active>>,
     /// The elastic program and its solver, once they were needed.
     pub(crate) restoration: Option<Box<Restoration>>,
@@ -170,7 +171,10 @@ pub(crate) struct Restoration {
     pub is_on: bool,
     pub solver: Solver,
     pub places: Places,
+    pub room: ElasticRoom,
     pub centre: Vec<f64>,
+    /// Where its solver begins.
+    pub start: Vec<f64>,
     /// The violation at the centre, and the one that is wanted.
     pub before: f64,
     pub most: f64,
@@ -188,6 +192,8 @@ impl Restoration {
         Self {
             is_on: false,
             solver: inner,
+            room: ElasticRoom::new(&solver.layout, &places),
+            start: vec![0.0; places.layout.steps() + len],
             places,
             centre: vec![0.0; len],
             before: 0.0,
@@ -341,15 +347,21 @@ impl Solver {
         start: Start<'_>,
     ) -> Result<Option<Status>, SolveError<P::Error>> {
         // They belong to another solution.
-        (self.active, self.progress) = (None, Progress::none());
+        self.forget_active();
+        self.progress = Progress::none();
         self.progress.begun = self.settings.time_limit.map(|_| Instant::now());
         self.dependent.clear();
         self.newton.restart(self.settings.regularisation, self.settings.convex);
-        self.scaling.take(problem.scales());
-        self.bounds.take(problem.bounds(), self.scaling.scales());
+        self.take_sizes(problem);
         self.with_scaled(problem, |solver, scaled| solver.begin_scaled(scaled, start))?;
         self.progress.ended = self.judge();
         Ok(self.progress.ended)
+    }
+
+    /// Takes the typical sizes of a program, and its bounds in units of them.
+    pub(crate) fn take_sizes<P: StagedProblem>(&mut self, problem: &P) {
+        self.scaling.take(problem.scales());
+        self.bounds.take(problem.bounds(), self.scaling.scales());
     }
 
     /// One iteration, of restoration if no acceptable step is found. Returns how the solution ended, or
@@ -365,6 +377,7 @@ impl Solver {
             return Err(SolveError::Layout);
         }
         if self.progress.ended.is_none() {
+            self.forget_active();
             self.progress.number += 1;
             // Of an error.
             self.progress.ended = Some(Status::Stopped);
@@ -664,12 +677,7 @@ impl Solver {
         last: f64,
     ) -> Result<bool, P::Error> {
         let Self { layout, iterate, bounds, blocks, newton, .. } = self;
-        let point = &iterate.point;
-        let change = |change: Change, blocks: &mut Blocks| match change {
-            Change::Convexify => problem.convexify(point, 1.0, blocks),
-            Change::AddMetric(factor) => problem.add_metric(point, factor, blocks).map(|()| true),
-        };
-        if newton.factorise(layout, (iterate, bounds), blocks, change)?.is_err() {
+        if newton.factorise(layout, (iterate, bounds), blocks, problem)?.is_err() {
             return Ok(false);
         }
         let has_bounds = bounds.count() > 0;

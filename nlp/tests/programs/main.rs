@@ -2,6 +2,9 @@
 
 #![allow(clippy::unwrap_used, clippy::panic)]
 
+mod allocation;
+#[path = "../../../tests/support/src/allocations.rs"]
+mod allocations;
 mod by_duals;
 mod closed_forms;
 mod collocation;
@@ -9,3 +12,6 @@ mod hard;
 mod published;
 mod second_order;
 mod steps;
+
+#[global_allocator]
+static ALLOCATOR: allocations::Counting = allocations::Counting;

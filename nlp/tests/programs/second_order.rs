@@ -114,6 +114,26 @@ fn saddles_and_ranges_without_multipliers_are_no_certified_minima() {
 }
 
 #[test]
+fn what_is_known_of_one_solution_is_not_said_of_another() {
+    let mut problem = hs71(40.0, 25.0, None);
+    let mut solver = Solver::new(problem.layout(), Settings::default());
+    let rates = Changes { equalities: vec![-1.0], ..Changes::zeros(problem.layout()) };
+    let start = [1.0, 5.0, 5.0, 1.0];
+    solver.solve(&mut problem, &start).unwrap();
+    assert!(solver.held().is_empty() && solver.respond(&problem, &rates).is_none());
+    assert_eq!(solver.certify(&mut problem).unwrap(), Certificate::LocalMinimum);
+    assert!(solver.held().len() == 5 && solver.respond(&problem, &rates).is_some());
+    let short = Changes { equalities: Vec::new(), ..rates.clone() };
+    assert_eq!(solver.respond(&problem, &short), None);
+    // Far from a solution nothing is factored.
+    solver.settings_mut().iterations = 1;
+    assert_eq!(solver.solve(&mut problem, &start).unwrap().status, Status::IterationLimit);
+    assert!(solver.held().is_empty() && solver.respond(&problem, &rates).is_none());
+    assert_eq!(solver.certify(&mut problem).unwrap(), Certificate::NotStationary);
+    assert!(solver.held().len() == 5 && solver.respond(&problem, &rates).is_none());
+}
+
+#[test]
 fn wrong_arguments_are_named() {
     let mut problem = hs71(40.0, 25.0, None);
     let mut solver = Solver::new(problem.layout(), Settings::default());
