@@ -45,6 +45,9 @@ pub(crate) struct Barrier {
     /// How far the limit of an entry is moved out; inside where it is negative, so that it is kept between
     /// points too. Empty on most meshes.
     pub(super) moved: Vec<f64>,
+    /// Whether entries are rows of a program, with multipliers of their own: nothing is eliminated, and
+    /// gradients at mu = 0 are those of the cost.
+    pub is_apart: bool,
     /// For each side whether its coefficients are limited ([`is_hull`](Self::is_hull)); empty for none.
     pub(super) hulls: Vec<bool>,
 }
@@ -212,6 +215,9 @@ impl Barrier {
     /// Second derivative by the distance of an entry that counts, whose slack and multiplier are eliminated.
     #[inline(always)]
     pub fn curvature(&self, at: usize) -> f64 {
+        if self.is_apart {
+            return 0.0;
+        }
         let slack = self.slack[at];
         if slack > 0.0 {
             return self.multiplier[at] / slack;

@@ -3,6 +3,7 @@
 use super::interval::row_length;
 use super::side_terms::entry_terms;
 use crate::direct::limits::barrier::Barrier;
+use crate::direct::limits::ends::Ends;
 use crate::direct::limits::side::Limited;
 use crate::direct::motion::shape::MOST_COEFFICIENTS;
 use crate::direct::motion::spline::{Spline, TimeDerivative};
@@ -18,6 +19,22 @@ pub(crate) enum Second {
     /// Without second derivatives of torques and rows.
     Squares,
     Nothing,
+}
+
+/// Which gradients of a point are collected.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Gradients {
+    All,
+    /// The one at mu = 0 alone, of a barrier whose [entries are apart](Barrier::is_apart): that of the cost.
+    /// The other ones are not complete.
+    OfCost,
+}
+
+impl Gradients {
+    /// Those of a program with such ends: derivatives by times need the other ones too.
+    pub fn for_times(ends: &Ends) -> Self {
+        if ends.times.count() > 0 { Self::All } else { Self::OfCost }
+    }
 }
 
 /// A limit that is touched for an instant ([`touches`](super::touches)).
@@ -82,20 +99,20 @@ impl Work {
     pub fn collect(
         &mut self,
         p: usize,
-        second: Second,
+        (second, gradients): (Second, Gradients),
         spline: &Spline,
         points: &Points,
         barrier: &Barrier,
         running: &mut Running,
     ) -> (f64, f64) {
-        in_widest!(self.collect_terms(p, second, spline, points, barrier, running))
+        in_widest!(self.collect_terms(p, (second, gradients), spline, points, barrier, running))
     }
 
     #[inline(always)]
     fn collect_terms<const FUSED: bool>(
         &mut self,
         p: usize,
-        second: Second,
+        (second, gradients): (Second, Gradients),
         spline: &Spline,
         points: &Points,
         barrier: &Barrier,
@@ -134,14 +151,19 @@ impl Work {
         at_zero.copy_from_slice(gradient);
         let [gradient, at_zero, _] = &mut self.rows;
         at_zero.copy_from_slice(gradient);
-        self.add_sides(p, spline.mesh.interval_of(p), n, barrier);
-        if points.rates.has_torques {
-            for (rows, by_rates) in self.rows.iter_mut().zip(&points.rates.by_torques) {
-                rows[..n].iter_mut().zip(&by_rates[n * p..]).for_each(|(tau, by_rate)| *tau += by_rate);
+        let wanted = match gradients {
+            Gradients::All => {
+                self.add_sides(p, spline.mesh.interval_of(p), n, barrier);
+                0..3
             }
-        }
-        for (factors, z) in self.rows.iter().zip(&mut self.z) {
-            add_rows::<FUSED>(z, factors, &self.row_z);
+            Gradients::OfCost => 1..2,
+        };
+        for variant in wanted {
+            let (rows, by_torques) = (&mut self.rows[variant], &points.rates.by_torques[variant]);
+            if points.rates.has_torques {
+                rows[..n].iter_mut().zip(&by_torques[n * p..]).for_each(|(tau, by_rate)| *tau += by_rate);
+            }
+            add_rows::<FUSED>(&mut self.z[variant], rows, &self.row_z);
         }
         if second != Second::Nothing {
             self.add_squares_of_rows::<FUSED>(p, points);

@@ -122,11 +122,23 @@ impl RateRows {
         points: &Points,
     ) -> f64 {
         let n = spline.dof;
+        let count = spline.mesh.shape.coefficients();
+        self.row.clear();
+        if side.limited <= Limited::Acceleration {
+            // An entry of z.
+            self.row.resize(count * n, 0.0);
+            let factors = &factors[side.limited as usize][..count];
+            self.row
+                .iter_mut()
+                .skip(side.joint)
+                .step_by(n)
+                .zip(factors)
+                .for_each(|(to, factor)| *to = *factor);
+            return self.work.z_t[side.index(n)];
+        }
         let z = &mut self.work.z[0];
         z.fill(0.0);
         add_row(points, p, side, 1.0, z);
-        self.row.clear();
-        let count = spline.mesh.shape.coefficients();
         let [values, rates, accelerations] = factors;
         for ((f, g), h) in values[..count].iter().zip(rates).zip(accelerations) {
             self.row.extend((0..n).map(|l| f * z[l] + g * z[n + l] + h * z[2 * n + l]));

@@ -5,6 +5,7 @@
 //! limits at later nodes and rows at later ends. So they are assembled from the end on, and what is behind a
 //! node is eliminated when the next interval is added ([`ChainEnd`]).
 
+use super::point_terms::Gradients;
 use super::system::System;
 use crate::direct::limits::barrier::Barrier;
 use crate::direct::limits::ends::Ends;
@@ -130,6 +131,7 @@ impl System {
     ) {
         self.begin(spline, running);
         self.is_rest = true;
+        self.gradients = Gradients::All;
         rest.end.begin();
         self.add_end_of_interval(spline.mesh.intervals(), spline, points, barrier);
     }

@@ -55,9 +55,13 @@ pub(crate) fn weigh(spline: &Spline, points: &mut Points, barrier: &Barrier, run
 ///    \sigma = \eta / s, \quad a = (\mu w - \eta d)/s $$
 ///
 /// Derivatives by the value with the multipliers, at mu = 0, and the factor of mu; and the second derivative.
-/// The same holds for an equation, with its own sigma and without mu.
+/// The same holds for an equation, with its own sigma and without mu. Rows of a program have the first one
+/// alone.
 #[inline(always)]
 pub(crate) fn side_terms(barrier: &Barrier, at: usize, sign: f64) -> ([f64; 3], f64) {
+    if barrier.is_apart {
+        return ([-sign * barrier.multiplier[at], 0.0, 0.0], 0.0);
+    }
     let (s, eta, d) = (barrier.slack[at], barrier.multiplier[at], barrier.distance[at]);
     if s.is_infinite() {
         return ([0.0; 3], 0.0);

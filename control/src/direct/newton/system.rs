@@ -5,7 +5,7 @@ use super::by_times::ByTimes;
 use super::end_columns::EndColumns;
 use super::interval::{IntervalHessian, add_by_time, add_gradient};
 use super::metric::Metric;
-use super::point_terms::{Second, Touch, Work};
+use super::point_terms::{Gradients, Second, Touch, Work};
 use super::rate_rows::RateRows;
 use super::side_terms::side_terms;
 use crate::direct::limits::at_node::{AtNode, ByTime, NodeValue};
@@ -53,6 +53,8 @@ pub(crate) struct System {
     pub touches: Vec<Touch>,
     /// Whether second derivatives of torques and rows count.
     pub exact: bool,
+    /// Which gradients are collected at points; with that of the cost alone derivatives by times are missing.
+    pub(super) gradients: Gradients,
     /// Whether only the intervals behind a node are assembled, with gradients at all nodes.
     pub(super) is_rest: bool,
     pub(super) interval: IntervalHessian,
@@ -92,6 +94,7 @@ impl System {
             of_place: vec![0.0; 3 * n],
             touches: Vec::new(),
             exact: true,
+            gradients: Gradients::All,
             is_rest: false,
             interval: IntervalHessian::new(n, shape),
             metric: Metric::new(n, shape),
@@ -108,7 +111,7 @@ impl System {
         running: &mut Running,
         ends: &Ends,
     ) {
-        self.collect(spline, points, barrier, running);
+        self.collect(Gradients::All, spline, points, barrier, running);
         if ends.times.count() > 0 {
             let cost = running.cost(spline, points).abs() / spline.duration();
             let phases = spline.times.len();
@@ -122,9 +125,11 @@ impl System {
         self.fix(ends, spline);
     }
 
-    /// Adds all of a motion up, by its unknowns and times, those that are given and shared too.
+    /// Adds all of a motion up, by its unknowns, those that are given and shared too, and with all gradients
+    /// by its times.
     pub(crate) fn collect(
         &mut self,
+        gradients: Gradients,
         spline: &Spline,
         points: &Points,
         barrier: &Barrier,
@@ -132,6 +137,7 @@ impl System {
     ) {
         self.begin(spline, running);
         self.is_rest = false;
+        self.gradients = gradients;
         for p in 0..points.count() {
             self.add_point(p, spline, points, barrier, running);
         }
@@ -141,7 +147,8 @@ impl System {
         for k in 0..if self.touches.is_empty() { 0 } else { spline.mesh.intervals() } {
             self.add_touches(k, spline);
         }
-        for k in 0..spline.mesh.nodes.len() {
+        // Rows of a program add nothing but to derivatives by times.
+        for k in 0..if gradients == Gradients::All { spline.mesh.nodes.len() } else { 0 } {
             self.add_node(k, spline, barrier);
         }
         self.add_ends(spline, points, barrier, |_| true);
@@ -174,7 +181,8 @@ impl System {
         let (k, j) = spline.mesh.interval_of(p);
         let factors = spline.factors(k, j);
         let of_hessian = if self.exact { Second::All } else { Second::Squares };
-        let (weight, cost) = self.work.collect(p, of_hessian, spline, points, barrier, running);
+        let (weight, cost) =
+            self.work.collect(p, (of_hessian, self.gradients), spline, points, barrier, running);
         let place =
             Place { k, s: spline.mesh.point(p).0, z: points.z(p), has_clock: running.references.any() };
         self.add_gradients(&place, spline, &factors, weight * cost);
@@ -223,6 +231,9 @@ impl System {
         factors: &[[f64; MOST_COEFFICIENTS]; 3],
         cost: f64,
     ) {
+        if self.gradients == Gradients::OfCost {
+            return add_gradient(spline, k, factors, &self.work.z[1], &mut self.gradient[0]);
+        }
         let (n, phase, inverse) = (spline.dof, spline.mesh.phase(k), 1.0 / spline.clock(k));
         let work = &mut self.work;
         work.differentiate_in_time(z, spline, k, factors);

@@ -5,7 +5,7 @@ use crate::direct::interior::iterate::Interior;
 use crate::direct::motion::shape::POINTS;
 use crate::direct::motion::spline::Spline;
 use crate::direct::newton::interval::{add_gradient, add_local};
-use crate::direct::newton::point_terms::{Second, Work};
+use crate::direct::newton::point_terms::{Gradients, Second, Work};
 use crate::direct::newton::rate_rows::RateRows;
 use crate::direct::points::values::PointDynamics;
 
@@ -64,7 +64,8 @@ impl IntervalPart {
         for (j, part) in mesh.shape.weights().iter().enumerate() {
             let p = mesh.first_point(k) + j;
             let (work, points) = (&mut self.work, &*points);
-            let (weight, cost) = work.collect(p, Second::Nothing, spline, points, barrier, running);
+            let (weight, cost) =
+                work.collect(p, (Second::Nothing, Gradients::All), spline, points, barrier, running);
             // A node that is a point belongs to the intervals beside it in proportion to their widths.
             let own = part * mesh.width(k) / weight;
             let factors = spline.factors(k, j);

@@ -9,6 +9,7 @@ use crate::direct::limits::side::Limited;
 use crate::direct::motion::shape::{MOST_COEFFICIENTS, POINTS};
 use crate::direct::motion::spline::Spline;
 use crate::direct::newton::metric::weigh_torques;
+use crate::direct::newton::point_terms::Gradients;
 use crate::direct::newton::side_terms::weigh;
 use crate::direct::newton::system::System;
 use crate::direct::newton::torque_rows::{Order, TorqueRows};
@@ -57,13 +58,9 @@ pub(crate) struct Work {
 }
 
 impl Work {
-    /// For the program of a motion. From now on all entries of the barrier that count are without slacks, and
-    /// their distances cost nothing: what is assembled is the Lagrange function with the multipliers.
+    /// For the program of a motion, whose entries of the barrier are its rows from now on.
     pub fn new(spline: &Spline, barrier: &mut Barrier, ends: &Ends, structure: &Structure) -> Self {
-        barrier.stiffness = 0.0;
-        for (slack, &weight) in barrier.slack.iter_mut().zip(&barrier.weight) {
-            *slack = if weight > 0.0 { 0.0 } else { f64::INFINITY };
-        }
+        barrier.is_apart = true;
         let mut origin: Vec<f64> =
             structure.unknowns.iter().map(|&unknown| spline.unknowns[unknown]).collect();
         origin.extend(ends.times.values(&spline.times));
@@ -160,21 +157,11 @@ impl<D: PointDynamics> Program<'_, D> {
                 hessian[(first + a, first + b)] += factor * entry;
             }
         }
-        if !system.across.is_empty() {
-            let hessian = &mut blocks.of(Element::Ends).hessian;
-            for (i, row) in system.across.chunks_exact(structure.node).enumerate() {
-                for (j, &entry) in row.iter().enumerate() {
-                    let [start, end] = structure.columns_of_ends(i, j);
-                    add_to(hessian, (start, end), false, factor * entry);
-                }
-            }
-        }
     }
 
-    /// The gradient of the cost, from that of the Lagrange function at the multipliers of the barrier: rows
-    /// are there already.
+    /// The gradient of the cost.
     fn set_gradient(&mut self, blocks: &mut Blocks) {
-        let Self { barrier, ends, structure, system, .. } = self;
+        let Self { ends, structure, system, .. } = self;
         for k in 0..structure.layout.intervals() {
             let gradient = &mut blocks.of(Element::Interval(k)).gradient;
             for (slot, column) in structure.columns(k).iter().enumerate() {
@@ -188,20 +175,6 @@ impl<D: PointDynamics> Program<'_, D> {
         for (a, to) in gradient.iter_mut().enumerate().take(ends.times.count()) {
             let by_times = system.by_times.gradient[0].iter().enumerate();
             *to += by_times.map(|(phase, slope)| ends.times.factor(phase, a) * slope).sum::<f64>();
-        }
-        for element in structure.layout.elements() {
-            let block = blocks.of(element);
-            let jacobians = [&block.equalities, &block.ranges];
-            for (jacobian, rows) in jacobians.into_iter().zip(structure.rows_of(element)) {
-                for (i, row) in rows.iter().enumerate() {
-                    // The multiplier of the row.
-                    let weight = -row.sign * barrier.multiplier[row.entry];
-                    if weight != 0.0 {
-                        let pairs = block.gradient.iter_mut().zip(jacobian.row(i));
-                        pairs.for_each(|(slope, entry)| *slope -= weight * entry);
-                    }
-                }
-            }
         }
     }
 
@@ -433,11 +406,11 @@ impl<D: PointDynamics> StagedProblem for Program<'_, D> {
         };
         for (part, (factor, of_weights)) in parts.into_iter().flatten().enumerate() {
             self.set_multipliers(weights, of_weights);
-            let Self { spline, points, barrier, running, model, system, .. } = self;
+            let Self { spline, points, barrier, running, model, system, ends, .. } = self;
             weigh(spline, points, barrier, running);
             model.contract(spline, points)?;
             system.exact = true;
-            system.collect(spline, points, barrier, running);
+            system.collect(Gradients::for_times(ends), spline, points, barrier, running);
             self.add_hessian(factor, blocks);
             if part > 0 {
                 continue;
@@ -466,9 +439,9 @@ impl<D: PointDynamics> StagedProblem for Program<'_, D> {
         if is_smooth || !self.structure.equalities.is_empty() || !has_cost {
             return Ok(false);
         }
-        let Self { spline, points, barrier, running, system, .. } = self;
+        let Self { spline, points, barrier, running, system, ends, .. } = self;
         system.exact = false;
-        system.collect(spline, points, barrier, running);
+        system.collect(Gradients::for_times(ends), spline, points, barrier, running);
         blocks.clear_hessians();
         self.add_hessian(weights.cost, blocks);
         self.system.exact = true;

@@ -3,6 +3,7 @@
 use super::{Program, Work};
 use crate::direct::limits::gait_rows::tests::{rabbit, rabbit_on_both_feet, seven_link, walker};
 use crate::direct::motion::shape::Shape;
+use crate::direct::motion::times::FreeTimes;
 use crate::direct::newton::system::tests::case::{Case, Kind};
 use crate::direct::points::values::PointDynamics;
 use crate::direct::program::structure::{Row, Structure};
@@ -114,11 +115,11 @@ fn check<D: PointDynamics>(program: &mut Program<'_, D>, name: &str) {
     }
 }
 
-fn check_case(mut case: Case, name: &str) {
+fn check_case(case: &mut Case, name: &str) {
     case.barrier.distance.fill(0.0);
     let structure = Structure::new(&case.spline, &case.barrier, &case.ends, (0, 1.0));
     let mut work = Work::new(&case.spline, &mut case.barrier, &case.ends, &structure);
-    let Case { spline, points, barrier, running, model, system, ends, .. } = &mut case;
+    let Case { spline, points, barrier, running, model, system, ends, .. } = case;
     let (structure, work) = (&structure, &mut work);
     check(&mut Program { spline, points, barrier, running, model, system, ends, structure, work }, name);
 }
@@ -127,8 +128,13 @@ fn check_case(mut case: Case, name: &str) {
 fn derivatives_of_motions_are_those_of_their_values() {
     for shape in [Shape::Quartic, Shape::Quintic] {
         for kind in Kind::ALL {
-            check_case(Case::new(shape, kind), &format!("{shape:?}, {kind:?}"));
-            check_case(Case::with_hulls(shape, kind), &format!("{shape:?}, {kind:?}, coefficients"));
+            let cases = [("", Case::new(shape, kind)), (", coefficients", Case::with_hulls(shape, kind))];
+            for (name, case) in cases {
+                let (name, mut case) = (format!("{shape:?}, {kind:?}{name}"), case);
+                check_case(&mut case, &name);
+                case.ends.times = FreeTimes::new(&vec![true; case.spline.times.len() + 1]);
+                check_case(&mut case, &format!("{name}, given times"));
+            }
         }
     }
 }
@@ -146,7 +152,7 @@ fn convex_hessians_are_squares_of_torques() {
     let robot = Robot::from_file("../robots/two_link.toml").unwrap();
     let problem = Problem::rest_to_rest(robot, &[0.1, 0.2], &[1.5, 1.1], 0.8);
     let problem = problem.with_limits(MotionLimits::none().with_torque_max(vec![80.0, 40.0]));
-    with_program(&problem, |program| {
+    with_program(&problem, None, |program| {
         let (point, layout) = (program.work.origin.clone(), program.layout().clone());
         let (mut values, mut blocks) = (Values::new(&layout), Blocks::new(&layout));
         let [y, v] = weights(&layout);
@@ -184,15 +190,22 @@ fn convex_hessians_are_squares_of_torques() {
     });
 }
 
+/// With its own times, which are given, and with free ones.
 fn check_problem(problem: &Problem) {
-    with_program(problem, |program| check(program, "a step"));
+    let mut phases = 0;
+    with_program(problem, None, |program| {
+        phases = program.spline.times.len();
+        check(program, "a step");
+    });
+    with_program(problem, Some(FreeTimes::all(phases)), |program| check(program, "a step in free time"));
 }
 
-fn with_program(problem: &Problem, check: impl FnOnce(&mut Program<'_, Dynamics>)) {
+fn with_program(problem: &Problem, times: Option<FreeTimes>, check: impl FnOnce(&mut Program<'_, Dynamics>)) {
     let rows = TaskRows::new(problem).unwrap();
     let options = SolverOptions::default().with_nodes(7);
     let mut interior = interior(problem, &rows, &options, 0, None);
     interior.start(None).unwrap();
+    interior.ends.times = times.unwrap_or(interior.ends.times);
     let of_both = interior.model.tasks.rows_of_both_ends();
     let structure = Structure::new(&interior.spline, &interior.barrier, &interior.ends, (of_both, 1.0));
     let mut work = Work::new(&interior.spline, &mut interior.barrier, &interior.ends, &structure);
