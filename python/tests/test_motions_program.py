@@ -100,3 +100,7 @@ def test_copies_and_refusals(problem):
     with pytest.raises(ValueError, match="the setting tolerance is -1"):
         program.solve(tolerance=-1.0)
     assert program.solve(iterations=1).status == "iteration_limit"
+    assert program.solve(time_limit=0.0).status == "time_limit"
+    for wrong in (-1.0, float("nan")):
+        with pytest.raises(ValueError, match="time_limit"):
+            program.solve(time_limit=wrong)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
@@ -72,7 +73,7 @@ class ProgramSolution:
 
     Attributes
     ----------
-    status : {"solved", "solved_to_rounding", "locally_infeasible", "iteration_limit", "stalled"}
+    status : {"solved", "solved_to_rounding", "locally_infeasible", "iteration_limit", "time_limit", "stalled"}
         How it ended; ``"locally_infeasible"``: the sum of all violations has a local minimum that is not zero.
     x : array (n)
         The last point.
@@ -88,7 +89,7 @@ class ProgramSolution:
         What second derivatives on the active set say; ``"not_checked"`` unless it is solved.
     """
 
-    status: Literal["solved", "solved_to_rounding", "locally_infeasible", "iteration_limit", "stalled"]
+    status: Literal["solved", "solved_to_rounding", "locally_infeasible", "iteration_limit", "time_limit", "stalled"]
     x: _Array
     cost: float
     multipliers: _Array
@@ -303,7 +304,12 @@ class Program:
         return ProgramSamples(t, *(part.reshape(len(t), -1) for part in parts))
 
     def solve(
-        self, x0: ArrayLike | None = None, *, tolerance: float = 1e-8, iterations: int = 1000
+        self,
+        x0: ArrayLike | None = None,
+        *,
+        tolerance: float = 1e-8,
+        iterations: int = 1000,
+        time_limit: float = math.inf,
     ) -> ProgramSolution:
         """Solve by the interior-point method of this library.
 
@@ -315,6 +321,8 @@ class Program:
             Largest error of the conditions of optimality, in typical sizes (1e-8).
         iterations : int
             Most iterations (1000).
+        time_limit : float
+            No iteration begins after this time in s (inf: no limit).
 
         Returns
         -------
@@ -322,7 +330,7 @@ class Program:
             With ``status``: look at it first. Ctrl-C ends it after an iteration.
         """
         start = self.x0 if x0 is None else x0
-        return ProgramSolution(*self._core.solve(start, tolerance, iterations))
+        return ProgramSolution(*self._core.solve(start, tolerance, iterations, time_limit))
 
     def __repr__(self) -> str:
         return f"Program(n={self.n}, m={self.m}, of {self._problem!r})"

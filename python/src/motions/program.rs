@@ -7,9 +7,11 @@ use costate::EvalError;
 use costate_control::MotionProgram;
 use costate_nlp::{Certificate, Settings, SolveError, Solver, SparseProgram, StagedProblem, Start, Status};
 use numpy::PyArray1;
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use std::ops::ControlFlow;
 use std::sync::{Mutex, PoisonError};
+use std::time::Duration;
 
 /// A program whose calls wait for each other, without the interpreter's lock.
 #[pyclass(frozen, name = "_Program", module = "costate._costate")]
@@ -144,11 +146,26 @@ impl ProgramCore {
     }
 
     /// Solves by the solver of the library.
-    fn solve<'py>(&self, x: &Bound<'py, PyAny>, tolerance: f64, iterations: usize) -> PyResult<Solved<'py>> {
+    fn solve<'py>(
+        &self,
+        x: &Bound<'py, PyAny>,
+        tolerance: f64,
+        iterations: usize,
+        time_limit: f64,
+    ) -> PyResult<Solved<'py>> {
         let (py, mut signals) = (x.py(), Signals::default());
+        // What no clock counts to is no limit.
+        let time_limit = match time_limit >= 0.0 {
+            true => Duration::try_from_secs_f64(time_limit).ok(),
+            false => {
+                return Err(PyValueError::new_err(format!(
+                    "time_limit is {time_limit}: give seconds, 0 or more"
+                )));
+            }
+        };
         let found = self.at(x, |program, x| {
             let problem = program.problem_mut();
-            let settings = Settings { tolerance, iterations, ..Settings::default() };
+            let settings = Settings { tolerance, iterations, time_limit, ..Settings::default() };
             let mut solver = Solver::new(problem.layout(), settings);
             let observer = |_| match signals.came() {
                 true => ControlFlow::Break(()),
@@ -172,7 +189,7 @@ impl ProgramCore {
         if let Some(raised) = signals.raised() {
             return Err(raised);
         }
-        let found = found.map_err(pyo3::exceptions::PyValueError::new_err)?;
+        let found = found.map_err(PyValueError::new_err)?;
         let (status, point, cost, multipliers, error, iterations, certificate) = found;
         let [point, multipliers] = [point, multipliers].map(|list| PyArray1::from_vec(py, list));
         Ok((name(status), point, cost, multipliers, error, iterations, certificate_name(certificate)))
@@ -185,6 +202,7 @@ fn name(status: Status) -> &'static str {
         Status::SolvedToRounding => "solved_to_rounding",
         Status::LocallyInfeasible => "locally_infeasible",
         Status::IterationLimit => "iteration_limit",
+        Status::TimeLimit => "time_limit",
         _ => "stalled",
     }
 }
