@@ -84,8 +84,8 @@ pub(crate) struct Active {
     /// Entries and rows of one element.
     local: Room,
     products: Vec<f64>,
-    /// Rates of a Newton step, and the step.
-    pub newton: [Changes; 2],
+    /// Rates of a Newton step, and the step, once one was made.
+    pub newton: Option<[Changes; 2]>,
     /// Whether the ranges are those that the last iterate holds, and the factors those there.
     pub has_held: bool,
     pub is_factored: bool,
@@ -138,7 +138,7 @@ impl Active {
             residual: vec![0.0; size],
             local: Room::new(layout),
             products: vec![0.0; size - layout.steps()],
-            newton: [Changes::zeros(layout), Changes::zeros(layout)],
+            newton: None,
             has_held: false,
             is_factored: false,
         }

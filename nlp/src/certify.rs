@@ -56,12 +56,12 @@ impl Solver {
         tolerance: f64,
     ) -> Result<KktError, SolveError<P::Error>> {
         let mut active = self.take_active(problem)?;
-        let none = || Changes { x: Vec::new(), equalities: Vec::new(), ranges: Vec::new() };
-        let mut room = std::mem::replace(&mut active.newton, [none(), none()]);
+        let zeros = || Changes::zeros(&self.layout);
+        let mut room = active.newton.take().unwrap_or_else(|| [zeros(), zeros()]);
         let outcome = self.with_scaled(problem, |solver, scaled| {
             solver.refine_with(scaled, (&mut active, &mut room), tolerance)
         });
-        active.newton = room;
+        active.newton = Some(room);
         self.active = Some(active);
         outcome
     }

@@ -85,19 +85,9 @@ impl Bounds {
     /// IPOPT's bound_relax_factor.
     const RELAXATION: f64 = 1e-8;
 
-    pub fn new([lower, upper]: [Vec<f64>; 2]) -> Self {
-        let mut bounds = Self { lower, upper };
-        bounds.relax();
-        bounds
-    }
-
-    fn relax(&mut self) {
-        for (l, u) in self.lower.iter_mut().zip(&mut self.upper) {
-            let room = Self::RELAXATION * l.abs().max(u.abs()).max(1.0);
-            if *u - *l < 2.0 * room {
-                (*l, *u) = (*l - room, *u + room);
-            }
-        }
+    /// Room for those of so many rows.
+    pub fn new(rows: usize) -> Self {
+        Self { lower: vec![0.0; rows], upper: vec![0.0; rows] }
     }
 
     /// Takes the bounds and sizes of another program with the same layout.
@@ -105,8 +95,11 @@ impl Bounds {
         let bounds = self.lower.iter_mut().zip(&mut self.upper).zip(lower.iter().zip(upper));
         for (((l, u), (lower, upper)), scale) in bounds.zip(&scales.ranges) {
             (*l, *u) = (lower / scale, upper / scale);
+            let room = Self::RELAXATION * l.abs().max(u.abs()).max(1.0);
+            if *u - *l < 2.0 * room {
+                (*l, *u) = (*l - room, *u + room);
+            }
         }
-        self.relax();
     }
 
     /// How many there are.

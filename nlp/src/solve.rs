@@ -249,7 +249,7 @@ impl Solver {
         let ranges = layout.ranges();
         Self {
             settings,
-            bounds: Bounds::new([vec![0.0; ranges], vec![0.0; ranges]]),
+            bounds: Bounds::new(ranges),
             trial: iterate.clone(),
             iterate,
             blocks: Blocks::new(layout),
