@@ -36,8 +36,8 @@ pub(crate) struct Program<'a, D> {
     pub work: &'a mut Work,
 }
 
-/// Factors of the cost below this are not divided by.
-const LEAST_COST: f64 = 1e-12;
+/// Factors of the cost below this are not divided by: no typical cost has one.
+const LEAST_COST: f64 = 1e-150;
 
 /// Room of a [`Program`].
 #[derive(Clone, Debug, Default)]

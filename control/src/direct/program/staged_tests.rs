@@ -30,8 +30,19 @@ struct Derivatives {
 }
 
 fn derivatives<D: PointDynamics>(program: &mut Program<'_, D>, point: &[f64], cost: f64) -> Derivatives {
+    weighted(program, point, cost, 1.0)
+}
+
+/// The same with all weights times a factor.
+fn weighted<D: PointDynamics>(
+    program: &mut Program<'_, D>,
+    point: &[f64],
+    cost: f64,
+    factor: f64,
+) -> Derivatives {
     let layout = program.layout().clone();
-    let [y, v] = weights(&layout);
+    let [y, v] = weights(&layout).map(|weights| weights.iter().map(|w| factor * w).collect::<Vec<_>>());
+    let cost = factor * cost;
     let (mut values, mut blocks) = (Values::new(&layout), Blocks::new(&layout));
     program.evaluate(point, &mut values).unwrap();
     program.linearise(point, Weights { cost, equalities: &y, ranges: &v }, &mut blocks).unwrap();
@@ -101,6 +112,12 @@ fn check<D: PointDynamics>(program: &mut Program<'_, D>, name: &str) {
             let size = found.hessian[i][i].abs();
             close("Hessian", i, found.hessian[i][j], [a, b].map(|found| slope(found, 0.7, i)), size);
         }
+    }
+    // Of a cost in another unit, with multipliers in it.
+    let small = weighted(program, &point, 0.7, 1e-20);
+    let largest = found.hessian.iter().flatten().fold(0.0, |most: f64, entry| most.max(entry.abs()));
+    for (found, small) in found.hessian.iter().flatten().zip(small.hessian.iter().flatten()) {
+        assert!((found - 1e20 * small).abs() <= 1e-12 * largest, "{name}: {found} {small}");
     }
     // Without the cost.
     let [without, with] = [0.0, 1.0].map(|cost| derivatives(program, &point, cost));
