@@ -66,9 +66,13 @@ impl Solver {
         outcome
     }
 
-    /// The point of the last iterate or solution, refined if [`refine`](Self::refine) was called.
+    /// The point of the last iterate or solution, refined if [`refine`](Self::refine) was called; in
+    /// restoration that of its iterate.
     pub fn point(&self) -> &[f64] {
-        &self.iterate.point
+        match self.restoration.as_ref().filter(|restoration| restoration.is_on) {
+            Some(restoration) => restoration.places.original_point(&restoration.solver.iterate.point),
+            None => &self.iterate.point,
+        }
     }
 
     /// The changes of the last solution at the rates of its equations:

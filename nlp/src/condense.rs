@@ -38,9 +38,9 @@ impl Condensed {
         }
     }
 
-    /// Takes these blocks, with weights of the ranges.
-    pub fn set(&mut self, layout: &Layout, blocks: &Blocks, weights: &[f64]) {
-        in_widest!(self.set_all(layout, blocks, weights));
+    /// Takes these blocks, with weights of the ranges; the Hessians times this factor.
+    pub fn set(&mut self, layout: &Layout, blocks: &Blocks, weights: &[f64], factor: f64) {
+        in_widest!(self.set_all(layout, blocks, weights, factor));
     }
 
     /// Takes the Jacobians of these blocks. The Hessians become zero.
@@ -54,14 +54,15 @@ impl Condensed {
     }
 
     #[inline(always)]
-    fn set_all<const FUSED: bool>(&mut self, layout: &Layout, blocks: &Blocks, weights: &[f64]) {
+    fn set_all<const FUSED: bool>(&mut self, layout: &Layout, blocks: &Blocks, weights: &[f64], factor: f64) {
         let Self { hessians, jacobians, columns, weighted } = self;
         let to = hessians.iter_mut().zip(jacobians);
         for ((element, block), (hessian, jacobian)) in layout.elements().zip(blocks.all()).zip(to) {
             let columns = columns_of(layout, element, &blocks.units, columns);
             let [equalities, ranges] = blocks.units.jacobians(layout, element, block);
-            scale_hessian(&block.hessian, columns, hessian);
             scale_jacobian(equalities, columns, jacobian);
+            columns.iter_mut().for_each(|column| *column *= factor.sqrt());
+            scale_hessian(&block.hessian, columns, hessian);
             add_squares::<FUSED>(hessian, (&weights[layout.ranges_of(element)], ranges), columns, weighted);
         }
     }
@@ -74,14 +75,14 @@ pub(crate) fn columns_of<'a>(
     element: Element,
     units: &Units,
     to: &'a mut [f64],
-) -> &'a [f64] {
+) -> &'a mut [f64] {
     let mut at = 0;
     for range in layout.unknowns(element) {
         let from = &units.steps[range];
         to[at..at + from.len()].copy_from_slice(from);
         at += from.len();
     }
-    &to[..at]
+    &mut to[..at]
 }
 
 /// The upper triangle of a Hessian in these units, with padded rows.
@@ -176,7 +177,7 @@ mod tests {
             block.set_patterns();
             let weights: Vec<f64> = (0..ranges).map(|_| 1.0 + number()).collect();
             let mut condensed = Condensed::new(&layout);
-            condensed.set(&layout, &blocks, &weights);
+            condensed.set(&layout, &blocks, &weights, 0.7);
             let (block, units) = (&blocks.all()[0], &blocks.units);
             for i in 0..width {
                 for j in i..width {
@@ -185,7 +186,7 @@ mod tests {
                         let factor = weight * units.ranges[r] * units.ranges[r];
                         sum += factor * block.ranges[(r, i)] * block.ranges[(r, j)];
                     }
-                    sum *= units.steps[i] * units.steps[j];
+                    sum *= 0.7 * units.steps[i] * units.steps[j];
                     assert!((condensed.hessians[0][(i, j)] - sum).abs() < 1e-13, "{width}: {i} {j}");
                 }
             }

@@ -1,9 +1,8 @@
 //! Centrality correctors of a step ([`CentralitySettings`]).
 
-use crate::barrier::{barrier_residuals, longest_steps};
+use crate::barrier::longest_steps;
 use crate::centrality::{CentralitySettings, set_targets};
 use crate::iterate::Step;
-use crate::newton::Accuracy;
 use crate::solve::Solver;
 
 impl Solver {
@@ -27,23 +26,12 @@ impl Solver {
             }
             let wanted = reached.map(|length| (length + longer).min(1.0));
             std::mem::swap(&mut self.targets, &mut self.targets_before);
-            let Self {
-                layout,
-                iterate,
-                step,
-                blocks,
-                corrected,
-                newton,
-                correction,
-                targets,
-                targets_before,
-                ..
-            } = self;
+            let Self { layout, iterate, step, blocks, newton, correction, targets, targets_before, .. } =
+                self;
             let range = products.map(|part| part * mu);
             set_targets(targets, targets_before, (iterate, step, newton.reciprocals()), wanted, range);
-            barrier_residuals(iterate, newton.reciprocals(), targets, corrected);
             let is_found = newton
-                .step(layout, iterate, blocks, (corrected, targets), (Accuracy::Refined, correction))
+                .corrected_step(layout, iterate, blocks, (targets, targets_before), (step, correction))
                 .is_ok();
             let found = lengths(self, &self.correction);
             let [before, after, most] = [reached, found, wanted].map(|lengths| lengths[0] + lengths[1]);

@@ -2,7 +2,7 @@
 
 use crate::dense::Dense;
 use crate::layout::{Element, Layout};
-use crate::tiles::{LANES, Sums, add_all_rows, add_entries, add_rows, fused, products};
+use crate::tiles::{LANES, Sums, add_all_rows, add_entries, add_rows, four, fused, products};
 
 /// A square matrix of zeros for each element, its rows padded for tiles.
 pub(crate) fn squares(layout: &Layout) -> Vec<Dense> {
@@ -100,7 +100,7 @@ impl Pattern {
     /// The dense rows, four at a time; the last ones are repeated.
     #[inline(always)]
     pub fn fours(&self) -> impl Iterator<Item = [usize; 4]> {
-        self.dense.chunks(4).map(|rows| std::array::from_fn(|r| rows[r.min(rows.len() - 1)]))
+        self.dense.chunks(4).map(|rows| four(|r| rows[r.min(rows.len() - 1)]))
     }
 }
 
@@ -142,7 +142,7 @@ pub(crate) fn times<const FUSED: bool>(
         to[i] = factors[i] * entries.iter().map(|&(column, entry)| entry * d[column]).sum::<f64>();
     }
     for places in pattern.fours() {
-        let found = products::<FUSED>(places.map(|i| rows.row(i)), d, sums);
+        let found = products::<FUSED>(four(|r| rows.row(places[r])), d, sums);
         places.into_iter().zip(found).for_each(|(i, product)| to[i] = factors[i] * product);
     }
 }
@@ -171,7 +171,7 @@ pub(crate) fn add_symmetric<const FUSED: bool>(hessian: &Dense, d: &[f64], to: &
     let whole = n / 4 * 4;
     for i in (0..whole).step_by(4) {
         // The square on the diagonal, then the rest of its rows.
-        let [a, b, c, e] = [0, 1, 2, 3].map(|r| hessian.row(i + r)[i..n].split_at(4));
+        let [a, b, c, e] = four(|r| hessian.row(i + r)[i..n].split_at(4));
         let [p, q, r, s] = [d[i], d[i + 1], d[i + 2], d[i + 3]];
         let square = [
             (a.0[0] * p + a.0[1] * q) + (a.0[2] * r + a.0[3] * s),

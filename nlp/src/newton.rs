@@ -29,7 +29,8 @@ use std::ops::Range;
 /// How W is made positive definite where the equations leave it free: by multiples of a metric
 /// ([`StagedProblem::add_metric`](crate::StagedProblem::add_metric)).
 ///
-/// Source: Waechter and Biegler 2006, algorithm IC.
+/// Source: Waechter and Biegler 2006, algorithm IC, whose first factor is 100: with it first steps of motions
+/// are far shorter than they need to be.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RegularisationSettings {
     /// First value.
@@ -46,13 +47,16 @@ pub struct RegularisationSettings {
 
 impl Default for RegularisationSettings {
     fn default() -> Self {
-        Self { first: 1e-4, least: 1e-20, largest: 1e40, decrease: 1.0 / 3.0, increase: [8.0, 100.0] }
+        Self { first: 1e-4, least: 1e-20, largest: 1e40, decrease: 1.0 / 3.0, increase: [8.0, 10.0] }
     }
 }
 
-/// Most steps of iterative refinement, and the relative residual that ends it: as IPOPT.
+/// Most steps of iterative refinement, as in IPOPT.
 const REFINEMENTS: usize = 10;
-const REFINED: f64 = 1e-10;
+
+/// The relative residual of a step that ends it. Steps of Newton's method need no more: what is left of the
+/// conditions falls by this factor too.
+const REFINED: f64 = 1e-6;
 
 /// Why there is no step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -86,6 +90,8 @@ pub(crate) struct Newton {
     /// The regularisation that worked last, and the one in use.
     remembered: f64,
     regularisation: f64,
+    /// The factor of the Hessians in the matrix that is factored, with multipliers y times it.
+    factor: f64,
     /// Whether a convex Hessian is in the place of W.
     is_convexified: bool,
     convex: Convex,
@@ -109,6 +115,7 @@ impl Newton {
             settings,
             remembered: 0.0,
             regularisation: 0.0,
+            factor: 1.0,
             is_convexified: false,
             convex: Convex::default(),
             right: Residuals::zeros(layout),
@@ -187,7 +194,9 @@ impl Newton {
 
     /// Factors; whether the inertia is right.
     fn factorise_once(&mut self, layout: &Layout, blocks: &Blocks) -> bool {
-        self.condensed.set(layout, blocks, &self.weights);
+        // Large multiples of the metric beside the entries of equations would leave these without pivots.
+        self.factor = (1.0 + self.regularisation).recip();
+        self.condensed.set(layout, blocks, &self.weights, self.factor);
         let Condensed { hessians, jacobians, .. } = &self.condensed;
         let jacobian = |element: usize| &jacobians[element];
         let inertia = self.chain.factorise_unless(hessians, jacobian, &self.diagonal, layout.equalities());
@@ -266,6 +275,43 @@ impl Newton {
         (accuracy, step): (Accuracy, &mut Step),
     ) -> Result<(), NoStep> {
         self.solve(layout, blocks, residuals, (accuracy, step));
+        self.set_steps_of_multipliers(iterate, targets, step)
+    }
+
+    /// The step for other products than those that a step was made for. Only the right-hand sides of slacks
+    /// differ, so what is added to that step is as exact as the factors are.
+    pub fn corrected_step(
+        &mut self,
+        layout: &Layout,
+        iterate: &Iterate,
+        blocks: &Blocks,
+        (targets, before): (&Targets, &Targets),
+        (step, to): (&Step, &mut Step),
+    ) -> Result<(), NoStep> {
+        let mut right = std::mem::take(&mut self.right);
+        [&mut right.x, &mut right.equalities, &mut right.ranges].into_iter().for_each(|part| part.fill(0.0));
+        let [below, above] = &self.reciprocals;
+        let sides = below.iter().zip(targets[0].iter().zip(&before[0]));
+        let sides = sides.zip(above.iter().zip(targets[1].iter().zip(&before[1])));
+        for (to, ((below, (lower, lower_before)), (above, (upper, upper_before)))) in
+            right.slacks.iter_mut().zip(sides)
+        {
+            *to = (lower - lower_before) * below - (upper - upper_before) * above;
+        }
+        self.solve_condensed(layout, blocks, &right, to);
+        in_widest!(self.complete(layout, blocks, (&right, to)));
+        self.right = right;
+        to.add(step);
+        self.set_steps_of_multipliers(iterate, targets, to)
+    }
+
+    /// The step of the multipliers of bounds from that of slacks; whether all is finite.
+    fn set_steps_of_multipliers(
+        &self,
+        iterate: &Iterate,
+        targets: &Targets,
+        step: &mut Step,
+    ) -> Result<(), NoStep> {
         let Step { slacks, z, .. } = step;
         for (side, sign) in [(0, -1.0), (1, 1.0)] {
             in_widest!(set_multipliers(
@@ -327,10 +373,11 @@ impl Newton {
     /// The step of x and y.
     fn solve_condensed(&mut self, layout: &Layout, blocks: &Blocks, right: &Residuals, step: &mut Step) {
         in_widest!(self.condense(layout, blocks, right));
+        self.solution[..layout.steps()].iter_mut().for_each(|entry| *entry *= self.factor);
         self.chain.solve(&mut self.solution);
         let (x, y) = self.solution.split_at(layout.steps());
         step.x.copy_from_slice(x);
-        step.y.copy_from_slice(y);
+        step.y.iter_mut().zip(y).for_each(|(to, entry)| *to = entry / self.factor);
     }
 
     /// The right-hand side `b_x + G' (Sigma b_g + b_s)`, b_c.

@@ -601,7 +601,7 @@ impl Solver {
         let mu = self.progress.mu;
         self.progress.regularisation = self.newton.regularisation();
         self.progress.is_exact = self.newton.is_exact();
-        let is_feasible = self.progress.error.feasibility <= tolerance.min(feasibility);
+        let is_feasible = self.progress.error.feasibility <= feasibility;
         if found {
             let tau = barrier.part_of_way(mu);
             let mut length = self.search(problem, (mu, tau))?;

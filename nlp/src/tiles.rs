@@ -13,6 +13,13 @@ pub(crate) const LANES: usize = 4;
 /// compiler makes vectors across the products, and transposes all entries for them.
 pub(crate) type Sums = [[f64; LANES]; 4];
 
+/// Four values. Unlike [`std::array::from_fn`] and maps of arrays, which the compiler does not always inline,
+/// it is compiled for the vectors of the code around it.
+#[inline(always)]
+pub(crate) fn four<T>(value: impl Fn(usize) -> T) -> [T; 4] {
+    [value(0), value(1), value(2), value(3)]
+}
+
 /// `a b + c`.
 #[inline(always)]
 pub(crate) fn fused<const FUSED: bool>(a: f64, b: f64, c: f64) -> f64 {
@@ -191,9 +198,9 @@ fn tile<const FUSED: bool, const ADD: bool, const W: usize, const R: usize>(
 #[inline(always)]
 pub(crate) fn products<const FUSED: bool>(rows: [&[f64]; 4], x: &[f64], sums: &mut Sums) -> [f64; 4] {
     let n = x.len();
-    let rows = rows.map(|row| &row[..n]);
+    let rows = four(|r| &rows[r][..n]);
     let (chunks, rest) = x.as_chunks::<LANES>();
-    let columns = rows.map(|row| &row.as_chunks::<LANES>().0[..chunks.len()]);
+    let columns = four(|r| &rows[r].as_chunks::<LANES>().0[..chunks.len()]);
     let mut partial = [[0.0; LANES]; 4];
     for i in 0..chunks.len() {
         for w in 0..4 {
@@ -206,8 +213,7 @@ pub(crate) fn products<const FUSED: bool>(rows: [&[f64]; 4], x: &[f64], sums: &m
         && !rest.is_empty()
     {
         // The last ones once more, without those that were added.
-        let last: [f64; LANES] =
-            std::array::from_fn(|lane| if lane < LANES - rest.len() { 0.0 } else { last[lane] });
+        let last = four(|lane| if lane < LANES - rest.len() { 0.0 } else { last[lane] });
         for w in 0..4 {
             if let Some(ends) = rows[w].last_chunk::<LANES>() {
                 for lane in 0..LANES {
@@ -218,7 +224,7 @@ pub(crate) fn products<const FUSED: bool>(rows: [&[f64]; 4], x: &[f64], sums: &m
     }
     *sums = partial;
     let few = if n < LANES { n } else { 0 };
-    std::array::from_fn(|w| {
+    four(|w| {
         let [p, q, r, s] = sums[w];
         rows[w].iter().zip(x).take(few).fold((p + q) + (r + s), |sum, (a, b)| fused::<FUSED>(*a, *b, sum))
     })
@@ -228,7 +234,7 @@ pub(crate) fn products<const FUSED: bool>(rows: [&[f64]; 4], x: &[f64], sums: &m
 #[inline(always)]
 pub(crate) fn add_rows<const FUSED: bool>(rows: [&[f64]; 4], factors: [f64; 4], to: &mut [f64]) {
     let n = to.len();
-    let rows = rows.map(|row| &row[..n]);
+    let rows = four(|r| &rows[r][..n]);
     // Sums that do not wait for those of the rows before.
     let sum = |to: f64, [a, b, c, d]: [f64; 4]| {
         let [p, q, r, s] = factors;
@@ -239,7 +245,7 @@ pub(crate) fn add_rows<const FUSED: bool>(rows: [&[f64]; 4], factors: [f64; 4], 
     if rest == 0 {
         return;
     }
-    let ends = rows.map(|row| row.last_chunk::<LANES>());
+    let ends = four(|r| rows[r].last_chunk::<LANES>());
     if let ([Some(a), Some(b), Some(c), Some(d)], Some(to)) = (ends, to.last_chunk_mut::<LANES>()) {
         // The last ones once more, without those that were added.
         let (mut sums, [a, b, c, d]) = (*to, [*a, *b, *c, *d]);
@@ -249,7 +255,7 @@ pub(crate) fn add_rows<const FUSED: bool>(rows: [&[f64]; 4], factors: [f64; 4], 
         }
         *to = sums;
     } else {
-        to.iter_mut().enumerate().for_each(|(i, to)| *to = sum(*to, rows.map(|row| row[i])));
+        to.iter_mut().enumerate().for_each(|(i, to)| *to = sum(*to, four(|r| rows[r][i])));
     }
 }
 
@@ -357,10 +363,10 @@ pub(crate) fn scaled_products(
         }
         return;
     }
-    let rows = rows.map(|row| &row[..n]);
-    let chunks = rows.map(|row| &row.as_chunks::<LANES>().0[..n / LANES]);
+    let rows = four(|r| &rows[r][..n]);
+    let chunks = four(|r| &rows[r].as_chunks::<LANES>().0[..n / LANES]);
     let product = |b: [f64; LANES], rows: [[f64; LANES]; 4]| -> [[f64; LANES]; 4] {
-        std::array::from_fn(|r| std::array::from_fn(|lane| factors[r] * b[lane] * rows[r][lane]))
+        four(|r| four(|lane| factors[r] * b[lane] * rows[r][lane]))
     };
     let mut store = |at: usize, products: [[f64; LANES]; 4]| {
         for r in 0..4 {
@@ -368,10 +374,10 @@ pub(crate) fn scaled_products(
         }
     };
     for (i, b) in b.as_chunks::<LANES>().0.iter().enumerate() {
-        store(i * LANES, product(*b, chunks.map(|row| row[i])));
+        store(i * LANES, product(*b, four(|r| chunks[r][i])));
     }
     // The last ones once more.
-    let ends = rows.map(|row| row.last_chunk::<LANES>());
+    let ends = four(|r| rows[r].last_chunk::<LANES>());
     if let ([Some(p), Some(q), Some(r), Some(s)], Some(b)) = (ends, b.last_chunk::<LANES>()) {
         store(n - LANES, product(*b, [*p, *q, *r, *s]));
     }

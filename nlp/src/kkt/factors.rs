@@ -3,7 +3,7 @@
 //! Columns are taken four at a time, so that their sums and products are independent.
 
 use super::front::{Front, Pivot, inverse_of_two};
-use crate::tiles::{LANES, Sums, add_rows, fused, products};
+use crate::tiles::{LANES, Sums, add_rows, four, fused, products};
 
 #[derive(Clone, Debug, Default)]
 pub(super) struct Factors {
@@ -66,7 +66,7 @@ impl Factors {
                     done[i] = fused::<FUSED>(-triangle[j][i], done[j], done[i]);
                 }
             }
-            add_rows::<FUSED>(columns, std::array::from_fn(|j| -done[j]), rest);
+            add_rows::<FUSED>(columns, four(|j| -done[j]), rest);
         }
         self.rows.iter().zip(&*local).for_each(|(&row, &value)| x[row] = value);
     }
@@ -112,6 +112,6 @@ impl Factors {
     #[inline(always)]
     fn below<'a>(&self, columns: &'a [f64], panel: usize) -> ([&'a [f64]; LANES], [&'a [f64]; LANES]) {
         let column = |j: usize| columns[j * self.stride..][panel * LANES..self.stride].split_at(LANES);
-        (std::array::from_fn(|j| column(j).1), std::array::from_fn(|j| column(j).0))
+        (four(|j| column(j).1), four(|j| column(j).0))
     }
 }

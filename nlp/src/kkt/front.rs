@@ -12,7 +12,9 @@
 //! long as pivots are accepted in their order, the lower triangle is enough; the first column that is
 //! refused completes the square of the candidates, so that every column has all of its entries.
 
-use crate::tiles::{LANES, PANEL, Sums, add, factor_square, largest_number, scale, solve_panel, update};
+use crate::tiles::{
+    LANES, PANEL, Sums, add, factor_square, four, largest_number, scale, solve_panel, update,
+};
 
 /// Threshold u of pivots.
 ///
@@ -151,8 +153,7 @@ impl Front {
                     self.sizes[column] = larger(self.sizes[column], entry);
                 }
             }
-            let columns: [&[f64]; 4] =
-                std::array::from_fn(|w| &self.entries[(j + w.min(count - 1)) * stride..][..stride]);
+            let columns = four(|w| &self.entries[(j + w.min(count - 1)) * stride..][..stride]);
             let mut lanes = Sums::default();
             for at in (j + LANES..stride).step_by(LANES) {
                 let Some(sizes) = self.sizes[at..].first_chunk_mut::<LANES>() else { break };
@@ -362,8 +363,7 @@ impl Front {
         }
         let columns = k * stride..(k + PANEL) * stride;
         // The square on the diagonal.
-        let mut square: [[f64; PANEL]; PANEL] =
-            std::array::from_fn(|j| std::array::from_fn(|i| self.entries[(k + j) * stride + k + i]));
+        let mut square = four(|j| four(|i| self.entries[(k + j) * stride + k + i]));
         let reciprocals = factor_square::<FUSED>(&mut square);
         let mut is_accepted = true;
         for (j, column) in square.iter().enumerate() {
@@ -388,7 +388,7 @@ impl Front {
             let column = j * stride + first..(j + 1) * stride;
             scale(&products[column.clone()], reciprocal, &mut self.entries[k * stride..][column]);
         }
-        self.pivots.extend(std::array::from_fn::<_, PANEL, _>(|j| Pivot::One(square[j][j])));
+        self.pivots.extend(four(|j| Pivot::One(square[j][j])));
         self.eliminated += PANEL;
         true
     }

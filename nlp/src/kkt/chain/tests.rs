@@ -184,3 +184,26 @@ proptest! {
         prop_assert!(residual < 1e-8 * size, "{} of {}", residual, size);
     }
 }
+
+/// Why Newton's equations are scaled where large multiples of a metric are in them: equations that depend on
+/// all of the node that follows find pivots where they stand beside Hessians of their own size, and none
+/// beside far larger ones, with which they wait until the end.
+#[test]
+fn equations_wait_for_pivots_beside_large_hessians_alone() {
+    let mut layout = Layout::uniform(40, 6, 2, 0);
+    for k in 0..40 {
+        layout = layout.with_rows(Element::Interval(k), Rows::new(5, 0));
+    }
+    let largest_front = |factor: f64| {
+        let mut random = Random::new(layout.clone(), 11, true);
+        let hessians = random.hessians.iter_mut().flat_map(|hessian| hessian.entries_mut());
+        hessians.chain(&mut random.diagonal).for_each(|entry| *entry *= factor);
+        let mut chain = Chain::new(&layout);
+        let inertia = random.factorise(&mut chain, 0.0);
+        assert_eq!([inertia.positive, inertia.negative], [layout.steps(), layout.equalities()]);
+        chain.stages.iter().map(|stage| stage.factors.rows.len()).max().unwrap()
+    };
+    // Two nodes, what is private, the equations; and those that wait.
+    let [near, far] = [1.0, 1e8].map(largest_front);
+    assert!(near <= 6 + 2 + 5 + 6 + 5 && far > 3 * near, "{near} {far}");
+}
