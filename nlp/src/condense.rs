@@ -6,7 +6,7 @@ use crate::blocks::{Blocks, Units};
 use crate::dense::Dense;
 use crate::elements::{Jacobian, squares};
 use crate::layout::{Element, Layout};
-use crate::tiles::{LANES, scaled_product, scaled_products, update};
+use crate::tiles::{LANES, four, scaled_product, scaled_products, update};
 use costate_numerics::in_widest;
 
 /// The matrices of Newton's equations by element, in units of the scaled program.
@@ -92,8 +92,8 @@ pub(crate) fn scale_hessian(hessian: &Dense, columns: &[f64], to: &mut Dense) {
     let whole = n / 4 * 4;
     for i in (0..whole).step_by(4) {
         // Of the square on the diagonal both triangles.
-        let rows = [0, 1, 2, 3].map(|r| &hessian.row(i + r)[i..]);
-        let factors = [0, 1, 2, 3].map(|r| columns[i + r]);
+        let rows = four(|r| &hessian.row(i + r)[i..]);
+        let factors = four(|r| columns[i + r]);
         scaled_products(factors, rows, &columns[i..], &mut to.entries_mut()[i * stride + i..], stride);
     }
     for i in whole..n {
@@ -128,14 +128,14 @@ fn add_squares<const FUSED: bool>(
         return;
     }
     for (to, places) in weighted.chunks_mut(4 * stride).zip(pattern.fours()) {
-        let factors = places.map(|row| weights[row].sqrt() * factors[row]);
+        let factors = four(|r| weights[places[r]].sqrt() * factors[places[r]]);
         // Padding, and entries that are set next.
         for row in to.chunks_exact_mut(stride) {
             if let Some(last) = row.last_chunk_mut::<LANES>() {
                 *last = [0.0; LANES];
             }
         }
-        scaled_products(factors, places.map(|row| rows.row(row)), columns, to, stride);
+        scaled_products(factors, four(|r| rows.row(places[r])), columns, to, stride);
     }
     let weighted = &weighted[..count * stride];
     let (size, mut j) = (columns.len(), 0);
