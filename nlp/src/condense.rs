@@ -12,7 +12,7 @@ use costate_numerics::in_widest;
 /// The matrices of Newton's equations by element, in units of the scaled program.
 #[derive(Clone, Debug)]
 pub(crate) struct Condensed {
-    /// Upper triangles of `W + G' Sigma G`; rows are padded.
+    /// Upper triangles of `W + G' Sigma G`, times a factor; rows are padded.
     pub hessians: Vec<Dense>,
     /// Jacobians of the equations.
     pub jacobians: Vec<Dense>,
@@ -56,12 +56,13 @@ impl Condensed {
     #[inline(always)]
     fn set_all<const FUSED: bool>(&mut self, layout: &Layout, blocks: &Blocks, weights: &[f64], factor: f64) {
         let Self { hessians, jacobians, columns, weighted } = self;
+        let root = factor.sqrt();
         let to = hessians.iter_mut().zip(jacobians);
         for ((element, block), (hessian, jacobian)) in layout.elements().zip(blocks.all()).zip(to) {
             let columns = columns_of(layout, element, &blocks.units, columns);
             let [equalities, ranges] = blocks.units.jacobians(layout, element, block);
             scale_jacobian(equalities, columns, jacobian);
-            columns.iter_mut().for_each(|column| *column *= factor.sqrt());
+            columns.iter_mut().for_each(|column| *column *= root);
             scale_hessian(&block.hessian, columns, hessian);
             add_squares::<FUSED>(hessian, (&weights[layout.ranges_of(element)], ranges), columns, weighted);
         }

@@ -90,8 +90,6 @@ pub(crate) struct Newton {
     /// The regularisation that worked last, and the one in use.
     remembered: f64,
     regularisation: f64,
-    /// The factor of the Hessians in the matrix that is factored, with multipliers y times it.
-    factor: f64,
     /// Whether a convex Hessian is in the place of W.
     is_convexified: bool,
     convex: Convex,
@@ -115,7 +113,6 @@ impl Newton {
             settings,
             remembered: 0.0,
             regularisation: 0.0,
-            factor: 1.0,
             is_convexified: false,
             convex: Convex::default(),
             right: Residuals::zeros(layout),
@@ -194,9 +191,7 @@ impl Newton {
 
     /// Factors; whether the inertia is right.
     fn factorise_once(&mut self, layout: &Layout, blocks: &Blocks) -> bool {
-        // Large multiples of the metric beside the entries of equations would leave these without pivots.
-        self.factor = (1.0 + self.regularisation).recip();
-        self.condensed.set(layout, blocks, &self.weights, self.factor);
+        self.condensed.set(layout, blocks, &self.weights, self.factor());
         let Condensed { hessians, jacobians, .. } = &self.condensed;
         let jacobian = |element: usize| &jacobians[element];
         let inertia = self.chain.factorise_unless(hessians, jacobian, &self.diagonal, layout.equalities());
@@ -205,6 +200,12 @@ impl Newton {
             self.remembered = self.regularisation;
         }
         is_right
+    }
+
+    /// The factor of the Hessians in the matrix that is factored, whose solutions have y times it: large
+    /// multiples of the metric beside the entries of equations would leave these without pivots.
+    fn factor(&self) -> f64 {
+        (1.0 + self.regularisation).recip()
     }
 
     /// The next regularisation: how much is added.
@@ -373,11 +374,12 @@ impl Newton {
     /// The step of x and y.
     fn solve_condensed(&mut self, layout: &Layout, blocks: &Blocks, right: &Residuals, step: &mut Step) {
         in_widest!(self.condense(layout, blocks, right));
-        self.solution[..layout.steps()].iter_mut().for_each(|entry| *entry *= self.factor);
+        let factor = self.factor();
+        self.solution[..layout.steps()].iter_mut().for_each(|entry| *entry *= factor);
         self.chain.solve(&mut self.solution);
         let (x, y) = self.solution.split_at(layout.steps());
         step.x.copy_from_slice(x);
-        step.y.iter_mut().zip(y).for_each(|(to, entry)| *to = entry / self.factor);
+        step.y.iter_mut().zip(y).for_each(|(to, entry)| *to = entry / factor);
     }
 
     /// The right-hand side `b_x + G' (Sigma b_g + b_s)`, b_c.

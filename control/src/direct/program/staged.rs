@@ -36,7 +36,7 @@ pub(crate) struct Program<'a, D> {
     pub work: &'a mut Work,
 }
 
-/// Factors of the cost below this are not divided by: no typical cost has one.
+/// A factor of the cost below this counts as none, and is not divided by.
 const LEAST_COST: f64 = 1e-150;
 
 /// Room of a [`Program`].
