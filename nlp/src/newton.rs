@@ -507,3 +507,67 @@ fn set_multipliers<const FUSED: bool>(
         *to = (target + sign * z * ds) * reciprocal - z;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Accuracy, Newton, RegularisationSettings};
+    use crate::barrier::barrier_residuals;
+    use crate::blocks::Blocks;
+    use crate::iterate::{Bounds, Iterate, Residuals, Step};
+    use crate::layout::{Element, Layout, Rows};
+
+    /// With a regularised matrix too, and a range without an upper bound.
+    #[test]
+    fn corrected_steps_are_those_for_their_products() {
+        let layout = Layout::new(vec![4], vec![], 0).with_rows(Element::Node(0), Rows::new(2, 3));
+        let mut random = fastrand::Rng::with_seed(5);
+        let mut number = || random.f64() - 0.5;
+        let mut blocks = Blocks::new(&layout);
+        let units = &mut blocks.units;
+        let units = [&mut units.steps, &mut units.equalities, &mut units.ranges];
+        units.into_iter().for_each(|units| units.fill(1.0));
+        let block = blocks.of(Element::Node(0));
+        let rows = [&mut block.equalities, &mut block.ranges];
+        rows.into_iter().flat_map(|rows| rows.entries_mut()).for_each(|entry| *entry = number());
+        (0..4).for_each(|i| block.hessian[(i, i)] = 2.0 + number());
+        block.set_patterns();
+        let (mut iterate, mut bounds) = (Iterate::new(&layout, 4), Bounds::new(3));
+        (bounds.lower, bounds.upper) = (vec![-1.0; 3], vec![1.0, 2.0, f64::INFINITY]);
+        iterate.slacks = vec![0.5, -0.9, 0.2];
+        iterate.z = [vec![0.1, 0.7, 0.3], vec![0.4, 0.2, 0.0]];
+        iterate.v = vec![0.3, -0.5, -0.3];
+        let mut residuals = Residuals::zeros(&layout);
+        let parts = [&mut residuals.x, &mut residuals.equalities, &mut residuals.ranges];
+        parts.into_iter().flatten().for_each(|entry| *entry = number());
+        let before = [vec![0.1; 3], vec![0.1, 0.1, 0.0]];
+        let targets = [vec![0.3, 0.1, 0.02], vec![0.05, 0.4, 0.0]];
+        for regularisation in [0.0, 1e3] {
+            let mut newton = Newton::new(&layout, RegularisationSettings::default());
+            newton.begin(&iterate, &bounds);
+            newton.regularisation = regularisation;
+            assert!(newton.factorise_once(&layout, &blocks));
+            let mut step_for = |targets| {
+                let mut step = Step::zeros(&layout);
+                barrier_residuals(&iterate, newton.reciprocals(), targets, &mut residuals);
+                let to = (Accuracy::Refined, &mut step);
+                newton.step(&layout, &iterate, &blocks, (&residuals, targets), to).unwrap();
+                step
+            };
+            let (step, expected) = (step_for(&before), step_for(&targets));
+            let mut found = Step::zeros(&layout);
+            let pair = (&step, &mut found);
+            newton.corrected_step(&layout, &iterate, &blocks, (&targets, &before), pair).unwrap();
+            let all = |step: &Step| {
+                let Step { x, slacks, y, v, z: [lower, upper] } = step;
+                [x, slacks, y, v, lower, upper].into_iter().flatten().copied().collect::<Vec<f64>>()
+            };
+            let [step, found, expected] = [&step, &found, &expected].map(all);
+            let largest = expected.iter().fold(0.0_f64, |most, entry| most.max(entry.abs()));
+            let off = |other: &[f64]| {
+                let pairs = other.iter().zip(&expected);
+                pairs.fold(0.0_f64, |most, (a, b)| most.max((a - b).abs())) / largest
+            };
+            assert!(off(&found) < 1e-12 && off(&step) > 1e-2, "{} {}", off(&found), off(&step));
+        }
+    }
+}
