@@ -9,16 +9,13 @@
 //! has as many positive eigenvalues as there are unknowns. W is that of the Lagrangian alone: neither barrier
 //! terms nor a regularisation are in it. Derivatives of the solution by a parameter solve the same equations.
 
-use crate::blocks::{Blocks, Units};
-use crate::condense::{columns_of, scale_hessian};
-use crate::dense::Dense;
-use crate::elements::{
-    Jacobian, Pattern, Room, add_symmetric, add_transposed, gather, scatter, squares, times,
-};
-use crate::iterate::{Bounds, Iterate};
+use crate::blocks::Blocks;
+use crate::condense::{Condensed, number};
+use crate::elements::{Room, add_symmetric, gather, scatter};
+use crate::iterate::Iterate;
 use crate::kkt::{Chain, Inertia};
-use crate::layout::{Layout, Rows};
-use crate::tiles::{fused, scaled_product};
+use crate::layout::Layout;
+use crate::tiles::add_all_rows;
 use costate_numerics::in_widest;
 
 /// The curvature of the Lagrangian where equations and held ranges are kept.
@@ -69,21 +66,19 @@ const WEAK: f64 = 1e-6;
 #[derive(Clone, Debug)]
 pub(crate) struct Active {
     chain: Chain,
+    /// W, the Jacobian of the equations, and ranges that are held.
+    condensed: Condensed,
     /// Which ranges are held.
     pub held: Vec<Held>,
-    hessians: Vec<Dense>,
-    /// Equations, then ranges; rows of free ranges are zero.
-    jacobians: Vec<Dense>,
-    patterns: Vec<Pattern>,
-    /// All matrices are in units of the scaled program.
-    ones: Units,
+    /// Zeros.
     diagonal: Vec<f64>,
+    /// Of unknowns, equations and ranges; zero for those that are not held.
     right: Vec<f64>,
     solution: Vec<f64>,
     residual: Vec<f64>,
-    /// Entries and rows of one element.
+    /// Entries of one element, and ones.
     local: Room,
-    products: Vec<f64>,
+    ones: Vec<f64>,
     /// Rates of a Newton step, and the step, once one was made.
     pub newton: Option<[Changes; 2]>,
     /// Whether the ranges are those that the last iterate holds, and the factors those there.
@@ -118,26 +113,19 @@ const REFINEMENTS: usize = 3;
 
 impl Active {
     pub fn new(layout: &Layout) -> Self {
-        let mut jacobians = Vec::new();
-        let extended = layout.clone().with_rows_of(|element| {
-            let Rows { equalities, ranges } = layout.rows(element);
-            jacobians.push(Dense::zeros(equalities + ranges, layout.width(element)));
-            Rows::new(equalities + ranges, 0)
-        });
-        let size = extended.steps() + extended.equalities();
+        let ranges = |element| layout.ranges_of(element).len();
+        let rows = layout.steps() + layout.equalities();
+        let all = rows + layout.ranges();
         Self {
-            chain: Chain::new(&extended),
+            chain: Chain::new(layout, ranges, true),
+            condensed: Condensed::new(layout, ranges),
             held: vec![Held::Free; layout.ranges()],
-            hessians: squares(layout),
-            patterns: jacobians.iter().map(|rows| Pattern::dense(rows.rows())).collect(),
-            jacobians,
-            ones: Units::ones(&extended),
-            diagonal: vec![0.0; size],
-            right: vec![0.0; size],
-            solution: vec![0.0; size],
-            residual: vec![0.0; size],
+            diagonal: vec![0.0; rows],
+            right: vec![0.0; all],
+            solution: vec![0.0; all],
+            residual: vec![0.0; all],
             local: Room::new(layout),
-            products: vec![0.0; size - layout.steps()],
+            ones: vec![1.0; layout.steps()],
             newton: None,
             has_held: false,
             is_factored: false,
@@ -150,11 +138,11 @@ impl Active {
     }
 
     /// Finds which ranges an iterate holds.
-    pub fn hold(&mut self, iterate: &Iterate, bounds: &Bounds) {
+    pub fn hold(&mut self, iterate: &Iterate) {
         (self.has_held, self.is_factored) = (true, false);
         for (i, held) in self.held.iter_mut().enumerate() {
             // Of both bounds of a narrow range: what they do not cancel.
-            let (v, [below, above]) = (iterate.v[i], bounds.gaps(&iterate.slacks, i));
+            let (v, [below, above]) = (iterate.v[i], [iterate.gaps[0][i], iterate.gaps[1][i]]);
             let (z, gap, side) = match v > 0.0 || (v == 0.0 && above < below) {
                 true => (v, above, Held::Upper),
                 false => (-v, below, Held::Lower),
@@ -177,35 +165,12 @@ impl Active {
             Held::Weakly => with_weak,
             Held::Lower | Held::Upper => true,
         };
-        let (steps, mut row_of_all) = (layout.steps(), layout.steps());
-        self.diagonal.fill(0.0);
-        for ((element, block), (hessian, jacobian)) in
-            layout.elements().zip(blocks.all()).zip(self.hessians.iter_mut().zip(&mut self.jacobians))
-        {
-            let (units, Rows { equalities, ranges }) = (&blocks.units, layout.rows(element));
-            let columns = columns_of(layout, element, units, self.local.of(hessian.rows()).0);
-            scale_hessian(&block.hessian, columns, hessian);
-            let [of_equalities, of_ranges] = units.jacobians(layout, element, block);
-            for (i, &factor) in of_equalities.factors.iter().enumerate() {
-                scaled_product(factor, of_equalities.rows.row(i), columns, jacobian.row_mut(i));
-            }
-            for (i, row) in (0..ranges).zip(layout.ranges_of(element)) {
-                let to = jacobian.row_mut(equalities + i);
-                if holds(self.held[row]) {
-                    scaled_product(of_ranges.factors[i], of_ranges.rows.row(i), columns, to);
-                } else {
-                    to.fill(0.0);
-                    // An eigenvalue -1 for itself.
-                    self.diagonal[row_of_all + equalities + i] = -1.0;
-                }
-            }
-            row_of_all += equalities + ranges;
-        }
-        let jacobians = &self.jacobians;
-        let Inertia { positive, negative, .. } =
-            self.chain.factorise(&self.hessians, |element| &jacobians[element], &self.diagonal);
-        let zeros = self.chain.zeros();
-        let rows = self.diagonal.len() - steps - zeros.iter().filter(|&&row| row >= steps).count();
+        let Self { chain, condensed, held, diagonal, .. } = self;
+        condensed.hold(layout, blocks, |range| holds(held[range]));
+        let steps = layout.steps();
+        let Inertia { positive, negative, .. } = chain.factorise(condensed.matrices(), diagonal);
+        let dependent = chain.zeros().iter().filter(|&&row| row >= steps).count();
+        let rows = layout.equalities() + condensed.kept() - dependent;
         match () {
             () if positive == steps => Curvature::Positive,
             () if negative > rows => Curvature::Negative,
@@ -229,41 +194,31 @@ impl Active {
 
     /// The changes d of the solution with `K d = -rates`.
     pub fn respond(&mut self, layout: &Layout, rates: &Changes, to: &mut Changes) {
-        self.right[..layout.steps()].iter_mut().zip(&rates.x).for_each(|(to, rate)| *to = -rate);
-        let mut row = layout.steps();
-        for element in layout.elements() {
-            for i in layout.equalities_of(element) {
-                self.right[row] = -rates.equalities[i];
-                row += 1;
-            }
-            for i in layout.ranges_of(element) {
-                // Free ranges have no multiplier.
-                self.right[row] = if self.diagonal[row] == 0.0 { -rates.ranges[i] } else { 0.0 };
-                row += 1;
-            }
+        let Self { chain, condensed, right, solution, .. } = self;
+        let (n, m) = (layout.steps(), number(layout, 0));
+        right[..n].copy_from_slice(&rates.x);
+        right[n..m].copy_from_slice(&rates.equalities);
+        // Free ranges have no multiplier.
+        right[m..].fill(0.0);
+        for &row in condensed.kept.iter().flat_map(|kept| &kept.rows) {
+            right[row] = rates.ranges[row - m];
         }
-        self.solution.copy_from_slice(&self.right);
-        self.chain.solve(&mut self.solution);
+        right.iter_mut().for_each(|rate| *rate = -*rate);
+        condensed.scale_vector(right);
+        solution.copy_from_slice(right);
+        chain.solve(solution);
         for _ in 0..REFINEMENTS {
             self.set_residual(layout);
             self.chain.solve(&mut self.residual);
             self.solution.iter_mut().zip(&self.residual).for_each(|(to, d)| *to += d);
         }
-        to.x.copy_from_slice(&self.solution[..layout.steps()]);
-        let mut row = layout.steps();
-        for element in layout.elements() {
-            for i in layout.equalities_of(element) {
-                to.equalities[i] = self.solution[row];
-                row += 1;
-            }
-            for i in layout.ranges_of(element) {
-                to.ranges[i] = self.solution[row];
-                row += 1;
-            }
-        }
+        self.condensed.scale_vector(&mut self.solution);
+        to.x.copy_from_slice(&self.solution[..n]);
+        to.equalities.copy_from_slice(&self.solution[n..m]);
+        to.ranges.copy_from_slice(&self.solution[m..]);
     }
 
-    /// `right - K solution`, zero for rows that depend on others.
+    /// `right - K solution`, zero for rows that depend on others; all of them scaled.
     fn set_residual(&mut self, layout: &Layout) {
         in_widest!(self.subtract_products(layout));
         self.chain.zeros().iter().for_each(|&row| self.residual[row] = 0.0);
@@ -271,28 +226,24 @@ impl Active {
 
     #[inline(always)]
     fn subtract_products<const FUSED: bool>(&mut self, layout: &Layout) {
-        let Self { hessians, jacobians, patterns, ones, diagonal, right, solution, residual, local, .. } =
-            self;
-        let products = &mut self.products;
-        for (i, entry) in residual.iter_mut().enumerate() {
-            *entry = fused::<FUSED>(diagonal[i], solution[i], -right[i]);
-        }
-        let mut row = layout.steps();
-        let matrices = hessians.iter().zip(jacobians.iter().zip(&*patterns));
-        for (element, (hessian, (jacobian, pattern))) in layout.elements().zip(matrices) {
-            let own = row..row + jacobian.rows();
-            row = own.end;
-            let factors = &ones.equalities[..own.len()];
-            let rows = Jacobian { rows: jacobian, pattern, factors };
-            let (d, sum, sums) = local.of(jacobian.columns());
-            let products = &mut products[..own.len()];
-            gather(layout, element, (solution, &ones.steps), d);
+        let Self { condensed, right, solution, residual, local, ones, .. } = self;
+        residual.iter_mut().zip(right).for_each(|(to, right)| *to = -*right);
+        let matrices = condensed.hessians.iter().zip(condensed.jacobians.iter().zip(&condensed.kept));
+        for (element, (hessian, (jacobian, kept))) in layout.elements().zip(matrices) {
+            let width = jacobian.columns();
+            let (d, sum, sums) = local.of(width);
+            gather(layout, element, (solution, ones), d);
             sum.fill(0.0);
             add_symmetric::<FUSED>(hessian, d, sum, sums);
-            add_transposed::<FUSED>(rows, &solution[own.clone()], sum);
-            scatter(layout, element, sum, (residual, &ones.steps));
-            times::<FUSED>(rows, d, products, sums);
-            residual[own].iter_mut().zip(&*products).for_each(|(to, product)| *to += product);
+            let equalities = layout.equalities_of(element).map(|row| layout.steps() + row);
+            let equalities = equalities.zip(jacobian.entries().chunks_exact(width.max(1)));
+            let rows =
+                equalities.chain(kept.rows.iter().copied().zip(kept.entries.chunks_exact(width.max(1))));
+            add_all_rows::<FUSED>(rows.clone().map(|(row, entries)| (entries, solution[row])), sum);
+            scatter(layout, element, sum, (residual, ones));
+            for (row, entries) in rows {
+                residual[row] += entries.iter().zip(&*d).map(|(entry, d)| entry * d).sum::<f64>();
+            }
         }
         residual.iter_mut().for_each(|entry| *entry = -*entry);
     }

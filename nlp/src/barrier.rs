@@ -1,7 +1,7 @@
 //! The barrier parameter, and steps that stay inside the bounds.
 
 use crate::centrality::Targets;
-use crate::iterate::{Bounds, Iterate, Residuals, Step};
+use crate::iterate::{Bounds, Iterate, Residuals, Step, central};
 use crate::vectors::{largest_of, sum_of, worse};
 use costate_numerics::in_widest;
 
@@ -92,7 +92,7 @@ impl BarrierSettings {
     /// are known, else on the central path.
     pub(crate) fn begin(&self, iterate: &mut Iterate, bounds: &Bounds, (mu, are_known): (f64, bool)) {
         let [most, factor] = self.near;
-        let Iterate { slacks, v, z, values, .. } = iterate;
+        let Iterate { slacks, gaps, v, z, values, .. } = iterate;
         for (i, slack) in slacks.iter_mut().enumerate() {
             let (value, lower, upper) = (values.ranges[i], bounds.lower[i], bounds.upper[i]);
             // Where a multiplier is on the central path.
@@ -104,7 +104,8 @@ impl BarrierSettings {
                 false => self.inside(value, lower, upper),
                 true => between(value, lower + room(-v[i], lower), upper - room(v[i], upper)),
             };
-            let central = bounds.central(*slack, i, mu);
+            [gaps[0][i], gaps[1][i]] = bounds.gaps(*slack, i);
+            let central = central([gaps[0][i], gaps[1][i]], mu);
             let near = |z: f64, central: f64| z.clamp(central / factor, central * factor);
             [z[0][i], z[1][i]] = match are_known {
                 false => central,
@@ -168,18 +169,17 @@ fn positive(value: f64) -> f64 {
 }
 
 /// Keeps multipliers of bounds within a factor of `mu / (s - l)`: Waechter and Biegler 2006, eq. (16).
-pub(crate) fn reset_multipliers(iterate: &mut Iterate, bounds: &Bounds, mu: f64, factor: f64) {
-    let Iterate { slacks, z: [lower, upper], .. } = iterate;
-    in_widest!(reset(lower, slacks, &bounds.lower, mu, factor));
-    in_widest!(reset(upper, &bounds.upper, slacks, mu, factor));
+pub(crate) fn reset_multipliers(iterate: &mut Iterate, mu: f64, factor: f64) {
+    for (z, gaps) in iterate.z.iter_mut().zip(&iterate.gaps) {
+        in_widest!(reset(z, gaps, mu, factor));
+    }
 }
 
-/// Of the bounds of one side, whose gaps are `from - to`.
+/// Of the bounds of one side.
 #[inline(always)]
-fn reset<const FUSED: bool>(z: &mut [f64], from: &[f64], to: &[f64], mu: f64, factor: f64) {
+fn reset<const FUSED: bool>(z: &mut [f64], gaps: &[f64], mu: f64, factor: f64) {
     let down = factor.recip();
-    for (z, (from, to)) in z.iter_mut().zip(from.iter().zip(to)) {
-        let gap = from - to;
+    for (z, &gap) in z.iter_mut().zip(gaps) {
         let central = mu / gap;
         let (least, most) = (down * central, factor * central);
         let raised = if *z < least { least } else { *z };

@@ -29,7 +29,7 @@ impl Solver {
         problem: &mut P,
     ) -> Result<Certificate, SolveError<P::Error>> {
         let mut active = self.take_active(problem)?;
-        let error = self.iterate.error(&self.bounds, &self.residuals, 0.0);
+        let error = self.iterate.error(&self.residuals, 0.0);
         let certificate = match error.largest() <= STATIONARY {
             true => active.certify(&self.layout, &self.blocks),
             false => Certificate::NotStationary,
@@ -116,7 +116,7 @@ impl Solver {
             solver.linearise(scaled)
         })?;
         let mut active = self.active.take().unwrap_or_else(|| Box::new(Active::new(&self.layout)));
-        active.hold(&self.iterate, &self.bounds);
+        active.hold(&self.iterate);
         Ok(active)
     }
 

@@ -1,72 +1,288 @@
-//! Hessians with the curvature of ranges.
+//! The matrix of Newton's equations without slacks.
 //!
-//! $$ W + G^T \Sigma G = W + \sum_r (\sqrt{\sigma_r} g_r) (\sqrt{\sigma_r} g_r)^T $$
+//! $$ \begin{pmatrix} W + G_1^T \Sigma_1 G_1 & C^T & G_2^T \\\\ C & & \\\\ G_2 & & -\Sigma_2^{-1}
+//! \end{pmatrix}, \qquad G_1^T \Sigma_1 G_1 = \sum_r (\sqrt{\sigma_r} g_r) (\sqrt{\sigma_r} g_r)^T $$
+//!
+//! Close to a solution the weights of ranges that are held are larger than W by more than the digits of a
+//! number. Where there are equations these ranges are rows beside them, 2: of W less would be left than the
+//! inertia needs. The others are squares, 1.
+//!
+//! Rows and columns are scaled, S K S, so that thresholds of pivots compare like with like: unknowns by the
+//! roots of the diagonal, then other rows by their largest entries.
 
 use crate::blocks::{Blocks, Units};
 use crate::dense::Dense;
 use crate::elements::{Jacobian, squares};
-use crate::layout::{Element, Layout};
-use crate::tiles::{LANES, four, scaled_product, scaled_products, update};
+use crate::kkt::{Kept, Matrices};
+use crate::layout::{Element, Layout, Rows};
+use crate::tiles::{LANES, four, largest_number, scaled_product, scaled_products, update};
 use costate_numerics::in_widest;
+
+/// Ranges whose squares would be more than so many times as large as W are rows beside the equations: ten of
+/// the sixteen digits of W are left in the sums.
+const KEPT: f64 = 1e6;
+
+/// Entries of the diagonal below this part of the largest one of W, or of 1, count as that in the scales: the
+/// equations say how large steps of unknowns are that have none.
+const LEAST_DIAGONAL: f64 = 1e-4;
 
 /// The matrices of Newton's equations by element, in units of the scaled program.
 #[derive(Clone, Debug)]
 pub(crate) struct Condensed {
-    /// Upper triangles of `W + G' Sigma G`, times a factor; rows are padded.
+    /// Upper triangles of the Hessians with squares of ranges; rows are padded.
     pub hessians: Vec<Dense>,
     /// Jacobians of the equations.
     pub jacobians: Vec<Dense>,
+    /// Ranges beside them.
+    pub kept: Vec<Kept>,
+    /// S: of the unknowns, of the equations, of the ranges.
+    scales: Vec<f64>,
     /// Scales of the unknowns of one element.
     columns: Vec<f64>,
     /// Rows of one element times the square roots of their weights, padded.
     weighted: Vec<f64>,
+    /// Weights of squares.
+    weights: Vec<f64>,
+    /// Sizes of steps of the unknowns of one element.
+    sizes: Vec<f64>,
 }
 
 impl Condensed {
-    pub fn new(layout: &Layout) -> Self {
+    /// Keeps at most so many ranges of each element.
+    pub fn new(layout: &Layout, most_kept: impl Fn(Element) -> usize) -> Self {
         let padded = |element| layout.width(element).next_multiple_of(LANES);
         let most = |size: &dyn Fn(Element) -> usize| layout.elements().map(size).max().unwrap_or(0);
         let jacobian = |element| Dense::zeros(layout.rows(element).equalities, layout.width(element));
+        let kept = |element| Kept::with_room(most_kept(element), layout.width(element));
         Self {
             hessians: squares(layout),
             jacobians: layout.elements().map(jacobian).collect(),
+            kept: layout.elements().map(kept).collect(),
+            scales: vec![1.0; layout.steps() + layout.equalities() + layout.ranges()],
             columns: vec![0.0; most(&padded)],
             weighted: vec![
                 0.0;
                 most(&|element| layout.rows(element).ranges.next_multiple_of(4) * padded(element))
             ],
+            weights: vec![0.0; layout.ranges()],
+            sizes: vec![0.0; most(&padded)],
         }
     }
 
-    /// Takes these blocks, with weights of the ranges; the Hessians times this factor.
-    pub fn set(&mut self, layout: &Layout, blocks: &Blocks, weights: &[f64], factor: f64) {
-        in_widest!(self.set_all(layout, blocks, weights, factor));
+    /// Most ranges of an element that an iteration keeps: as many as can be held at once.
+    pub fn most_kept(layout: &Layout, element: Element) -> usize {
+        let Rows { equalities, ranges } = layout.rows(element);
+        let free = layout.width(element).saturating_sub(equalities);
+        if layout.equalities() == 0 { 0 } else { ranges.min(free) }
     }
 
-    /// Takes the Jacobians of these blocks. The Hessians become zero.
-    pub fn set_jacobians(&mut self, layout: &Layout, blocks: &Blocks) {
-        for ((element, block), to) in layout.elements().zip(blocks.all()).zip(&mut self.jacobians) {
+    /// Takes these blocks, with weights of the ranges.
+    pub fn set(&mut self, layout: &Layout, blocks: &Blocks, weights: &[f64]) {
+        in_widest!(self.set_all(layout, blocks, weights));
+    }
+
+    /// Takes these blocks, with ranges that are held exactly; the others have no effect.
+    pub fn hold(&mut self, layout: &Layout, blocks: &Blocks, holds: impl Fn(usize) -> bool) {
+        self.set_hessians(layout, blocks);
+        self.set_jacobians(layout, blocks);
+        for ((element, block), kept) in layout.elements().zip(blocks.all()).zip(&mut self.kept) {
             let columns = columns_of(layout, element, &blocks.units, &mut self.columns);
-            let [equalities, _] = blocks.units.jacobians(layout, element, block);
-            scale_jacobian(equalities, columns, to);
+            let [_, ranges] = blocks.units.jacobians(layout, element, block);
+            kept.clear();
+            for (i, row) in layout.ranges_of(element).enumerate().filter(|(_, row)| holds(*row)) {
+                keep(kept, number(layout, row), (ranges, i), columns, 0.0);
+            }
         }
+        // Curvature far below 1 is rounding.
+        in_widest!(self.scale(layout, 1.0));
+    }
+
+    /// Takes the Jacobians of these blocks alone, for a matrix with ones in the place of W.
+    pub fn set_for_ones(&mut self, layout: &Layout, blocks: &Blocks) {
+        self.set_jacobians(layout, blocks);
         self.hessians.iter_mut().for_each(|hessian| hessian.entries_mut().fill(0.0));
+        self.kept.iter_mut().for_each(Kept::clear);
+        in_widest!(self.scale(layout, 1.0));
+    }
+
+    /// The matrices.
+    pub fn matrices<'a>(&'a self) -> Matrices<'a, impl Fn(usize) -> &'a Dense> {
+        Matrices {
+            hessians: &self.hessians,
+            jacobian: |element: usize| &self.jacobians[element],
+            kept: &self.kept,
+        }
+    }
+
+    /// How many ranges are rows.
+    pub fn kept(&self) -> usize {
+        self.kept.iter().map(|kept| kept.rows.len()).sum()
+    }
+
+    /// `x = S x`.
+    pub fn scale_vector(&self, x: &mut [f64]) {
+        x.iter_mut().zip(&self.scales).for_each(|(entry, scale)| *entry *= scale);
     }
 
     #[inline(always)]
-    fn set_all<const FUSED: bool>(&mut self, layout: &Layout, blocks: &Blocks, weights: &[f64], factor: f64) {
-        let Self { hessians, jacobians, columns, weighted } = self;
-        let root = factor.sqrt();
-        let to = hessians.iter_mut().zip(jacobians);
-        for ((element, block), (hessian, jacobian)) in layout.elements().zip(blocks.all()).zip(to) {
-            let columns = columns_of(layout, element, &blocks.units, columns);
-            let [equalities, ranges] = blocks.units.jacobians(layout, element, block);
-            scale_jacobian(equalities, columns, jacobian);
-            columns.iter_mut().for_each(|column| *column *= root);
-            scale_hessian(&block.hessian, columns, hessian);
-            add_squares::<FUSED>(hessian, (&weights[layout.ranges_of(element)], ranges), columns, weighted);
+    fn set_hessians(&mut self, layout: &Layout, blocks: &Blocks) {
+        for ((element, block), to) in layout.elements().zip(blocks.all()).zip(&mut self.hessians) {
+            let columns = columns_of(layout, element, &blocks.units, &mut self.columns);
+            scale_hessian(&block.hessian, columns, to);
         }
     }
+
+    #[inline(always)]
+    fn set_jacobians(&mut self, layout: &Layout, blocks: &Blocks) {
+        for ((element, block), to) in layout.elements().zip(blocks.all()).zip(&mut self.jacobians) {
+            let columns = columns_of(layout, element, &blocks.units, &mut self.columns);
+            let [equalities, _] = blocks.units.jacobians(layout, element, block);
+            for (i, factor) in equalities.factors.iter().enumerate() {
+                scaled_product(*factor, equalities.rows.row(i), columns, to.row_mut(i));
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn set_all<const FUSED: bool>(&mut self, layout: &Layout, blocks: &Blocks, weights: &[f64]) {
+        self.set_hessians(layout, blocks);
+        self.set_jacobians(layout, blocks);
+        self.weights.copy_from_slice(weights);
+        let has_equalities = layout.equalities() > 0;
+        let least = if has_equalities { self.set_diagonal(layout) } else { 0.0 };
+        if has_equalities {
+            self.keep_large(layout, blocks, least);
+        }
+        let Self { hessians, columns, weighted, weights, .. } = self;
+        for ((element, block), hessian) in layout.elements().zip(blocks.all()).zip(hessians) {
+            let columns = columns_of(layout, element, &blocks.units, columns);
+            let [_, ranges] = blocks.units.jacobians(layout, element, block);
+            add_squares::<FUSED>(hessian, (&weights[layout.ranges_of(element)], ranges), columns, weighted);
+        }
+        if has_equalities {
+            self.scale::<FUSED>(layout, least);
+        }
+    }
+
+    /// Sets the scales of unknowns to the diagonal of W. Returns the least entry that counts.
+    #[inline(always)]
+    fn set_diagonal(&mut self, layout: &Layout) -> f64 {
+        let diagonal = &mut self.scales[..layout.steps()];
+        add_diagonals(layout, &self.hessians, diagonal);
+        LEAST_DIAGONAL * largest_number(diagonal).max(1.0)
+    }
+
+    /// Keeps ranges whose squares would be large, but for those of one unknown: they are entries of the
+    /// diagonal.
+    #[inline(always)]
+    fn keep_large(&mut self, layout: &Layout, blocks: &Blocks, least: f64) {
+        let Self { kept, columns, weights, scales, sizes, .. } = self;
+        let scales = &mut scales[..layout.steps()];
+        scales.iter_mut().for_each(|scale| *scale = root(scale.abs().max(least)));
+        for ((element, block), kept) in layout.elements().zip(blocks.all()).zip(kept) {
+            kept.clear();
+            let columns = columns_of(layout, element, &blocks.units, columns);
+            let [_, ranges] = blocks.units.jacobians(layout, element, block);
+            let (first, most) = (layout.ranges_of(element).start, Self::most_kept(layout, element));
+            let mut offer = |i: usize, largest: f64| {
+                let entry = ranges.factors[i] * largest;
+                let weight = &mut weights[first + i];
+                if kept.rows.len() < most && *weight * entry * entry > KEPT {
+                    keep(kept, number(layout, first + i), (ranges, i), columns, -weight.recip());
+                    *weight = 0.0;
+                }
+            };
+            let sizes = entries_of(layout, element, scales, sizes);
+            sizes.iter_mut().zip(&*columns).for_each(|(size, column)| *size *= column);
+            for (i, entries) in ranges.pattern.sparse().filter(|(_, entries)| entries.len() > 1) {
+                offer(i, largest_of(entries.iter().map(|&(j, entry)| sizes[j] * entry)));
+            }
+            for &i in &ranges.pattern.dense {
+                let entries = ranges.rows.row(i).iter().zip(&*sizes);
+                offer(i, largest_of(entries.map(|(entry, size)| entry * size)));
+            }
+        }
+    }
+
+    /// Scales all matrices; entries of the diagonal count at least as this.
+    #[inline(always)]
+    fn scale<const FUSED: bool>(&mut self, layout: &Layout, least: f64) {
+        let Self { hessians, jacobians, kept, scales, columns, .. } = self;
+        let (steps, rows) = scales.split_at_mut(layout.steps());
+        add_diagonals(layout, hessians, steps);
+        steps.iter_mut().for_each(|scale| *scale = root(scale.abs().max(least)));
+        let matrices = hessians.iter_mut().zip(jacobians).zip(kept);
+        for (element, ((hessian, jacobian), kept)) in layout.elements().zip(matrices) {
+            let columns = entries_of(layout, element, steps, columns);
+            for i in 0..columns.len() {
+                let factor = columns[i];
+                scale_row(&mut hessian.row_mut(i)[i..columns.len()], factor, &columns[i..]);
+            }
+            for (i, row) in layout.equalities_of(element).enumerate() {
+                rows[row] = scale_to_one(jacobian.row_mut(i), 0.0, columns);
+            }
+            let all = kept.entries.chunks_exact_mut(columns.len().max(1));
+            for ((row, entries), diagonal) in kept.rows.iter().zip(all).zip(&mut kept.diagonal) {
+                let scale = scale_to_one(entries, *diagonal, columns);
+                rows[row - layout.steps()] = scale;
+                *diagonal *= scale * scale;
+            }
+        }
+    }
+}
+
+/// The diagonal of the sum of all Hessians.
+#[inline(always)]
+fn add_diagonals(layout: &Layout, hessians: &[Dense], to: &mut [f64]) {
+    to.fill(0.0);
+    for (element, hessian) in layout.elements().zip(hessians) {
+        for (i, row) in layout.unknowns(element).into_iter().flatten().enumerate() {
+            to[row] += hessian[(i, i)];
+        }
+    }
+}
+
+/// The reciprocal root of a size, 1 where that is no number.
+#[inline(always)]
+fn root(size: f64) -> f64 {
+    let root = size.abs().sqrt().recip();
+    if root > 0.0 && root < f64::INFINITY { root } else { 1.0 }
+}
+
+/// The largest absolute value.
+#[inline(always)]
+fn largest_of(values: impl Iterator<Item = f64>) -> f64 {
+    values.fold(0.0, |most, value| value.abs().max(most))
+}
+
+/// The number of a range among the rows of Newton's equations.
+pub(crate) fn number(layout: &Layout, range: usize) -> usize {
+    layout.steps() + layout.equalities() + range
+}
+
+/// Adds a range, in these units.
+#[inline(always)]
+fn keep(kept: &mut Kept, number: usize, (ranges, i): (Jacobian<'_>, usize), columns: &[f64], diagonal: f64) {
+    kept.rows.push(number);
+    kept.diagonal.push(diagonal);
+    let entries = ranges.rows.row(i).iter().zip(columns);
+    kept.entries.extend(entries.map(|(entry, column)| ranges.factors[i] * entry * column));
+}
+
+/// Multiplies entries by those of their columns, and by a factor.
+#[inline(always)]
+fn scale_row(row: &mut [f64], factor: f64, columns: &[f64]) {
+    row.iter_mut().zip(columns).for_each(|(entry, column)| *entry *= factor * column);
+}
+
+/// Scales a row with this entry on the diagonal so that its largest entry is 1; returns the factor.
+#[inline(always)]
+fn scale_to_one(row: &mut [f64], diagonal: f64, columns: &[f64]) -> f64 {
+    scale_row(row, 1.0, columns);
+    let size = largest_number(row).max(diagonal.abs().sqrt());
+    let factor = if size > 0.0 && size < f64::INFINITY { size.recip() } else { 1.0 };
+    row.iter_mut().for_each(|entry| *entry *= factor);
+    factor
 }
 
 /// The scales of the unknowns of an element.
@@ -77,9 +293,15 @@ pub(crate) fn columns_of<'a>(
     units: &Units,
     to: &'a mut [f64],
 ) -> &'a mut [f64] {
+    entries_of(layout, element, &units.steps, to)
+}
+
+/// The entries of a vector that belong to the unknowns of an element.
+#[inline(always)]
+fn entries_of<'a>(layout: &Layout, element: Element, from: &[f64], to: &'a mut [f64]) -> &'a mut [f64] {
     let mut at = 0;
     for range in layout.unknowns(element) {
-        let from = &units.steps[range];
+        let from = &from[range];
         to[at..at + from.len()].copy_from_slice(from);
         at += from.len();
     }
@@ -88,7 +310,7 @@ pub(crate) fn columns_of<'a>(
 
 /// The upper triangle of a Hessian in these units, with padded rows.
 #[inline(always)]
-pub(crate) fn scale_hessian(hessian: &Dense, columns: &[f64], to: &mut Dense) {
+fn scale_hessian(hessian: &Dense, columns: &[f64], to: &mut Dense) {
     let (n, stride) = (columns.len(), to.columns());
     let whole = n / 4 * 4;
     for i in (0..whole).step_by(4) {
@@ -99,13 +321,6 @@ pub(crate) fn scale_hessian(hessian: &Dense, columns: &[f64], to: &mut Dense) {
     }
     for i in whole..n {
         scaled_product(columns[i], &hessian.row(i)[i..], &columns[i..], &mut to.row_mut(i)[i..]);
-    }
-}
-
-#[inline(always)]
-fn scale_jacobian(Jacobian { rows, factors, .. }: Jacobian<'_>, columns: &[f64], to: &mut Dense) {
-    for (i, factor) in factors.iter().enumerate() {
-        scaled_product(*factor, rows.row(i), columns, to.row_mut(i));
     }
 }
 
@@ -152,6 +367,7 @@ mod tests {
     use crate::blocks::Blocks;
     use crate::layout::{Element, Layout, Rows};
 
+    /// Of scaled rows the largest entry is 1, and that of unknowns on the diagonal.
     #[test]
     fn condensed_hessians_are_those_of_all_entries() {
         let mut random = fastrand::Rng::with_seed(3);
@@ -165,7 +381,8 @@ mod tests {
             blocks.units.ranges.iter_mut().for_each(|scale| *scale = 1.0 + number());
             let block = blocks.of(Element::Node(0));
             block.hessian.entries_mut().iter_mut().for_each(|entry| *entry = number());
-            block.ranges.entries_mut().iter_mut().for_each(|entry| *entry = number());
+            let rows = [&mut block.equalities, &mut block.ranges];
+            rows.into_iter().flat_map(|rows| rows.entries_mut()).for_each(|entry| *entry = number());
             // One entry, and three.
             for (row, count) in [(1, 1), (2, 3)] {
                 if row < ranges {
@@ -177,8 +394,10 @@ mod tests {
             }
             block.set_patterns();
             let weights: Vec<f64> = (0..ranges).map(|_| 1.0 + number()).collect();
-            let mut condensed = Condensed::new(&layout);
-            condensed.set(&layout, &blocks, &weights, 0.7);
+            let mut condensed = Condensed::new(&layout, |_| 0);
+            condensed.set(&layout, &blocks, &weights);
+            let row = condensed.jacobians[0].row(0);
+            assert!((row.iter().fold(0.0_f64, |most, entry| most.max(entry.abs())) - 1.0).abs() < 1e-15);
             let (block, units) = (&blocks.all()[0], &blocks.units);
             for i in 0..width {
                 for j in i..width {
@@ -187,7 +406,7 @@ mod tests {
                         let factor = weight * units.ranges[r] * units.ranges[r];
                         sum += factor * block.ranges[(r, i)] * block.ranges[(r, j)];
                     }
-                    sum *= 0.7 * units.steps[i] * units.steps[j];
+                    sum *= units.steps[i] * units.steps[j] * condensed.scales[i] * condensed.scales[j];
                     assert!((condensed.hessians[0][(i, j)] - sum).abs() < 1e-13, "{width}: {i} {j}");
                 }
             }

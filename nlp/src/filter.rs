@@ -1,7 +1,7 @@
 //! The filter: pairs of violation and objective that no later iterate may be worse than. The barrier
 //! parameter changes from one iteration to the next, so entries keep cost and logarithms apart.
 
-use crate::iterate::{Bounds, Iterate};
+use crate::iterate::Iterate;
 
 /// Constants of the filter line search.
 ///
@@ -58,12 +58,8 @@ pub(crate) struct Measure {
 }
 
 impl Measure {
-    pub fn of(iterate: &Iterate, bounds: &Bounds) -> Self {
-        Self {
-            violation: iterate.violation(),
-            cost: iterate.values.cost,
-            logarithms: iterate.logarithms(bounds),
-        }
+    pub fn of(iterate: &Iterate) -> Self {
+        Self { violation: iterate.violation(), cost: iterate.values.cost, logarithms: iterate.logarithms() }
     }
 
     /// The objective of the barrier problem.

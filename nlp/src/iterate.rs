@@ -14,11 +14,14 @@ use costate_numerics::in_widest;
 /// $$ \min f(z) - \mu \sum \ln (s - l) - \mu \sum \ln (u - s) \quad \text{subject to} \quad c(z) = 0, \quad
 /// g(z) - s = 0 $$
 ///
-/// with multipliers y of c, v of g - s, and z_l, z_u of the bounds of s.
+/// with multipliers y of c, v of g - s, and z_l, z_u of the bounds of s. The gaps s - l and u - s are kept
+/// beside s: close to a bound they are far smaller than the last digit of s.
 #[derive(Clone, Debug)]
 pub(crate) struct Iterate {
     pub point: Vec<f64>,
     pub slacks: Vec<f64>,
+    /// Infinite where there is no bound.
+    pub gaps: [Vec<f64>; 2],
     pub y: Vec<f64>,
     pub v: Vec<f64>,
     pub z: [Vec<f64>; 2],
@@ -107,18 +110,21 @@ impl Bounds {
         self.lower.iter().chain(&self.upper).filter(|bound| bound.is_finite()).count()
     }
 
-    /// Multipliers of the bounds of row i on the central path.
+    /// How far the slack of row i is from its bounds, where that is known up to its rounding.
     #[inline(always)]
-    pub fn central(&self, slack: f64, i: usize, mu: f64) -> [f64; 2] {
-        let of = |gap: f64| if gap.is_finite() { mu / gap } else { 0.0 };
-        [of(slack - self.lower[i]), of(self.upper[i] - slack)]
+    pub fn gaps(&self, slack: f64, i: usize) -> [f64; 2] {
+        let (lower, upper) = (self.lower[i], self.upper[i]);
+        [(slack - lower, lower), (upper - slack, upper)].map(|(gap, bound)| match gap < f64::INFINITY {
+            true => gap.max(f64::EPSILON * bound.abs().max(1.0)),
+            false => f64::INFINITY,
+        })
     }
+}
 
-    /// How far a slack is from its bounds.
-    #[inline(always)]
-    pub fn gaps(&self, slacks: &[f64], i: usize) -> [f64; 2] {
-        [slacks[i] - self.lower[i], self.upper[i] - slacks[i]]
-    }
+/// Multipliers of bounds with these gaps on the central path.
+#[inline(always)]
+pub(crate) fn central(gaps: [f64; 2], mu: f64) -> [f64; 2] {
+    gaps.map(|gap| if gap.is_finite() { mu / gap } else { 0.0 })
 }
 
 impl Step {
@@ -205,6 +211,7 @@ impl Iterate {
         Self {
             point: vec![0.0; point_len],
             slacks: ranges.clone(),
+            gaps: [ranges.clone(), ranges.clone()],
             y: vec![0.0; layout.equalities()],
             v: ranges.clone(),
             z: [ranges.clone(), ranges],
@@ -218,8 +225,29 @@ impl Iterate {
     }
 
     /// The sum of the logarithms of distances to bounds.
-    pub fn logarithms(&self, bounds: &Bounds) -> f64 {
-        sum_of_logarithms(&self.slacks, &bounds.lower) + sum_of_logarithms(&bounds.upper, &self.slacks)
+    pub fn logarithms(&self) -> f64 {
+        self.gaps.iter().map(|gaps| sum_of_logarithms(gaps)).sum()
+    }
+
+    /// Sets slacks, and their gaps to the bound that is farther, by those to the one that is nearer: after
+    /// many steps they would not belong to each other any more.
+    pub fn settle(&mut self, bounds: &Bounds) {
+        in_widest!(self.settle_entries(bounds));
+    }
+
+    #[inline(always)]
+    fn settle_entries<const FUSED: bool>(&mut self, Bounds { lower, upper }: &Bounds) {
+        let [below, above] = &mut self.gaps;
+        let gaps = self.slacks.iter_mut().zip(below.iter_mut().zip(above));
+        for ((slack, (below, above)), (lower, upper)) in gaps.zip(lower.iter().zip(upper)) {
+            if *below <= *above && *below < f64::INFINITY {
+                *slack = lower + *below;
+                *above = upper - *slack;
+            } else if *above < *below {
+                *slack = upper - *above;
+                *below = *slack - lower;
+            }
+        }
     }
 
     /// Residuals at the derivatives of this iterate, whose patterns are noted; those of slacks are
@@ -258,59 +286,56 @@ impl Iterate {
     }
 
     /// The sum of all products of distances to bounds and their multipliers.
-    pub fn gap(&self, bounds: &Bounds) -> f64 {
-        in_widest!(self.sum_of_products(bounds))
+    pub fn gap(&self) -> f64 {
+        in_widest!(self.sum_of_products())
     }
 
     #[inline(always)]
-    fn sum_of_products<const FUSED: bool>(&self, bounds: &Bounds) -> f64 {
+    fn sum_of_products<const FUSED: bool>(&self) -> f64 {
         let product = |gap: f64, z: f64| if gap < f64::INFINITY { gap * z } else { 0.0 };
-        let [lower, upper] = &self.z;
-        sum_of(
-            [&self.slacks, &bounds.lower, &bounds.upper, lower, upper],
-            |[slack, from, to, lower, upper]| product(slack - from, lower) + product(to - slack, upper),
-        )
+        let ([below, above], [lower, upper]) = (&self.gaps, &self.z);
+        sum_of([below, above, lower, upper], |[below, above, lower, upper]| {
+            product(below, lower) + product(above, upper)
+        })
     }
 
     /// The same after these parts of a step, of slacks and of multipliers.
-    pub fn gap_after(&self, bounds: &Bounds, step: &Step, parts: [f64; 2]) -> f64 {
-        in_widest!(self.sum_of_products_after(bounds, step, parts))
+    pub fn gap_after(&self, step: &Step, parts: [f64; 2]) -> f64 {
+        in_widest!(self.sum_of_products_after(step, parts))
     }
 
     #[inline(always)]
     fn sum_of_products_after<const FUSED: bool>(
         &self,
-        bounds: &Bounds,
         step: &Step,
         [of_slacks, of_multipliers]: [f64; 2],
     ) -> f64 {
         let product = |gap: f64, z: f64| if gap < f64::INFINITY { gap * z } else { 0.0 };
-        let ([lower, upper], [to_lower, to_upper]) = (&self.z, &step.z);
+        let ([below, above], [lower, upper], [to_lower, to_upper]) = (&self.gaps, &self.z, &step.z);
         sum_of(
-            [&self.slacks, &step.slacks, &bounds.lower, &bounds.upper, lower, to_lower, upper, to_upper],
-            |[slack, d, from, to, lower, to_lower, upper, to_upper]| {
-                let moved = slack + of_slacks * d;
-                product(moved - from, lower + of_multipliers * to_lower)
-                    + product(to - moved, upper + of_multipliers * to_upper)
+            [below, above, &step.slacks, lower, to_lower, upper, to_upper],
+            |[below, above, d, lower, to_lower, upper, to_upper]| {
+                product(below + of_slacks * d, lower + of_multipliers * to_lower)
+                    + product(above - of_slacks * d, upper + of_multipliers * to_upper)
             },
         )
     }
 
     /// The error of the conditions of optimality at the barrier parameter mu.
-    pub fn error(&self, bounds: &Bounds, residuals: &Residuals, mu: f64) -> KktError {
+    pub fn error(&self, residuals: &Residuals, mu: f64) -> KktError {
         let sum = self.sum_of_bounds() + sum_of_sizes(&self.y) + sum_of_sizes(&self.v);
         let scale = scale_of(sum, self.y.len() + 3 * self.v.len());
         KktError {
             stationarity: worse(largest(&residuals.x), largest(&residuals.slacks)) / scale,
             feasibility: worse(largest(&residuals.equalities), largest(&residuals.ranges)),
-            complementarity: self.complementarity(bounds, mu),
+            complementarity: self.complementarity(mu),
         }
     }
 
     /// The part of the error that depends on mu.
-    pub fn complementarity(&self, bounds: &Bounds, mu: f64) -> f64 {
+    pub fn complementarity(&self, mu: f64) -> f64 {
         let scale = scale_of(self.sum_of_bounds(), 2 * self.v.len());
-        in_widest!(self.largest_product(bounds, mu)) / scale
+        in_widest!(self.largest_product(mu)) / scale
     }
 
     /// The sum of the multipliers of bounds.
@@ -321,13 +346,12 @@ impl Iterate {
 
     /// The largest of `|gap z - mu|` where there is a bound.
     #[inline(always)]
-    fn largest_product<const FUSED: bool>(&self, bounds: &Bounds, mu: f64) -> f64 {
+    fn largest_product<const FUSED: bool>(&self, mu: f64) -> f64 {
         let product = |gap: f64, z: f64| if gap < f64::INFINITY { (gap * z - mu).abs() } else { 0.0 };
-        let [lower, upper] = &self.z;
-        largest_of(
-            [&self.slacks, &bounds.lower, &bounds.upper, lower, upper],
-            |[slack, from, to, lower, upper]| worse(product(slack - from, lower), product(to - slack, upper)),
-        )
+        let ([below, above], [lower, upper]) = (&self.gaps, &self.z);
+        largest_of([below, above, lower, upper], |[below, above, lower, upper]| {
+            worse(product(below, lower), product(above, upper))
+        })
     }
 }
 

@@ -24,10 +24,15 @@
 //! $$ \begin{pmatrix} W + G^T \Sigma G + \delta M & C^T \\\\ C & 0 \end{pmatrix} \begin{pmatrix} d_z \\\\ d_y
 //! \end{pmatrix} = r, \qquad \Sigma = \frac{z_l}{s - l} + \frac{z_u}{u - s} \qquad (3) $$
 //!
-//! - (3) is factored from stage to stage as LDL' with pivots of order 1 and 2. Rows that find no acceptable
-//!   pivot in a stage are handed on to the next one, so that multipliers are true ones and the inertia is
-//!   exact; equations that depend on others end as zero pivots and are named ([`Solution::dependent`]). The
-//!   time is linear in the number of intervals. Solutions are refined by the residual of the whole system.
+//! - (3) is factored from stage to stage as LDL' with pivots of order 1 and 2, after its rows and columns
+//!   were scaled to entries of about 1. Rows that find no acceptable pivot in a stage are handed on to the
+//!   next one, so that multipliers are true ones and the inertia is exact; equations that depend on others
+//!   end as zero pivots and are named ([`Solution::dependent`]). The time is linear in the number of
+//!   intervals. Solutions are refined by the residual of the whole system.
+//! - Beside equations, ranges of several unknowns whose squares in `G' Sigma G` would be more than 1e6 times
+//!   as large as W are rows of (3) with `-1/Sigma` on the diagonal: close to bounds the squares would leave
+//!   nothing of W. Distances to bounds are unknowns of their own, which may be far below the rounding of the
+//!   slacks.
 //! - Where the inertia is wrong, a convex Hessian of the program takes the place of W
 //!   ([`StagedProblem::convexify`], [`ConvexSettings`]), or a multiple delta of a metric M is added to it,
 //!   remembered and decreased ([`RegularisationSettings`]): by default that of the typical sizes of steps, or

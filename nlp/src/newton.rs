@@ -9,16 +9,20 @@
 //! $$ d_s = G d_x - b_g, \qquad d_v = \Sigma d_s - b_s, \qquad (W + G^T \Sigma G) d_x + C^T d_y = b_x + G^T
 //! (\Sigma b_g + b_s), \qquad C d_x = b_c, $$
 //!
-//! and the rest is factored from stage to stage. Residuals are those of the whole system: it is refined until
-//! they are small.
+//! and the rest is factored from stage to stage. Of ranges whose Sigma is large beside W the steps of
+//! multipliers stay,
+//!
+//! $$ G d_x - \Sigma^{-1} d_v = b_g + \Sigma^{-1} b_s. $$
+//!
+//! Residuals are those of the whole system: it is refined until they are small.
 
 use crate::blocks::Blocks;
 use crate::centrality::Targets;
-use crate::condense::Condensed;
+use crate::condense::{Condensed, number};
 use crate::convex::{Convex, ConvexSettings};
 use crate::elements::{Room, add_symmetric, add_transposed, gather, scatter, times};
-use crate::iterate::{Bounds, Iterate, Residuals, Step};
-use crate::kkt::{Chain, Inertia};
+use crate::iterate::{Iterate, Residuals, Step};
+use crate::kkt::{Chain, Inertia, Kept};
 use crate::layout::Layout;
 use crate::problem::StagedProblem;
 use crate::scaled::Scaled;
@@ -105,8 +109,12 @@ pub(crate) struct Newton {
 impl Newton {
     pub fn new(layout: &Layout, settings: RegularisationSettings) -> Self {
         Self {
-            chain: Chain::new(layout),
-            condensed: Condensed::new(layout),
+            chain: Chain::new(
+                layout,
+                |element| Condensed::most_kept(layout, element),
+                layout.equalities() > 0,
+            ),
+            condensed: Condensed::new(layout, |element| Condensed::most_kept(layout, element)),
             weights: vec![0.0; layout.ranges()],
             reciprocals: [vec![0.0; layout.ranges()], vec![0.0; layout.ranges()]],
             diagonal: vec![0.0; layout.steps() + layout.equalities()],
@@ -119,7 +127,7 @@ impl Newton {
             residual: Residuals::zeros(layout),
             correction: Step::zeros(layout),
             rows: vec![0.0; layout.ranges()],
-            solution: vec![0.0; layout.steps() + layout.equalities()],
+            solution: vec![0.0; layout.steps() + layout.equalities() + layout.ranges()],
             local: Room::new(layout),
         }
     }
@@ -143,7 +151,8 @@ impl Newton {
     /// Equations that depend on others, by the last factorisation.
     pub fn dependent(&self, layout: &Layout) -> impl Iterator<Item = usize> {
         let steps = layout.steps();
-        self.chain.zeros().iter().filter_map(move |row| row.checked_sub(steps))
+        let rows = self.chain.zeros().iter().filter_map(move |row| row.checked_sub(steps));
+        rows.filter(|row| *row < layout.equalities())
     }
 
     /// Factors the matrix at an iterate. Where its inertia is wrong, a convex Hessian of the program takes
@@ -151,11 +160,11 @@ impl Newton {
     pub fn factorise<P: StagedProblem>(
         &mut self,
         layout: &Layout,
-        (iterate, bounds): (&Iterate, &Bounds),
+        iterate: &Iterate,
         blocks: &mut Blocks,
         problem: &mut Scaled<'_, P>,
     ) -> Result<Result<(), NoStep>, P::Error> {
-        self.begin(iterate, bounds);
+        self.begin(iterate);
         let (point, mut may_be_convex) = (&iterate.point, true);
         while !self.factorise_once(layout, blocks) {
             let tries_convex = std::mem::take(&mut may_be_convex) && self.convex.may_begin();
@@ -184,28 +193,21 @@ impl Newton {
     }
 
     /// Begins without regularisation.
-    fn begin(&mut self, iterate: &Iterate, bounds: &Bounds) {
-        in_widest!(self.set_weights(iterate, bounds));
+    fn begin(&mut self, iterate: &Iterate) {
+        in_widest!(self.set_weights(iterate));
         (self.regularisation, self.is_convexified) = (0.0, false);
     }
 
     /// Factors; whether the inertia is right.
     fn factorise_once(&mut self, layout: &Layout, blocks: &Blocks) -> bool {
-        self.condensed.set(layout, blocks, &self.weights, self.factor());
-        let Condensed { hessians, jacobians, .. } = &self.condensed;
-        let jacobian = |element: usize| &jacobians[element];
-        let inertia = self.chain.factorise_unless(hessians, jacobian, &self.diagonal, layout.equalities());
-        let is_right = self.is_right(layout, inertia);
+        self.condensed.set(layout, blocks, &self.weights);
+        let rows = layout.equalities() + self.condensed.kept();
+        let inertia = self.chain.factorise_unless(self.condensed.matrices(), &self.diagonal, rows);
+        let is_right = self.is_right(layout, inertia, rows);
         if is_right && self.regularisation > 0.0 && !self.is_convexified {
             self.remembered = self.regularisation;
         }
         is_right
-    }
-
-    /// The factor of the Hessians in the matrix that is factored, whose solutions have y times it: large
-    /// multiples of the metric beside the entries of equations would leave these without pivots.
-    fn factor(&self) -> f64 {
-        (1.0 + self.regularisation).recip()
     }
 
     /// The next regularisation: how much is added.
@@ -224,11 +226,10 @@ impl Newton {
 
     /// Sigma, where an infinite gap has no multiplier.
     #[inline(always)]
-    fn set_weights<const FUSED: bool>(&mut self, iterate: &Iterate, bounds: &Bounds) {
+    fn set_weights<const FUSED: bool>(&mut self, iterate: &Iterate) {
         let Self { weights, reciprocals: [below, above], .. } = self;
-        let gaps = iterate.slacks.iter().zip(bounds.lower.iter().zip(&bounds.upper));
-        for ((below, above), (slack, (lower, upper))) in below.iter_mut().zip(&mut *above).zip(gaps) {
-            (*below, *above) = ((slack - lower).recip(), (upper - slack).recip());
+        for (to, gaps) in [&mut *below, above].into_iter().zip(&iterate.gaps) {
+            to.iter_mut().zip(gaps).for_each(|(to, gap)| *to = gap.recip());
         }
         let [lower, upper] = &iterate.z;
         let parts = lower.iter().zip(below).zip(upper.iter().zip(above));
@@ -245,23 +246,25 @@ impl Newton {
     /// Least-squares multipliers y for these slopes of the Lagrangian without y, in `step.y`: those of
     /// `(1, C'; C, 0) (d; y) = (-slopes; 0)`.
     pub fn estimate(&mut self, layout: &Layout, blocks: &Blocks, slopes: &[f64], step: &mut Step) {
-        self.condensed.set_jacobians(layout, blocks);
+        self.condensed.set_for_ones(layout, blocks);
         self.diagonal[..layout.steps()].fill(1.0);
-        let Condensed { hessians, jacobians, .. } = &self.condensed;
-        self.chain.factorise(hessians, |element| &jacobians[element], &self.diagonal);
+        self.chain.factorise(self.condensed.matrices(), &self.diagonal);
         self.diagonal.fill(0.0);
         let n = layout.steps();
         self.solution[..n].iter_mut().zip(slopes).for_each(|(to, slope)| *to = -slope);
         self.solution[n..].fill(0.0);
+        self.condensed.scale_vector(&mut self.solution);
         self.chain.solve(&mut self.solution);
-        step.y.copy_from_slice(&self.solution[n..]);
+        self.condensed.scale_vector(&mut self.solution);
+        step.y.copy_from_slice(&self.solution[n..n + layout.equalities()]);
     }
 
-    /// As many positive eigenvalues as unknowns; the others belong to equations, zeros to those that depend
-    /// on others.
-    fn is_right(&self, layout: &Layout, Inertia { positive, negative, zero }: Inertia) -> bool {
+    /// As many positive eigenvalues as unknowns; the others belong to rows, zeros to those that depend on
+    /// others.
+    fn is_right(&self, layout: &Layout, inertia: Inertia, rows: usize) -> bool {
+        let Inertia { positive, negative, zero } = inertia;
         positive == layout.steps()
-            && negative + zero == layout.equalities()
+            && negative + zero == rows
             && self.chain.zeros().iter().all(|&row| row >= layout.steps())
     }
 
@@ -344,7 +347,7 @@ impl Newton {
         self.right = right;
     }
 
-    /// Completes the step of x and y, and refines it.
+    /// Completes the step that [`solve_condensed`](Self::solve_condensed) has made, and refines it.
     fn refine(&mut self, layout: &Layout, blocks: &Blocks, right: &Residuals, step: &mut Step) {
         let size = right.largest();
         let (mut residual, mut correction) =
@@ -371,26 +374,35 @@ impl Newton {
         (self.residual, self.correction) = (residual, correction);
     }
 
-    /// The step of x and y.
+    /// The step of x and y, and of v of the ranges that are rows.
     fn solve_condensed(&mut self, layout: &Layout, blocks: &Blocks, right: &Residuals, step: &mut Step) {
         in_widest!(self.condense(layout, blocks, right));
-        let factor = self.factor();
-        self.solution[..layout.steps()].iter_mut().for_each(|entry| *entry *= factor);
+        self.condensed.scale_vector(&mut self.solution);
         self.chain.solve(&mut self.solution);
-        let (x, y) = self.solution.split_at(layout.steps());
+        self.condensed.scale_vector(&mut self.solution);
+        let (x, rows) = self.solution.split_at(layout.steps());
+        let (y, v) = rows.split_at(layout.equalities());
         step.x.copy_from_slice(x);
-        step.y.iter_mut().zip(y).for_each(|(to, entry)| *to = entry / factor);
+        step.y.copy_from_slice(y);
+        step.v.copy_from_slice(v);
     }
 
-    /// The right-hand side `b_x + G' (Sigma b_g + b_s)`, b_c.
+    /// The right-hand side `b_x + G' (Sigma b_g + b_s)`, b_c, `b_g + Sigma^-1 b_s`.
     #[inline(always)]
     fn condense<const FUSED: bool>(&mut self, layout: &Layout, blocks: &Blocks, right: &Residuals) {
-        let Self { weights, solution, rows, local, .. } = self;
+        let Self { weights, condensed, solution, rows, local, .. } = self;
         let (x, y) = solution.split_at_mut(layout.steps());
+        let (y, v) = y.split_at_mut(layout.equalities());
         x.copy_from_slice(&right.x);
         y.copy_from_slice(&right.equalities);
+        v.fill(0.0);
         for (((row, weight), g), s) in rows.iter_mut().zip(&*weights).zip(&right.ranges).zip(&right.slacks) {
             *row = fused::<FUSED>(*weight, *g, *s);
+        }
+        for row in condensed.kept.iter().flat_map(|kept| &kept.rows) {
+            let range = row - number(layout, 0);
+            v[range] = rows[range] / weights[range];
+            rows[range] = 0.0;
         }
         for (element, block) in layout.elements().zip(blocks.all()) {
             let own = layout.ranges_of(element);
@@ -412,14 +424,17 @@ impl Newton {
         blocks: &Blocks,
         (right, step): (&Residuals, &mut Step),
     ) {
-        for (element, block) in layout.elements().zip(blocks.all()) {
+        let Self { weights, condensed, solution, local, .. } = self;
+        let multipliers = &solution[number(layout, 0)..];
+        for ((element, block), kept) in layout.elements().zip(blocks.all()).zip(&condensed.kept) {
             let own = layout.ranges_of(element);
             if !own.is_empty() {
-                let (d, _, sums) = self.local.of(block.gradient.len());
+                let (d, _, sums) = local.of(block.gradient.len());
                 gather(layout, element, (&step.x, &blocks.units.steps), d);
                 let [_, ranges] = blocks.units.jacobians(layout, element, block);
                 times::<FUSED>(ranges, d, &mut step.slacks[own.clone()], sums);
-                set_slacks(own, &self.weights, right, step);
+                set_slacks(own, weights, right, step);
+                set_kept(layout, kept, (weights, multipliers), right, step);
             }
         }
     }
@@ -434,9 +449,10 @@ impl Newton {
         to: &mut Residuals,
         completes: bool,
     ) {
-        let Self { weights, local, chain, .. } = self;
+        let Self { weights, local, chain, condensed, solution, .. } = self;
+        let multipliers = &solution[number(layout, 0)..];
         to.x.copy_from_slice(&right.x);
-        for (element, block) in layout.elements().zip(blocks.all()) {
+        for ((element, block), kept) in layout.elements().zip(blocks.all()).zip(&condensed.kept) {
             let [equalities, ranges] = blocks.units.jacobians(layout, element, block);
             let (d, sum, sums) = local.of(block.gradient.len());
             gather(layout, element, (&step.x, &blocks.units.steps), d);
@@ -456,6 +472,7 @@ impl Newton {
                 if completes {
                     step.slacks[own.clone()].copy_from_slice(to);
                     set_slacks(own.clone(), weights, right, step);
+                    set_kept(layout, kept, (weights, multipliers), right, step);
                 }
                 for ((to, right), slack) in
                     to.iter_mut().zip(&right.ranges[own.clone()]).zip(&step.slacks[own.clone()])
@@ -474,8 +491,10 @@ impl Newton {
         }
         // What depends on others and contradicts them cannot be met.
         for row in chain.zeros() {
-            if let Some(row) = row.checked_sub(layout.steps()) {
-                to.equalities[row] = 0.0;
+            let Some(row) = row.checked_sub(layout.steps()) else { continue };
+            match row.checked_sub(layout.equalities()) {
+                None => to.equalities[row] = 0.0,
+                Some(range) => to.ranges[range] = 0.0,
             }
         }
     }
@@ -489,6 +508,21 @@ fn set_slacks(own: Range<usize>, weights: &[f64], right: &Residuals, step: &mut 
     for (((slack, v), (g, s)), weight) in slacks.zip(right).zip(&weights[own]) {
         *slack -= g;
         *v = weight * *slack - s;
+    }
+}
+
+/// The same for ranges that are rows, whose steps of multipliers are known: `d_s = Sigma^-1 (d_v + b_s)`.
+#[inline(always)]
+fn set_kept(
+    layout: &Layout,
+    kept: &Kept,
+    (weights, multipliers): (&[f64], &[f64]),
+    right: &Residuals,
+    step: &mut Step,
+) {
+    for range in kept.rows.iter().map(|row| row - number(layout, 0)) {
+        step.v[range] = multipliers[range];
+        step.slacks[range] = (multipliers[range] + right.slacks[range]) / weights[range];
     }
 }
 
@@ -516,6 +550,64 @@ mod tests {
     use crate::iterate::{Bounds, Iterate, Residuals, Step};
     use crate::layout::{Element, Layout, Rows};
 
+    /// Of two ranges that are held one has a weight of 1e14: its square would leave two digits of W. The step
+    /// is compared with that of the whole system, whose entries are all of one size.
+    #[test]
+    fn steps_are_exact_where_ranges_are_held() {
+        let layout = Layout::new(vec![6], vec![], 0).with_rows(Element::Node(0), Rows::new(2, 2));
+        let (n, m, p) = (6, 2, 2);
+        let mut random = fastrand::Rng::with_seed(9);
+        let mut number = || random.f64() - 0.5;
+        let mut blocks = Blocks::new(&layout);
+        let units = &mut blocks.units;
+        let units = [&mut units.steps, &mut units.equalities, &mut units.ranges];
+        units.into_iter().for_each(|units| units.fill(1.0));
+        let block = blocks.of(Element::Node(0));
+        let rows = [&mut block.equalities, &mut block.ranges];
+        rows.into_iter().flat_map(|rows| rows.entries_mut()).for_each(|entry| *entry = number());
+        (0..n).for_each(|i| block.hessian[(i, i)] = 2.0 + number());
+        block.set_patterns();
+        let mut iterate = Iterate::new(&layout, n);
+        iterate.gaps = [vec![1e-7, 1.0], vec![f64::INFINITY; 2]];
+        iterate.z = [vec![1e7, 1e-3], vec![0.0; 2]];
+        let mut newton = Newton::new(&layout, RegularisationSettings::default());
+        newton.begin(&iterate);
+        assert!(newton.factorise_once(&layout, &blocks));
+        assert_eq!(newton.condensed.kept(), 1);
+        let mut residuals = Residuals::zeros(&layout);
+        let parts =
+            [&mut residuals.x, &mut residuals.equalities, &mut residuals.slacks, &mut residuals.ranges];
+        parts.into_iter().flatten().for_each(|entry| *entry = number());
+        let mut step = Step::zeros(&layout);
+        newton.solve(&layout, &blocks, &residuals, (Accuracy::Rough, &mut step));
+        // Unknowns x, y, v; slacks are `(v + b_s) / Sigma`.
+        let (block, size) = (&blocks.all()[0], n + m + p);
+        let mut matrix = nalgebra::DMatrix::zeros(size, size);
+        for i in 0..n {
+            matrix[(i, i)] = block.hessian[(i, i)];
+            for (first, rows) in [(n, &block.equalities), (n + m, &block.ranges)] {
+                for r in 0..rows.rows() {
+                    (matrix[(first + r, i)], matrix[(i, first + r)]) = (rows[(r, i)], rows[(r, i)]);
+                }
+            }
+        }
+        let right: Vec<f64> = residuals.x.iter().chain(&residuals.equalities).map(|b| -b).collect();
+        let mut right = nalgebra::DVector::from_vec(right).resize_vertically(size, 0.0);
+        for r in 0..p {
+            let weight = newton.weights[r];
+            matrix[(n + m + r, n + m + r)] = -weight.recip();
+            right[n + m + r] = -residuals.ranges[r] - residuals.slacks[r] / weight;
+        }
+        let expected = matrix.lu().solve(&right).unwrap();
+        let found = [&step.x[..], &step.y, &step.v].concat();
+        let most = expected.amax();
+        for (found, expected) in found.iter().zip(&expected) {
+            assert!((found - expected).abs() < 1e-11 * most, "{found} {expected}");
+        }
+        let slack = (step.v[0] - residuals.slacks[0]) / newton.weights[0];
+        assert!((step.slacks[0] - slack).abs() <= 1e-15 * slack.abs());
+    }
+
     /// With a regularised matrix too, and a range without an upper bound.
     #[test]
     fn corrected_steps_are_those_for_their_products() {
@@ -534,6 +626,9 @@ mod tests {
         let (mut iterate, mut bounds) = (Iterate::new(&layout, 4), Bounds::new(3));
         (bounds.lower, bounds.upper) = (vec![-1.0; 3], vec![1.0, 2.0, f64::INFINITY]);
         iterate.slacks = vec![0.5, -0.9, 0.2];
+        for i in 0..3 {
+            [iterate.gaps[0][i], iterate.gaps[1][i]] = bounds.gaps(iterate.slacks[i], i);
+        }
         iterate.z = [vec![0.1, 0.7, 0.3], vec![0.4, 0.2, 0.0]];
         iterate.v = vec![0.3, -0.5, -0.3];
         let mut residuals = Residuals::zeros(&layout);
@@ -543,7 +638,7 @@ mod tests {
         let targets = [vec![0.3, 0.1, 0.02], vec![0.05, 0.4, 0.0]];
         for regularisation in [0.0, 1e3] {
             let mut newton = Newton::new(&layout, RegularisationSettings::default());
-            newton.begin(&iterate, &bounds);
+            newton.begin(&iterate);
             newton.regularisation = regularisation;
             assert!(newton.factorise_once(&layout, &blocks));
             let mut step_for = |targets| {

@@ -165,8 +165,14 @@ impl Places {
     }
 
     /// The violation of the program at an iterate of the elastic one, both scaled: `sum |c| + sum |g - s|`,
-    /// with s the slacks of the ranges there, which go to `slacks`.
-    pub fn violation(&self, layout: &Layout, scales: &[f64], iterate: &Iterate, slacks: &mut [f64]) -> f64 {
+    /// with s the slacks of the ranges there, which go to `slacks` with their gaps.
+    pub fn violation(
+        &self,
+        layout: &Layout,
+        scales: &[f64],
+        iterate: &Iterate,
+        (slacks, gaps): (&mut [f64], &mut [Vec<f64>; 2]),
+    ) -> f64 {
         let mut sum = 0.0;
         for part in &self.parts {
             let [[equalities, ranges], taken] = self.rows(layout, part);
@@ -180,6 +186,7 @@ impl Places {
             for (i, (row, own)) in taken[1].clone().zip(ranges).enumerate() {
                 let slack = iterate.slacks[row];
                 slacks[own] = slack;
+                gaps.iter_mut().zip(&iterate.gaps).for_each(|(to, gaps)| to[own] = gaps[row]);
                 sum += (iterate.values.ranges[row] + elastic(equalities.len() + i) - slack).abs();
             }
         }

@@ -2,7 +2,7 @@
 //! solved from there until the filter accepts a point with less violation.
 
 use crate::filter::Measure;
-use crate::iterate::Bounds;
+use crate::iterate::central;
 use crate::outcome::{SolveError, Status};
 use crate::problem::StagedProblem;
 use crate::restoration::Elastic;
@@ -22,11 +22,12 @@ impl Solver {
         &mut self,
         problem: &mut Scaled<'_, P>,
     ) -> Result<Option<Status>, SolveError<P::Error>> {
-        let current = Measure::of(&self.iterate, &self.bounds);
+        let current = Measure::of(&self.iterate);
         self.filter.add(current);
         let Self { iterate, trial, .. } = self;
         trial.point.copy_from_slice(&iterate.point);
         trial.slacks.copy_from_slice(&iterate.slacks);
+        trial.gaps.iter_mut().zip(&iterate.gaps).for_each(|(to, gaps)| to.copy_from_slice(gaps));
         problem.evaluate(&trial.point, &mut trial.values)?;
         self.centre_restoration(problem, current.violation)
     }
@@ -38,10 +39,11 @@ impl Solver {
         violation: f64,
     ) -> Result<Option<Status>, SolveError<P::Error>> {
         let mut restoration = self.restoration.take().unwrap_or_else(|| Box::new(Restoration::new(self)));
-        let Restoration { is_on, solver, places, room, centre, start, before, most, slacks } =
+        let Restoration { is_on, solver, places, room, centre, start, before, most, slacks, gaps } =
             &mut *restoration;
         solver.settings = Restoration::settings(self.settings);
         slacks.copy_from_slice(&self.trial.slacks);
+        gaps.iter_mut().zip(&self.trial.gaps).for_each(|(to, gaps)| to.copy_from_slice(gaps));
         (*is_on, *before, *most) = (true, violation, RESTORED * violation);
         centre.copy_from_slice(&self.trial.point);
         let mu = self.progress.mu.max(violation.min(1.0));
@@ -60,9 +62,9 @@ impl Solver {
         problem: &mut Scaled<'_, P>,
     ) -> Result<Option<Status>, SolveError<P::Error>> {
         let Some(restoration) = &mut self.restoration else { return Ok(Some(Status::Stalled)) };
-        let Restoration { solver, places, room, centre, before, most, slacks, .. } = &mut **restoration;
+        let Restoration { solver, places, room, centre, before, most, slacks, gaps, .. } = &mut **restoration;
         let status = solver.advance(&mut Elastic::new(&mut *problem.problem, (places, room), centre))?;
-        let violation = places.violation(&self.layout, room.step_scales(), &solver.iterate, slacks);
+        let violation = places.violation(&self.layout, room.step_scales(), &solver.iterate, (slacks, gaps));
         let (before, most) = (*before, *most);
         if status.is_none() && violation > most {
             return Ok(None);
@@ -77,16 +79,17 @@ impl Solver {
             self.leave_at_trial(problem)?;
             return Ok(Some(if is_minimum { Status::LocallyInfeasible } else { Status::Stalled }));
         }
-        if !self.filter.accepts(Measure::of(&self.trial, &self.bounds), self.progress.mu) {
+        if !self.filter.accepts(Measure::of(&self.trial), self.progress.mu) {
             if RESTORED * violation <= f64::MIN_POSITIVE {
                 self.leave_at_trial(problem)?;
                 return Ok(Some(Status::Stalled));
             }
             return self.centre_restoration(problem, violation);
         }
-        let (mu, Self { trial, bounds, .. }) = (self.progress.mu, &mut *self);
+        let (mu, Self { trial, .. }) = (self.progress.mu, &mut *self);
         for i in 0..trial.slacks.len() {
-            let central = bounds.central(trial.slacks[i], i, mu).map(|z| z.min(LARGEST_ESTIMATE));
+            let gaps = [trial.gaps[0][i], trial.gaps[1][i]];
+            let central = central(gaps, mu).map(|z| z.min(LARGEST_ESTIMATE));
             [trial.z[0][i], trial.z[1][i]] = central;
             trial.v[i] = central[1] - central[0];
         }
@@ -119,14 +122,13 @@ impl Solver {
         &mut self,
         problem: &mut Scaled<'_, P>,
     ) -> Result<(), SolveError<P::Error>> {
-        let Self { trial, restoration, bounds: Bounds { lower, upper, .. }, .. } = self;
+        let Self { trial, restoration, .. } = self;
         let Some(restoration) = restoration else { return Ok(()) };
-        let Restoration { solver, places, slacks, .. } = &**restoration;
+        let Restoration { solver, places, slacks, gaps, .. } = &**restoration;
         trial.point.copy_from_slice(places.original_point(&solver.iterate.point));
         problem.evaluate(&trial.point, &mut trial.values)?;
-        for (i, to) in trial.slacks.iter_mut().enumerate() {
-            *to = slacks[i].clamp(lower[i], upper[i]);
-        }
+        trial.slacks.copy_from_slice(slacks);
+        trial.gaps.iter_mut().zip(gaps).for_each(|(to, gaps)| to.copy_from_slice(gaps));
         Ok(())
     }
 

@@ -41,7 +41,7 @@ impl Solver {
         problem: &mut Scaled<'_, P>,
         (mu, tau): (f64, f64),
     ) -> Result<Option<f64>, SolveError<P::Error>> {
-        let current = Measure::of(&self.iterate, &self.bounds);
+        let current = Measure::of(&self.iterate);
         let slope = self.slope(mu);
         let [longest, of_multipliers] =
             longest_steps(&self.iterate, self.newton.reciprocals(), &self.step, tau);
@@ -50,7 +50,7 @@ impl Solver {
         let mut is_first = true;
         loop {
             self.try_step(problem, false, alpha)?;
-            let trial = Measure::of(&self.trial, &self.bounds);
+            let trial = Measure::of(&self.trial);
             if let Some(accepted) = self.filter.judge([current, trial], mu, (alpha, slope)) {
                 self.accept(accepted, current, (alpha, slope));
                 self.move_multipliers(false, (alpha, of_multipliers));
@@ -105,7 +105,7 @@ impl Solver {
             let [longest, of_multipliers] = longest_steps(iterate, newton.reciprocals(), correction, tau);
             alpha = longest;
             self.try_step(problem, true, alpha)?;
-            let measure = Measure::of(&self.trial, &self.bounds);
+            let measure = Measure::of(&self.trial);
             if let Some(accepted) = self.filter.judge([current, measure], mu, (first, slope)) {
                 self.accept(accepted, current, (first, slope));
                 self.move_multipliers(true, (alpha, of_multipliers));
@@ -126,10 +126,14 @@ impl Solver {
         is_corrected: bool,
         alpha: f64,
     ) -> Result<(), SolveError<P::Error>> {
-        let Self { iterate, trial, step, correction, .. } = self;
+        let Self { iterate, trial, step, correction, bounds, .. } = self;
         let step = if is_corrected { correction } else { step };
         problem.retract(&iterate.point, &step.x, alpha, &mut trial.point);
         move_along(&mut trial.slacks, &iterate.slacks, &step.slacks, alpha);
+        for (side, alpha) in [(0, alpha), (1, -alpha)] {
+            move_along(&mut trial.gaps[side], &iterate.gaps[side], &step.slacks, alpha);
+        }
+        trial.settle(bounds);
         Ok(problem.evaluate(&trial.point, &mut trial.values)?)
     }
 

@@ -178,8 +178,9 @@ pub(crate) struct Restoration {
     /// The violation at the centre, and the one that is wanted.
     pub before: f64,
     pub most: f64,
-    /// Slacks of the program.
+    /// Slacks of the program, and their gaps.
     pub slacks: Vec<f64>,
+    pub gaps: [Vec<f64>; 2],
 }
 
 impl Restoration {
@@ -199,6 +200,7 @@ impl Restoration {
             before: 0.0,
             most: 0.0,
             slacks: vec![0.0; solver.layout.ranges()],
+            gaps: [vec![0.0; solver.layout.ranges()], vec![0.0; solver.layout.ranges()]],
         }
     }
 
@@ -415,7 +417,7 @@ impl Solver {
             regularisation,
             is_exact,
             length,
-            gap: self.iterate.gap(&self.bounds),
+            gap: self.iterate.gap(),
             decrement,
             is_restoration: false,
         }
@@ -612,7 +614,7 @@ impl Solver {
             if let Some(length) = length {
                 self.progress.length = length;
                 std::mem::swap(&mut self.iterate, &mut self.trial);
-                reset_multipliers(&mut self.iterate, &self.bounds, mu, barrier.neighbourhood);
+                reset_multipliers(&mut self.iterate, mu, barrier.neighbourhood);
                 self.linearise(problem)?;
                 self.measure();
                 return Ok(None);
@@ -659,7 +661,7 @@ impl Solver {
     /// The error of the iterate, whose derivatives are known.
     pub(crate) fn measure(&mut self) {
         let target = if self.progress.mu > 0.0 { self.settings.barrier.least } else { 0.0 };
-        self.progress.error = self.iterate.error(&self.bounds, &self.residuals, target);
+        self.progress.error = self.iterate.error(&self.residuals, target);
     }
 
     /// The same of an iterate to which no step led.
@@ -677,7 +679,7 @@ impl Solver {
         last: f64,
     ) -> Result<bool, P::Error> {
         let Self { layout, iterate, bounds, blocks, newton, .. } = self;
-        if newton.factorise(layout, (iterate, bounds), blocks, problem)?.is_err() {
+        if newton.factorise(layout, iterate, blocks, problem)?.is_err() {
             return Ok(false);
         }
         let has_bounds = bounds.count() > 0;
@@ -708,12 +710,12 @@ impl Solver {
             return false;
         }
         let Self { iterate, bounds, newton, step, progress, settings: Settings { barrier, .. }, .. } = self;
-        let (count, gap) = (bounds.count() as f64, iterate.gap(bounds));
+        let (count, gap) = (bounds.count() as f64, iterate.gap());
         let is_whole = newton.regularisation() == 0.0;
         let part = is_whole.then(|| {
             let tau = barrier.part_of_way(progress.mu);
             let lengths = longest_steps(iterate, newton.reciprocals(), step, tau);
-            iterate.gap_after(bounds, step, lengths) / gap
+            iterate.gap_after(step, lengths) / gap
         });
         let decrements = [progress.decrement.abs(), before].map(|decrement| decrement / count);
         progress.mu = barrier.next(gap / count, part, decrements, last);

@@ -94,34 +94,33 @@ fn move_entries<const FUSED: bool>(to: &mut [f64], from: &[f64], step: &[f64], l
     }
 }
 
-/// `sum ln a - b` over two vectors, without entries that are infinite.
-pub(crate) fn sum_of_logarithms(a: &[f64], b: &[f64]) -> f64 {
-    a.chunks(MANTISSAS).zip(b.chunks(MANTISSAS)).map(|(a, b)| in_widest!(logarithms(a, b))).sum()
+/// The sum of logarithms, without entries that are infinite.
+pub(crate) fn sum_of_logarithms(values: &[f64]) -> f64 {
+    values.chunks(MANTISSAS).map(|values| in_widest!(logarithms(values))).sum()
 }
 
 /// The product of at most this many mantissas of four lanes each is a number.
 const MANTISSAS: usize = 2048;
 
 #[inline(always)]
-fn logarithms<const FUSED: bool>(a: &[f64], b: &[f64]) -> f64 {
-    let ((a_chunks, a_rest), (b_chunks, b_rest)) = (a.as_chunks::<LANES>(), b.as_chunks::<LANES>());
+fn logarithms<const FUSED: bool>(values: &[f64]) -> f64 {
+    let (chunks, rest) = values.as_chunks::<LANES>();
     // Logarithms of products: of mantissas, and sums of exponents.
     let (mut mantissas, mut exponents, mut usual) = ([1.0; LANES], [0_u64; LANES], [true; LANES]);
-    for (a, b) in a_chunks.iter().zip(b_chunks) {
+    for chunk in chunks {
         for lane in 0..LANES {
-            let gap = a[lane] - b[lane];
-            usual[lane] &= gap >= f64::MIN_POSITIVE;
-            let gap = if gap < f64::INFINITY { gap } else { 1.0 };
-            mantissas[lane] *= f64::from_bits(gap.to_bits() & MANTISSA | 1.0_f64.to_bits());
-            exponents[lane] += gap.to_bits() >> 52;
+            usual[lane] &= chunk[lane] >= f64::MIN_POSITIVE;
+            let value = if chunk[lane] < f64::INFINITY { chunk[lane] } else { 1.0 };
+            mantissas[lane] *= f64::from_bits(value.to_bits() & MANTISSA | 1.0_f64.to_bits());
+            exponents[lane] += value.to_bits() >> 52;
         }
     }
-    let logarithm = |gap: f64| if gap == f64::INFINITY { 0.0 } else { gap.ln() };
+    let logarithm = |value: &f64| if *value == f64::INFINITY { 0.0 } else { value.ln() };
     if usual != [true; LANES] {
-        return a.iter().zip(b).map(|(a, b)| logarithm(a - b)).sum();
+        return values.iter().map(logarithm).sum();
     }
-    let exponent = exponents.iter().sum::<u64>() as f64 - (1023 * LANES * a_chunks.len()) as f64;
-    let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| logarithm(a - b)).sum();
+    let exponent = exponents.iter().sum::<u64>() as f64 - (1023 * LANES * chunks.len()) as f64;
+    let rest: f64 = rest.iter().map(logarithm).sum();
     let [p, q, r, s] = mantissas.map(f64::ln);
     exponent * std::f64::consts::LN_2 + ((p + q) + (r + s)) + rest
 }
@@ -143,11 +142,11 @@ mod tests {
                 a[2] = odd;
             }
             let expected: f64 = a.iter().filter(|gap| gap.is_finite()).map(|gap| gap.ln()).sum();
-            let found = sum_of_logarithms(&a, &vec![0.0; count]);
+            let found = sum_of_logarithms(&a);
             let size: f64 = a.iter().filter(|gap| gap.is_finite()).map(|gap| gap.ln().abs()).sum();
             assert!(found == expected || (found - expected).abs() < 1e-14 * size, "{found} {expected}");
         }
-        assert!(sum_of_logarithms(&[1.0; 5], &[2.0; 5]).is_nan());
+        assert!(sum_of_logarithms(&[-1.0; 5]).is_nan());
     }
 
     #[test]

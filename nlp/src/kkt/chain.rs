@@ -17,6 +17,7 @@ use crate::dense::Dense;
 use crate::layout::{Element, Layout};
 use crate::tiles::{LANES, Sums};
 use costate_numerics::in_widest;
+use std::ops::Range;
 
 /// Numbers of positive, negative and zero eigenvalues; zero up to rounding.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -29,13 +30,53 @@ pub(crate) struct Inertia {
 /// One stage: what it assembles, and its factors.
 #[derive(Clone, Debug)]
 struct Stage {
-    /// Unknowns and multipliers that it can eliminate, then those that it shares with later stages.
+    /// Unknowns and multipliers that it can eliminate, and unknowns that it shares with later stages; rows
+    /// that wait, and those beside the equations, stand between them.
     own: Vec<usize>,
     shared: Vec<usize>,
     /// Places of what the stage before shares, among its own and shared ones.
     places: Vec<usize>,
     parts: Vec<Assembled>,
     factors: Factors,
+}
+
+/// Rows of one element beside its equations, in one factorisation: ranges that are held, or nearly so.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Kept {
+    /// Their numbers.
+    pub rows: Vec<usize>,
+    /// The derivatives of one row after the other.
+    pub entries: Vec<f64>,
+    /// Their entries on the diagonal of the matrix.
+    pub diagonal: Vec<f64>,
+}
+
+impl Kept {
+    /// With room for so many rows.
+    pub fn with_room(rows: usize, width: usize) -> Self {
+        Self {
+            rows: Vec::with_capacity(rows),
+            entries: Vec::with_capacity(rows * width),
+            diagonal: Vec::with_capacity(rows),
+        }
+    }
+
+    pub fn clear(&mut self) {
+        self.rows.clear();
+        self.entries.clear();
+        self.diagonal.clear();
+    }
+}
+
+/// The matrices of all elements.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Matrices<'a, J> {
+    /// The upper triangles of W.
+    pub hessians: &'a [Dense],
+    /// The Jacobian of the equations of each element.
+    pub jacobian: J,
+    /// Rows beside them; of none where there are none.
+    pub kept: &'a [Kept],
 }
 
 /// An element, and the place of each of its columns, and of its equations, among the rows of a stage.
@@ -45,14 +86,16 @@ struct Assembled {
     columns: Vec<usize>,
     equalities: Vec<usize>,
     /// For each column, the places of the columns from it on, and for each equation the places of all
-    /// columns: runs of consecutive ones on one side of it.
+    /// columns: runs of consecutive ones on one side of it, and of what stands between.
     runs: Vec<Vec<(usize, usize)>>,
     equality_runs: Vec<Vec<(usize, usize)>>,
+    /// The same for rows between.
+    kept_runs: Vec<(usize, usize)>,
     /// Whether the columns are all rows of the stage in their order.
     is_whole: bool,
 }
 
-/// The factorisation. Rows are numbered as the entries of a step, then the equations.
+/// The factorisation. Rows are numbered as the entries of a step, then the equations; other rows as they say.
 #[derive(Clone, Debug)]
 pub(crate) struct Chain {
     stages: Vec<Stage>,
@@ -60,7 +103,9 @@ pub(crate) struct Chain {
     /// Schur complement of the last stage: its rows, sizes of their columns, and the lower triangle by
     /// columns.
     carried: Carried,
-    has_equalities: bool,
+    /// Rows of a stage that are beside its equations.
+    kept: Vec<usize>,
+    chooses_pivots: bool,
     /// Rows with zero pivots.
     zeros: Vec<usize>,
     local: Vec<f64>,
@@ -79,7 +124,9 @@ struct Carried {
 }
 
 impl Chain {
-    pub fn new(layout: &Layout) -> Self {
+    /// With room for so many rows of each element beside its equations. Where pivots are not chosen the
+    /// matrix should be positive definite, and the inertia shows whether it is.
+    pub fn new(layout: &Layout, most_kept: impl Fn(Element) -> usize, chooses_pivots: bool) -> Self {
         let (last, steps) = (layout.intervals(), layout.steps());
         let holds_first = last > 0 && layout.couples_ends();
         let mut border: Vec<usize> = Vec::new();
@@ -89,6 +136,7 @@ impl Chain {
         border.extend(layout.shared());
         let equalities = |element| layout.equalities_of(element).map(move |row| steps + row);
         let mut before: Vec<usize> = Vec::new();
+        let (mut largest, mut most) = (0, 0);
         let stages = (0..=last).map(|k| {
             let is_last = k == last;
             let mut own: Vec<usize> = Vec::new();
@@ -111,12 +159,17 @@ impl Chain {
             elements.iter().for_each(|&element| own.extend(equalities(element)));
             let all: Vec<usize> = own.iter().chain(&shared).copied().collect();
             let place = |row: usize| all.iter().position(|&other| other == row).unwrap_or(usize::MAX);
+            let (between, mut kept) = (own.len(), 0);
             let parts = elements.iter().map(|&element| {
+                kept += most_kept(element);
                 let columns: Vec<usize> = layout.unknowns(element).into_iter().flatten().map(place).collect();
                 Assembled {
                     element: layout.position(element),
-                    runs: (0..columns.len()).map(|i| runs(columns[i], &columns[i..])).collect(),
-                    equality_runs: equalities(element).map(|row| runs(place(row), &columns)).collect(),
+                    runs: (0..columns.len()).map(|i| runs([columns[i], between], &columns[i..])).collect(),
+                    equality_runs: equalities(element)
+                        .map(|row| runs([place(row), between], &columns))
+                        .collect(),
+                    kept_runs: runs([between; 2], &columns),
                     is_whole: columns.iter().copied().eq(0..all.len()),
                     columns,
                     equalities: equalities(element).map(place).collect(),
@@ -124,13 +177,13 @@ impl Chain {
             });
             let (parts, places) = (parts.collect(), before.iter().map(|&row| place(row)).collect());
             before.clone_from(&shared);
-            Stage { parts, factors: Factors::with_room(own.len(), shared.len()), own, shared, places }
+            (largest, most) = (largest.max(own.len() + shared.len()), most.max(kept));
+            Stage { parts, factors: Factors::with_room(own.len() + kept, shared.len()), own, shared, places }
         });
         let stages: Vec<Stage> = stages.collect();
-        let largest = stages.iter().map(|stage| stage.own.len() + stage.shared.len()).max().unwrap_or(0);
         let mut front = Front::default();
         // At most as many rows wait as there are unknowns of a node that can take them, and their partners.
-        front.reserve(3 * largest);
+        front.reserve(3 * largest + most);
         Self {
             stages,
             front,
@@ -141,69 +194,75 @@ impl Chain {
                 delayed: 0,
                 runs: Vec::with_capacity(2 * largest),
             },
-            has_equalities: layout.equalities() > 0,
-            zeros: Vec::with_capacity(layout.steps() + layout.equalities()),
-            local: Vec::with_capacity(3 * largest + LANES),
+            kept: Vec::with_capacity(most),
+            chooses_pivots,
+            zeros: Vec::with_capacity(
+                layout.steps() + layout.equalities() + layout.elements().map(&most_kept).sum::<usize>(),
+            ),
+            local: Vec::with_capacity(3 * largest + most + LANES),
             sums: Sums::default(),
         }
     }
 
-    /// Factors the matrix. By element: the upper triangles of W, and the Jacobians of the equations;
-    /// `diagonal` is added to that of all rows. Without equations pivots are not chosen: the matrix should be
-    /// positive definite, and the inertia shows whether it is.
+    /// Factors the matrix of these blocks, where `diagonal` is added to that of unknowns and equations.
     pub fn factorise<'a>(
         &mut self,
-        hessians: &[Dense],
-        jacobian: impl Fn(usize) -> &'a Dense,
+        matrices: Matrices<'_, impl Fn(usize) -> &'a Dense>,
         diagonal: &[f64],
     ) -> Inertia {
-        self.factorise_unless(hessians, jacobian, diagonal, usize::MAX)
+        self.factorise_unless(matrices, diagonal, usize::MAX)
     }
 
     /// The same, but where more than so many eigenvalues are negative it ends as soon as that is known: the
     /// inertia is a part of the whole one then, and there are no factors.
     pub fn factorise_unless<'a>(
         &mut self,
-        hessians: &[Dense],
-        jacobian: impl Fn(usize) -> &'a Dense,
+        matrices: Matrices<'_, impl Fn(usize) -> &'a Dense>,
         diagonal: &[f64],
         negative: usize,
     ) -> Inertia {
-        in_widest!(self.eliminate(hessians, &jacobian, diagonal, negative))
+        in_widest!(self.eliminate(&matrices, diagonal, negative))
     }
 
     #[inline(always)]
     fn eliminate<'a, const FUSED: bool>(
         &mut self,
-        hessians: &[Dense],
-        jacobian: &impl Fn(usize) -> &'a Dense,
+        Matrices { hessians, jacobian, kept }: &Matrices<'_, impl Fn(usize) -> &'a Dense>,
         diagonal: &[f64],
         negative: usize,
     ) -> Inertia {
         let mut inertia = Inertia::default();
         self.zeros.clear();
-        let definite = !self.has_equalities;
-        let Self { stages, front, carried, zeros, .. } = self;
+        let definite = !self.chooses_pivots;
+        let Self { stages, front, carried, zeros, kept: kept_rows, .. } = self;
         carried.clear();
         let count = stages.len();
         for (k, stage) in stages.iter_mut().enumerate() {
             let Stage { own, shared, parts, factors, places } = stage;
-            // Rows that wait stand first.
+            let own_len = own.len();
+            kept_rows.clear();
+            let kept_of = |part: &Assembled| kept.get(part.element).filter(|kept| !kept.rows.is_empty());
+            parts.iter().filter_map(kept_of).for_each(|kept| kept_rows.extend(&kept.rows));
+            // Between own and shared ones stand rows that wait, and then those beside the equations.
             let delayed = carried.delayed;
-            let size = delayed + own.len() + shared.len();
-            let candidates = delayed + own.len();
+            let between = own_len..own_len + delayed + kept_rows.len();
+            let (candidates, size) = (between.end, between.end + shared.len());
             let is_whole = |part: &Assembled| {
                 let has_size = hessians[part.element].columns() == size.next_multiple_of(LANES);
-                part.is_whole && delayed == 0 && has_size
+                part.is_whole && between.is_empty() && has_size
             };
             let whole = parts.iter().position(is_whole);
             front.reset(size, whole.map(|at| hessians[parts[at].element].entries()));
             for (_, part) in parts.iter().enumerate().filter(|(at, _)| Some(*at) != whole) {
-                add_part(front, part, (&hessians[part.element], jacobian(part.element)), delayed);
+                add_part(front, part, (&hessians[part.element], jacobian(part.element)), &between);
             }
-            carried.add_to(front, places);
+            let mut place = own_len + delayed;
+            for (part, kept) in parts.iter().filter_map(|part| Some((part, kept_of(part)?))) {
+                place = add_kept(front, part, kept, (place, &between));
+            }
+            carried.add_to(front, places, &between);
             for (place, &row) in own.iter().enumerate() {
-                front.add(delayed + place, delayed + place, diagonal[row]);
+                front.add(place, place, diagonal[row]);
             }
             if !definite {
                 front.take_sizes();
@@ -211,9 +270,11 @@ impl Chain {
             let is_last = k + 1 == count;
             front.eliminate::<FUSED>(candidates, definite, is_last);
             let waiting = carried.waiting();
-            factors.take(front, |place| match place.checked_sub(delayed) {
-                None => waiting[place],
-                Some(place) => own.get(place).copied().unwrap_or_else(|| shared[place - own.len()]),
+            factors.take(front, |place| match place.checked_sub(own_len) {
+                None => own[place],
+                Some(place) if place < delayed => waiting[place],
+                Some(_) if place < candidates => kept_rows[place - own_len - delayed],
+                Some(_) => shared[place - candidates],
             });
             factors.zeros(zeros);
             for pivot in &factors.pivots {
@@ -254,12 +315,17 @@ impl Chain {
     }
 }
 
-/// Runs of consecutive places, each on one side of a row: (first place, length).
-fn runs(row: usize, places: &[usize]) -> Vec<(usize, usize)> {
+/// Runs of consecutive places, each on one side of the first of these, and of what begins at the second:
+/// (first place, length).
+fn runs([row, between]: [usize; 2], places: &[usize]) -> Vec<(usize, usize)> {
     let mut runs: Vec<(usize, usize)> = Vec::new();
     for &place in places {
         match runs.last_mut() {
-            Some((first, length)) if *first + *length == place && (place > row) == (*first >= row) => {
+            Some((first, length))
+                if *first + *length == place
+                    && (place > row) == (*first >= row)
+                    && (place >= between) == (*first >= between) =>
+            {
                 *length += 1;
             }
             _ => runs.push((place, 1)),
@@ -268,23 +334,59 @@ fn runs(row: usize, places: &[usize]) -> Vec<(usize, usize)> {
     runs
 }
 
+/// The place of a row where others stand between own and shared ones.
+#[inline(always)]
+fn moved(place: usize, between: &Range<usize>) -> usize {
+    if place < between.start { place } else { place + between.len() }
+}
+
 /// Adds the block of an element.
 #[inline(always)]
-fn add_part(front: &mut Front, part: &Assembled, (hessian, jacobian): (&Dense, &Dense), delayed: usize) {
+fn add_part(
+    front: &mut Front,
+    part: &Assembled,
+    (hessian, jacobian): (&Dense, &Dense),
+    between: &Range<usize>,
+) {
     let Assembled { columns, equalities, runs, equality_runs, .. } = part;
-    // Runs of unknowns that follow one another on either side of the row are added at once.
-    let mut add_all = |row: usize, runs: &[(usize, usize)], mut entries: &[f64]| {
-        for &(first, length) in runs {
-            let (values, rest) = entries.split_at(length);
-            front.add_run(delayed + row, delayed + first, values);
-            entries = rest;
-        }
-    };
     for (i, (&row, runs)) in columns.iter().zip(runs).enumerate() {
-        add_all(row, runs, &hessian.row(i)[i..]);
+        add_row(front, moved(row, between), runs, &hessian.row(i)[i..], between);
     }
     for (i, (&row, runs)) in equalities.iter().zip(equality_runs).enumerate() {
-        add_all(row, runs, jacobian.row(i));
+        add_row(front, row, runs, jacobian.row(i), between);
+    }
+}
+
+/// Adds the rows of an element beside its equations, from a place on; returns the one after them.
+#[inline(always)]
+fn add_kept(
+    front: &mut Front,
+    part: &Assembled,
+    kept: &Kept,
+    (mut place, between): (usize, &Range<usize>),
+) -> usize {
+    let width = part.columns.len();
+    for (i, diagonal) in kept.diagonal.iter().enumerate() {
+        add_row(front, place, &part.kept_runs, &kept.entries[i * width..][..width], between);
+        front.add(place, place, *diagonal);
+        place += 1;
+    }
+    place
+}
+
+/// Adds entries of a row: runs of unknowns that follow one another on one side of it at once.
+#[inline(always)]
+fn add_row(
+    front: &mut Front,
+    row: usize,
+    runs: &[(usize, usize)],
+    mut entries: &[f64],
+    between: &Range<usize>,
+) {
+    for &(first, length) in runs {
+        let (values, rest) = entries.split_at(length);
+        front.add_run(row, moved(first, between), values);
+        entries = rest;
     }
 }
 
@@ -318,13 +420,14 @@ impl Carried {
         &self.rows[..self.delayed]
     }
 
-    /// Adds the Schur complement to the next front, where the rows that do not wait have these places after
-    /// those that do. Places are in ascending order.
+    /// Adds the Schur complement to the next front, where the rows that wait are the first ones between own
+    /// and shared ones, and the others have these places.
     #[inline(always)]
-    fn add_to(&mut self, front: &mut Front, places: &[usize]) {
+    fn add_to(&mut self, front: &mut Front, places: &[usize], between: &Range<usize>) {
         let Self { rows, sizes, entries, delayed, runs } = self;
         runs.clear();
-        let all = (0..*delayed).chain(places.iter().map(|place| *delayed + place));
+        let waiting = between.start..between.start + *delayed;
+        let all = waiting.chain(places.iter().map(|&place| moved(place, between)));
         for (i, place) in all.enumerate().take(rows.len()) {
             match runs.last_mut() {
                 Some([_, first, length]) if *first + *length == place => *length += 1,

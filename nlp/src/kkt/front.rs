@@ -3,10 +3,14 @@
 //! $$ P A P^T = \begin{pmatrix} L & 0 \\\\ M & 1 \end{pmatrix} \begin{pmatrix} D & 0 \\\\ 0 & S \end{pmatrix}
 //! \begin{pmatrix} L^T & M^T \\\\ 0 & 1 \end{pmatrix} $$
 //!
-//! Pivots are taken among the first rows alone, the candidates, but are compared with their whole columns
-//! (Duff and Reid, "The multifrontal solution of indefinite sparse symmetric linear equations", ACM TOMS 9
-//! (1983), 302-325): a pivot of order 1 is accepted if `|a_jj| >= u |a_ij|` for all i, one of order 2 if no
-//! entry of `|E^-1| (max_i |a_ij|, max_i |a_ir|)` exceeds 1/u. What finds no pivot is left in S.
+//! Pivots are taken among the first rows alone, the candidates, but are compared with their whole columns.
+//! One of order 1 is accepted if `|a_jj| >= u |a_ij|` for all i, one of order 2 if no entry of `|E^-1| (max_i
+//! |a_ij|, max_i |a_ir|)` exceeds 1/u: no entry of L is larger (Duff and Reid, "The multifrontal solution of
+//! indefinite sparse symmetric linear equations", ACM TOMS 9 (1983), 302-325). Rows and columns are scaled to
+//! entries of about 1, so that a pivot does no harm either if no entry of `L D L^T` that it gives exceeds
+//! 1/u, `|a_ij|^2 <= |a_jj| / u`: these bound the error of the factorisation (N. J. Higham, "Accuracy and
+//! Stability of Numerical Algorithms", 2nd edition, theorem 11.3). Definite matrices pass whatever the
+//! entries of L. What finds no pivot is left in S.
 //!
 //! A column is updated when it is examined, by all columns that were eliminated since its last update. As
 //! long as pivots are accepted in their order, the lower triangle is enough; the first column that is
@@ -16,9 +20,7 @@ use crate::tiles::{
     LANES, PANEL, Sums, add, factor_square, four, largest_number, scale, solve_panel, update,
 };
 
-/// Threshold u of pivots.
-///
-/// Duff and Reid, section 2; MA57 has 0.01 as well.
+/// u. That of Duff and Reid, section 2, and of MA57 is 0.01 as well.
 const THRESHOLD: f64 = 0.01;
 
 /// Columns whose entries are all below this part of what they were before are zero up to rounding.
@@ -299,10 +301,11 @@ impl Front {
         if most.max(diagonal) <= ZERO * self.sizes[j] {
             return Some(Choice::Zero(j));
         }
-        if diagonal >= THRESHOLD * most {
+        let quality = quality_of_one(diagonal, most);
+        if quality >= THRESHOLD {
             return Some(Choice::One(j));
         }
-        best.offer(diagonal / most, Choice::One(j));
+        best.offer(quality, Choice::One(j));
         if !self.is_complete {
             self.complete::<FUSED>(candidates);
         }
@@ -323,18 +326,20 @@ impl Front {
         (quality >= THRESHOLD).then_some(Choice::Two(i, j))
     }
 
-    /// The reciprocal of the largest entry of L that columns i < j give together.
+    /// Of the products of columns i < j together, as [`quality_of_one`].
     fn quality_of_two(&self, i: usize, j: usize) -> f64 {
         let entry = |row: usize, column: usize| self.entries[column * self.stride + row];
         let (a, b, c) = (entry(i, i), entry(j, i), entry(j, j));
         let determinant = a * c - b * b;
         let (first, second) = (self.largest_beside(i, i, j), self.largest_beside(j, i, j));
-        let growth = f64::max(c.abs() * first + b.abs() * second, b.abs() * first + a.abs() * second);
-        if growth == 0.0 {
-            if determinant == 0.0 { 0.0 } else { f64::INFINITY }
-        } else {
-            determinant.abs() / growth
+        let (of_first, of_second) = (c.abs() * first + b.abs() * second, b.abs() * first + a.abs() * second);
+        let most = of_first.max(of_second);
+        if most == 0.0 {
+            return if determinant == 0.0 { 0.0 } else { f64::INFINITY };
         }
+        let products = (of_first / most) * first + (of_second / most) * second;
+        let quality = determinant.abs() / most;
+        quality.max(quality / products)
     }
 
     /// Exchanges two rows and columns of candidates that are not eliminated, i <= j.
@@ -368,7 +373,7 @@ impl Front {
         let mut is_accepted = true;
         for (j, column) in square.iter().enumerate() {
             let (pivot, most) = (column[j].abs(), largest_number(&column[j + 1..]));
-            is_accepted &= pivot > ZERO * self.sizes[k + j] && pivot >= THRESHOLD * most;
+            is_accepted &= pivot > ZERO * self.sizes[k + j] && quality_of_one(pivot, most) >= THRESHOLD;
         }
         if !(definite || is_accepted) {
             return false;
@@ -378,7 +383,7 @@ impl Front {
         if !definite {
             for (j, pivots) in square.iter().enumerate() {
                 let column = &products[j * stride + k + PANEL..(j + 1) * stride];
-                is_accepted &= pivots[j].abs() >= THRESHOLD * largest_number(column);
+                is_accepted &= quality_of_one(pivots[j].abs(), largest_number(column)) >= THRESHOLD;
             }
             if !is_accepted {
                 return false;
@@ -425,6 +430,14 @@ impl Front {
         self.pivots.push(Pivot::Two(block));
         self.eliminated += 2;
     }
+}
+
+/// The reciprocal of the largest entry of L, or of `L D L^T` if that is smaller, which a column with this
+/// pivot gives that has no other entry larger than `most`.
+#[inline(always)]
+fn quality_of_one(pivot: f64, most: f64) -> f64 {
+    let quality = pivot / most;
+    quality.max(quality / most)
 }
 
 /// A choice of the next pivot: places of rows.

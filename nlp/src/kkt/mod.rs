@@ -7,4 +7,4 @@ mod chain;
 mod factors;
 mod front;
 
-pub(crate) use chain::{Chain, Inertia};
+pub(crate) use chain::{Chain, Inertia, Kept, Matrices};

@@ -270,3 +270,28 @@ fn problem_71_of_hock_and_schittkowski() {
     // At its lower bound, and inside.
     assert!(solution.ranges[0] < -0.1 && solution.ranges[1] < -0.1 && solution.ranges[2].abs() < 1e-6);
 }
+
+/// `min 1e3 x` for `x >= 1e6 / 3`, beside `x + y = 3e6`.
+struct Pushed;
+
+impl OfNode for Pushed {
+    fn of<D: Number>(&self, x: &[D]) -> Parts<D> {
+        Parts { cost: x[0] * 1e3, equalities: vec![x[0] + x[1] - 3e6], ranges: vec![x[0]] }
+    }
+}
+
+/// Slacks come far closer to their bound than any number beside it is, and from far away stay beside it.
+#[test]
+fn slacks_come_closer_to_bounds_than_rounding() {
+    let least = 1e6 / 3.0;
+    let bounds = [[least, f64::INFINITY]];
+    let mut problem = ByDuals::new(Small { unknowns: 2, equations: 1, bounds, of: Pushed, scales: None });
+    let mut solver = Solver::new(problem.layout(), Settings { tolerance: 1e-9, ..Settings::default() });
+    for start in [[least, 2e6], [1e15, -1e15]] {
+        let solution = solver.solve(&mut problem, &start).unwrap();
+        assert_eq!(solution.status, Status::Solved);
+        assert!(solution.iterations <= 30, "{}", solution.iterations);
+        assert!((solution.point[0] - least).abs() < 1e-9, "{}", solution.point[0] - least);
+        assert!((solution.ranges[0] + 1e3).abs() < 1e-6);
+    }
+}

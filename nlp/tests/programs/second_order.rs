@@ -92,6 +92,51 @@ impl OfNode for Saddle {
     }
 }
 
+/// `min x^2` beside y, which nothing depends on.
+struct Valley;
+
+impl OfNode for Valley {
+    fn of<D: Number>(&self, x: &[D]) -> Parts<D> {
+        Parts { cost: x[0] * x[0] + x[1] * 0.0, equalities: vec![], ranges: vec![x[0], x[1]] }
+    }
+}
+
+/// Without equations, and without a range that is held.
+#[test]
+fn a_valley_is_undecided_and_has_finite_derivatives() {
+    let bounds = [[-1.0, 1.0]; 2];
+    let mut problem = ByDuals::new(Small { unknowns: 2, equations: 0, bounds, of: Valley, scales: None });
+    let mut solver = Solver::new(problem.layout(), Settings::default());
+    assert_eq!(solver.solve(&mut problem, &[0.3, 0.2]).unwrap().status, Status::Solved);
+    assert_eq!(solver.certify(&mut problem).unwrap(), Certificate::Undecided);
+    let mut rates = Changes::zeros(problem.layout());
+    rates.x.copy_from_slice(&[1.0, 1.0]);
+    assert_eq!(solver.respond(&problem, &rates).unwrap().x, [-0.5, 0.0]);
+}
+
+/// `min w (x^2 + y^2)` for `x = y`.
+struct Rounding(f64);
+
+impl OfNode for Rounding {
+    fn of<D: Number>(&self, x: &[D]) -> Parts<D> {
+        let cost = (x[0] * x[0] + x[1] * x[1]) * self.0;
+        Parts { cost, equalities: vec![x[0] - x[1]], ranges: vec![] }
+    }
+}
+
+/// Curvature as small as the rounding of functions of size 1 decides nothing.
+#[test]
+fn rounding_is_no_curvature() {
+    let expected = [(1e-14, Certificate::Undecided), (-1e-14, Certificate::Undecided)];
+    for (w, expected) in [&expected[..], &[(1e-6, Certificate::LocalMinimum)]].concat() {
+        let small = Small { unknowns: 2, equations: 1, bounds: [], of: Rounding(w), scales: None };
+        let mut problem = ByDuals::new(small);
+        let mut solver = Solver::new(problem.layout(), Settings::default());
+        solver.solve(&mut problem, &[0.0, 0.0]).unwrap();
+        assert_eq!(solver.certify(&mut problem).unwrap(), expected, "{w}");
+    }
+}
+
 #[test]
 fn saddles_and_ranges_without_multipliers_are_no_certified_minima() {
     let solved = |range: [f64; 2], start: [f64; 2]| {

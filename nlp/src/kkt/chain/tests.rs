@@ -1,7 +1,8 @@
 //! The chain against dense factorisations and eigenvalues.
 
-use super::{Chain, Inertia};
+use super::{Chain, Inertia, Kept, Matrices};
 use crate::blocks::Blocks;
+use crate::condense::Condensed;
 use crate::dense::Dense;
 use crate::layout::{Element, Layout, Rows};
 use nalgebra::{DMatrix, DVector};
@@ -13,6 +14,7 @@ struct Random {
     blocks: Blocks,
     hessians: Vec<Dense>,
     diagonal: Vec<f64>,
+    kept: Vec<Kept>,
 }
 
 impl Random {
@@ -40,12 +42,51 @@ impl Random {
             hessians.push(hessian);
         }
         let diagonal = (0..layout.steps()).map(|_| 0.1 * (1.0 + number())).collect();
-        Self { layout, blocks, hessians, diagonal }
+        Self { layout, blocks, hessians, diagonal, kept: Vec::new() }
     }
 
+    /// With about half of the ranges as rows beside the equations, exactly or with entries on the diagonal.
+    fn with_kept(mut self, seed: u64) -> Self {
+        let mut random = fastrand::Rng::with_seed(seed);
+        let first = self.layout.steps() + self.layout.equalities();
+        for element in self.layout.elements() {
+            let mut kept = Kept::default();
+            for row in self.layout.ranges_of(element) {
+                if random.bool() {
+                    continue;
+                }
+                kept.rows.push(first + row);
+                kept.entries.extend((0..self.layout.width(element)).map(|_| 2.0 * random.f64() - 1.0));
+                kept.diagonal.push([0.0, -1e-9, -0.5][random.usize(..3)]);
+            }
+            self.kept.push(kept);
+        }
+        self
+    }
+
+    /// Numbers of the ranges that are not rows.
+    fn left_out(&self) -> Vec<usize> {
+        let first = self.layout.steps() + self.layout.equalities();
+        let is_kept = |row: &usize| self.kept.iter().any(|kept| kept.rows.contains(row));
+        (first..first + self.layout.ranges()).filter(|row| !is_kept(row)).collect()
+    }
+
+    /// With ones for ranges that are not rows.
     fn dense(&self, dual: f64) -> DMatrix<f64> {
         let (n, m) = (self.layout.steps(), self.layout.equalities());
-        let mut all = DMatrix::zeros(n + m, n + m);
+        let size = n + m + self.layout.ranges();
+        let mut all = DMatrix::zeros(size, size);
+        self.left_out().into_iter().for_each(|row| all[(row, row)] = 1.0);
+        for (element, kept) in self.layout.elements().zip(&self.kept) {
+            let columns: Vec<usize> = self.layout.unknowns(element).into_iter().flatten().collect();
+            for (i, (&row, diagonal)) in kept.rows.iter().zip(&kept.diagonal).enumerate() {
+                all[(row, row)] = *diagonal;
+                for (j, &column) in columns.iter().enumerate() {
+                    all[(row, column)] = kept.entries[i * columns.len() + j];
+                    all[(column, row)] = all[(row, column)];
+                }
+            }
+        }
         for (element, (block, hessian)) in
             self.layout.elements().zip(self.blocks.all().iter().zip(&self.hessians))
         {
@@ -75,7 +116,8 @@ impl Random {
         let mut diagonal = self.diagonal.clone();
         diagonal.resize(self.layout.steps() + self.layout.equalities(), -dual);
         let jacobian = |element: usize| &self.blocks.all()[element].equalities;
-        chain.factorise_unless(&self.hessians, jacobian, &diagonal, negative)
+        let matrices = Matrices { hessians: &self.hessians, jacobian, kept: &self.kept };
+        chain.factorise_unless(matrices, &diagonal, negative)
     }
 }
 
@@ -120,26 +162,33 @@ fn inertia_of(matrix: &DMatrix<f64>) -> Option<Inertia> {
 proptest! {
     #[test]
     fn inertia_and_solutions_are_those_of_the_dense_matrix(
-        layout in layouts(), seed in any::<u64>(), definite in any::<bool>(), dual in prop::sample::select(vec![0.0, 1e-3]),
+        layout in layouts(), seed in any::<u64>(), definite in any::<bool>(), keeps in any::<bool>(),
+        dual in prop::sample::select(vec![0.0, 1e-3]),
     ) {
         let random = Random::new(layout, seed, definite);
+        let random = if keeps { random.with_kept(seed) } else { random };
         let matrix = random.dense(dual);
-        let mut chain = Chain::new(&random.layout);
+        let left_out = random.left_out();
+        let rows = random.layout.equalities() + random.layout.ranges() - left_out.len();
+        let ranges = |element| random.layout.ranges_of(element).len();
+        let mut chain = Chain::new(&random.layout, ranges, rows > 0);
         // Twice: nothing is left of the first.
         random.factorise(&mut chain, dual + 1.0);
-        let most = random.layout.equalities();
+        let most = rows;
         let early = random.factorise_unless(&mut chain, dual, most);
         let found = random.factorise(&mut chain, dual);
         let is_same = early == found;
         prop_assert!(is_same || (found.negative > most && early.negative > most));
-        let Some(expected) = inertia_of(&matrix) else { return Ok(()) };
-        if random.layout.equalities() == 0 && expected.negative > 0 {
+        let Some(mut expected) = inertia_of(&matrix) else { return Ok(()) };
+        expected.positive -= left_out.len();
+        if rows == 0 && expected.negative > 0 {
             // Pivots in their order tell that it is not definite, no more.
             prop_assert!(found.negative > 0);
             return Ok(());
         }
         prop_assert_eq!(found, expected);
-        let right = DVector::from_fn(matrix.nrows(), |i, _| (0.7 + i as f64).sin());
+        let mut right = DVector::from_fn(matrix.nrows(), |i, _| (0.7 + i as f64).sin());
+        left_out.into_iter().for_each(|row| right[row] = 0.0);
         let mut x = right.as_slice().to_vec();
         chain.solve(&mut x);
         let residual = (&matrix * DVector::from_vec(x.clone()) - right).amax();
@@ -169,7 +218,7 @@ proptest! {
             // Other equations depend on each other by chance.
             return Ok(());
         }
-        let mut chain = Chain::new(&layout);
+        let mut chain = Chain::new(&layout, |_| 0, true);
         let found = random.factorise(&mut chain, 0.0);
         prop_assert_eq!(found.zero, repeated);
         prop_assert_eq!(found.positive, layout.steps());
@@ -185,25 +234,38 @@ proptest! {
     }
 }
 
-/// Why Newton's equations are scaled where large multiples of a metric are in them: equations that depend on
-/// all of the node that follows find pivots where they stand beside Hessians of their own size, and none
-/// beside far larger ones, with which they wait until the end.
+/// Why rows and columns are scaled: equations that depend on all of the node that follows find pivots where
+/// they stand beside Hessians of their own size; beside far larger ones they would wait until the end.
 #[test]
-fn equations_wait_for_pivots_beside_large_hessians_alone() {
+fn equations_do_not_wait_beside_large_hessians() {
     let mut layout = Layout::uniform(40, 6, 2, 0);
     for k in 0..40 {
         layout = layout.with_rows(Element::Interval(k), Rows::new(5, 0));
     }
-    let largest_front = |factor: f64| {
+    let largest_front = |factor: f64, is_scaled: bool| {
         let mut random = Random::new(layout.clone(), 11, true);
         let hessians = random.hessians.iter_mut().flat_map(|hessian| hessian.entries_mut());
         hessians.chain(&mut random.diagonal).for_each(|entry| *entry *= factor);
-        let mut chain = Chain::new(&layout);
-        let inertia = random.factorise(&mut chain, 0.0);
+        let mut chain = Chain::new(&layout, |_| 0, true);
+        let inertia = if is_scaled {
+            for (element, hessian) in layout.elements().zip(&random.hessians) {
+                random.blocks.of(element).hessian = hessian.clone();
+            }
+            let units = &mut random.blocks.units;
+            [&mut units.steps, &mut units.equalities].into_iter().for_each(|units| units.fill(1.0));
+            let mut condensed = Condensed::new(&layout, |_| 0);
+            condensed.set(&layout, &random.blocks, &[]);
+            let none = vec![0.0; layout.steps() + layout.equalities()];
+            chain.factorise(condensed.matrices(), &none)
+        } else {
+            random.factorise(&mut chain, 0.0)
+        };
         assert_eq!([inertia.positive, inertia.negative], [layout.steps(), layout.equalities()]);
         chain.stages.iter().map(|stage| stage.factors.rows.len()).max().unwrap()
     };
     // Two nodes, what is private, the equations; and those that wait.
-    let [near, far] = [1.0, 1e8].map(largest_front);
-    assert!(near <= 6 + 2 + 5 + 6 + 5 && far > 3 * near, "{near} {far}");
+    let most = 6 + 2 + 5 + 6 + 5;
+    let fronts = [(1.0, false), (1e8, true), (1e-8, true)].map(|(factor, is)| largest_front(factor, is));
+    assert!(fronts.iter().all(|front| *front <= most), "{fronts:?}");
+    assert!(largest_front(1e8, false) > 2 * most);
 }
