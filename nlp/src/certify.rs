@@ -2,8 +2,7 @@
 
 use crate::active::{Active, Certificate, Changes, Held};
 use crate::iterate::KktError;
-use crate::newton::Accuracy;
-use crate::outcome::{Promise, SolveError};
+use crate::outcome::SolveError;
 use crate::problem::StagedProblem;
 use crate::scaled::Scaled;
 use crate::scales::Scales;
@@ -65,39 +64,6 @@ impl Solver {
         active.newton = Some(room);
         self.active = Some(active);
         outcome
-    }
-
-    /// What the next step from the iterate promises, which is not made: its Newton decrement at the mu of the
-    /// iterate, and whether the Hessian of the program itself has the inertia of a minimum of the barrier
-    /// problem there. `None` in restoration, and where there is no step.
-    ///
-    /// # Errors
-    /// [`SolveError`].
-    pub fn promise<P: StagedProblem>(
-        &mut self,
-        problem: &mut P,
-    ) -> Result<Option<Promise>, SolveError<P::Error>> {
-        if *problem.layout() != self.layout {
-            return Err(SolveError::Layout);
-        }
-        if self.is_in_restoration() {
-            return Ok(None);
-        }
-        self.with_scaled(problem, |solver, scaled| {
-            let Self { layout, iterate, blocks, newton, progress, .. } = solver;
-            let (before, memory) = (*progress, newton.memory());
-            let has_factors = newton.factorise(layout, iterate, blocks, scaled)?.is_ok();
-            let has_step = has_factors && solver.step_for(before.mu, Accuracy::Refined);
-            let promise =
-                Promise { decrement: solver.progress.decrement, is_exact: solver.newton.is_exact() };
-            solver.progress = before;
-            solver.newton.recall(memory);
-            if !promise.is_exact {
-                // Its blocks are those of the regularised step.
-                solver.linearise(scaled)?;
-            }
-            Ok(has_step.then_some(promise))
-        })
     }
 
     /// The point of the last iterate or solution, refined if [`refine`](Self::refine) was called; in

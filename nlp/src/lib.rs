@@ -100,7 +100,7 @@ pub use filter::FilterSettings;
 pub use iterate::KktError;
 pub use layout::{Element, Layout, Rows};
 pub use newton::RegularisationSettings;
-pub use outcome::{Iteration, Promise, Solution, SolveError, Status};
+pub use outcome::{Iteration, Solution, SolveError, Status};
 pub use problem::StagedProblem;
 pub use scales::Scales;
 pub use settings::Settings;

@@ -185,16 +185,6 @@ impl Newton {
         Ok(Ok(()))
     }
 
-    /// What factorisations say to later ones.
-    pub fn memory(&self) -> (f64, Convex) {
-        (self.remembered, self.convex)
-    }
-
-    /// Forgets what was learned since then.
-    pub fn recall(&mut self, memory: (f64, Convex)) {
-        (self.remembered, self.convex) = memory;
-    }
-
     /// Takes note of the part of the longest step that was accepted.
     pub fn adapt(&mut self, part: f64) {
         if self.is_convexified {

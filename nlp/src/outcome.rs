@@ -46,15 +46,6 @@ pub struct Solution<'a> {
     pub iterations: usize,
 }
 
-/// What a step promises that was not made.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Promise {
-    /// The Newton decrement of the barrier problem: twice the decrease that its model promises.
-    pub decrement: f64,
-    /// Whether the Hessian was that of the program itself, without regularisation.
-    pub is_exact: bool,
-}
-
 /// One iteration, for an observer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]

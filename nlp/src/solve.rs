@@ -692,7 +692,7 @@ impl Solver {
     }
 
     /// The step for this mu with the factors of the last factorisation; whether it is finite.
-    pub(crate) fn step_for(&mut self, mu: f64, accuracy: Accuracy) -> bool {
+    fn step_for(&mut self, mu: f64, accuracy: Accuracy) -> bool {
         let Self { layout, iterate, blocks, residuals, corrected, newton, step, progress, targets, .. } =
             self;
         corrected.copy_from(residuals);
