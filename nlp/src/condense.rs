@@ -16,6 +16,7 @@ use crate::elements::{Jacobian, squares};
 use crate::kkt::{Kept, Matrices};
 use crate::layout::{Element, Layout, Rows};
 use crate::tiles::{LANES, four, largest_number, scaled_product, scaled_products, update};
+use crate::vectors::{largest_of, worse};
 use costate_numerics::in_widest;
 
 /// Ranges whose squares would be more than so many times as large as W are rows beside the equations: ten of
@@ -148,37 +149,27 @@ impl Condensed {
         self.set_hessians(layout, blocks);
         self.set_jacobians(layout, blocks);
         self.weights.copy_from_slice(weights);
-        let has_equalities = layout.equalities() > 0;
-        let least = if has_equalities { self.set_diagonal(layout) } else { 0.0 };
-        if has_equalities {
-            self.keep_large(layout, blocks, least);
-        }
+        let least = (layout.equalities() > 0).then(|| self.keep_large(layout, blocks));
         let Self { hessians, columns, weighted, weights, .. } = self;
         for ((element, block), hessian) in layout.elements().zip(blocks.all()).zip(hessians) {
             let columns = columns_of(layout, element, &blocks.units, columns);
             let [_, ranges] = blocks.units.jacobians(layout, element, block);
             add_squares::<FUSED>(hessian, (&weights[layout.ranges_of(element)], ranges), columns, weighted);
         }
-        if has_equalities {
+        if let Some(least) = least {
             self.scale::<FUSED>(layout, least);
         }
     }
 
-    /// Sets the scales of unknowns to the diagonal of W. Returns the least entry that counts.
+    /// Keeps ranges whose squares would be large beside W, but for those of one unknown: they are entries of
+    /// the diagonal. Returns the least entry of the diagonal that counts.
     #[inline(always)]
-    fn set_diagonal(&mut self, layout: &Layout) -> f64 {
-        let diagonal = &mut self.scales[..layout.steps()];
-        add_diagonals(layout, &self.hessians, diagonal);
-        LEAST_DIAGONAL * largest_number(diagonal).max(1.0)
-    }
-
-    /// Keeps ranges whose squares would be large, but for those of one unknown: they are entries of the
-    /// diagonal.
-    #[inline(always)]
-    fn keep_large(&mut self, layout: &Layout, blocks: &Blocks, least: f64) {
-        let Self { kept, columns, weights, scales, sizes, .. } = self;
+    fn keep_large(&mut self, layout: &Layout, blocks: &Blocks) -> f64 {
+        let Self { hessians, kept, columns, weights, scales, sizes, .. } = self;
         let scales = &mut scales[..layout.steps()];
-        scales.iter_mut().for_each(|scale| *scale = root(scale.abs().max(least)));
+        set_diagonal(layout, hessians, scales);
+        let least = LEAST_DIAGONAL * largest_number(scales).max(1.0);
+        set_reciprocal_roots(scales, least);
         for ((element, block), kept) in layout.elements().zip(blocks.all()).zip(kept) {
             kept.clear();
             let columns = columns_of(layout, element, &blocks.units, columns);
@@ -195,13 +186,13 @@ impl Condensed {
             let sizes = entries_of(layout, element, scales, sizes);
             sizes.iter_mut().zip(&*columns).for_each(|(size, column)| *size *= column);
             for (i, entries) in ranges.pattern.sparse().filter(|(_, entries)| entries.len() > 1) {
-                offer(i, largest_of(entries.iter().map(|&(j, entry)| sizes[j] * entry)));
+                offer(i, entries.iter().fold(0.0, |most, &(j, entry)| worse(most, (sizes[j] * entry).abs())));
             }
             for &i in &ranges.pattern.dense {
-                let entries = ranges.rows.row(i).iter().zip(&*sizes);
-                offer(i, largest_of(entries.map(|(entry, size)| entry * size)));
+                offer(i, largest_of([ranges.rows.row(i), sizes], |[entry, size]| (entry * size).abs()));
             }
         }
+        least
     }
 
     /// Scales all matrices; entries of the diagonal count at least as this.
@@ -209,8 +200,8 @@ impl Condensed {
     fn scale<const FUSED: bool>(&mut self, layout: &Layout, least: f64) {
         let Self { hessians, jacobians, kept, scales, columns, .. } = self;
         let (steps, rows) = scales.split_at_mut(layout.steps());
-        add_diagonals(layout, hessians, steps);
-        steps.iter_mut().for_each(|scale| *scale = root(scale.abs().max(least)));
+        set_diagonal(layout, hessians, steps);
+        set_reciprocal_roots(steps, least);
         let matrices = hessians.iter_mut().zip(jacobians).zip(kept);
         for (element, ((hessian, jacobian), kept)) in layout.elements().zip(matrices) {
             let columns = entries_of(layout, element, steps, columns);
@@ -233,7 +224,7 @@ impl Condensed {
 
 /// The diagonal of the sum of all Hessians.
 #[inline(always)]
-fn add_diagonals(layout: &Layout, hessians: &[Dense], to: &mut [f64]) {
+fn set_diagonal(layout: &Layout, hessians: &[Dense], to: &mut [f64]) {
     to.fill(0.0);
     for (element, hessian) in layout.elements().zip(hessians) {
         for (i, row) in layout.unknowns(element).into_iter().flatten().enumerate() {
@@ -242,17 +233,13 @@ fn add_diagonals(layout: &Layout, hessians: &[Dense], to: &mut [f64]) {
     }
 }
 
-/// The reciprocal root of a size, 1 where that is no number.
+/// Sets sizes to the reciprocals of their roots, smaller ones as this least one; 1 where that is no number.
 #[inline(always)]
-fn root(size: f64) -> f64 {
-    let root = size.abs().sqrt().recip();
-    if root > 0.0 && root < f64::INFINITY { root } else { 1.0 }
-}
-
-/// The largest absolute value.
-#[inline(always)]
-fn largest_of(values: impl Iterator<Item = f64>) -> f64 {
-    values.fold(0.0, |most, value| value.abs().max(most))
+fn set_reciprocal_roots(sizes: &mut [f64], least: f64) {
+    for size in sizes {
+        let root = size.abs().max(least).sqrt().recip();
+        *size = if root > 0.0 && root < f64::INFINITY { root } else { 1.0 };
+    }
 }
 
 /// The number of a range among the rows of Newton's equations.
@@ -287,12 +274,7 @@ fn scale_to_one(row: &mut [f64], diagonal: f64, columns: &[f64]) -> f64 {
 
 /// The scales of the unknowns of an element.
 #[inline(always)]
-pub(crate) fn columns_of<'a>(
-    layout: &Layout,
-    element: Element,
-    units: &Units,
-    to: &'a mut [f64],
-) -> &'a mut [f64] {
+fn columns_of<'a>(layout: &Layout, element: Element, units: &Units, to: &'a mut [f64]) -> &'a mut [f64] {
     entries_of(layout, element, &units.steps, to)
 }
 

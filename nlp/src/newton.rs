@@ -253,9 +253,7 @@ impl Newton {
         let n = layout.steps();
         self.solution[..n].iter_mut().zip(slopes).for_each(|(to, slope)| *to = -slope);
         self.solution[n..].fill(0.0);
-        self.condensed.scale_vector(&mut self.solution);
-        self.chain.solve(&mut self.solution);
-        self.condensed.scale_vector(&mut self.solution);
+        self.substitute();
         step.y.copy_from_slice(&self.solution[n..n + layout.equalities()]);
     }
 
@@ -377,14 +375,20 @@ impl Newton {
     /// The step of x and y, and of v of the ranges that are rows.
     fn solve_condensed(&mut self, layout: &Layout, blocks: &Blocks, right: &Residuals, step: &mut Step) {
         in_widest!(self.condense(layout, blocks, right));
-        self.condensed.scale_vector(&mut self.solution);
-        self.chain.solve(&mut self.solution);
-        self.condensed.scale_vector(&mut self.solution);
+        self.substitute();
         let (x, rows) = self.solution.split_at(layout.steps());
         let (y, v) = rows.split_at(layout.equalities());
         step.x.copy_from_slice(x);
         step.y.copy_from_slice(y);
         step.v.copy_from_slice(v);
+    }
+
+    /// Solves with the factors of the scaled matrix, in the place of the right-hand side.
+    fn substitute(&mut self) {
+        let Self { condensed, chain, solution, .. } = self;
+        condensed.scale_vector(solution);
+        chain.solve(solution);
+        condensed.scale_vector(solution);
     }
 
     /// The right-hand side `b_x + G' (Sigma b_g + b_s)`, b_c, `b_g + Sigma^-1 b_s`.
@@ -550,6 +554,20 @@ mod tests {
     use crate::iterate::{Bounds, Iterate, Residuals, Step};
     use crate::layout::{Element, Layout, Rows};
 
+    /// The blocks of a program of one node: random rows, a diagonal Hessian that is positive definite.
+    fn random_blocks(layout: &Layout, number: &mut impl FnMut() -> f64) -> Blocks {
+        let mut blocks = Blocks::new(layout);
+        let units = &mut blocks.units;
+        let units = [&mut units.steps, &mut units.equalities, &mut units.ranges];
+        units.into_iter().for_each(|units| units.fill(1.0));
+        let block = blocks.of(Element::Node(0));
+        let rows = [&mut block.equalities, &mut block.ranges];
+        rows.into_iter().flat_map(|rows| rows.entries_mut()).for_each(|entry| *entry = number());
+        (0..layout.steps()).for_each(|i| block.hessian[(i, i)] = 2.0 + number());
+        block.set_patterns();
+        blocks
+    }
+
     /// Of two ranges that are held one has a weight of 1e14: its square would leave two digits of W. The step
     /// is compared with that of the whole system, whose entries are all of one size.
     #[test]
@@ -558,15 +576,7 @@ mod tests {
         let (n, m, p) = (6, 2, 2);
         let mut random = fastrand::Rng::with_seed(9);
         let mut number = || random.f64() - 0.5;
-        let mut blocks = Blocks::new(&layout);
-        let units = &mut blocks.units;
-        let units = [&mut units.steps, &mut units.equalities, &mut units.ranges];
-        units.into_iter().for_each(|units| units.fill(1.0));
-        let block = blocks.of(Element::Node(0));
-        let rows = [&mut block.equalities, &mut block.ranges];
-        rows.into_iter().flat_map(|rows| rows.entries_mut()).for_each(|entry| *entry = number());
-        (0..n).for_each(|i| block.hessian[(i, i)] = 2.0 + number());
-        block.set_patterns();
+        let blocks = random_blocks(&layout, &mut number);
         let mut iterate = Iterate::new(&layout, n);
         iterate.gaps = [vec![1e-7, 1.0], vec![f64::INFINITY; 2]];
         iterate.z = [vec![1e7, 1e-3], vec![0.0; 2]];
@@ -614,15 +624,7 @@ mod tests {
         let layout = Layout::new(vec![4], vec![], 0).with_rows(Element::Node(0), Rows::new(2, 3));
         let mut random = fastrand::Rng::with_seed(5);
         let mut number = || random.f64() - 0.5;
-        let mut blocks = Blocks::new(&layout);
-        let units = &mut blocks.units;
-        let units = [&mut units.steps, &mut units.equalities, &mut units.ranges];
-        units.into_iter().for_each(|units| units.fill(1.0));
-        let block = blocks.of(Element::Node(0));
-        let rows = [&mut block.equalities, &mut block.ranges];
-        rows.into_iter().flat_map(|rows| rows.entries_mut()).for_each(|entry| *entry = number());
-        (0..4).for_each(|i| block.hessian[(i, i)] = 2.0 + number());
-        block.set_patterns();
+        let blocks = random_blocks(&layout, &mut number);
         let (mut iterate, mut bounds) = (Iterate::new(&layout, 4), Bounds::new(3));
         (bounds.lower, bounds.upper) = (vec![-1.0; 3], vec![1.0, 2.0, f64::INFINITY]);
         iterate.slacks = vec![0.5, -0.9, 0.2];

@@ -27,7 +27,7 @@ impl Solver {
         let Self { iterate, trial, .. } = self;
         trial.point.copy_from_slice(&iterate.point);
         trial.slacks.copy_from_slice(&iterate.slacks);
-        trial.gaps.iter_mut().zip(&iterate.gaps).for_each(|(to, gaps)| to.copy_from_slice(gaps));
+        trial.gaps.clone_from(&iterate.gaps);
         problem.evaluate(&trial.point, &mut trial.values)?;
         self.centre_restoration(problem, current.violation)
     }
@@ -43,7 +43,7 @@ impl Solver {
             &mut *restoration;
         solver.settings = Restoration::settings(self.settings);
         slacks.copy_from_slice(&self.trial.slacks);
-        gaps.iter_mut().zip(&self.trial.gaps).for_each(|(to, gaps)| to.copy_from_slice(gaps));
+        gaps.clone_from(&self.trial.gaps);
         (*is_on, *before, *most) = (true, violation, RESTORED * violation);
         centre.copy_from_slice(&self.trial.point);
         let mu = self.progress.mu.max(violation.min(1.0));
@@ -128,7 +128,7 @@ impl Solver {
         trial.point.copy_from_slice(places.original_point(&solver.iterate.point));
         problem.evaluate(&trial.point, &mut trial.values)?;
         trial.slacks.copy_from_slice(slacks);
-        trial.gaps.iter_mut().zip(gaps).for_each(|(to, gaps)| to.copy_from_slice(gaps));
+        trial.gaps.clone_from(gaps);
         Ok(())
     }
 
