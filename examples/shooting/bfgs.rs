@@ -1,39 +1,35 @@
 //! Damped BFGS on each node's block, for a solver without second derivatives.
 
-use crate::barrier::Nodes;
-use crate::curvature::Model;
+use crate::curvature::{Model, Nodes};
 use nalgebra::{DMatrix, DVector};
 
 /// One block per node, and the data of the last update.
-pub struct Blocks {
+pub struct Learnt {
     pub hessian: Vec<DMatrix<f64>>,
-    /// Number of updates.
-    pub updates: usize,
     before: Option<(Nodes, Model)>,
 }
 
-impl Blocks {
+impl Learnt {
     /// Starts from the Hessian of the cost, made definite by a small part of its largest entry.
     pub fn new(model: &Model) -> Self {
         let hessian = model.hessian.iter().map(|block| {
             let shift = 1e-3 * block.amax();
             block + DMatrix::identity(block.nrows(), block.ncols()) * shift
         });
-        Self { hessian: hessian.collect(), updates: 0, before: None }
+        Self { hessian: hessian.collect(), before: None }
     }
 
     /// Updates from the change of the gradient of the Lagrangian since the last call, both with the current
     /// costates.
-    pub fn learn(&mut self, nodes: &Nodes, model: Model, costates: &Nodes) {
+    pub fn learn(&mut self, nodes: Nodes, model: &Model, costates: &[DVector<f64>]) {
         if let Some((old_nodes, old)) = &self.before {
-            self.updates += 1;
             let gradients = model.lagrangian_gradient(costates);
             let old_gradients = old.lagrangian_gradient(costates);
             for (k, block) in self.hessian.iter_mut().enumerate() {
                 update(block, &(&nodes[k] - &old_nodes[k]), &(&gradients[k] - &old_gradients[k]));
             }
         }
-        self.before = Some((nodes.clone(), model));
+        self.before = Some((nodes, model.clone()));
     }
 }
 

@@ -27,7 +27,7 @@ impl Run {
     }
 
     fn cost(&self) -> f64 {
-        self.solution.log.last().map_or(f64::NAN, |row| row.cost)
+        self.solution.cost
     }
 }
 
@@ -73,7 +73,7 @@ impl Comparison {
             let log = &run.solution.log;
             let status = match run.solution.status {
                 Status::Solved => "",
-                Status::Infeasible { .. } => "out of reach",
+                Status::Infeasible { .. } => "infeasible",
                 Status::Stalled => "stalled",
                 Status::IterationLimit => "not solved",
                 Status::NotEvaluated(_) => "not evaluated",
@@ -130,8 +130,8 @@ pub fn summary(all: &[Comparison]) -> String {
     text += &"-".repeat(103);
     text.push('\n');
     all.iter().for_each(|comparison| text += &comparison.lines());
-    text + "\nerror: largest violation of the conditions of optimality. last: what the last step of one barrier problem left of\n\
-            its error. ms: fastest of 5 runs in turns.\n"
+    text + "\nerror: largest violation of the conditions of optimality. last: what the last step left of it.\n\
+            ms: fastest of several runs in turns.\n"
 }
 
 /// The verdict, from the numbers alone.

@@ -1,10 +1,13 @@
-//! Values, first and optionally second derivatives of the problem, node by node.
+//! First and optionally second derivatives of the problem, node by node.
 
-use crate::problem::{NotEvaluated, Problem, Values};
+use crate::problem::{NotEvaluated, Problem};
 use costate::dynamics::{Cost, CostHessian};
 use costate::matrix::Block;
 use costate::step::Step;
 use nalgebra::{DMatrix, DVector};
+
+/// One vector for each node.
+pub type Nodes = Vec<DVector<f64>>;
 
 /// The second derivatives that the solver uses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -13,8 +16,8 @@ pub enum Curvature {
     Exact,
     /// Of the cost alone: those of Phi are dropped.
     CostOnly,
-    /// The same and a multiple of the identity in the states: more after a step that was shortened, less
-    /// after others.
+    /// The same and a multiple of the identity in the states: more after a step that was cut to less than a
+    /// third, less after others, from the step after the next one on.
     Damped,
     /// Those of the cost at the start, then damped BFGS on each node's block.
     Bfgs,
@@ -34,11 +37,11 @@ impl Curvature {
     pub const ALL: [Self; 4] = [Self::Exact, Self::CostOnly, Self::Damped, Self::Bfgs];
 }
 
-/// The problem and its derivatives at one chain of nodes.
+/// The derivatives of the problem at one chain of nodes.
+#[derive(Clone)]
 pub struct Model {
-    pub values: Values,
     /// Gradient of the cost, node by node.
-    pub gradient: Vec<DVector<f64>>,
+    pub gradient: Nodes,
     /// (Phi_x, Phi_u), node by node.
     pub jacobian: Vec<DMatrix<f64>>,
     /// Hessian of the Lagrangian (or of the cost), node by node.
@@ -47,7 +50,7 @@ pub struct Model {
 
 impl Model {
     /// Costates `y_(k+1)` of the defects in; gradient of `cost + sum_k y_(k+1)'defect_k` out.
-    pub fn lagrangian_gradient(&self, costates: &[DVector<f64>]) -> Vec<DVector<f64>> {
+    pub fn lagrangian_gradient(&self, costates: &[DVector<f64>]) -> Nodes {
         let mut gradient = self.gradient.clone();
         for (k, costate) in costates.iter().enumerate() {
             gradient[k].gemv_tr(1.0, &self.jacobian[k], costate, 1.0);
@@ -59,23 +62,22 @@ impl Model {
 }
 
 impl<M: Step<f64>, L: Cost<f64>, F: Cost<f64>> Problem<M, L, F> {
-    /// All data of a solver step; second derivatives of y'Phi only if requested.
+    /// All derivatives at a chain of nodes. Second derivatives are those of `factor cost + y'Phi`, or of
+    /// `factor cost` alone.
     pub fn model(
         &mut self,
         nodes: &[DVector<f64>],
         costates: &[DVector<f64>],
-        curvature: Curvature,
+        (curvature, factor): (Curvature, f64),
     ) -> Result<Model, NotEvaluated> {
         let (n, m, h) = (self.states(), self.controls(), self.h);
         let mut gradient = Vec::with_capacity(nodes.len());
         let mut hessian = Vec::with_capacity(nodes.len());
         let mut jacobian = Vec::with_capacity(costates.len());
-        let mut defects = Vec::with_capacity(costates.len());
-        let mut cost = 0.0;
         for (pair, costate) in nodes.windows(2).zip(costates) {
             let (x, u) = pair[0].as_slice().split_at(n);
             let running = self.running.hessian(x, u).map_err(NotEvaluated::because)?;
-            let (value, slope, mut second) = cost_at_node(&running, h, n, m);
+            let (slope, mut second) = cost_at_node(&running, [h, factor], n, m);
             let first = if curvature == Curvature::Exact {
                 let phi = self.step.contract(x, u, h, costate.as_slice()).map_err(NotEvaluated::because)?;
                 add(&mut second, (0, 0), phi.xx, 1.0);
@@ -93,38 +95,36 @@ impl<M: Step<f64>, L: Cost<f64>, F: Cost<f64>> Problem<M, L, F> {
             let mut both = DMatrix::zeros(n, n + m);
             add(&mut both, (0, 0), first.phi_x, 1.0);
             add(&mut both, (0, n), first.phi_u, 1.0);
-            defects.push(DVector::from_column_slice(first.next) - pair[1].rows(0, n));
-            cost += value;
             gradient.push(slope);
             hessian.push(second);
             jacobian.push(both);
         }
         let last = nodes[self.intervals].as_slice();
         let terminal = self.terminal.hessian(last, &[]).map_err(NotEvaluated::because)?;
-        let (value, slope, second) = cost_at_node(&terminal, 1.0, n, 0);
+        let (slope, second) = cost_at_node(&terminal, [1.0, factor], n, 0);
         gradient.push(slope);
         hessian.push(second);
-        Ok(Model { values: Values::new(cost + value, defects)?, gradient, jacobian, hessian })
+        Ok(Model { gradient, jacobian, hessian })
     }
 }
 
-/// Weight times a cost, its gradient and its Hessian.
+/// Weight times the gradient and the Hessian of a cost, this one times a factor too.
 fn cost_at_node(
     cost: &CostHessian<'_, f64>,
-    h: f64,
+    [h, factor]: [f64; 2],
     n: usize,
     m: usize,
-) -> (f64, DVector<f64>, DMatrix<f64>) {
+) -> (DVector<f64>, DMatrix<f64>) {
     let slope = cost.gradient.x.iter().chain(cost.gradient.u).map(|entry| h * entry);
     let gradient = DVector::from_iterator(n + m, slope);
     let mut hessian = DMatrix::zeros(n + m, n + m);
-    add(&mut hessian, (0, 0), cost.xx, h);
-    add(&mut hessian, (n, n), cost.uu, h);
+    add(&mut hessian, (0, 0), cost.xx, factor * h);
+    add(&mut hessian, (n, n), cost.uu, factor * h);
     if let Some(ux) = cost.ux {
-        add(&mut hessian, (n, 0), ux, h);
-        add_transposed(&mut hessian, (0, n), ux, h);
+        add(&mut hessian, (n, 0), ux, factor * h);
+        add_transposed(&mut hessian, (0, n), ux, factor * h);
     }
-    (h * cost.gradient.value, gradient, hessian)
+    (gradient, hessian)
 }
 
 fn add(target: &mut DMatrix<f64>, (top, left): (usize, usize), block: Block<'_, f64>, factor: f64) {

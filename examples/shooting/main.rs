@@ -3,23 +3,18 @@
 //! A motion from rest to rest with least effort, under bounds on actuation, angles and rates: the unknowns
 //! are the states at the nodes and the controls between them, the constraints `x_(k+1) = Phi(x_k, u_k, h)`.
 //! `Step::contract` with the multipliers of these constraints as costates gives the exact Hessian of the
-//! Lagrangian. The solver uses only `Step` and `Cost`.
+//! Lagrangian. `costate-nlp` solves the program; the derivatives are those of `Step` and `Cost`.
 //!
 //!     cargo run --release -p costate-examples --example shooting             # iterations, summary, verdict
-//!     cargo run --release -p costate-examples --example shooting -- --write  # and writes them into
-//!     docs/shooting.md cargo test -p costate-examples --example shooting
+//!     cargo run --release -p costate-examples --example shooting -- --write  # into docs/shooting.md, too
+//!     cargo test -p costate-examples --example shooting
 
-mod barrier;
 mod bfgs;
 mod compare;
-mod convexify;
 mod curvature;
-mod merit;
 mod motions;
 mod problem;
-mod reach;
-mod riccati;
-mod solution;
+mod program;
 mod solver;
 mod sweep;
 mod table;
@@ -29,8 +24,7 @@ mod tests;
 use compare::{Comparison, summary, verdict};
 use curvature::Curvature;
 use motions::Motion;
-use reach::solve_or_explain;
-use solver::Options;
+use solver::{Options, solve};
 use std::error::Error;
 use std::path::Path;
 
@@ -55,7 +49,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let random = sweep::table(&slow, &roomy);
     let mut hurried = Motion { duration: 1.5, ..arm }.in_rates();
     let guess = hurried.straight_line(&[0.0; 2]);
-    let hurry = solve_or_explain(&mut hurried, &guess, &Options::new(Curvature::Exact));
+    let hurry = solve(&mut hurried, &guess, &Options::new(Curvature::Exact));
     let judged = verdict(&all) + &format!("The two-link arm in half the time: {:?}.\n", hurry.status);
     let mut logs = String::new();
     for comparison in &all {

@@ -47,7 +47,8 @@ pub struct Problem<M, L, F> {
 }
 
 /// The error of the model or the cost.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
 pub struct NotEvaluated(pub String);
 
 impl NotEvaluated {
@@ -62,29 +63,6 @@ pub struct Values {
     pub defects: Vec<DVector<f64>>,
 }
 
-impl Values {
-    /// Rejects values that are not finite.
-    pub fn new(cost: f64, defects: Vec<DVector<f64>>) -> Result<Self, NotEvaluated> {
-        if !cost.is_finite() {
-            return Err(NotEvaluated("the cost is not finite".into()));
-        }
-        match defects.iter().position(|defect| defect.iter().any(|entry| !entry.is_finite())) {
-            Some(k) => Err(NotEvaluated(format!("the step from node {k} is not finite"))),
-            None => Ok(Self { cost, defects }),
-        }
-    }
-
-    /// Sum of the absolute values of the defects.
-    pub fn violation_1(&self) -> f64 {
-        self.defects.iter().map(|defect| defect.lp_norm(1)).sum()
-    }
-
-    /// The largest defect.
-    pub fn violation(&self) -> f64 {
-        self.defects.iter().map(DVector::amax).fold(0.0, f64::max)
-    }
-}
-
 impl<M: Step<f64>, L: Cost<f64>, F: Cost<f64>> Problem<M, L, F> {
     pub fn states(&self) -> usize {
         self.step.states()
@@ -94,11 +72,14 @@ impl<M: Step<f64>, L: Cost<f64>, F: Cost<f64>> Problem<M, L, F> {
         self.step.controls()
     }
 
-    /// The bounds of node k: infinite on states that are given.
-    pub fn bounds(&self, k: usize) -> Bounds {
-        let given = k == 0 || (k == self.intervals && self.end.is_some());
-        let states = if given { Bounds::none(self.states()) } else { self.state_bounds.clone() };
-        if k == self.intervals { states } else { states.then(&self.control_bounds) }
+    /// Whether the state of node k is given.
+    pub fn is_given(&self, k: usize) -> bool {
+        k == 0 || (k == self.intervals && self.end.is_some())
+    }
+
+    /// The number of entries of node k.
+    pub fn node_len(&self, k: usize) -> usize {
+        self.states() + if k == self.intervals { 0 } else { self.controls() }
     }
 
     /// The same problem without bounds.
@@ -138,6 +119,6 @@ impl<M: Step<f64>, L: Cost<f64>, F: Cost<f64>> Problem<M, L, F> {
             let next = self.step.evaluate(x, u, self.h).map_err(NotEvaluated::because)?;
             defects.push(DVector::from_column_slice(next) - pair[1].rows(0, states));
         }
-        Values::new(cost, defects)
+        Ok(Values { cost, defects })
     }
 }

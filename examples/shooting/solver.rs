@@ -1,183 +1,177 @@
-//! A primal-dual interior-point method on the nodes: Newton's method on the conditions of a barrier problem.
-//!
-//! The weight mu of the barrier goes to zero superlinearly; each step is that of a linear-quadratic problem
-//! ([`crate::riccati`]), convexified by [`crate::convexify`] and shortened by [`crate::merit`].
+//! Solves a problem with one kind of second derivatives, and logs the iterations.
 
-use crate::barrier::{Barrier, Nodes};
-use crate::bfgs::Blocks;
-use crate::convexify::{Convex, convexify};
-use crate::curvature::{Curvature, Model};
-use crate::merit::{Merit, Move};
+use crate::curvature::{Curvature, Nodes};
 use crate::problem::{NotEvaluated, Problem};
-pub use crate::solution::{Row, Solution, Status};
+use crate::program::Program;
 use costate::dynamics::Cost;
 use costate::step::Step;
+use costate_nlp as nlp;
+use costate_nlp::StagedProblem;
 use nalgebra::DVector;
 
-/// Initial damping, if requested.
-const DAMPING: f64 = 1e-3;
+/// Damping of the first step, where it is asked for, its least and its largest value, and the factors after
+/// a shortened step and after others.
+const DAMPING: [f64; 3] = [1e-3, 1e-10, 1e2];
+const CHANGE: [f64; 2] = [4.0, 0.25];
+
+/// Steps below this length were shortened.
+const WHOLE: f64 = 0.3;
+
+/// Tolerance of the conditions of optimality.
+const TOLERANCE: f64 = 1e-10;
 
 /// Options of the solver.
 #[derive(Clone, Copy, Debug)]
 pub struct Options {
     pub curvature: Curvature,
-    /// Tolerance of each component of the optimality conditions.
-    pub tolerance: f64,
     pub iterations: usize,
-    /// Initial and final weight of the barrier.
-    pub barrier: f64,
-    pub least_barrier: f64,
+    /// The barrier parameter at the start, and the one that the problem is solved for; zero: for the problem
+    /// without a barrier.
+    pub barrier: [f64; 2],
 }
 
 impl Options {
     pub fn new(curvature: Curvature) -> Self {
-        Self { curvature, tolerance: 1e-10, iterations: 300, barrier: 0.1, least_barrier: 1e-11 }
+        Self { curvature, iterations: 300, barrier: [0.1, 0.0] }
     }
 }
 
-/// Gradient of the Lagrangian with the multipliers of the bounds; zero in the components of given states.
-pub fn stationarity<M: Step<f64>, L: Cost<f64>, F: Cost<f64>>(
-    problem: &Problem<M, L, F>,
-    model: &Model,
-    costates: &[DVector<f64>],
-    barrier: &Barrier,
-) -> Nodes {
-    let mut gradient = model.lagrangian_gradient(costates);
-    barrier.add_multipliers(&mut gradient);
-    gradient[0].rows_mut(0, problem.states()).fill(0.0);
-    if problem.end.is_some() {
-        gradient[problem.intervals].fill(0.0);
+/// How a solution ended.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Status {
+    /// The optimality conditions hold to the tolerance.
+    Solved,
+    /// No motion nearby is feasible: the largest defect where the sum of defects and violations of bounds has
+    /// a local minimum.
+    Infeasible { defect: f64 },
+    /// No step makes progress.
+    Stalled,
+    /// The iteration limit was reached.
+    IterationLimit,
+    /// The functions or their derivatives could not be evaluated.
+    NotEvaluated(NotEvaluated),
+}
+
+/// One line of the log: an iterate, and the step that led there.
+#[derive(Clone, Copy, Debug)]
+pub struct Row {
+    pub cost: f64,
+    /// The largest defect, the largest component of the gradient of the Lagrangian, the largest product of a
+    /// multiplier and the distance to its bound.
+    pub violation: f64,
+    pub dual: f64,
+    pub complementarity: f64,
+    pub mu: f64,
+    /// Length of the step that led there; 0 if there was none.
+    pub part: f64,
+    /// The multiple of the identity that was added to the Hessian.
+    pub added: f64,
+    /// Whether it is an iterate of the program that minimises the violation.
+    pub is_restoration: bool,
+}
+
+impl Row {
+    fn new(iteration: &nlp::Iteration) -> Self {
+        let nlp::Iteration { cost, error, mu, length, regularisation, is_restoration, .. } = *iteration;
+        Self {
+            cost,
+            violation: error.feasibility,
+            dual: error.stationarity,
+            complementarity: error.complementarity,
+            mu,
+            part: length,
+            added: regularisation,
+            is_restoration,
+        }
     }
-    gradient
+
+    /// The largest violation of the conditions of optimality; infinite in restoration.
+    pub fn error(&self) -> f64 {
+        if self.is_restoration {
+            return f64::INFINITY;
+        }
+        self.violation.max(self.dual).max(self.complementarity)
+    }
 }
 
-fn largest(nodes: &[DVector<f64>]) -> f64 {
-    nodes.iter().map(DVector::amax).fold(0.0, f64::max)
+#[cfg_attr(not(test), expect(dead_code, reason = "tests alone judge the motions"))]
+pub struct Solution {
+    pub status: Status,
+    pub nodes: Nodes,
+    /// Multipliers of the defects.
+    pub costates: Nodes,
+    /// Those of the bounds, node by node: positive at an upper bound, negative at a lower one.
+    pub multipliers: Nodes,
+    pub cost: f64,
+    pub log: Vec<Row>,
 }
 
-/// Solves from a guess of the nodes, which is moved inside the bounds first.
+impl Solution {
+    /// Number of steps.
+    pub fn iterations(&self) -> usize {
+        self.log.len().saturating_sub(1)
+    }
+}
+
+/// Solves from a guess of the nodes.
 pub fn solve<M: Step<f64>, L: Cost<f64>, F: Cost<f64>>(
     problem: &mut Problem<M, L, F>,
     guess: &[DVector<f64>],
     options: &Options,
 ) -> Solution {
-    let mut barrier = Barrier::new(problem);
-    let mut nodes = guess.to_vec();
-    let undefined = nodes.iter().position(|node| node.iter().any(|z| !z.is_finite()));
-    barrier.start(&mut nodes, options.barrier);
-    let costates = vec![DVector::zeros(problem.states()); problem.intervals];
-    let mut solution = Solution { status: Status::IterationLimit, nodes, costates, barrier, log: Vec::new() };
-    if let Some(k) = undefined {
-        solution.status = Status::NotEvaluated(NotEvaluated(format!("node {k} of the guess is not finite")));
-        return solution;
+    let ([damping, ..], [start, least]) = (DAMPING, options.barrier);
+    let mut program = Program::new(problem, options.curvature, damping);
+    let settings = nlp::Settings {
+        tolerance: TOLERANCE,
+        feasibility: TOLERANCE,
+        iterations: options.iterations,
+        barrier: nlp::BarrierSettings { start, least, ..nlp::BarrierSettings::default() },
+        ..nlp::Settings::default()
+    };
+    let mut solver = nlp::Solver::new(program.layout(), settings);
+    let mut log = Vec::new();
+    let ended = iterate(&mut program, &mut solver, guess, &mut log);
+    let found = solver.solution();
+    let nodes = program.nodes(found.point);
+    let status = match ended {
+        Ok(nlp::Status::Solved) => Status::Solved,
+        Ok(nlp::Status::LocallyInfeasible) => Status::Infeasible { defect: program.largest_defect(&nodes) },
+        Ok(nlp::Status::IterationLimit) => Status::IterationLimit,
+        Ok(_) => Status::Stalled,
+        Err(error) => {
+            Status::NotEvaluated(program.failed.take().unwrap_or_else(|| NotEvaluated::because(error)))
+        }
+    };
+    Solution {
+        status,
+        nodes,
+        costates: program.costates(found.equalities),
+        multipliers: program.multipliers(found.ranges),
+        cost: found.cost,
+        log,
     }
-    match iterate(problem, &mut solution, options) {
-        Ok(status) => solution.status = status,
-        Err(error) => solution.status = Status::NotEvaluated(error),
-    }
-    solution
 }
 
 fn iterate<M: Step<f64>, L: Cost<f64>, F: Cost<f64>>(
-    problem: &mut Problem<M, L, F>,
-    at: &mut Solution,
-    options: &Options,
-) -> Result<Status, NotEvaluated> {
-    let mut mu = if at.barrier.is_empty() { 0.0 } else { options.barrier };
-    let enough = options.tolerance.max(1.1 * options.least_barrier);
-    let mut learnt: Option<Blocks> = None;
-    let mut merit = Merit::default();
-    let mut share = 0.0;
-    let mut damping = DAMPING;
-    for iteration in 0..=options.iterations {
-        let mut model = problem.model(&at.nodes, &at.costates, options.curvature)?;
-        let violation = model.values.violation();
-        let dual = largest(&stationarity(problem, &model, &at.costates, &at.barrier));
-        let feasible = violation.max(dual);
-        while mu > options.least_barrier
-            && feasible.max(at.barrier.complementarity(&at.nodes, mu)) <= 10.0 * mu
-        {
-            mu = options.least_barrier.max((0.2 * mu).min(mu.powf(1.5)));
-            merit.forget();
+    program: &mut Program<'_, M, L, F>,
+    solver: &mut nlp::Solver,
+    guess: &[DVector<f64>],
+    log: &mut Vec<Row>,
+) -> Result<nlp::Status, nlp::SolveError<NotEvaluated>> {
+    let start = program.point(guess);
+    let mut ended = solver.begin(program, nlp::Start::at(&start))?;
+    loop {
+        let iteration = solver.iteration();
+        log.push(Row::new(&iteration));
+        if let Some(status) = ended {
+            return Ok(status);
         }
-        let complementarity = at.barrier.complementarity(&at.nodes, 0.0);
-        at.log.push(Row {
-            cost: model.values.cost,
-            violation,
-            dual,
-            complementarity,
-            centrality: at.barrier.complementarity(&at.nodes, mu),
-            mu,
-            step: 0.0,
-            part: 0.0,
-            convexified: 0.0,
-            second_order: false,
-        });
-        if feasible <= options.tolerance && complementarity <= enough {
-            return Ok(Status::Solved);
+        if iteration.number > 0 && !iteration.is_restoration {
+            let [_, least, most] = DAMPING;
+            let [up, down] = CHANGE;
+            let factor = if iteration.length < WHOLE { up } else { down };
+            program.damping = (factor * program.damping).clamp(least, most);
         }
-        if iteration == options.iterations {
-            break;
-        }
-        if options.curvature == Curvature::Bfgs {
-            let blocks = learnt.get_or_insert_with(|| Blocks::new(&model));
-            let fresh = problem.model(&at.nodes, &at.costates, options.curvature)?;
-            blocks.learn(&at.nodes, fresh, &at.costates);
-            model.hessian.clone_from(&blocks.hessian);
-        }
-        if options.curvature == Curvature::Damped {
-            let blocks = model.hessian.iter_mut();
-            blocks.for_each(|block| (0..problem.states()).for_each(|i| block[(i, i)] += damping));
-        }
-        let Some((convex, step)) = advance(problem, at, &model, &mut merit, mu, share) else {
-            // The BFGS updates may be the reason: retry without them.
-            if learnt.take().is_some_and(|blocks| blocks.updates > 0) {
-                continue;
-            }
-            return Ok(Status::Stalled);
-        };
-        share = convex.share;
-        damping = (damping * if step.shortened { 4.0 } else { 0.25 }).clamp(1e-10, 1e2);
-        if let Some(row) = at.log.last_mut() {
-            row.step = largest(&step.full);
-            row.part = step.part;
-            row.convexified = convex.share;
-            row.second_order = step.second_order;
-        }
-        let tau = (1.0 - mu).max(0.99);
-        at.barrier.move_multipliers(&at.nodes, &step.full, mu, tau);
-        for ((costate, new), part) in
-            at.costates.iter_mut().zip(&step.costates).zip(std::iter::repeat(step.part))
-        {
-            *costate += (new - &*costate) * part;
-        }
-        at.nodes = step.nodes;
-        at.barrier.restrain(&at.nodes, mu);
+        ended = solver.advance(program)?;
     }
-    Ok(Status::IterationLimit)
-}
-
-/// The next nodes: with the Hessian itself if possible, else with its positive part.
-fn advance<M: Step<f64>, L: Cost<f64>, F: Cost<f64>>(
-    problem: &mut Problem<M, L, F>,
-    at: &Solution,
-    model: &Model,
-    merit: &mut Merit,
-    mu: f64,
-    last: f64,
-) -> Option<(Convex, Move)> {
-    let diagonal = at.barrier.diagonal(&at.nodes);
-    let mut gradient = at.barrier.gradient(&at.nodes, mu);
-    gradient.iter_mut().zip(&model.gradient).for_each(|(sum, part)| *sum += part);
-    for least in [0.0, 1.0] {
-        let Ok(convex) =
-            convexify(&model.hessian, &diagonal, &model.jacobian, problem.end.is_some(), last, least)
-        else {
-            continue;
-        };
-        if let Some(step) = merit.search(problem, at, model, &convex, &gradient, mu) {
-            return Some((convex, step));
-        }
-    }
-    None
 }

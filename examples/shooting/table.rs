@@ -8,8 +8,7 @@ const SHOWN: usize = 8;
 
 /// The log, one row an iteration; a long one without its middle.
 pub fn iterations(log: &[Row]) -> String {
-    let mut text =
-        String::from("   k  cost            defects    dual  compl.      mu    step  part  convex\n");
+    let mut text = String::from("   k  cost            defects    dual  compl.      mu  part   added\n");
     let last = log.len().saturating_sub(1);
     for (k, row) in log.iter().enumerate() {
         if log.len() > 3 * SHOWN && (SHOWN..=last - SHOWN).contains(&k) {
@@ -18,20 +17,26 @@ pub fn iterations(log: &[Row]) -> String {
             }
             continue;
         }
-        let _ = write!(text, "{k:4}  {:<13.8}  {:8.1e}", row.cost, row.violation);
-        let _ = write!(text, "{:8.1e}{:8.1e}{:8.1e}", row.dual, row.complementarity, row.mu);
-        if k < last {
-            let corrected = if row.second_order { "  corrected" } else { "" };
-            let _ = write!(text, "{:8.1e}{:6.2}{:8.3}{corrected}", row.step, row.part, row.convexified);
+        let _ = write!(text, "{k:4}");
+        match row.is_restoration {
+            true => text += &" ".repeat(50),
+            false => {
+                let _ = write!(text, "  {:<13.8}  {:8.1e}", row.cost, row.violation);
+                let _ = write!(text, "{:8.1e}{:8.1e}{:8.1e}", row.dual, row.complementarity, row.mu);
+            }
+        }
+        if k > 0 {
+            let what = if row.is_restoration { "  restoration" } else { "" };
+            let _ = write!(text, "{:6.2}{:8.1e}{what}", row.part, row.added);
         }
         text.push('\n');
     }
     text
 }
 
-/// The error reduction of the last step with constant mu.
+/// What the last step left of the error.
 pub fn last_ratio(log: &[Row]) -> Option<f64> {
-    let pairs = log.windows(2).rev();
-    let mut ratios = pairs.filter(|pair| pair[0].mu == pair[1].mu);
-    ratios.next().map(|pair| pair[1].barrier_error() / pair[0].barrier_error())
+    let [.., before, after] = log else { return None };
+    let ratio = after.error() / before.error();
+    (after.part > 0.0 && ratio.is_finite()).then_some(ratio)
 }

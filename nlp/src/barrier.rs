@@ -21,6 +21,10 @@ pub struct BarrierSettings {
     /// mu_target: the program is solved where the conditions of the barrier problem at this mu hold. Zero:
     /// with mu as far down as the tolerance needs, a tenth of it, and conditions of the program itself.
     pub least: f64,
+    /// mu is at most so many times the larger one of `start` and that of the start, whatever the settings
+    /// below would make it: where a program cannot be solved multipliers grow, and mu with them. As
+    /// mu_max_fact of IPOPT, but of mu in the place of the mean product at the start.
+    pub largest: f64,
     /// Smallest and largest factor from the mean of all products of slacks and multipliers to the next mu.
     /// Between them it is sigma = (mu_aff / mu)^3 with the mean mu_aff that the step for mu = 0 would leave
     /// (Mehrotra 1992).
@@ -28,9 +32,9 @@ pub struct BarrierSettings {
     /// The mean is not made smaller than this part of the Newton decrement over the number of bounds: far
     /// from the central path slacks would come close to zero before the others.
     pub centring: f64,
-    /// Where the Hessian is regularised, a short step for mu = 0 says nothing: mu stays until its decrement,
-    /// or that of the step before, is below the first one, a part of the sum of the products, and falls by
-    /// the second one, a factor, then.
+    /// Where the Hessian is not the exact one, a short step for mu = 0 says nothing: mu stays until its
+    /// decrement, or that of the step before, is below the first one, a part of the sum of the products, and
+    /// falls by the second one, a factor, then.
     pub regularised: [f64; 2],
     /// tau_min: a step goes at most this part of the way to a bound, or `1 - mu` if that is larger (Waechter
     /// and Biegler 2006, eq. (8)).
@@ -50,6 +54,7 @@ impl Default for BarrierSettings {
         Self {
             start: 0.1,
             least: 0.0,
+            largest: 1e3,
             change: [1e-3, 10.0],
             centring: 0.01,
             regularised: [1e-3, 0.125],
@@ -67,10 +72,16 @@ impl BarrierSettings {
         if self.least > 0.0 { self.least } else { 0.1 * tolerance }
     }
 
-    /// The next mu, not below the last one, from the mean of all products now: `part` of it is left by the
-    /// step for mu = 0, `None` where the Hessian is regularised. The decrements, over the number of bounds,
-    /// are those of that step and of the one before.
-    pub(crate) fn next(&self, mean: f64, part: Option<f64>, decrements: [f64; 2], last: f64) -> f64 {
+    /// The next mu, between the last one and the largest, from the mean of all products now: `part` of it is
+    /// left by the step for mu = 0, `None` where the Hessian is regularised or a convex one. The decrements,
+    /// over the number of bounds, are those of that step and of the one before.
+    pub(crate) fn next(
+        &self,
+        mean: f64,
+        part: Option<f64>,
+        decrements: [f64; 2],
+        [last, largest]: [f64; 2],
+    ) -> f64 {
         let [least, most] = self.change;
         let [small, factor] = self.regularised;
         let [now, before] = decrements;
@@ -80,7 +91,7 @@ impl BarrierSettings {
             None => 1.0,
         };
         let centre = (self.centring * now).min(most * mean);
-        (mean * sigma.max(least)).max(centre).max(last)
+        (mean * sigma.max(least)).max(centre).min(largest).max(last)
     }
 
     /// tau.

@@ -59,6 +59,7 @@ impl Settings {
             ("feasibility", *feasibility, POSITIVE),
             ("barrier.start", barrier.start, POSITIVE),
             ("barrier.least", barrier.least, [0.0, f64::MAX]),
+            ("barrier.largest", barrier.largest, [1.0, f64::MAX]),
             ("barrier.change[0]", barrier.change[0], BELOW_ONE),
             ("barrier.change[1]", barrier.change[1], [1.0, f64::MAX]),
             ("barrier.centring", barrier.centring, [0.0, f64::MAX]),

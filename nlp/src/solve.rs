@@ -155,6 +155,8 @@ pub(crate) struct Progress {
     /// Iterations, those of restoration too.
     pub number: usize,
     pub mu: f64,
+    /// mu_max.
+    pub largest_mu: f64,
     /// Of the iterate.
     pub error: KktError,
     /// Of the step that led there.
@@ -209,6 +211,8 @@ impl Restoration {
         // Elastic variables start where their conditions hold, close to zero if need be.
         settings.barrier.inside = [4.0 * f64::EPSILON; 2];
         settings.barrier.least = 0.0;
+        // It begins at mu of the program, or at the violation.
+        settings.barrier.largest = 1.0;
         // Elastic variables at their bounds are no reason to stay away from them.
         settings.centrality.correctors = 0;
         settings.tolerance = settings.tolerance.max(LEAST_VIOLATION);
@@ -224,12 +228,13 @@ impl Progress {
     /// Of a solution that has not begun.
     fn none() -> Self {
         let error = KktError { stationarity: f64::INFINITY, ..KktError::default() };
-        let (mu, length, regularisation) = (0.0, 0.0, 0.0);
+        let (mu, largest_mu, length, regularisation) = (0.0, 0.0, 0.0, 0.0);
         Self {
             ended: Some(Status::Stopped),
             begun: None,
             number: 0,
             mu,
+            largest_mu,
             error,
             length,
             regularisation,
@@ -524,7 +529,7 @@ impl Solver {
         self.stop_restoring();
         let Self { settings: Settings { barrier, .. }, iterate, bounds, .. } = self;
         let mu = if bounds.count() > 0 { start.mu.unwrap_or(barrier.start) } else { 0.0 };
-        self.progress.mu = mu;
+        (self.progress.mu, self.progress.largest_mu) = (mu, barrier.largest * mu.max(barrier.start));
         iterate.point.copy_from_slice(start.point);
         problem.evaluate(start.point, &mut iterate.values)?;
         if !iterate.values.are_finite() {
@@ -711,14 +716,13 @@ impl Solver {
         }
         let Self { iterate, bounds, newton, step, progress, settings: Settings { barrier, .. }, .. } = self;
         let (count, gap) = (bounds.count() as f64, iterate.gap());
-        let is_whole = newton.regularisation() == 0.0;
-        let part = is_whole.then(|| {
+        let part = newton.is_exact().then(|| {
             let tau = barrier.part_of_way(progress.mu);
             let lengths = longest_steps(iterate, newton.reciprocals(), step, tau);
             iterate.gap_after(step, lengths) / gap
         });
         let decrements = [progress.decrement.abs(), before].map(|decrement| decrement / count);
-        progress.mu = barrier.next(gap / count, part, decrements, last);
+        progress.mu = barrier.next(gap / count, part, decrements, [last, progress.largest_mu]);
         true
     }
 }

@@ -115,6 +115,15 @@ impl OfNode for TwoWells {
     }
 }
 
+/// The same with a range of x.
+struct BoundedWells;
+
+impl OfNode for BoundedWells {
+    fn of<D: Number>(&self, x: &[D]) -> Parts<D> {
+        Parts { ranges: vec![x[0]], ..TwoWells.of(x) }
+    }
+}
+
 /// The same with lengths of its own, of each unknown, and with diagonal Hessians that are convex.
 struct InMetric<P> {
     problem: P,
@@ -226,6 +235,25 @@ fn convex_hessians_take_the_place_of_indefinite_ones() {
     solver.settings_mut().convex.most = 0;
     let solution = solver.solve(&mut own, &from).unwrap();
     assert!(solution.status == Status::Solved && own.asked == 0 && !own.added.is_empty(), "{solution:?}");
+}
+
+/// Such a step says as little about how far mu may fall as a regularised one.
+#[test]
+fn mu_stays_where_hessians_are_convex_ones() {
+    let bounds = [[-10.0, 10.0]];
+    let small = Small { unknowns: 2, equations: 0, bounds, of: BoundedWells, scales: None };
+    let convex = |x: &[f64]| Some([3.0 * x[0] * x[0] + 1.0, 100.0]);
+    let mut own = InMetric { convex, ..InMetric::new(ByDuals::new(small), [1.0, 1.0]) };
+    let mut solver = Solver::new(own.layout(), Settings::default());
+    solver.begin(&mut own, Start::at(&[0.1, 0.0])).unwrap();
+    let before = solver.iteration().mu;
+    solver.advance(&mut own).unwrap();
+    assert!(
+        !solver.iteration().is_exact && solver.iteration().mu >= 0.5 * before,
+        "{:?}",
+        solver.iteration()
+    );
+    assert_eq!(solver.solve(&mut own, &[0.1, 0.0]).unwrap().status, Status::Solved);
 }
 
 /// From multipliers and slacks far from the central path.
