@@ -109,6 +109,7 @@ impl Solver {
         problem: &mut P,
     ) -> Result<Box<Active>, SolveError<P::Error>> {
         self.forget_active();
+        self.next = None;
         self.check(problem)?;
         self.take_sizes(problem);
         self.with_scaled(problem, |solver, scaled| {

@@ -45,7 +45,8 @@
 //!   same factors ([`CentralitySettings`]).
 //!
 //! A solution may begin with multipliers that are known from another mesh or an earlier instant ([`Start`]),
-//! and go on one iteration at a time ([`Solver::begin`], [`Solver::advance`]).
+//! and go on one iteration at a time ([`Solver::begin`], [`Solver::advance`]). What the next step promises is
+//! known before it is made ([`Solver::promise`]): a loop over meshes ends there.
 //!
 //! # After a solution
 //!
@@ -100,7 +101,7 @@ pub use filter::FilterSettings;
 pub use iterate::KktError;
 pub use layout::{Element, Layout, Rows};
 pub use newton::RegularisationSettings;
-pub use outcome::{Iteration, Solution, SolveError, Status};
+pub use outcome::{Iteration, Promise, Solution, SolveError, Status};
 pub use problem::StagedProblem;
 pub use scales::Scales;
 pub use settings::Settings;

@@ -46,6 +46,17 @@ pub struct Solution<'a> {
     pub iterations: usize,
 }
 
+/// What the next step promises.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Promise {
+    /// The Newton decrement of the barrier problem at the mu of the step: twice the decrease that its model
+    /// promises.
+    pub decrement: f64,
+    /// Whether the Hessian of the program itself, without regularisation, has the inertia of a minimum of
+    /// that problem.
+    pub is_exact: bool,
+}
+
 /// One iteration, for an observer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]

@@ -11,7 +11,7 @@ use crate::filter::Filter;
 use crate::iterate::{Bounds, Iterate, KktError, Residuals, Step};
 use crate::layout::{Element, Layout};
 use crate::newton::{Accuracy, Newton};
-use crate::outcome::{Iteration, Solution, SolveError, Status};
+use crate::outcome::{Iteration, Promise, Solution, SolveError, Status};
 use crate::problem::StagedProblem;
 use crate::restoration::{ElasticRoom, Places};
 use crate::scaled::{Scaled, Scaling};
@@ -131,6 +131,8 @@ pub struct Solver {
     pub(crate) targets_before: Targets,
     /// Whether the step is a corrected one.
     is_corrected: bool,
+    /// The step from the iterate, if it is known already: whether there is one, its mu and its decrement.
+    pub(crate) next: Option<(bool, [f64; 2])>,
     pub(crate) filter: Filter,
     pub(crate) progress: Progress,
     scaling: Scaling,
@@ -269,6 +271,7 @@ impl Solver {
             targets: [vec![0.0; ranges], vec![0.0; ranges]],
             targets_before: [vec![0.0; ranges], vec![0.0; ranges]],
             is_corrected: false,
+            next: None,
             filter: Filter::new(settings.filter),
             progress: Progress::none(),
             scaling: Scaling::new(layout),
@@ -355,6 +358,7 @@ impl Solver {
     ) -> Result<Option<Status>, SolveError<P::Error>> {
         // They belong to another solution.
         self.forget_active();
+        self.next = None;
         self.progress = Progress::none();
         self.progress.begun = self.settings.time_limit.map(|_| Instant::now());
         self.dependent.clear();
@@ -395,6 +399,33 @@ impl Solver {
             self.progress.ended = ended;
         }
         Ok(self.progress.ended)
+    }
+
+    /// What the next step from the iterate promises; [`advance`](Self::advance) takes it then. `None` in
+    /// restoration, and where there is no step.
+    ///
+    /// # Errors
+    /// [`SolveError`].
+    pub fn promise<P: StagedProblem>(
+        &mut self,
+        problem: &mut P,
+    ) -> Result<Option<Promise>, SolveError<P::Error>> {
+        if *problem.layout() != self.layout {
+            return Err(SolveError::Layout);
+        }
+        if self.is_in_restoration() {
+            return Ok(None);
+        }
+        if self.next.is_none() {
+            self.forget_active();
+            let before = self.progress;
+            let last = self.settings.barrier.last(self.settings.tolerance);
+            let found = self.with_scaled(problem, |solver, scaled| solver.newton_step(scaled, last))?;
+            self.next = Some((found, [self.progress.mu, self.progress.decrement]));
+            self.progress = before;
+        }
+        let next = self.next.filter(|(found, _)| *found);
+        Ok(next.map(|(_, [_, decrement])| Promise { decrement, is_exact: self.newton.is_exact() }))
     }
 
     /// Ends a solution that has not ended: in restoration at its last point.
@@ -604,7 +635,13 @@ impl Solver {
         }
         let Settings { tolerance, feasibility, barrier, .. } = self.settings;
         let last = barrier.last(tolerance);
-        let found = self.newton_step(problem, last)?;
+        let found = match self.next.take() {
+            Some((found, step)) => {
+                [self.progress.mu, self.progress.decrement] = step;
+                found
+            }
+            None => self.newton_step(problem, last)?,
+        };
         let mu = self.progress.mu;
         self.progress.regularisation = self.newton.regularisation();
         self.progress.is_exact = self.newton.is_exact();

@@ -2,7 +2,9 @@
 
 use super::by_duals::{ByDuals, Number, Parts};
 use super::hard::{OfNode, Small};
-use costate_nlp::{Certificate, Changes, Held, Layout, Scales, Settings, Solver, StagedProblem, Status};
+use costate_nlp::{
+    Certificate, Changes, Held, Layout, Scales, Settings, Solver, StagedProblem, Start, Status,
+};
 
 /// Hock and Schittkowski 71 with parameters: the sum of squares, and the least product.
 struct Hs71 {
@@ -156,6 +158,38 @@ fn saddles_and_ranges_without_multipliers_are_no_certified_minima() {
     let (status, y, certificate) = solved([-1.0, 2.0], [0.3, 0.1]);
     assert_eq!((status, certificate), (Status::Solved, Certificate::LocalMinimum), "y = {y}");
     assert!((y - 2.0).abs() < 1e-6, "{y}");
+}
+
+/// A solution that is asked after each iteration goes the same way, to the bit.
+#[test]
+fn promises_change_nothing_and_tell_minima_from_saddles() {
+    let small = |bounds: [f64; 2]| {
+        ByDuals::new(Small { unknowns: 2, equations: 0, bounds: [bounds], of: Saddle, scales: None })
+    };
+    let mut problem = small([-1.0, 2.0]);
+    let mut solvers = [(); 2].map(|()| Solver::new(problem.layout(), Settings::default()));
+    let mut ended =
+        solvers.each_mut().map(|solver| solver.begin(&mut problem, Start::at(&[0.3, 0.1])).unwrap());
+    let (mut regularised, mut steps) = (0, 0);
+    while ended[0].is_none() {
+        let promise = solvers[1].promise(&mut problem).unwrap().unwrap();
+        regularised += usize::from(!promise.is_exact);
+        steps += 1;
+        for (solver, ended) in solvers.iter_mut().zip(&mut ended) {
+            *ended = solver.advance(&mut problem).unwrap();
+        }
+        assert_eq!(solvers[1].iteration(), solvers[0].iteration());
+        assert_eq!(solvers[1].point(), solvers[0].point());
+    }
+    assert!(ended == [Some(Status::Solved); 2] && regularised > 0 && steps > regularised);
+    let promise = solvers[1].promise(&mut problem).unwrap().unwrap();
+    assert!(promise.is_exact && promise.decrement.abs() < 1e-8, "{promise:?}");
+    // At the saddle of a symmetric range.
+    let mut problem = small([-1e6, 1e6]);
+    let solver = &mut solvers[0];
+    solver.solve(&mut problem, &[0.3, 0.0]).unwrap();
+    assert!(!solver.promise(&mut problem).unwrap().unwrap().is_exact);
+    assert_eq!(solver.certify(&mut problem).unwrap(), Certificate::NotMinimum);
 }
 
 #[test]
