@@ -107,10 +107,11 @@ impl Problem {
         let of_both = interior.model.tasks.rows_of_both_ends();
         let Interior { spline, barrier, ends, .. } = &mut interior;
         let structure = Structure::new(spline, barrier, ends, (of_both, size));
-        let work = Work::new(spline, barrier, ends, &structure);
+        let mut work = Work::new(spline);
+        work.begin(spline, ends, &structure);
         let coordinates = Coordinates::of(problem);
         let named = |rows: &[Row]| rows.iter().map(|row| named(&interior, row, &coordinates)).collect();
-        let (equalities, ranges) = (named(&structure.equalities), named(&structure.ranges));
+        let (equalities, ranges) = (named(structure.equalities()), named(structure.ranges()));
         Ok(MotionProgram { interior, structure, work, equalities, ranges })
     }
 }
@@ -160,8 +161,8 @@ impl MotionProgram {
 
     fn program(&mut self) -> Program<'_, Dynamics> {
         let Self { interior, structure, work, .. } = self;
-        let Interior { spline, points, barrier, running, model, system, ends, .. } = interior;
-        Program { spline, points, barrier, running, model, system, ends, structure, work }
+        let Interior { spline, points, barrier, running, model, system, ends, clock, .. } = interior;
+        Program { spline, points, barrier, running, model, system, ends, clock, structure, work }
     }
 }
 
@@ -193,7 +194,7 @@ impl StagedProblem for MotionProgram {
     }
 
     fn bounds(&self) -> [&[f64]; 2] {
-        self.structure.bounds.each_ref().map(Vec::as_slice)
+        self.structure.bounds()
     }
 
     fn scales(&self) -> Option<&Scales> {
