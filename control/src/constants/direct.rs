@@ -97,7 +97,8 @@ pub const LEAST_STIFFNESS: f64 = 1e4;
 pub const FIRST_WAIT: usize = 4;
 /// .. and after trials that did not help again after at most so many powers of two of damped steps.
 pub const MOST_WAITS: u32 = 6;
-/// Cost of torques that have none, where one is needed: at their limits it is this part of the cost of time.
+/// Cost of torques that have none, for the first motion: at their limits it is this part of the cost of
+/// time.
 pub const SMOOTHING: f64 = 1.0;
 /// Least time itself is given up where meshes have more nodes than this: torques that do not matter jump on
 /// each of them. More are tried where a cost of torques does not help either.

@@ -2,8 +2,8 @@
 
 /// Most steps of a look.
 pub const STEPS: usize = 40;
-/// A guess that seems dearer is given up after so many of them, even where regularisation hides what is
-/// still to be gained.
+/// A guess that seems dearer is given up after so many of them, even where damping hides what is still to be
+/// gained.
 pub const PATIENT: usize = 12;
 /// Most detours around obstacles that are looked at, beside the motion without obstacles.
 pub const LOOKS: usize = 2;

@@ -101,8 +101,8 @@ pub struct Motion {
     /// most. NaN without the direct method.
     pub duality_gap: f64,
     /// Twice what another step of Newton's method promises to gain, relative to the cost: the squared
-    /// residual of the optimality conditions in the metric of the inverse Hessian, regularised where that is
-    /// not positive definite. NaN without the direct method.
+    /// residual of the optimality conditions in the metric of the inverse Hessian, damped as in the last
+    /// step. NaN without the direct method.
     pub newton_decrement: f64,
     /// The residual of stationarity: what is left of the gradient of the Lagrange function by positions,
     /// rates and so on, the largest entry of each joint in parts of the largest sum of magnitudes of its

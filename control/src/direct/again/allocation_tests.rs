@@ -18,10 +18,10 @@ fn vias() -> [Via; 2] {
 /// Steps after others, in which there came to be room for what only some steps need.
 fn steps_allocate_nothing<D: PointDynamics>(mut interior: Interior<D>, what: &str) {
     interior.reserve(&mut Again::new(2, &[]));
-    interior.iterate_stiff(1e-9, 25, |_, _| None).unwrap();
+    interior.iterate(1e-9, 25, |_, _| None).unwrap();
     let before = interior.figures.iterations;
     let found = allocations(|| {
-        let _ = interior.iterate_stiff(1e-9, 25, |_, _| None).unwrap();
+        let _ = interior.iterate(1e-9, 25, |_, _| None).unwrap();
     });
     let steps = interior.figures.iterations - before;
     assert!(found == 0 && steps > 0, "{what}: {found} allocations in {steps} steps");

@@ -99,7 +99,7 @@ impl Resolve {
             }
             deadline.filter(|&deadline| now + *longest > deadline).map(|_| Interruption::TimeLimit)
         };
-        let end = self.interior.iterate_stiff(self.options.tolerance, budget.iterations.max(1), watch)?;
+        let end = self.interior.iterate(self.options.tolerance, budget.iterations.max(1), watch)?;
         self.started = true;
         self.factorised = end != End::NoProgress;
         let status = match end {

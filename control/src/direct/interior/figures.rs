@@ -19,8 +19,6 @@ pub(crate) struct Figures {
     /// about as much it may cost too much; 0 where that is not known.
     pub shortfall: f64,
     pub iterations: usize,
-    /// Whether the last step was one with exact second derivatives, and without regularisation.
-    pub is_exact: bool,
     /// Whether the matrix of the last step, with exact second derivatives, was positive definite without
     /// damping.
     pub is_minimum: bool,

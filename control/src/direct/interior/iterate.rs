@@ -3,7 +3,6 @@
 use super::figures::Figures;
 use super::filter::Filter;
 use super::looseness::Looseness;
-use super::on_mesh::OnMesh;
 use super::relaxation::Relaxation;
 use super::small_cost::SmallCost;
 use super::softer::Softer;
@@ -84,8 +83,6 @@ pub(crate) struct Interior<D> {
     weights: Vec<f64>,
     /// The times of the stages, where they are asked for.
     pub clock: Clock,
-    /// The program on this mesh or another one, with room for its solution.
-    pub(super) on_mesh: Option<Box<OnMesh>>,
 }
 
 /// A trial step.
@@ -145,7 +142,6 @@ impl<D: PointDynamics> Interior<D> {
             trial: Trial { dz: vec![0.0; 3 * n], ..Trial::default() },
             weights: vec![0.0; n],
             clock: Clock::default(),
-            on_mesh: None,
             steps: Default::default(),
             changes: Default::default(),
             time_steps: Default::default(),
@@ -159,9 +155,9 @@ impl<D: PointDynamics> Interior<D> {
         self.model.rows()
     }
 
-    /// As [`iterate`](Self::iterate), for the elastic phase, and where motions are solved again within
-    /// a budget: squares of the equations stand beside their multipliers in each step.
-    pub fn iterate_stiff(
+    /// Iterates until gap and decrement are below `tolerance` times the cost; `watch` sees each iterate with
+    /// the part of the step that led to it, and may stop it.
+    pub fn iterate(
         &mut self,
         tolerance: f64,
         most: usize,
@@ -246,7 +242,7 @@ impl<D: PointDynamics> Interior<D> {
     }
 
     /// Whether the next step would change next to nothing, and the limits are kept at all points.
-    pub(super) fn is_solved(&self, tolerance: f64) -> bool {
+    fn is_solved(&self, tolerance: f64) -> bool {
         let exceeded = match self.last_tolerance {
             Some(last) if tolerance > last => self.least_violation.max(constants::VIOLATION_ACCEPTED),
             _ => self.least_violation,
@@ -256,12 +252,12 @@ impl<D: PointDynamics> Interior<D> {
     }
 
     /// The same, but for a violation that is accepted.
-    pub(super) fn is_at_rounding(&self, tolerance: f64) -> bool {
+    fn is_at_rounding(&self, tolerance: f64) -> bool {
         self.is_stationary(tolerance) && self.figures.violation <= constants::VIOLATION_ACCEPTED
     }
 
     /// Whether the next step would change next to nothing.
-    pub(super) fn is_stationary(&self, tolerance: f64) -> bool {
+    fn is_stationary(&self, tolerance: f64) -> bool {
         let Figures { size, gap, decrement, .. } = self.figures;
         let scale = tolerance * size;
         let part = match self.last_tolerance {
@@ -273,7 +269,7 @@ impl<D: PointDynamics> Interior<D> {
 
     /// Whether squares say how far to go: there is an effort, and there are no equations, whose stiff squares
     /// say nothing about the directions that they leave free.
-    pub(super) fn has_squares_alone(&self) -> bool {
+    fn has_squares_alone(&self) -> bool {
         let barrier = &self.barrier;
         let equations = barrier.sides().iter().any(|side| side.is_equation) || !barrier.at_ends().is_empty();
         let smooth = self.spline.mesh.shape.is_smooth();

@@ -226,7 +226,7 @@ fn limits_move_inside_at_the_points_and_nodes_of_an_interval() {
     let side = interior.barrier.sides().iter().position(|side| side.limited == Limited::Rate).unwrap();
     let before = interior.barrier.distance.clone();
     interior.barrier.move_inside(1, side, 0.01, 1.0);
-    interior.begin_inside();
+    interior.begin_again();
     let barrier = &interior.barrier;
     let mut moved = 0;
     for (at, before) in before.iter().enumerate() {
@@ -243,7 +243,7 @@ fn limits_move_inside_at_the_points_and_nodes_of_an_interval() {
 fn damping_of_squares_is_that_of_one_mesh() {
     let mut interior = started(Shape::Quartic);
     interior.squares.damping = 1e3;
-    interior.iterate_stiff(1e-3, 0, |_, _| None).unwrap();
+    interior.iterate(1e-3, 0, |_, _| None).unwrap();
     assert_eq!(interior.squares.damping, 0.0);
 }
 

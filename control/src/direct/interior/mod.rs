@@ -1,10 +1,9 @@
 //! The interior-point iteration on one mesh: directions, how far to go, the barrier, and what is done about
 //! steps that fail.
 //!
-//! [`Interior`](iterate::Interior) owns the iterate and its workspaces. Its program is solved by
-//! [`costate_nlp`] ([`solve_on_mesh`]). Where motions are solved again, and in the elastic phase, the steps
-//! are those of the other files: directions ([`step`], [`corrector`]), the search along them with its
-//! [`filter`].
+//! [`Interior`](iterate::Interior) owns the iterate and its workspaces. The other files are its steps:
+//! directions ([`step`], [`corrector`]), the search along them with its [`filter`], the elastic phase, warm
+//! starts.
 
 mod active;
 pub(super) mod corrector;
@@ -15,7 +14,6 @@ pub(super) mod inertia;
 pub(super) mod iterate;
 pub(super) mod looseness;
 pub(super) mod measures;
-pub(super) mod on_mesh;
 pub(super) mod relaxation;
 mod relaxation_border;
 pub(super) mod rounding;
@@ -25,7 +23,6 @@ mod small_cost;
 pub(super) mod snapshot;
 mod soften_equations;
 mod softer;
-pub(super) mod solve_on_mesh;
 pub(super) mod squares;
 mod start;
 pub(super) mod step;

@@ -92,7 +92,7 @@ fn is_found_again(shape: Shape) {
     let (kept, figures) = (interior.keep(), interior.figures);
     let (distance, given) = (interior.barrier.distance.clone(), interior.given());
     interior.raise_price(elastic::DEARER);
-    interior.iterate_stiff(1e-9, 2, |_, _| None).unwrap();
+    interior.iterate(1e-9, 2, |_, _| None).unwrap();
     assert!(interior.figures.cost != figures.cost);
     interior.come_back(kept).unwrap();
     let close = |a: f64, b: f64| (a - b).abs() <= 1e-12 * (1.0 + b.abs());

@@ -92,6 +92,24 @@ impl<D: PointDynamics> Interior<D> {
         true
     }
 
+    /// Takes the last step of a solved problem, which is known, if limits are kept after it: the error that
+    /// is left is about its square.
+    pub fn take_last_step(&mut self) {
+        let (primal, dual) = self.steps_of(self.mu);
+        if primal < 1.0 || !self.evaluate_trial(1.0) {
+            return;
+        }
+        let cost = self.running.cost(&self.trial.spline, &self.trial.points);
+        let mut beyond = (0..self.barrier.count()).filter(|&at| self.barrier.is_on(at)).map(|at| {
+            let distance = self.trial.distance[at];
+            self.barrier.unit[at] * if self.barrier.is_limit(at) { -distance } else { distance.abs() }
+        });
+        // Not true for NaN.
+        if cost.is_finite() && beyond.all(|part| part <= constants::VIOLATION_AT_POINTS) {
+            self.take(1.0, dual, cost);
+        }
+    }
+
     /// Makes the trial, which costs so much, the iterate; multipliers of equations go as far as the motion,
     /// the others this part.
     fn take(&mut self, alpha: f64, dual: f64, cost: f64) {

@@ -14,7 +14,7 @@ fn solved() -> Interior<Dynamics> {
     let rows = TaskRows::new(&problem).unwrap();
     let mut interior = interior(&problem, &rows, &SolverOptions::default().with_nodes(31), 0, None);
     interior.start(None).unwrap();
-    let end = interior.iterate_stiff(1e-6, 200, |_, _| None).unwrap();
+    let end = interior.iterate(1e-6, 200, |_, _| None).unwrap();
     assert!(end == End::Solved && interior.figures.is_minimum);
     interior.refresh().unwrap();
     interior.assemble();

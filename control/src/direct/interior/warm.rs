@@ -25,6 +25,13 @@ impl<D: PointDynamics> Interior<D> {
         Ok(())
     }
 
+    /// Begins again on the same nodes with another cost.
+    pub fn begin_again(&mut self) {
+        self.measure_distances();
+        self.measure_figures();
+        self.recentre(self.figures.gap, self.figures.violation);
+    }
+
     /// Goes on after limits were moved inside: a step brings the motion back to them, all else stays.
     pub fn begin_inside(&mut self) {
         self.measure_distances();

@@ -94,12 +94,12 @@ impl FreeTimes {
     }
 
     /// Parameters that give these times: each is the time of a phase, or the whole duration, over its factor.
-    pub fn values(&self, times: &[f64]) -> impl Iterator<Item = f64> {
-        let of = move |j: usize| {
+    pub fn values(&self, times: &[f64]) -> Vec<f64> {
+        let of = |j: usize| {
             let mut own = (0..self.phases).filter(|&phase| self.factor(phase, j) > 0.0);
             own.next().map_or(0.0, |phase| times[phase] / self.factor(phase, j))
         };
-        (0..self.count).map(of)
+        (0..self.count).map(of).collect()
     }
 
     /// Steps of the times from those of the parameters.

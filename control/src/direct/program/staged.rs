@@ -16,7 +16,6 @@ use crate::direct::newton::torque_rows::{Order, TorqueRows};
 use crate::direct::points::running::Running;
 use crate::direct::points::values::{PointDynamics, Points};
 use crate::numerics::chain::ChainMatrix;
-use crate::result::stage_times::{Clock, Stage};
 use costate::EvalError;
 use costate_nlp::{Block, Blocks, Dense, Element, Layout, Scales, StagedProblem, Values, Weights};
 
@@ -33,7 +32,6 @@ pub(crate) struct Program<'a, D> {
     pub model: &'a mut Model<D>,
     pub system: &'a mut System,
     pub ends: &'a Ends,
-    pub clock: &'a mut Clock,
     pub structure: &'a Structure,
     pub work: &'a mut Work,
 }
@@ -60,31 +58,20 @@ pub(crate) struct Work {
 }
 
 impl Work {
-    /// For motions with splines of this form.
-    pub fn new(spline: &Spline) -> Self {
+    /// For the program of a motion, whose entries of the barrier are its rows from now on.
+    pub fn new(spline: &Spline, barrier: &mut Barrier, ends: &Ends, structure: &Structure) -> Self {
+        barrier.is_apart = true;
+        let mut origin: Vec<f64> =
+            structure.unknowns.iter().map(|&unknown| spline.unknowns[unknown]).collect();
+        origin.extend(ends.times.values(&spline.times));
+        origin.extend(ends.tied.iter().map(|tie| spline.unknowns[tie.start]));
         Self {
+            origin,
+            spline: spline.clone(),
             weights: vec![0.0; spline.dof],
             torques: TorqueRows::new(spline.dof, spline.mesh.shape),
             ..Self::default()
         }
-    }
-
-    /// Begins the program of a motion.
-    pub fn begin(&mut self, spline: &Spline, ends: &Ends, structure: &Structure) {
-        let Self { origin, spline: first, times, last, .. } = self;
-        origin.clear();
-        origin.extend(structure.unknowns.iter().map(|&unknown| spline.unknowns[unknown]));
-        origin.extend(ends.times.values(&spline.times));
-        origin.extend(ends.tied.iter().map(|tie| spline.unknowns[tie.start]));
-        first.copy_from(spline);
-        times.clear();
-        last.clear();
-        self.has_values = false;
-    }
-
-    /// Whether the motion was evaluated at this point last.
-    pub fn is_at(&self, point: &[f64]) -> bool {
-        self.has_values && self.last == point
     }
 }
 
@@ -126,21 +113,13 @@ impl<D: PointDynamics> Program<'_, D> {
     /// Gives the entries of the barrier the multipliers of the rows, times a factor.
     fn set_multipliers(&mut self, weights: Weights<'_>, factor: f64) {
         self.barrier.multiplier.fill(0.0);
-        let (equalities, ranges) = (self.structure.equalities(), self.structure.ranges());
+        let Structure { equalities, ranges, .. } = self.structure;
         let pairs = [(equalities, weights.equalities), (ranges, weights.ranges)];
         for (rows, weights) in pairs {
             for (row, weight) in rows.iter().zip(weights) {
                 self.barrier.multiplier[row.entry] = -row.sign * factor * weight;
             }
         }
-    }
-
-    /// Collects the derivatives at all points, with second ones of torques and rows or without them.
-    fn collect(&mut self, exact: bool) {
-        let Self { spline, points, barrier, running, system, ends, .. } = self;
-        system.exact = exact;
-        system.collect(Gradients::for_times(ends), spline, points, barrier, running);
-        system.exact = true;
     }
 
     /// Adds a multiple of the second derivatives that the equations have at these multipliers.
@@ -371,7 +350,7 @@ impl<D: PointDynamics> StagedProblem for Program<'_, D> {
     }
 
     fn bounds(&self) -> [&[f64]; 2] {
-        self.structure.bounds()
+        self.structure.bounds.each_ref().map(Vec::as_slice)
     }
 
     fn scales(&self) -> Option<&Scales> {
@@ -379,7 +358,6 @@ impl<D: PointDynamics> StagedProblem for Program<'_, D> {
     }
 
     fn evaluate(&mut self, point: &[f64], values: &mut Values) -> Result<(), EvalError> {
-        self.clock.lap(Stage::Equations);
         if !self.place(point) {
             values.cost = f64::NAN;
             values.equalities.fill(f64::NAN);
@@ -390,8 +368,8 @@ impl<D: PointDynamics> StagedProblem for Program<'_, D> {
         let mut distance = std::mem::take(&mut self.barrier.distance);
         self.barrier.measure(self.spline, self.points, &mut distance);
         let lists = [
-            (&mut values.equalities, self.structure.equalities()),
-            (&mut values.ranges, self.structure.ranges()),
+            (&mut values.equalities, &self.structure.equalities),
+            (&mut values.ranges, &self.structure.ranges),
         ];
         for (values, rows) in lists {
             for (value, row) in values.iter_mut().zip(rows) {
@@ -399,7 +377,6 @@ impl<D: PointDynamics> StagedProblem for Program<'_, D> {
             }
         }
         self.barrier.distance = distance;
-        self.clock.lap(Stage::Search);
         Ok(())
     }
 
@@ -410,8 +387,11 @@ impl<D: PointDynamics> StagedProblem for Program<'_, D> {
         blocks: &mut Blocks,
     ) -> Result<(), EvalError> {
         self.work.has_metric = false;
-        self.clock.lap(Stage::Equations);
-        if !(self.work.is_at(point) || self.place(point)) {
+        let has_values = match self.work.last == point {
+            true => self.work.has_values,
+            false => self.place(point),
+        };
+        if !has_values {
             for element in self.structure.layout.elements() {
                 let Block { gradient, hessian, equalities, ranges, .. } = blocks.of(element);
                 let entries = [hessian.entries_mut(), equalities.entries_mut(), ranges.entries_mut()];
@@ -426,16 +406,11 @@ impl<D: PointDynamics> StagedProblem for Program<'_, D> {
         };
         for (part, (factor, of_weights)) in parts.into_iter().flatten().enumerate() {
             self.set_multipliers(weights, of_weights);
-            self.barrier.is_apart = true;
-            let Self { spline, points, barrier, running, model, .. } = self;
+            let Self { spline, points, barrier, running, model, system, ends, .. } = self;
             weigh(spline, points, barrier, running);
-            let contracted = model.contract(spline, points);
-            self.clock.lap(Stage::Points);
-            if contracted.is_ok() {
-                self.collect(true);
-            }
-            self.barrier.is_apart = false;
-            contracted?;
+            model.contract(spline, points)?;
+            system.exact = true;
+            system.collect(Gradients::for_times(ends), spline, points, barrier, running);
             self.add_hessian(factor, blocks);
             if part > 0 {
                 continue;
@@ -451,7 +426,6 @@ impl<D: PointDynamics> StagedProblem for Program<'_, D> {
             }
             self.set_gradient(blocks);
         }
-        self.clock.lap(Stage::Assembly);
         Ok(())
     }
 
@@ -462,14 +436,15 @@ impl<D: PointDynamics> StagedProblem for Program<'_, D> {
     fn convexify(&mut self, _: &[f64], weights: Weights<'_>, blocks: &mut Blocks) -> Result<bool, EvalError> {
         let is_smooth = self.spline.mesh.shape.is_smooth();
         let has_cost = weights.cost > LEAST_COST && self.running.effort.iter().all(|weight| *weight > 0.0);
-        if is_smooth || !self.structure.equalities().is_empty() || !has_cost {
+        if is_smooth || !self.structure.equalities.is_empty() || !has_cost {
             return Ok(false);
         }
-        self.barrier.is_apart = true;
-        self.collect(false);
-        self.barrier.is_apart = false;
+        let Self { spline, points, barrier, running, system, ends, .. } = self;
+        system.exact = false;
+        system.collect(Gradients::for_times(ends), spline, points, barrier, running);
         blocks.clear_hessians();
         self.add_hessian(weights.cost, blocks);
+        self.system.exact = true;
         Ok(true)
     }
 

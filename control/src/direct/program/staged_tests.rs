@@ -1,7 +1,6 @@
 //! Derivatives against differences of values, for all kinds of rows, of phases and of ends.
 
 use super::{Program, Work};
-use crate::direct::interior::iterate::Interior;
 use crate::direct::limits::gait_rows::tests::{rabbit, rabbit_on_both_feet, seven_link, walker};
 use crate::direct::motion::shape::Shape;
 use crate::direct::motion::times::FreeTimes;
@@ -11,7 +10,6 @@ use crate::direct::program::structure::{Row, Structure};
 use crate::direct::solve::prepare::{Dynamics, interior};
 use crate::options::SolverOptions;
 use crate::problem::{MotionLimits, Problem};
-use crate::result::stage_times::Clock;
 use crate::task::build::TaskRows;
 use costate::robot::Robot;
 use costate_nlp::{Blocks, Layout, StagedProblem, Values, Weights};
@@ -137,13 +135,10 @@ fn check<D: PointDynamics>(program: &mut Program<'_, D>, name: &str) {
 fn check_case(case: &mut Case, name: &str) {
     case.barrier.distance.fill(0.0);
     let structure = Structure::new(&case.spline, &case.barrier, &case.ends, (0, 1.0));
-    let mut work = Work::new(&case.spline);
-    work.begin(&case.spline, &case.ends, &structure);
+    let mut work = Work::new(&case.spline, &mut case.barrier, &case.ends, &structure);
     let Case { spline, points, barrier, running, model, system, ends, .. } = case;
-    let (clock, structure, work) = (&mut Clock::default(), &structure, &mut work);
-    let mut program =
-        Program { spline, points, barrier, running, model, system, ends, clock, structure, work };
-    check(&mut program, name);
+    let (structure, work) = (&structure, &mut work);
+    check(&mut Program { spline, points, barrier, running, model, system, ends, structure, work }, name);
 }
 
 #[test]
@@ -192,7 +187,7 @@ fn convex_hessians_are_squares_of_torques() {
                 * spline.mesh.point(p).1
                 * program.running.effort[barrier.side(row.entry).joint]
         };
-        let weights: Vec<f64> = program.structure.ranges().iter().map(weight).collect();
+        let weights: Vec<f64> = program.structure.ranges.iter().map(weight).collect();
         let largest = convex.hessian.iter().flatten().fold(0.0, |most: f64, entry| most.max(entry.abs()));
         for i in 0..layout.steps() {
             for j in 0..layout.steps() {
@@ -230,9 +225,17 @@ fn with_program(problem: &Problem, times: Option<FreeTimes>, check: impl FnOnce(
     interior.ends.times = times.unwrap_or(interior.ends.times);
     let of_both = interior.model.tasks.rows_of_both_ends();
     let structure = Structure::new(&interior.spline, &interior.barrier, &interior.ends, (of_both, 1.0));
-    let mut work = Work::new(&interior.spline);
-    work.begin(&interior.spline, &interior.ends, &structure);
-    let Interior { spline, points, barrier, running, model, system, ends, clock, .. } = &mut interior;
+    let mut work = Work::new(&interior.spline, &mut interior.barrier, &interior.ends, &structure);
+    let crate::direct::interior::iterate::Interior {
+        spline,
+        points,
+        barrier,
+        running,
+        model,
+        system,
+        ends,
+        ..
+    } = &mut interior;
     let (structure, work) = (&structure, &mut work);
-    check(&mut Program { spline, points, barrier, running, model, system, ends, clock, structure, work });
+    check(&mut Program { spline, points, barrier, running, model, system, ends, structure, work });
 }

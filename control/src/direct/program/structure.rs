@@ -1,7 +1,7 @@
 //! Which unknowns and rows the staged program of a motion has, and where they stand.
 
 use crate::direct::limits::barrier::Barrier;
-use crate::direct::limits::ends::{Ends, Tie};
+use crate::direct::limits::ends::Ends;
 use crate::direct::limits::side::Limited;
 use crate::direct::motion::spline::Spline;
 use costate_nlp::{Element, Layout, Rows, Scales};
@@ -36,24 +36,6 @@ pub(crate) struct Row {
     /// value is its residual.
     pub sign: f64,
     pub offset: f64,
-    /// The entry of the other side of the limit, if it has one.
-    pub other: Option<usize>,
-}
-
-impl Row {
-    /// The multiplier of the row by those of its entries.
-    pub fn multiplier(&self, barrier: &Barrier) -> f64 {
-        let of_other = self.other.map_or(0.0, |other| barrier.multiplier[other]);
-        self.sign * (of_other - barrier.multiplier[self.entry])
-    }
-}
-
-/// The rows of all elements, with lower and upper bounds of the values with ranges.
-#[derive(Clone, Debug, Default)]
-struct RowLists {
-    equalities: Vec<Row>,
-    ranges: Vec<Row>,
-    bounds: [Vec<f64>; 2],
 }
 
 /// The structure of the program of a motion on one mesh.
@@ -66,15 +48,10 @@ struct RowLists {
 #[derive(Clone, Debug)]
 pub(crate) struct Structure {
     pub layout: Layout,
+    pub bounds: [Vec<f64>; 2],
     pub scales: Scales,
-    rows: RowLists,
-    /// Room for those of another motion on this mesh.
-    other_rows: RowLists,
-    /// What is given or shared by both ends: nodes and places there.
-    removed: Vec<(usize, usize)>,
-    tied: Vec<Tie>,
-    /// How far each joint goes.
-    ways: Vec<f64>,
+    pub equalities: Vec<Row>,
+    pub ranges: Vec<Row>,
     /// For each interval the columns of its unknowns: inner ones, those of the left and of the right node.
     columns: Vec<Column>,
     /// Number of these of an interval.
@@ -98,20 +75,23 @@ impl Structure {
         let free = |k: usize| (0..node).filter(|i| is_free[node * k + i]).collect::<Vec<_>>();
         let nodes: Vec<Vec<usize>> = (0..=last).map(free).collect();
         let counts = nodes.iter().map(Vec::len).collect();
-        let mut rows = RowLists::default();
-        let layout = Layout::new(counts, vec![inner; last], ends.shared())
-            .with_rows_of(|element| rows.add(element, spline, barrier, of_both));
+        let (mut equalities, mut ranges, mut bounds) = (Vec::new(), Vec::new(), [Vec::new(), Vec::new()]);
+        let layout = Layout::new(counts, vec![inner; last], ends.shared()).with_rows_of(|element| {
+            let before = [equalities.len(), ranges.len()];
+            for entries in entries_of(element, spline, barrier, of_both) {
+                add_rows(barrier, entries, &mut equalities, (&mut ranges, &mut bounds));
+            }
+            Rows::new(equalities.len() - before[0], ranges.len() - before[1])
+        });
         let mut found = Self {
             columns: Vec::new(),
             width: inner + 2 * node,
+            bounds,
             scales: Scales::ones(&layout),
             unknowns: vec![0; layout.steps() - ends.shared()],
             layout,
-            other_rows: rows.clone(),
-            rows,
-            removed: ends.removed(mesh).collect(),
-            tied: ends.tied.clone(),
-            ways: vec![0.0; n],
+            equalities,
+            ranges,
             node,
             inner,
         };
@@ -126,51 +106,6 @@ impl Structure {
         }
         found.set_scales(spline, barrier, ends, size);
         found
-    }
-
-    /// Becomes that of another motion on as many intervals, with other limits and ends, if that has the same
-    /// unknowns and rows. Whether it has; nothing changed otherwise. It allocates nothing.
-    pub fn renew(
-        &mut self,
-        spline: &Spline,
-        barrier: &Barrier,
-        ends: &Ends,
-        (of_both, size): (usize, f64),
-    ) -> bool {
-        let (shape, mesh) = (spline.mesh.shape, &spline.mesh);
-        let is_same = [self.node, self.inner]
-            == [shape.node(), shape.inner()].map(|count| count * spline.dof)
-            && self.layout.intervals() == mesh.intervals()
-            && self.layout.shared().len() == ends.shared()
-            && self.tied == ends.tied
-            && self.removed.iter().copied().eq(ends.removed(mesh));
-        if !is_same {
-            return false;
-        }
-        let Self { layout, other_rows, .. } = self;
-        other_rows.clear();
-        let same_rows = |element| other_rows.add(element, spline, barrier, of_both) == layout.rows(element);
-        if !layout.elements().all(same_rows) {
-            return false;
-        }
-        std::mem::swap(&mut self.rows, &mut self.other_rows);
-        self.set_scales(spline, barrier, ends, size);
-        true
-    }
-
-    /// The equations.
-    pub fn equalities(&self) -> &[Row] {
-        &self.rows.equalities
-    }
-
-    /// The values with ranges.
-    pub fn ranges(&self) -> &[Row] {
-        &self.rows.ranges
-    }
-
-    /// Their lower and upper bounds.
-    pub fn bounds(&self) -> [&[f64]; 2] {
-        self.rows.bounds.each_ref().map(Vec::as_slice)
     }
 
     /// The columns of the unknowns of an interval: inner ones, those of the left and of the right node.
@@ -216,8 +151,8 @@ impl Structure {
 
     /// The equations of an element, and its values with ranges.
     pub(super) fn rows_of(&self, element: Element) -> [&[Row]; 2] {
-        let Self { layout, rows, .. } = self;
-        [&rows.equalities[layout.equalities_of(element)], &rows.ranges[layout.ranges_of(element)]]
+        let Self { layout, equalities, ranges, .. } = self;
+        [&equalities[layout.equalities_of(element)], &ranges[layout.ranges_of(element)]]
     }
 
     /// The first column of an interval that is that of a shared unknown.
@@ -262,14 +197,13 @@ impl Structure {
     /// Typical sizes: how far joints go, ranges of limits, the cost.
     fn set_scales(&mut self, spline: &Spline, barrier: &Barrier, ends: &Ends, size: f64) {
         let (n, nodes) = (spline.dof, spline.mesh.nodes.len());
-        let Self { ways, node, .. } = self;
-        for (i, way) in ways.iter_mut().enumerate() {
-            let positions = (0..nodes).map(|k| spline.unknowns[*node * k + i]);
+        let way = |i: usize| {
+            let positions = (0..nodes).map(|k| spline.unknowns[self.node * k + i]);
             let [least, most] = positions
                 .fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], q| [least.min(q), most.max(q)]);
-            *way = most - least;
-        }
-        let ways = &self.ways;
+            most - least
+        };
+        let ways: Vec<f64> = (0..n).map(way).collect();
         let longest = ways.iter().fold(0.0, |most: f64, &way| most.max(way));
         let of = |i: usize| if longest > 0.0 { ways[i % n].max(LEAST_SIZE * longest) } else { 1.0 };
         let inner = self.node * nodes;
@@ -287,123 +221,64 @@ impl Structure {
         {
             *scale = of(tie.start);
         }
-        let Self { scales: Scales { equalities, ranges, .. }, rows, .. } = self;
-        for (scales, rows) in [(equalities, &rows.equalities), (ranges, &rows.ranges)] {
+        for (scales, rows) in
+            [(&mut self.scales.equalities, &self.equalities), (&mut self.scales.ranges, &self.ranges)]
+        {
             scales.iter_mut().zip(rows).for_each(|(scale, row)| *scale = barrier.side(row.entry).range);
         }
         self.scales.cost = size;
     }
 }
 
-impl RowLists {
-    fn clear(&mut self) {
-        let Self { equalities, ranges, bounds: [lower, upper] } = self;
-        equalities.clear();
-        ranges.clear();
-        lower.clear();
-        upper.clear();
-    }
-
-    /// Adds the rows of an element. Returns how many.
-    fn add(&mut self, element: Element, spline: &Spline, barrier: &Barrier, of_both: usize) -> Rows {
-        let before = [self.equalities.len(), self.ranges.len()];
-        let mesh = &spline.mesh;
-        match element {
-            Element::Node(k) => {
-                self.add_place(barrier, barrier.at_node(k));
-                if let Some(end) = mesh.end_at(k) {
-                    let of_one = barrier.at_ends().skip(of_both);
-                    let own = of_one.filter(|&at| barrier.end_of(at) == end);
-                    own.for_each(|at| self.add_place(barrier, at..at + 1));
-                }
-            }
-            Element::Interval(k) => {
-                let first = mesh.first_point(k);
-                let points = first..first + mesh.own_points(k);
-                points.for_each(|p| self.add_place(barrier, barrier.at_point(p)));
-                let count = mesh.gauss_points() / mesh.intervals();
-                let points = count * k..count * (k + 1);
-                points.for_each(|p| self.add_place(barrier, barrier.at_gauss_point(p)));
-            }
-            Element::Ends => {
-                barrier.at_ends().take(of_both).for_each(|at| self.add_place(barrier, at..at + 1));
-            }
+/// The entries of the barrier that belong to an element, those of each place apart.
+fn entries_of(element: Element, spline: &Spline, barrier: &Barrier, of_both: usize) -> Vec<Range<usize>> {
+    let mesh = &spline.mesh;
+    let at_ends = |which: &dyn Fn(usize, usize) -> bool| {
+        let ends = barrier.at_ends().enumerate();
+        ends.filter(|&(row, at)| which(row, at)).map(|(_, at)| at..at + 1).collect::<Vec<_>>()
+    };
+    match element {
+        Element::Node(k) => {
+            let end = mesh.end_at(k);
+            let rows = at_ends(&|row, at| row >= of_both && Some(barrier.end_of(at)) == end);
+            std::iter::once(barrier.at_node(k)).chain(rows).collect()
         }
-        Rows::new(self.equalities.len() - before[0], self.ranges.len() - before[1])
-    }
-
-    /// Adds the rows of the entries of one place, where both sides of a limit stand together.
-    fn add_place(&mut self, barrier: &Barrier, entries: Range<usize>) {
-        let Self { equalities, ranges, bounds } = self;
-        let mut last: Option<(Limited, usize, bool)> = None;
-        for at in entries.filter(|&at| barrier.weight[at] > 0.0) {
-            let side = barrier.side(at);
-            let row = Row { entry: at, sign: side.sign, offset: 0.0, other: None };
-            if side.is_equation {
-                equalities.push(row);
-                continue;
-            }
-            let bound = side.bound - side.sign * barrier.moved_by(at);
-            let is_hull = barrier.side_index(at).is_some_and(|side| barrier.is_hull(side));
-            let value = Some((side.limited, side.joint, is_hull));
-            match ranges.last_mut().filter(|_| last == value) {
-                Some(row) => row.other = Some(at),
-                None => {
-                    ranges.push(Row { offset: bound, ..row });
-                    bounds[0].push(f64::NEG_INFINITY);
-                    bounds[1].push(f64::INFINITY);
-                }
-            }
-            bounds[usize::from(side.sign < 0.0)][ranges.len() - 1] = bound;
-            last = value;
+        Element::Interval(k) => {
+            let first = mesh.first_point(k);
+            let points = (first..first + mesh.own_points(k)).map(|p| barrier.at_point(p));
+            let count = mesh.gauss_points() / mesh.intervals();
+            points.chain((count * k..count * (k + 1)).map(|p| barrier.at_gauss_point(p))).collect()
         }
+        Element::Ends => at_ends(&|row, _| row < of_both),
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::Structure;
-    use crate::direct::interior::iterate::Interior;
-    use crate::direct::interior::iterate::tests::{started, started_with};
-    use crate::direct::motion::shape::Shape;
-    use crate::direct::points::values::PointDynamics;
-    use crate::problem::Via;
-
-    fn of<D: PointDynamics>(interior: &Interior<D>, size: f64) -> Structure {
-        let of_both = interior.model.tasks.rows_of_both_ends();
-        Structure::new(&interior.spline, &interior.barrier, &interior.ends, (of_both, size))
-    }
-
-    /// That of another motion within other limits, against one that is made for it.
-    #[test]
-    fn structures_are_renewed_on_their_mesh_and_on_no_other_one() {
-        for shape in [Shape::Quartic, Shape::Quintic] {
-            let mut interior = started_with(shape, &[Via::at(&[0.4, 0.3]).with_q_free(&[1])]);
-            let mut structure = of(&interior, 1.0);
-            interior.spline.unknowns.iter_mut().for_each(|unknown| *unknown *= 1.5);
-            interior.spline.times[0] *= 2.0;
-            let side = interior.barrier.at_point(1).find(|&at| interior.barrier.is_limit(at)).unwrap();
-            let side = interior.barrier.side_index(side).unwrap();
-            interior.barrier.move_inside(1, side, 0.01, 1.0);
-            let expected = of(&interior, 2.0);
-            let of_both = interior.model.tasks.rows_of_both_ends();
-            let mut renew = |interior: &Interior<_>| {
-                structure.renew(&interior.spline, &interior.barrier, &interior.ends, (of_both, 2.0))
-            };
-            assert!(renew(&interior));
-            assert!(!renew(&started(shape)), "it has no via");
-            // What is free at an end, and rows that do not count.
-            let mut other = started_with(shape, &[Via::at(&[0.4, 0.3]).with_q_free(&[1])]);
-            other.ends.given[2][0] ^= true;
-            assert!(!renew(&other));
-            let own = interior.barrier.at_point(4);
-            interior.barrier.weight[own].fill(0.0);
-            assert!(!renew(&interior));
-            let shown = |found: &Structure| {
-                let rows = (found.equalities(), found.ranges(), found.bounds());
-                format!("{rows:?} {:?} {:?} {:?}", found.scales, found.columns, found.unknowns)
-            };
-            assert_eq!(shown(&structure), shown(&expected));
+/// Adds the rows of the entries of one place, where both sides of a limit stand together, with lower and
+/// upper bounds of the values with ranges.
+fn add_rows(
+    barrier: &Barrier,
+    entries: Range<usize>,
+    equalities: &mut Vec<Row>,
+    (ranges, bounds): (&mut Vec<Row>, &mut [Vec<f64>; 2]),
+) {
+    let mut last: Option<(Limited, usize, bool)> = None;
+    for at in entries.filter(|&at| barrier.weight[at] > 0.0) {
+        let side = barrier.side(at);
+        let row = Row { entry: at, sign: side.sign, offset: 0.0 };
+        if side.is_equation {
+            equalities.push(row);
+            continue;
         }
+        let bound = side.bound - side.sign * barrier.moved_by(at);
+        let row = Row { offset: bound, ..row };
+        let is_hull = barrier.side_index(at).is_some_and(|side| barrier.is_hull(side));
+        let value = Some((side.limited, side.joint, is_hull));
+        if last != value {
+            ranges.push(row);
+            bounds[0].push(f64::NEG_INFINITY);
+            bounds[1].push(f64::INFINITY);
+        }
+        bounds[usize::from(side.sign < 0.0)][ranges.len() - 1] = bound;
+        last = value;
     }
 }

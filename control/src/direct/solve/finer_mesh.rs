@@ -98,6 +98,9 @@ fn change_on_finer_mesh(
     let precision = interior.looseness.between(constants::PART_OF_TOLERANCE) * options.tolerance;
     let end = interior.iterate(precision, finer_mesh::STEPS.min(options.max_iterations), watch)?;
     let is_solved = end == End::Solved;
+    if is_solved {
+        interior.take_last_step();
+    }
     let mut finer = Resolution::default();
     finer.measure(interior)?;
     let change = (finer.cost - cost) / interior.figures.size;

@@ -50,8 +50,8 @@ impl<D: PointDynamics> Interior<D> {
         self.spline = best.map_or(first, |(_, spline)| spline);
     }
 
-    /// How good a guess is, whose spline is that of the iterate then; torques without a cost count with a
-    /// [smooth one](Self::smooth_effort). `None` where it cannot be evaluated.
+    /// How good a guess is, whose spline is that of the iterate then; torques without a cost count with that
+    /// of the first motion. `None` where it cannot be evaluated.
     pub(super) fn figures_of(&mut self, spline: &Spline) -> Option<Figures> {
         let smooth = if self.needs_smoothing() { self.smooth_effort() } else { self.running.effort.clone() };
         let effort = std::mem::replace(&mut self.running.effort, smooth);

@@ -247,7 +247,7 @@ impl Ranking<'_> {
 
 /// The cost of the motion on the mesh of a guess, solved roughly; `None` if that fails or limits are not
 /// kept. It need not be solved further than to tell on which side of the cost of a `rival` it ends, by what
-/// is still to be gained: the gap, and what the last step promised. A regularised step promises little
+/// is still to be gained: the gap, and what the next step promises. With much damping a step promises little
 /// however much there is to gain: no guess counts as dearer then, unless it took [`guesses::PATIENT`] steps.
 fn first_motion(
     interior: &mut Interior<Dynamics>,
@@ -261,12 +261,17 @@ fn first_motion(
         recorder.record(iteration(iterate, 0, step));
         recorder.interruption()
     };
-    interior.start(None)?;
+    if interior.needs_smoothing() {
+        let effort = interior.smooth_effort();
+        interior.begin_smoothed(effort, most, &mut watch)?;
+    } else {
+        interior.start(None)?;
+    }
     let mut is_decided = false;
     let end = interior.iterate(constants::FIRST_PRECISION, most, |iterate, step| {
-        let Figures { cost, gap, decrement, violation, iterations, is_exact, .. } = iterate.figures;
+        let Figures { cost, gap, decrement, violation, iterations, .. } = iterate.figures;
         let open = constants::DECIDED * (gap + decrement.abs());
-        let tells = is_exact || iterations >= guesses::PATIENT;
+        let tells = iterate.damping <= constants::SOLVED_DAMPING || iterations >= guesses::PATIENT;
         let decides = |rival: f64| rival - cost > open || (tells && cost - rival > open);
         is_decided = violation < constants::DECIDED_VIOLATION && rival.is_some_and(decides);
         watch(iterate, step).or(is_decided.then_some(Interruption::TimeLimit))

@@ -2,7 +2,7 @@
 
 use super::prepare::Dynamics;
 use super::refined::Refined;
-use super::refinement::{Refinement, Start};
+use super::refinement::{Refinement, Start, iteration};
 use super::restore::{Restored, restore};
 use crate::constants::direct as constants;
 use crate::direct::interior::iterate::Interior;
@@ -31,7 +31,14 @@ pub(super) fn refine(
     let goes_on = recorder.interruption().is_none();
     interior.clock.lap(Stage::Preparation);
     let is_begun = start == Start::Solved && goes_on && !too_short;
-    if !is_begun {
+    if goes_on && !too_short && interior.needs_smoothing() && start == Start::Guess {
+        let effort = interior.smooth_effort();
+        let mut watch = |iterate: &mut Interior<Dynamics>, step: f64| {
+            recorder.record(iteration(iterate, 0, step));
+            recorder.interruption()
+        };
+        interior.begin_smoothed(effort, options.max_iterations, &mut watch)?;
+    } else if !is_begun {
         interior.start(None)?;
     }
     if goes_on && too_short {

@@ -1,5 +1,5 @@
-//! From a problem to a solution: starts, looks at several guesses, one mesh after the other, and a motion
-//! that keeps its limits where the iteration is stuck.
+//! From a problem to a solution: starts, looks at several guesses, smoothed first steps, one mesh after the
+//! other, and a motion that keeps its limits where the iteration is stuck.
 //!
 //! [`Direct`](direct::Direct) puts it together.
 

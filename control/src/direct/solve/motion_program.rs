@@ -107,11 +107,10 @@ impl Problem {
         let of_both = interior.model.tasks.rows_of_both_ends();
         let Interior { spline, barrier, ends, .. } = &mut interior;
         let structure = Structure::new(spline, barrier, ends, (of_both, size));
-        let mut work = Work::new(spline);
-        work.begin(spline, ends, &structure);
+        let work = Work::new(spline, barrier, ends, &structure);
         let coordinates = Coordinates::of(problem);
         let named = |rows: &[Row]| rows.iter().map(|row| named(&interior, row, &coordinates)).collect();
-        let (equalities, ranges) = (named(structure.equalities()), named(structure.ranges()));
+        let (equalities, ranges) = (named(&structure.equalities), named(&structure.ranges));
         Ok(MotionProgram { interior, structure, work, equalities, ranges })
     }
 }
@@ -161,8 +160,8 @@ impl MotionProgram {
 
     fn program(&mut self) -> Program<'_, Dynamics> {
         let Self { interior, structure, work, .. } = self;
-        let Interior { spline, points, barrier, running, model, system, ends, clock, .. } = interior;
-        Program { spline, points, barrier, running, model, system, ends, clock, structure, work }
+        let Interior { spline, points, barrier, running, model, system, ends, .. } = interior;
+        Program { spline, points, barrier, running, model, system, ends, structure, work }
     }
 }
 
@@ -194,7 +193,7 @@ impl StagedProblem for MotionProgram {
     }
 
     fn bounds(&self) -> [&[f64]; 2] {
-        self.structure.bounds()
+        self.structure.bounds.each_ref().map(Vec::as_slice)
     }
 
     fn scales(&self) -> Option<&Scales> {

@@ -200,6 +200,9 @@ impl<'a, 'r> Refinement<'a, 'r> {
             if stuck || unresolved { Some(Interruption::TimeLimit) } else { recorder.interruption() }
         };
         let mut end = interior.iterate(self.precision, self.options.max_iterations, watch)?;
+        if end == End::Solved && self.precision <= self.least {
+            interior.take_last_step();
+        }
         if stuck || unresolved {
             end = recorder.interruption().map_or(End::NoProgress, End::Interrupted);
         }

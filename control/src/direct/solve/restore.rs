@@ -171,10 +171,7 @@ fn steps<D: PointDynamics>(
         if enough(iterate) { Some(Interruption::Cancelled) } else { recorder.interruption() }
     };
     let most = elastic::STEPS.min(options.max_iterations);
-    let end = match interior.relaxation.is_on() {
-        true => interior.iterate_stiff(elastic::PRECISION, most, watch)?,
-        false => interior.iterate(elastic::PRECISION, most, watch)?,
-    };
+    let end = interior.iterate(elastic::PRECISION, most, watch)?;
     Ok(match (end, recorder.interruption()) {
         (End::Interrupted(_), None) => End::Solved,
         (_, Some(interruption)) => End::Interrupted(interruption),

@@ -1,12 +1,15 @@
-//! A cost of torques in the place of none.
+//! A cost of torques for the first steps of a motion whose torques cost nothing.
 //!
-//! Torques without a cost are at their limits at an optimum. A cost that is about that of time where they are
-//! there tells how good a guess is, and is what motions that are too hard without one begin with.
+//! Torques without a cost are at their limits at an optimum. Far from it nothing but the barrier bends the
+//! cost, and steps lead anywhere. So the first motion minimises time and a cost of these torques, which is
+//! about that of time where they are at their limits; it is where the problem itself begins.
 
 use crate::constants::direct as constants;
-use crate::direct::interior::iterate::Interior;
+use crate::direct::interior::iterate::{End, Interior};
 use crate::direct::limits::side::{Limited, Side};
 use crate::direct::points::values::PointDynamics;
+use crate::solve::recorder::Interruption;
+use costate::EvalError;
 
 impl<D: PointDynamics> Interior<D> {
     /// Whether time costs something and torques with limits on both sides cost nothing.
@@ -30,5 +33,23 @@ impl<D: PointDynamics> Interior<D> {
         let price = |half: f64| 2.0 * constants::SMOOTHING * self.running.time / (half * half);
         let of = |joint: usize| self.half_range(joint).map_or(self.running.effort[joint], price);
         (0..self.spline.dof).map(of).collect()
+    }
+
+    /// Minimises with other costs of torques, roughly; then the problem begins there.
+    ///
+    /// # Errors
+    /// A motion that cannot be evaluated.
+    pub fn begin_smoothed(
+        &mut self,
+        mut effort: Vec<f64>,
+        most: usize,
+        watch: impl FnMut(&mut Self, f64) -> Option<Interruption>,
+    ) -> Result<End, EvalError> {
+        std::mem::swap(&mut self.running.effort, &mut effort);
+        let found = self.start(None).and_then(|()| self.iterate(constants::FIRST_PRECISION, most, watch));
+        std::mem::swap(&mut self.running.effort, &mut effort);
+        self.measure_cost();
+        self.begin_again();
+        found
     }
 }
