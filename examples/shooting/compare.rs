@@ -2,8 +2,7 @@
 
 use crate::curvature::Curvature;
 use crate::problem::Problem;
-use crate::solver::{Options, Solution, Status, solve};
-use crate::table;
+use crate::solver::{Options, Row, Solution, Status, solve};
 use costate::dynamics::Cost;
 use costate::step::Step;
 use std::fmt::Write;
@@ -24,10 +23,6 @@ pub struct Run {
 impl Run {
     fn solved(&self) -> bool {
         self.solution.status == Status::Solved
-    }
-
-    fn cost(&self) -> f64 {
-        self.solution.cost
     }
 }
 
@@ -61,7 +56,7 @@ impl Comparison {
         let mut text = String::new();
         for run in &self.runs[..2] {
             let _ = writeln!(text, "\n{}, {}: {:?}", self.name, run.curvature.name(), run.solution.status);
-            text += &table::iterations(&run.solution.log);
+            text += &iterations(&run.solution.log);
         }
         text
     }
@@ -83,9 +78,9 @@ impl Comparison {
                 if run.curvature == Curvature::Exact { &self.name } else { "" },
                 run.curvature.name(),
                 run.solution.iterations(),
-                run.cost(),
+                run.solution.cost,
                 log.last().map_or(f64::NAN, |row| row.error()),
-                table::last_ratio(log).unwrap_or(f64::NAN),
+                last_ratio(log).unwrap_or(f64::NAN),
                 1e3 * run.time.as_secs_f64(),
                 run.time.as_secs_f64() / self.runs[0].time.as_secs_f64(),
             );
@@ -109,7 +104,7 @@ impl Comparison {
                 } else {
                     format!("{:.2} times slower", 1.0 / ratio)
                 };
-                let cost = (other.cost() - exact.cost()) / exact.cost();
+                let cost = (other.solution.cost - exact.solution.cost) / exact.solution.cost;
                 let same = match cost {
                     _ if cost.abs() < SAME => "",
                     _ if cost > 0.0 => "; the exact Hessian found a better solution",
@@ -162,4 +157,42 @@ pub fn verdict(all: &[Comparison]) -> String {
         );
     }
     text
+}
+
+/// Rows of a long log that are shown at its start and at its end.
+const SHOWN: usize = 8;
+
+/// The log, one row an iteration; a long one without its middle.
+pub fn iterations(log: &[Row]) -> String {
+    let mut text = String::from("   k  cost            defects    dual  compl.      mu  part   added\n");
+    let last = log.len().saturating_sub(1);
+    for (k, row) in log.iter().enumerate() {
+        if log.len() > 3 * SHOWN && (SHOWN..=last - SHOWN).contains(&k) {
+            if k == SHOWN {
+                let _ = writeln!(text, "      ... {} rows left out", log.len() - 2 * SHOWN);
+            }
+            continue;
+        }
+        let _ = write!(text, "{k:4}");
+        match row.is_restoration {
+            true => text += &" ".repeat(49),
+            false => {
+                let _ = write!(text, "  {:<13.8}  {:8.1e}", row.cost, row.violation);
+                let _ = write!(text, "{:8.1e}{:8.1e}{:8.1e}", row.dual, row.complementarity, row.mu);
+            }
+        }
+        if k > 0 {
+            let what = if row.is_restoration { "  restoration" } else { "" };
+            let _ = write!(text, "{:6.2}{:8.1e}{what}", row.part, row.added);
+        }
+        text.push('\n');
+    }
+    text
+}
+
+/// What the last step left of the error.
+pub fn last_ratio(log: &[Row]) -> Option<f64> {
+    let [.., before, after] = log else { return None };
+    let ratio = after.error() / before.error();
+    (after.part > 0.0 && ratio.is_finite()).then_some(ratio)
 }

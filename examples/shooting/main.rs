@@ -9,7 +9,6 @@
 //!     cargo run --release -p costate-examples --example shooting -- --write  # into docs/shooting.md, too
 //!     cargo test -p costate-examples --example shooting
 
-mod bfgs;
 mod compare;
 mod curvature;
 mod motions;
@@ -17,7 +16,6 @@ mod problem;
 mod program;
 mod solver;
 mod sweep;
-mod table;
 #[cfg(test)]
 mod tests;
 

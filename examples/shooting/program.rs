@@ -3,8 +3,7 @@
 //! States are unknowns of the nodes, controls those of the intervals. The equations of an interval are its
 //! defects, whose multipliers are the costates; bounds are ranges of single unknowns.
 
-use crate::bfgs::Learnt;
-use crate::curvature::{Curvature, Model, Nodes};
+use crate::curvature::{Curvature, Learnt, Model, Nodes};
 use crate::problem::{NotEvaluated, Problem};
 use costate::dynamics::Cost;
 use costate::step::Step;

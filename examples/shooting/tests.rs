@@ -17,7 +17,7 @@ use std::convert::Infallible;
 fn solved<D: Dynamics<f64>>(problem: &mut RobotProblem<D>, options: &Options) -> Solution {
     let guess = problem.straight_line(&vec![0.0; problem.controls()]);
     let solution = solve(problem, &guess, options);
-    assert_eq!(solution.status, Status::Solved, "{}", crate::table::iterations(&solution.log));
+    assert_eq!(solution.status, Status::Solved, "{}", crate::compare::iterations(&solution.log));
     solution
 }
 
@@ -127,7 +127,7 @@ fn the_exact_hessian_converges_quadratically_and_gauss_newton_linearly() {
 
     // With bounds that the motion touches: faster than linearly.
     let bounded = solved(&mut motion.in_rates(), &Options::new(Curvature::Exact));
-    assert!(crate::table::last_ratio(&bounded.log).unwrap() < 0.02);
+    assert!(crate::compare::last_ratio(&bounded.log).unwrap() < 0.02);
     let barrier = [1e-2; 2];
     let fixed = solved(&mut motion.in_rates(), &Options { barrier, ..Options::new(Curvature::Exact) });
     assert_quadratic(&fixed.log, 50.0);

@@ -384,9 +384,7 @@ impl Solver {
         &mut self,
         problem: &mut P,
     ) -> Result<Option<Status>, SolveError<P::Error>> {
-        if *problem.layout() != self.layout {
-            return Err(SolveError::Layout);
-        }
+        self.check_layout(problem)?;
         if self.progress.ended.is_none() {
             self.forget_active();
             self.progress.number += 1;
@@ -410,17 +408,14 @@ impl Solver {
         &mut self,
         problem: &mut P,
     ) -> Result<Option<Promise>, SolveError<P::Error>> {
-        if *problem.layout() != self.layout {
-            return Err(SolveError::Layout);
-        }
+        self.check_layout(problem)?;
         if self.is_in_restoration() {
             return Ok(None);
         }
         if self.next.is_none() {
             self.forget_active();
             let before = self.progress;
-            let last = self.settings.barrier.last(self.settings.tolerance);
-            let found = self.with_scaled(problem, |solver, scaled| solver.newton_step(scaled, last))?;
+            let found = self.with_scaled(problem, Self::newton_step)?;
             self.next = Some((found, [self.progress.mu, self.progress.decrement]));
             self.progress = before;
         }
@@ -511,14 +506,16 @@ impl Solver {
         found
     }
 
+    fn check_layout<P: StagedProblem>(&self, problem: &P) -> Result<(), SolveError<P::Error>> {
+        if *problem.layout() == self.layout { Ok(()) } else { Err(SolveError::Layout) }
+    }
+
     /// Whether the program is one of this layout, with ranges and scales that hold numbers.
     pub(crate) fn check<P: StagedProblem>(&self, problem: &P) -> Result<(), SolveError<P::Error>> {
         if let Some((name, value, [least, most])) = self.settings.first_wrong() {
             return Err(SolveError::Setting { name, value, least, most });
         }
-        if *problem.layout() != self.layout {
-            return Err(SolveError::Layout);
-        }
+        self.check_layout(problem)?;
         let length = SolveError::check_length;
         length("the program's point", self.iterate.point.len(), problem.point_len())?;
         let [lower, upper] = problem.bounds();
@@ -640,7 +637,7 @@ impl Solver {
                 [self.progress.mu, self.progress.decrement] = step;
                 found
             }
-            None => self.newton_step(problem, last)?,
+            None => self.newton_step(problem)?,
         };
         let mu = self.progress.mu;
         self.progress.regularisation = self.newton.regularisation();
@@ -713,19 +710,14 @@ impl Solver {
         (self.progress.regularisation, self.progress.is_exact) = (0.0, true);
     }
 
-    /// The Newton step of the barrier problem, with mu as Mehrotra chooses it but no smaller than `last`;
-    /// whether there is one.
-    fn newton_step<P: StagedProblem>(
-        &mut self,
-        problem: &mut Scaled<'_, P>,
-        last: f64,
-    ) -> Result<bool, P::Error> {
+    /// The Newton step of the barrier problem, with mu as Mehrotra chooses it; whether there is one.
+    fn newton_step<P: StagedProblem>(&mut self, problem: &mut Scaled<'_, P>) -> Result<bool, P::Error> {
         let Self { layout, iterate, bounds, blocks, newton, .. } = self;
         if newton.factorise(layout, iterate, blocks, problem)?.is_err() {
             return Ok(false);
         }
         let has_bounds = bounds.count() > 0;
-        if has_bounds && !self.choose_mu(last) {
+        if has_bounds && !self.choose_mu() {
             return Ok(false);
         }
         let is_found = self.step_for(self.progress.mu, Accuracy::Refined);
@@ -746,12 +738,13 @@ impl Solver {
     }
 
     /// Chooses mu by the step for mu = 0; whether that is finite.
-    fn choose_mu(&mut self, last: f64) -> bool {
+    fn choose_mu(&mut self) -> bool {
         let before = self.progress.decrement.abs();
         if !self.step_for(0.0, Accuracy::Rough) {
             return false;
         }
-        let Self { iterate, bounds, newton, step, progress, settings: Settings { barrier, .. }, .. } = self;
+        let Self { iterate, bounds, newton, step, progress, settings, .. } = self;
+        let Settings { barrier, tolerance, .. } = settings;
         let (count, gap) = (bounds.count() as f64, iterate.gap());
         let part = newton.is_exact().then(|| {
             let tau = barrier.part_of_way(progress.mu);
@@ -759,7 +752,8 @@ impl Solver {
             iterate.gap_after(step, lengths) / gap
         });
         let decrements = [progress.decrement.abs(), before].map(|decrement| decrement / count);
-        progress.mu = barrier.next(gap / count, part, decrements, [last, progress.largest_mu]);
+        progress.mu =
+            barrier.next(gap / count, part, decrements, [barrier.last(*tolerance), progress.largest_mu]);
         true
     }
 }
